@@ -1,0 +1,74 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "app/commands.h"
+#include "app/report.h"
+
+namespace srbf {
+namespace {
+
+struct CompareCommand {
+    std::string reference, other, json;
+    double max_theta = 0;  // [degrees], 0: the model's own, else 80
+    int threads = 0;
+
+    int run() const;
+};
+
+/// θmax of a model's fit [degrees], if `subject` is one that says so.
+double fitted_theta(const Subject& subject) {
+    if (!subject.is_model()) return 0;
+    const auto& provenance = std::get<Model>(subject.content).provenance;
+    const auto at = provenance.find("max_theta");
+    if (at == provenance.end()) return 0;
+    const double theta = std::atof(at->second.c_str());
+    return theta >= 1 && theta <= 90 ? theta : 0;
+}
+
+int CompareCommand::run() const {
+    if (!json.empty() && json != "-")
+        if (const auto output = check_output(json); !output) return complain(output.error());
+    const auto a = load(reference);
+    if (!a) return complain(a.error());
+    const auto b = load(other);
+    if (!b) return complain(b.error());
+
+    const double own = fitted_theta(*b), theta = max_theta > 0 ? max_theta : own > 0 ? own : 80;
+    const Evaluate others[] = {evaluator(*b)};
+    const Comparison comparison = compare(evaluator(*a), others, {theta * k_degree, threads})[0];
+
+    Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
+    add_measures(report, comparison, "");
+    report["pairs"] = comparison.matrix.pairs;
+    report["masked_pairs"] = comparison.matrix.masked;
+    if (!json.empty())
+        if (const auto written = write_json(report, json); !written) return complain(written.error());
+    if (json == "-") return k_done;
+
+    fmt::print("{} against {}, directions within {:g}° of the normal\n\n", other, reference, theta);
+    print_measures({{"", &comparison}});
+    if (comparison.matrix.masked > 0)
+        fmt::print("\n{} of {} pairs of the matrix were not measured and are left out\n",
+                   grouped(comparison.matrix.masked), grouped(comparison.matrix.masked + comparison.matrix.pairs));
+    return k_done;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, int& status) {
+    const auto command = std::make_shared<CompareCommand>();
+    CLI::App* sub = app.add_subcommand("compare", "Errors between any two BRDFs, measured or fitted");
+    sub->add_option("REFERENCE", command->reference, "The BRDF to be measured against")->required();
+    sub->add_option("OTHER", command->other, "The BRDF that is measured")->required();
+    sub->add_option("--max-theta", command->max_theta,
+                    "Leave out directions further from the normal [degrees]; default: OTHER's own if it is a "
+                    "model, else 80")
+        ->check(CLI::Range(1.0, 90.0));
+    sub->add_option("--threads", command->threads, "0: as many as the machine has")->check(CLI::Range(0, 1024));
+    sub->add_option("--json", command->json, "Write the measures to this file; - is standard output");
+    sub->footer("Example:\n  srbf compare paper_white_rgb.bsdf paper_white_rgb.srbf");
+    sub->callback([command, &status] { status = command->run(); });
+}
+
+}  // namespace srbf

@@ -1,0 +1,125 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <memory>
+#include <string_view>
+
+#include "app/commands.h"
+#include "app/load.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+constexpr std::array<std::string_view, 6> k_columns{"wl_x", "wl_y", "wl_z", "wv_x", "wv_y", "wv_z"};
+
+struct Pairs {
+    std::vector<Vec3f> wl, wv;
+    std::vector<std::array<std::string, 6>> text;  ///< as the file writes them
+};
+
+std::string_view trimmed(std::string_view field) {
+    const auto first = field.find_first_not_of(" \t\r\"");
+    if (first == std::string_view::npos) return {};
+    return field.substr(first, field.find_last_not_of(" \t\r\"") - first + 1);
+}
+
+std::vector<std::string_view> fields_of(std::string_view line) {
+    std::vector<std::string_view> fields;
+    for (std::size_t at = 0;;) {
+        const auto comma = line.find(',', at);
+        fields.push_back(trimmed(line.substr(at, comma - at)));
+        if (comma == std::string_view::npos) return fields;
+        at = comma + 1;
+    }
+}
+
+/// The columns of `k_columns` of a CSV whose first line names its columns. Errors name the line.
+Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
+    Pairs pairs;
+    std::array<std::size_t, 6> column{};
+    std::uint64_t line_number = 0;
+    bool has_header = false;
+    for (std::size_t at = 0; at < csv.size();) {
+        const auto end = std::min(csv.find('\n', at), csv.size());
+        const std::string_view line = csv.substr(at, end - at);
+        at = end + 1;
+        ++line_number;
+        if (trimmed(line).empty()) continue;
+        const auto fields = fields_of(line);
+        if (!has_header) {
+            has_header = true;
+            for (std::size_t c = 0; c < 6; ++c) {
+                const auto found = std::find(fields.begin(), fields.end(), k_columns[c]);
+                if (found == fields.end())
+                    return Error{source, line_number, "header", fmt::format("a column {}", k_columns[c]), "none"};
+                column[c] = std::size_t(found - fields.begin());
+            }
+            continue;
+        }
+        std::array<std::string, 6> text;
+        std::array<double, 6> number{};
+        for (std::size_t c = 0; c < 6; ++c) {
+            const std::string_view field = column[c] < fields.size() ? fields[column[c]] : std::string_view();
+            const auto [rest, error] = std::from_chars(field.data(), field.data() + field.size(), number[c]);
+            if (error != std::errc() || rest != field.data() + field.size() || !std::isfinite(number[c]))
+                return Error{source, line_number, fmt::format("column {}", k_columns[c]), "a number",
+                             fmt::format("'{}'", field.substr(0, 40))};
+            text[c] = field;
+        }
+        const auto direction = [&](std::size_t c) { return Vec3d{number[c], number[c + 1], number[c + 2]}; };
+        for (const std::size_t c : {std::size_t(0), std::size_t(3)}) {
+            const double length = std::sqrt(dot(direction(c), direction(c)));
+            if (!(std::abs(length - 1) <= 0.01))
+                return Error{source, line_number, fmt::format("direction {}", k_columns[c].substr(0, 2)), "length 1",
+                             fmt::format("{:.6g}", length)};
+        }
+        const Vec3d wl = normalize(direction(0)), wv = normalize(direction(3));
+        pairs.wl.push_back({float(wl.x), float(wl.y), float(wl.z)});
+        pairs.wv.push_back({float(wv.x), float(wv.y), float(wv.z)});
+        pairs.text.push_back(std::move(text));
+    }
+    if (!has_header) return Error{source, 1, "header", "columns wl_x to wv_z", "an empty file"};
+    return pairs;
+}
+
+int run(const std::string& file, const std::string& pairs_file) {
+    const auto subject = load(file);
+    if (!subject) return complain(subject.error());
+    const auto bytes = read_file(pairs_file);
+    if (!bytes) return complain(bytes.error());
+    const auto pairs = read_pairs({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, pairs_file);
+    if (!pairs) return complain(pairs.error());
+
+    std::vector<Rgb> f(pairs->wl.size());
+    evaluator (*subject)(pairs->wl, pairs->wv, f);
+    std::string out = fmt::format("{},r,g,b\n", fmt::join(k_columns, ","));
+    for (std::size_t i = 0; i < f.size(); ++i)
+        out += fmt::format("{},{:.9g},{:.9g},{:.9g}\n", fmt::join(pairs->text[i], ","), f[i].r, f[i].g, f[i].b);
+    fmt::print("{}", out);
+    return k_done;
+}
+
+}  // namespace
+
+void add_eval(CLI::App& app, int& status) {
+    struct Names {
+        std::string file, pairs;
+    };
+    const auto names = std::make_shared<Names>();
+    CLI::App* sub = app.add_subcommand("eval", "The BRDF's values at given pairs of directions, as CSV");
+    sub->add_option("FILE", names->file, "A measurement or a model")->required();
+    sub->add_option("--pairs", names->pairs,
+                    "CSV whose header names wl_x, wl_y, wl_z (to the light), wv_x, wv_y, wv_z (to the "
+                    "viewer): unit vectors, "
+                    "normal +z; other columns are ignored")
+        ->required();
+    sub->footer(
+        "Writes the directions and r,g,b [1/sr], without the cosine: 0 below the horizon, nan where nothing "
+        "was measured.\n"
+        "Example:\n  srbf eval paper_white_rgb.srbf --pairs pairs.csv > values.csv");
+    sub->callback([names, &status] { status = run(names->file, names->pairs); });
+}
+
+}  // namespace srbf

@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+
+#include "app/commands.h"
+#include "app/report.h"
+
+namespace srbf {
+namespace {
+
+void print_row(std::string_view name, const std::string& text) { fmt::print("  {:<18}{}\n", name, text); }
+
+struct Range {
+    float least = std::numeric_limits<float>::infinity(), most = -least;
+    void add(float x) {
+        if (std::isnan(x)) return;
+        least = std::min(least, x);
+        most = std::max(most, x);
+    }
+    std::string text() const { return least > most ? "none" : fmt::format("{:.4g} to {:.4g}", least, most); }
+};
+
+template <typename Pixels> void print_channel_ranges(std::string_view name, const Pixels& pixels) {
+    for (int c = 0; c < 3; ++c) {
+        Range range;
+        std::uint64_t negative = 0;
+        for (const Rgb& f : pixels) range.add(f[c]), negative += f[c] < 0;
+        print_row(fmt::format("{} {}", name, "RGB"[c]),
+                  range.text() + (negative ? fmt::format(", {} negative", grouped(negative)) : ""));
+    }
+}
+
+void print_table(const MerlTable& table) {
+    print_row("dimensions", fmt::format("{} θh × {} θd × {} φd", table.size[0], table.size[1], table.size[2]));
+    print_row("masked entries", fmt::format("{} of {}", grouped(table.masked), grouped(table.cells.size())));
+    print_channel_ranges("value [1/sr]", table.cells);
+}
+
+void print_table(const RglTable& table) {
+    if (!table.description.empty()) print_row("description", table.description);
+    print_row("dimensions", fmt::format("{} θl × {} × {}, microfacet distribution {}, area {}", table.theta_l.size(),
+                                        table.colour.width, table.colour.height, table.ndf.size(), table.sigma.size()));
+    if (!table.theta_l.empty())
+        print_row("θl", fmt::format("{:.2f}° to {:.2f}°", double(table.theta_l.front()) / k_degree,
+                                    double(table.theta_l.back()) / k_degree));
+    print_row("masked entries", "none");
+    print_channel_ranges("colour", table.colour.nodes);
+}
+
+void print_model(const PmModel& model) {
+    print_row("model", fmt::format("pm: parameterized multivariate SRBFs, form {}, {} centres", name(model.form),
+                                   model.axial ? "axial" : "general"));
+    print_row("size",
+              fmt::format("{} lobes × {} variates, {} bytes", model.lobes, model.variates, payload_bytes(model)));
+    for (int n = 0; n < model.variates; ++n) {
+        const Parameterization p = model.parameterization[std::size_t(n)];
+        print_row(fmt::format("ψ{}", n + 1), fmt::format("normalize({:.5g} wl + {:.5g} wv)", p.a, p.b));
+    }
+    fmt::print("\n  {:>4}  {:>31}  {:>10}", "lobe", "coefficient R, G, B", "log scale");
+    for (int n = 0; n < model.variates; ++n) fmt::print("  {:>{}}", fmt::format("λ{}", n + 1), model.axial ? 10 : 26);
+    fmt::print("\n");
+    for (int j = 0; j < model.lobes; ++j) {
+        const Rgb beta = model.coefficient[std::size_t(j)];
+        fmt::print("  {:>4}  {:>9.4g}  {:>9.4g}  {:>9.4g}  {:>10.4g}", j + 1, beta.r, beta.g, beta.b,
+                   model.log_scale[std::size_t(j)]);
+        for (int n = 0; n < model.variates; ++n) {
+            const auto i = std::size_t(j * model.variates + n);
+            const Vec3f xi = model.centre[i];
+            if (model.axial)
+                fmt::print("  {:>10.5g}", xi.z < 0 ? -model.bandwidth[i] : model.bandwidth[i]);
+            else
+                fmt::print("  {:>26}",
+                           fmt::format("{:.4g} at ({:.2f}, {:.2f}, {:.2f})", model.bandwidth[i], xi.x, xi.y, xi.z));
+        }
+        fmt::print("\n");
+    }
+    if (model.axial) fmt::print("  A bandwidth λ below 0 is that of a lobe about -z.\n");
+}
+
+int run(const std::string& file) {
+    const auto subject = load(file);
+    if (!subject) return complain(subject.error());
+    fmt::print("{}\n", file);
+    if (const auto* measured = std::get_if<Measured>(&subject->content)) {
+        print_row("format", fmt::format("{}, {} bytes", measured->format, grouped(measured->bytes)));
+        std::visit([](const auto& table) { print_table(table); }, measured->table);
+    } else {
+        const auto& model = std::get<Model>(subject->content);
+        std::visit([](const auto& m) { print_model(m); }, model.model);
+        if (!model.provenance.empty()) fmt::print("\n");
+        for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", key, text);
+    }
+    fmt::print("\n  {:<18}", "θv");
+    for (const double theta : k_albedo_theta) fmt::print("{:>9}°", theta);
+    for (int c = 0; c < 3; ++c) {
+        fmt::print("\n  {:<18}", fmt::format("albedo {}", "RGB"[c]));
+        for (const double theta : k_albedo_theta)
+            fmt::print("{:>10.4f}", albedo(evaluator(*subject), theta * k_degree, k_pi / 2)[c]);
+    }
+    fmt::print("\n");
+    return k_done;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& status) {
+    const auto file = std::make_shared<std::string>();
+    CLI::App* sub = app.add_subcommand("info", "What a file holds: dimensions, ranges, parameters, albedo");
+    sub->add_option("FILE", *file, "A measurement or a model")->required();
+    sub->footer("Example:\n  srbf info paper_white_rgb.bsdf");
+    sub->callback([file, &status] { status = run(*file); });
+}
+
+}  // namespace srbf

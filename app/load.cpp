@@ -1,0 +1,40 @@
+#include "app/load.h"
+
+#include <fmt/format.h>
+
+#include "app/commands.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+/// A safetensors container begins with the length of a header, whose text begins with a brace.
+bool is_model(std::span<const std::byte> bytes) {
+    return bytes.size() > 9 && bytes[8] == std::byte('{') && bytes[7] == std::byte(0) && bytes[6] == std::byte(0);
+}
+
+}  // namespace
+
+Rgb value(const Subject& subject, Vec3f wl, Vec3f wv) {
+    return std::visit([&](const auto& brdf) { return value(brdf, wl, wv); }, subject.content);
+}
+
+Result<Subject> load(const std::string& path) {
+    const auto bytes = read_file(path);
+    if (!bytes) return bytes.error();
+    if (is_model(*bytes)) {
+        auto model = read_model(*bytes, path);
+        if (!model) return model.error();
+        return Subject{path, *std::move(model)};
+    }
+    auto measured = read_measured(*bytes, path);
+    if (!measured) return measured.error();
+    return Subject{path, *std::move(measured)};
+}
+
+int complain(const Error& error) {
+    fmt::print(stderr, "srbf: {}\n", message(error));
+    return k_input_error;
+}
+
+}  // namespace srbf

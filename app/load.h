@@ -1,0 +1,24 @@
+// Any BRDF that a file can hold.
+#pragma once
+#include <string>
+#include <variant>
+
+#include "srbf/measured.h"
+#include "srbf/model.h"
+
+namespace srbf {
+
+/// A measurement or a model, told by the file's content.
+struct Subject {
+    std::string path;
+    std::variant<Measured, Model> content;
+    bool is_model() const { return std::holds_alternative<Model>(content); }
+};
+Rgb value(const Subject& subject, Vec3f wl, Vec3f wv);
+
+Result<Subject> load(const std::string& path);
+
+/// Prints the error's one line on standard error; returns the status of an input error.
+int complain(const Error& error);
+
+}  // namespace srbf

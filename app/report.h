@@ -1,0 +1,67 @@
+// What several subcommands print: measures as tables and JSON, progress, durations.
+#pragma once
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/load.h"
+#include "srbf/metrics.h"
+
+namespace srbf {
+
+using Json = nlohmann::ordered_json;
+
+/// The measures of one BRDF against another on both sets, and the albedo's.
+struct Comparison {
+    Measures matrix, heldout;
+    double albedo_error = 0;
+};
+/// Of each of `others` against `reference`.
+std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
+                                const MeasureOptions& options);
+
+/// Adds the comparison's measures to `json`, their names after `prefix`: "", "unrounded_".
+void add_measures(Json& json, const Comparison& comparison, std::string_view prefix);
+
+/// A table of measures, a column for each set of each comparison.
+void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons);
+
+/// Writes `json` to `path`; "-" is standard output.
+Result<Done> write_json(const Json& json, const std::string& path);
+
+/// An error where no file can be written at `path`: its folder is missing, or it is a folder itself. Asked
+/// before the work, so that an hour is not lost to a misspelt name; the write itself may still fail.
+Result<Done> check_output(const std::string& path);
+
+/// "1,234,567".
+std::string grouped(std::uint64_t n);
+/// "0.741 %", three digits.
+std::string percent(double ratio);
+
+/// Seconds since it was made.
+class Stopwatch {
+  public:
+    double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point start_ = Clock::now();
+};
+
+/// A line on standard error that tells how far the work is and the time left; only on a terminal, and only
+/// after the first half second. Gone when it is destroyed.
+class ProgressLine {
+  public:
+    ~ProgressLine() { clear(); }
+    void show(std::string_view stage, double fraction);
+    void clear();
+
+  private:
+    Stopwatch watch_;
+    double shown_ = 0;
+    bool visible_ = false;
+};
+
+}  // namespace srbf

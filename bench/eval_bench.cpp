@@ -1,0 +1,95 @@
+// What one evaluation costs: models by kernel.glsl's text, tables by look-up. The column Time is ns for one pair of
+// directions, RGB, on one thread; the pairs are random, so that a table is read all over, as a path tracer does.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <random>
+#include <variant>
+#include <vector>
+
+#include "srbf/directions.h"
+#include "srbf/measured.h"
+#include "srbf/model.h"
+
+namespace srbf {
+namespace {
+
+struct Pairs {
+    std::vector<Vec3f> wl, wv;
+};
+
+/// Pairs of which each direction is even over the hemisphere to 89°.
+Pairs random_pairs(std::size_t count) {
+    std::mt19937_64 random(1);
+    const MirrorMixture cap(89 * k_degree);
+    const auto direction = [&] {
+        const double u1 = uniform(random), u2 = uniform(random);
+        const Vec3d w = cap.sample_cap(u1, u2);
+        return Vec3f(float(w.x), float(w.y), float(w.z));
+    };
+    Pairs pairs;
+    for (std::size_t i = 0; i < count; ++i) {
+        pairs.wl.push_back(direction());
+        pairs.wv.push_back(direction());
+    }
+    return pairs;
+}
+
+/// An axial model of J lobes in N variates, with bandwidths from 0.1 to 1000.
+PmModel random_model(int lobes, int variates) {
+    std::mt19937_64 random(2);
+    const auto number = [&] { return float(uniform(random)); };
+    PmModel model;
+    model.lobes = lobes;
+    model.variates = variates;
+    for (int j = 0; j < lobes; ++j) {
+        model.coefficient.push_back({number(), number(), number()});
+        model.log_scale.push_back(number());
+    }
+    for (int i = 0; i < lobes * variates; ++i) {
+        model.centre.push_back({0, 0, number() < 0.5f ? -1.f : 1.f});
+        model.bandwidth.push_back(std::pow(10.f, 4 * number() - 1));
+    }
+    for (int n = 0; n < variates; ++n) model.parameterization.push_back({number(), number()});
+    return model;
+}
+
+/// A table of the database's size whose every cell is measured.
+MerlTable merl_table() {
+    MerlTable table;
+    table.size = {90, 90, 180};
+    for (std::size_t i = 0; i < 90 * 90 * 180; ++i) {
+        const float f = 1 + float(i % 97) / 97;
+        table.cells.push_back({f, 0.5f * f, 0.25f * f});
+    }
+    return table;
+}
+
+template <Brdf B> void evaluate(benchmark::State& state, const B& brdf) {
+    constexpr std::size_t count = 1 << 16;
+    static const Pairs pairs = random_pairs(count);
+    std::size_t i = 0;
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(value(brdf, pairs.wl[i], pairs.wv[i]));
+        i = (i + 1) % count;
+    }
+}
+
+void pm(benchmark::State& state) { evaluate(state, random_model(int(state.range(0)), int(state.range(1)))); }
+BENCHMARK(pm)->ArgNames({"J", "N"})->Args({6, 3})->Args({8, 4})->Args({16, 4});
+
+void merl(benchmark::State& state) {
+    static const MerlTable table = merl_table();
+    evaluate(state, table);
+}
+BENCHMARK(merl);
+
+void rgl(benchmark::State& state) {
+    static const auto measured = load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
+    if (!measured) return state.SkipWithError(message(measured.error()).c_str());
+    evaluate(state, std::get<RglTable>(measured->table));
+}
+BENCHMARK(rgl);
+
+}  // namespace
+}  // namespace srbf

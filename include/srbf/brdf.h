@@ -1,0 +1,30 @@
+// The contract of a BRDF: level 2.
+#pragma once
+#include <concepts>
+#include <functional>
+#include <span>
+
+#include "srbf/vec.h"
+
+namespace srbf {
+
+/// A BRDF answers `value(brdf, wl, wv)`: f_r(wl, wv) [1/sr] for each channel, without the cosine, on unit
+/// vectors in the local frame. Below the horizon (wl.z ≤ 0 or wv.z ≤ 0) it is 0; where a table holds no
+/// measurement it is NaN in every channel; elsewhere finite and ≥ 0.
+template <typename B>
+concept Brdf = requires(const B& brdf, Vec3f wl, Vec3f wv) {
+    { value(brdf, wl, wv) } -> std::same_as<Rgb>;
+};
+
+/// A BRDF as a function on arrays of pairs: f[i] = f_r(wl[i], wv[i]); the three spans are of one length. It
+/// may be called from several threads at once.
+using Evaluate = std::function<void(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f)>;
+
+/// `brdf` as such a function. It refers to `brdf`, which must outlive it.
+template <Brdf B> Evaluate evaluator(const B& brdf) {
+    return [&brdf](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        for (std::size_t i = 0; i < wl.size(); ++i) f[i] = value(brdf, wl[i], wv[i]);
+    };
+}
+
+}  // namespace srbf

@@ -1,0 +1,47 @@
+// Sets of directions and distributions of pairs of them: level 1.
+#pragma once
+#include <array>
+#include <random>
+#include <vector>
+
+#include "srbf/vec.h"
+
+namespace srbf {
+
+/// A double even in [0,1), the same on every machine.
+inline double uniform(std::mt19937_64& random) { return double(random() >> 11) * 0x1p-53; }
+
+/// Direction i of n of the Fibonacci set on the cap θ ≤ θmax [rad]: z = (i+½)/n (1−cos θmax) + cos θmax,
+/// azimuth i times the golden angle π(3−√5). Each stands for the solid angle 2π(1−cos θmax)/n.
+Vec3d fibonacci_direction(int i, int n, double theta_max);
+
+/// All n of them.
+std::vector<Vec3f> fibonacci_directions(int n, double theta_max);
+
+/// Directions about a given one that find a BRDF's features: even over the cap θ ≤ θmax, von Mises-Fisher
+/// lobes about the mirror direction and one about the given direction itself (retroreflection).
+class MirrorMixture {
+  public:
+    /// θmax in [rad], in (0, π/2].
+    explicit MirrorMixture(double theta_max) : cos_max_(std::cos(theta_max)) {}
+
+    /// A direction given wv; it may lie outside of the cap, and is then no sample (value 0) but counts as a
+    /// draw.
+    Vec3d sample(Vec3d wv, double u0, double u1, double u2) const;
+    /// Its density [1/sr]; at least `k_even` over the cap's solid angle inside of it.
+    double pdf(Vec3d wl, Vec3d wv) const;
+    bool contains(Vec3d w) const { return w.z >= cos_max_; }
+    /// A direction even over the cap, and its density.
+    Vec3d sample_cap(double u1, double u2) const;
+    double cap_pdf() const { return 1 / (2 * k_pi * (1 - cos_max_)); }
+
+    static constexpr double k_even = 0.4;  ///< share of the even part
+    static constexpr std::array<double, 5> k_mirror_bandwidths{6, 40, 300, 3000, 30000};
+    static constexpr double k_mirror = 0.11;  ///< share of each lobe about the mirror direction
+    static constexpr double k_retro = 1 - k_even - 5 * k_mirror, k_retro_bandwidth = 60;
+
+  private:
+    double cos_max_;
+};
+
+}  // namespace srbf

@@ -1,0 +1,24 @@
+// Whole files in and out: level 1.
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "srbf/result.h"
+
+namespace srbf {
+
+/// The bytes of the file at `path`. Errors: missing, a folder, unreadable, larger than `k_largest_file`.
+Result<std::vector<std::byte>> read_file(const std::string& path);
+inline constexpr std::uint64_t k_largest_file = std::uint64_t(1) << 34;
+
+/// Writes `bytes` beside `path` and renames, so that `path` holds either what it held before or all of
+/// `bytes`. Errors: the folder is missing or cannot be written, `path` is a folder, the disk is full.
+Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes);
+
+inline std::span<const std::byte> as_bytes(std::string_view text) {
+    return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+}  // namespace srbf

@@ -1,0 +1,91 @@
+// From measurements to models: level 4.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "srbf/brdf.h"
+#include "srbf/model.h"
+#include "srbf/result.h"
+
+namespace srbf {
+
+/// What a fit minimises over the pairs within θmax; each is a measure of metrics.h.
+enum class Objective {
+    raw,     ///< Σ (f−f̂)²
+    cosine,  ///< Σ (f cosθl − f̂ cosθl)² cosθv
+};
+std::string_view name(Objective objective);
+/// The cap of the fit and of its measures where none is asked for [rad]: 80° for raw, 89° for cosine.
+double default_max_theta(Objective objective);
+
+/// Weighted samples of a BRDF, in an order of which every beginning is a sample of the whole.
+struct Observations {
+    std::vector<Vec3f> wl, wv;
+    std::vector<Rgb> f;         ///< [1/sr], ≥ 0
+    std::vector<float> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
+    std::size_t checks = 0;     ///< the last so many are no part of Σ: a fit that exceeds them by far takes them in
+    std::uint64_t masked = 0;   ///< pairs drawn where nothing was measured
+    std::uint64_t clamped = 0;  ///< negative channel values, set to 0
+};
+
+struct ObserveOptions {
+    Objective objective = Objective::cosine;
+    double max_theta = 0;       ///< [rad], in (0, π/2); 0: the objective's default
+    std::size_t count = 65536;  ///< pairs, 1024..2^24; an eighth of them are guards
+    std::uint64_t seed = 0;
+};
+
+/// Draws pairs from a mixture that finds a BRDF's features, weighted so that sums over them estimate the
+/// objective's integrals over both caps. An eighth are guards between θmax and 89.9°, weighted little and by
+/// f cosθl cosθv, which hold the fit to the measurement's order of magnitude where it is not asked to follow
+/// it. Behind them stand the checks, a grid over the whole hemisphere to 89.9° with its edges. `f` may be
+/// negative (see signed_value) or NaN. Errors: no pair has a value; all values are 0.
+Result<Observations> observe(const Evaluate& f, const ObserveOptions& options);
+
+/// What is going on, for a progress display.
+struct Progress {
+    std::string_view stage;
+    double fraction = 0;  ///< of the whole, 0..1
+};
+/// Called now and then, from one thread at a time; returning false cancels the fit.
+using ProgressCallback = std::function<bool(const Progress&)>;
+
+struct FitOptions {
+    PmForm form = PmForm::source;
+    int lobes = 8;           ///< J, 1..64
+    int variates = 4;        ///< N, 1..8
+    bool log_scale = true;   ///< store a log scale per lobe where a half cannot hold β; false: bound β in the fit
+    int starts = 6;          ///< independent growths; the best is polished
+    int kicks = 25;          ///< attempts per start to replace the lobe that matters least
+    std::uint64_t seed = 0;  ///< of the random lobes
+    int threads = 0;         ///< 0: as many as the machine has; the result does not depend on it
+};
+inline constexpr int k_most_fitted_lobes = 64;
+
+enum class StopReason {
+    converged,   ///< the last polish predicted a relative decrease below 1e-7, or found no step that lowers
+                 ///< the sum
+    iterations,  ///< the last polish did all its iterations
+    cancelled,   ///< the progress callback returned false
+};
+std::string_view name(StopReason reason);
+
+struct PmFit {
+    PmModel model;      ///< every number a half
+    PmModel unrounded;  ///< before rounding
+    double loss = 0;    ///< Σ w |f−f̂|² over the observations, guards and exceeded checks among them, of `model`
+    double unrounded_loss = 0;  ///< the same of `unrounded`
+    StopReason stop = StopReason::converged;
+};
+
+/// Fits parameterized multivariate SRBFs with axial lobes by separable least squares: for any centres,
+/// bandwidths and parameterizations the coefficients follow from a non-negative linear problem; the others by
+/// Levenberg-Marquardt on what remains (Kaufman 1975), from lobes grown one by one. Docs: docs/fitting.md.
+/// Errors: options out of range, fewer observations than parameters, values that are not finite.
+Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options,
+                     const ProgressCallback& progress = {});
+
+}  // namespace srbf

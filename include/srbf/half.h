@@ -1,0 +1,17 @@
+// 16-bit floating point (IEEE 754 binary16), in which models are stored: level 0.
+#pragma once
+#include <cstdint>
+
+namespace srbf {
+
+inline constexpr float k_half_max = 65504;             ///< the largest finite half
+inline constexpr float k_half_min = 6.103515625e-05f;  ///< the smallest half that has all 11 bits
+
+/// The half nearest to `x`, ties to even; ±infinity beyond ±65520.
+std::uint16_t to_half(float x);
+float from_half(std::uint16_t bits);
+
+/// `x` rounded to a half.
+inline float round_to_half(float x) { return from_half(to_half(x)); }
+
+}  // namespace srbf

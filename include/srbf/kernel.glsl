@@ -1,0 +1,128 @@
+// The mathematics of srbf, written once, in the text that GLSL 4.50, GLSL ES 3.00 and C++ share.
+//
+// A host includes it after having named
+//   Real, Vec3, Bool        a number, a vector of three, a truth value (GLSL: float, vec3, bool)
+//   SRBF_FN                 what stands before a function (GLSL: nothing; C++: static)
+//   select(Bool, Real, Real)  the second where the first holds, else the third
+//   Pm                      a handle of a multivariate model, answering
+//     pm_lobes(pm), pm_variates(pm)          J, N                            [int, N <= SRBF_MAX_VARIATES]
+//     pm_weight_l(pm, n), pm_weight_v(pm, n) a_n, b_n of variate n
+//     pm_centre(pm, j, n), pm_bandwidth(pm, j, n)  xi_jn (unit vector), lambda_jn >= 0
+//     pm_coefficient(pm, j), pm_log_scale(pm, j)   beta_j (R, G, B), s_j
+// No branch depends on a value, so that Real may be a batch of numbers. Directions are unit vectors; wl points to the
+// light, wv to the viewer, the shading normal is +z. Angles are in radians.
+
+#define SRBF_MAX_VARIATES 8
+#define SRBF_TWO_PI 6.283185307179586
+
+// ---- Stable elementary functions ---------------------------------------------------------------------------------
+
+// 1 - exp(-x), x >= 0, without cancellation: relative error 3e-7 in float, 5e-8 in double.
+SRBF_FN Real one_minus_exp(Real x) {
+    Real small = x * (Real(1.0) - x * Real(0.5) * (Real(1.0) - x * Real(1.0 / 3.0) *
+                 (Real(1.0) - x * Real(0.25) * (Real(1.0) - x * Real(0.2)))));
+    return select(x < Real(0.125), small, Real(1.0) - exp(-x));
+}
+
+// The frame about a unit vector n: the vector whose coordinates in it are (x, y, z), n being its third axis
+// (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017).
+SRBF_FN Vec3 from_frame(Vec3 n, Real x, Real y, Real z) {
+    Real sign = select(n.z < Real(0.0), Real(-1.0), Real(1.0));
+    Real a = Real(-1.0) / (sign + n.z);
+    Real b = n.x * n.y * a;
+    return x * Vec3(Real(1.0) + sign * n.x * n.x * a, sign * b, -sign * n.x) +
+           y * Vec3(b, sign + n.y * n.y * a, -n.y) + z * n;
+}
+
+// ---- Gaussian SRBF -----------------------------------------------------------------------------------------------
+
+// The exponent of a Gaussian SRBF: lambda (omega . xi - 1) = -lambda |omega - xi|^2 / 2. The second form keeps its digits
+// in float: at lambda = 1e4, where G >= e^-4, its G errs by 2.2e-5 (relative) where that of the first errs by 1.6e-3.
+SRBF_FN Real gaussian_exponent(Vec3 omega, Vec3 centre, Real bandwidth) {
+    Vec3 d = omega - centre;
+    return Real(-0.5) * bandwidth * dot(d, d);
+}
+
+// G(omega . xi | lambda) = exp(lambda (omega . xi - 1)); lambda >= 0; 1 at its centre xi.
+SRBF_FN Real gaussian(Vec3 omega, Vec3 centre, Real bandwidth) {
+    return exp(gaussian_exponent(omega, centre, bandwidth));
+}
+
+// The integral of G over the sphere: 2 pi (1 - e^(-2 lambda)) / lambda [sr]; 4 pi at lambda = 0.
+SRBF_FN Real gaussian_integral(Real bandwidth) {
+    Real positive = max(bandwidth, Real(1.0e-6));
+    return Real(SRBF_TWO_PI) * one_minus_exp(Real(2.0) * positive) / positive;
+}
+
+struct GaussianProduct {
+    Vec3 centre;
+    Real bandwidth;
+    Real scale;
+};
+
+// G(omega.xi1 | l1) G(omega.xi2 | l2) = scale G(omega.centre | bandwidth): bandwidth = |l1 xi1 + l2 xi2| along that vector,
+// scale = exp(bandwidth - l1 - l2). The centre is the zero vector where the bandwidth is 0.
+SRBF_FN GaussianProduct gaussian_product(Vec3 centre1, Real bandwidth1, Vec3 centre2, Real bandwidth2) {
+    Vec3 axis = bandwidth1 * centre1 + bandwidth2 * centre2;
+    Vec3 apart = centre1 - centre2;
+    Real sum = bandwidth1 + bandwidth2;
+    GaussianProduct product;
+    product.bandwidth = sqrt(dot(axis, axis));
+    product.centre = (Real(1.0) / max(product.bandwidth, Real(1.0e-20))) * axis;
+    product.scale = exp(-bandwidth1 * bandwidth2 * dot(apart, apart) / max(product.bandwidth + sum, Real(1.0e-20)));
+    return product;
+}
+
+// ---- von Mises-Fisher --------------------------------------------------------------------------------------------
+
+// The density of the von Mises-Fisher distribution, G / integral of G [1/sr].
+SRBF_FN Real vmf_pdf(Vec3 omega, Vec3 centre, Real bandwidth) {
+    return gaussian(omega, centre, bandwidth) / gaussian_integral(bandwidth);
+}
+
+// A direction of that density from u1, u2 even in [0,1): cos(theta) - 1 = ln(1 - (1 - u1)(1 - e^(-2 lambda))) / lambda about
+// the centre. For lambda <= 0.01 by the logarithm's series, which has the limit 2 u1 - 1 for the cosine at 0.
+SRBF_FN Vec3 sample_vmf(Vec3 centre, Real bandwidth, Real u1, Real u2) {
+    Real positive = max(bandwidth, Real(1.0e-6));
+    Real x = (Real(1.0) - u1) * one_minus_exp(Real(2.0) * positive);
+    Real series = -x * (Real(1.0) + x * (Real(0.5) + x * (Real(1.0 / 3.0) + x * Real(0.25))));
+    Real direct = log(max(u1 + (Real(1.0) - u1) * exp(Real(-2.0) * positive), Real(1.0e-37)));
+    Real below = max(select(positive < Real(0.01), series, direct) / positive, Real(-2.0));
+    Real sine = sqrt(max(-below * (Real(2.0) + below), Real(0.0)));
+    Real phi = Real(SRBF_TWO_PI) * u2;
+    return from_frame(centre, sine * cos(phi), sine * sin(phi), Real(1.0) + below);
+}
+
+// ---- Parameterized multivariate SRBFs ----------------------------------------------------------------------------
+
+// psi = normalize(a wl + b wv): the half-way vector at (1,1), the light at (1,0), the view at (0,1). Where a wl + b wv
+// vanishes (b = -a, wl = wv) it is the zero vector, so that a kernel of it stays finite: exp(-lambda / 2).
+SRBF_FN Vec3 psi(Vec3 wl, Vec3 wv, Real a, Real b) {
+    Vec3 d = a * wl + b * wv;
+    return (Real(1.0) / sqrt(max(dot(d, d), Real(1.0e-20)))) * d;
+}
+
+// d psi / d angle for (a, b) = (cos angle, sin angle): the part of -b wl + a wv across psi, over |a wl + b wv|.
+SRBF_FN Vec3 psi_by_angle(Vec3 wl, Vec3 wv, Real a, Real b) {
+    Vec3 d = a * wl + b * wv;
+    Real reciprocal = Real(1.0) / sqrt(max(dot(d, d), Real(1.0e-20)));
+    Vec3 across = reciprocal * (a * wv - b * wl);
+    Vec3 direction = reciprocal * d;
+    return across - dot(across, direction) * direction;
+}
+
+// rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) [1/sr], for R, G, B. An exponent is cut at 70, which
+// keeps every sum of lobes of a stored model finite in float.
+SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
+    Vec3 variate[SRBF_MAX_VARIATES];
+    for (int n = 0; n < pm_variates(pm); ++n)
+        variate[n] = psi(wl, wv, Real(pm_weight_l(pm, n)), Real(pm_weight_v(pm, n)));
+    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
+    for (int j = 0; j < pm_lobes(pm); ++j) {
+        Real exponent = Real(pm_log_scale(pm, j));
+        for (int n = 0; n < pm_variates(pm); ++n)
+            exponent = exponent + gaussian_exponent(variate[n], pm_centre(pm, j, n), Real(pm_bandwidth(pm, j, n)));
+        sum = sum + exp(min(exponent, Real(70.0))) * pm_coefficient(pm, j);
+    }
+    return sum;
+}

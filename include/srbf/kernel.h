@@ -1,0 +1,37 @@
+// kernel.glsl as C++: `Kernel<float>::gaussian(...)`: level 1.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "srbf/vec.h"
+
+namespace srbf {
+
+struct PmModel;
+
+namespace kernel {
+
+// The built-in functions of GLSL that the text uses, for a Real of C++; a number type of a test or of SIMD
+// brings its own, found by its namespace.
+template <typename Real>
+concept Number = std::is_floating_point_v<Real>;
+template <Number Real> inline Real exp(Real x) { return std::exp(x); }
+template <Number Real> inline Real log(Real x) { return std::log(x); }
+template <Number Real> inline Real sqrt(Real x) { return std::sqrt(x); }
+template <Number Real> inline Real cos(Real x) { return std::cos(x); }
+template <Number Real> inline Real sin(Real x) { return std::sin(x); }
+template <Number Real> inline Real min(Real a, Real b) { return std::min(a, b); }
+template <Number Real> inline Real max(Real a, Real b) { return std::max(a, b); }
+template <Number Real> inline Real select(bool condition, Real a, Real b) { return condition ? a : b; }
+
+template <typename Real> using Triple = srbf::Vec3<Real>;
+#include "srbf/kernel_formulas.inl"
+
+}  // namespace kernel
+
+/// The functions of kernel.glsl as static members, for Real = float, double or any type with their
+/// arithmetic.
+template <typename Real> using Kernel = kernel::Formulas<Real, PmModel>;
+
+}  // namespace srbf

@@ -1,0 +1,28 @@
+// kernel.glsl as the body of a struct, without include guard: kernel.h includes it for numbers, SIMD code once more for
+// each instruction set. `Triple<Real>` is the Vec3 of the including namespace.
+#define SRBF_FN static
+template <typename Real_, typename Model>
+struct Formulas {
+    using Real = Real_;
+    using Vec3 = Triple<Real_>;
+    using Bool = decltype(Real_() < Real_());
+    using Pm = const Model&;
+
+    static int pm_lobes(Pm pm) { return pm.lobes; }
+    static int pm_variates(Pm pm) { return pm.variates; }
+    static float pm_weight_l(Pm pm, int n) { return pm.parameterization[std::size_t(n)].a; }
+    static float pm_weight_v(Pm pm, int n) { return pm.parameterization[std::size_t(n)].b; }
+    static float pm_bandwidth(Pm pm, int j, int n) { return pm.bandwidth[std::size_t(j * pm.variates + n)]; }
+    static float pm_log_scale(Pm pm, int j) { return pm.log_scale[std::size_t(j)]; }
+    static Vec3 pm_centre(Pm pm, int j, int n) {
+        const auto& centre = pm.centre[std::size_t(j * pm.variates + n)];
+        return Vec3(Real(centre.x), Real(centre.y), Real(centre.z));
+    }
+    static Vec3 pm_coefficient(Pm pm, int j) {
+        const auto& coefficient = pm.coefficient[std::size_t(j)];
+        return Vec3(Real(coefficient.r), Real(coefficient.g), Real(coefficient.b));
+    }
+
+#include "srbf/kernel.glsl"
+};
+#undef SRBF_FN

@@ -1,0 +1,75 @@
+// Fitted BRDFs, and their file: level 3.
+#pragma once
+#include <cstddef>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "srbf/brdf.h"
+#include "srbf/result.h"
+
+namespace srbf {
+
+/// What a lobe of a multivariate model is made of; the numbers of 16 bits are for J lobes of N variates.
+enum class PmForm {
+    source,  ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
+};
+std::string_view name(PmForm form);
+
+/// ψ(wl, wv) = normalize(a wl + b wv), a variate's parameterization.
+struct Parameterization {
+    float a = 1, b = 1;
+    friend bool operator==(const Parameterization&, const Parameterization&) = default;
+};
+
+/// Parameterized multivariate SRBFs (Tsai 2009, section 7.2): ρ(wl,wv) = Σ_j β_j e^{s_j} Π_n
+/// G(ψ_n(wl,wv)·ξ_jn | λ_jn) [1/sr], evaluated by kernel.glsl's pm_value. Members are as the formula takes
+/// them; the file's encoding is in `write_model`.
+struct PmModel {
+    PmForm form = PmForm::source;
+    bool axial = true;                               ///< every centre is +z or −z, as befits isotropic data
+    int lobes = 0;                                   ///< J, 1..k_most_lobes
+    int variates = 0;                                ///< N, 1..k_most_variates
+    std::vector<Rgb> coefficient;                    ///< J: β_j ≥ 0
+    std::vector<float> log_scale;                    ///< J: s_j; stored only where one of them is not 0
+    std::vector<Vec3f> centre;                       ///< J × N: ξ_jn, unit vectors
+    std::vector<float> bandwidth;                    ///< J × N: λ_jn ≥ 0
+    std::vector<Parameterization> parameterization;  ///< N
+    friend bool operator==(const PmModel&, const PmModel&) = default;
+};
+inline constexpr int k_most_lobes = 1024;
+inline constexpr int k_most_variates = 8;
+
+/// ρ(wl, wv) in float; 0 below the horizon.
+Rgb value(const PmModel& model, Vec3f wl, Vec3f wv);
+
+/// A model as a file holds it, with the story of how it was made.
+struct Model {
+    std::variant<PmModel> model;
+    std::map<std::string, std::string> provenance;  ///< source file, options, errors, version
+};
+Rgb value(const Model& model, Vec3f wl, Vec3f wv);
+
+/// Whether a log scale is stored: some s_j is not 0.
+bool has_log_scale(const PmModel& model);
+/// Bytes of the model's numbers as stored, two each.
+std::size_t payload_bytes(const PmModel& model);
+/// `model` with every number rounded to what a file holds: read_model(write_model(model)).
+PmModel rounded(const PmModel& model);
+
+/// The model file: a safetensors container (8-byte little-endian length, JSON header, data) with F16 tensors
+/// `coefficient` [J,3], `bandwidth` [J,N], `parameterization` [N,2], where needed `log_scale` [J], and for
+/// general lobes `centre` [J,N,2] (θ, φ in radians). Axial lobes have no `centre`: the sign of the bandwidth
+/// chooses +z or −z.
+std::vector<std::byte> write_model(const Model& model);
+/// Errors: not such a file; tensors missing, of other type or shape, overlapping or leaving gaps; numbers
+/// that are not finite or out of range. `source` is for errors alone.
+Result<Model> read_model(std::span<const std::byte> bytes, const std::string& source);
+
+Result<Done> save_model(const Model& model, const std::string& path);
+Result<Model> load_model(const std::string& path);
+
+}  // namespace srbf

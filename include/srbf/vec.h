@@ -1,0 +1,43 @@
+// Vectors of three components, colours, and the local frame: level 0.
+#pragma once
+#include <cmath>
+
+namespace srbf {
+
+inline constexpr double k_pi = 3.14159265358979323846;
+inline constexpr double k_degree = k_pi / 180;
+
+#include "srbf/vec3.inl"
+
+/// Directions are unit vectors in the local frame of the surface: the shading normal is +z, `wl` points to
+/// the light and `wv` to the viewer.
+using Vec3f = Vec3<float>;
+using Vec3d = Vec3<double>;
+
+template <typename Real>
+constexpr bool operator==(Vec3<Real> a, Vec3<Real> b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+/// Linear colour in sRGB/Rec.709 primaries; the perfect white reflector is (1,1,1).
+struct Rgb {
+    float r = 0, g = 0, b = 0;
+    constexpr float& operator[](int c) { return c == 0 ? r : c == 1 ? g : b; }
+    constexpr float operator[](int c) const { return c == 0 ? r : c == 1 ? g : b; }
+    friend constexpr bool operator==(const Rgb&, const Rgb&) = default;
+};
+
+/// ω = (sin θ cos φ, sin θ sin φ, cos θ), angles in radians.
+template <typename Real> Vec3<Real> spherical(Real theta, Real phi) {
+    return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+}
+
+/// The mirror direction of ω about the normal: (−x, −y, z).
+template <typename Real> constexpr Vec3<Real> mirror(Vec3<Real> w) { return {-w.x, -w.y, w.z}; }
+
+/// Rec.709 luminance 0.2126 R + 0.7152 G + 0.0722 B.
+constexpr double luminance(const Rgb& c) { return 0.2126 * double(c.r) + 0.7152 * double(c.g) + 0.0722 * double(c.b); }
+
+inline bool is_finite(const Rgb& c) { return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b); }
+
+}  // namespace srbf

@@ -1,0 +1,121 @@
+#include "render/image.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "srbf/file.h"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
+#include <stb/stb_easy_font.h>
+#include <stb/stb_image_write.h>
+#pragma GCC diagnostic pop
+
+namespace srbf {
+
+Rgb tone_map(Rgb radiance, float exposure) {
+    assert(exposure >= 0 && std::isfinite(exposure));
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    if (std::isnan(radiance.r) || std::isnan(radiance.g) || std::isnan(radiance.b)) return {nan, nan, nan};
+    constexpr float largest = std::numeric_limits<float>::max();
+    Rgb x;
+    for (int c = 0; c < 3; ++c) x[c] = std::min(exposure * std::clamp(radiance[c], 0.0f, largest), largest);
+    const float peak = std::max({x.r, x.g, x.b});
+    if (peak <= k_knee) return x;
+    const float new_peak = 1 - (1 - k_knee) * (1 - k_knee) / (peak + 1 - 2 * k_knee);
+    const float whitened = 1 - 1 / (1 + k_whitening * (peak - new_peak));
+    for (int c = 0; c < 3; ++c) x[c] = (1 - whitened) * (x[c] / peak) * new_peak + whitened * new_peak;
+    return x;
+}
+
+float srgb_encoded(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f; }
+
+Rgb8 to_srgb8(Rgb shown) {
+    Rgb8 out{};
+    for (int c = 0; c < 3; ++c) {
+        if (std::isnan(shown[c])) return k_not_measured;
+        out[std::size_t(c)] = std::uint8_t(255 * srgb_encoded(std::clamp(shown[c], 0.0f, 1.0f)) + 0.5f);
+    }
+    return out;
+}
+
+Rgb8 to_srgb8(Rgb radiance, float exposure) { return to_srgb8(tone_map(radiance, exposure)); }
+
+float automatic_exposure(const Image& image) {
+    std::vector<double> lit;
+    for (const Rgb& pixel : image.pixels)
+        if (const float largest = std::max({pixel.r, pixel.g, pixel.b}); is_finite(pixel) && largest > 0)
+            lit.push_back(largest);
+    if (lit.empty()) return 1;
+    const auto at = lit.begin() + std::ptrdiff_t(k_exposed * double(lit.size() - 1));
+    std::nth_element(lit.begin(), at, lit.end());
+    return float(std::min(k_knee / *at, double(std::numeric_limits<float>::max())));
+}
+
+namespace {
+
+/// `text` as the font takes it.
+std::string printable(std::string_view text) {
+    std::string out(text);
+    for (char& c : out)
+        if (c < ' ' || c > '~') c = '?';
+    return out;
+}
+
+/// A corner of a rectangle, as the font makes them.
+struct Corner {
+    float x, y, z;
+    std::array<unsigned char, 4> colour;
+};
+
+}  // namespace
+
+int text_width(std::string_view text) { return stb_easy_font_width(printable(text).data()); }
+
+void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, int scale) {
+    assert(scale >= 1);
+    std::string line = printable(text);
+    // A glyph has at most 11 strokes; each is a rectangle, corner 0 its upper left, 2 its lower right.
+    std::vector<std::array<Corner, 4>> strokes(11 * line.size() + 1);
+    const int count =
+        stb_easy_font_print(0, 0, line.data(), nullptr, strokes.data(), int(strokes.size() * sizeof strokes[0]));
+    for (const auto& stroke : std::span(strokes).first(std::size_t(count))) {
+        const auto within = [scale](int origin, float offset, int end) {
+            return int(std::clamp(origin + std::int64_t(scale) * int(offset), std::int64_t(0), std::int64_t(end)));
+        };
+        const auto column = [&](const Corner& corner) { return within(x, corner.x, image.width); };
+        const auto row = [&](const Corner& corner) { return within(y, corner.y, image.height); };
+        for (int j = row(stroke[0]); j < row(stroke[2]); ++j)
+            for (int i = column(stroke[0]); i < column(stroke[2]); ++i) image.at(i, j) = colour;
+    }
+}
+
+Result<Done> write_png(const Image8& image, const std::string& path) {
+    assert(image.pixels.size() == std::size_t(image.width) * std::size_t(image.height));
+    constexpr std::int64_t largest = std::int64_t(1) << 29;  // stb counts bytes in an int, and doubles its buffers
+    if (image.pixels.empty() || (3 * std::int64_t(image.width) + 1) * image.height > largest)
+        return Error{path,
+                     {},
+                     "size of a PNG",
+                     fmt::format("1 to {} bytes", largest),
+                     fmt::format("{} x {} pixels", image.width, image.height)};
+    std::vector<std::byte> bytes;
+    const auto append = [](void* context, void* data, int size) {
+        auto& all = *static_cast<std::vector<std::byte>*>(context);
+        all.insert(all.end(), static_cast<std::byte*>(data), static_cast<std::byte*>(data) + size);
+    };
+    if (stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.pixels.data(), 3 * image.width) == 0)
+        return Error{path, {}, "cannot be written", "memory for a PNG", ""};
+    return write_file(path, bytes);
+}
+
+}  // namespace srbf

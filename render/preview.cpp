@@ -1,0 +1,137 @@
+#include "render/preview.h"
+
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace srbf {
+
+namespace {
+
+constexpr Rgb k_background{0.16f, 0.16f, 0.16f};
+constexpr Rgb8 k_strip{38, 38, 38}, k_ink{225, 225, 225};
+
+/// Calls visit(n) with the sphere's normal at each point of pixel (x, y) that lies on it.
+template <typename Visit> void for_each_normal(int x, int y, const SphereOptions& options, const Visit& visit) {
+    const double half = options.size / 2.0, radius = SphereOptions::k_radius * half;
+    for (int j = 0; j < options.samples; ++j)
+        for (int i = 0; i < options.samples; ++i) {
+            const double u = (x + (i + 0.5) / options.samples - half) / radius;
+            const double v = (half - y - (j + 0.5) / options.samples) / radius;
+            if (const double rest = 1 - u * u - v * v; rest > 0) visit(Vec3d{u, v, std::sqrt(rest)});
+        }
+}
+
+/// The points of a row that a light reaches, as arrays for one evaluation.
+struct LitPoints {
+    std::vector<Vec3f> wl, wv;
+    std::vector<Rgb> f;
+    std::vector<Rgb> irradiance;  ///< max(0, n·l) E, divided by the number of the pixel's points on the sphere
+    std::vector<int> column;
+};
+
+/// Puts row y of the sphere into `image`, which is 0 there.
+void render_row(const Evaluate& f, const SphereOptions& options, int y, Image& image) {
+    LitPoints points;
+    for (int x = 0; x < options.size; ++x) {
+        int hits = 0;
+        for_each_normal(x, y, options, [&](Vec3d) { ++hits; });
+        for_each_normal(x, y, options, [&](Vec3d n) {
+            const Vec3d t = normalize(Vec3d{n.z, 0, -n.x}), b = cross(n, t);
+            const auto local = [&](Vec3d w) { return Vec3f{float(dot(w, t)), float(dot(w, b)), float(dot(w, n))}; };
+            for (const DirectionalLight& light : k_preview_lights) {
+                const double cosine = dot(n, light.towards);
+                if (cosine <= 0) continue;
+                const Rgb e = light.irradiance;
+                const float share = float(cosine / hits);
+                points.wl.push_back(local(light.towards));
+                points.wv.push_back(local({0, 0, 1}));
+                points.irradiance.push_back({share * e.r, share * e.g, share * e.b});
+                points.column.push_back(x);
+            }
+        });
+    }
+    points.f.resize(points.wl.size());
+    if (!points.f.empty()) f(points.wl, points.wv, points.f);
+    for (std::size_t i = 0; i < points.f.size(); ++i)
+        for (int c = 0; c < 3; ++c) image.at(points.column[i], y)[c] += points.f[i][c] * points.irradiance[i][c];
+}
+
+Image ten_times_difference(const Image& a, const Image& b) {
+    Image out = a;
+    for (std::size_t i = 0; i < out.pixels.size(); ++i)
+        for (int c = 0; c < 3; ++c) out.pixels[i][c] = 10 * std::abs(a.pixels[i][c] - b.pixels[i][c]);
+    return out;
+}
+
+/// The sphere as shown, over the background.
+Image8 shown(const Image& radiance, const std::vector<float>& coverage, float exposure) {
+    Image8 out(radiance.width, radiance.height);
+    for (std::size_t i = 0; i < radiance.pixels.size(); ++i) {
+        const Rgb sphere = tone_map(radiance.pixels[i], exposure);
+        Rgb colour = k_background;
+        for (int c = 0; c < 3; ++c) colour[c] += coverage[i] * (sphere[c] - colour[c]);
+        out.pixels[i] = to_srgb8(colour);
+    }
+    return out;
+}
+
+/// A strip with `text` in its middle, as large as fits.
+Image8 caption(int width, int height, const std::string& text) {
+    Image8 out(width, height, k_strip);
+    const int columns = text_width(text), rows = 9;  // the font's twelve rows less those between lines
+    const int scale = std::max(1, std::min(height / 20, width / std::max(1, columns)));
+    draw_text(out, (width - scale * columns) / 2, (height - scale * rows) / 2, text, k_ink, scale);
+    return out;
+}
+
+/// Copies `part` into `image`, its upper left corner at (x, y).
+void paste(const Image8& part, int x, int y, Image8& image) {
+    for (int row = 0; row < part.height; ++row) std::copy_n(&part.at(0, row), part.width, &image.at(x, y + row));
+}
+
+}  // namespace
+
+Image render_sphere(const Evaluate& f, const SphereOptions& options) {
+    assert(f && options.size >= 1 && options.samples >= 1 && options.threads >= 0);
+    Image image(options.size, options.size);
+    // Asked for more threads than the machine has, TBB would warn on standard error.
+    const int most = tbb::info::default_concurrency();
+    tbb::task_arena arena(options.threads > 0 ? std::min(options.threads, most) : most);
+    arena.execute([&] { tbb::parallel_for(0, options.size, [&](int y) { render_row(f, options, y, image); }); });
+    return image;
+}
+
+std::vector<float> sphere_coverage(const SphereOptions& options) {
+    std::vector<float> coverage;
+    for (int y = 0; y < options.size; ++y)
+        for (int x = 0; x < options.size; ++x) {
+            int hits = 0;
+            for_each_normal(x, y, options, [&](Vec3d) { ++hits; });
+            coverage.push_back(float(hits) / float(options.samples * options.samples));
+        }
+    return coverage;
+}
+
+Image8 preview(const Evaluate& measured, const Evaluate& fit, const PreviewOptions& options) {
+    assert(options.size >= 16);
+    const SphereOptions sphere{options.size, options.samples, options.threads};
+    const Image reference = render_sphere(measured, sphere), other = render_sphere(fit, sphere);
+    const std::vector<float> coverage = sphere_coverage(sphere);
+    const float exposure = automatic_exposure(reference);
+
+    const int size = options.size, strip = std::max(12, size / 8);
+    const std::array radiance{reference, other, ten_times_difference(reference, other)};
+    Image8 image(3 * size, size + strip);
+    for (int i = 0; i < 3; ++i) {
+        paste(shown(radiance[std::size_t(i)], coverage, exposure), i * size, 0, image);
+        paste(caption(size, strip, options.captions[std::size_t(i)]), i * size, size, image);
+    }
+    return image;
+}
+
+}  // namespace srbf

@@ -1,0 +1,45 @@
+#include "srbf/directions.h"
+
+#include "srbf/kernel.h"
+
+namespace srbf {
+
+Vec3d fibonacci_direction(int i, int n, double theta_max) {
+    static const double golden_angle = k_pi * (3 - std::sqrt(5.0));
+    const double cos_max = std::cos(theta_max);
+    const double z = (i + 0.5) / n * (1 - cos_max) + cos_max;
+    const double r = std::sqrt(std::max(0.0, 1 - z * z)), phi = i * golden_angle;
+    return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+std::vector<Vec3f> fibonacci_directions(int n, double theta_max) {
+    std::vector<Vec3f> directions;
+    directions.reserve(std::size_t(n));
+    for (int i = 0; i < n; ++i) {
+        const Vec3d w = fibonacci_direction(i, n, theta_max);
+        directions.push_back({float(w.x), float(w.y), float(w.z)});
+    }
+    return directions;
+}
+
+Vec3d MirrorMixture::sample_cap(double u1, double u2) const {
+    const double z = 1 - u1 * (1 - cos_max_), r = std::sqrt(std::max(0.0, 1 - z * z));
+    return {r * std::cos(2 * k_pi * u2), r * std::sin(2 * k_pi * u2), z};
+}
+
+Vec3d MirrorMixture::sample(Vec3d wv, double u0, double u1, double u2) const {
+    if (u0 < k_even) return sample_cap(u1, u2);
+    const auto lobe = std::size_t((u0 - k_even) / k_mirror);
+    if (lobe < k_mirror_bandwidths.size())
+        return Kernel<double>::sample_vmf(mirror(wv), k_mirror_bandwidths[lobe], u1, u2);
+    return Kernel<double>::sample_vmf(wv, k_retro_bandwidth, u1, u2);
+}
+
+double MirrorMixture::pdf(Vec3d wl, Vec3d wv) const {
+    double density = contains(wl) ? k_even * cap_pdf() : 0;
+    for (const double bandwidth : k_mirror_bandwidths)
+        density += k_mirror * Kernel<double>::vmf_pdf(wl, mirror(wv), bandwidth);
+    return density + k_retro * Kernel<double>::vmf_pdf(wl, wv, k_retro_bandwidth);
+}
+
+}  // namespace srbf

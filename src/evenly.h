@@ -1,0 +1,27 @@
+// Low-discrepancy points: level 0.
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace srbf {
+
+/// Points that fill a cube of `D` dimensions evenly: fractions of multiples of powers of 1/g with g^(D+1) = g
+/// + 1 (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018), from a given point on.
+template <std::size_t D> class Evenly {
+  public:
+    explicit Evenly(const std::array<double, D>& start = {}) : at_(start) {
+        double g = 1.5;
+        for (int i = 0; i < 60; ++i) g = std::pow(1 + g, 1.0 / (D + 1));
+        for (std::size_t d = 0; d < D; ++d) step_[d] = std::pow(1 / g, double(d + 1));
+    }
+    const std::array<double, D>& next() {
+        for (std::size_t d = 0; d < D; ++d) at_[d] = std::fmod(at_[d] + step_[d], 1.0);
+        return at_;
+    }
+
+  private:
+    std::array<double, D> step_{}, at_{};
+};
+
+}  // namespace srbf

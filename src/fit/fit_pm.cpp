@@ -1,0 +1,143 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/rounding.h"
+#include "fit/search.h"
+#include "least_squares.h"
+#include "parallel.h"
+#include "srbf/half.h"
+
+namespace srbf {
+namespace {
+
+constexpr std::size_t k_polished = 3;  // of the starts
+constexpr int k_check_rounds = 12;
+/// Bound on the log of the coefficient of a lobe whose peak is 1. Peaks lie where no pair of directions
+/// leads, but lobes made of ever larger opposing bandwidths gain nothing (less than 1 % in the measured
+/// materials) and cost digits in float.
+constexpr double k_log_peak_limit = 300;
+
+/// The fitted f cosθl cosθv may reach this multiple of the largest measured one at a check (twice it is what
+/// we promise).
+constexpr double k_most_excess = 1.6;
+/// What exceeding it by the largest measured value costs at first, relative to the loss.
+constexpr double k_excess_weight = 0.005;
+
+/// Where `model` exceeds the checks by far they become observations, and those that had become so weigh more;
+/// returns how many. `first` is where the checks began.
+std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss) {
+    const auto largest = [](const Rgb& f) { return double(std::max({f.r, f.g, f.b})); };
+    const auto area = [&](std::size_t i) { return double(observations.wl[i].z) * double(observations.wv[i].z); };
+    double peak = 0;
+    for (std::size_t i = 0; i < observations.f.size(); ++i) peak = std::max(peak, largest(observations.f[i]) * area(i));
+    std::size_t exceeded = 0;
+    for (std::size_t i = first; i < observations.f.size(); ++i) {
+        const double f = largest(value(model, observations.wl[i], observations.wv[i])) * area(i);
+        if (f <= k_most_excess * peak) continue;
+        ++exceeded;
+        const std::size_t to = observations.f.size() - observations.checks;
+        if (i < to) {
+            observations.weight[i] *= 4;
+            continue;
+        }
+        std::swap(observations.wl[i], observations.wl[to]);
+        std::swap(observations.wv[i], observations.wv[to]);
+        std::swap(observations.f[i], observations.f[to]);
+        observations.weight[to] = float(k_excess_weight * loss * area(to) * area(to) / (peak * peak));
+        --observations.checks;
+    }
+    return exceeded;
+}
+
+Result<Done> check(const Observations& observations, const FitOptions& options) {
+    const auto in_range = [](const char* what, int x, int least, int most) -> Result<Done> {
+        if (x >= least && x <= most) return Done{};
+        return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x)};
+    };
+    for (const auto& result :
+         {in_range("number of lobes", options.lobes, 1, k_most_fitted_lobes),
+          in_range("number of variates", options.variates, 1, k_most_variates),
+          in_range("number of starts", options.starts, 1, 1000), in_range("number of kicks", options.kicks, 0, 100000),
+          in_range("number of threads", options.threads, 0, 1024)})
+        if (!result) return result.error();
+    const std::size_t count = observations.f.size();
+    if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)
+        return Error{"fit", {}, "observations", "arrays of one length", "different lengths"};
+    const auto parameters = std::size_t(options.lobes * (3 + options.variates) + 2 * options.variates);
+    if (count * 3 < parameters)
+        return Error{
+            "fit", {}, "observations", fmt::format("at least {} values", parameters), fmt::format("{}", 3 * count)};
+    for (std::size_t i = 0; i < count; ++i)
+        if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
+            return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
+    return Done{};
+}
+
+}  // namespace
+
+std::string_view name(StopReason reason) {
+    switch (reason) {
+        case StopReason::converged:
+            return "converged";
+        case StopReason::iterations:
+            return "iterations";
+        case StopReason::cancelled:
+            return "cancelled";
+    }
+    return "";
+}
+
+Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressCallback& progress) {
+    if (const auto valid = check(observations, options); !valid) return valid.error();
+    const double log_peak_limit = options.log_scale ? k_log_peak_limit : std::log(double(k_half_max));
+    const double polish_work = 0.15 * options.starts * (options.lobes + options.kicks);
+    Reporter reporter(progress, options.starts * (options.lobes + options.kicks) + 2 * polish_work);
+
+    PmFit fit;
+    arena_of(options.threads).execute([&] {
+        const Rows sample(observations);
+        std::vector<Candidate> found(std::size_t(options.starts));
+        tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t start) {
+            found[start] = search(sample, options, log_peak_limit, int(start), reporter);
+        });
+        const auto by_loss = [](const Candidate& a, const Candidate& b) { return a.loss < b.loss; };
+        std::stable_sort(found.begin(), found.end(), by_loss);
+        found.resize(std::min(found.size(), k_polished));
+
+        tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
+            if (!reporter.cancelled()) polish(sample, options, log_peak_limit, int(i), found[i]);
+            reporter.advance("polishing", polish_work / double(found.size()));
+        });
+        Lobes best = std::min_element(found.begin(), found.end(), by_loss)->lobes;
+
+        // Checks that the fit exceeds become observations, until there are none.
+        Observations all = observations;
+        const std::size_t first_check = all.f.size() - all.checks;
+        LevenbergMarquardtOptions steps;
+        steps.max_iterations = reporter.cancelled() ? 0 : 40;
+        for (int round = 0;; ++round) {
+            const Rows rows(all);
+            LobeProblem problem(rows, rows.blocks, options.variates, true, log_peak_limit);
+            Eigen::VectorXd x = LobeProblem::pack(best);
+            const auto summary = levenberg_marquardt(problem, x, steps);
+            best = problem.unpack(x);
+            fit.unrounded_loss = summary.loss;
+            fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
+            fit.unrounded = to_model(problem, best, options.log_scale);
+
+            // The nonlinear numbers are rounded, then the coefficients solved again.
+            const Lobes halves = to_lobes(rounded(fit.unrounded));
+            fit.loss = problem.loss(LobeProblem::pack(halves));
+            fit.model = rounded(to_model(problem, halves, options.log_scale));
+            if (round == k_check_rounds || reporter.cancelled()) break;
+            if (take_exceeded(all, first_check, fit.model, fit.loss) == 0) break;
+            steps.max_iterations = 12;
+        }
+        if (!reporter.advance("polishing", polish_work)) fit.stop = StopReason::cancelled;
+    });
+    return fit;
+}
+
+}  // namespace srbf

@@ -1,0 +1,147 @@
+#include "fit/gram.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fit/gram.cpp"
+#include <hwy/foreach_target.h>
+
+#include "batch-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace srbf {
+namespace HWY_NAMESPACE {
+
+void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
+    using Formula = Formulas<Batch, PmModel>;
+    const Batch a_(a), b_(b), one(1.0);
+    const Vec3<Batch> up(Batch(0.0), Batch(0.0), one);
+    const std::size_t first = block * k_block;
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+        const std::size_t at = first + i;
+        const Vec3<Batch> wl(Batch::load(&rows.wl[0][at]), Batch::load(&rows.wl[1][at]), Batch::load(&rows.wl[2][at]));
+        const Vec3<Batch> wv(Batch::load(&rows.wv[0][at]), Batch::load(&rows.wv[1][at]), Batch::load(&rows.wv[2][at]));
+        Formula::gaussian_exponent(Formula::psi(wl, wv, a_, b_), up, one).store(s + i);
+        Formula::psi_by_angle(wl, wv, a_, b_).z.store(s_by_angle + i);
+    }
+}
+
+float exponent(const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
+               float* x) {
+    const float* root_weight = &rows.root_weight[block * k_block];
+    const Batch lowest(-std::numeric_limits<float>::max());
+    Batch largest = lowest;
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+        Batch sum;
+        for (std::size_t n = 0; n < weight.size(); ++n)
+            sum = multiply_add(Batch(double(weight[n])), Batch::load(s[n] + i), sum);
+        sum.store(x + i);
+        largest = max(largest, select(Batch(0.0) < Batch::load(root_weight + i), sum, lowest));
+    }
+    return largest.largest();
+}
+
+void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
+    const float* root_weight = &rows.root_weight[block * k_block];
+    const Batch shift{double(offset)};
+    for (std::size_t i = 0; i < k_block; i += Batch::size())
+        (Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, Batch(0.0)))).store(x + i);
+}
+
+void multiply(const float* a, const float* b, float* out) {
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) (Batch::load(a + i) * Batch::load(b + i)).store(out + i);
+}
+
+double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
+    Batch sum;
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+        Batch rest = Batch::load(y + i);
+        for (std::size_t j = 0; j < beta.size(); ++j)
+            rest = multiply_add(Batch(-double(beta[j])), Batch::load(columns[j] + i), rest);
+        rest.store(r + i);
+        sum = multiply_add(rest, rest, sum);
+    }
+    return double(sum.sum());
+}
+
+// Tiles of 4 × 3 columns: 12 sums and 7 operands fit the 16 registers of AVX2.
+void add_gram(std::span<const float* const> columns, double* G) {
+    const std::size_t n = columns.size();
+    for (std::size_t row = 0; row < n; row += 4) {
+        const std::size_t last = n - 1;
+        const float* a[4];
+        for (std::size_t t = 0; t < 4; ++t) a[t] = columns[std::min(row + t, last)];
+        for (std::size_t column = 0; column < std::min(row + 4, n); column += 3) {
+            const float* b[3];
+            for (std::size_t t = 0; t < 3; ++t) b[t] = columns[std::min(column + t, last)];
+            Batch sum[4][3];
+            for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+                const Batch b0 = Batch::load(b[0] + i), b1 = Batch::load(b[1] + i), b2 = Batch::load(b[2] + i);
+                HWY_UNROLL(4)
+                for (std::size_t t = 0; t < 4; ++t) {
+                    const Batch at = Batch::load(a[t] + i);
+                    sum[t][0] = multiply_add(at, b0, sum[t][0]);
+                    sum[t][1] = multiply_add(at, b1, sum[t][1]);
+                    sum[t][2] = multiply_add(at, b2, sum[t][2]);
+                }
+            }
+            for (std::size_t t = 0; t < 4 && row + t < n; ++t)
+                for (std::size_t u = 0; u < 3 && column + u <= row + t; ++u)
+                    G[(row + t) * n + column + u] += double(sum[t][u].sum());
+        }
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace srbf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace srbf {
+
+HWY_EXPORT(axial_feature);
+HWY_EXPORT(exponent);
+HWY_EXPORT(exponentiate);
+HWY_EXPORT(multiply);
+HWY_EXPORT(residual);
+HWY_EXPORT(add_gram);
+
+void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
+    HWY_DYNAMIC_DISPATCH(axial_feature)(rows, block, a, b, s, s_by_angle);
+}
+float exponent(const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
+               float* x) {
+    return HWY_DYNAMIC_DISPATCH(exponent)(rows, block, weight, s, x);
+}
+void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
+    HWY_DYNAMIC_DISPATCH(exponentiate)(rows, block, offset, x);
+}
+void multiply(const float* a, const float* b, float* out) { HWY_DYNAMIC_DISPATCH(multiply)(a, b, out); }
+double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
+    return HWY_DYNAMIC_DISPATCH(residual)(y, beta, columns, r);
+}
+void add_gram(std::span<const float* const> columns, double* G) { HWY_DYNAMIC_DISPATCH(add_gram)(columns, G); }
+
+Rows::Rows(const Observations& observations) {
+    const std::size_t count = observations.f.size() - observations.checks;
+    blocks = (count + k_block - 1) / k_block;
+    // Rows that fill up the last block: any direction will do, their weight is 0.
+    for (int k = 0; k < 3; ++k) {
+        wl[std::size_t(k)].assign(blocks * k_block, k == 2 ? 1.f : 0.f);
+        wv[std::size_t(k)].assign(blocks * k_block, k == 2 ? 1.f : 0.f);
+        y[std::size_t(k)].assign(blocks * k_block, 0.f);
+    }
+    root_weight.assign(blocks * k_block, 0.f);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vec3f l = observations.wl[i], v = observations.wv[i];
+        wl[0][i] = l.x, wl[1][i] = l.y, wl[2][i] = l.z;
+        wv[0][i] = v.x, wv[1][i] = v.y, wv[2][i] = v.z;
+        root_weight[i] = std::sqrt(observations.weight[i]);
+        for (int c = 0; c < 3; ++c) y[std::size_t(c)][i] = root_weight[i] * observations.f[i][c];
+    }
+}
+
+}  // namespace srbf
+#endif

@@ -1,0 +1,45 @@
+// The inner loops of the fit: lobes on blocks of weighted observations, and the products of their columns.
+// Float SIMD inside of a block of rows, sums over blocks in double: the same on any number of threads.
+#pragma once
+#include <tbb/cache_aligned_allocator.h>
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "srbf/fit.h"
+
+namespace srbf {
+
+inline constexpr std::size_t k_block = 512;  ///< rows in a block
+
+template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
+
+/// Observations as the loops take them: an array a component, filled up to whole blocks with rows of weight
+/// 0.
+struct Rows {
+    explicit Rows(const Observations& observations);  ///< all but the checks
+    std::size_t blocks = 0;
+    std::array<Aligned<float>, 3> wl, wv;
+    Aligned<float> root_weight;       ///< √w
+    std::array<Aligned<float>, 3> y;  ///< √w f for each channel
+};
+
+// Every array below holds k_block numbers and is aligned for vectors.
+
+/// For rows of one block and ψ of angle (a, b): s = −|ψ−ẑ|²/2 = ψ_z − 1 and its derivative by the angle.
+void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle);
+/// x = Σ_n weight[n] s[n]; returns the largest of the rows with a positive weight, −∞ where there is none.
+float exponent(const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
+               float* x);
+/// x ← √w exp(x − offset).
+void exponentiate(const Rows& rows, std::size_t block, float offset, float* x);
+/// out = a b.
+void multiply(const float* a, const float* b, float* out);
+/// r = y − Σ_j beta[j] columns[j]; returns Σ r².
+double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r);
+/// G[i × n + k] += columns[i] · columns[k] for k ≤ i, n the number of columns.
+void add_gram(std::span<const float* const> columns, double* G);
+
+}  // namespace srbf

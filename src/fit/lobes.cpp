@@ -1,0 +1,254 @@
+#include "fit/lobes.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "least_squares.h"
+
+namespace srbf {
+namespace {
+
+// Sums run over chunks of this many blocks, then over chunks, whatever the number of threads.
+constexpr std::size_t k_chunk = 8;
+
+constexpr float k_nothing = -std::numeric_limits<float>::infinity();
+
+}  // namespace
+
+LobeProblem::LobeProblem(const Rows& rows, std::size_t blocks, int variates, bool parallel, double log_peak_limit)
+    : rows_(rows),
+      blocks_(std::min(blocks, rows.blocks)),
+      variates_(variates),
+      parallel_(parallel),
+      log_peak_limit_(log_peak_limit),
+      feature_(blocks_ * std::size_t(2 * variates) * k_block),
+      rest_(blocks_ * 3 * k_block) {}
+
+Eigen::VectorXd LobeProblem::bound(Eigen::Index size, double sign) const {
+    Eigen::VectorXd b(size);
+    b.head(variates_).setConstant(sign * std::numeric_limits<double>::infinity());
+    b.tail(size - variates_).setConstant(sign * k_largest_weight);
+    return b;
+}
+
+Eigen::VectorXd LobeProblem::pack(const Lobes& lobes) {
+    Eigen::VectorXd x(Eigen::Index(lobes.angle.size() + lobes.weight.size()));
+    std::copy(lobes.angle.begin(), lobes.angle.end(), x.begin());
+    std::copy(lobes.weight.begin(), lobes.weight.end(), x.begin() + Eigen::Index(lobes.angle.size()));
+    return x;
+}
+
+Lobes LobeProblem::unpack(const Eigen::VectorXd& x) const {
+    return {variates_, {x.begin(), x.begin() + variates_}, {x.begin() + variates_, x.end()}};
+}
+
+template <typename Body> void LobeProblem::for_chunks(const Body& body) const {
+    const std::size_t chunks = (blocks_ + k_chunk - 1) / k_chunk;
+    const auto run = [&](std::size_t chunk) { body(chunk, chunk * k_chunk, std::min((chunk + 1) * k_chunk, blocks_)); };
+    if (parallel_)
+        tbb::parallel_for(std::size_t(0), chunks, run);
+    else
+        for (std::size_t chunk = 0; chunk < chunks; ++chunk) run(chunk);
+}
+
+template <typename Columns>
+Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, const Columns& columns) const {
+    std::vector<std::vector<double>> parts((blocks_ + k_chunk - 1) / k_chunk);
+    for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        Aligned<float> scratch(scratch_columns * k_block);
+        std::vector<const float*> pointers;
+        parts[chunk].assign(n * n, 0.0);
+        for (std::size_t block = begin; block < end; ++block) {
+            pointers.clear();
+            columns(block, scratch.data(), pointers);
+            add_gram(pointers, parts[chunk].data());
+        }
+    });
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(Eigen::Index(n), Eigen::Index(n));
+    for (const auto& part : parts) G += Eigen::Map<const Eigen::MatrixXd>(part.data(), G.rows(), G.cols());
+    // Row-major lower triangles read as column-major upper ones.
+    return G.selfadjointView<Eigen::Upper>();
+}
+
+double LobeProblem::loss(const Eigen::VectorXd& x) {
+    lobes_ = int(x.size()) / variates_ - 1;
+    const std::size_t J = std::size_t(lobes_), N = std::size_t(variates_);
+    lobe_.resize(blocks_ * J * k_block);
+    offset_.assign(J, 0.0);
+    std::vector<float> weight(J * N);
+    for (std::size_t i = 0; i < J * N; ++i) weight[i] = float(x[Eigen::Index(N + i)]);
+
+    const std::size_t chunks = (blocks_ + k_chunk - 1) / k_chunk;
+    std::vector<std::vector<float>> largest(chunks, std::vector<float>(J, k_nothing));
+    for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t block = begin; block < end; ++block) {
+            std::vector<const float*> s;
+            for (int n = 0; n < variates_; ++n) {
+                const auto a = float(std::cos(x[n])), b = float(std::sin(x[n]));
+                axial_feature(rows_, block, a, b, feature(block, n), feature(block, variates_ + n));
+                s.push_back(feature(block, n));
+            }
+            for (int j = 0; j < lobes_; ++j) {
+                const std::span<const float> of_lobe(&weight[std::size_t(j) * N], N);
+                float& most = largest[chunk][std::size_t(j)];
+                most = std::max(most, exponent(rows_, block, of_lobe, s, lobe(block, j)));
+            }
+        }
+    });
+    for (std::size_t j = 0; j < J; ++j) {
+        float most = k_nothing;
+        for (const auto& of_chunk : largest) most = std::max(most, of_chunk[j]);
+        offset_[j] = double(most);
+    }
+    for_chunks([&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t block = begin; block < end; ++block)
+            for (int j = 0; j < lobes_; ++j) exponentiate(rows_, block, float(offset_[std::size_t(j)]), lobe(block, j));
+    });
+
+    const Eigen::MatrixXd G = gram(J + 3, 0, [&](std::size_t block, float*, std::vector<const float*>& columns) {
+        for (int j = 0; j < lobes_; ++j) columns.push_back(lobe_.data() + (block * J + std::size_t(j)) * k_block);
+        for (std::size_t c = 0; c < 3; ++c) columns.push_back(&rows_.y[c][block * k_block]);
+    });
+    gram_ = G.topLeftCorner(lobes_, lobes_);
+    beta_limit_.resize(lobes_);
+    for (int j = 0; j < lobes_; ++j) {
+        const std::span<const double> of_lobe(x.data() + N + std::size_t(j) * N, N);
+        beta_limit_[j] = std::exp(std::min(log_peak_limit_ - log_peak_factor(of_lobe, offset_[std::size_t(j)]), 700.0));
+    }
+    beta_.resize(lobes_, 3);
+    for (int c = 0; c < 3; ++c)
+        beta_.col(c) = bounded_least_squares(gram_, G.block(0, lobes_ + c, lobes_, 1), beta_limit_);
+
+    std::vector<double> sums(chunks, 0.0);
+    for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        std::vector<float> beta(J);
+        std::vector<const float*> columns(J);
+        for (std::size_t block = begin; block < end; ++block) {
+            for (int j = 0; j < lobes_; ++j) columns[std::size_t(j)] = lobe(block, j);
+            for (int c = 0; c < 3; ++c) {
+                for (int j = 0; j < lobes_; ++j) beta[std::size_t(j)] = float(beta_(j, c));
+                sums[chunk] += residual(&rows_.y[std::size_t(c)][block * k_block], beta, columns, rest(block, c));
+            }
+        }
+    });
+    double sum = 0;
+    for (const double part : sums) sum += part;
+    return sum;
+}
+
+// With D the columns E_j s_n, E_j ds_n/dangle and E_j, the derivative of channel c's residual is −D B_c, B_c
+// made of β and the weights. A coefficient between its bounds follows the others, so that of D only the part
+// across those lobes counts (Kaufman's approximation). One at its upper bound follows the bound: β_j E_j is
+// then a lobe of a given peak, whose derivative by a negative weight is β_j E_j (s_n + 2).
+void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+    const Eigen::Index J = lobes_, N = variates_, first_e = 2 * J * N, columns_d = first_e + J, total = columns_d + 3;
+    const Eigen::MatrixXd G = gram(std::size_t(total), std::size_t(first_e),
+                                   [&](std::size_t block, float* scratch, std::vector<const float*>& columns) {
+                                       for (int j = 0; j < J; ++j)
+                                           for (int n = 0; n < 2 * N; ++n, scratch += k_block) {
+                                               multiply(lobe(block, j), feature(block, n), scratch);
+                                               columns.push_back(scratch);
+                                           }
+                                       for (int j = 0; j < J; ++j) columns.push_back(lobe(block, j));
+                                       for (int c = 0; c < 3; ++c) columns.push_back(rest(block, c));
+                                   });
+    const auto DD = G.topLeftCorner(columns_d, columns_d);
+
+    H = Eigen::MatrixXd::Zero(x.size(), x.size());
+    g = Eigen::VectorXd::Zero(x.size());
+    for (Eigen::Index c = 0; c < 3; ++c) {
+        Eigen::MatrixXd B = Eigen::MatrixXd::Zero(columns_d, x.size());
+        std::vector<Eigen::Index> passive;
+        for (Eigen::Index j = 0; j < J; ++j) {
+            if (!(beta_(j, c) > 0)) continue;
+            const bool bounded = beta_(j, c) >= beta_limit_[j];
+            if (!bounded) passive.push_back(first_e + j);
+            for (Eigen::Index n = 0; n < N; ++n) {
+                const Eigen::Index at = N + j * N + n;
+                B(j * 2 * N + n, at) = beta_(j, c);
+                B(j * 2 * N + N + n, n) = beta_(j, c) * x[at];
+                if (bounded && x[at] < 0) B(first_e + j, at) = 2 * beta_(j, c);
+            }
+        }
+        H += B.transpose() * DD * B;
+        g -= B.transpose() * G.block(0, columns_d + c, columns_d, 1);
+        if (passive.empty()) continue;
+        const Eigen::MatrixXd BP = B.transpose() * DD(Eigen::all, passive);
+        Eigen::MatrixXd PP = DD(passive, passive);
+        PP.diagonal() *= 1 + 1e-6;
+        H -= BP * PP.ldlt().solve(BP.transpose());
+    }
+}
+
+std::vector<double> LobeProblem::cost_of_dropping() const {
+    Eigen::MatrixXd ridged = gram_;
+    ridged.diagonal().array() *= 1 + 1e-7;
+    ridged.diagonal().array() += 1e-300;
+    const Eigen::MatrixXd inverse = ridged.ldlt().solve(Eigen::MatrixXd::Identity(lobes_, lobes_));
+    std::vector<double> cost;
+    for (Eigen::Index j = 0; j < lobes_; ++j)
+        cost.push_back(beta_.row(j).squaredNorm() / std::max(inverse(j, j), 1e-300));
+    return cost;
+}
+
+std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<double>>& candidates) {
+    constexpr std::size_t group = 16;
+    std::vector<double> best;
+    double best_gain = -1;
+    Eigen::MatrixXd ridged = gram_;
+    ridged.diagonal().array() *= 1 + 1e-7;
+    ridged.diagonal().array() += 1e-300;
+    const Eigen::LDLT<Eigen::MatrixXd> factor(ridged);
+    for (std::size_t first = 0; first < candidates.size(); first += group) {
+        const std::size_t count = std::min(group, candidates.size() - first);
+        const auto exponent_of = [&](std::size_t k, std::size_t block, float* x) {
+            std::vector<const float*> s;
+            for (int n = 0; n < variates_; ++n) s.push_back(feature(block, n));
+            const std::vector<float> weight(candidates[first + k].begin(), candidates[first + k].end());
+            return exponent(rows_, block, weight, s, x);
+        };
+        std::vector<float> offset(count, k_nothing);
+        Aligned<float> unused(k_block);
+        for (std::size_t k = 0; k < count; ++k)
+            for (std::size_t block = 0; block < blocks_; ++block)
+                offset[k] = std::max(offset[k], exponent_of(k, block, unused.data()));
+        const Eigen::MatrixXd G = gram(count + std::size_t(lobes_) + 3, count,
+                                       [&](std::size_t block, float* scratch, std::vector<const float*>& columns) {
+                                           for (std::size_t k = 0; k < count; ++k, scratch += k_block) {
+                                               exponent_of(k, block, scratch);
+                                               exponentiate(rows_, block, offset[k], scratch);
+                                               columns.push_back(scratch);
+                                           }
+                                           for (int j = 0; j < lobes_; ++j) columns.push_back(lobe(block, j));
+                                           for (int c = 0; c < 3; ++c) columns.push_back(rest(block, c));
+                                       });
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto at = Eigen::Index(k);
+            double across = G(at, at);
+            if (!(across > 1e-60)) continue;
+            const double whole = across;
+            if (lobes_ > 0) {
+                const Eigen::VectorXd shared = G.block(Eigen::Index(count), at, lobes_, 1);
+                across -= shared.dot(factor.solve(shared));
+            }
+            across = std::max(across, 1e-4 * whole);
+            double gain = 0;
+            for (Eigen::Index c = 0; c < 3; ++c) {
+                const double along = std::max(0.0, G(at, Eigen::Index(count) + lobes_ + c));
+                gain += along * along / across;
+            }
+            if (gain > best_gain) best_gain = gain, best = candidates[first + k];
+        }
+    }
+    return best;
+}
+
+double log_peak_factor(std::span<const double> weight, double offset) {
+    double log_factor = -offset;
+    for (const double w : weight) log_factor += w < 0 ? -2 * w : 0;
+    return log_factor;
+}
+
+}  // namespace srbf

@@ -1,0 +1,79 @@
+// Axial lobes as a separable least-squares problem: what Levenberg-Marquardt and the search for lobes work
+// on.
+#pragma once
+#include <Eigen/Dense>
+#include <limits>
+
+#include "fit/gram.h"
+#include "srbf/model.h"
+
+namespace srbf {
+
+/// The nonlinear numbers of J axial lobes of N variates. Lobe j is E_j = exp(Σ_n weight_jn s_n − o_j) with
+/// s_n = ψ_n,z − 1, a Gaussian SRBF of bandwidth |weight| about +z or −z up to a factor; o_j makes its
+/// largest value on the rows 1.
+struct Lobes {
+    int variates = 0;
+    std::vector<double> angle;   ///< N: (a_n, b_n) = (cos, sin)
+    std::vector<double> weight;  ///< J × N
+    int count() const { return variates ? int(weight.size()) / variates : 0; }
+    std::span<const double> of(int j) const {
+        return {weight.data() + std::size_t(j * variates), std::size_t(variates)};
+    }
+};
+inline constexpr double k_largest_weight = 65504;
+
+/// Σ w |f − Σ_j β_j E_j|² over the first rows of `rows`, β eliminated by non-negative least squares per
+/// channel. Variables are x = (angles, weights).
+class LobeProblem {
+  public:
+    /// `parallel`: the loops run over the rows on several threads; the result does not depend on it.
+    /// `log_peak_limit`: bound on the log of a coefficient of a lobe whose peak is 1.
+    LobeProblem(const Rows& rows, std::size_t blocks, int variates, bool parallel,
+                double log_peak_limit = std::numeric_limits<double>::infinity());
+
+    double loss(const Eigen::VectorXd& x);
+    void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
+    Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return bound(x.size(), -1); }
+    Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return bound(x.size(), 1); }
+
+    // Of the last call of `loss`:
+    const Eigen::MatrixXd& beta() const { return beta_; }          ///< J × 3
+    const std::vector<double>& offset() const { return offset_; }  ///< o_j
+
+    /// What the loss would rise by, to first order, if lobe j were dropped and the others' β adapted.
+    std::vector<double> cost_of_dropping() const;
+    /// Of `candidates` the one that would lower the loss most, were it added; call after `loss`.
+    std::vector<double> best_addition(const std::vector<std::vector<double>>& candidates);
+
+    static Eigen::VectorXd pack(const Lobes& lobes);
+    Lobes unpack(const Eigen::VectorXd& x) const;
+
+  private:
+    Eigen::VectorXd bound(Eigen::Index size, double sign) const;
+    float* lobe(std::size_t block, int j) { return &lobe_[(block * std::size_t(lobes_) + std::size_t(j)) * k_block]; }
+    float* feature(std::size_t block, int n) {
+        return &feature_[(block * std::size_t(2 * variates_) + std::size_t(n)) * k_block];
+    }
+    float* rest(std::size_t block, int c) { return &rest_[(block * 3 + std::size_t(c)) * k_block]; }
+    template <typename Body> void for_chunks(const Body& body) const;
+    /// Σ over blocks of products of columns; `columns(block, scratch)` appends n pointers.
+    template <typename Columns>
+    Eigen::MatrixXd gram(std::size_t n, std::size_t scratch_columns, const Columns& columns) const;
+
+    const Rows& rows_;
+    std::size_t blocks_;
+    int variates_, lobes_ = 0;
+    bool parallel_;
+    double log_peak_limit_;
+    Aligned<float> lobe_, feature_,
+        rest_;  ///< blocks × (J, 2N, 3) × k_block: E_j; s_n, then ds_n/dangle; residuals
+    std::vector<double> offset_;
+    Eigen::MatrixXd beta_, gram_;  ///< J × 3; E·E
+    Eigen::VectorXd beta_limit_;   ///< J: bound on β by that on the peaks
+};
+
+/// The log of what β_j of the problem must be multiplied by to be the coefficient of a lobe whose peak is 1.
+double log_peak_factor(std::span<const double> weight, double offset);
+
+}  // namespace srbf

@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <cmath>
+
+#include "evenly.h"
+#include "srbf/directions.h"
+#include "srbf/fit.h"
+
+namespace srbf {
+namespace {
+
+const double k_guard_share = 1.0 / 8;
+constexpr std::size_t k_mirror_checks = 32768;
+constexpr double k_guard_theta = 89.9 * k_degree;
+/// Σ over the guards, relative to Σ w |f|², if the fit were off by the largest measured f cosθl cosθv at each
+/// of them.
+constexpr double k_guard_importance = 1e-2;
+
+/// Directions of view: even over the cap, a quarter of them even in log cosθ, so that grazing ones are not
+/// rare.
+class ViewMixture {
+  public:
+    explicit ViewMixture(double cos_max) : cos_max_(cos_max) {}
+    Vec3d sample(double u0, double u1, double u2) const {
+        const double z = u0 < k_even ? 1 - u1 * (1 - cos_max_) : std::pow(cos_max_, u1);
+        const double r = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * k_pi * u2;
+        return {r * std::cos(phi), r * std::sin(phi), z};
+    }
+    double pdf(Vec3d w) const {  // [1/sr]
+        return (k_even / (1 - cos_max_) + (1 - k_even) / (w.z * -std::log(cos_max_))) / (2 * k_pi);
+    }
+
+  private:
+    static constexpr double k_even = 0.75;
+    double cos_max_;
+};
+
+struct Draw {
+    Vec3d wl, wv;
+    double weight = 0;  // 1 / density within the caps, 0 for a guard
+};
+
+/// A grid of pairs to 89.9°, in-plane ones and the horizon among them: where a sum of exponentials can run
+/// away unseen, it does so towards an edge.
+std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
+    std::vector<double> theta{0, 2, 5};
+    for (double t = 10; t < 80; t += 5) theta.push_back(t);
+    for (const double t : {79.0, 82.0, 85.0, 87.0, 88.0, 89.0, 89.5, 89.9}) theta.push_back(t);
+    std::vector<double> phi{0,   1,   3,   6,   10,  15,  20,  30,  40,  50,  60,  75, 90,
+                            105, 120, 130, 140, 150, 160, 165, 170, 174, 177, 179, 180};
+    std::vector<std::pair<Vec3d, Vec3d>> grid;
+    for (const double l : theta)
+        for (const double v : theta)
+            for (const double p : phi)
+                grid.emplace_back(spherical(l * k_degree, p * k_degree), spherical(v * k_degree, 0.0));
+    return grid;
+}
+
+}  // namespace
+
+std::string_view name(Objective objective) { return objective == Objective::raw ? "raw" : "cosine"; }
+
+double default_max_theta(Objective objective) { return (objective == Objective::raw ? 80 : 89) * k_degree; }
+
+Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
+    const double theta_max = options.max_theta > 0 ? options.max_theta : default_max_theta(options.objective);
+    if (!(theta_max >= k_degree && theta_max <= 89.9 * k_degree))
+        return Error{"observe", {}, "max_theta", "1 to 89.9 degrees", std::to_string(theta_max / k_degree)};
+    if (options.count < 1024 || options.count > std::size_t(1) << 24)
+        return Error{"observe", {}, "count", "1024 to 16777216", std::to_string(options.count)};
+
+    std::mt19937_64 random(options.seed);
+    const auto random_point = [&] {
+        std::array<double, 6> point;
+        for (double& x : point) x = uniform(random);
+        return point;
+    };
+    Evenly<6> pairs(random_point()), guard_pairs(random_point());
+    const double cos_max = std::cos(theta_max), cos_guard = std::cos(k_guard_theta);
+    const ViewMixture views(cos_max);
+    const MirrorMixture lights(theta_max), guard_lights(k_guard_theta);
+
+    // A pair within the caps.
+    const auto draw_pair = [&]() -> Draw {
+        for (;;) {
+            const auto u = pairs.next();
+            const Vec3d wv = views.sample(u[0], u[1], u[2]), wl = lights.sample(wv, u[3], u[4], u[5]);
+            if (lights.contains(wl)) return {wl, wv, 1 / (views.pdf(wv) * lights.pdf(wl, wv))};
+        }
+    };
+    // Half of the guards have at least one direction between θmax and 89.9°, the others are nodes of the grid
+    // of checks.
+    const auto grid = check_grid();
+    const auto draw_guard = [&]() -> Draw {
+        for (;;) {
+            const auto u = guard_pairs.next();
+            if (u[0] < 0.5) {
+                const auto& [wl, wv] = grid[std::size_t(2 * u[0] * double(grid.size()))];
+                return {wl, wv, 0};
+            }
+            const double z = cos_guard + u[1] * (cos_max - cos_guard), r = std::sqrt(1 - z * z);
+            const Vec3d edge{r * std::cos(2 * k_pi * u[2]), r * std::sin(2 * k_pi * u[2]), z};
+            const Vec3d other = guard_lights.sample(edge, u[3], u[4], u[5]);
+            if (other.z < cos_guard) continue;
+            return u[0] < 0.75 ? Draw{edge, other, 0} : Draw{other, edge, 0};
+        }
+    };
+
+    std::vector<Draw> draws;
+    draws.reserve(options.count);
+    for (std::size_t i = 0; i < options.count; ++i) {
+        const bool guard = std::fmod(double(i) * k_guard_share, 1.0) + k_guard_share >= 1;
+        draws.push_back(guard ? draw_guard() : draw_pair());
+    }
+
+    // The checks: the grid, and as many pairs about the mirror direction as may find a lobe between its nodes.
+    for (const auto& [wl, wv] : grid) draws.push_back({wl, wv, 0});
+    while (draws.size() < options.count + grid.size() + k_mirror_checks) {
+        const auto u = guard_pairs.next();
+        const Vec3d wv = guard_lights.sample_cap(u[1], u[2]), wl = guard_lights.sample(wv, u[3], u[4], u[5]);
+        if (wl.z >= cos_guard) draws.push_back({wl, wv, 0});
+    }
+
+    Observations drawn;
+    const auto to_float = [](Vec3d w) { return Vec3f{float(w.x), float(w.y), float(w.z)}; };
+    for (const Draw& draw : draws) {
+        drawn.wl.push_back(to_float(draw.wl));
+        drawn.wv.push_back(to_float(draw.wv));
+    }
+    drawn.f.resize(draws.size());
+    f(drawn.wl, drawn.wv, drawn.f);
+
+    // Drop what was not measured, clamp what is negative, weight by the objective.
+    Observations kept;
+    double energy = 0, peak = 0, guards = 0;
+    std::vector<bool> is_guard;
+    for (std::size_t i = 0; i < draws.size(); ++i) {
+        if (!is_finite(drawn.f[i])) {
+            ++kept.masked;
+            continue;
+        }
+        Rgb value;
+        for (int c = 0; c < 3; ++c) {
+            value[c] = std::max(drawn.f[i][c], 0.f);
+            kept.clamped += drawn.f[i][c] < 0;
+        }
+        const double cos_l = draws[i].wl.z, cos_v = draws[i].wv.z;
+        const double square = double(value.r) * value.r + double(value.g) * value.g + double(value.b) * value.b;
+        const double weight = draws[i].weight * (options.objective == Objective::cosine ? cos_l * cos_l * cos_v : 1);
+        kept.wl.push_back(drawn.wl[i]);
+        kept.wv.push_back(drawn.wv[i]);
+        kept.f.push_back(value);
+        kept.weight.push_back(float(weight));
+        kept.checks += i >= options.count;
+        is_guard.push_back(draws[i].weight == 0);
+        guards += draws[i].weight == 0 && i < options.count;
+        energy += weight * square;
+        peak = std::max(peak, square * cos_l * cos_l * cos_v * cos_v);
+    }
+    if (kept.f.size() == kept.checks) return Error{"observe", {}, "pairs with a measurement", "some", "none"};
+    if (!(energy > 0) || !std::isfinite(energy)) return Error{"observe", {}, "values", "some above 0", "none"};
+
+    for (std::size_t i = 0; i < kept.f.size(); ++i) {
+        const double area = double(kept.wl[i].z) * double(kept.wv[i].z);
+        kept.weight[i] =
+            float(is_guard[i] ? k_guard_importance * area * area / (guards * peak) : double(kept.weight[i]) / energy);
+    }
+    return kept;
+}
+
+}  // namespace srbf

@@ -1,0 +1,68 @@
+#include "fit/rounding.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "srbf/half.h"
+
+namespace srbf {
+
+Parameterization rounded_direction(double angle) {
+    const double a = std::cos(angle), b = std::sin(angle);
+    const bool swap = std::abs(b) > std::abs(a);
+    const double ratio = swap ? a / b : b / a, sign = (swap ? b : a) < 0 ? -1 : 1;
+    Parameterization best;
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 1024; ++i) {
+        const double large = 1 + i / 1024.0, small = double(round_to_half(float(ratio * large)));
+        const double error = std::abs(small / large - ratio);
+        if (error >= least) continue;
+        least = error;
+        const auto p = float(sign * large), q = float(sign * small);
+        best = swap ? Parameterization{q, p} : Parameterization{p, q};
+    }
+    return best;
+}
+
+PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale) {
+    PmModel model;
+    model.lobes = lobes.count();
+    model.variates = lobes.variates;
+    for (const double angle : lobes.angle) model.parameterization.push_back(rounded_direction(angle));
+    std::vector<double> log_peak;  // of the largest channel
+    bool out_of_range = false;
+    for (int j = 0; j < model.lobes; ++j) {
+        const double beta = problem.beta().row(j).maxCoeff();
+        const double log_beta = std::log(beta) + log_peak_factor(lobes.of(j), problem.offset()[std::size_t(j)]);
+        log_peak.push_back(log_beta);
+        if (beta > 1e-30)
+            out_of_range |= log_beta > std::log(double(k_half_max)) || log_beta < std::log(double(k_half_min)) + 3;
+    }
+    for (int j = 0; j < model.lobes; ++j) {
+        const double largest = problem.beta().row(j).maxCoeff();
+        const bool any = largest > 1e-30;
+        const double scale =
+            log_scale && out_of_range && any ? double(round_to_half(float(log_peak[std::size_t(j)]))) : 0.0;
+        // β / largest × e^(log peak − scale): neither factor overflows.
+        const double factor = any ? std::exp(std::min(log_peak[std::size_t(j)] - scale, 80.0)) / largest : 0.0;
+        Rgb coefficient;
+        for (int c = 0; c < 3; ++c) coefficient[c] = float(problem.beta()(j, c) * factor);
+        model.coefficient.push_back(coefficient);
+        model.log_scale.push_back(float(scale));
+        for (const double w : lobes.of(j)) {
+            model.centre.push_back({0, 0, w < 0 ? -1.f : 1.f});
+            model.bandwidth.push_back(float(std::abs(w)));
+        }
+    }
+    return model;
+}
+
+Lobes to_lobes(const PmModel& model) {
+    Lobes lobes{model.variates, {}, {}};
+    for (const auto& p : model.parameterization) lobes.angle.push_back(std::atan2(double(p.b), double(p.a)));
+    for (std::size_t i = 0; i < model.bandwidth.size(); ++i)
+        lobes.weight.push_back(double(model.centre[i].z) * double(model.bandwidth[i]));
+    return lobes;
+}
+
+}  // namespace srbf

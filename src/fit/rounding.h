@@ -1,0 +1,20 @@
+// Between the lobes that are fitted and the numbers that are stored.
+#pragma once
+#include "fit/lobes.h"
+
+namespace srbf {
+
+/// (a, b) in halves whose direction is nearest to (cos angle, sin angle): their scale is free, so that among
+/// the 1024 halves of one binade the larger of them may be chosen which fits best; errs by 1e-6 where plain
+/// rounding errs by 3e-4.
+Parameterization rounded_direction(double angle);
+
+/// The model of these lobes with the coefficients of the problem's last call of `loss`. Where a coefficient
+/// of a lobe whose peak is 1 leaves the range in which halves have all their digits, and `log_scale`, the
+/// lobes get log scales.
+PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale);
+
+/// The lobes of a model with axial centres.
+Lobes to_lobes(const PmModel& model);
+
+}  // namespace srbf

@@ -1,0 +1,45 @@
+// The search for lobes on a sample of the observations.
+#pragma once
+#include <atomic>
+#include <limits>
+#include <mutex>
+#include <random>
+
+#include "fit/lobes.h"
+
+namespace srbf {
+
+/// Tells the caller how far the work is, from any thread; remembers a cancellation.
+class Reporter {
+  public:
+    Reporter(const ProgressCallback& callback, double total) : callback_(callback), total_(total) {}
+    /// False once cancelled.
+    bool advance(std::string_view stage, double work) {
+        const std::scoped_lock lock(mutex_);
+        done_ += work;
+        if (callback_ && !cancelled_) cancelled_ = !callback_({stage, std::min(done_ / total_, 1.0)});
+        return !cancelled_;
+    }
+    bool cancelled() const { return cancelled_; }
+
+  private:
+    const ProgressCallback& callback_;
+    double total_, done_ = 0;
+    std::atomic<bool> cancelled_ = false;
+    std::mutex mutex_;
+};
+
+/// A fit on its way: the nonlinear numbers and the loss last known.
+struct Candidate {
+    Lobes lobes;
+    double loss = std::numeric_limits<double>::infinity();
+};
+
+/// Grows J lobes one by one, then again and again drops the one that costs least, adds another, and keeps
+/// what is better. `start` chooses the random numbers, beside the seed.
+Candidate search(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter);
+
+/// Goes on with what the search from `start` found, on more rows; lobes that turn out to be of no use are replaced.
+void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Candidate& candidate);
+
+}  // namespace srbf

@@ -1,0 +1,11 @@
+#include "srbf/half.h"
+
+#include <Eigen/Core>
+
+namespace srbf {
+
+std::uint16_t to_half(float x) { return Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(x)); }
+
+float from_half(std::uint16_t bits) { return float(Eigen::numext::bit_cast<Eigen::half>(bits)); }
+
+}  // namespace srbf

@@ -1,0 +1,74 @@
+#include "least_squares.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace srbf {
+
+// Products of float columns are known to about 1e-7 of their lengths; less than that is noise.
+constexpr double k_ridge = 1e-6;
+
+Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::VectorXd& g_in,
+                                      const Eigen::VectorXd& upper_in) {
+    // Columns are scaled to unit length, so that tolerances mean the same for each.
+    const Eigen::Index n = g_in.size();
+    if (n == 0) return {};
+    Eigen::VectorXd length = G_in.diagonal().cwiseMax(0.0).cwiseSqrt();
+    const Eigen::VectorXd reciprocal = (length.array() > 1e-150).select(length.array().max(1e-150).inverse(), 0.0);
+    Eigen::MatrixXd G = reciprocal.asDiagonal() * G_in * reciprocal.asDiagonal();
+    G.diagonal().array() += k_ridge;
+    const Eigen::VectorXd g = reciprocal.cwiseProduct(g_in), upper = upper_in.cwiseProduct(length);
+    const double tolerance = 1e-12 * g.cwiseAbs().maxCoeff();
+
+    enum Place { at_zero, free, at_upper };
+    std::vector<Place> place(std::size_t(n), at_zero);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
+    std::vector<Eigen::Index> passive;
+    for (int round = 0; round < 6 * int(n) + 6; ++round) {
+        // Free the variable whose release lowers the sum fastest.
+        const Eigen::VectorXd descent = g - G * x;
+        Eigen::Index best = -1;
+        double best_rate = tolerance;
+        for (Eigen::Index i = 0; i < n; ++i) {
+            const Place p = place[std::size_t(i)];
+            const double rate = p == at_zero ? descent[i] : p == at_upper ? -descent[i] : 0;
+            if (rate > best_rate && reciprocal[i] > 0 && upper[i] > 0) best = i, best_rate = rate;
+        }
+        if (best < 0) break;
+        place[std::size_t(best)] = free;
+
+        // Solve for the free ones, walking back to the first bound that is crossed until none is.
+        for (int inner = 0; inner <= int(n); ++inner) {
+            passive.clear();
+            for (Eigen::Index i = 0; i < n; ++i)
+                if (place[std::size_t(i)] == free) passive.push_back(i);
+            Eigen::VectorXd held = x;
+            for (const Eigen::Index i : passive) held[i] = 0;
+            const Eigen::VectorXd target = G(passive, passive).ldlt().solve(Eigen::VectorXd((g - G * held)(passive)));
+            double fraction = 1;
+            Eigen::Index crossed = -1;
+            Place bound = at_zero;
+            for (std::size_t k = 0; k < passive.size(); ++k) {
+                const Eigen::Index i = passive[k];
+                const double to = target[Eigen::Index(k)];
+                const double limit = to < 0 ? 0.0 : upper[i];
+                if (to >= 0 && to <= upper[i]) continue;
+                const double t = to == x[i] ? 0 : (limit - x[i]) / (to - x[i]);
+                if (t < fraction) fraction = std::max(t, 0.0), crossed = i, bound = to < 0 ? at_zero : at_upper;
+            }
+            for (std::size_t k = 0; k < passive.size(); ++k)
+                x[passive[k]] += fraction * (target[Eigen::Index(k)] - x[passive[k]]);
+            if (crossed < 0) break;
+            place[std::size_t(crossed)] = bound;
+            x[crossed] = bound == at_zero ? 0 : upper[crossed];
+        }
+    }
+    // A bound is met exactly, which scaling back and forth would miss by a digit.
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const Place p = place[std::size_t(i)];
+        x[i] = p == at_zero ? 0 : p == at_upper ? upper_in[i] : std::clamp(reciprocal[i] * x[i], 0.0, upper_in[i]);
+    }
+    return x;
+}
+
+}  // namespace srbf

@@ -1,0 +1,98 @@
+// Bounded linear least squares and Levenberg-Marquardt: level 1; knows nothing of BRDFs.
+#pragma once
+#include <Eigen/Dense>
+#include <concepts>
+
+namespace srbf {
+
+/// The x within 0 ≤ x ≤ upper that minimises ½ xᵀGx − gᵀx, G symmetric and positive semidefinite: an
+/// active-set method (Lawson & Hanson 1974, Stark & Parker's bounds). A ridge of 1e-6 of G's diagonal keeps
+/// it defined where columns coincide; a column of zeros gets x = 0. `upper` may hold infinities.
+Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::VectorXd& g, const Eigen::VectorXd& upper);
+
+/// A sum of squares whose linear variables have been eliminated: a function of x alone.
+template <typename P>
+concept SeparableProblem = requires(P& problem, const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+    { problem.loss(x) } -> std::convertible_to<double>;  // at x, with the best linear variables
+    {problem.linearise(x, H, g)};                        // JᵀJ and Jᵀr at the x of the last call of `loss`
+    { problem.lower(x) } -> std::convertible_to<Eigen::VectorXd>;  // bounds of an x of that size
+    { problem.upper(x) } -> std::convertible_to<Eigen::VectorXd>;
+};
+
+/// Why an optimiser stopped.
+enum class Stop {
+    decrease,    ///< predicted decrease ≤ `decrease_tolerance` × loss
+    step,        ///< no step at any damping up to 1e10 lowers the loss
+    iterations,  ///< `max_iterations` linearisations done
+    cancelled,   ///< the progress callback said so
+};
+
+struct LevenbergMarquardtOptions {
+    int max_iterations = 40;           ///< linearisations
+    double decrease_tolerance = 1e-7;  ///< relative
+    double damping = 1e-3;             ///< initial μ, times the diagonal of JᵀJ
+};
+
+struct LevenbergMarquardtSummary {
+    double loss = 0;  ///< at the returned x
+    int iterations = 0;
+    Stop stop = Stop::iterations;
+};
+
+/// Minimises problem.loss over lower ≤ x ≤ upper from x, by (JᵀJ + μ diag JᵀJ) δ = −Jᵀr with μ adapted to the
+/// ratio of actual to predicted decrease (Nielsen 1999); variables at a bound that the gradient pushes
+/// outwards are held. The last call of problem.loss is at the x that is returned.
+template <SeparableProblem P>
+LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
+                                              const LevenbergMarquardtOptions& options) {
+    const Eigen::VectorXd lower = problem.lower(x), upper = problem.upper(x);
+    LevenbergMarquardtSummary summary;
+    Eigen::MatrixXd H;
+    Eigen::VectorXd g;
+    double mu = options.damping, growth = 2;
+    summary.loss = problem.loss(x);
+    bool at_x = true;  // the last call of problem.loss was at x
+    while (summary.iterations < options.max_iterations) {
+        problem.linearise(x, H, g);
+        ++summary.iterations;
+        const double floor = 1e-12 * std::max(H.diagonal().maxCoeff(), 1e-300);
+        for (Eigen::Index i = 0; i < x.size(); ++i) {
+            if ((x[i] <= lower[i] && g[i] > 0) || (x[i] >= upper[i] && g[i] < 0)) {
+                H.row(i).setZero();
+                H.col(i).setZero();
+                g[i] = 0;
+            }
+        }
+        const Eigen::VectorXd scale = H.diagonal().cwiseMax(floor);
+        bool lowered = false;
+        for (; mu < 1e10; mu *= growth, growth *= 2) {
+            Eigen::MatrixXd damped = H;
+            damped.diagonal() += mu * scale;
+            const Eigen::VectorXd step = -damped.ldlt().solve(g);
+            const double predicted = -2 * step.dot(g) - step.dot(H * step);
+            if (!(predicted > options.decrease_tolerance * summary.loss)) {
+                summary.stop = Stop::decrease;
+                break;
+            }
+            const Eigen::VectorXd next = (x + step).cwiseMax(lower).cwiseMin(upper);
+            const double loss = problem.loss(next);
+            at_x = loss < summary.loss;
+            if (at_x) {
+                const double gain = (summary.loss - loss) / predicted;
+                mu *= std::max(1.0 / 3, 1 - std::pow(2 * gain - 1, 3));
+                growth = 2;
+                x = next;
+                summary.loss = loss;
+                lowered = true;
+                break;
+            }
+        }
+        if (lowered) continue;
+        if (mu >= 1e10) summary.stop = Stop::step;
+        break;
+    }
+    if (!at_x) summary.loss = problem.loss(x);
+    return summary;
+}
+
+}  // namespace srbf

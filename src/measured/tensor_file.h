@@ -1,0 +1,131 @@
+// The container of RGL measurements: named arrays of numbers. Private to the readers.
+//
+//   "tensor_file\0", version 1.0 in two bytes, the number of fields (u32), for each field: length of the name
+//   (u16), name, rank (u16), type (u8), offset of its numbers in the file (u64), extents (u64 each); then the
+//   numbers, the last index fastest, little-endian throughout.
+#pragma once
+#include <fmt/ranges.h>
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measured/bytes.h"
+#include "srbf/result.h"
+
+namespace srbf {
+
+inline constexpr std::string_view k_tensor_magic("tensor_file\0", 12);
+
+/// Types of numbers, by their codes in the file.
+enum class TensorType : std::uint8_t { u8 = 1, i8, u16, i16, u32, i32, u64, i64, f16, f32, f64 };
+inline constexpr std::array<std::uint64_t, 12> k_tensor_type_bytes{0, 1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8};
+inline constexpr std::array<std::string_view, 12> k_tensor_type_names{
+    "", "u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f16", "f32", "f64"};
+
+/// A field, its numbers still where the file holds them.
+struct TensorField {
+    TensorType type{};
+    std::uint64_t offset = 0;  ///< of the numbers, in the file
+    std::vector<std::uint64_t> shape;
+    std::span<const std::byte> bytes;  ///< exactly the numbers
+};
+
+using TensorFile = std::map<std::string, TensorField, std::less<>>;
+
+/// "8 x 32 x 32 of f32"
+inline std::string describe(TensorType type, std::span<const std::uint64_t> shape) {
+    if (shape.size() > 8) return fmt::format("rank {}", shape.size());
+    return fmt::format("{} of {}", fmt::join(shape, " x "), k_tensor_type_names[std::size_t(type)]);
+}
+
+/// Reads numbers one after the other; past the end there is none.
+class ByteReader {
+  public:
+    explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+    std::uint64_t offset() const { return offset_; }
+    template <typename T> std::optional<T> take() {
+        const auto raw = take_bytes(sizeof(T));
+        if (!raw) return {};
+        return load<T>(raw->data());
+    }
+    std::optional<std::span<const std::byte>> take_bytes(std::uint64_t count) {
+        if (count > bytes_.size() - offset_) return {};
+        const auto raw = bytes_.subspan(offset_, count);
+        offset_ += count;
+        return raw;
+    }
+
+  private:
+    std::span<const std::byte> bytes_;
+    std::size_t offset_ = 0;
+};
+
+/// Bytes of numbers of this type and shape; none where they do not fit in 64 bits.
+inline std::optional<std::uint64_t> tensor_bytes(TensorType type, std::span<const std::uint64_t> shape) {
+    std::uint64_t size = k_tensor_type_bytes[std::size_t(type)];
+    for (const std::uint64_t extent : shape)
+        if (__builtin_mul_overflow(size, extent, &size)) return {};
+    return size;
+}
+
+/// Reads the next field's entry in the table of fields.
+inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader& reader,
+                                                                      std::span<const std::byte> bytes,
+                                                                      const std::string& source) {
+    const std::uint64_t begin = reader.offset();
+    const Error truncated{source, begin, "tensor field", "an entry in the table of fields",
+                          "the end of the file"};
+    const auto name_length = reader.take<std::uint16_t>();
+    const auto raw_name = name_length ? reader.take_bytes(*name_length) : std::nullopt;
+    const auto rank = reader.take<std::uint16_t>();
+    const auto type = reader.take<std::uint8_t>();
+    const auto offset = reader.take<std::uint64_t>();
+    if (!raw_name || !rank || !type || !offset) return truncated;
+    const std::string name(reinterpret_cast<const char*>(raw_name->data()), raw_name->size());
+    if (*type == 0 || *type >= k_tensor_type_bytes.size())
+        return Error{source, begin, "type of tensor field " + name, "between 1 and 11",
+                     fmt::format("{}", *type)};
+
+    TensorField field{TensorType(*type), *offset, {}, {}};
+    for (int i = 0; i < *rank; ++i) {
+        const auto extent = reader.take<std::uint64_t>();
+        if (!extent) return truncated;
+        field.shape.push_back(*extent);
+    }
+    const auto size = tensor_bytes(field.type, field.shape);
+    if (!size || *offset > bytes.size() || *size > bytes.size() - *offset)
+        return Error{source, begin, "tensor field " + name,
+                     fmt::format("to lie within {} bytes", bytes.size()),
+                     fmt::format("{} from byte {}", describe(field.type, field.shape), *offset)};
+    field.bytes = bytes.subspan(*offset, *size);
+    return std::pair(name, std::move(field));
+}
+
+inline Result<TensorFile> parse_tensor_file(std::span<const std::byte> bytes, const std::string& source) {
+    ByteReader reader(bytes);
+    const auto magic = reader.take_bytes(k_tensor_magic.size());
+    if (!magic || std::memcmp(magic->data(), k_tensor_magic.data(), k_tensor_magic.size()) != 0)
+        return Error{source, 0, "tensor file", "to begin with \"tensor_file\"", ""};
+    const auto major = reader.take<std::uint8_t>(), minor = reader.take<std::uint8_t>();
+    const auto count = reader.take<std::uint32_t>();
+    if (!count) return Error{source, bytes.size(), "tensor file header", "18 bytes", "the end of the file"};
+    if (*major != 1 || *minor != 0)
+        return Error{source, 12, "version of the tensor file", "1.0", fmt::format("{}.{}", *major, *minor)};
+
+    TensorFile file;
+    for (std::uint32_t i = 0; i < *count; ++i) {
+        const std::uint64_t begin = reader.offset();
+        auto field = parse_tensor_field(reader, bytes, source);
+        if (!field) return field.error();
+        const std::string name = field->first;
+        if (!file.insert(*std::move(field)).second)
+            return Error{source, begin, "tensor field " + name, "each name once", "the name again"};
+    }
+    return file;
+}
+
+}  // namespace srbf

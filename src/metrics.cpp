@@ -1,0 +1,159 @@
+#include "srbf/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "evenly.h"
+#include "parallel.h"
+#include "srbf/directions.h"
+
+namespace srbf {
+namespace {
+
+/// The sums that measures are made of.
+struct Sums {
+    double squared = 0, squared_whole = 0, cosine = 0, cosine_whole = 0, logarithm = 0, log_weight = 0, root = 0,
+           root_whole = 0;
+    std::uint64_t pairs = 0, masked = 0;
+
+    void add(const Rgb& f, const Rgb& g, Vec3f wl, Vec3f wv, double weight) {
+        const auto is_nan = [](const Rgb& x) { return std::isnan(x.r) || std::isnan(x.g) || std::isnan(x.b); };
+        if (is_nan(f) || is_nan(g)) {
+            ++masked;
+            return;
+        }
+        ++pairs;
+        const auto square = [](double x) { return x * x; };
+        const double cos_l = double(wl.z), seen = weight * double(wv.z);
+        for (int c = 0; c < 3; ++c) {
+            const double a = double(f[c]), b = double(g[c]);
+            squared += weight * square(a - b);
+            squared_whole += weight * square(a);
+            cosine += seen * square((a - b) * cos_l);
+            cosine_whole += seen * square(a * cos_l);
+            logarithm += seen * square(double(std::log1p(f[c] * wl.z) - std::log1p(g[c] * wl.z)));
+            log_weight += seen;
+            const double root_a = double(std::cbrt(f[c]));
+            root += weight * square(root_a - double(std::cbrt(g[c])));
+            root_whole += weight * square(root_a);
+        }
+    }
+    Sums& operator+=(const Sums& s) {
+        squared += s.squared, squared_whole += s.squared_whole;
+        cosine += s.cosine, cosine_whole += s.cosine_whole;
+        logarithm += s.logarithm, log_weight += s.log_weight;
+        root += s.root, root_whole += s.root_whole;
+        pairs += s.pairs, masked += s.masked;
+        return *this;
+    }
+    Measures measures() const {
+        const auto ratio = [](double part, double whole) {
+            return whole > 0 ? part / whole : part == 0 ? 0 : std::numeric_limits<double>::infinity();
+        };
+        return {ratio(squared, squared_whole),
+                ratio(cosine, cosine_whole),
+                std::sqrt(ratio(logarithm, log_weight)),
+                ratio(root, root_whole),
+                pairs,
+                masked};
+    }
+};
+
+/// Sums over blocks of pairs, each filled by `fill(block, wl, wv, weight)`, added up in the blocks' order.
+template <typename Fill>
+std::vector<Measures> measure(const Evaluate& reference, std::span<const Evaluate> others, std::size_t blocks,
+                              std::size_t block_size, int threads, const Fill& fill) {
+    std::vector<std::vector<Sums>> parts(blocks, std::vector<Sums>(others.size()));
+    parallel_for(blocks, threads, [&](std::size_t block) {
+        std::vector<Vec3f> wl(block_size), wv(block_size);
+        std::vector<double> weight(block_size);
+        fill(block, wl, wv, weight);
+        std::vector<Rgb> f(block_size), g(block_size);
+        reference(wl, wv, f);
+        for (std::size_t k = 0; k < others.size(); ++k) {
+            others[k](wl, wv, g);
+            for (std::size_t i = 0; i < block_size; ++i)
+                if (weight[i] > 0) parts[block][k].add(f[i], g[i], wl[i], wv[i], weight[i]);
+        }
+    });
+    std::vector<Measures> measures;
+    for (std::size_t k = 0; k < others.size(); ++k) {
+        Sums sums;
+        for (const auto& part : parts) sums += part[k];
+        measures.push_back(sums.measures());
+    }
+    return measures;
+}
+
+Vec3f to_float(Vec3d w) { return {float(w.x), float(w.y), float(w.z)}; }
+
+}  // namespace
+
+std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
+                                     const MeasureOptions& options, int n) {
+    const std::vector<Vec3f> directions = fibonacci_directions(n, options.max_theta);
+    return measure(reference, others, directions.size(), directions.size(), options.threads,
+                   [&](std::size_t block, auto& wl, auto& wv, auto& weight) {
+                       wl = directions;
+                       std::fill(wv.begin(), wv.end(), directions[block]);
+                       std::fill(weight.begin(), weight.end(), 1.0);
+                   });
+}
+
+std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const Evaluate> others,
+                                      const MeasureOptions& options, std::uint64_t count, std::uint64_t seed) {
+    constexpr std::size_t block_size = 1000;
+    const MirrorMixture mixture(options.max_theta);
+    return measure(reference, others, std::size_t((count + block_size - 1) / block_size), block_size, options.threads,
+                   [&](std::size_t block, auto& wl, auto& wv, auto& weight) {
+                       std::seed_seq seeds{std::uint32_t(seed), std::uint32_t(seed >> 32), std::uint32_t(block)};
+                       std::mt19937_64 random(seeds);
+                       for (std::size_t i = 0; i < block_size;) {
+                           const double u1 = uniform(random), u2 = uniform(random);
+                           const Vec3d v = mixture.sample_cap(u1, u2);
+                           const double u3 = uniform(random), u4 = uniform(random), u5 = uniform(random);
+                           const Vec3d l = mixture.sample(v, u3, u4, u5);
+                           if (!mixture.contains(l)) continue;
+                           wl[i] = to_float(l);
+                           wv[i] = to_float(v);
+                           weight[i] = block * block_size + i < count ? 1 / mixture.pdf(l, v) : 0;
+                           ++i;
+                       }
+                   });
+}
+
+Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {
+    constexpr std::size_t count = 1 << 16;
+    const MirrorMixture mixture(max_theta);
+    const Vec3d v = spherical(theta_v, 0.0);
+    Evenly<3> points({0.5, 0.5, 0.5});
+    std::vector<Vec3f> wl(count), wv(count, to_float(v));
+    std::vector<double> weight(count, 0.0);
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto u = points.next();
+        const Vec3d l = mixture.sample(v, u[0], u[1], u[2]);
+        wl[i] = to_float(l);
+        if (mixture.contains(l)) weight[i] = l.z / (mixture.pdf(l, v) * double(count));
+    }
+    std::vector<Rgb> f(count);
+    brdf(wl, wv, f);
+    std::array<double, 3> sum{};
+    for (std::size_t i = 0; i < count; ++i)
+        for (int c = 0; c < 3; ++c)
+            if (weight[i] > 0 && !std::isnan(f[i][c])) sum[std::size_t(c)] += weight[i] * double(f[i][c]);
+    return {float(sum[0]), float(sum[1]), float(sum[2])};
+}
+
+double albedo_error(const Evaluate& reference, const Evaluate& other, double max_theta) {
+    double error = 0;
+    for (const double theta : k_albedo_theta) {
+        if (theta * k_degree > max_theta) continue;
+        const double a = luminance(albedo(reference, theta * k_degree, max_theta));
+        const double b = luminance(albedo(other, theta * k_degree, max_theta));
+        if (a != b) error = std::max(error, std::abs(b - a) / a);
+    }
+    return error;
+}
+
+}  // namespace srbf

@@ -1,0 +1,197 @@
+#include "srbf/model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/safetensors.h"
+#include "srbf/file.h"
+#include "srbf/half.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+constexpr std::string_view k_version = "1";
+
+/// The tensors of a model: its numbers, rounded to halves.
+std::map<std::string, HalfTensor> encode(const PmModel& model) {
+    const auto J = std::uint64_t(model.lobes), N = std::uint64_t(model.variates);
+    std::map<std::string, HalfTensor> tensors;
+
+    HalfTensor& coefficient = tensors["coefficient"] = {{J, 3}, {}};
+    for (const Rgb& beta : model.coefficient)
+        for (int c = 0; c < 3; ++c) coefficient.data.push_back(to_half(std::min(beta[c], k_half_max)));
+
+    if (has_log_scale(model)) {
+        HalfTensor& log_scale = tensors["log_scale"] = {{J}, {}};
+        for (const float s : model.log_scale) log_scale.data.push_back(to_half(std::clamp(s, -k_half_max, k_half_max)));
+    }
+
+    HalfTensor& bandwidth = tensors["bandwidth"] = {{J, N}, {}};
+    for (std::size_t i = 0; i < model.bandwidth.size(); ++i) {
+        const float sign = model.axial && model.centre[i].z < 0 ? -1.f : 1.f;
+        bandwidth.data.push_back(to_half(sign * std::min(model.bandwidth[i], k_half_max)));
+    }
+
+    if (!model.axial) {
+        HalfTensor& centre = tensors["centre"] = {{J, N, 2}, {}};
+        for (const Vec3f& xi : model.centre) {
+            // 2 atan2 of the chords keeps its digits near the poles, where acos loses half of them.
+            const float theta = 2 * std::atan2(std::hypot(xi.x, xi.y, xi.z - 1), std::hypot(xi.x, xi.y, xi.z + 1));
+            centre.data.push_back(to_half(theta));
+            centre.data.push_back(to_half(std::atan2(xi.y, xi.x)));
+        }
+    }
+
+    HalfTensor& parameterization = tensors["parameterization"] = {{N, 2}, {}};
+    for (const Parameterization& p : model.parameterization) {
+        parameterization.data.push_back(to_half(p.a));
+        parameterization.data.push_back(to_half(p.b));
+    }
+    return tensors;
+}
+
+/// The model of these tensors, or what is wrong with them.
+Result<PmModel> decode(const std::map<std::string, HalfTensor>& tensors, bool axial, const std::string& source) {
+    const auto fail = [&](std::string what, std::string expected, std::string found) {
+        return Error{source, std::nullopt, std::move(what), std::move(expected), std::move(found)};
+    };
+    const auto shape_text = [](const std::vector<std::uint64_t>& shape) {
+        return fmt::format("[{}]", fmt::join(shape, ", "));
+    };
+
+    const auto bandwidth_at = tensors.find("bandwidth");
+    if (bandwidth_at == tensors.end()) return fail("tensor 'bandwidth'", "present", "none");
+    const auto& extent = bandwidth_at->second.shape;
+    if (extent.size() != 2 || extent[0] > k_most_lobes || extent[1] > k_most_variates)
+        return fail("tensor 'bandwidth': shape", fmt::format("[J, N] up to [{}, {}]", k_most_lobes, k_most_variates),
+                    shape_text(extent));
+    const std::uint64_t J = extent[0], N = extent[1];
+
+    std::map<std::string, std::vector<std::uint64_t>> expected{
+        {"coefficient", {J, 3}}, {"bandwidth", {J, N}}, {"parameterization", {N, 2}}};
+    if (!axial) expected["centre"] = {J, N, 2};
+    if (tensors.contains("log_scale")) expected["log_scale"] = {J};
+    for (const auto& [name, shape] : expected) {
+        const auto at = tensors.find(name);
+        if (at == tensors.end()) return fail(fmt::format("tensor '{}'", name), "present", "none");
+        if (at->second.shape != shape)
+            return fail(fmt::format("tensor '{}': shape", name), shape_text(shape), shape_text(at->second.shape));
+        for (const std::uint16_t half : at->second.data)
+            if (!std::isfinite(from_half(half)))
+                return fail(fmt::format("tensor '{}'", name), "finite numbers", fmt::format("{}", from_half(half)));
+    }
+    for (const auto& [name, tensor] : tensors)
+        if (!expected.contains(name)) return fail(fmt::format("tensor '{}'", name), "none of that name", "one");
+
+    const auto number = [&](const char* name, std::size_t i) { return from_half(tensors.at(name).data[i]); };
+    PmModel model;
+    model.axial = axial;
+    model.lobes = int(J);
+    model.variates = int(N);
+    for (std::size_t j = 0; j < J; ++j) {
+        const Rgb beta{number("coefficient", 3 * j), number("coefficient", 3 * j + 1),
+                       number("coefficient", 3 * j + 2)};
+        if (std::min({beta.r, beta.g, beta.b}) < 0)
+            return fail("tensor 'coefficient'", "numbers of at least 0",
+                        fmt::format("{}", std::min({beta.r, beta.g, beta.b})));
+        model.coefficient.push_back(beta);
+        model.log_scale.push_back(tensors.contains("log_scale") ? number("log_scale", j) : 0.f);
+    }
+    for (std::size_t i = 0; i < J * N; ++i) {
+        const float lambda = number("bandwidth", i);
+        if (axial) {
+            model.centre.push_back({0, 0, std::signbit(lambda) ? -1.f : 1.f});
+            model.bandwidth.push_back(std::abs(lambda));
+        } else {
+            if (lambda < 0) return fail("tensor 'bandwidth'", "numbers of at least 0", fmt::format("{}", lambda));
+            model.centre.push_back(spherical(number("centre", 2 * i), number("centre", 2 * i + 1)));
+            model.bandwidth.push_back(lambda);
+        }
+    }
+    for (std::size_t n = 0; n < N; ++n) {
+        const Parameterization p{number("parameterization", 2 * n), number("parameterization", 2 * n + 1)};
+        if (p.a == 0 && p.b == 0) return fail("tensor 'parameterization'", "weights that are not both 0", "0, 0");
+        model.parameterization.push_back(p);
+    }
+    return model;
+}
+
+}  // namespace
+
+std::string_view name(PmForm form) {
+    switch (form) {
+        case PmForm::source:
+            return "source";
+    }
+    return "";
+}
+
+Rgb value(const PmModel& model, Vec3f wl, Vec3f wv) {
+    if (!(wl.z > 0 && wv.z > 0)) return {};
+    const Vec3f f = Kernel<float>::pm_value(model, wl, wv);
+    return {f.x, f.y, f.z};
+}
+
+Rgb value(const Model& model, Vec3f wl, Vec3f wv) {
+    return std::visit([&](const auto& m) { return value(m, wl, wv); }, model.model);
+}
+
+bool has_log_scale(const PmModel& model) {
+    return std::any_of(model.log_scale.begin(), model.log_scale.end(), [](float s) { return s != 0; });
+}
+
+std::size_t payload_bytes(const PmModel& model) {
+    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates);
+    return 2 * (J * (3 + (model.axial ? N : 3 * N) + (has_log_scale(model) ? 1 : 0)) + 2 * N);
+}
+
+PmModel rounded(const PmModel& model) {
+    Result<PmModel> decoded = decode(encode(model), model.axial, "");
+    assert(decoded.ok());  // a valid model has no number that its encoding could not hold
+    return *std::move(decoded);
+}
+
+std::vector<std::byte> write_model(const Model& model) {
+    const auto& pm = std::get<PmModel>(model.model);
+    Safetensors content{encode(pm), model.provenance};
+    content.metadata["srbf"] = k_version;
+    content.metadata["model"] = "pm";
+    content.metadata["form"] = name(pm.form);
+    content.metadata["axial"] = pm.axial ? "true" : "false";
+    return write_safetensors(content);
+}
+
+Result<Model> read_model(std::span<const std::byte> bytes, const std::string& source) {
+    Result<Safetensors> content = read_safetensors(bytes, source);
+    if (!content) return content.error();
+    auto& metadata = content->metadata;
+    // The metadata that tell what the tensors mean; the others are the model's story.
+    const auto take = [&](const char* key, std::initializer_list<std::string_view> known) -> Result<std::string> {
+        const auto at = metadata.find(key);
+        const std::string found = at == metadata.end() ? "" : at->second;
+        if (std::find(known.begin(), known.end(), found) == known.end())
+            return Error{source, 8, fmt::format("metadata '{}'", key), fmt::format("{}", fmt::join(known, " or ")),
+                         at == metadata.end() ? "none" : found};
+        metadata.erase(at);
+        return found;
+    };
+    const auto version = take("srbf", {k_version}), kind = take("model", {"pm"}),
+               form = take("form", {name(PmForm::source)}), axial = take("axial", {"true", "false"});
+    for (const auto* entry : {&version, &kind, &form, &axial})
+        if (!*entry) return entry->error();
+    Result<PmModel> pm = decode(content->tensors, *axial == "true", source);
+    if (!pm) return pm.error();
+    return Model{*std::move(pm), std::move(metadata)};
+}
+
+Result<Done> save_model(const Model& model, const std::string& path) { return write_file(path, write_model(model)); }
+
+Result<Model> load_model(const std::string& path) {
+    const auto bytes = read_file(path);
+    if (!bytes) return bytes.error();
+    return read_model(*bytes, path);
+}
+
+}  // namespace srbf

@@ -1,0 +1,132 @@
+// kernel.glsl is accepted by a compiler of GLSL 4.50 and of GLSL ES 3.00.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <regex>
+#include <set>
+
+#include "properties.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+/// What a shader names before it includes the text: the model in uniform arrays, `Pm` the first of its lobes.
+const std::string k_host = R"(
+#define Real float
+#define Vec3 vec3
+#define Bool bool
+#define SRBF_FN
+struct Pm { int first; };
+uniform int lobes, variates;
+uniform vec2 weight[8];
+uniform vec4 variate_of_lobe[128];   // centre, bandwidth
+uniform vec4 coefficient_of_lobe[16];  // coefficient, log scale
+Real select(Bool condition, Real a, Real b) { return condition ? a : b; }
+int pm_lobes(Pm pm) { return lobes; }
+int pm_variates(Pm pm) { return variates; }
+Real pm_weight_l(Pm pm, int n) { return weight[n].x; }
+Real pm_weight_v(Pm pm, int n) { return weight[n].y; }
+Vec3 pm_centre(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].xyz; }
+Real pm_bandwidth(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].w; }
+Vec3 pm_coefficient(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].rgb; }
+Real pm_log_scale(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].w; }
+)";
+
+const std::string k_main = R"(
+in vec3 wl, wv;
+in vec2 u;
+out vec4 colour;
+void main() {
+    Vec3 f = pm_value(Pm(0), wl, wv);
+    Vec3 w = sample_vmf(psi(wl, wv, 1.0, 1.0), 40.0, u.x, u.y);
+    GaussianProduct product = gaussian_product(wl, 3.0, wv, u.x);
+    f += from_frame(wl, u.x, u.y, one_minus_exp(u.x)) + psi_by_angle(wl, wv, u.x, u.y) + product.centre;
+    f *= gaussian(w, wl, 2.0) * gaussian_exponent(w, wv, 2.0) * product.scale * product.bandwidth;
+    colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
+}
+)";
+
+const std::array<std::string, 2> k_versions{
+    "#version 450\n", "#version 300 es\nprecision highp float;\nprecision highp int;\n"};
+
+std::string kernel_text() {
+    const auto bytes = read_file(std::string(SRBF_SOURCE_DIR) + "/include/srbf/kernel.glsl");
+    if (!bytes) return ADD_FAILURE() << message(bytes.error()), "";
+    return {reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+}
+
+/// What glslangValidator has to say about a fragment shader, and whether it accepts it.
+class Glsl : public testing::Test {
+  protected:
+    void SetUp() override {
+        ASSERT_TRUE(std::filesystem::exists(SRBF_GLSLANG))
+            << "glslangValidator (Debian: glslang-tools) was not found when this was configured: " << SRBF_GLSLANG;
+        std::string pattern = (std::filesystem::temp_directory_path() / "srbf-glsl-XXXXXX").string();
+        ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+        folder_ = pattern;
+    }
+    void TearDown() override {
+        if (!folder_.empty()) std::filesystem::remove_all(folder_);
+    }
+
+    testing::AssertionResult compiles(const std::string& shader) {
+        const std::string path = (folder_ / "shader.frag").string();
+        if (!write_file(path, as_bytes(shader))) return testing::AssertionFailure() << "cannot write " << path;
+        const std::string command = std::string("'") + SRBF_GLSLANG + "' '" + path + "' 2>&1";
+        FILE* pipe = ::popen(command.c_str(), "r");
+        if (!pipe) return testing::AssertionFailure() << "cannot run " << command;
+        std::string output;
+        for (char part[256]; std::fgets(part, sizeof part, pipe);) output += part;
+        const int status = ::pclose(pipe);
+        if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return testing::AssertionSuccess();
+        return testing::AssertionFailure() << output;
+    }
+
+  private:
+    std::filesystem::path folder_;
+};
+
+TEST_F(Glsl, TheTextCompilesAsAShader) {
+    for (const std::string& version : k_versions)
+        EXPECT_TRUE(compiles(version + k_host + kernel_text() + k_main)) << version;
+}
+
+TEST_F(Glsl, WhatIsNoGlslIsRefused) {
+    const std::string text = kernel_text();
+    const auto broken = [&](const std::string& part, const std::string& by) {
+        std::string changed = text;
+        const auto at = changed.find(part);
+        if (at == std::string::npos) return ADD_FAILURE() << "no " << part, changed;
+        return changed.replace(at, part.size(), by);
+    };
+    for (const std::string& version : k_versions) {
+        EXPECT_FALSE(compiles(version + k_host + broken("return exp(", "return std::exp(") + k_main));
+        EXPECT_FALSE(compiles(version + k_host + broken("Real(-0.5) *", "double(-0.5) * Real(0) / wl *") + k_main));
+        EXPECT_FALSE(compiles(version + k_host + broken("};", "}") + k_main));
+        EXPECT_FALSE(compiles(version + text + k_main));  // a host that names nothing
+        std::string incomplete = k_host;
+        incomplete.replace(incomplete.find("pm_log_scale"), 12, "pm_other");
+        EXPECT_FALSE(compiles(version + incomplete + text + k_main));
+    }
+}
+
+TEST_F(Glsl, EveryFunctionIsUsed) {
+    const std::string text = kernel_text();
+    const std::regex definition(R"(SRBF_FN\s+\w+\s+(\w+)\()");
+    std::set<std::string> functions;
+    for (std::sregex_iterator at(text.begin(), text.end(), definition), end; at != end; ++at)
+        functions.insert((*at)[1].str());
+    EXPECT_GE(functions.size(), 11u);
+    for (const std::string& f : functions) EXPECT_NE(k_main.find(f + "("), std::string::npos) << f;
+}
+
+TEST_F(Glsl, TheTextIsAscii) {
+    // GLSL ES 3.00 admits other characters in comments alone, some drivers not even there.
+    for (const char c : kernel_text()) ASSERT_TRUE(c == '\n' || (c >= 0x20 && c < 0x7f)) << int(c);
+}
+
+}  // namespace
+}  // namespace srbf

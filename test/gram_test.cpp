@@ -1,0 +1,213 @@
+// The fit's inner loops against plain ones, for each instruction set of this machine.
+#include "fit/gram.h"
+
+#include <hwy/highway.h>
+
+#include "properties.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+constexpr std::size_t k_count = 2 * k_block + 300, k_checks = 7;
+
+/// Two whole blocks and a part of one; some weights are 0.
+Observations random_observations() {
+    std::mt19937_64 random(1);
+    Observations observations;
+    observations.checks = k_checks;
+    for (std::size_t i = 0; i < k_count + k_checks; ++i) {
+        observations.wl.push_back(to_float(random_direction(random)));
+        observations.wv.push_back(to_float(random_direction(random)));
+        observations.f.push_back({float(uniform(random)), float(uniform(random)), float(uniform(random))});
+        observations.weight.push_back(i % 10 == 3 ? 0 : float(uniform(random)));
+    }
+    return observations;
+}
+
+Aligned<float> column(std::mt19937_64& random, double low = 0, double high = 1) {
+    Aligned<float> numbers(k_block);
+    for (float& x : numbers) x = float(low + (high - low) * uniform(random));
+    return numbers;
+}
+
+std::vector<const float*> pointers(const std::vector<Aligned<float>>& columns) {
+    std::vector<const float*> p;
+    for (const auto& c : columns) p.push_back(c.data());
+    return p;
+}
+
+/// Each test once for each instruction set.
+class Gram : public testing::TestWithParam<std::int64_t> {
+  protected:
+    void SetUp() override { choose(GetParam()); }
+    void TearDown() override { choose(0); }
+    static void choose(std::int64_t target) {
+        hwy::SetSupportedTargetsForTest(target);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    }
+
+    const Observations observations_ = random_observations();
+    const Rows rows_{observations_};
+    std::mt19937_64 random_{2};
+};
+INSTANTIATE_TEST_SUITE_P(EachTarget, Gram, testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
+                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+
+TEST_P(Gram, RowsHoldTheObservationsWithoutTheChecks) {
+    ASSERT_EQ(rows_.blocks, 3u);
+    for (std::size_t i = 0; i < 3 * k_block; ++i) {
+        const Vec3f wl(rows_.wl[0][i], rows_.wl[1][i], rows_.wl[2][i]), wv(rows_.wv[0][i], rows_.wv[1][i], rows_.wv[2][i]);
+        if (i < k_count) {
+            EXPECT_EQ(wl, observations_.wl[i]);
+            EXPECT_EQ(wv, observations_.wv[i]);
+            EXPECT_TRUE(near_relative(rows_.root_weight[i], std::sqrt(double(observations_.weight[i])), 1e-6));
+            for (int c = 0; c < 3; ++c)
+                EXPECT_EQ(rows_.y[std::size_t(c)][i], rows_.root_weight[i] * observations_.f[i][c]);
+        } else {
+            EXPECT_TRUE(near(dot(wl, wl), 1, 1e-6) && near(dot(wv, wv), 1, 1e-6));
+            EXPECT_EQ(rows_.root_weight[i], 0);
+            for (int c = 0; c < 3; ++c) EXPECT_EQ(rows_.y[std::size_t(c)][i], 0);
+        }
+    }
+    Observations few = observations_;
+    few.checks = few.f.size() - k_block;
+    EXPECT_EQ(Rows(few).blocks, 1u);
+    few.checks -= 1;
+    EXPECT_EQ(Rows(few).blocks, 2u);
+    few.checks = few.f.size();
+    EXPECT_EQ(Rows(few).blocks, 0u);
+}
+
+TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAboutTheNormal) {
+    using K = Kernel<double>;
+    const auto wide = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
+    for (int trial = 0; trial < 20; ++trial) {
+        const double angle = 2 * k_pi * uniform(random_), h = 1e-5;
+        Aligned<float> s(k_block), by(k_block);
+        for (std::size_t block = 0; block < 3; ++block) {
+            axial_feature(rows_, block, float(std::cos(angle)), float(std::sin(angle)), s.data(), by.data());
+            for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
+                const Vec3d wl = wide(observations_.wl[block * k_block + i]), wv = wide(observations_.wv[block * k_block + i]);
+                const auto psi = [&](double t) { return K::psi(wl, wv, std::cos(t), std::sin(t)); };
+                const Vec3d d = std::cos(angle) * wl + std::sin(angle) * wv;
+                const double steepness = 1 / std::sqrt(dot(d, d));
+                EXPECT_TRUE(near(s[i], K::gaussian_exponent(psi(angle), {0, 0, 1}, 1), 1e-6 * (1 + steepness)));
+                EXPECT_TRUE(near(s[i], psi(angle).z - 1, 1e-6 * (1 + steepness)));
+                EXPECT_TRUE(near(by[i], K::psi_by_angle(wl, wv, std::cos(angle), std::sin(angle)).z,
+                                 1e-6 * steepness * steepness));
+                const double difference = (psi(angle + h).z - psi(angle - h).z) / (2 * h);
+                EXPECT_TRUE(near(by[i], difference, 1e-6 * std::pow(steepness, 3)));
+            }
+        }
+    }
+}
+
+TEST_P(Gram, ExponentIsTheWeightedSumAndItsLargestThatCounts) {
+    for (const std::size_t variates : {1u, 3u, 8u}) {
+        std::vector<Aligned<float>> s;
+        std::vector<float> weight;
+        for (std::size_t n = 0; n < variates; ++n) {
+            s.push_back(column(random_, -2, 0));
+            weight.push_back(float(40 * uniform(random_)));
+        }
+        // Rows of weight 0 have the largest sums.
+        for (std::size_t block = 0; block < 3; ++block) {
+            auto columns = s;
+            for (auto& c : columns)
+                for (std::size_t i = 0; i < k_block; ++i)
+                    if (rows_.root_weight[block * k_block + i] == 0) c[i] = 1;
+            Aligned<float> x(k_block);
+            const float largest = exponent(rows_, block, weight, pointers(columns), x.data());
+            double expected_largest = -INFINITY;
+            for (std::size_t i = 0; i < k_block; ++i) {
+                double sum = 0, size = 0;
+                for (std::size_t n = 0; n < variates; ++n) {
+                    sum += double(weight[n]) * double(columns[n][i]);
+                    size += std::abs(double(weight[n]) * double(columns[n][i]));
+                }
+                EXPECT_TRUE(near(x[i], sum, 1e-6 * size));
+                if (rows_.root_weight[block * k_block + i] > 0) expected_largest = std::max(expected_largest, double(x[i]));
+            }
+            EXPECT_EQ(double(largest), expected_largest);
+        }
+    }
+    // A block without weights.
+    Observations idle = observations_;
+    std::fill(idle.weight.begin(), idle.weight.end(), 0.f);
+    const auto s = column(random_);
+    const float* const columns[] = {s.data()};
+    Aligned<float> x(k_block);
+    EXPECT_EQ(exponent(Rows(idle), 0, std::vector{1.f}, columns, x.data()), std::numeric_limits<float>::lowest());
+}
+
+TEST_P(Gram, ExponentiateTakesTheOffsetAway) {
+    for (const float offset : {0.f, -30.f, 80.f}) {
+        const auto below = column(random_, -90, 0);
+        for (std::size_t block = 0; block < 3; ++block) {
+            Aligned<float> x(k_block);
+            for (std::size_t i = 0; i < k_block; ++i) {
+                const bool counts = rows_.root_weight[block * k_block + i] > 0;
+                x[i] = counts ? offset + below[i] : 1e6f;  // a row of weight 0 may exceed every bound
+            }
+            const auto before = x;
+            exponentiate(rows_, block, offset, x.data());
+            for (std::size_t i = 0; i < k_block; ++i) {
+                const double root = double(rows_.root_weight[block * k_block + i]);
+                const double expected = root > 0 ? root * std::exp(double(before[i]) - double(offset)) : 0;
+                EXPECT_TRUE(near(x[i], expected, 2e-6 * expected + 1e-37)) << before[i];
+            }
+        }
+    }
+}
+
+TEST_P(Gram, MultiplyAndResidual) {
+    const auto a = column(random_, -1, 1), b = column(random_, -1, 1);
+    Aligned<float> product(k_block);
+    multiply(a.data(), b.data(), product.data());
+    for (std::size_t i = 0; i < k_block; ++i) EXPECT_EQ(product[i], a[i] * b[i]);
+
+    for (const std::size_t lobes : {0u, 1u, 7u}) {
+        std::vector<Aligned<float>> columns;
+        std::vector<float> beta;
+        for (std::size_t j = 0; j < lobes; ++j) {
+            columns.push_back(column(random_));
+            beta.push_back(float(3 * uniform(random_)));
+        }
+        Aligned<float> r(k_block);
+        const double sum = residual(a.data(), beta, pointers(columns), r.data());
+        double squares = 0;
+        for (std::size_t i = 0; i < k_block; ++i) {
+            double rest = double(a[i]);
+            for (std::size_t j = 0; j < lobes; ++j) rest -= double(beta[j]) * double(columns[j][i]);
+            EXPECT_TRUE(near(r[i], rest, 1e-6 * double(lobes + 1)));
+            squares += rest * rest;
+        }
+        EXPECT_TRUE(near_relative(sum, squares, 1e-5));
+    }
+}
+
+TEST_P(Gram, AddGramAddsTheProductsBelowTheDiagonal) {
+    for (std::size_t n = 1; n <= 30; ++n) {
+        std::vector<Aligned<float>> columns;
+        for (std::size_t j = 0; j < n; ++j) columns.push_back(column(random_, -0.5, 1));
+        std::vector<double> G(n * n), before;
+        for (double& x : G) x = uniform(random_);
+        before = G;
+        add_gram(pointers(columns), G.data());
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t k = 0; k < n; ++k) {
+                double sum = 0, size = 0;
+                for (std::size_t m = 0; m < k_block && k <= i; ++m) {
+                    sum += double(columns[i][m]) * double(columns[k][m]);
+                    size += std::abs(double(columns[i][m]) * double(columns[k][m]));
+                }
+                EXPECT_TRUE(near(G[i * n + k], before[i * n + k] + sum, 3e-6 * size)) << n << ' ' << i << ' ' << k;
+            }
+    }
+    std::vector<double> none;
+    add_gram({}, none.data());
+}
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,295 @@
+// Bounded linear least squares by its optimality conditions and by trying every active set; Levenberg-Marquardt on problems
+// with known answers.
+#include "least_squares.h"
+
+
+#include "properties.h"
+
+namespace srbf {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Linear {
+    MatrixXd G;
+    VectorXd g, upper;
+};
+
+double draw(std::mt19937_64& random) { return 2 * uniform(random) - 1; }
+
+/// A problem AᵀA, Aᵀy; some columns twice, some zero, of lengths orders of magnitude apart.
+Linear random_problem(std::mt19937_64& random, Index n, bool degenerate, bool bounded) {
+    MatrixXd A = MatrixXd::NullaryExpr(n + 4, n, [&] { return draw(random) + 0.4; });
+    const VectorXd y = VectorXd::NullaryExpr(n + 4, [&] { return draw(random) + 0.2; });
+    for (Index i = 0; i < n; ++i) A.col(i) *= std::pow(10, 3 * draw(random));
+    if (degenerate && n > 1) {
+        A.col(n - 1) = 0.5 * A.col(0);
+        if (n > 3) A.col(2).setZero();
+    }
+    Linear problem{A.transpose() * A, A.transpose() * y, VectorXd::Constant(n, INFINITY)};
+    for (Index i = 0; i < n && bounded; ++i) {
+        const double length = A.col(i).norm(), kind = uniform(random);
+        if (kind < 0.1) problem.upper[i] = 0;
+        else if (kind < 0.7 && length > 0) problem.upper[i] = 0.5 * uniform(random) * y.norm() / length;
+    }
+    return problem;
+}
+
+/// The documented ridge, and the matrix with it.
+constexpr double k_ridge = 1e-6;
+MatrixXd ridged(const MatrixXd& G) { return G + MatrixXd(k_ridge * G.diagonal().asDiagonal()); }
+double objective(const Linear& p, const VectorXd& x) { return 0.5 * x.dot(ridged(p.G) * x) - p.g.dot(x); }
+
+/// By how much x misses the conditions of the minimum, columns scaled to unit length, relative to the largest gᵢ; infinite
+/// where a bound is left.
+double violation(const Linear& p, const VectorXd& x) {
+    const VectorXd descent = p.g - ridged(p.G) * x;
+    double worst = 0, scale = 1e-300;
+    for (Index i = 0; i < x.size(); ++i) {
+        const double length = std::sqrt(p.G(i, i));
+        if (!(x[i] >= 0 && x[i] <= p.upper[i])) return INFINITY;
+        if (length == 0) {
+            if (x[i] != 0) return INFINITY;
+            continue;
+        }
+        const double rate = descent[i] / length;
+        scale = std::max(scale, std::abs(p.g[i]) / length);
+        double miss = std::abs(rate);
+        if (x[i] == 0) miss = std::max(rate, 0.0);
+        if (x[i] == p.upper[i]) miss = std::max(-rate, 0.0);
+        if (p.upper[i] == 0) miss = 0;
+        worst = std::isfinite(miss) ? std::max(worst, miss) : INFINITY;
+    }
+    return worst / scale;
+}
+
+/// The least objective over all choices of variables at 0, at their bound, and free.
+double best_of_all(const Linear& p) {
+    const Index n = p.g.size();
+    const int sets = int(std::lround(std::pow(3, n)));
+    double best = 0;  // x = 0
+    for (int set = 0; set < sets; ++set) {
+        VectorXd x = VectorXd::Zero(n);
+        std::vector<Index> free;
+        bool possible = true;
+        for (Index i = 0, rest = set; i < n; ++i, rest /= 3) {
+            if (rest % 3 == 1) x[i] = p.upper[i];
+            if (rest % 3 == 2) free.push_back(i);
+            possible = possible && std::isfinite(x[i]) && (rest % 3 == 0 || p.G(i, i) > 0);
+        }
+        if (!possible) continue;
+        const MatrixXd G = ridged(p.G);
+        const VectorXd rest = p.g - G * x;
+        if (!free.empty()) x(free) = VectorXd(G(free, free).ldlt().solve(VectorXd(rest(free))));
+        if ((x.array() >= 0).all() && (x.array() <= p.upper.array()).all()) best = std::min(best, objective(p, x));
+    }
+    return best;
+}
+
+TEST(BoundedLeastSquares, MeetsTheConditionsOfTheMinimum) {
+    std::mt19937_64 random(1);
+    for (const Index n : {1, 2, 3, 5, 8, 20, 64})
+        for (int trial = 0; trial < 60; ++trial) {
+            const Linear p = random_problem(random, n, trial % 3 == 0, trial % 2 == 0);
+            EXPECT_LE(violation(p, bounded_least_squares(p.G, p.g, p.upper)), 1e-9) << n << ' ' << trial;
+        }
+}
+
+TEST(BoundedLeastSquares, NearlyEqualColumnsAreNoObstacle) {
+    // Exponentials of close rates: G is singular to working precision.
+    std::mt19937_64 random(3);
+    const VectorXd t = VectorXd::LinSpaced(200, 0, 1), rate = VectorXd::LinSpaced(24, 0.5, 12);
+    const MatrixXd A = (-t * rate.transpose()).array().exp();
+    for (int trial = 0; trial < 40; ++trial) {
+        const VectorXd y = (2 - 3 * t.array()) * t.array() + VectorXd::NullaryExpr(200, [&] { return 0.1 * draw(random); }).array();
+        const double high = trial % 2 ? INFINITY : 0.05;
+        const Linear p{A.transpose() * A, A.transpose() * y, VectorXd::Constant(24, high)};
+        EXPECT_LE(violation(p, bounded_least_squares(p.G, p.g, p.upper)), 1e-9) << trial;
+    }
+}
+
+TEST(BoundedLeastSquares, NoActiveSetIsBetter) {
+    std::mt19937_64 random(2);
+    int at_bound = 0;
+    for (Index n = 1; n <= 5; ++n)
+        for (int trial = 0; trial < 60; ++trial) {
+            const Linear p = random_problem(random, n, trial % 3 == 0, trial % 2 == 0);
+            const VectorXd x = bounded_least_squares(p.G, p.g, p.upper);
+            const double best = best_of_all(p);
+            EXPECT_TRUE(near(objective(p, x), best, 1e-11 * std::abs(best))) << n << ' ' << trial;
+            at_bound += ((x.array() > 0) && (x.array() == p.upper.array())).any();
+        }
+    EXPECT_GT(at_bound, 20);
+}
+
+TEST(BoundedLeastSquares, OneVariableIsTheClampedQuotient) {
+    const auto solve = [](double G, double g, double upper) {
+        return bounded_least_squares(MatrixXd::Constant(1, 1, G), VectorXd::Constant(1, g),
+                                     VectorXd::Constant(1, upper))[0];
+    };
+    EXPECT_TRUE(near_relative(solve(4, 6, INFINITY), 1.5, 2 * k_ridge));
+    EXPECT_TRUE(near_relative(solve(4e-40, 6e-40, INFINITY), 1.5, 2 * k_ridge));
+    EXPECT_TRUE(near_relative(solve(4e40, 6e40, INFINITY), 1.5, 2 * k_ridge));
+    EXPECT_EQ(solve(4, 6, 1), 1);
+    EXPECT_EQ(solve(4, 6, 0), 0);
+    EXPECT_EQ(solve(4, -6, INFINITY), 0);
+    EXPECT_EQ(solve(4, 0, INFINITY), 0);
+    EXPECT_EQ(solve(0, 0, INFINITY), 0);
+    EXPECT_EQ(solve(0, 0, 1), 0);
+    EXPECT_EQ(bounded_least_squares(MatrixXd(0, 0), VectorXd(0), VectorXd(0)).size(), 0);
+}
+
+TEST(BoundedLeastSquares, EqualColumnsShareTheirSum) {
+    const MatrixXd G = MatrixXd::Constant(3, 3, 2.0);
+    const VectorXd x = bounded_least_squares(G, VectorXd::Constant(3, 6.0), VectorXd::Constant(3, INFINITY));
+    EXPECT_TRUE(near_relative(x.sum(), 3, 2 * k_ridge));
+    EXPECT_GE(x.minCoeff(), 0);
+}
+
+/// y(t) = Σ_k c_k exp(−x_k t), the c_k eliminated by orthogonal projection.
+struct Exponentials {
+    VectorXd t, y;
+    VectorXd lower_bound, upper_bound;
+    VectorXd last_x, coefficient, residual;
+    MatrixXd A;
+    int calls = 0;
+
+    double loss(const VectorXd& x) {
+        ++calls;
+        last_x = x;
+        A = (-t * x.transpose()).array().exp();
+        coefficient = A.colPivHouseholderQr().solve(y);
+        residual = A * coefficient - y;
+        return residual.squaredNorm();
+    }
+    void linearise(const VectorXd& x, MatrixXd& H, VectorXd& g) {
+        EXPECT_EQ(x, last_x) << "linearise belongs to the x of the last loss";
+        MatrixXd J = ((-t).asDiagonal() * A) * coefficient.asDiagonal();
+        J -= A * A.colPivHouseholderQr().solve(J);
+        H = J.transpose() * J;
+        g = J.transpose() * residual;
+    }
+    VectorXd lower(const VectorXd&) const { return lower_bound; }
+    VectorXd upper(const VectorXd&) const { return upper_bound; }
+};
+
+Exponentials two_exponentials(double noise = 0) {
+    Exponentials problem;
+    problem.t = VectorXd::LinSpaced(50, 0, 4);
+    problem.y = 2 * (-0.5 * problem.t).array().exp() + 3 * (-3 * problem.t).array().exp();
+    for (Index i = 0; i < problem.t.size(); ++i) problem.y[i] += noise * std::sin(double(7 * i * i));
+    problem.lower_bound = VectorXd::Constant(2, 0.0);
+    problem.upper_bound = VectorXd::Constant(2, INFINITY);
+    return problem;
+}
+const LevenbergMarquardtOptions k_precise{.max_iterations = 200, .decrease_tolerance = 1e-14};
+
+TEST(LevenbergMarquardt, RecoversWhatMadeTheData) {
+    Exponentials problem = two_exponentials();
+    VectorXd x(2);
+    x << 1.0, 2.0;
+    const double before = problem.loss(x);
+    const auto summary = levenberg_marquardt(problem, x, k_precise);
+    EXPECT_TRUE(near_relative(x.minCoeff(), 0.5, 1e-9)) << x;
+    EXPECT_TRUE(near_relative(x.maxCoeff(), 3, 1e-9)) << x;
+    EXPECT_TRUE(near_relative(problem.coefficient.minCoeff(), 2, 1e-8));
+    EXPECT_TRUE(near_relative(problem.coefficient.maxCoeff(), 3, 1e-8));
+    EXPECT_LT(summary.loss, 1e-18 * before);
+    EXPECT_LT(summary.iterations, 50);
+    EXPECT_EQ(problem.last_x, x);
+}
+
+TEST(LevenbergMarquardt, EndsWhereTheGradientVanishes) {
+    Exponentials problem = two_exponentials(0.01);
+    VectorXd x(2);
+    x << 1.0, 2.0;
+    MatrixXd H;
+    VectorXd g;
+    const auto by_difference = [&](const VectorXd& at, Index i) {
+        const VectorXd step = 1e-5 * VectorXd::Unit(2, i);
+        return (problem.loss(at + step) - problem.loss(at - step)) / 4e-5;  // of loss / 2
+    };
+    const VectorXd difference{{by_difference(x, 0), by_difference(x, 1)}};
+    problem.loss(x);
+    problem.linearise(x, H, g);
+    EXPECT_LE((g - difference).norm(), 1e-6 * g.norm());
+
+    const auto summary = levenberg_marquardt(problem, x, k_precise);
+    EXPECT_EQ(summary.stop, Stop::decrease);
+    EXPECT_EQ(problem.last_x, x);
+    EXPECT_EQ(summary.loss, problem.loss(x));
+    VectorXd end;
+    problem.linearise(x, H, end);
+    EXPECT_LE(end.norm(), 1e-6 * g.norm());
+}
+
+TEST(LevenbergMarquardt, KeepsTheBounds) {
+    // The best exponents, 0.5 and 3, lie outside on one or on both sides.
+    for (const auto& [low, high] : {std::pair(0.0, 2.0), {0.8, INFINITY}, {0.8, 2.0}, {1.0, 1.0}}) {
+        Exponentials problem = two_exponentials();
+        problem.lower_bound.setConstant(low);
+        problem.upper_bound.setConstant(high);
+        VectorXd x{{1.0, low == 1 ? 1.0 : 1.9}};
+        const auto summary = levenberg_marquardt(problem, x, k_precise);
+        EXPECT_GE(x.minCoeff(), low);
+        EXPECT_LE(x.maxCoeff(), high);
+        if (low > 0) {
+            EXPECT_EQ(x.minCoeff(), low);
+        }
+        if (std::isfinite(high)) {
+            EXPECT_EQ(x.maxCoeff(), high);
+        }
+        EXPECT_EQ(problem.last_x, x);
+        EXPECT_EQ(problem.loss(x), summary.loss);
+        if (low == high) continue;
+        // What is not at a bound has no slope left.
+        MatrixXd H;
+        VectorXd g;
+        problem.linearise(x, H, g);
+        for (Index i = 0; i < 2; ++i)
+            EXPECT_TRUE(x[i] == low ? g[i] > 0 : x[i] == high ? g[i] < 0 : near(g[i], 0, 1e-6)) << x[i] << ' ' << g[i];
+    }
+}
+
+TEST(LevenbergMarquardt, SaysWhyItStopped) {
+    VectorXd x{{1.0, 2.0}};
+    Exponentials problem = two_exponentials(0.01);
+    const auto short_run = levenberg_marquardt(problem, x, {.max_iterations = 2});
+    EXPECT_EQ(short_run.stop, Stop::iterations);
+    EXPECT_EQ(short_run.iterations, 2);
+    EXPECT_EQ(problem.last_x, x);
+    const auto rest = levenberg_marquardt(problem, x, k_precise);
+    EXPECT_EQ(rest.stop, Stop::decrease);
+    EXPECT_LT(rest.loss, short_run.loss);
+    const VectorXd end = x;
+    EXPECT_EQ(levenberg_marquardt(problem, x, {.max_iterations = 0}).loss, rest.loss);
+    EXPECT_EQ(x, end);
+}
+
+/// Promises a descent that is none, or leads where the loss is not a number.
+struct Deceiver : Exponentials {
+    bool nan = false;
+    VectorXd start;
+    double loss(const VectorXd& x) {
+        Exponentials::loss(x);
+        return nan && x != start ? NAN : 1 + (x - start).norm();
+    }
+};
+
+TEST(LevenbergMarquardt, NeverTakesAStepThatDoesNotLower) {
+    for (const bool nan : {false, true}) {
+        Deceiver problem{two_exponentials(), nan, VectorXd{{1.0, 2.0}}};
+        VectorXd x = problem.start;
+        const auto summary = levenberg_marquardt(problem, x, {.decrease_tolerance = 0});
+        EXPECT_EQ(summary.stop, Stop::step);
+        EXPECT_EQ(x, problem.start);
+        EXPECT_EQ(problem.last_x, problem.start);
+        EXPECT_EQ(summary.loss, 1);
+        EXPECT_GT(problem.calls, 5);
+    }
+}
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,144 @@
+// Small files of the measured formats, made in memory, and the reference values of the real ones.
+#pragma once
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <vector>
+
+#include "measured/tensor_file.h"
+#include "properties.h"
+#include "srbf/measured.h"
+
+namespace srbf {
+
+using Bytes = std::vector<std::byte>;
+
+template <typename T> void append(Bytes& bytes, const T& number) {
+    const auto raw = std::as_bytes(std::span(&number, 1));
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+}
+
+/// A MERL file of f(h, d, p, channel) [1/sr].
+inline Bytes merl_file(std::array<int, 3> size, const std::function<double(int, int, int, int)>& f) {
+    Bytes bytes;
+    for (const int n : size) append(bytes, std::int32_t(n));
+    const double scale[3] = {1 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0};
+    for (int c = 0; c < 3; ++c)
+        for (int h = 0; h < size[0]; ++h)
+            for (int d = 0; d < size[1]; ++d)
+                for (int p = 0; p < size[2]; ++p) append(bytes, f(h, d, p, c) / scale[c]);
+    return bytes;
+}
+
+/// A field to be written, its numbers as bytes.
+struct FieldToWrite {
+    std::string name;
+    TensorType type;
+    std::vector<std::uint64_t> shape;
+    Bytes numbers;
+};
+
+inline FieldToWrite float_field(std::string name, std::vector<std::uint64_t> shape,
+                                const std::function<float(std::size_t)>& f) {
+    std::size_t count = 1;
+    for (const auto extent : shape) count *= extent;
+    Bytes numbers;
+    for (std::size_t i = 0; i < count; ++i) append(numbers, f(i));
+    return {std::move(name), TensorType::f32, std::move(shape), std::move(numbers)};
+}
+
+/// A tensor file; `header` receives the bytes that come before the numbers.
+inline Bytes tensor_file(const std::vector<FieldToWrite>& fields, std::size_t* header = nullptr) {
+    std::uint64_t offset = k_tensor_magic.size() + 6;
+    for (const auto& field : fields) offset += 13 + field.name.size() + 8 * field.shape.size();
+    if (header) *header = offset;
+    Bytes bytes;
+    for (const char c : k_tensor_magic) append(bytes, c);
+    append(bytes, std::uint8_t(1));
+    append(bytes, std::uint8_t(0));
+    append(bytes, std::uint32_t(fields.size()));
+    for (const auto& field : fields) {
+        append(bytes, std::uint16_t(field.name.size()));
+        for (const char c : field.name) append(bytes, c);
+        append(bytes, std::uint16_t(field.shape.size()));
+        append(bytes, field.type);
+        append(bytes, offset);
+        for (const auto extent : field.shape) append(bytes, extent);
+        offset += field.numbers.size();
+    }
+    for (const auto& field : fields) bytes.insert(bytes.end(), field.numbers.begin(), field.numbers.end());
+    return bytes;
+}
+
+/// The fields of an isotropic RGL measurement whose warp is the identity, with ndf(u) = 1 + u, sigma(u) = 1 −
+/// u/2, and the colour at w: (w_x, w_y, w_x − ½).
+inline std::vector<FieldToWrite> simple_rgl() {
+    const std::vector<float> theta{0, 0.7f, 1.55f};
+    FieldToWrite description{"description", TensorType::u8, {4}, {}},
+        jacobian{"jacobian", TensorType::u8, {1}, {}};
+    for (const char c : std::string("test")) append(description.numbers, c);
+    append(jacobian.numbers, std::uint8_t(1));
+    return {description,
+            jacobian,
+            float_field("phi_i", {1}, [](std::size_t) { return 0.0f; }),
+            float_field("theta_i", {3}, [&](std::size_t i) { return theta[i]; }),
+            float_field("ndf", {2, 4}, [](std::size_t i) { return 1 + float(i % 4) / 3; }),
+            float_field("sigma", {2, 5}, [](std::size_t i) { return 1 - float(i % 5) / 8; }),
+            float_field("vndf", {1, 3, 4, 5}, [](std::size_t) { return 0.1f; }),
+            float_field("rgb", {1, 3, 3, 4, 3}, [](std::size_t i) {
+                const float x = float(i % 3) / 2, y = float(i / 3 % 4) / 3;
+                return i / 12 % 3 == 0 ? x : i / 12 % 3 == 1 ? y : x - 0.5f;
+            })};
+}
+
+inline FieldToWrite& field(std::vector<FieldToWrite>& fields, const std::string& name) {
+    for (auto& f : fields)
+        if (f.name == name) return f;
+    throw std::out_of_range(name);
+}
+
+/// A row of reference values.
+struct Reference {
+    Vec3f wl, wv;
+    Rgb f;
+};
+
+inline std::vector<Reference> read_reference(const std::filesystem::path& path) {
+    std::ifstream in(path);
+    std::string line;
+    std::getline(in, line);  // the names of the columns
+    std::vector<Reference> rows;
+    while (std::getline(in, line)) {
+        std::ranges::replace(line, ',', ' ');
+        Reference r;
+        std::istringstream(line) >> r.wl.x >> r.wl.y >> r.wl.z >> r.wv.x >> r.wv.y >> r.wv.z >> r.f.r >>
+            r.f.g >> r.f.b;
+        rows.push_back(r);
+    }
+    return rows;
+}
+
+/// A direction, one time in four within a degree of the horizon or of the normal.
+inline Vec3f direction_to_the_ends(std::mt19937_64& random) {
+    const double pick = uniform(random);
+    if (pick < 0.125) return to_float(spherical(k_pi / 2 - uniform(random) * k_degree, 7 * uniform(random)));
+    if (pick < 0.25) return to_float(spherical(uniform(random) * k_degree, 7 * uniform(random)));
+    return to_float(random_direction(random, 1e-4));
+}
+
+/// ω turned about the normal.
+inline Vec3f rotate(Vec3f w, double phi) {
+    const double c = std::cos(phi), s = std::sin(phi);
+    return to_float(Vec3d{c * double(w.x) - s * double(w.y), s * double(w.x) + c * double(w.y), double(w.z)});
+}
+
+/// The contract of a BRDF at a pair: zero below the horizon, else finite and ≥ 0, or not measured in every
+/// channel.
+inline bool keeps_contract(const Rgb& f, Vec3f wl, Vec3f wv, bool may_lack) {
+    if (wl.z <= 0 || wv.z <= 0) return f == Rgb{};
+    if (may_lack && std::isnan(f.r) && std::isnan(f.g) && std::isnan(f.b)) return true;
+    return is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0;
+}
+
+}  // namespace srbf

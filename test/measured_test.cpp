@@ -1,0 +1,225 @@
+// Damaged files: an Error that says what is wrong, or a table that keeps its contract; never a crash.
+#include "measured_files.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+/// Each way to read gives an error with its parts in place, or a table that keeps the contract of a BRDF.
+template <typename Table> void expect_answers(const Table& table, std::mt19937_64& random) {
+    constexpr bool may_lack = !std::is_same_v<Table, RglTable>;
+    for (int i = 0; i < 40; ++i) {
+        Vec3f wl = to_float(random_direction(random)), wv = to_float(random_direction(random));
+        if (i % 4 == 0) wl = {0, 0, 1};
+        if (i % 4 == 1) wv = mirror(wl);
+        if (i % 4 == 2) wv = {1, 0, 1e-30f};
+        EXPECT_TRUE(keeps_contract(value(table, wl, wv), wl, wv, may_lack));
+        EXPECT_TRUE(may_lack || is_finite(signed_value(table, wl, wv)));
+    }
+}
+
+template <typename Table> void expect_answers(const Result<Table>& table, std::mt19937_64& random) {
+    if (table) return expect_answers(*table, random);
+    EXPECT_EQ(table.error().source, "test\n.file");
+    EXPECT_FALSE(table.error().what.empty());
+    EXPECT_EQ(message(table.error()).find('\n'), std::string::npos);
+    EXPECT_LT(message(table.error()).size(), 1000u);
+}
+
+/// Reads by content and by each format. False: an error by content.
+bool read_all(std::span<const std::byte> bytes, std::mt19937_64& random) {
+    // A copy of just this size, so that reading past its end is seen.
+    const Bytes copy(bytes.begin(), bytes.end());
+    const auto measured = read_measured(copy, "test\n.file");
+    if (measured)
+        std::visit([&](const auto& table) { expect_answers(table, random); }, measured->table);
+    else
+        expect_answers(Result<RglTable>(measured.error()), random);
+    expect_answers(read_merl(copy, "test\n.file"), random);
+    expect_answers(read_rgl(copy, "test\n.file"), random);
+    return measured.ok();
+}
+
+Bytes small_merl() {
+    return merl_file({3, 4, 5},
+                     [](int h, int d, int p, int c) { return (h + d + p) % 7 == 6 ? -1 : 1 + c + h; });
+}
+
+std::string error_of(const std::vector<FieldToWrite>& fields) {
+    const auto table = read_rgl(tensor_file(fields), "f");
+    return table ? "" : message(table.error());
+}
+
+TEST(DamagedInput, EveryTruncationIsAnError) {
+    std::mt19937_64 random(1);
+    for (const Bytes& whole : {small_merl(), tensor_file(simple_rgl())}) {
+        EXPECT_TRUE(read_all(whole, random));
+        for (std::size_t size = 0; size < whole.size(); ++size)
+            EXPECT_FALSE(read_all(std::span(whole).first(size), random)) << size;
+    }
+}
+
+TEST(DamagedInput, EveryFlippedHeaderByteIsAnErrorOrATable) {
+    std::mt19937_64 random(2);
+    std::size_t header = 0;
+    const Bytes rgl = tensor_file(simple_rgl(), &header), merl = small_merl();
+    for (const auto& [whole, size] : {std::pair(rgl, header), std::pair(merl, std::size_t(12))})
+        for (std::size_t at = 0; at < size; ++at)
+            for (const int pattern : {0xff, 0x01, 0x80}) {
+                Bytes damaged = whole;
+                damaged[at] ^= std::byte(pattern);
+                read_all(damaged, random);
+            }
+}
+
+TEST(DamagedInput, EveryFlippedByteOfTheNumbersIsAnErrorOrATable) {
+    std::mt19937_64 random(3);
+    for (const Bytes& whole : {small_merl(), tensor_file(simple_rgl())})
+        for (std::size_t at = 12; at < whole.size(); ++at) {
+            Bytes damaged = whole;
+            damaged[at] ^= std::byte(at % 2 ? 0x7f : 0xff);
+            read_all(damaged, random);
+        }
+}
+
+TEST(DamagedInput, GarbageIsAnErrorOrATable) {
+    std::mt19937_64 random(4);
+    const Bytes rgl = tensor_file(simple_rgl()), merl = small_merl();
+    for (int i = 0; i < 3000; ++i) {
+        Bytes garbage(random() % 700);
+        for (auto& b : garbage) b = std::byte(random());
+        // After the first bytes of a true file, garbage gets further.
+        const Bytes& opening = i % 3 == 0 ? rgl : merl;
+        const std::size_t kept = i % 3 == 2 ? 0 : i % 3 == 1 ? 12 : random() % rgl.size();
+        if (i % 3 == 1) garbage.resize(merl.size());
+        std::copy_n(opening.begin(), std::min(kept, garbage.size()), garbage.begin());
+        read_all(garbage, random);
+    }
+}
+
+TEST(DamagedInput, IsToldInPlainWords) {
+    const auto say = [](std::span<const std::byte> bytes) {
+        const auto measured = read_measured(bytes, "f");
+        return measured ? "" : message(measured.error());
+    };
+    EXPECT_EQ(say({}),
+              "f: unknown format: expected a MERL table (.binary) or an RGL measurement (.bsdf), found an "
+              "empty file");
+    EXPECT_NE(say(as_bytes("theta phi\n1 2\n")).find("unknown format"), std::string::npos);
+
+    Bytes cut = merl_file({90, 90, 180}, [](int, int, int, int) { return 0.1; });
+    ASSERT_EQ(say(cut), "");
+    cut.resize(cut.size() - 8);
+    EXPECT_EQ(
+        say(cut),
+        "f: at 12: size of a MERL table of 90 x 90 x 180: expected 34992012 bytes, found 34992004 bytes");
+
+    const double nan = std::nan("");
+    EXPECT_EQ(say(merl_file({3, 4, 5}, [&](int, int, int, int) { return nan; })),
+              "f: at 12: MERL cells: expected at least one measured (finite and not negative), found none");
+}
+
+TEST(DamagedInput, PromisesBeyondTheFileAreRefused) {
+    for (const std::int32_t n : {0, -1, 4097, 0x7fffffff}) {
+        Bytes merl;
+        for (int i = 0; i < 3; ++i) append(merl, n);
+        merl.resize(1000);
+        const auto table = read_merl(merl, "f");
+        ASSERT_FALSE(table.ok());
+        EXPECT_EQ(table.error().what, "MERL dimensions");
+    }
+    Bytes merl;
+    for (int i = 0; i < 3; ++i) append(merl, std::int32_t(4096));
+    EXPECT_FALSE(read_merl(merl, "f").ok());
+
+    for (const std::uint64_t n : {std::uint64_t(0x7fffffff), std::uint64_t(1) << 62, ~std::uint64_t(0)}) {
+        auto fields = simple_rgl();
+        field(fields, "vndf").shape = {1, 3, n, n};
+        EXPECT_NE(error_of(fields).find("to lie within"), std::string::npos);
+        field(fields, "vndf").shape = {0, n, n, n};  // no numbers at all
+        EXPECT_FALSE(error_of(fields).empty());
+    }
+
+    // An offset near 2⁶⁴, which wraps around when the size is added. It lies in the first entry, behind its
+    // name.
+    auto fields = simple_rgl();
+    Bytes wrapping = tensor_file(fields);
+    const std::uint64_t offset = ~std::uint64_t(1);
+    std::memcpy(&wrapping[18 + 2 + fields[0].name.size() + 2 + 1], &offset, sizeof offset);
+    const auto table = read_rgl(wrapping, "f");
+    ASSERT_FALSE(table.ok());
+    EXPECT_NE(table.error().expected.find("to lie within"), std::string::npos);
+}
+
+TEST(DamagedInput, EachNeededFieldIsChecked) {
+    for (const auto& [name, type, shape, numbers] : simple_rgl()) {
+        auto missing = simple_rgl();
+        std::erase_if(missing, [&, name = name](const FieldToWrite& f) { return f.name == name; });
+        EXPECT_NE(error_of(missing).find("tensor field " + name), std::string::npos);
+        EXPECT_NE(error_of(missing).find("no such field"), std::string::npos);
+
+        auto other_type = simple_rgl();
+        field(other_type, name).type = type == TensorType::u8 ? TensorType::i8 : TensorType::u32;
+        EXPECT_NE(error_of(other_type).find("tensor field " + name), std::string::npos);
+
+        auto other_rank = simple_rgl();
+        field(other_rank, name).shape.push_back(1);
+        EXPECT_NE(error_of(other_rank).find("tensor field " + name), std::string::npos);
+
+        auto twice = simple_rgl();
+        twice.push_back(field(twice, name));
+        EXPECT_NE(error_of(twice).find("tensor field " + name + ": expected each name once"),
+                  std::string::npos);
+
+        if (type != TensorType::f32) continue;
+        for (const float bad : {std::nanf(""), INFINITY, -INFINITY, -1e20f}) {
+            auto filled = simple_rgl();
+            FieldToWrite& f = field(filled, name);
+            std::memcpy(f.numbers.data() + f.numbers.size() - 4, &bad, 4);
+            EXPECT_NE(error_of(filled).find("tensor field " + name + ": expected values"), std::string::npos)
+                << bad;
+        }
+    }
+}
+
+TEST(DamagedInput, EachValueIsChecked) {
+    const auto with = [](const std::string& name, std::vector<std::uint64_t> shape, auto f) {
+        auto fields = simple_rgl();
+        field(fields, name) = float_field(name, std::move(shape), f);
+        return error_of(fields);
+    };
+    const auto zero = [](std::size_t) { return 0.0f; };
+    const auto index = [](std::size_t i) { return float(i); };
+    EXPECT_NE(with("theta_i", {3}, zero).find("increasing"), std::string::npos);
+    EXPECT_NE(with("vndf", {1, 3, 4, 5}, zero).find("positive integral"), std::string::npos);
+    EXPECT_NE(with("vndf", {1, 3, 4, 5}, [](std::size_t) { return -1.0f; }).find("found -1"),
+              std::string::npos);
+    EXPECT_NE(with("sigma", {2, 5}, zero).find("found 0"), std::string::npos);
+    EXPECT_NE(with("ndf", {2, 4}, index).find("isotropic"), std::string::npos);
+    EXPECT_NE(with("ndf", {2, 1}, zero).find("at least 2 nodes"), std::string::npos);
+    EXPECT_NE(with("vndf", {1, 3, 1, 5}, index).find("at least 2 x 2"), std::string::npos);
+    EXPECT_NE(with("rgb", {1, 3, 3, 4, 1}, index).find("at least 2 x 2"), std::string::npos);
+    EXPECT_NE(with("rgb", {1, 3, 4, 4, 3}, index).find("expected 1 x 3 x 3 x n x n of f32"),
+              std::string::npos);
+    EXPECT_NE(with("phi_i", {3}, index).find("anisotropic"), std::string::npos);
+
+    auto spectral = simple_rgl();
+    field(spectral, "rgb").name = "spectra";
+    EXPECT_NE(error_of(spectral).find("spectral"), std::string::npos);
+    auto plain = simple_rgl();
+    field(plain, "jacobian").numbers[0] = std::byte(0);
+    EXPECT_NE(error_of(plain).find("jacobian"), std::string::npos);
+}
+
+TEST(DamagedInput, FilesThatCannotBeReadAreErrors) {
+    for (const std::string& path : {std::string("/nowhere/at/all.bsdf"), std::string(SRBF_SOURCE_DIR),
+                                    std::string(SRBF_SOURCE_DIR) + "/CMakeLists.txt"}) {
+        const auto measured = load_measured(path);
+        ASSERT_FALSE(measured.ok());
+        EXPECT_EQ(measured.error().source, path);
+        EXPECT_FALSE(measured.error().what.empty());
+    }
+}
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,167 @@
+// Tables of half and difference angles: what they answer at, between and beyond their nodes.
+#include "measured/angles.h"
+#include "measured_files.h"
+
+namespace srbf {
+namespace {
+
+TEST(Angles, AgreeWithTheirDefinitions) {
+    double polar = 0, around = 0;
+    for (int i = 0; i <= 400000; ++i) {
+        const double theta = k_pi / 2 * std::pow(i / 400000.0, 4),
+                     phi = -k_pi + 2 * k_pi * (i + 0.5) / 400001;
+        const float s = float(3 * std::sin(theta)), c = float(3 * std::abs(std::cos(theta)));
+        if (i > 0 && s > 1e-15f)
+            polar = std::max(polar,
+                             std::abs(double(polar_angle(s * s, c)) / std::atan2(double(s), double(c)) - 1));
+        const float x = float(2 * std::cos(phi)), y = float(2 * std::sin(phi));
+        around = std::max(around, std::abs(double(azimuth(y, x)) - std::atan2(double(y), double(x))));
+    }
+    EXPECT_LE(polar, 4e-7);
+    EXPECT_LE(around, 4e-7);
+    EXPECT_EQ(polar_angle(Vec3f{}), 0);
+    EXPECT_EQ(azimuth(0, 0), 0);
+}
+
+constexpr int n_h = 12, n_d = 10, n_p = 16;
+
+/// Linear in the indices h and d, and between nodes in p, where it is periodic.
+double multilinear(double h, double d, double p) {
+    return (1 + 0.3 * h) * (5 - 0.4 * d) * (1 + std::abs(p - n_p / 2.0));
+}
+
+MerlTable merl_table(const std::function<double(int, int, int, int)>& f) {
+    return *read_merl(merl_file({n_h, n_d, n_p}, f), "table");
+}
+
+MerlTable multilinear_table() {
+    return merl_table([](int h, int d, int p, int c) { return (c + 1) * multilinear(h, d, p); });
+}
+
+struct Pair {
+    Vec3f wl, wv;
+};
+
+/// The pair at the position (h, d, p) in units of nodes: the docstring of MerlTable, turned about n by
+/// `turn`.
+Pair pair_at(double h, double d, double p, double turn) {
+    const double theta_h = (h / n_h) * (h / n_h) * k_pi / 2, theta_d = d / n_d * k_pi / 2,
+                 phi_d = p / n_p * k_pi;
+    const auto place = [&](Vec3d w) {
+        const double x = std::cos(theta_h) * w.x + std::sin(theta_h) * w.z;
+        const double z = std::cos(theta_h) * w.z - std::sin(theta_h) * w.x;
+        return rotate(to_float(Vec3d{x, w.y, z}), turn);
+    };
+    const Vec3d difference = spherical(theta_d, phi_d);
+    return {place(difference), place(mirror(difference))};
+}
+
+TEST(Merl, ReproducesItsNodes) {
+    const MerlTable table = multilinear_table();
+    EXPECT_EQ(table.masked, 0u);
+    int checked = 0;
+    for (int h = 0; h < n_h; ++h)
+        for (int d = 0; d < n_d; ++d)
+            for (int p = 0; p < n_p; ++p) {
+                const auto [wl, wv] = pair_at(h, d, p, 0.1 * p);
+                if (wl.z <= 0 || wv.z <= 0) continue;
+                // φ_d has no meaning where h is the normal or ωl = ωv: there the table answers with φ_d = 0.
+                const int known_p = h == 0 || d == 0 ? 0 : p;
+                if (h == 0 && d > 0 && p > 0) continue;
+                const Rgb f = value(table, wl, wv), g = nearest(table, wl, wv);
+                for (int c = 0; c < 3; ++c) {
+                    const double expected = (c + 1) * multilinear(h, d, known_p);
+                    EXPECT_PRED3(near_relative, f[c], expected, d == 0 ? 1e-3 : 1e-4)
+                        << h << ' ' << d << ' ' << p;
+                    EXPECT_PRED3(near_relative, g[c], expected, 1e-6) << h << ' ' << d << ' ' << p;
+                }
+                ++checked;
+            }
+    EXPECT_GT(checked, 500);
+}
+
+/// What the docstring of value() says, in double at a known position.
+double interpolated(const MerlTable& table, double h, double d, double p) {
+    double sum = 0, weight = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const int i = int(h) + (corner & 1), j = int(d) + (corner >> 1 & 1), k = int(p) + (corner >> 2);
+        const double w = (1 - std::abs(h - i)) * (1 - std::abs(d - j)) * (1 - std::abs(p - k));
+        const float f = table.cells[std::size_t(k % n_p + n_p * (j + n_d * i))].g;
+        if (!std::isnan(f)) sum += w * double(f), weight += w;
+    }
+    return sum / weight;
+}
+
+TEST(Merl, InterpolatesOverTheValidNodes) {
+    std::mt19937_64 random(1);
+    for (const double masked_part : {0.0, 0.3, 0.9}) {
+        const MerlTable table = merl_table([&](int h, int d, int p, int c) {
+            const double f = multilinear(h, d, p);
+            return c == 1 && uniform(random) < masked_part ? -1 : f;
+        });
+        EXPECT_EQ(table.masked > 0, masked_part > 0);
+        int checked = 0, lacking = 0;
+        for (int i = 0; i < 20000; ++i) {
+            const double h = 1 + (n_h - 2.1) * uniform(random), d = 0.2 + (n_d - 1.3) * uniform(random),
+                         p = n_p * uniform(random);
+            const auto [wl, wv] = pair_at(h, d, p, 6 * uniform(random));
+            if (wl.z <= 0 || wv.z <= 0) continue;
+            const double expected = interpolated(table, h, d, p);
+            const Rgb f = value(table, wl, wv);
+            if (std::isnan(expected)) {
+                EXPECT_TRUE(std::isnan(f.r) && std::isnan(f.g) && std::isnan(f.b));
+                ++lacking;
+                continue;
+            }
+            // Where all the valid weight lies in a corner, the rounding of the position counts for more.
+            EXPECT_PRED3(near_relative, f.g, expected, masked_part == 0 ? 1e-4 : 2e-2);
+            if (masked_part == 0) {
+                EXPECT_PRED3(near_relative, f.r, multilinear(h, d, p), 1e-4);
+            }
+            ++checked;
+        }
+        EXPECT_GT(checked, 3000);
+        EXPECT_EQ(lacking > 0, masked_part == 0.9);
+    }
+}
+
+TEST(Merl, IsReciprocalIsotropicAndBounded) {
+    std::mt19937_64 random(2);
+    const MerlTable table = merl_table([&](int h, int d, int p, int) {
+        const auto [wl, wv] = pair_at(h, d, p, 0);
+        return wl.z <= 0 || wv.z <= 0 ? -1 : multilinear(h, d, p);
+    });
+    EXPECT_GT(table.masked, 0u);
+    double largest = 0;
+    for (const Rgb& f : table.cells) largest = std::max(largest, double(f.r));
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3f wl = direction_to_the_ends(random), wv = direction_to_the_ends(random);
+        const Rgb f = value(table, wl, wv), exchanged = value(table, wv, wl);
+        ASSERT_TRUE(keeps_contract(f, wl, wv, true));
+        const double turn = 6 * uniform(random);
+        const Rgb turned = value(table, rotate(wl, turn), rotate(wv, turn));
+        if (std::isnan(f.r)) {
+            EXPECT_TRUE(std::isnan(exchanged.r));
+            continue;
+        }
+        EXPECT_LE(f.r, largest * (1 + 1e-6));
+        EXPECT_EQ(f, exchanged);
+        const double sine_h = std::hypot(double(wl.x + wv.x), double(wl.y + wv.y));
+        if (sine_h < 0.05 || wl.z < 0.1f || wv.z < 0.1f) continue;
+        EXPECT_PRED3(near_relative, turned.r, f.r, 1e-3);
+    }
+}
+
+TEST(Merl, IsZeroBelowTheHorizon) {
+    const MerlTable table = multilinear_table();
+    const Vec3f up{0, 0.6f, 0.8f};
+    for (const Vec3f down : {Vec3f{0, 1, 0}, Vec3f{0.6f, 0, -0.8f}, Vec3f{0, 0, -1}}) {
+        EXPECT_EQ(value(table, up, down), Rgb{});
+        EXPECT_EQ(value(table, down, up), Rgb{});
+        EXPECT_EQ(nearest(table, down, up), Rgb{});
+        EXPECT_EQ(signed_value(table, down, down), Rgb{});
+    }
+}
+
+}  // namespace
+}  // namespace srbf

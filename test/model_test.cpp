@@ -1,0 +1,217 @@
+// Models and their files: what is written is read, in the bytes that are promised.
+#include "srbf/model.h"
+
+#include <nlohmann/json.hpp>
+
+#include "models.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+const PmModel& pm(const Model& model) { return std::get<PmModel>(model.model); }
+
+nlohmann::json header(const Bytes& bytes) {
+    std::size_t length = 0;
+    for (std::size_t i = 8; i-- > 0;) length = length << 8 | std::to_integer<std::size_t>(bytes[i]);
+    const auto* text = reinterpret_cast<const char*>(bytes.data()) + 8;
+    return nlohmann::json::parse(text, text + length);
+}
+
+TEST(Model, WhatIsWrittenIsRead) {
+    std::mt19937_64 random(1);
+    for (int trial = 0; trial < 200; ++trial) {
+        const RandomModelOptions options{.axial = trial % 2 == 0,
+                                         .log_scale = trial % 4 < 2,
+                                         .lobes = 1 + int(random() % 12),
+                                         .variates = 1 + int(random() % k_most_variates)};
+        const Model model{rounded(random_model(random, options)), {{"source", "a.bsdf"}, {"", "empty key"}}};
+        const Bytes bytes = write_model(model);
+        const auto back = read_model(bytes, "x");
+        ASSERT_TRUE(back.ok()) << message(back.error());
+        EXPECT_EQ(pm(*back), pm(model));
+        EXPECT_EQ(back->provenance, model.provenance);
+        EXPECT_EQ(write_model(*back), bytes);
+        EXPECT_EQ(write_model(model), bytes);
+    }
+}
+
+TEST(Model, RoundedIsWhatAFileHolds) {
+    std::mt19937_64 random(2);
+    for (int trial = 0; trial < 200; ++trial) {
+        const PmModel model = random_model(random, {.axial = trial % 2 == 0, .log_scale = trial % 4 < 2});
+        const PmModel once = rounded(model);
+        EXPECT_NE(once, model);
+        EXPECT_EQ(rounded(once), once);
+        const auto back = read_model(write_model({model, {}}), "x");
+        ASSERT_TRUE(back.ok());
+        EXPECT_EQ(pm(*back), once);
+        for (std::size_t i = 0; i < model.bandwidth.size(); ++i) {
+            EXPECT_EQ(once.bandwidth[i], round_to_half(model.bandwidth[i]));
+            if (model.axial) {
+                EXPECT_EQ(once.centre[i], model.centre[i]);
+            }
+        }
+        for (std::size_t j = 0; j < model.coefficient.size(); ++j) {
+            EXPECT_EQ(once.coefficient[j].g, round_to_half(model.coefficient[j].g));
+            EXPECT_EQ(once.log_scale[j], round_to_half(model.log_scale[j]));
+        }
+        for (std::size_t n = 0; n < model.parameterization.size(); ++n)
+            EXPECT_EQ(once.parameterization[n].b, round_to_half(model.parameterization[n].b));
+    }
+}
+
+TEST(Model, NumbersBeyondAHalfAreHeldAtItsEnd) {
+    std::mt19937_64 random(3);
+    PmModel model = random_model(random, {.log_scale = true});
+    model.coefficient[0] = {1e9f, k_half_max, 1e-12f};
+    model.bandwidth[0] = 1e9f;
+    model.centre[1] = {0, 0, -1};
+    model.bandwidth[1] = 1e-12f;
+    model.log_scale[0] = -1e9f, model.log_scale[1] = 1e9f;
+    const PmModel once = rounded(model);
+    EXPECT_EQ(once.coefficient[0], (Rgb{k_half_max, k_half_max, 0}));
+    EXPECT_EQ(once.bandwidth[0], k_half_max);
+    EXPECT_EQ(once.bandwidth[1], 0);
+    EXPECT_EQ(once.centre[1], Vec3f(0, 0, -1));  // the sign of -0 is kept
+    EXPECT_EQ(once.log_scale[0], -k_half_max);
+    EXPECT_EQ(once.log_scale[1], k_half_max);
+}
+
+TEST(Model, CentresKeepTheirAnglesToTheDigitsOfAHalf) {
+    std::mt19937_64 random(4);
+    PmModel model = random_model(random, {.axial = false, .lobes = 60, .variates = 2});
+    std::size_t i = 0;
+    for (const Vec3f& pole : {Vec3f(0, 0, 1), Vec3f(0, 0, -1), Vec3f(1, 0, 0), Vec3f(-1, 0, 0), Vec3f(0, -1, 0)})
+        model.centre[i++] = pole;
+    for (const double tilt : {1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 0.1})
+        for (const double z : {1.0, -1.0})
+            for (const double turn : {0.3, -2.5}) model.centre[i++] = to_float(spherical(z > 0 ? tilt : k_pi - tilt, turn));
+    const PmModel once = rounded(model);
+    for (std::size_t k = 0; k < model.centre.size(); ++k) {
+        const Vec3f a = model.centre[k], b = once.centre[k];
+        const double theta = std::acos(std::clamp(double(a.z), -1.0, 1.0)), sine = std::hypot(double(a.x), double(a.y));
+        EXPECT_TRUE(near(dot(b, b), 1, 1e-6));
+        // Half an ulp each: of θ, at most 2^-10 beyond 2, and of φ, on the circle of this latitude.
+        const double distance = std::sqrt(double(dot(a - b, a - b)));
+        const double bound = theta * 0x1p-11 + sine * k_pi * 0x1p-11 + 3e-7;
+        EXPECT_LE(distance, bound) << theta;
+        if (theta < 0.01) {
+            EXPECT_LE(distance, 5 * 0x1p-11 * sine + 1e-7) << theta;
+        }
+    }
+}
+
+TEST(Model, BytesAreThePromisedOnes) {
+    std::mt19937_64 random(5);
+    const auto bytes = [&](bool axial, bool log_scale, int lobes, int variates) {
+        return payload_bytes(random_model(random, {axial, log_scale, lobes, variates}));
+    };
+    EXPECT_EQ(bytes(true, false, 8, 4), 128u);
+    EXPECT_EQ(bytes(true, true, 8, 4), 144u);
+    EXPECT_EQ(bytes(false, false, 6, 3), 156u);
+    EXPECT_EQ(bytes(false, false, 8, 4), 256u);
+    for (const bool axial : {true, false})
+        for (const bool log_scale : {true, false}) {
+            const PmModel model = random_model(random, {axial, log_scale, 7, 5});
+            EXPECT_EQ(has_log_scale(model), log_scale);
+            const Bytes file = write_model({model, {}});
+            std::size_t length = 0, tensors = 0;
+            for (std::size_t i = 8; i-- > 0;) length = length << 8 | std::to_integer<std::size_t>(file[i]);
+            EXPECT_EQ(file.size() - 8 - length, payload_bytes(model));
+            EXPECT_EQ(length % 8, 0u);
+            for (const auto& [name, entry] : header(file).items()) {
+                if (name == "__metadata__") continue;
+                EXPECT_EQ(entry["dtype"], "F16");
+                ++tensors;
+            }
+            EXPECT_EQ(tensors, 3u + !axial + log_scale);
+        }
+}
+
+TEST(Model, TensorsAreNamedAndOrderedAsPromised) {
+    PmModel model;
+    model.lobes = 1, model.variates = 2;
+    model.coefficient = {{1, 2, 0.5f}};
+    model.log_scale = {0};
+    model.centre = {{0, 0, 1}, {0, 0, -1}};
+    model.bandwidth = {3, 4};
+    model.parameterization = {{1, 1}, {0, -1}};
+    const Bytes file = write_model({model, {{"who", "me"}}});
+    const auto text = header(file);
+    EXPECT_EQ(text["__metadata__"],
+              (nlohmann::json{{"srbf", "1"}, {"model", "pm"}, {"form", "source"}, {"axial", "true"}, {"who", "me"}}));
+    EXPECT_EQ(text["coefficient"]["shape"], (nlohmann::json{1, 3}));
+    EXPECT_EQ(text["bandwidth"]["shape"], (nlohmann::json{1, 2}));
+    EXPECT_EQ(text["parameterization"]["shape"], (nlohmann::json{2, 2}));
+    const std::size_t data = file.size() - payload_bytes(model);
+    const auto halves = [&](const char* name) {
+        std::vector<float> numbers;
+        for (std::size_t at = text[name]["data_offsets"][0]; at < text[name]["data_offsets"][1]; at += 2)
+            numbers.push_back(from_half(std::uint16_t(std::to_integer<unsigned>(file[data + at]) |
+                                                      std::to_integer<unsigned>(file[data + at + 1]) << 8)));
+        return numbers;
+    };
+    EXPECT_EQ(halves("coefficient"), (std::vector<float>{1, 2, 0.5f}));
+    EXPECT_EQ(halves("bandwidth"), (std::vector<float>{3, -4}));
+    EXPECT_EQ(halves("parameterization"), (std::vector<float>{1, 1, 0, -1}));
+}
+
+TEST(Model, ProvenanceMayHoldAnyByte) {
+    std::mt19937_64 random(6);
+    std::string every;
+    for (int c = 0; c < 256; ++c) every += char(c);
+    const std::map<std::string, std::string> valid{
+        {"quotes", "a \"b\" \\ c"}, {"lines", "a\nb\r\n\tc"}, {"empty", ""}, {"", "no name"}, {"nul", std::string("a\0b", 3)},
+        {"UTF-8", "θ, φ, 🎈"}, {"\"key\"\n", "x"}, {"long", std::string(100000, 'x')}};
+    auto provenance = valid;
+    provenance["broken"] = every;
+    provenance["\xff\xfe"] = "broken key";
+    const Model model{rounded(random_model(random, {})), provenance};
+    const auto back = read_model(write_model(model), "x");
+    ASSERT_TRUE(back.ok()) << message(back.error());
+    for (const auto& [key, text] : valid) EXPECT_EQ(back->provenance.at(key), text) << key;
+    // What is no UTF-8 is replaced; the ASCII in it stays.
+    EXPECT_EQ(back->provenance.at("broken").substr(0, 128), every.substr(0, 128));
+    EXPECT_EQ(back->provenance.size(), provenance.size());
+    EXPECT_EQ(pm(*back), pm(model));
+}
+
+TEST(Model, ValueIsTheKernelsAboveTheHorizonAndZeroBelow) {
+    std::mt19937_64 random(7);
+    const Model model{random_model(random, {}), {}};
+    static_assert(Brdf<Model> && Brdf<PmModel>);
+    const Vec3f up = to_float(spherical(0.3, 0.1)), other = to_float(spherical(1.0, 2.0));
+    EXPECT_GT(value(model, up, other).r, 0);
+    EXPECT_EQ(value(model, up, other), value(pm(model), up, other));
+    for (const Vec3f& low : {Vec3f(1, 0, 0), Vec3f(0.6f, 0, -0.8f), Vec3f(1, 0, -1e-30f), Vec3f(0, 0, NAN)}) {
+        EXPECT_EQ(value(model, up, low), Rgb());
+        EXPECT_EQ(value(model, low, up), Rgb());
+    }
+}
+
+TEST(Model, FilesAreSavedAndLoaded) {
+    std::mt19937_64 random(8);
+    std::string folder = (std::filesystem::temp_directory_path() / "srbf-model-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(folder.data()), nullptr);
+    const Model model{rounded(random_model(random, {.axial = false})), {{"a", "b"}}};
+    const std::string path = folder + "/m.srbf", missing = folder + "/none/m.srbf";
+    ASSERT_TRUE(save_model(model, path).ok());
+    const auto back = load_model(path);
+    ASSERT_TRUE(back.ok());
+    EXPECT_EQ(pm(*back), pm(model));
+    for (const Error& error : {save_model(model, missing).error(), load_model(missing).error(),
+                               save_model(model, folder).error(), load_model(folder).error()}) {
+        EXPECT_EQ(message(error).find(folder), 0u);
+        EXPECT_FALSE(error.what.empty());
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder + "/none"));
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Model, FormsHaveNames) { EXPECT_EQ(name(PmForm::source), "source"); }
+
+}  // namespace
+}  // namespace srbf

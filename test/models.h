@@ -1,0 +1,38 @@
+// Models for tests.
+#pragma once
+#include "properties.h"
+#include "srbf/half.h"
+#include "srbf/model.h"
+
+namespace srbf {
+
+struct RandomModelOptions {
+    bool axial = true, log_scale = false;
+    int lobes = 5, variates = 3;
+    double most_bandwidth = 300;
+};
+
+/// A model whose numbers are drawn from what a fit yields.
+inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& options) {
+    PmModel model;
+    model.axial = options.axial;
+    model.lobes = options.lobes;
+    model.variates = options.variates;
+    const auto draw = [&] { return uniform(random); };
+    for (int j = 0; j < model.lobes; ++j) {
+        model.coefficient.push_back({float(draw()), float(draw()), float(draw())});
+        model.log_scale.push_back(options.log_scale ? float(20 * draw() - 10) : 0);
+        for (int n = 0; n < model.variates; ++n) {
+            const bool up = draw() < 0.7;
+            model.centre.push_back(options.axial ? Vec3f(0, 0, up ? 1 : -1) : to_float(random_direction(random)));
+            model.bandwidth.push_back(float(options.most_bandwidth * std::pow(draw(), 6)));
+        }
+    }
+    for (int n = 0; n < model.variates; ++n) {
+        const double angle = 2 * k_pi * draw();
+        model.parameterization.push_back({float(std::cos(angle)), float(std::sin(angle))});
+    }
+    return model;
+}
+
+}  // namespace srbf

@@ -1,0 +1,176 @@
+// RGL measurements: agreement with the authors' own loader, the formula, the warp.
+#include <map>
+
+#include "measured/warp.h"
+#include "measured_files.h"
+
+namespace srbf {
+namespace {
+
+const RglTable& bundled(const std::string& name) {
+    static std::map<std::string, Measured> loaded;
+    auto entry = loaded.find(name);
+    if (entry == loaded.end())
+        entry = loaded.emplace(name, *load_measured((bundled_data() / (name + "_rgb.bsdf")).string())).first;
+    return std::get<RglTable>(entry->second.table);
+}
+
+const std::vector<std::string> k_bundled{"paper_white", "cc_ibiza_sunset"};
+
+/// Every row within 1e-4, or 2e-6 absolute, of the authors' own loader.
+void expect_agreement(const std::filesystem::path& measurement, const std::filesystem::path& reference) {
+    const auto measured = load_measured(measurement.string());
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    EXPECT_EQ(measured->format, "RGL");
+    EXPECT_EQ(measured->bytes, std::filesystem::file_size(measurement));
+    const auto rows = read_reference(reference);
+    ASSERT_GE(rows.size(), 500u);
+    for (const auto& [wl, wv, expected] : rows) {
+        const Rgb f = value(*measured, wl, wv);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_PRED3(near, f[c], expected[c], 1e-4 * double(expected[c]) + 2e-6) << measurement;
+    }
+}
+
+TEST(Rgl, AgreesWithTheAuthorsLoader) {
+    for (const auto& name : k_bundled)
+        expect_agreement(bundled_data() / (name + "_rgb.bsdf"), bundled_data() / (name + "_rgb.csv"));
+}
+
+TEST(Rgl, AgreesWithTheAuthorsLoaderOnAllMeasurements) {
+    const auto folder = shared_data() / "rgl";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
+    for (const char* name :
+         {"cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"})
+        expect_agreement(folder / (name + std::string("_rgb.bsdf")),
+                         folder / "reference" / (name + std::string("_rgb.csv")));
+}
+
+TEST(Rgl, ComputesItsFormula) {
+    const auto table = read_rgl(tensor_file(simple_rgl()), "simple");
+    ASSERT_TRUE(table.ok()) << message(table.error());
+    EXPECT_EQ(table->description, "test");
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 5000; ++i) {
+        const Vec3d wl = random_direction(random, 0.01), wv = random_direction(random, 0.01), h = wl + wv;
+        const double u_h = std::sqrt(std::acos(normalize(h).z) * 2 / k_pi),
+                     u_l = std::sqrt(std::acos(wl.z) * 2 / k_pi);
+        const double turn = std::remainder(std::atan2(h.y, h.x) - std::atan2(wl.y, wl.x), 2 * k_pi);
+        const double scale = (1 + u_h) / (4 * (1 - u_l / 2) * wv.z), w_y = (turn + k_pi) / (2 * k_pi);
+        const Rgb f = signed_value(*table, to_float(wl), to_float(wv));
+        EXPECT_PRED3(near, f.r, scale * u_h, 1e-4 * scale);
+        EXPECT_PRED3(near, f.g, scale * w_y, 1e-4 * scale);
+        EXPECT_PRED3(near, f.b, scale * (u_h - 0.5), 1e-4 * scale);
+        const Rgb clamped = value(*table, to_float(wl), to_float(wv));
+        EXPECT_EQ(clamped.b, std::max(f.b, 0.0f));
+        EXPECT_EQ(clamped.r, f.r);
+    }
+}
+
+TEST(Rgl, WarpMapsTheSquareOntoItselfWithItsDensity) {
+    std::mt19937_64 random(4);
+    for (const auto& name : k_bundled) {
+        const RglTable& table = bundled(name);
+        for (int i = 0; i < 20000; ++i) {
+            const Slices slices = slices_at(table.theta_l, float(k_pi / 2 * uniform(random)));
+            const Warped any = unwarp(table.visible, slices, float(uniform(random)), float(uniform(random)));
+            EXPECT_TRUE(any.x >= 0 && any.x <= 1 && any.y >= 0 && any.y <= 1 && any.density >= 0);
+            // Inside a cell the warp is quadratic, so that a central difference is its derivative.
+            const float cells_x = float(table.visible.width - 1), cells_y = float(table.visible.height - 1);
+            const float x = (std::floor(float(uniform(random)) * cells_x) + 0.5f) / cells_x,
+                        dx = 0.4f / cells_x;
+            const float y = (std::floor(float(uniform(random)) * cells_y) + 0.5f) / cells_y,
+                        dy = 0.4f / cells_y;
+            const double along_x = double(unwarp(table.visible, slices, x + dx, y).x) -
+                                   double(unwarp(table.visible, slices, x - dx, y).x);
+            const double along_y = double(unwarp(table.visible, slices, x, y + dy).y) -
+                                   double(unwarp(table.visible, slices, x, y - dy).y);
+            const double jacobian = along_x * along_y / (4 * double(dx) * double(dy));
+            const double density = double(unwarp(table.visible, slices, x, y).density);
+            EXPECT_PRED3(near, jacobian, density, 1e-3 * (0.1 + density));
+        }
+    }
+}
+
+TEST(Rgl, WarpReachesTheEndsOfTheSquare) {
+    const auto& table = bundled("paper_white");
+    for (const float theta : {0.0f, 0.3f, 1.2f, 2.0f}) {
+        const Slices slices = slices_at(table.theta_l, theta);
+        EXPECT_EQ(unwarp(table.visible, slices, 0, 0).y, 0);
+        EXPECT_EQ(unwarp(table.visible, slices, 0, 0.3f).x, 0);
+        EXPECT_PRED3(near, unwarp(table.visible, slices, 1, 0.3f).x, 1, 1e-6);
+        EXPECT_PRED3(near, unwarp(table.visible, slices, 0.3f, 1).y, 1, 1e-6);
+    }
+}
+
+TEST(Rgl, WarpStaysInTheSquareWithoutDensity) {
+    auto fields = simple_rgl();
+    field(fields, "vndf") =
+        float_field("vndf", {1, 3, 4, 5}, [](std::size_t i) { return i % 20 < 5 ? 1.0f : 0.0f; });
+    const auto table = read_rgl(tensor_file(fields), "f");
+    ASSERT_TRUE(table.ok()) << message(table.error());
+    std::mt19937_64 random(7);
+    for (int i = 0; i < 5000; ++i) {
+        const Slices slices = slices_at(table->theta_l, float(2 * uniform(random)));
+        const Warped w = unwarp(table->visible, slices, float(uniform(random)), float(uniform(random)));
+        EXPECT_TRUE(w.x >= 0 && w.x <= 1 && w.y >= 0 && w.y <= 1 && w.density >= 0);
+        const Vec3f wl = direction_to_the_ends(random), wv = direction_to_the_ends(random);
+        EXPECT_TRUE(keeps_contract(value(*table, wl, wv), wl, wv, false));
+    }
+}
+
+TEST(Rgl, IsIsotropicAndBounded) {
+    std::mt19937_64 random(5);
+    for (const auto& name : k_bundled) {
+        const RglTable& table = bundled(name);
+        for (int i = 0; i < 30000; ++i) {
+            const Vec3f wl = direction_to_the_ends(random), wv = direction_to_the_ends(random);
+            const Rgb f = value(table, wl, wv);
+            ASSERT_TRUE(keeps_contract(f, wl, wv, false));
+            const double turn = 6 * uniform(random);
+            const Vec3f turned_l = rotate(wl, turn), turned_v = rotate(wv, turn);
+            const Rgb turned = value(table, turned_l, turned_v);
+            const double sine_h = std::hypot(double(wl.x + wv.x), double(wl.y + wv.y));
+            if (wl.z < 0.02f || wv.z < 0.02f || wl.z > 0.999f || sine_h < 0.05) continue;
+            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, turned[c], f[c], 1e-3 * (1e-2 + double(f[c])));
+        }
+        for (const float z : {1e-30f, 1e-42f})
+            EXPECT_TRUE(is_finite(value(table, {1, 0, z}, {-1, 0, z})) &&
+                        is_finite(value(table, {1, 0, z}, {0, 1, z})));
+    }
+}
+
+TEST(Rgl, IsContinuous) {
+    std::mt19937_64 random(6);
+    const double step = 1e-4;
+    for (const auto& name : k_bundled) {
+        const RglTable& table = bundled(name);
+        for (int i = 0; i < 30000; ++i) {
+            const Vec3d wl = random_direction(random, 0.1);
+            // Half of the pairs straddle the seam of the table, where h lies opposite of ωl.
+            Vec3d wv = random_direction(random, 0.1);
+            if (i % 2)
+                wv = spherical(std::min(1.4, std::acos(wl.z) + 0.15 + uniform(random)),
+                               std::atan2(-wl.y, -wl.x));
+            const Vec3d moved = normalize(wv + step * random_direction(random));
+            const Vec3d h = wl + wv;
+            if (wl.z > 0.99 || std::hypot(h.x, h.y) < 0.1) continue;
+            const Rgb f = signed_value(table, to_float(wl), to_float(wv));
+            const Rgb g = signed_value(table, to_float(wl), to_float(moved));
+            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, g[c], f[c], 0.01 * (0.1 + std::abs(double(f[c]))));
+        }
+    }
+}
+
+TEST(Rgl, IsZeroBelowTheHorizon) {
+    const RglTable& table = bundled("paper_white");
+    const Vec3f up{0, 0.6f, 0.8f};
+    for (const Vec3f down : {Vec3f{0, 1, 0}, Vec3f{0.6f, 0, -0.8f}, Vec3f{0, 0, -1}}) {
+        EXPECT_EQ(value(table, up, down), Rgb{});
+        EXPECT_EQ(value(table, down, up), Rgb{});
+        EXPECT_EQ(signed_value(table, down, down), Rgb{});
+    }
+}
+
+}  // namespace
+}  // namespace srbf

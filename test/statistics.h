@@ -1,0 +1,109 @@
+// Chi-square tests of samplers of directions.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "srbf/vec.h"
+
+namespace srbf {
+
+/// Q(a, x) = Γ(a, x) / Γ(a), the upper incomplete gamma function's ratio, a > 0, x ≥ 0: by the series of P where x < a + 1, else
+/// by the continued fraction (Lentz).
+inline double upper_gamma_ratio(double a, double x) {
+    if (x <= 0) return 1;
+    const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
+    if (x < a + 1) {
+        double term = 1 / a, sum = term;
+        for (double k = a + 1; term > 1e-16 * sum; ++k) sum += term *= x / k;
+        return 1 - front * sum;
+    }
+    constexpr double tiny = 1e-300;
+    double b = x + 1 - a, c = 1 / tiny, d = 1 / b, fraction = d;
+    for (int i = 1; i < 10000; ++i) {
+        const double an = -i * (i - a);
+        b += 2;
+        d = 1 / (std::abs(an * d + b) < tiny ? tiny : an * d + b);
+        c = std::abs(b + an / c) < tiny ? tiny : b + an / c;
+        fraction *= c * d;
+        if (std::abs(c * d - 1) < 1e-15) break;
+    }
+    return front * fraction;
+}
+
+/// The probability that counts drawn with these expectations differ from them by more than the observed ones do (Pearson). Bins
+/// that expect fewer than five are pooled. 0 where anything is not a number or the sums do not agree.
+inline double chi2_p_value(std::span<const double> observed, std::span<const double> expected) {
+    double chi2 = 0, few_observed = 0, few_expected = 0, total_observed = 0, total_expected = 0;
+    int bins = 0;
+    const auto add = [&](double o, double e) { chi2 += (o - e) * (o - e) / e, ++bins; };
+    for (std::size_t i = 0; i < observed.size(); ++i) {
+        total_observed += observed[i], total_expected += expected[i];
+        if (expected[i] >= 5)
+            add(observed[i], expected[i]);
+        else
+            few_observed += observed[i], few_expected += expected[i];
+    }
+    if (few_expected > 0 || few_observed > 0) add(few_observed, std::max(few_expected, 1.0));
+    if (!(std::abs(total_observed - total_expected) <= 0.5 * std::sqrt(total_observed)) || bins < 2) return 0;
+    return upper_gamma_ratio(0.5 * (bins - 1), 0.5 * chi2);
+}
+
+/// The significance of each of `tests` for them all to have `significance` (Šidák).
+inline double sidak(double significance, int tests) { return -std::expm1(std::log1p(-significance) / tests); }
+
+/// Bins of directions about an axis: rings between values of 1 − cos θ, cut into sectors.
+struct PolarBins {
+    Vec3d axis;
+    std::vector<double> edge;  ///< of 1 − cos θ, from 0 to 2
+    int sectors = 8;
+
+    std::size_t size() const { return (edge.size() - 1) * std::size_t(sectors); }
+    Vec3d x() const {
+        const Vec3d other = std::abs(axis.x) < 0.7 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0);
+        return normalize(cross(other, axis));
+    }
+    Vec3d y() const { return cross(axis, x()); }
+    std::size_t index(Vec3d w) const {
+        const double t = 0.5 * dot(w - axis, w - axis), turn = std::atan2(dot(w, y()), dot(w, x())) / (2 * k_pi);
+        const auto ring = std::upper_bound(edge.begin() + 1, edge.end() - 1, t) - edge.begin() - 1;
+        const int sector = std::min(int((turn < 0 ? turn + 1 : turn) * sectors), sectors - 1);
+        return std::size_t(ring) * std::size_t(sectors) + std::size_t(sector);
+    }
+    /// The integral of `pdf` over each bin, by midpoints.
+    std::vector<double> masses(const std::function<double(Vec3d)>& pdf, int steps = 32) const {
+        std::vector<double> mass(size());
+        const Vec3d ex = x(), ey = y();
+        for (std::size_t bin = 0; bin < mass.size(); ++bin) {
+            const std::size_t ring = bin / std::size_t(sectors), sector = bin % std::size_t(sectors);
+            const double dt = (edge[ring + 1] - edge[ring]) / steps, dphi = 2 * k_pi / (sectors * steps);
+            for (int i = 0; i < steps; ++i) {
+                const double t = edge[ring] + (i + 0.5) * dt, r = std::sqrt(t * (2 - t));
+                for (int k = 0; k < steps; ++k) {
+                    const double phi = (double(sector) * steps + k + 0.5) * dphi;
+                    const Vec3d w = r * std::cos(phi) * ex + r * std::sin(phi) * ey + (1 - t) * axis;
+                    mass[bin] += pdf(w) * dt * dphi;
+                }
+            }
+        }
+        return mass;
+    }
+};
+
+/// The p-value of `count` draws of `sample()` against `pdf`.
+template <typename Sample>
+double sampler_p_value(const PolarBins& bins, const std::function<double(Vec3d)>& pdf, int count, Sample sample) {
+    std::vector<double> expected = bins.masses(pdf), observed(bins.size());
+    for (double& mass : expected) mass *= count;
+    for (int i = 0; i < count; ++i) {
+        const Vec3d w = sample();
+        // What is no direction falls into no bin, and then the sums do not agree.
+        if (std::abs(dot(w, w) - 1) <= 1e-5) observed[bins.index(w)] += 1;
+    }
+    return chi2_p_value(observed, expected);
+}
+
+}  // namespace srbf

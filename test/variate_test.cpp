@@ -1,0 +1,229 @@
+// Parameterizations and multivariate models of kernel.glsl, also on a number type that is none of C++'s.
+#include "models.h"
+#include "srbf/kernel.h"
+
+namespace dual {
+
+/// v + d ε with ε² = 0: a value and its derivative.
+struct Dual {
+    double v = 0, d = 0;
+    Dual() = default;
+    explicit Dual(double value, double derivative = 0) : v(value), d(derivative) {}
+};
+inline Dual operator+(Dual a, Dual b) { return Dual(a.v + b.v, a.d + b.d); }
+inline Dual operator-(Dual a, Dual b) { return Dual(a.v - b.v, a.d - b.d); }
+inline Dual operator-(Dual a) { return Dual(-a.v, -a.d); }
+inline Dual operator*(Dual a, Dual b) { return Dual(a.v * b.v, a.d * b.v + a.v * b.d); }
+inline Dual operator/(Dual a, Dual b) { return Dual(a.v / b.v, (a.d * b.v - a.v * b.d) / (b.v * b.v)); }
+inline bool operator<(Dual a, Dual b) { return a.v < b.v; }
+inline Dual exp(Dual a) { return Dual(std::exp(a.v), std::exp(a.v) * a.d); }
+inline Dual log(Dual a) { return Dual(std::log(a.v), a.d / a.v); }
+inline Dual sqrt(Dual a) { return Dual(std::sqrt(a.v), a.d / (2 * std::sqrt(a.v))); }
+inline Dual cos(Dual a) { return Dual(std::cos(a.v), -std::sin(a.v) * a.d); }
+inline Dual sin(Dual a) { return Dual(std::sin(a.v), std::cos(a.v) * a.d); }
+inline Dual min(Dual a, Dual b) { return b < a ? b : a; }
+inline Dual max(Dual a, Dual b) { return a < b ? b : a; }
+inline Dual select(bool condition, Dual a, Dual b) { return condition ? a : b; }
+
+}  // namespace dual
+
+namespace srbf {
+namespace {
+
+using dual::Dual;
+using K = Kernel<double>;
+
+Vec3d widen(Vec3f w) { return {double(w.x), double(w.y), double(w.z)}; }
+double length(Vec3d a) { return std::sqrt(dot(a, a)); }
+Vec3<Dual> constant(Vec3d w) { return {Dual(w.x), Dual(w.y), Dual(w.z)}; }
+Vec3d turned(Vec3d w, double angle) {
+    return {std::cos(angle) * w.x - std::sin(angle) * w.y, std::sin(angle) * w.x + std::cos(angle) * w.y, w.z};
+}
+bool all_near_relative(Vec3d a, Vec3d b, double tolerance) {
+    return near_relative(a.x, b.x, tolerance) && near_relative(a.y, b.y, tolerance) &&
+           near_relative(a.z, b.z, tolerance);
+}
+
+/// The formula of PmModel's docstring, written out in long double.
+Vec3d written_value(const PmModel& model, Vec3d wl, Vec3d wv) {
+    const long double l[3] = {wl.x, wl.y, wl.z}, v[3] = {wv.x, wv.y, wv.z};
+    long double sum[3] = {0, 0, 0};
+    for (int j = 0; j < model.lobes; ++j) {
+        long double product = std::exp((long double)(model.log_scale[std::size_t(j)]));
+        for (int n = 0; n < model.variates; ++n) {
+            const auto i = std::size_t(j * model.variates + n);
+            const long double a = model.parameterization[std::size_t(n)].a, b = model.parameterization[std::size_t(n)].b;
+            const long double xi[3] = {model.centre[i].x, model.centre[i].y, model.centre[i].z};
+            long double cosine = 0, square = 0, unit = 0;
+            for (int k = 0; k < 3; ++k) {
+                cosine += (a * l[k] + b * v[k]) * xi[k];
+                square += (a * l[k] + b * v[k]) * (a * l[k] + b * v[k]);
+                unit += xi[k] * xi[k];
+            }
+            // Centres are unit vectors to float's precision.
+            product *= std::exp((long double)(model.bandwidth[i]) * (cosine / std::sqrt(square * unit) - 1));
+        }
+        for (int c = 0; c < 3; ++c) sum[c] += product * (long double)(model.coefficient[std::size_t(j)][c]);
+    }
+    return {double(sum[0]), double(sum[1]), double(sum[2])};
+}
+
+TEST(Variate, PsiIsTheNormalisedSum) {
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3d wl = random_direction(random), wv = random_direction(random);
+        const double angle = 2 * k_pi * uniform(random), a = std::cos(angle), b = std::sin(angle);
+        const Vec3d p = K::psi(wl, wv, a, b);
+        EXPECT_TRUE(near(length(p), 1, 1e-14));
+        EXPECT_TRUE(near(length(cross(p, a * wl + b * wv)), 0, 1e-14));
+        EXPECT_GT(dot(p, a * wl + b * wv), 0);
+        EXPECT_LE(length(K::psi(wl, wv, 7 * a, 7 * b) - p), 1e-14);   // the scale of (a, b) is free
+        EXPECT_LE(length(K::psi(wv, wl, b, a) - p), 1e-14);           // each direction keeps its weight
+        EXPECT_LE(length(K::psi(wl, wv, -a, -b) + p), 1e-14);
+        EXPECT_LE(length(K::psi(wl, wv, 1, 0) - wl), 1e-14);
+        EXPECT_LE(length(K::psi(wl, wv, 0, 1) - wv), 1e-14);
+        const Vec3d h = K::psi(wl, wv, 1, 1);
+        EXPECT_TRUE(near(dot(h, wl), dot(h, wv), 1e-12 / length(wl + wv)));
+    }
+}
+
+TEST(Variate, PsiVanishesWhereTheSumDoes) {
+    const Vec3f w = to_float(normalize(Vec3d(0.3, -0.5, 0.8))), zero = Kernel<float>::psi(w, w, -0.7f, 0.7f);
+    EXPECT_EQ(zero.x, 0);
+    EXPECT_EQ(zero.y, 0);
+    EXPECT_EQ(zero.z, 0);
+    EXPECT_TRUE(near_relative(Kernel<float>::gaussian(zero, w, 6.0f), std::exp(-3.0), 1e-6));
+    EXPECT_EQ(length(widen(Kernel<float>::psi_by_angle(w, w, 0.0f, 0.0f))), 0);
+    EXPECT_TRUE(std::isfinite(length(widen(Kernel<float>::psi_by_angle(w, w, -0.7f, 0.7f)))));
+}
+
+TEST(Variate, PsiByAngleIsTheDerivative) {
+    std::mt19937_64 random(2);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3d wl = random_direction(random), wv = random_direction(random);
+        const double angle = 2 * k_pi * uniform(random), h = 1e-6;
+        const auto at = [&](double t) { return K::psi(wl, wv, std::cos(t), std::sin(t)); };
+        const Vec3d by = K::psi_by_angle(wl, wv, std::cos(angle), std::sin(angle));
+        const double steepness = 1 / length(std::cos(angle) * wl + std::sin(angle) * wv);
+        const Vec3d difference = (0.5 / h) * (at(angle + h) - at(angle - h));
+        EXPECT_LE(length(by - difference), 1e-9 * std::pow(steepness, 3));
+        EXPECT_TRUE(near(dot(by, at(angle)), 0, 1e-13 * steepness));
+
+        using D = Kernel<Dual>;
+        const auto p = D::psi(constant(wl), constant(wv), Dual(std::cos(angle), -std::sin(angle)),
+                              Dual(std::sin(angle), std::cos(angle)));
+        EXPECT_LE(length(by - Vec3d(p.x.d, p.y.d, p.z.d)), 1e-13 * std::pow(steepness, 2));
+        const auto f = Kernel<float>::psi_by_angle(to_float(wl), to_float(wv), float(std::cos(angle)),
+                                                   float(std::sin(angle)));
+        EXPECT_LE(length(by - widen(f)), 1e-6 * std::pow(steepness, 2));
+    }
+}
+
+TEST(Variate, ModelIsTheWrittenSum) {
+    std::mt19937_64 random(3);
+    for (int trial = 0; trial < 60; ++trial) {
+        const PmModel model = random_model(random, {.axial = trial % 2 == 0, .log_scale = trial % 3 == 0});
+        for (int i = 0; i < 50; ++i) {
+            const Vec3d wl = random_direction(random), wv = random_direction(random);
+            const Vec3d f = K::pm_value(model, wl, wv);
+            EXPECT_TRUE(all_near_relative(f, written_value(model, wl, wv), 1e-5));
+            const Vec3f g = Kernel<float>::pm_value(model, to_float(wl), to_float(wv));
+            if (std::min({f.x, f.y, f.z}) > 1e-25) {
+                EXPECT_TRUE(all_near_relative(widen(g), f, 1e-4));
+            }
+        }
+    }
+}
+
+TEST(Variate, ModelOnDualNumbersCarriesDerivatives) {
+    std::mt19937_64 random(4);
+    for (int trial = 0; trial < 200; ++trial) {
+        const PmModel model = random_model(random, {.axial = trial % 2 == 0, .most_bandwidth = 30});
+        const Vec3d wl = random_direction(random), wv = random_direction(random), tangent = random_direction(random);
+        const Vec3<Dual> moving(Dual(wl.x, tangent.x), Dual(wl.y, tangent.y), Dual(wl.z, tangent.z));
+        const Vec3<Dual> f = Kernel<Dual>::pm_value(model, moving, constant(wv));
+        const double h = 1e-6;
+        const Vec3d difference = (0.5 / h) * (K::pm_value(model, wl + h * tangent, wv) -
+                                              K::pm_value(model, wl - h * tangent, wv));
+        const Vec3d value = K::pm_value(model, wl, wv);
+        EXPECT_TRUE(all_near_relative(Vec3d(f.x.v, f.y.v, f.z.v), value, 1e-13));
+        for (const auto& [by, expected, scale] : {std::tuple(f.x.d, difference.x, value.x),
+                                                  {f.y.d, difference.y, value.y},
+                                                  {f.z.d, difference.z, value.z}})
+            EXPECT_TRUE(near(by, expected, 1e-6 * (std::abs(expected) + 10 * scale)));
+    }
+}
+
+TEST(Variate, DualNumbersPassThroughTheWholeText) {
+    // The warp's area by derivatives instead of differences, and d/dλ of the integral.
+    using D = Kernel<Dual>;
+    std::mt19937_64 random(5);
+    for (const double bandwidth : {0.005, 0.5, 40.0, 3e4}) {
+        const Vec3d centre = random_direction(random);
+        const double u1 = 0.1 + 0.8 * uniform(random), u2 = uniform(random);
+        const auto by1 = D::sample_vmf(constant(centre), Dual(bandwidth), Dual(u1, 1), Dual(u2));
+        const auto by2 = D::sample_vmf(constant(centre), Dual(bandwidth), Dual(u1), Dual(u2, 1));
+        const Vec3d area = cross(Vec3d(by1.x.d, by1.y.d, by1.z.d), Vec3d(by2.x.d, by2.y.d, by2.z.d));
+        const Vec3d w(by1.x.v, by1.y.v, by1.z.v);
+        EXPECT_TRUE(near(length(area) * K::vmf_pdf(w, centre, bandwidth), 1, 1e-5)) << bandwidth;
+        const double h = 1e-4 * bandwidth;
+        const double slope = (K::gaussian_integral(bandwidth + h) - K::gaussian_integral(bandwidth - h)) / (2 * h);
+        EXPECT_TRUE(near_relative(D::gaussian_integral(Dual(bandwidth, 1)).d, slope, 1e-4)) << bandwidth;
+    }
+}
+
+TEST(Variate, AxialModelsAreIsotropicAndOthersAreNot) {
+    std::mt19937_64 random(6);
+    int anisotropic = 0;
+    for (int trial = 0; trial < 100; ++trial) {
+        const PmModel axial = random_model(random, {.axial = true}), general = random_model(random, {.axial = false});
+        const Vec3d wl = random_direction(random), wv = random_direction(random);
+        const double angle = 1 + 4 * uniform(random);
+        const Vec3d tl = turned(wl, angle), tv = turned(wv, angle);
+        EXPECT_TRUE(all_near_relative(K::pm_value(axial, tl, tv), K::pm_value(axial, wl, wv), 1e-11));
+        const Vec3d f = widen(Kernel<float>::pm_value(axial, to_float(wl), to_float(wv)));
+        if (std::min({f.x, f.y, f.z}) > 1e-25) {
+            const Vec3d t = widen(Kernel<float>::pm_value(axial, to_float(tl), to_float(tv)));
+            EXPECT_TRUE(all_near_relative(t, f, 1e-4));
+        }
+        anisotropic += !all_near_relative(K::pm_value(general, tl, tv), K::pm_value(general, wl, wv), 1e-3);
+    }
+    EXPECT_GT(anisotropic, 90);
+}
+
+TEST(Variate, EqualWeightsMakeAModelReciprocal) {
+    std::mt19937_64 random(7);
+    int irreciprocal = 0;
+    for (int trial = 0; trial < 100; ++trial) {
+        PmModel model = random_model(random, {.axial = trial % 2 == 0});
+        const Vec3d wl = random_direction(random), wv = random_direction(random);
+        irreciprocal += !all_near_relative(K::pm_value(model, wv, wl), K::pm_value(model, wl, wv), 1e-3);
+        for (Parameterization& p : model.parameterization) p.b = p.a;
+        EXPECT_TRUE(all_near_relative(K::pm_value(model, wv, wl), K::pm_value(model, wl, wv), 1e-13));
+    }
+    EXPECT_GT(irreciprocal, 90);
+}
+
+TEST(Variate, ExtremeStoredNumbersStayFinite) {
+    std::mt19937_64 random(8);
+    for (const float bandwidth : {0.f, k_half_max})
+        for (const float scale : {-k_half_max, k_half_max})
+            for (const Parameterization p : {Parameterization{k_half_max, k_half_max}, {k_half_max, -k_half_max},
+                                             {-k_half_max, k_half_max}, {0x1p-24f, 0x1p-24f}, {-0x1p-24f, 0x1p-24f}}) {
+                PmModel model;
+                model.lobes = k_most_lobes, model.variates = k_most_variates;
+                model.coefficient.assign(k_most_lobes, {k_half_max, k_half_max, k_half_max});
+                model.log_scale.assign(k_most_lobes, scale);
+                model.centre.assign(k_most_lobes * k_most_variates, {0, 0, -1});
+                model.bandwidth.assign(k_most_lobes * k_most_variates, bandwidth);
+                model.parameterization.assign(k_most_variates, p);
+                const Vec3f up(0, 0, 1), w = to_float(random_direction(random, 0)), low = to_float(spherical(1.57, 1.0));
+                for (const auto& [wl, wv] : {std::pair(up, up), {up, w}, {w, w}, {w, mirror(w)}, {low, mirror(low)}}) {
+                    const Rgb f = value(model, wl, wv);
+                    EXPECT_TRUE(is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0) << bandwidth << ' ' << scale;
+                }
+            }
+}
+
+}  // namespace
+}  // namespace srbf

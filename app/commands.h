@@ -1,12 +1,39 @@
 // The subcommands, a file each: level 7.
 #pragma once
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <string>
+#include <vector>
 
 namespace srbf {
 
 /// Exit statuses of the program.
 enum Status { k_done = 0, k_input_error = 1, k_usage = 2 };
+
+inline constexpr int k_most_threads = 1024;
+
+/// A number of T within [least, most]; a NaN is none.
+template <typename T> CLI::Validator within(T least, T most) {
+    return {[=](std::string& text) -> std::string {
+                T number{};
+                const char* end = text.data() + text.size();
+                const auto [rest, error] = std::from_chars(text.data(), end, number);
+                if (error == std::errc() && rest == end && number >= least && number <= most) return {};
+                return fmt::format("expected {} to {}, found {}", least, most, text);
+            },
+            ""};
+}
+
+/// One of `names`.
+inline CLI::Validator one_of(const std::vector<std::string>& names) {
+    return {[=](std::string& text) -> std::string {
+                if (std::find(names.begin(), names.end(), text) != names.end()) return {};
+                return fmt::format("expected {}, found {}", fmt::join(names, " or "), text);
+            },
+            ""};
+}
 
 // Each adds its subcommand; when it is the one chosen, parsing runs it and leaves its exit status in
 // `status`.

@@ -27,16 +27,20 @@ double fitted_theta(const Subject& subject) {
 }
 
 int CompareCommand::run() const {
-    if (!json.empty() && json != "-")
-        if (const auto output = check_output(json); !output) return complain(output.error());
     const auto a = load(reference);
     if (!a) return complain(a.error());
     const auto b = load(other);
     if (!b) return complain(b.error());
 
+    const auto writable = check_outputs({reference, other}, {json == "-" ? "" : json});
+    if (!writable) return complain(writable.error());
+
     const double own = fitted_theta(*b), theta = max_theta > 0 ? max_theta : own > 0 ? own : 80;
     const Evaluate others[] = {evaluator(*b)};
     const Comparison comparison = compare(evaluator(*a), others, {theta * k_degree, threads})[0];
+
+    if (comparison.matrix.pairs == 0)
+        return complain({reference, {}, "compared pairs of directions", "some that both hold", "none"});
 
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
     add_measures(report, comparison, "");
@@ -59,14 +63,19 @@ int CompareCommand::run() const {
 void add_compare(CLI::App& app, int& status) {
     const auto command = std::make_shared<CompareCommand>();
     CLI::App* sub = app.add_subcommand("compare", "Errors between any two BRDFs, measured or fitted");
-    sub->add_option("REFERENCE", command->reference, "The BRDF to be measured against")->required();
-    sub->add_option("OTHER", command->other, "The BRDF that is measured")->required();
+    sub->add_option("REFERENCE", command->reference, "The BRDF to be measured against")->type_name("")->required();
+    sub->add_option("OTHER", command->other, "The BRDF that is measured")->type_name("")->required();
     sub->add_option("--max-theta", command->max_theta,
-                    "Leave out directions further from the normal [degrees]; default: OTHER's own if it is a "
-                    "model, else 80")
-        ->check(CLI::Range(1.0, 90.0));
-    sub->add_option("--threads", command->threads, "0: as many as the machine has")->check(CLI::Range(0, 1024));
-    sub->add_option("--json", command->json, "Write the measures to this file; - is standard output");
+                    "Leave out directions further from the normal, 1 to 90 degrees;\n"
+                    "default: OTHER's own if it is a model, else 80")
+        ->type_name("DEG")
+        ->check(within(1.0, 90.0));
+    sub->add_option("--threads", command->threads, "0: as many as the machine has")
+        ->type_name("T")
+        ->check(within(0, k_most_threads))
+        ->capture_default_str();
+    sub->add_option("--json", command->json, "Write the measures to this file; - is standard output")
+        ->type_name("FILE");
     sub->footer("Example:\n  srbf compare paper_white_rgb.bsdf paper_white_rgb.srbf");
     sub->callback([command, &status] { status = command->run(); });
 }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <memory>
@@ -19,28 +20,38 @@ struct Pairs {
     std::vector<std::array<std::string, 6>> text;  ///< as the file writes them
 };
 
-std::string_view trimmed(std::string_view field) {
-    const auto first = field.find_first_not_of(" \t\r\"");
-    if (first == std::string_view::npos) return {};
-    return field.substr(first, field.find_last_not_of(" \t\r\"") - first + 1);
+std::string_view trimmed(std::string_view text) {
+    constexpr std::string_view blank = " \t\r";
+    const auto first = text.find_first_not_of(blank);
+    return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
+/// The fields of a line, without blanks and quotes around them; a comma within quotes parts nothing.
 std::vector<std::string_view> fields_of(std::string_view line) {
     std::vector<std::string_view> fields;
-    for (std::size_t at = 0;;) {
-        const auto comma = line.find(',', at);
-        fields.push_back(trimmed(line.substr(at, comma - at)));
-        if (comma == std::string_view::npos) return fields;
-        at = comma + 1;
+    bool quoted = false;
+    for (std::size_t at = 0, begin = 0; at <= line.size(); ++at) {
+        if (at < line.size() && line[at] == '"') quoted = !quoted;
+        if (at < line.size() && (quoted || line[at] != ',')) continue;
+        std::string_view field = trimmed(line.substr(begin, at - begin));
+        if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
+            field = trimmed(field.substr(1, field.size() - 2));
+        fields.push_back(field);
+        begin = at + 1;
     }
+    return fields;
 }
 
 /// The columns of `k_columns` of a CSV whose first line names its columns. Errors name the line.
 Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
+    const auto at_line = [&](std::uint64_t line, std::string_view what, std::string expected, std::string found) {
+        return Error{source, {}, fmt::format("line {}: {}", line, what), std::move(expected), std::move(found)};
+    };
     Pairs pairs;
     std::array<std::size_t, 6> column{};
     std::uint64_t line_number = 0;
     bool has_header = false;
+    if (constexpr std::string_view mark = "\xef\xbb\xbf"; csv.starts_with(mark)) csv.remove_prefix(mark.size());
     for (std::size_t at = 0; at < csv.size();) {
         const auto end = std::min(csv.find('\n', at), csv.size());
         const std::string_view line = csv.substr(at, end - at);
@@ -53,7 +64,7 @@ Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
             for (std::size_t c = 0; c < 6; ++c) {
                 const auto found = std::find(fields.begin(), fields.end(), k_columns[c]);
                 if (found == fields.end())
-                    return Error{source, line_number, "header", fmt::format("a column {}", k_columns[c]), "none"};
+                    return at_line(line_number, "header", fmt::format("a column {}", k_columns[c]), "none");
                 column[c] = std::size_t(found - fields.begin());
             }
             continue;
@@ -64,23 +75,23 @@ Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
             const std::string_view field = column[c] < fields.size() ? fields[column[c]] : std::string_view();
             const auto [rest, error] = std::from_chars(field.data(), field.data() + field.size(), number[c]);
             if (error != std::errc() || rest != field.data() + field.size() || !std::isfinite(number[c]))
-                return Error{source, line_number, fmt::format("column {}", k_columns[c]), "a number",
-                             fmt::format("'{}'", field.substr(0, 40))};
+                return at_line(line_number, fmt::format("column {}", k_columns[c]), "a number",
+                               fmt::format("'{:.40}'", field));
             text[c] = field;
         }
         const auto direction = [&](std::size_t c) { return Vec3d{number[c], number[c + 1], number[c + 2]}; };
         for (const std::size_t c : {std::size_t(0), std::size_t(3)}) {
             const double length = std::sqrt(dot(direction(c), direction(c)));
             if (!(std::abs(length - 1) <= 0.01))
-                return Error{source, line_number, fmt::format("direction {}", k_columns[c].substr(0, 2)), "length 1",
-                             fmt::format("{:.6g}", length)};
+                return at_line(line_number, fmt::format("direction {}", k_columns[c].substr(0, 2)), "length 1",
+                               fmt::format("{:.6g}", length));
         }
         const Vec3d wl = normalize(direction(0)), wv = normalize(direction(3));
         pairs.wl.push_back({float(wl.x), float(wl.y), float(wl.z)});
         pairs.wv.push_back({float(wv.x), float(wv.y), float(wv.z)});
         pairs.text.push_back(std::move(text));
     }
-    if (!has_header) return Error{source, 1, "header", "columns wl_x to wv_z", "an empty file"};
+    if (!has_header) return at_line(1, "header", "columns wl_x to wv_z", "an empty file");
     return pairs;
 }
 
@@ -109,15 +120,16 @@ void add_eval(CLI::App& app, int& status) {
     };
     const auto names = std::make_shared<Names>();
     CLI::App* sub = app.add_subcommand("eval", "The BRDF's values at given pairs of directions, as CSV");
-    sub->add_option("FILE", names->file, "A measurement or a model")->required();
+    sub->add_option("FILE", names->file, "A measurement or a model")->type_name("")->required();
     sub->add_option("--pairs", names->pairs,
-                    "CSV whose header names wl_x, wl_y, wl_z (to the light), wv_x, wv_y, wv_z (to the "
-                    "viewer): unit vectors, "
-                    "normal +z; other columns are ignored")
+                    "CSV whose first line names its columns: wl_x, wl_y, wl_z, to the light,\n"
+                    "and wv_x, wv_y, wv_z, to the viewer: unit vectors, normal +z;\n"
+                    "other columns are ignored")
+        ->type_name("FILE")
         ->required();
     sub->footer(
-        "Writes the directions and r,g,b [1/sr], without the cosine: 0 below the horizon, nan where nothing "
-        "was measured.\n"
+        "Writes the directions and r,g,b [1/sr], without the cosine: 0 below the horizon,\n"
+        "nan where nothing was measured.\n\n"
         "Example:\n  srbf eval paper_white_rgb.srbf --pairs pairs.csv > values.csv");
     sub->callback([names, &status] { status = run(names->file, names->pairs); });
 }

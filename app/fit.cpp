@@ -1,6 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <thread>
 
@@ -12,6 +16,15 @@
 namespace srbf {
 namespace {
 
+/// What the fit and its judgement found.
+struct Outcome {
+    PmFit fit;
+    double load_seconds = 0, fit_seconds = 0, max_theta = 0;  // [s], [s], [degrees]
+    std::uint64_t masked = 0, clamped = 0;
+    Comparison rounded, unrounded;
+    Image8 picture;  // empty: none was asked for
+};
+
 struct FitCommand {
     std::string input, output, preview, json;
     std::string model = "pm", form = "source", objective = "cosine";
@@ -21,14 +34,8 @@ struct FitCommand {
     std::uint64_t seed = 0;
 
     int run();
-};
-
-/// What the fit and its judgement found.
-struct Outcome {
-    PmFit fit;
-    double load_seconds = 0, fit_seconds = 0, max_theta = 0;  // [s], [s], [degrees]
-    std::uint64_t masked = 0, clamped = 0;
-    Comparison rounded, unrounded;
+    Result<Outcome> fit(const Measured& measured) const;
+    Result<Done> write(const Measured& measured, const Outcome& outcome) const;
 };
 
 constexpr std::uint64_t k_raw_bytes = std::uint64_t(k_matrix_directions) * k_matrix_directions * 3 * sizeof(float);
@@ -71,7 +78,7 @@ std::map<std::string, std::string> provenance_of(const FitCommand& command, cons
         {"source", std::filesystem::path(command.input).filename().string()},
         {"generator", "srbf " SRBF_VERSION},
         {"objective", command.objective},
-        {"max_theta", fmt::format("{:g}", outcome.max_theta)},
+        {"max_theta", fmt::format("{}", outcome.max_theta)},
         {"seed", fmt::format("{}", command.seed)},
         {"squared_error_ratio", fmt::format("{:.4g}", outcome.rounded.matrix.squared_error_ratio)},
         {"heldout_squared_error_ratio", fmt::format("{:.4g}", outcome.rounded.heldout.squared_error_ratio)},
@@ -81,7 +88,7 @@ std::map<std::string, std::string> provenance_of(const FitCommand& command, cons
     };
 }
 
-void print_report(const FitCommand& command, const Measured& measured, const Outcome& outcome) {
+Result<Done> print_report(const FitCommand& command, const Measured& measured, const Outcome& outcome) {
     const PmModel& model = outcome.fit.model;
     fmt::print("{}  ({}, {} bytes)\n", command.input, measured.format, grouped(measured.bytes));
     fmt::print("  model     {}, form {}, {} lobes, {} variates, {}\n", command.model, name(model.form), model.lobes,
@@ -97,41 +104,24 @@ void print_report(const FitCommand& command, const Measured& measured, const Out
     fmt::print("\n  model     {}\n", command.output);
     if (!command.preview.empty()) fmt::print("  picture   {}\n", command.preview);
     if (!command.json.empty()) fmt::print("  report    {}\n", command.json);
+    return flush_standard_output();
 }
 
-int FitCommand::run() {
-    if (output.empty()) output = std::filesystem::path(input).stem().string() + ".srbf";
-    for (const std::string& path : {output, preview, json == "-" ? std::string() : json}) {
-        if (path.empty()) continue;
-        std::error_code ignored;
-        if (std::filesystem::equivalent(path, input, ignored))
-            return complain({path, {}, "output", "another file than the input", "the input"});
-        if (const auto writable = check_output(path); !writable) return complain(writable.error());
-    }
-
-    const Stopwatch loading;
-    const auto measured = load_measured(input);
-    if (!measured) return complain(measured.error());
-    Outcome outcome;
-    outcome.load_seconds = loading.seconds();
-
+Result<Outcome> FitCommand::fit(const Measured& measured) const {
     ProgressLine line;
     const Stopwatch fitting;
+    Outcome outcome;
     ObserveOptions observing;
     observing.objective = objective == "raw" ? Objective::raw : Objective::cosine;
-    observing.max_theta = max_theta > 0 ? max_theta * k_degree : default_max_theta(observing.objective);
+    outcome.max_theta = max_theta > 0 ? max_theta : default_max_theta(observing.objective) / k_degree;
+    observing.max_theta = outcome.max_theta * k_degree;
     observing.seed = seed;
-    outcome.max_theta = observing.max_theta / k_degree;
-    auto observations = observe(
+    const auto observations = observe(
         [&](auto wl, auto wv, auto f) {
-            for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(*measured, wl[i], wv[i]);
+            for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(measured, wl[i], wv[i]);
         },
         observing);
-    if (!observations) {
-        Error error = observations.error();
-        error.source = input;
-        return complain(error);
-    }
+    if (!observations) return observations.error();
     outcome.masked = observations->masked;
     outcome.clamped = observations->clamped;
 
@@ -141,21 +131,17 @@ int FitCommand::run() {
     options.log_scale = !no_scale;
     options.seed = seed;
     options.threads = threads;
-    auto fit = fit_pm(*observations, options, [&](const Progress& progress) {
+    auto fitted = fit_pm(*observations, options, [&](const Progress& progress) {
         line.show(progress.stage, 0.7 * progress.fraction);  // measuring takes the rest
         return true;
     });
-    if (!fit) {
-        Error error = fit.error();
-        error.source = input;
-        return complain(error);
-    }
-    outcome.fit = *std::move(fit);
+    if (!fitted) return fitted.error();
+    outcome.fit = *std::move(fitted);
     outcome.fit_seconds = fitting.seconds();
 
     line.show("measuring the error", 0.7);
     const Evaluate others[] = {evaluator(outcome.fit.model), evaluator(outcome.fit.unrounded)};
-    const auto comparisons = compare(evaluator(*measured), others, {observing.max_theta, threads});
+    const auto comparisons = compare(evaluator(measured), others, {observing.max_theta, threads});
     outcome.rounded = comparisons[0];
     outcome.unrounded = comparisons[1];
 
@@ -164,17 +150,65 @@ int FitCommand::run() {
         PreviewOptions picture;
         picture.threads = threads;
         picture.captions[1] = fmt::format("fit, {} bytes", payload_bytes(outcome.fit.model));
-        const Image8 image = srbf::preview(evaluator(*measured), evaluator(outcome.fit.model), picture);
-        if (const auto written = write_png(image, preview); !written) return complain(written.error());
+        outcome.picture = srbf::preview(evaluator(measured), evaluator(outcome.fit.model), picture);
     }
-    line.clear();
-    const Json report = report_of(*this, *measured, outcome);
-    const auto saved = save_model({outcome.fit.model, provenance_of(*this, outcome)}, output);
-    if (!saved) return complain(saved.error());
-    if (!json.empty())
-        if (const auto written = write_json(report, json); !written) return complain(written.error());
-    if (json != "-") print_report(*this, *measured, outcome);
-    return k_done;
+    return outcome;
+}
+
+/// What goes to standard output, a device or a pipe is written first, so that a full one leaves no file behind.
+Result<Done> FitCommand::write(const Measured& measured, const Outcome& outcome) const {
+    struct Output {
+        std::string path;
+        std::function<Result<Done>()> write;
+    };
+    std::vector<Output> outputs;
+    outputs.push_back({output, [&] { return save_model({outcome.fit.model, provenance_of(*this, outcome)}, output); }});
+    if (!preview.empty()) outputs.push_back({preview, [&] { return write_png(outcome.picture, preview); }});
+    if (!json.empty()) outputs.push_back({json, [&] { return write_json(report_of(*this, measured, outcome), json); }});
+    if (json != "-") outputs.push_back({"-", [&] { return print_report(*this, measured, outcome); }});
+    std::stable_partition(outputs.begin(), outputs.end(), [](const Output& one) {
+        std::error_code ignored;
+        return one.path == "-" || std::filesystem::is_other(one.path, ignored);
+    });
+    for (const Output& one : outputs)
+        if (const auto written = one.write(); !written) return written.error();
+    return Done{};
+}
+
+int FitCommand::run() {
+    const Stopwatch loading;
+    const auto subject = load(input);
+    if (!subject) return complain(subject.error());
+    const double load_seconds = loading.seconds();
+    const auto* measured = std::get_if<Measured>(&subject->content);
+    if (!measured) return complain({input, {}, "input", "a measurement", "a fitted model"});
+
+    if (output.empty()) output = std::filesystem::path(input).stem().string() + ".srbf";
+    const auto writable = check_outputs({input}, {output, preview, json == "-" ? "" : json});
+    if (!writable) return complain(writable.error());
+
+    auto outcome = fit(*measured);
+    if (!outcome) {
+        Error error = outcome.error();
+        error.source = input;
+        return complain(error);
+    }
+    outcome->load_seconds = load_seconds;
+    const auto written = write(*measured, *outcome);
+    return written ? k_done : complain(written.error());
+}
+
+/// Takes "x.png", "x.PNG" and names without an extension, such as a pipe's.
+CLI::Validator png_name() {
+    return {[](std::string& name) {
+                std::string ending = std::filesystem::path(name).extension().string();
+                std::transform(ending.begin(), ending.end(), ending.begin(),
+                               [](unsigned char c) { return std::tolower(c); });
+                return ending.empty() || ending == ".png"
+                           ? ""
+                           : fmt::format("expected a name that ends in .png, found {}", name);
+            },
+            ""};
 }
 
 }  // namespace
@@ -182,31 +216,50 @@ int FitCommand::run() {
 void add_fit(CLI::App& app, int& status) {
     const auto command = std::make_shared<FitCommand>();
     CLI::App* sub = app.add_subcommand("fit", "Fit a model to a measurement and report its errors");
-    sub->add_option("INPUT", command->input, "The measurement: MERL .binary or RGL .bsdf")->required();
-    sub->add_option("-o,--output", command->output, "The model; default: INPUT's stem + .srbf in this folder");
+    sub->add_option("INPUT", command->input, "The measurement: MERL .binary or RGL .bsdf")->type_name("")->required();
+    sub->add_option("-o,--output", command->output, "The model; default: INPUT's stem + .srbf in the working directory")
+        ->type_name("FILE");
     sub->add_option("--model", command->model, "pm: parameterized multivariate SRBFs")
-        ->check(CLI::IsMember({"pm"}))
+        ->type_name("NAME")
+        ->check(one_of({"pm"}))
         ->capture_default_str();
     sub->add_option("--form", command->form, "source: as Tsai 2009 defines them")
-        ->check(CLI::IsMember({"source"}))
+        ->type_name("NAME")
+        ->check(one_of({"source"}))
         ->capture_default_str();
-    sub->add_option("--lobes", command->lobes, "J")->check(CLI::Range(1, k_most_fitted_lobes))->capture_default_str();
-    sub->add_option("--variates", command->variates, "N")->check(CLI::Range(1, k_most_variates))->capture_default_str();
+    sub->add_option("--lobes", command->lobes, fmt::format("Lobes of the model, 1 to {}", k_most_fitted_lobes))
+        ->type_name("J")
+        ->check(within(1, k_most_fitted_lobes))
+        ->capture_default_str();
+    sub->add_option("--variates", command->variates, fmt::format("Factors of each lobe, 1 to {}", k_most_variates))
+        ->type_name("N")
+        ->check(within(1, k_most_variates))
+        ->capture_default_str();
     sub->add_flag("--axial", command->axial, "Centres at +z or -z, for isotropic measurements (always on so far)");
     sub->add_flag("--no-scale", command->no_scale,
-                  "Store no log scale: bounds the coefficients in the fit, 2 J bytes fewer, larger errors");
-    sub->add_option("--objective", command->objective,
-                    "What is minimised: raw, squared error of f; cosine, of f cos(theta_l) seen under cos(theta_v)")
-        ->check(CLI::IsMember({"raw", "cosine"}))
+                  "Store no log scale: bounds the coefficients in the fit,\n2 J bytes fewer, larger errors");
+    sub->add_option(
+           "--objective", command->objective,
+           "What is minimised, the squared error\nraw: of f; cosine: of f cos(theta_l) seen under cos(theta_v)")
+        ->type_name("NAME")
+        ->check(one_of({"raw", "cosine"}))
         ->capture_default_str();
     sub->add_option("--max-theta", command->max_theta,
-                    "Fit and measure directions up to here from the normal [degrees]; default: raw 80, cosine 89")
-        ->check(CLI::Range(1.0, 89.9));
-    sub->add_option("--preview", command->preview, "Write a picture (PNG): measured, fit, 10 x difference");
-    sub->add_option("--json", command->json, "Write the report to this file; - is standard output");
-    sub->add_option("--seed", command->seed, "Of the random choices")->capture_default_str();
+                    "Fit and measure directions up to here from the normal,\n"
+                    "1 to 89.9 degrees; default: raw 80, cosine 89")
+        ->type_name("DEG")
+        ->check(within(1.0, 89.9));
+    sub->add_option("--preview", command->preview, "Write a picture: measured, fit, 10 x difference")
+        ->type_name("FILE.png")
+        ->check(png_name());
+    sub->add_option("--json", command->json, "Write the report to this file; - is standard output")->type_name("FILE");
+    sub->add_option("--seed", command->seed, "Of the random choices")
+        ->type_name("SEED")
+        ->check(within(std::uint64_t(0), std::numeric_limits<std::uint64_t>::max()))
+        ->capture_default_str();
     sub->add_option("--threads", command->threads, "0: as many as the machine has; the model does not depend on it")
-        ->check(CLI::Range(0, 1024))
+        ->type_name("T")
+        ->check(within(0, k_most_threads))
         ->capture_default_str();
     sub->footer(
         "Examples:\n  srbf fit paper_white_rgb.bsdf\n"

@@ -93,11 +93,11 @@ int run(const std::string& file) {
         for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", key, text);
     }
     fmt::print("\n  {:<18}", "θv");
-    for (const double theta : k_albedo_theta) fmt::print("{:>9}°", theta);
+    for (const double theta : k_albedo_theta) fmt::print("{:>10}°", theta);
     for (int c = 0; c < 3; ++c) {
         fmt::print("\n  {:<18}", fmt::format("albedo {}", "RGB"[c]));
         for (const double theta : k_albedo_theta)
-            fmt::print("{:>10.4f}", albedo(evaluator(*subject), theta * k_degree, k_pi / 2)[c]);
+            fmt::print("{:>#11.4g}", albedo(evaluator(*subject), theta * k_degree, k_pi / 2)[c]);
     }
     fmt::print("\n");
     return k_done;
@@ -108,7 +108,7 @@ int run(const std::string& file) {
 void add_info(CLI::App& app, int& status) {
     const auto file = std::make_shared<std::string>();
     CLI::App* sub = app.add_subcommand("info", "What a file holds: dimensions, ranges, parameters, albedo");
-    sub->add_option("FILE", *file, "A measurement or a model")->required();
+    sub->add_option("FILE", *file, "A measurement or a model")->type_name("")->required();
     sub->footer("Example:\n  srbf info paper_white_rgb.bsdf");
     sub->callback([file, &status] { status = run(*file); });
 }

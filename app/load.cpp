@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
+
 #include "app/commands.h"
 #include "srbf/file.h"
 
@@ -33,7 +35,7 @@ Result<Subject> load(const std::string& path) {
 }
 
 int complain(const Error& error) {
-    fmt::print(stderr, "srbf: {}\n", message(error));
+    std::fputs(fmt::format("srbf: {}\n", message(error)).c_str(), stderr);
     return k_input_error;
 }
 

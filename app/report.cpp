@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 
 #include "srbf/file.h"
 
@@ -24,11 +27,32 @@ constexpr Measure k_measures[] = {
     {"cube_root_error_ratio", "cube root error ratio", &Measures::cube_root_error_ratio, true},
 };
 
-/// Pads by characters, where fmt would count an alias of θ's bytes.
-std::string padded(std::string_view text, std::size_t width) {
-    std::size_t characters = 0;
-    for (const char c : text) characters += (c & 0xc0) != 0x80;
-    return std::string(text) + std::string(width > characters ? width - characters : 0, ' ');
+namespace fs = std::filesystem;
+
+/// Whether two names are of one file, there or yet to be; a device or a pipe may well be named twice.
+bool is_same_file(const fs::path& a, const fs::path& b) {
+    std::error_code ignored;
+    if (fs::is_other(a, ignored)) return false;
+    return fs::equivalent(a, b, ignored) || fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
+                                                fs::weakly_canonical(fs::absolute(b, ignored), ignored);
+}
+
+Result<Done> check_output(const std::string& path) {
+    const auto found = [&](std::string expected, std::string what) {
+        return Error{path, {}, "output", std::move(expected), std::move(what)};
+    };
+    std::error_code code;
+    const fs::file_type type = fs::status(path, code).type();
+    if (type == fs::file_type::none) return found("a file's name", code.message());
+    if (type == fs::file_type::directory) return found("a file's name", "a folder");
+    if (path == "-") return found("a file's name, or /dev/stdout", "-");
+    if (type != fs::file_type::not_found && access(path.c_str(), W_OK) != 0)
+        return found("a file that may be written", "one that may not");
+    if (type != fs::file_type::not_found && type != fs::file_type::regular) return Done{};  // takes the bytes itself
+    const fs::path folder = fs::weakly_canonical(fs::absolute(path, code), code).parent_path();
+    if (!fs::is_directory(folder, code)) return found("a folder that exists", fmt::format("no '{}'", folder.string()));
+    if (access(folder.c_str(), W_OK) != 0) return found("a folder that may be written", "one that may not");
+    return Done{};
 }
 
 }  // namespace
@@ -54,18 +78,18 @@ void print_measures(const std::vector<std::pair<std::string, const Comparison*>>
     const auto text = [](const Measure& m, const Measures& measures) {
         return m.is_ratio ? percent(measures.*m.member) : fmt::format("{:.4g}", measures.*m.member);
     };
-    std::string head = padded("", 26);
+    std::string head(26, ' ');
     for (const auto& [title, comparison] : comparisons) head += fmt::format("{:>26}", title);
-    fmt::print("{}\n{}", head, padded("measure", 26));
+    fmt::print("{}\n{:<26}", head, "measure");
     for (std::size_t k = 0; k < comparisons.size(); ++k) fmt::print("{:>13}{:>13}", "matrix", "held out");
     fmt::print("\n");
     for (const Measure& m : k_measures) {
-        fmt::print("{}", padded(m.title, 26));
+        fmt::print("{:<26}", m.title);
         for (const auto& [title, comparison] : comparisons)
             fmt::print("{:>13}{:>13}", text(m, comparison->matrix), text(m, comparison->heldout));
         fmt::print("\n");
     }
-    fmt::print("{}", padded("albedo error, largest", 26));
+    fmt::print("{:<26}", "albedo error, largest");
     for (const auto& [title, comparison] : comparisons) fmt::print("{:>26}", percent(comparison->albedo_error));
     fmt::print("\n");
 }
@@ -74,19 +98,25 @@ Result<Done> write_json(const Json& json, const std::string& path) {
     const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     if (path != "-") return write_file(path, as_bytes(text));
     fmt::print("{}", text);
+    return flush_standard_output();
+}
+
+Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
+    for (auto path = outputs.begin(); path != outputs.end(); ++path) {
+        if (path->empty()) continue;
+        const auto is_same = [&](const std::string& other) { return !other.empty() && is_same_file(*path, other); };
+        if (const auto writable = check_output(*path); !writable) return writable.error();
+        if (std::any_of(inputs.begin(), inputs.end(), is_same))
+            return Error{*path, {}, "output", "another file than the input", "the same"};
+        if (std::any_of(outputs.begin(), path, is_same))
+            return Error{*path, {}, "output", "a file for each output", "one for two"};
+    }
     return Done{};
 }
 
-Result<Done> check_output(const std::string& path) {
-    namespace fs = std::filesystem;
-    std::error_code ignored;
-    if (fs::is_directory(path, ignored)) return Error{path, {}, "output", "a file's name", "a folder"};
-    const fs::path folder = fs::path(path).parent_path();
-    if (!folder.empty() && !fs::is_directory(folder, ignored))
-        return Error{path, {}, "output", "a folder that exists", fmt::format("none at '{}'", folder.string())};
-    if (access(folder.empty() ? "." : folder.c_str(), W_OK) != 0)
-        return Error{path, {}, "output", "a folder that can be written", "one that cannot"};
-    return Done{};
+Result<Done> flush_standard_output() {
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return Done{};
+    return Error{"standard output", {}, "cannot be written", {}, std::generic_category().message(errno)};
 }
 
 std::string grouped(std::uint64_t n) {
@@ -104,8 +134,7 @@ void ProgressLine::show(std::string_view stage, double fraction) {
     visible_ = true;
     const double left = fraction > 0.01 ? now * (1 - fraction) / fraction : std::nan("");
     const std::string time = std::isfinite(left) ? fmt::format(", {:.0f} s left", std::ceil(left)) : "";
-    fmt::print(stderr, "\r\033[K{:3.0f} %  {}{}", 100 * fraction, stage, time);
-    std::fflush(stderr);
+    fmt::print(stderr, "\r\033[K\033[?7l{:3.0f} %  {}{}\033[?7h", 100 * fraction, stage, time);  // ?7: wrapping
 }
 
 void ProgressLine::clear() {

@@ -28,12 +28,15 @@ void add_measures(Json& json, const Comparison& comparison, std::string_view pre
 /// A table of measures, a column for each set of each comparison.
 void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons);
 
-/// Writes `json` to `path`; "-" is standard output.
+/// Writes `json` to `path`; "-" is standard output, flushed.
 Result<Done> write_json(const Json& json, const std::string& path);
 
-/// An error where no file can be written at `path`: its folder is missing, or it is a folder itself. Asked
-/// before the work, so that an hour is not lost to a misspelt name; the write itself may still fail.
-Result<Done> check_output(const std::string& path);
+/// An error where one of `outputs` cannot be written: its folder is missing, it is a folder itself, an input or
+/// the same file as another output. An empty name is no output. Asked before the work, so that an hour is not
+/// lost to a misspelt name; the write itself may still fail.
+Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
+/// An error where standard output has not taken all that was printed: its disk is full.
+Result<Done> flush_standard_output();
 
 /// "1,234,567".
 std::string grouped(std::uint64_t n);
@@ -51,7 +54,7 @@ class Stopwatch {
 };
 
 /// A line on standard error that tells how far the work is and the time left; only on a terminal, and only
-/// after the first half second. Gone when it is destroyed.
+/// after the first half second; cut off where the terminal ends. Gone when it is destroyed.
 class ProgressLine {
   public:
     ~ProgressLine() { clear(); }

@@ -1,16 +1,15 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cstdio>
-#include <exception>
+#include <new>
+#include <system_error>
 
 #include "app/commands.h"
+#include "app/report.h"
 
 int main(int argc, char** argv) {
     CLI::App app(
         "srbf: measured BRDFs as a handful of spherical radial basis functions.\n"
-        "Fits a measurement (MERL .binary, RGL .bsdf), says how far off the fit is, evaluates and compares "
-        "BRDFs.");
+        "Fits a measurement (MERL .binary, RGL .bsdf), says how far off the fit is,\nevaluates and compares BRDFs.");
     app.name("srbf");
     app.set_version_flag("--version", "srbf " SRBF_VERSION);
     app.require_subcommand(1);
@@ -29,16 +28,18 @@ int main(int argc, char** argv) {
         app.exit(done);
         status = srbf::k_done;
     } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "srbf: {} (srbf --help tells more)\n", error.what());
+        const bool is_unknown = app.get_subcommands().empty() && !app.remaining().empty();
+        std::string what =
+            is_unknown ? fmt::format("no such subcommand or option: {}", app.remaining()[0]) : error.what();
+        srbf::complain({{}, {}, what + " (srbf --help tells more)", {}, {}});
         return srbf::k_usage;
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "srbf: out of memory\n");
-        return srbf::k_input_error;
+        return srbf::complain({{}, {}, "out of memory", {}, {}});
+    } catch (const std::system_error& error) {  // fmt's, where standard output takes no more
+        return srbf::complain({"standard output", {}, "cannot be written", {}, error.code().message()});
     }
-    // What a full disk or a closed pipe did to standard output is known only now.
-    if (std::fflush(stdout) != 0 || std::ferror(stdout)) {
-        fmt::print(stderr, "srbf: standard output: cannot be written\n");
-        return srbf::k_input_error;
-    }
+    // What a full disk did to standard output may be known only now.
+    const auto flushed = srbf::flush_standard_output();
+    if (!flushed && status == srbf::k_done) return srbf::complain(flushed.error());
     return status;
 }

@@ -27,12 +27,16 @@ Vec3d MirrorMixture::sample_cap(double u1, double u2) const {
     return {r * std::cos(2 * k_pi * u2), r * std::sin(2 * k_pi * u2), z};
 }
 
+Vec3d MirrorMixture::sample_part(int part, Vec3d wv, double u1, double u2) const {
+    if (part == 0) return sample_cap(u1, u2);
+    if (part == k_parts - 1) return Kernel<double>::sample_vmf(wv, k_retro_bandwidth, u1, u2);
+    return Kernel<double>::sample_vmf(mirror(wv), k_mirror_bandwidths[std::size_t(part - 1)], u1, u2);
+}
+
 Vec3d MirrorMixture::sample(Vec3d wv, double u0, double u1, double u2) const {
-    if (u0 < k_even) return sample_cap(u1, u2);
-    const auto lobe = std::size_t((u0 - k_even) / k_mirror);
-    if (lobe < k_mirror_bandwidths.size())
-        return Kernel<double>::sample_vmf(mirror(wv), k_mirror_bandwidths[lobe], u1, u2);
-    return Kernel<double>::sample_vmf(wv, k_retro_bandwidth, u1, u2);
+    int part = 0;
+    for (; part < k_parts - 1 && u0 >= share(part); ++part) u0 -= share(part);
+    return sample_part(part, wv, u1, u2);
 }
 
 double MirrorMixture::pdf(Vec3d wl, Vec3d wv) const {

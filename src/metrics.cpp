@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "evenly.h"
 #include "parallel.h"
 #include "srbf/directions.h"
 
@@ -86,6 +85,8 @@ std::vector<Measures> measure(const Evaluate& reference, std::span<const Evaluat
     return measures;
 }
 
+constexpr int k_albedo_points = 1 << 16;
+
 Vec3f to_float(Vec3d w) { return {float(w.x), float(w.y), float(w.z)}; }
 
 }  // namespace
@@ -123,25 +124,28 @@ std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const
                    });
 }
 
+// Each part of the mixture by a Fibonacci lattice of its own: its points lie evenly in its lobe.
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {
-    constexpr std::size_t count = 1 << 16;
     const MirrorMixture mixture(max_theta);
     const Vec3d v = spherical(theta_v, 0.0);
-    Evenly<3> points({0.5, 0.5, 0.5});
-    std::vector<Vec3f> wl(count), wv(count, to_float(v));
-    std::vector<double> weight(count, 0.0);
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto u = points.next();
-        const Vec3d l = mixture.sample(v, u[0], u[1], u[2]);
-        wl[i] = to_float(l);
-        if (mixture.contains(l)) weight[i] = l.z / (mixture.pdf(l, v) * double(count));
+    const double golden = (std::sqrt(5.0) - 1) / 2;
+    std::vector<Vec3f> wl;
+    std::vector<double> weight;
+    for (int part = 0; part < MirrorMixture::k_parts; ++part) {
+        const int count = int(MirrorMixture::share(part) * k_albedo_points);
+        for (int i = 0; i < count; ++i) {
+            const Vec3d l = mixture.sample_part(part, v, (i + 0.5) / count, std::fmod(i * golden, 1.0));
+            if (!mixture.contains(l)) continue;
+            wl.push_back(to_float(l));
+            weight.push_back(MirrorMixture::share(part) / count * l.z / mixture.pdf(l, v));
+        }
     }
-    std::vector<Rgb> f(count);
-    brdf(wl, wv, f);
+    std::vector<Rgb> f(wl.size());
+    brdf(wl, std::vector<Vec3f>(wl.size(), to_float(v)), f);
     std::array<double, 3> sum{};
-    for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t i = 0; i < wl.size(); ++i)
         for (int c = 0; c < 3; ++c)
-            if (weight[i] > 0 && !std::isnan(f[i][c])) sum[std::size_t(c)] += weight[i] * double(f[i][c]);
+            if (!std::isnan(f[i][c])) sum[std::size_t(c)] += weight[i] * double(f[i][c]);
     return {float(sum[0]), float(sum[1]), float(sum[2])};
 }
 

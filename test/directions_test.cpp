@@ -115,6 +115,23 @@ TEST(MirrorMixture, SamplesFollowTheDensity) {
     }
 }
 
+TEST(MirrorMixture, PartsMakeUpTheMixture) {
+    std::mt19937_64 random(7);
+    const MirrorMixture mixture(80 * k_degree);
+    const Vec3d wv = spherical(0.6, 0.4);
+    double before = 0;
+    for (int part = 0; part < MirrorMixture::k_parts; ++part) {
+        const double share = MirrorMixture::share(part);
+        for (const double within : {1e-9, 0.5, 1 - 1e-9}) {
+            const double u1 = uniform(random), u2 = uniform(random);
+            const Vec3d w = mixture.sample(wv, before + within * share, u1, u2);
+            EXPECT_EQ(w, mixture.sample_part(part, wv, u1, u2)) << part;
+        }
+        before += share;
+    }
+    EXPECT_TRUE(near(before, 1, 1e-15));
+}
+
 TEST(MirrorMixture, AnotherViewIsToldApart) {
     std::mt19937_64 random(4);
     const MirrorMixture mixture(80 * k_degree);

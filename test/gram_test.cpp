@@ -57,7 +57,8 @@ INSTANTIATE_TEST_SUITE_P(EachTarget, Gram, testing::ValuesIn(hwy::SupportedAndGe
 TEST_P(Gram, RowsHoldTheObservationsWithoutTheChecks) {
     ASSERT_EQ(rows_.blocks, 3u);
     for (std::size_t i = 0; i < 3 * k_block; ++i) {
-        const Vec3f wl(rows_.wl[0][i], rows_.wl[1][i], rows_.wl[2][i]), wv(rows_.wv[0][i], rows_.wv[1][i], rows_.wv[2][i]);
+        const Vec3f wl(rows_.wl[0][i], rows_.wl[1][i], rows_.wl[2][i]),
+            wv(rows_.wv[0][i], rows_.wv[1][i], rows_.wv[2][i]);
         if (i < k_count) {
             EXPECT_EQ(wl, observations_.wl[i]);
             EXPECT_EQ(wv, observations_.wv[i]);
@@ -88,7 +89,8 @@ TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAboutTheNormal) {
         for (std::size_t block = 0; block < 3; ++block) {
             axial_feature(rows_, block, float(std::cos(angle)), float(std::sin(angle)), s.data(), by.data());
             for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
-                const Vec3d wl = wide(observations_.wl[block * k_block + i]), wv = wide(observations_.wv[block * k_block + i]);
+                const Vec3d wl = wide(observations_.wl[block * k_block + i]),
+                            wv = wide(observations_.wv[block * k_block + i]);
                 const auto psi = [&](double t) { return K::psi(wl, wv, std::cos(t), std::sin(t)); };
                 const Vec3d d = std::cos(angle) * wl + std::sin(angle) * wv;
                 const double steepness = 1 / std::sqrt(dot(d, d));
@@ -127,7 +129,8 @@ TEST_P(Gram, ExponentIsTheWeightedSumAndItsLargestThatCounts) {
                     size += std::abs(double(weight[n]) * double(columns[n][i]));
                 }
                 EXPECT_TRUE(near(x[i], sum, 1e-6 * size));
-                if (rows_.root_weight[block * k_block + i] > 0) expected_largest = std::max(expected_largest, double(x[i]));
+                if (rows_.root_weight[block * k_block + i] > 0)
+                    expected_largest = std::max(expected_largest, double(x[i]));
             }
             EXPECT_EQ(double(largest), expected_largest);
         }
@@ -148,7 +151,7 @@ TEST_P(Gram, ExponentiateTakesTheOffsetAway) {
             Aligned<float> x(k_block);
             for (std::size_t i = 0; i < k_block; ++i) {
                 const bool counts = rows_.root_weight[block * k_block + i] > 0;
-                x[i] = counts ? offset + below[i] : 1e6f;  // a row of weight 0 may exceed every bound
+                x[i] = offset + (counts ? below[i] : 100.f * float(i));  // a row of weight 0 may exceed every bound
             }
             const auto before = x;
             exponentiate(rows_, block, offset, x.data());

@@ -6,8 +6,7 @@
 namespace srbf {
 namespace {
 
-template <typename Real>
-class KernelOf : public testing::Test {
+template <typename Real> class KernelOf : public testing::Test {
   protected:
     static constexpr double k_epsilon = std::numeric_limits<Real>::epsilon();
     static Vec3<Real> convert(Vec3d w) { return {Real(w.x), Real(w.y), Real(w.z)}; }
@@ -123,7 +122,9 @@ TYPED_TEST(KernelOf, GaussianIntegralIsTheIntegralOfTheGaussian) {
         double sum = 0;
         for (int i = 0; i <= steps; ++i)
             for (int k = 0; k < turns; ++k)
-                sum += (i == 0 || i == steps ? 1 : i % 2 ? 4 : 2) *
+                sum += (i == 0 || i == steps ? 1
+                        : i % 2              ? 4
+                                             : 2) *
                        Kernel<double>::gaussian(about(xi, reach * i / steps, 2 * k_pi * k / turns), xi, lambda);
         const double integral = sum * reach / (3 * steps) * 2 * k_pi / turns;
         const double closed = lambda > 0 ? 2 * k_pi * -std::expm1(-2 * lambda) / lambda : 4 * k_pi;
@@ -154,8 +155,8 @@ TYPED_TEST(KernelOf, GaussianProductIsTheProduct) {
         }
         const double exponent = la * (dot(omega, a) - 1) + lb * (dot(omega, b) - 1);
         if (exponent < -60) continue;
-        const double found = double(product.scale) *
-                             double(K::gaussian(this->convert(omega), product.centre, product.bandwidth));
+        const double found =
+            double(product.scale) * double(K::gaussian(this->convert(omega), product.centre, product.bandwidth));
         EXPECT_TRUE(near_relative(found, std::exp(exponent), 2 * tolerance)) << la << ' ' << lb;
     }
 }

@@ -1,7 +1,6 @@
-// Bounded linear least squares by its optimality conditions and by trying every active set; Levenberg-Marquardt on problems
-// with known answers.
+// Bounded linear least squares by its optimality conditions and by trying every active set; Levenberg-Marquardt on
+// problems with known answers.
 #include "least_squares.h"
-
 
 #include "properties.h"
 
@@ -31,8 +30,10 @@ Linear random_problem(std::mt19937_64& random, Index n, bool degenerate, bool bo
     Linear problem{A.transpose() * A, A.transpose() * y, VectorXd::Constant(n, INFINITY)};
     for (Index i = 0; i < n && bounded; ++i) {
         const double length = A.col(i).norm(), kind = uniform(random);
-        if (kind < 0.1) problem.upper[i] = 0;
-        else if (kind < 0.7 && length > 0) problem.upper[i] = 0.5 * uniform(random) * y.norm() / length;
+        if (kind < 0.1)
+            problem.upper[i] = 0;
+        else if (kind < 0.7 && length > 0)
+            problem.upper[i] = 0.5 * uniform(random) * y.norm() / length;
     }
     return problem;
 }
@@ -42,8 +43,8 @@ constexpr double k_ridge = 1e-6;
 MatrixXd ridged(const MatrixXd& G) { return G + MatrixXd(k_ridge * G.diagonal().asDiagonal()); }
 double objective(const Linear& p, const VectorXd& x) { return 0.5 * x.dot(ridged(p.G) * x) - p.g.dot(x); }
 
-/// By how much x misses the conditions of the minimum, columns scaled to unit length, relative to the largest gᵢ; infinite
-/// where a bound is left.
+/// By how much x misses the conditions of the minimum, columns scaled to unit length, relative to the largest gᵢ;
+/// infinite where a bound is left.
 double violation(const Linear& p, const VectorXd& x) {
     const VectorXd descent = p.g - ridged(p.G) * x;
     double worst = 0, scale = 1e-300;
@@ -103,7 +104,8 @@ TEST(BoundedLeastSquares, NearlyEqualColumnsAreNoObstacle) {
     const VectorXd t = VectorXd::LinSpaced(200, 0, 1), rate = VectorXd::LinSpaced(24, 0.5, 12);
     const MatrixXd A = (-t * rate.transpose()).array().exp();
     for (int trial = 0; trial < 40; ++trial) {
-        const VectorXd y = (2 - 3 * t.array()) * t.array() + VectorXd::NullaryExpr(200, [&] { return 0.1 * draw(random); }).array();
+        const VectorXd y =
+            (2 - 3 * t.array()) * t.array() + VectorXd::NullaryExpr(200, [&] { return 0.1 * draw(random); }).array();
         const double high = trial % 2 ? INFINITY : 0.05;
         const Linear p{A.transpose() * A, A.transpose() * y, VectorXd::Constant(24, high)};
         EXPECT_LE(violation(p, bounded_least_squares(p.G, p.g, p.upper)), 1e-9) << trial;

@@ -88,7 +88,8 @@ TEST(Model, CentresKeepTheirAnglesToTheDigitsOfAHalf) {
         model.centre[i++] = pole;
     for (const double tilt : {1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 0.1})
         for (const double z : {1.0, -1.0})
-            for (const double turn : {0.3, -2.5}) model.centre[i++] = to_float(spherical(z > 0 ? tilt : k_pi - tilt, turn));
+            for (const double turn : {0.3, -2.5})
+                model.centre[i++] = to_float(spherical(z > 0 ? tilt : k_pi - tilt, turn));
     const PmModel once = rounded(model);
     for (std::size_t k = 0; k < model.centre.size(); ++k) {
         const Vec3f a = model.centre[k], b = once.centre[k];
@@ -122,7 +123,8 @@ TEST(Model, BytesAreThePromisedOnes) {
             for (std::size_t i = 8; i-- > 0;) length = length << 8 | std::to_integer<std::size_t>(file[i]);
             EXPECT_EQ(file.size() - 8 - length, payload_bytes(model));
             EXPECT_EQ(length % 8, 0u);
-            for (const auto& [name, entry] : header(file).items()) {
+            const auto text = header(file);
+            for (const auto& [name, entry] : text.items()) {
                 if (name == "__metadata__") continue;
                 EXPECT_EQ(entry["dtype"], "F16");
                 ++tensors;
@@ -163,9 +165,14 @@ TEST(Model, ProvenanceMayHoldAnyByte) {
     std::mt19937_64 random(6);
     std::string every;
     for (int c = 0; c < 256; ++c) every += char(c);
-    const std::map<std::string, std::string> valid{
-        {"quotes", "a \"b\" \\ c"}, {"lines", "a\nb\r\n\tc"}, {"empty", ""}, {"", "no name"}, {"nul", std::string("a\0b", 3)},
-        {"UTF-8", "θ, φ, 🎈"}, {"\"key\"\n", "x"}, {"long", std::string(100000, 'x')}};
+    const std::map<std::string, std::string> valid{{"quotes", "a \"b\" \\ c"},
+                                                   {"lines", "a\nb\r\n\tc"},
+                                                   {"empty", ""},
+                                                   {"", "no name"},
+                                                   {"nul", std::string("a\0b", 3)},
+                                                   {"UTF-8", "θ, φ, 🎈"},
+                                                   {"\"key\"\n", "x"},
+                                                   {"long", std::string(100000, 'x')}};
     auto provenance = valid;
     provenance["broken"] = every;
     provenance["\xff\xfe"] = "broken key";

@@ -11,8 +11,8 @@
 
 namespace srbf {
 
-/// Q(a, x) = Γ(a, x) / Γ(a), the upper incomplete gamma function's ratio, a > 0, x ≥ 0: by the series of P where x < a + 1, else
-/// by the continued fraction (Lentz).
+/// Q(a, x) = Γ(a, x) / Γ(a), the upper incomplete gamma function's ratio, a > 0, x ≥ 0: by the series of P where x < a + 1,
+/// else by the continued fraction (Lentz).
 inline double upper_gamma_ratio(double a, double x) {
     if (x <= 0) return 1;
     const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
@@ -34,8 +34,8 @@ inline double upper_gamma_ratio(double a, double x) {
     return front * fraction;
 }
 
-/// The probability that counts drawn with these expectations differ from them by more than the observed ones do (Pearson). Bins
-/// that expect fewer than five are pooled. 0 where anything is not a number or the sums do not agree.
+/// The probability that counts drawn with these expectations differ from them by more than the observed ones do (Pearson).
+/// Bins that expect fewer than five are pooled. 0 where anything is not a number or the sums do not agree.
 inline double chi2_p_value(std::span<const double> observed, std::span<const double> expected) {
     double chi2 = 0, few_observed = 0, few_expected = 0, total_observed = 0, total_expected = 0;
     int bins = 0;

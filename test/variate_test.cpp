@@ -52,7 +52,8 @@ Vec3d written_value(const PmModel& model, Vec3d wl, Vec3d wv) {
         long double product = std::exp((long double)(model.log_scale[std::size_t(j)]));
         for (int n = 0; n < model.variates; ++n) {
             const auto i = std::size_t(j * model.variates + n);
-            const long double a = model.parameterization[std::size_t(n)].a, b = model.parameterization[std::size_t(n)].b;
+            const long double a = model.parameterization[std::size_t(n)].a,
+                              b = model.parameterization[std::size_t(n)].b;
             const long double xi[3] = {model.centre[i].x, model.centre[i].y, model.centre[i].z};
             long double cosine = 0, square = 0, unit = 0;
             for (int k = 0; k < 3; ++k) {
@@ -77,13 +78,23 @@ TEST(Variate, PsiIsTheNormalisedSum) {
         EXPECT_TRUE(near(length(p), 1, 1e-14));
         EXPECT_TRUE(near(length(cross(p, a * wl + b * wv)), 0, 1e-14));
         EXPECT_GT(dot(p, a * wl + b * wv), 0);
-        EXPECT_LE(length(K::psi(wl, wv, 7 * a, 7 * b) - p), 1e-14);   // the scale of (a, b) is free
-        EXPECT_LE(length(K::psi(wv, wl, b, a) - p), 1e-14);           // each direction keeps its weight
+        EXPECT_LE(length(K::psi(wl, wv, 7 * a, 7 * b) - p), 1e-14);  // the scale of (a, b) is free
+        EXPECT_LE(length(K::psi(wv, wl, b, a) - p), 1e-14);          // each direction keeps its weight
         EXPECT_LE(length(K::psi(wl, wv, -a, -b) + p), 1e-14);
         EXPECT_LE(length(K::psi(wl, wv, 1, 0) - wl), 1e-14);
         EXPECT_LE(length(K::psi(wl, wv, 0, 1) - wv), 1e-14);
         const Vec3d h = K::psi(wl, wv, 1, 1);
         EXPECT_TRUE(near(dot(h, wl), dot(h, wv), 1e-12 / length(wl + wv)));
+    }
+}
+
+TEST(Variate, PsiIsAUnitVectorUntilTheSumVanishes) {
+    std::mt19937_64 random(9);
+    for (const double apart : {1e-1, 1e-3, 1e-6, 1e-9}) {
+        const Vec3d wl = random_direction(random), tangent = normalize(cross(wl, random_direction(random)));
+        const Vec3d p = K::psi(wl, wl + apart * tangent, -1, 1);
+        EXPECT_TRUE(near(length(p), 1, 1e-14)) << apart;
+        EXPECT_TRUE(near(dot(p, tangent), 1, 1e-6)) << apart;
     }
 }
 
@@ -113,8 +124,8 @@ TEST(Variate, PsiByAngleIsTheDerivative) {
         const auto p = D::psi(constant(wl), constant(wv), Dual(std::cos(angle), -std::sin(angle)),
                               Dual(std::sin(angle), std::cos(angle)));
         EXPECT_LE(length(by - Vec3d(p.x.d, p.y.d, p.z.d)), 1e-13 * std::pow(steepness, 2));
-        const auto f = Kernel<float>::psi_by_angle(to_float(wl), to_float(wv), float(std::cos(angle)),
-                                                   float(std::sin(angle)));
+        const auto f =
+            Kernel<float>::psi_by_angle(to_float(wl), to_float(wv), float(std::cos(angle)), float(std::sin(angle)));
         EXPECT_LE(length(by - widen(f)), 1e-6 * std::pow(steepness, 2));
     }
 }
@@ -143,13 +154,12 @@ TEST(Variate, ModelOnDualNumbersCarriesDerivatives) {
         const Vec3<Dual> moving(Dual(wl.x, tangent.x), Dual(wl.y, tangent.y), Dual(wl.z, tangent.z));
         const Vec3<Dual> f = Kernel<Dual>::pm_value(model, moving, constant(wv));
         const double h = 1e-6;
-        const Vec3d difference = (0.5 / h) * (K::pm_value(model, wl + h * tangent, wv) -
-                                              K::pm_value(model, wl - h * tangent, wv));
+        const Vec3d difference =
+            (0.5 / h) * (K::pm_value(model, wl + h * tangent, wv) - K::pm_value(model, wl - h * tangent, wv));
         const Vec3d value = K::pm_value(model, wl, wv);
         EXPECT_TRUE(all_near_relative(Vec3d(f.x.v, f.y.v, f.z.v), value, 1e-13));
-        for (const auto& [by, expected, scale] : {std::tuple(f.x.d, difference.x, value.x),
-                                                  {f.y.d, difference.y, value.y},
-                                                  {f.z.d, difference.z, value.z}})
+        for (const auto& [by, expected, scale] :
+             {std::tuple(f.x.d, difference.x, value.x), {f.y.d, difference.y, value.y}, {f.z.d, difference.z, value.z}})
             EXPECT_TRUE(near(by, expected, 1e-6 * (std::abs(expected) + 10 * scale)));
     }
 }
@@ -208,8 +218,11 @@ TEST(Variate, ExtremeStoredNumbersStayFinite) {
     std::mt19937_64 random(8);
     for (const float bandwidth : {0.f, k_half_max})
         for (const float scale : {-k_half_max, k_half_max})
-            for (const Parameterization p : {Parameterization{k_half_max, k_half_max}, {k_half_max, -k_half_max},
-                                             {-k_half_max, k_half_max}, {0x1p-24f, 0x1p-24f}, {-0x1p-24f, 0x1p-24f}}) {
+            for (const Parameterization p : {Parameterization{k_half_max, k_half_max},
+                                             {k_half_max, -k_half_max},
+                                             {-k_half_max, k_half_max},
+                                             {0x1p-24f, 0x1p-24f},
+                                             {-0x1p-24f, 0x1p-24f}}) {
                 PmModel model;
                 model.lobes = k_most_lobes, model.variates = k_most_variates;
                 model.coefficient.assign(k_most_lobes, {k_half_max, k_half_max, k_half_max});
@@ -217,7 +230,8 @@ TEST(Variate, ExtremeStoredNumbersStayFinite) {
                 model.centre.assign(k_most_lobes * k_most_variates, {0, 0, -1});
                 model.bandwidth.assign(k_most_lobes * k_most_variates, bandwidth);
                 model.parameterization.assign(k_most_variates, p);
-                const Vec3f up(0, 0, 1), w = to_float(random_direction(random, 0)), low = to_float(spherical(1.57, 1.0));
+                const Vec3f up(0, 0, 1), w = to_float(random_direction(random, 0)),
+                                         low = to_float(spherical(1.57, 1.0));
                 for (const auto& [wl, wv] : {std::pair(up, up), {up, w}, {w, w}, {w, mirror(w)}, {low, mirror(low)}}) {
                     const Rgb f = value(model, wl, wv);
                     EXPECT_TRUE(is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0) << bandwidth << ' ' << scale;

@@ -6,8 +6,7 @@
 namespace srbf {
 namespace {
 
-template <typename Real>
-class VmfOf : public testing::Test {
+template <typename Real> class VmfOf : public testing::Test {
   protected:
     static Vec3<Real> convert(Vec3d w) { return {Real(w.x), Real(w.y), Real(w.z)}; }
     static Vec3d sample(Vec3d centre, double bandwidth, double u1, double u2) {

@@ -25,9 +25,11 @@ class MirrorMixture {
     /// θmax in [rad], in (0, π/2].
     explicit MirrorMixture(double theta_max) : cos_max_(std::cos(theta_max)) {}
 
-    /// A direction given wv; it may lie outside of the cap, and is then no sample (value 0) but counts as a
-    /// draw.
+    /// A direction given wv; it may lie outside of the cap, and is then no sample (value 0) but counts as a draw.
     Vec3d sample(Vec3d wv, double u0, double u1, double u2) const;
+    /// The same from one of the parts alone: 0 the even one, then the lobes.
+    Vec3d sample_part(int part, Vec3d wv, double u1, double u2) const;
+    static constexpr double share(int part) { return part == 0 ? k_even : part == k_parts - 1 ? k_retro : k_mirror; }
     /// Its density [1/sr]; at least `k_even` over the cap's solid angle inside of it.
     double pdf(Vec3d wl, Vec3d wv) const;
     bool contains(Vec3d w) const { return w.z >= cos_max_; }
@@ -39,6 +41,7 @@ class MirrorMixture {
     static constexpr std::array<double, 5> k_mirror_bandwidths{6, 40, 300, 3000, 30000};
     static constexpr double k_mirror = 0.11;  ///< share of each lobe about the mirror direction
     static constexpr double k_retro = 1 - k_even - 5 * k_mirror, k_retro_bandwidth = 60;
+    static constexpr int k_parts = 7;
 
   private:
     double cos_max_;

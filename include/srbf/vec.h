@@ -14,6 +14,7 @@ inline constexpr double k_degree = k_pi / 180;
 using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
 
+/// Component by component.
 template <typename Real>
 constexpr bool operator==(Vec3<Real> a, Vec3<Real> b) {
     return a.x == b.x && a.y == b.y && a.z == b.z;

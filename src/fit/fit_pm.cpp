@@ -65,13 +65,18 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
     const std::size_t count = observations.f.size();
     if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)
         return Error{"fit", {}, "observations", "arrays of one length", "different lengths"};
+    if (observations.checks > count)
+        return Error{"fit", {}, "checks", fmt::format("at most {}", count), fmt::format("{}", observations.checks)};
+    const std::size_t values = 3 * (count - observations.checks);
     const auto parameters = std::size_t(options.lobes * (3 + options.variates) + 2 * options.variates);
-    if (count * 3 < parameters)
-        return Error{
-            "fit", {}, "observations", fmt::format("at least {} values", parameters), fmt::format("{}", 3 * count)};
+    if (values < parameters)
+        return Error{"fit", {}, "observations", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
     for (std::size_t i = 0; i < count; ++i)
         if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
             return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
+    const auto end_of_fitted = observations.weight.begin() + std::ptrdiff_t(count - observations.checks);
+    if (std::none_of(observations.weight.begin(), end_of_fitted, [](float w) { return w > 0; }))
+        return Error{"fit", {}, "observations", "a weight above 0", "none"};
     return Done{};
 }
 

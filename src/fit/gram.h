@@ -30,10 +30,10 @@ struct Rows {
 
 /// For rows of one block and ψ of angle (a, b): s = −|ψ−ẑ|²/2 = ψ_z − 1 and its derivative by the angle.
 void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle);
-/// x = Σ_n weight[n] s[n]; returns the largest of the rows with a positive weight, −∞ where there is none.
+/// x = Σ_n weight[n] s[n]; returns the largest of the rows with a positive weight, the lowest float where there is none.
 float exponent(const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
                float* x);
-/// x ← √w exp(x − offset).
+/// x ← √w exp(x − offset), for x ≤ offset; rows of weight 0 may exceed it and become 0.
 void exponentiate(const Rows& rows, std::size_t block, float offset, float* x);
 /// out = a b.
 void multiply(const float* a, const float* b, float* out);

@@ -62,7 +62,7 @@ std::string_view name(Objective objective) { return objective == Objective::raw 
 double default_max_theta(Objective objective) { return (objective == Objective::raw ? 80 : 89) * k_degree; }
 
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
-    const double theta_max = options.max_theta > 0 ? options.max_theta : default_max_theta(options.objective);
+    const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (!(theta_max >= k_degree && theta_max <= 89.9 * k_degree))
         return Error{"observe", {}, "max_theta", "1 to 89.9 degrees", std::to_string(theta_max / k_degree)};
     if (options.count < 1024 || options.count > std::size_t(1) << 24)

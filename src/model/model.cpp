@@ -83,7 +83,7 @@ Result<PmModel> decode(const std::map<std::string, HalfTensor>& tensors, bool ax
                 return fail(fmt::format("tensor '{}'", name), "finite numbers", fmt::format("{}", from_half(half)));
     }
     for (const auto& [name, tensor] : tensors)
-        if (!expected.contains(name)) return fail(fmt::format("tensor '{}'", name), "none of that name", "one");
+        if (!expected.contains(name)) return fail(fmt::format("tensor '{:.80}'", name), "none of that name", "one");
 
     const auto number = [&](const char* name, std::size_t i) { return from_half(tensors.at(name).data[i]); };
     PmModel model;
@@ -173,7 +173,7 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& so
         const std::string found = at == metadata.end() ? "" : at->second;
         if (std::find(known.begin(), known.end(), found) == known.end())
             return Error{source, 8, fmt::format("metadata '{}'", key), fmt::format("{}", fmt::join(known, " or ")),
-                         at == metadata.end() ? "none" : found};
+                         at == metadata.end() ? "none" : fmt::format("{:.40}", found)};
         metadata.erase(at);
         return found;
     };

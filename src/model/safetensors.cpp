@@ -19,6 +19,17 @@ std::uint64_t little_endian_64(std::span<const std::byte> bytes) {
     return x;
 }
 
+/// JSON as an error shows it: short, and not by recursion, since the file chooses how deep it is.
+std::string brief(const Json& json) {
+    if (json.is_array() && json.size() <= 8 &&
+        std::none_of(json.begin(), json.end(), [](const Json& entry) { return entry.is_structured(); })) {
+        std::string list;
+        for (const Json& entry : json) list += (list.empty() ? "" : ", ") + brief(entry);
+        return fmt::format("[{}]", list);
+    }
+    return json.is_structured() ? "something else" : fmt::format("{:.40}", json.dump());
+}
+
 /// The product of a JSON shape, or nothing where an entry is no count or the product exceeds `most`.
 std::optional<std::vector<std::uint64_t>> shape_within(const Json& json, std::uint64_t most) {
     if (!json.is_array() || json.size() > 8) return std::nullopt;
@@ -86,24 +97,24 @@ Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std
             if (!entry.is_object()) return fail(k_length_bytes, "metadata", "an object of strings", "something else");
             for (const auto& [name, text_value] : entry.items()) {
                 if (!text_value.is_string())
-                    return fail(k_length_bytes, "metadata " + name, "a string", "something else");
+                    return fail(k_length_bytes, fmt::format("metadata {:.80}", name), "a string", "something else");
                 content.metadata[name] = text_value.get<std::string>();
             }
             continue;
         }
-        const std::string what = fmt::format("tensor '{}'", key);
+        const std::string what = fmt::format("tensor '{:.80}'", key);
         if (!entry.is_object() || !entry.contains("dtype") || !entry.contains("shape") ||
             !entry.contains("data_offsets"))
             return fail(k_length_bytes, what, "dtype, shape and data_offsets", "one is missing");
-        if (entry["dtype"] != "F16") return fail(k_length_bytes, what + ": dtype", "\"F16\"", entry["dtype"].dump());
+        if (entry["dtype"] != "F16") return fail(k_length_bytes, what + ": dtype", "\"F16\"", brief(entry["dtype"]));
         const auto shape = shape_within(entry["shape"], data.size() / 2);
         if (!shape)
             return fail(k_length_bytes, what + ": shape", fmt::format("counts, at most {} numbers", data.size() / 2),
-                        entry["shape"].dump().substr(0, 80));
+                        brief(entry["shape"]));
         const Json& offsets = entry["data_offsets"];
         if (!offsets.is_array() || offsets.size() != 2 || !offsets[0].is_number_unsigned() ||
             !offsets[1].is_number_unsigned())
-            return fail(k_length_bytes, what + ": data_offsets", "two counts", offsets.dump().substr(0, 80));
+            return fail(k_length_bytes, what + ": data_offsets", "two counts", brief(offsets));
         const auto begin = offsets[0].get<std::uint64_t>(), end = offsets[1].get<std::uint64_t>();
         std::uint64_t count = 1;
         for (const std::uint64_t extent : *shape) count *= extent;

@@ -1,0 +1,233 @@
+// The whole fit: what it recovers, what it promises, what it refuses.
+#include "srbf/fit.h"
+
+#include <map>
+
+#include "properties.h"
+#include "srbf/half.h"
+#include "srbf/measured.h"
+#include "srbf/metrics.h"
+
+namespace srbf {
+namespace {
+
+Evaluate signed_evaluator(const Measured& measured) {
+    return [&measured](auto wl, auto wv, auto f) {
+        for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(measured, wl[i], wv[i]);
+    };
+}
+
+const Measured& bundled(const std::string& name) {
+    static std::map<std::string, Measured> loaded;
+    if (!loaded.contains(name)) loaded[name] = *load_measured((bundled_data() / (name + ".bsdf")).string());
+    return loaded[name];
+}
+
+Observations observed(const Evaluate& f, Objective objective = Objective::raw) { return *observe(f, {objective, 0}); }
+
+/// A model of J axial lobes of N variates whose lobes reach the hemispheres.
+PmModel random_model(int lobes, int variates, std::mt19937_64& random) {
+    PmModel model;
+    model.lobes = lobes;
+    model.variates = variates;
+    const float angles[] = {float(k_pi / 4), 0.1f, 1.3f};
+    for (int n = 0; n < variates; ++n) model.parameterization.push_back({std::cos(angles[n]), std::sin(angles[n])});
+    for (int j = 0; j < lobes; ++j) {
+        const auto colour = [&] { return float(0.1 + uniform(random)); };
+        model.coefficient.push_back({colour(), colour(), colour()});
+        model.log_scale.push_back(0);
+        for (int n = 0; n < variates; ++n) {
+            model.centre.push_back({0, 0, 1});
+            model.bandwidth.push_back(
+                float(n == 0 ? 0.5 * std::pow(12.0, j) * (1 + uniform(random)) : 2 * uniform(random)));
+        }
+    }
+    return model;
+}
+
+TEST(Fit, RecoversTheModelThatMadeTheData) {
+    std::mt19937_64 random(11);
+    for (int lobes = 1; lobes <= 3; ++lobes)
+        for (int variates = 1; variates <= 3; ++variates) {
+            const PmModel model = random_model(lobes, variates, random);
+            FitOptions options;
+            options.lobes = lobes;
+            options.variates = variates;
+            const auto fit = fit_pm(observed(evaluator(model)), options);
+            ASSERT_TRUE(fit);
+            const Evaluate others[] = {evaluator(fit->unrounded)};
+            const auto error = measure_heldout(evaluator(model), others, {80 * k_degree, 0})[0];
+            EXPECT_LE(error.squared_error_ratio, 1e-8) << lobes << " lobes, " << variates << " variates";
+        }
+}
+
+TEST(Fit, OfScaledDataIsTheScaledFit) {
+    const Measured& paper = bundled("paper_white_rgb");
+    const Evaluate once = signed_evaluator(paper), fourfold = [&](auto wl, auto wv, auto f) {
+        signed_evaluator(paper)(wl, wv, f);
+        for (Rgb& x : f) x = {4 * x.r, 4 * x.g, 4 * x.b};
+    };
+    FitOptions options;
+    options.lobes = 3;
+    options.variates = 2;
+    const auto a = fit_pm(observed(once), options), b = fit_pm(observed(fourfold), options);
+    ASSERT_TRUE(a && b);
+    // Fits that start from the same random numbers end in the same minimum, though not by the same roundings.
+    const Evaluate others[] = {evaluator(b->unrounded)};
+    const Evaluate reference = [&](auto wl, auto wv, auto f) {
+        evaluator(a->unrounded)(wl, wv, f);
+        for (Rgb& x : f) x = {4 * x.r, 4 * x.g, 4 * x.b};
+    };
+    EXPECT_LE(measure_heldout(reference, others, {80 * k_degree, 0})[0].squared_error_ratio, 1e-6);
+}
+
+TEST(Fit, DoesNotDependOnTheNumberOfThreads) {
+    const Observations o = observed(signed_evaluator(bundled("cc_ibiza_sunset_rgb")));
+    FitOptions options;
+    options.lobes = 4;
+    options.threads = 1;
+    const auto one = fit_pm(o, options), again = fit_pm(o, options);
+    options.threads = 2;
+    const auto two = fit_pm(o, options);
+    options.seed = 1;
+    const auto other = fit_pm(o, options);
+    ASSERT_TRUE(one && again && two && other);
+    EXPECT_EQ(write_model({one->model, {}}), write_model({again->model, {}}));
+    EXPECT_EQ(write_model({one->model, {}}), write_model({two->model, {}}));
+    EXPECT_EQ(one->unrounded, two->unrounded);
+    EXPECT_NE(write_model({one->model, {}}), write_model({other->model, {}}));
+}
+
+/// The full fit of each bundled material, once.
+struct Fitted {
+    const Measured& measured;
+    PmFit fit;
+    Measures rounded, unrounded;
+};
+const Fitted& fitted(const std::string& name) {
+    static std::map<std::string, Fitted> all;
+    if (const auto at = all.find(name); at != all.end()) return at->second;
+    const Measured& measured = bundled(name);
+    PmFit fit = *fit_pm(observed(signed_evaluator(measured)), {});
+    const Evaluate others[] = {evaluator(fit.model), evaluator(fit.unrounded)};
+    const auto measures = measure_heldout(evaluator(measured), others, {80 * k_degree, 0});
+    return all.emplace(name, Fitted{measured, std::move(fit), measures[0], measures[1]}).first->second;
+}
+
+// A study of the same form found .68 to .74 % and 6.1 to 6.2 % (five seeds).
+TEST(Fit, OfRealMaterialsIsAsGoodAsTheFormAllows) {
+    EXPECT_LE(fitted("paper_white_rgb").rounded.squared_error_ratio, 0.0085);
+    EXPECT_LE(fitted("cc_ibiza_sunset_rgb").rounded.squared_error_ratio, 0.066);
+}
+
+TEST(Fit, LosesLittleByRounding) {
+    for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
+        const Fitted& f = fitted(name);
+        EXPECT_LE(f.rounded.squared_error_ratio, 1.05 * f.unrounded.squared_error_ratio) << name;
+        EXPECT_EQ(f.fit.model, rounded(f.fit.model)) << name;
+        EXPECT_EQ(payload_bytes(f.fit.model), has_log_scale(f.fit.model) ? 144u : 128u) << name;
+        EXPECT_NE(f.fit.stop, StopReason::cancelled);
+    }
+}
+
+TEST(Fit, StaysBoundedUpToTheHorizon) {
+    for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
+        const Fitted& f = fitted(name);
+        std::mt19937_64 random(17);
+        double measured = 0, most = 0;
+        for (int i = 0; i < 300000; ++i) {
+            const auto direction = [&] {
+                const double z = std::cos(89.9 * k_degree) * std::pow(1 / std::cos(89.9 * k_degree), uniform(random));
+                const double phi = i % 4 ? 2 * k_pi * uniform(random) : i % 8 ? 0 : k_pi;  // in-plane ones are likely
+                return Vec3f{float(std::sqrt(1 - z * z) * std::cos(phi)), float(std::sqrt(1 - z * z) * std::sin(phi)),
+                             float(z)};
+            };
+            const Vec3f wl = direction(), wv = direction();
+            const auto largest = [&](const Rgb& x) {
+                return double(std::max({x.r, x.g, x.b})) * double(wl.z) * double(wv.z);
+            };
+            measured = std::max(measured, largest(value(f.measured, wl, wv)));
+            const Rgb fit = value(f.fit.model, wl, wv);
+            ASSERT_TRUE(is_finite(fit) && std::min({fit.r, fit.g, fit.b}) >= 0);
+            most = std::max(most, largest(fit));
+        }
+        EXPECT_LE(most, 2 * measured) << name;
+    }
+}
+
+TEST(Fit, WithoutLogScaleKeepsCoefficientsWithinHalves) {
+    FitOptions options;
+    options.log_scale = false;
+    for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
+        const auto fit = fit_pm(observed(signed_evaluator(bundled(name))), options);
+        ASSERT_TRUE(fit);
+        EXPECT_FALSE(has_log_scale(fit->model));
+        EXPECT_EQ(payload_bytes(fit->model), 128u);
+        for (const Rgb& beta : fit->unrounded.coefficient) EXPECT_LE(std::max({beta.r, beta.g, beta.b}), k_half_max);
+        const Evaluate others[] = {evaluator(fit->model), evaluator(fit->unrounded)};
+        const auto measures = measure_heldout(evaluator(bundled(name)), others, {80 * k_degree, 0});
+        EXPECT_LE(measures[0].squared_error_ratio, 1.05 * measures[1].squared_error_ratio) << name;
+        EXPECT_LE(measures[0].squared_error_ratio, 0.3) << name;
+    }
+}
+
+TEST(Fit, ReportsProgressAndCanBeCancelled) {
+    const Observations o = observed(signed_evaluator(bundled("paper_white_rgb")));
+    FitOptions options;
+    options.lobes = 2;
+    options.variates = 2;
+    double last = 0;
+    const auto whole = fit_pm(o, options, [&](const Progress& progress) {
+        EXPECT_GE(progress.fraction, last);
+        EXPECT_FALSE(progress.stage.empty());
+        last = progress.fraction;
+        return true;
+    });
+    ASSERT_TRUE(whole);
+    EXPECT_TRUE(near(last, 1, 1e-9));
+    for (const double at : {0.0, 0.3, 0.9}) {
+        int later = 0;
+        const auto cancelled = fit_pm(o, options, [&](const Progress& progress) {
+            later += progress.fraction > at + 1e-9;
+            return progress.fraction <= at;
+        });
+        ASSERT_TRUE(cancelled);
+        EXPECT_EQ(cancelled->stop, StopReason::cancelled);
+        EXPECT_EQ(later, 1) << "not called again once it has cancelled";
+        EXPECT_TRUE(is_finite(value(cancelled->model, {0, 0, 1}, {0, 0, 1})));
+    }
+}
+
+TEST(Fit, RefusesBadOptionsAndObservations) {
+    const Observations good = observed(signed_evaluator(bundled("paper_white_rgb")));
+    const auto with = [&](auto change) {
+        FitOptions options;
+        change(options);
+        return fit_pm(good, options).ok();
+    };
+    for (const int bad : {0, -1, 65, 1 << 30}) EXPECT_FALSE(with([&](FitOptions& o) { o.lobes = bad; })) << bad;
+    for (const int bad : {0, -1, 9, 1 << 30}) EXPECT_FALSE(with([&](FitOptions& o) { o.variates = bad; })) << bad;
+    EXPECT_FALSE(with([](FitOptions& o) { o.starts = 0; }));
+    EXPECT_FALSE(with([](FitOptions& o) { o.kicks = -1; }));
+    EXPECT_FALSE(with([](FitOptions& o) { o.threads = -1; }));
+
+    const auto without = [&](auto change) {
+        Observations bad = good;
+        change(bad);
+        const auto fit = fit_pm(bad, {});
+        return !fit.ok() && !fit.error().what.empty();
+    };
+    EXPECT_TRUE(without([](Observations& o) { o.f[5].g = std::numeric_limits<float>::quiet_NaN(); }));
+    EXPECT_TRUE(without([](Observations& o) { o.weight[5] = -1; }));
+    EXPECT_TRUE(without([](Observations& o) { o.weight[5] = std::numeric_limits<float>::infinity(); }));
+    EXPECT_TRUE(without([](Observations& o) { o.wl.pop_back(); }));
+    EXPECT_TRUE(without([](Observations& o) { std::fill(o.weight.begin(), o.weight.end(), 0.f); }));
+    EXPECT_TRUE(without([](Observations& o) { o.checks = o.f.size() + 1; }));
+    EXPECT_TRUE(without([](Observations& o) {
+        o.checks = 0;
+        o.wl.resize(20), o.wv.resize(20), o.f.resize(20), o.weight.resize(20);
+    }));
+}
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,110 @@
+// Who may include whom: a file includes only files before it in reading order, or of its own noun.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path k_root = SRBF_SOURCE_DIR;
+
+// Groups of files in reading order, by the beginnings of their paths; a file may include its own group and those before it.
+const std::vector<std::vector<std::string>> k_groups{
+    {"include/srbf/vec", "include/srbf/half", "src/half", "include/srbf/result", "src/result"},
+    {"src/parallel", "src/evenly", "src/least_squares", "include/srbf/file", "src/file"},
+    {"include/srbf/kernel", "src/batch-inl"},
+    {"include/srbf/directions", "src/directions"},
+    {"include/srbf/brdf"},
+    {"include/srbf/metrics", "src/metrics"},
+    {"include/srbf/measured", "src/measured/"},
+    {"include/srbf/model", "src/model/"},
+    {"render/image"},
+    {"render/preview"},
+    {"include/srbf/fit"},
+    {"src/fit/gram"},
+    {"src/fit/lobes"},
+    {"src/fit/search", "src/fit/rounding"},
+    {"src/fit/"},
+    {"app/"},
+};
+
+/// The first group that matches; −1: none.
+int place_of(const fs::path& path) {
+    for (std::size_t place = 0; place < k_groups.size(); ++place)
+        for (const std::string& beginning : k_groups[place])
+            if (path.string().starts_with(beginning)) return int(place);
+    return -1;
+}
+
+struct Source {
+    fs::path path;                    // from the project's root
+    std::vector<fs::path> included;   // in quotes, likewise
+    std::vector<std::string> system;  // in angle brackets, as written
+};
+std::vector<Source> sources() {
+    std::vector<Source> all;
+    const std::regex include(R"(^\s*#include\s+([<"])([^>"]+)[>"])");
+    for (const char* folder : {"include", "src", "render", "app"})
+        for (const auto& entry : fs::recursive_directory_iterator(k_root / folder)) {
+            if (!entry.is_regular_file()) continue;
+            Source source{fs::relative(entry.path(), k_root), {}, {}};
+            std::ifstream in(entry.path());
+            std::smatch match;
+            for (std::string line; std::getline(in, line);) {
+                if (!std::regex_search(line, match, include)) continue;
+                const std::string name = match[2];
+                if (match[1] == "<") {
+                    source.system.push_back(name);
+                    continue;
+                }
+                for (const char* root : {"include", "src", "."})
+                    if (fs::exists(k_root / root / name))
+                        source.included.push_back((fs::path(root) / name).lexically_normal());
+            }
+            all.push_back(std::move(source));
+        }
+    return all;
+}
+
+bool is_of(const fs::path& path, const char* noun) { return path.string().find(noun) != std::string::npos; }
+
+TEST(Layers, EveryFileHasAPlace) {
+    const auto all = sources();
+    ASSERT_GT(all.size(), 30u);
+    for (const Source& source : all) EXPECT_GE(place_of(source.path), 0) << source.path;
+}
+
+TEST(Layers, OnlyEarlierOnesAreIncluded) {
+    for (const Source& source : sources())
+        for (const fs::path& included : source.included)
+            EXPECT_LE(place_of(included), place_of(source.path)) << source.path << " includes " << included;
+}
+
+TEST(Layers, MeasurementsAndModelsDoNotSeeEachOther) {
+    for (const Source& source : sources()) {
+        if (source.path.string().starts_with("app/")) continue;
+        for (const fs::path& included : source.included) {
+            EXPECT_FALSE(is_of(source.path, "measured") && is_of(included, "model")) << source.path;
+            EXPECT_FALSE(is_of(source.path, "model") && is_of(included, "measured")) << source.path;
+        }
+    }
+}
+
+TEST(Layers, RenderersKnowNoFit) {
+    for (const Source& source : sources())
+        for (const fs::path& included : source.included)
+            EXPECT_FALSE(is_of(source.path, "render/") && is_of(included, "fit")) << source.path;
+}
+
+TEST(Layers, PublicHeadersNeedTheStandardLibraryAlone) {
+    for (const Source& source : sources())
+        for (const std::string& name : source.system)
+            EXPECT_FALSE(is_of(source.path, "include/srbf/") && name.find_first_of("/.") != std::string::npos)
+                << source.path << " includes " << name;
+}
+
+}  // namespace

@@ -1,0 +1,199 @@
+// Lobes as a least-squares problem: derivatives, the linear part, and the steps of the search.
+#include "fit/lobes.h"
+
+#include "fit/rounding.h"
+#include "least_squares.h"
+#include "properties.h"
+#include "srbf/half.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+/// Two lobes and a constant that no single lobe can follow.
+Observations observations(std::size_t count = 4096) {
+    const Evaluate f = [](auto wl, auto wv, auto out) {
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            const Vec3f h = Kernel<float>::psi(wl[i], wv[i], 1, 1);
+            const float g = Kernel<float>::gaussian(h, {0, 0, 1}, 80), b = wl[i].z * wv[i].z;
+            out[i] = {0.2f + g, 0.3f * b + 0.5f * g, 0.1f * g + 0.05f * b * b};
+        }
+    };
+    return *observe(f, {Objective::raw, 0, count, 7});
+}
+
+const Rows& rows() {
+    static const Rows all(observations());
+    return all;
+}
+
+Lobes some_lobes() { return {3, {0.7, 0.1, 1.4}, {40, -2, 1, 3, 0.5, -1.5, -0.7, 4, 2}}; }
+
+/// 2 Jᵀr of linearise against central differences of the loss.
+void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
+    Eigen::MatrixXd H;
+    Eigen::VectorXd g;
+    problem.loss(x);
+    problem.linearise(x, H, g);
+    ASSERT_EQ(g.size(), x.size());
+    EXPECT_TRUE(H.isApprox(H.transpose(), 1e-9));
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+        const double step = 1e-3 * std::max(1.0, std::abs(x[i]));
+        Eigen::VectorXd more = x, less = x;
+        more[i] += step;
+        less[i] -= step;
+        const double difference = (problem.loss(more) - problem.loss(less)) / (2 * step);
+        EXPECT_TRUE(near(2 * g[i], difference, 0.01 * g.norm() * 2 + 1e-9))
+            << "variable " << i << ": " << 2 * g[i] << " " << difference;
+    }
+}
+
+TEST(Lobes, GradientIsThatOfTheLoss) {
+    LobeProblem problem(rows(), 8, 3, false);
+    check_gradient(problem, LobeProblem::pack(some_lobes()));
+}
+
+TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
+    LobeProblem problem(rows(), 8, 3, false, -3.0);
+    const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
+    const double bounded = problem.loss(x);
+    LobeProblem free(rows(), 8, 3, false);
+    ASSERT_GT(bounded, 1.05 * free.loss(x));  // the bound is felt
+    check_gradient(problem, x);
+}
+
+TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
+    LobeProblem problem(rows(), 8, 3, false);
+    const Lobes lobes = some_lobes();
+    const Eigen::VectorXd x = LobeProblem::pack(lobes);
+    const double loss = problem.loss(x);
+    // Σ w |f − Σ β E|² written out, for the coefficients found and for others near them.
+    const Observations o = observations();
+    const auto sum = [&](const Eigen::MatrixXd& beta) {
+        double total = 0;
+        for (std::size_t i = 0; i < 4096; ++i)
+            for (int c = 0; c < 3; ++c) {
+                const auto to_double = [](Vec3f w) { return Vec3d{w.x, w.y, w.z}; };
+                double f = 0;
+                for (int j = 0; j < 3; ++j) {
+                    double exponent = -problem.offset()[std::size_t(j)];
+                    for (int n = 0; n < 3; ++n) {
+                        const double angle = lobes.angle[std::size_t(n)];
+                        const Vec3d psi = Kernel<double>::psi(to_double(o.wl[i]), to_double(o.wv[i]), std::cos(angle),
+                                                              std::sin(angle));
+                        exponent += lobes.of(j)[std::size_t(n)] * (psi.z - 1);
+                    }
+                    f += beta(j, c) * std::exp(exponent);
+                }
+                total += double(o.weight[i]) * std::pow(double(o.f[i][c]) - f, 2);
+            }
+        return total;
+    };
+    EXPECT_TRUE(near_relative(loss, sum(problem.beta()), 1e-4));
+    EXPECT_GE(problem.beta().minCoeff(), 0);
+    for (int j = 0; j < 3; ++j)
+        for (int c = 0; c < 3; ++c)
+            for (const double change : {-0.02, 0.02}) {
+                Eigen::MatrixXd other = problem.beta();
+                other(j, c) = std::max(0.0, other(j, c) + change);
+                EXPECT_GE(sum(other), sum(problem.beta()) * (1 - 1e-6));
+            }
+}
+
+TEST(Lobes, AreTheSameInParallel) {
+    const Rows many(observations(1 << 16));
+    LobeProblem serial(many, many.blocks, 3, false), parallel(many, many.blocks, 3, true);
+    const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
+    EXPECT_EQ(serial.loss(x), parallel.loss(x));
+    Eigen::MatrixXd H1, H2;
+    Eigen::VectorXd g1, g2;
+    serial.linearise(x, H1, g1);
+    parallel.linearise(x, H2, g2);
+    EXPECT_EQ(H1, H2);
+    EXPECT_EQ(g1, g2);
+}
+
+TEST(Lobes, DroppingCostsWhatItSays) {
+    LobeProblem problem(rows(), 8, 3, false);
+    const Lobes lobes{3, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
+    const double loss = problem.loss(LobeProblem::pack(lobes));
+    const std::vector<double> cost = problem.cost_of_dropping();
+    for (std::size_t j = 0; j < 3; ++j) {
+        Lobes fewer = lobes;
+        fewer.weight.erase(fewer.weight.begin() + std::ptrdiff_t(3 * j),
+                           fewer.weight.begin() + std::ptrdiff_t(3 * j + 3));
+        const double rise = problem.loss(LobeProblem::pack(fewer)) - loss;
+        EXPECT_GE(rise, cost[j] * 0.99) << j;  // non-negativity can only make it dearer
+        EXPECT_LE(rise, cost[j] * 1.5) << j;
+    }
+}
+
+TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
+    LobeProblem problem(rows(), 8, 3, false);
+    Lobes lobes = some_lobes();
+    lobes.weight.resize(6);
+    std::mt19937_64 random(5);
+    std::vector<std::vector<double>> candidates;
+    for (int k = 0; k < 40; ++k) {
+        std::vector<double> weight(3);
+        for (double& w : weight) w = 60 * uniform(random) - 20;
+        candidates.push_back(weight);
+    }
+    const double before = problem.loss(LobeProblem::pack(lobes));
+    const std::vector<double> best = problem.best_addition(candidates);
+    std::vector<double> losses;
+    for (const auto& candidate : candidates) {
+        Lobes more = lobes;
+        more.weight.insert(more.weight.end(), candidate.begin(), candidate.end());
+        losses.push_back(problem.loss(LobeProblem::pack(more)));
+    }
+    const auto chosen = std::find(candidates.begin(), candidates.end(), best) - candidates.begin();
+    ASSERT_LT(chosen, 40);
+    EXPECT_LT(losses[std::size_t(chosen)], before);
+    // The gain is that of signed coefficients; the choice is good, if not always the very best.
+    const double least = *std::min_element(losses.begin(), losses.end());
+    EXPECT_LT(losses[std::size_t(chosen)] - least, 0.2 * (before - least));
+}
+
+TEST(Rounding, KeepsDirections) {
+    std::mt19937_64 random(1);
+    double largest = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const double angle = 20 * uniform(random) - 10;
+        const Parameterization p = rounded_direction(angle);
+        EXPECT_EQ(round_to_half(p.a), p.a);
+        EXPECT_EQ(round_to_half(p.b), p.b);
+        largest = std::max(largest, std::abs(std::remainder(std::atan2(double(p.b), double(p.a)) - angle, 2 * k_pi)));
+    }
+    EXPECT_LT(largest, 3e-5);
+}
+
+TEST(Rounding, ModelOfLobesEvaluatesToThem) {
+    LobeProblem problem(rows(), 8, 3, false);
+    const Lobes lobes = some_lobes();
+    problem.loss(LobeProblem::pack(lobes));
+    const PmModel model = to_model(problem, lobes, true);
+    const Lobes back = to_lobes(model);
+    for (std::size_t i = 0; i < lobes.weight.size(); ++i)
+        EXPECT_TRUE(near_relative(back.weight[i], lobes.weight[i], 1e-6));
+    const Observations o = observations();
+    double error = 0, whole = 0;
+    for (std::size_t i = 0; i < 500; ++i) {
+        double f = 0;
+        for (int j = 0; j < 3; ++j) {
+            double exponent = -problem.offset()[std::size_t(j)];
+            for (int n = 0; n < 3; ++n) {
+                const double angle = lobes.angle[std::size_t(n)];
+                const Vec3f psi = Kernel<float>::psi(o.wl[i], o.wv[i], float(std::cos(angle)), float(std::sin(angle)));
+                exponent += lobes.of(j)[std::size_t(n)] * double(psi.z - 1);
+            }
+            f += problem.beta()(j, 1) * std::exp(exponent);
+        }
+        error += std::pow(f - double(value(model, o.wl[i], o.wv[i]).g), 2);
+        whole += f * f;
+    }
+    EXPECT_LT(error, 1e-6 * whole);
+}
+
+}  // namespace
+}  // namespace srbf

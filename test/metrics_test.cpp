@@ -1,0 +1,177 @@
+// The error measures against closed forms, and what makes them trustworthy.
+#include "srbf/metrics.h"
+
+#include "properties.h"
+#include "srbf/directions.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+struct Lambert {
+    Rgb colour;
+};
+Rgb value(const Lambert& brdf, Vec3f wl, Vec3f wv) {
+    if (!(wl.z > 0 && wv.z > 0)) return {};
+    return {float(brdf.colour.r / k_pi), float(brdf.colour.g / k_pi), float(brdf.colour.b / k_pi)};
+}
+
+/// scale (0.1 + lobe G): a constant and a Gaussian lobe of a given bandwidth about the mirror direction.
+struct Glossy {
+    float scale = 1, bandwidth = 1000, lobe = 1;
+};
+Rgb value(const Glossy& brdf, Vec3f wl, Vec3f wv) {
+    if (!(wl.z > 0 && wv.z > 0)) return {};
+    const float f = brdf.scale * (0.1f + brdf.lobe * Kernel<float>::gaussian(wl, mirror(wv), brdf.bandwidth));
+    return {f, 0.5f * f, 0.25f * f};
+}
+
+/// Nothing measured where wl is left of the normal.
+struct Holed {
+    Glossy brdf;
+};
+Rgb value(const Holed& holed, Vec3f wl, Vec3f wv) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    return wl.x < 0 ? Rgb{nan, nan, nan} : value(holed.brdf, wl, wv);
+}
+
+constexpr double k_cap = 80 * k_degree;
+
+Measures matrix(const auto& reference, const auto& other, MeasureOptions options = {k_cap, 0}) {
+    const Evaluate others[] = {evaluator(other)};
+    return measure_matrix(evaluator(reference), others, options, 400)[0];
+}
+Measures heldout(const auto& reference, const auto& other, MeasureOptions options = {k_cap, 0}) {
+    const Evaluate others[] = {evaluator(other)};
+    return measure_heldout(evaluator(reference), others, options, 50000)[0];
+}
+
+constexpr double Measures::*k_all[] = {&Measures::squared_error_ratio, &Measures::squared_error_ratio_cosine,
+                                       &Measures::log_rms_cosine, &Measures::cube_root_error_ratio};
+
+TEST(Metrics, OfABrdfAgainstItselfAreZero) {
+    const Glossy glossy;
+    for (const auto measure : k_all) {
+        EXPECT_EQ(matrix(glossy, glossy).*measure, 0);
+        EXPECT_EQ(heldout(glossy, glossy).*measure, 0);
+    }
+    EXPECT_EQ(albedo_error(evaluator(glossy), evaluator(glossy), k_cap), 0);
+}
+
+TEST(Metrics, OfAScaledBrdfAreTheirClosedForms) {
+    const Glossy glossy, scaled{1.1f};
+    for (const Measures& m : {matrix(glossy, scaled), heldout(glossy, scaled)}) {
+        EXPECT_TRUE(near_relative(m.squared_error_ratio, 0.01, 1e-5));
+        EXPECT_TRUE(near_relative(m.squared_error_ratio_cosine, 0.01, 1e-5));
+        EXPECT_TRUE(near_relative(m.cube_root_error_ratio, std::pow(std::cbrt(1.1) - 1, 2), 1e-4));
+    }
+    EXPECT_TRUE(near_relative(albedo_error(evaluator(glossy), evaluator(scaled), k_cap), 0.1, 1e-4));
+    EXPECT_TRUE(near_relative(albedo_error(evaluator(scaled), evaluator(glossy), k_cap), 0.1 / 1.1, 1e-4));
+}
+
+TEST(Metrics, OfNothingAgainstSomethingAreOne) {
+    const Glossy glossy;
+    const Lambert black{{0, 0, 0}};
+    EXPECT_TRUE(near(matrix(glossy, black).squared_error_ratio, 1, 1e-12));
+    EXPECT_TRUE(near(heldout(glossy, black).squared_error_ratio_cosine, 1, 1e-12));
+    EXPECT_EQ(albedo_error(evaluator(glossy), evaluator(black), k_cap), 1);
+    EXPECT_TRUE(std::isinf(matrix(black, glossy).squared_error_ratio));
+    EXPECT_EQ(matrix(black, black).squared_error_ratio, 0);
+}
+
+// Over the cap with μ = cosθ even in [c, 1]: the mean of log²(1 + a μ) weighted by the other cosine, which cancels.
+TEST(Metrics, LogarithmOfALambertianIsItsIntegral) {
+    const double c = std::cos(k_cap), a = 0.6 / k_pi;
+    double mean = 0;
+    const int n = 20000;
+    for (int i = 0; i < n; ++i) mean += std::pow(std::log1p(a * (c + (i + 0.5) / n * (1 - c))), 2) / n;
+    const Lambert grey{{0.6f, 0.6f, 0.6f}}, black{{0, 0, 0}};
+    EXPECT_TRUE(near_relative(matrix(grey, black).log_rms_cosine, std::sqrt(mean), 1e-3));
+    EXPECT_TRUE(near_relative(heldout(grey, black).log_rms_cosine, std::sqrt(mean), 1e-2));
+}
+
+// Σ (f−f̂)² / Σ f² for f = .1 + G, f̂ = .1: the integrals of G and G² about the mirror direction are 2π/λ and 2π/2λ where
+// the cap does not cut the lobe. A cap of 80° cuts little of a lobe of bandwidth 2000, whose radius is 1.3°.
+TEST(Metrics, HeldOutPairsResolveSharpLobes) {
+    const float bandwidth = 2000;
+    const Glossy sharp{1, bandwidth, 20}, flat{1, bandwidth, 0};
+    const double cap = 2 * k_pi * (1 - std::cos(k_cap));
+    const double lobe = 2 * k_pi / bandwidth * 20, lobe_squared = k_pi / bandwidth * 400;
+    const double expected = lobe_squared / (0.01 * cap + 0.2 * lobe + lobe_squared);
+    EXPECT_TRUE(near_relative(heldout(sharp, flat).squared_error_ratio, expected, 0.02));
+}
+
+TEST(Metrics, MatrixAndHeldOutPairsAgreeOnSmoothBrdfs) {
+    const Glossy wide{1, 5, 1}, other{1, 8, 1};
+    for (const auto measure : k_all)
+        EXPECT_TRUE(near_relative(matrix(wide, other).*measure, heldout(wide, other).*measure, 0.02));
+}
+
+TEST(Metrics, LeaveOutAndCountWhatWasNotMeasured) {
+    const Glossy glossy, other{1, 100, 1};
+    const Measures whole = matrix(glossy, other), half = matrix(Holed{glossy}, other);
+    EXPECT_EQ(whole.pairs, 400u * 400u);
+    EXPECT_EQ(whole.masked, 0u);
+    EXPECT_EQ(half.pairs + half.masked, 400u * 400u);
+    EXPECT_TRUE(near_relative(double(half.masked), 80000, 0.02));
+    EXPECT_TRUE(near_relative(half.squared_error_ratio, whole.squared_error_ratio, 0.02));
+    const Measures swapped = matrix(glossy, Holed{other});
+    EXPECT_EQ(swapped.masked, half.masked);
+}
+
+TEST(Metrics, DoNotDependOnTheNumberOfThreads) {
+    const Glossy glossy, other{1, 100, 1};
+    for (const auto measure : k_all) {
+        EXPECT_EQ(matrix(glossy, other, {k_cap, 1}).*measure, matrix(glossy, other, {k_cap, 2}).*measure);
+        EXPECT_EQ(heldout(glossy, other, {k_cap, 1}).*measure, heldout(glossy, other, {k_cap, 2}).*measure);
+    }
+}
+
+TEST(Metrics, HeldOutPairsAreOfTheSeedAndTheCount) {
+    const Glossy glossy, other{1, 100, 1};
+    const Evaluate reference = evaluator(glossy), others[] = {evaluator(other)};
+    const auto with = [&](std::uint64_t count, std::uint64_t seed) {
+        return measure_heldout(reference, others, {k_cap, 0}, count, seed)[0];
+    };
+    EXPECT_EQ(with(1234, 1).pairs, 1234u);
+    EXPECT_EQ(with(1234, 1).squared_error_ratio, with(1234, 1).squared_error_ratio);
+    EXPECT_NE(with(1234, 1).squared_error_ratio, with(1234, 2).squared_error_ratio);
+}
+
+TEST(Albedo, OfALambertianIsItsColourTimesTheCap) {
+    const Lambert lambert{{0.2f, 0.5f, 0.9f}};
+    for (const double theta : k_albedo_theta)
+        for (const double cap : {k_cap, k_pi / 2}) {
+            const Rgb a = albedo(evaluator(lambert), theta * k_degree, cap);
+            const double share = std::pow(std::sin(cap), 2);
+            EXPECT_TRUE(near_relative(a.r, 0.2 * share, 1e-4)) << theta << " " << cap;
+            EXPECT_TRUE(near_relative(a.b, 0.9 * share, 1e-4));
+        }
+}
+
+// ∫ G(ωl·ξ | λ) cosθl dωl = 2π cosθ_ξ (1/λ − 1/λ²) up to e^−2λ, where the horizon is far.
+TEST(Albedo, ResolvesSharpLobes) {
+    for (const double bandwidth : {100.0, 1000.0, 10000.0, 60000.0}) {
+        const Glossy all{1, float(bandwidth), 1000}, base{1, float(bandwidth), 0};
+        for (const double theta : {0.0, 30.0, 60.0}) {
+            const double with = albedo(evaluator(all), theta * k_degree, k_pi / 2).r;
+            const double without = albedo(evaluator(base), theta * k_degree, k_pi / 2).r;
+            const double lobe =
+                1000 * 2 * k_pi * std::cos(theta * k_degree) * (1 / bandwidth - 1 / (bandwidth * bandwidth));
+            EXPECT_TRUE(near_relative(with - without, lobe, 1e-4)) << bandwidth << " at " << theta;
+        }
+    }
+}
+
+TEST(Albedo, ComparesOnlyAnglesWithinTheCap) {
+    const Glossy glossy;
+    const Lambert white{{1, 1, 1}};
+    EXPECT_GT(albedo_error(evaluator(white), evaluator(glossy), 10 * k_degree), 0);
+    // Within 10° only θv = 0 counts.
+    const double a = luminance(albedo(evaluator(white), 0, 10 * k_degree)),
+                 b = luminance(albedo(evaluator(glossy), 0, 10 * k_degree));
+    EXPECT_EQ(albedo_error(evaluator(white), evaluator(glossy), 10 * k_degree), std::abs(b - a) / a);
+}
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,296 @@
+// Damaged and made-up model files: an Error of one line that says what is wrong, or a model that keeps its contract.
+#include <nlohmann/json.hpp>
+
+#include "models.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+using Json = nlohmann::json;
+const std::string k_source = "a\nb.srbf";
+
+void append(Bytes& bytes, std::string_view text) {
+    for (const char c : text) bytes.push_back(std::byte(c));
+}
+
+/// A container of this header and these halves.
+Bytes container(const std::string& header, const std::vector<std::uint16_t>& data = {},
+                std::uint64_t extra_length = 0) {
+    Bytes bytes;
+    for (unsigned i = 0; i < 8; ++i) bytes.push_back(std::byte((header.size() + extra_length) >> 8 * i & 0xff));
+    append(bytes, header);
+    for (const std::uint16_t half : data) {
+        bytes.push_back(std::byte(half & 0xff));
+        bytes.push_back(std::byte(half >> 8));
+    }
+    return bytes;
+}
+
+/// A valid file's header and halves, to be spoilt: J = 2, N = 1, tensors in this order.
+struct File {
+    Json header{{"__metadata__", {{"srbf", "1"}, {"model", "pm"}, {"form", "source"}, {"axial", "true"}}},
+                {"coefficient", {{"dtype", "F16"}, {"shape", {2, 3}}, {"data_offsets", {0, 12}}}},
+                {"bandwidth", {{"dtype", "F16"}, {"shape", {2, 1}}, {"data_offsets", {12, 16}}}},
+                {"parameterization", {{"dtype", "F16"}, {"shape", {1, 2}}, {"data_offsets", {16, 20}}}}};
+    std::vector<std::uint16_t> data{0x3c00, 0x3c00, 0x3c00, 0x3c00, 0x3c00, 0x3c00, 0x4000, 0xc000, 0x3c00, 0x3c00};
+    Bytes bytes() const { return container(header.dump(), data); }
+};
+
+void expect_finite(const Model& model) {
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 8; ++i) {
+        const Vec3f wl = to_float(random_direction(random, 0));
+        const Rgb f = value(model, wl, i % 2 ? to_float(random_direction(random, 0)) : mirror(wl));
+        EXPECT_TRUE(is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0);
+    }
+}
+
+/// The message of the error that reading gives; empty where it gives a model, whose values are then looked at.
+std::string error_of(const Bytes& bytes) {
+    const auto model = read_model(bytes, k_source);
+    if (model) return expect_finite(*model), "";
+    EXPECT_EQ(model.error().source, k_source);
+    EXPECT_FALSE(model.error().what.empty());
+    const std::string line = message(model.error());
+    EXPECT_EQ(line.find("a?b.srbf: "), 0u) << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos);
+    EXPECT_LT(line.size(), 400u) << line;
+    return line;
+}
+
+/// The error of a valid file that `spoil` has changed.
+template <typename Spoil> std::string spoilt(Spoil spoil) {
+    File file;
+    spoil(file);
+    return error_of(file.bytes());
+}
+
+testing::AssertionResult names(const std::string& line, const std::string& part) {
+    if (line.find(part) != std::string::npos) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << "'" << line << "' does not name '" << part << "'";
+}
+
+TEST(ModelFile, TheUnspoiltOneIsRead) {
+    const auto model = read_model(File().bytes(), "x");
+    ASSERT_TRUE(model.ok()) << message(model.error());
+    const auto& pm = std::get<PmModel>(model->model);
+    EXPECT_EQ(pm.coefficient, (std::vector<Rgb>{{1, 1, 1}, {1, 1, 1}}));
+    EXPECT_EQ(pm.bandwidth, (std::vector<float>{2, 2}));
+    EXPECT_EQ(pm.centre, (std::vector<Vec3f>{{0, 0, 1}, {0, 0, -1}}));
+    EXPECT_EQ(pm.parameterization, (std::vector<Parameterization>{{1, 1}}));
+    // Order and spaces of the header, and more metadata, are free.
+    File file;
+    const std::string text = "  " + file.header.dump(4) + "\n ";
+    EXPECT_EQ(error_of(container(text, file.data)), "");
+    EXPECT_EQ(spoilt([](File& f) { f.header["__metadata__"]["more"] = "\u2713"; }), "");
+}
+
+TEST(ModelFile, EveryTruncationIsAnErrorAndEveryFlipOneOrAModel) {
+    std::mt19937_64 random(2);
+    int models = 0;
+    for (const bool axial : {true, false}) {
+        const RandomModelOptions options{.axial = axial, .log_scale = axial, .lobes = 2, .variates = 2};
+        const Bytes whole = write_model({random_model(random, options), {{"source", "a.bsdf"}}});
+        EXPECT_EQ(error_of(whole), "");
+        for (std::size_t size = 0; size < whole.size(); ++size)
+            EXPECT_NE(error_of(Bytes(whole.begin(), whole.begin() + std::ptrdiff_t(size))), "") << size;
+        for (std::size_t at = 0; at < whole.size(); ++at)
+            for (const int flip : {0x01, 0x80, 0xff}) {
+                Bytes flipped = whole;
+                flipped[at] ^= std::byte(flip);
+                models += error_of(flipped).empty();
+            }
+        Bytes longer = whole;
+        longer.push_back(std::byte(0));
+        EXPECT_TRUE(names(error_of(longer), "data"));
+    }
+    EXPECT_GT(models, 0);  // bytes of numbers and of the story
+}
+
+TEST(ModelFile, RandomBytesAreErrors) {
+    std::mt19937_64 random(3);
+    for (int trial = 0; trial < 2000; ++trial) {
+        Bytes bytes(random() % 200);
+        for (auto& b : bytes) b = std::byte(random());
+        if (trial % 2)  // a plausible length of the header
+            for (std::size_t i = 0; i < std::min<std::size_t>(8, bytes.size()); ++i)
+                bytes[i] = i == 0 ? std::byte(bytes.size() / 2) : std::byte(0);
+        EXPECT_NE(error_of(bytes), "");
+    }
+}
+
+TEST(ModelFile, HeadersThatAreNone) {
+    EXPECT_TRUE(names(error_of({}), "at 0: header length: expected 8 bytes, found 0 bytes"));
+    Bytes garbage;
+    append(garbage, "MERL or any other file that is none of ours");
+    EXPECT_TRUE(names(error_of(garbage), "at 0: header length: expected at most 35"));
+    for (const std::uint64_t extra :
+         {std::uint64_t(1), std::uint64_t(1) << 32, std::uint64_t(1) << 63, ~std::uint64_t(0) - 2})
+        EXPECT_TRUE(names(error_of(container("{}", {}, extra)), "header length"));
+    for (const char* text :
+         {"", "{", "null", "[]", "\"x\"", "12", "{}}", "{\"a\":}", "{\"a\":1,}", "\xff", "{\"\xff\":1}"})
+        EXPECT_TRUE(names(error_of(container(text)), "at 8: header: expected a JSON object")) << text;
+    EXPECT_NE(error_of(container("{}")), "");
+}
+
+TEST(ModelFile, DeepNestingIsAnError) {
+    const std::string open(100000, '['), close(100000, ']');
+    EXPECT_NE(error_of(container(open)), "");
+    EXPECT_NE(error_of(container(open + close)), "");
+    // Where the parts are looked at and shown.
+    const auto with = [&](const std::string& dtype, const std::string& shape, const std::string& offsets) {
+        const std::string entry = "{\"dtype\":" + dtype + ",\"shape\":" + shape + ",\"data_offsets\":" + offsets + "}";
+        return error_of(container("{\"bandwidth\":" + entry + "}", {0x3c00}));
+    };
+    EXPECT_TRUE(names(with(open + close, "[1]", "[0,2]"), "dtype"));
+    EXPECT_TRUE(names(with("\"F16\"", open + close, "[0,2]"), "shape"));
+    EXPECT_TRUE(names(with("\"F16\"", "[1]", open + close), "data_offsets"));
+    EXPECT_TRUE(names(error_of(container("{\"__metadata__\":" + open + close + "}")), "metadata"));
+    EXPECT_TRUE(names(error_of(container("{\"__metadata__\":{\"a\":" + open + close + "}}")), "metadata"));
+}
+
+TEST(ModelFile, LongNamesAreCutInMessages) {
+    const std::string name(100000, 'n');
+    EXPECT_NE(spoilt([&](File& f) { f.header[name] = 1; }), "");
+    EXPECT_NE(spoilt([&](File& f) { f.header[name] = f.header["bandwidth"]; }), "");
+    EXPECT_NE(spoilt([&](File& f) { f.header["bandwidth"]["dtype"] = name; }), "");
+    EXPECT_NE(spoilt([&](File& f) { f.header["bandwidth"]["shape"] = name; }), "");
+    EXPECT_NE(spoilt([&](File& f) { f.header["__metadata__"]["form"] = name; }), "");
+    EXPECT_NE(spoilt([&](File& f) { f.header["__metadata__"][name] = 1; }), "");
+    EXPECT_NE(spoilt([&](File& f) { f.header["bandwidth"]["shape"] = std::vector<int>(100000, 1); }), "");
+}
+
+TEST(ModelFile, TensorsThatDoNotFit) {
+    for (const char* tensor : {"coefficient", "bandwidth", "parameterization"}) {
+        const std::string what = std::string("tensor '") + tensor + "'";
+        EXPECT_TRUE(
+            names(spoilt([&](File& f) { f.header[tensor]["dtype"] = "F32"; }), what + ": dtype: expected \"F16\""));
+        for (const char* part : {"dtype", "shape", "data_offsets"}) {
+            EXPECT_TRUE(names(spoilt([&](File& f) { f.header[tensor].erase(part); }), what));
+            for (const Json& wrong :
+                 {Json(), Json(1), Json("x"), Json::object(), Json::array(), Json{1.5, 2}, Json{-1, 2}, Json{1, "x"},
+                  Json{~std::uint64_t(0), ~std::uint64_t(0)}, Json{0, 1e300}})
+                EXPECT_TRUE(names(spoilt([&](File& f) { f.header[tensor][part] = wrong; }), what));
+        }
+        EXPECT_TRUE(names(spoilt([&](File& f) { f.header[tensor] = "x"; }), what));
+        EXPECT_NE(spoilt([&](File& f) { f.header.erase(tensor); }), "");
+        // Gone with its data, so that nothing else is amiss.
+        EXPECT_TRUE(
+            names(spoilt([&](File& f) { f.header["z"] = f.header[tensor], f.header.erase(tensor); }), "tensor '"));
+        for (const Json& shape : {Json{2, 2, 1, 1, 1, 1, 1, 1, 1}, Json{0, 3}, Json{std::uint64_t(1) << 40, 1},
+                                  Json{std::uint64_t(1) << 32, std::uint64_t(1) << 32}, Json{1025, 1}, Json{7}})
+            EXPECT_TRUE(names(spoilt([&](File& f) { f.header[tensor]["shape"] = shape; }), what));
+    }
+    // As many numbers, but of another shape.
+    EXPECT_TRUE(names(spoilt([](File& f) {
+                          f.header["coefficient"]["shape"] = {3, 2};
+                      }),
+                      "tensor 'coefficient': shape: expected [2, 3], found [3, 2]"));
+    EXPECT_TRUE(names(spoilt([](File& f) { f.header["bandwidth"]["shape"] = {1, 2}; }), "shape"));
+    EXPECT_TRUE(names(spoilt([](File& f) { f.header["bandwidth"]["shape"] = {2}; }), "tensor 'bandwidth': shape"));
+    EXPECT_TRUE(names(spoilt([](File& f) {
+                          f.header["parameterization"]["shape"] = {2, 1};
+                      }),
+                      "tensor 'parameterization'"));
+}
+
+TEST(ModelFile, CountsBeyondTheLimits) {
+    const auto of_shape = [](std::size_t J, std::size_t N) {
+        File f;
+        const std::size_t a = 6 * J, b = a + 2 * J * N, c = b + 4 * N;
+        f.header["coefficient"] = {{"dtype", "F16"}, {"shape", {J, 3}}, {"data_offsets", {0, a}}};
+        f.header["bandwidth"] = {{"dtype", "F16"}, {"shape", {J, N}}, {"data_offsets", {a, b}}};
+        f.header["parameterization"] = {{"dtype", "F16"}, {"shape", {N, 2}}, {"data_offsets", {b, c}}};
+        f.data.assign(c / 2, 0x3c00);
+        return error_of(f.bytes());
+    };
+    EXPECT_EQ(of_shape(k_most_lobes, k_most_variates), "");
+    EXPECT_TRUE(names(of_shape(k_most_lobes + 1, 1), "expected [J, N] up to [1024, 8], found [1025, 1]"));
+    EXPECT_TRUE(names(of_shape(1, k_most_variates + 1), "found [1, 9]"));
+    EXPECT_NE(of_shape(0, 1), "");
+    EXPECT_NE(of_shape(1, 0), "");
+}
+
+TEST(ModelFile, DataWithOverlapsGapsOrRests) {
+    EXPECT_TRUE(names(spoilt([](File& f) { f.header["bandwidth"]["data_offsets"] = {10, 14}; }), "data"));
+    EXPECT_TRUE(names(spoilt([](File& f) {
+                          f.header["bandwidth"]["data_offsets"] = {16, 20};
+                      }),
+                      "without gap or overlap"));
+    EXPECT_TRUE(names(spoilt([](File& f) { f.header["bandwidth"]["data_offsets"] = {14, 12}; }), "data_offsets"));
+    EXPECT_TRUE(names(spoilt([](File& f) { f.header["bandwidth"]["data_offsets"] = {12, 18}; }), "data_offsets"));
+    EXPECT_TRUE(names(spoilt([](File& f) {
+                          f.header["parameterization"]["data_offsets"] = {18, 22};
+                      }),
+                      "data_offsets"));
+    EXPECT_TRUE(names(spoilt([](File& f) { f.data.push_back(0); }), "data: expected 20 bytes, found 22 bytes"));
+    // A gap before the first, or between two.
+    for (const int first : {0, 1, 2}) {
+        const auto gap = [&](File& f) {
+            const char* const order[] = {"coefficient", "bandwidth", "parameterization"};
+            for (int i = first; i < 3; ++i)
+                for (Json& offset : f.header[order[i]]["data_offsets"]) offset = offset.get<unsigned>() + 2;
+            f.data.push_back(0x3c00);
+        };
+        EXPECT_TRUE(names(spoilt(gap), "data: expected tensors without gap or overlap")) << first;
+    }
+}
+
+TEST(ModelFile, NumbersOutOfRange) {
+    for (const unsigned bad : {0x7c00u, 0xfc00u, 0x7e00u, 0x7c01u, 0xffffu})
+        for (std::size_t i = 0; i < 10; ++i)
+            EXPECT_TRUE(names(spoilt([&](File& f) { f.data[i] = std::uint16_t(bad); }), "expected finite numbers"))
+                << i;
+    EXPECT_TRUE(names(spoilt([](File& f) { f.data[4] = 0xbc00; }),
+                      "tensor 'coefficient': expected numbers of at least 0, found -1"));
+    EXPECT_TRUE(names(spoilt([](File& f) { f.data[8] = 0, f.data[9] = 0x8000; }), "tensor 'parameterization'"));
+    EXPECT_EQ(spoilt([](File& f) { f.data[8] = 0; }), "");
+    // The sign of a bandwidth means something for axial lobes alone.
+    const auto general = [](std::uint16_t bandwidth) {
+        return spoilt([&](File& f) {
+            f.header["__metadata__"]["axial"] = "false";
+            f.header["centre"] = {{"dtype", "F16"}, {"shape", {2, 1, 2}}, {"data_offsets", {20, 28}}};
+            f.data.resize(14, 0x3c00);
+            f.data[7] = bandwidth;
+        });
+    };
+    EXPECT_EQ(general(0x4000), "");
+    EXPECT_TRUE(names(general(0xc000), "tensor 'bandwidth': expected numbers of at least 0, found -2"));
+}
+
+TEST(ModelFile, TensorsMissingOrUnknown) {
+    const auto with = [](const char* name, const char* axial, Json shape) {
+        return spoilt([&](File& f) {
+            f.header["__metadata__"]["axial"] = axial;
+            f.header[name] = {{"dtype", "F16"}, {"shape", shape}, {"data_offsets", {20, 28}}};
+            f.data.resize(14, 0x3c00);
+        });
+    };
+    EXPECT_TRUE(names(with("centre", "true", {2, 1, 2}), "tensor 'centre': expected none of that name"));
+    EXPECT_TRUE(names(with("gloss", "true", {4}), "tensor 'gloss'"));
+    EXPECT_TRUE(names(with("log_scale", "true", {4}), "tensor 'log_scale': shape: expected [2], found [4]"));
+    EXPECT_TRUE(names(with("gloss", "false", {4}), "tensor 'centre': expected present, found none"));
+    EXPECT_TRUE(names(spoilt([](File& f) {
+                          for (std::size_t i = 1; i < 100; ++i) f.header[std::string(i, 't')] = f.header["bandwidth"];
+                      }),
+                      "number of tensors"));
+}
+
+TEST(ModelFile, MetadataThatTellNothingKnown) {
+    for (const char* key : {"srbf", "model", "form", "axial"}) {
+        const std::string what = std::string("metadata '") + key + "'";
+        EXPECT_TRUE(names(spoilt([&](File& f) { f.header["__metadata__"].erase(key); }), what));
+        for (const char* text : {"", "2", "su", "TRUE", "x\ny"})
+            EXPECT_TRUE(names(spoilt([&](File& f) { f.header["__metadata__"][key] = text; }), what));
+        EXPECT_TRUE(
+            names(spoilt([&](File& f) { f.header["__metadata__"][key] = true; }), std::string("metadata ") + key));
+    }
+    EXPECT_TRUE(
+        names(spoilt([](File& f) { f.header.erase("__metadata__"); }), "metadata 'srbf': expected 1, found none"));
+    EXPECT_TRUE(names(spoilt([](File& f) { f.header["__metadata__"] = 3; }), "metadata"));
+}
+
+}  // namespace
+}  // namespace srbf

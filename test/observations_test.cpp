@@ -1,0 +1,101 @@
+// What a fit sees of a BRDF.
+#include <algorithm>
+
+#include "properties.h"
+#include "srbf/fit.h"
+
+namespace srbf {
+namespace {
+
+Evaluate constant(Rgb colour) {
+    return [colour](auto, auto, auto f) { std::fill(f.begin(), f.end(), colour); };
+}
+
+std::size_t fitted(const Observations& o) { return o.f.size() - o.checks; }
+bool within(const Observations& o, std::size_t i, double theta) {
+    return std::min(double(o.wl[i].z), double(o.wv[i].z)) >= std::cos(theta) - 1e-6;
+}
+
+TEST(Observations, EstimateTheIntegralOfTheirObjective) {
+    for (const Objective objective : {Objective::raw, Objective::cosine}) {
+        const auto o = observe(constant({1, 1, 1}), {objective, 80 * k_degree, 1 << 16, 3});
+        ASSERT_TRUE(o);
+        // Shares of Σ w where wl, or wv, is within 50° of the normal: of dω for raw, of cos²θl dω and cosθv dω for cosine.
+        double all = 0, near_l = 0, near_v = 0;
+        for (std::size_t i = 0; i < fitted(*o); ++i) {
+            if (!within(*o, i, 80 * k_degree)) continue;
+            const double w = double(o->weight[i]);
+            all += w;
+            if (double(o->wl[i].z) > std::cos(50 * k_degree)) near_l += w;
+            if (double(o->wv[i].z) > std::cos(50 * k_degree)) near_v += w;
+        }
+        const auto share = [](int power) {  // of ∫ μ^power dμ
+            const double c = std::cos(80 * k_degree), d = std::cos(50 * k_degree);
+            return (1 - std::pow(d, power + 1)) / (1 - std::pow(c, power + 1));
+        };
+        const bool raw = objective == Objective::raw;
+        EXPECT_TRUE(near_relative(near_l / all, share(raw ? 0 : 2), 0.01));
+        EXPECT_TRUE(near_relative(near_v / all, share(raw ? 0 : 1), 0.01));
+        EXPECT_TRUE(near(3 * all, 1, 0.05));  // Σ w |f|² = 1; the grid of guards adds a few pairs within the cap
+    }
+}
+
+TEST(Observations, EveryBeginningIsASampleOfTheWhole) {
+    const auto o = observe(constant({1, 1, 1}), {Objective::raw, 80 * k_degree, 1 << 16, 0});
+    ASSERT_TRUE(o);
+    ASSERT_EQ(fitted(*o), std::size_t(1) << 16);
+    double sum = 0;
+    for (std::size_t i = 0; i < 4096; ++i) sum += 3 * double(o->weight[i]);
+    EXPECT_TRUE(near_relative(sum, 4096.0 / 65536, 0.1));
+    std::size_t guards = 0;
+    for (std::size_t i = 0; i < 4096; ++i) guards += !within(*o, i, 80 * k_degree);
+    EXPECT_GT(guards, 4096u / 16);
+    EXPECT_LT(guards, 4096u / 8 + 1);
+}
+
+TEST(Observations, ReachTheHorizonAndItsCorners) {
+    const auto o = observe(constant({1, 1, 1}), {Objective::cosine, 0, 4096, 0});
+    ASSERT_TRUE(o);
+    double lowest = 1, lowest_both = 1;
+    for (std::size_t i = 0; i < o->f.size(); ++i) {
+        lowest = std::min(lowest, double(o->wl[i].z));
+        lowest_both = std::min(lowest_both, double(std::max(o->wl[i].z, o->wv[i].z)));
+        ASSERT_GT(o->wl[i].z, 0);
+        ASSERT_GT(o->wv[i].z, 0);
+    }
+    EXPECT_LT(lowest, std::cos(89.89 * k_degree));
+    EXPECT_LT(lowest_both, std::cos(89.89 * k_degree));
+}
+
+TEST(Observations, LeaveOutWhatWasNotMeasuredAndClampTheNegative) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const auto o = observe(
+        [&](auto wl, auto, auto f) {
+            for (std::size_t i = 0; i < f.size(); ++i) f[i] = wl[i].x < 0 ? Rgb{nan, nan, nan} : Rgb{-1, 1, 2};
+        },
+        {Objective::raw, 0, 4096, 0});
+    ASSERT_TRUE(o);
+    EXPECT_GT(o->masked, 1000u);
+    EXPECT_EQ(o->clamped, o->f.size());
+    for (const Rgb& f : o->f) ASSERT_EQ(f, (Rgb{0, 1, 2}));
+    for (const float w : o->weight) ASSERT_TRUE(std::isfinite(w) && w >= 0);
+}
+
+TEST(Observations, AreOfTheSeed) {
+    const auto with = [](std::uint64_t seed) { return *observe(constant({1, 1, 1}), {Objective::raw, 0, 4096, seed}); };
+    EXPECT_EQ(with(1).weight, with(1).weight);
+    EXPECT_NE(with(1).weight, with(2).weight);
+}
+
+TEST(Observations, RefuseWhatCannotBeFitted) {
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    for (const float x : {0.f, -1.f, nan, inf}) EXPECT_FALSE(observe(constant({x, x, x}), {}).ok()) << x;
+    const Evaluate one = constant({1, 1, 1});
+    EXPECT_TRUE(observe(one, {}).ok());
+    for (const double theta : {-1.0, 0.001, 1.6, double(nan)})
+        EXPECT_FALSE(observe(one, {Objective::raw, theta}).ok()) << theta;
+    EXPECT_FALSE(observe(one, {Objective::raw, 0, 10}).ok());
+}
+
+}  // namespace
+}  // namespace srbf

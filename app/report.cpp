@@ -78,9 +78,12 @@ void print_measures(const std::vector<std::pair<std::string, const Comparison*>>
     const auto text = [](const Measure& m, const Measures& measures) {
         return m.is_ratio ? percent(measures.*m.member) : fmt::format("{:.4g}", measures.*m.member);
     };
-    std::string head(26, ' ');
-    for (const auto& [title, comparison] : comparisons) head += fmt::format("{:>26}", title);
-    fmt::print("{}\n{:<26}", head, "measure");
+    if (comparisons.size() > 1) {
+        fmt::print("{:<26}", "");
+        for (const auto& [title, comparison] : comparisons) fmt::print("{:>26}", title);
+        fmt::print("\n");
+    }
+    fmt::print("{:<26}", "measure");
     for (std::size_t k = 0; k < comparisons.size(); ++k) fmt::print("{:>13}{:>13}", "matrix", "held out");
     fmt::print("\n");
     for (const Measure& m : k_measures) {

@@ -28,9 +28,11 @@ int main(int argc, char** argv) {
         app.exit(done);
         status = srbf::k_done;
     } catch (const CLI::ParseError& error) {
-        const bool is_unknown = app.get_subcommands().empty() && !app.remaining().empty();
-        std::string what =
-            is_unknown ? fmt::format("no such subcommand or option: {}", app.remaining()[0]) : error.what();
+        // CLI11 asks for what is missing before it tells what it did not understand.
+        const auto unknown = app.remaining(true);
+        const bool is_missing = error.get_exit_code() == int(CLI::ExitCodes::RequiredError);
+        const std::string what =
+            is_missing && !unknown.empty() ? "no such subcommand or option: " + unknown[0] : error.what();
         srbf::complain({{}, {}, what + " (srbf --help tells more)", {}, {}});
         return srbf::k_usage;
     } catch (const std::bad_alloc&) {

@@ -48,7 +48,8 @@ SRBF_FN Real gaussian(Vec3 omega, Vec3 centre, Real bandwidth) {
     return exp(gaussian_exponent(omega, centre, bandwidth));
 }
 
-// The integral of G over the sphere: 2 pi (1 - e^(-2 lambda)) / lambda [sr]; 4 pi at lambda = 0.
+// The integral of G over the sphere: 2 pi (1 - e^(-2 lambda)) / lambda [sr]; at lambda = 0 it is
+// 4 pi to 1e-6.
 SRBF_FN Real gaussian_integral(Real bandwidth) {
     Real positive = max(bandwidth, Real(1.0e-6));
     return Real(SRBF_TWO_PI) * one_minus_exp(Real(2.0) * positive) / positive;

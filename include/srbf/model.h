@@ -19,7 +19,7 @@ enum class PmForm {
 };
 std::string_view name(PmForm form);
 
-/// ψ(wl, wv) = normalize(a wl + b wv), a variate's parameterization.
+/// ψ(wl, wv) = normalize(a wl + b wv), a variate's parameterization; (a, b) finite and not (0, 0).
 struct Parameterization {
     float a = 1, b = 1;
     friend bool operator==(const Parameterization&, const Parameterization&) = default;
@@ -53,7 +53,7 @@ struct Model {
 };
 Rgb value(const Model& model, Vec3f wl, Vec3f wv);
 
-/// Whether a log scale is stored: some s_j is not 0.
+/// Whether a log scale is stored: some s_j is not 0 as a half.
 bool has_log_scale(const PmModel& model);
 /// Bytes of the model's numbers as stored, two each.
 std::size_t payload_bytes(const PmModel& model);

@@ -15,8 +15,7 @@ using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
 
 /// Component by component.
-template <typename Real>
-constexpr bool operator==(Vec3<Real> a, Vec3<Real> b) {
+template <typename Real> constexpr bool operator==(Vec3<Real> a, Vec3<Real> b) {
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 

@@ -46,8 +46,11 @@ std::map<std::string, HalfTensor> encode(const PmModel& model) {
 
     HalfTensor& parameterization = tensors["parameterization"] = {{N, 2}, {}};
     for (const Parameterization& p : model.parameterization) {
-        parameterization.data.push_back(to_half(p.a));
-        parameterization.data.push_back(to_half(p.b));
+        // Only the direction of (a, b) counts: one that would leave the range of halves is brought to length 1.
+        const float largest = std::max(std::abs(p.a), std::abs(p.b));
+        const float scale = largest > 1024 || largest < 1.f / 1024 ? 1 / largest : 1;
+        parameterization.data.push_back(to_half(scale * p.a));
+        parameterization.data.push_back(to_half(scale * p.b));
     }
     return tensors;
 }
@@ -139,7 +142,7 @@ Rgb value(const Model& model, Vec3f wl, Vec3f wv) {
 }
 
 bool has_log_scale(const PmModel& model) {
-    return std::any_of(model.log_scale.begin(), model.log_scale.end(), [](float s) { return s != 0; });
+    return std::any_of(model.log_scale.begin(), model.log_scale.end(), [](float s) { return round_to_half(s) != 0; });
 }
 
 std::size_t payload_bytes(const PmModel& model) {

@@ -39,7 +39,7 @@ int CompareCommand::run() const {
     const Evaluate others[] = {evaluator(*b)};
     const Comparison comparison = compare(evaluator(*a), others, {theta * k_degree, threads})[0];
 
-    if (comparison.matrix.pairs == 0)
+    if (comparison.matrix.pairs == 0 || comparison.heldout.pairs == 0)
         return complain({reference, {}, "compared pairs of directions", "some that both hold", "none"});
 
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};

@@ -73,8 +73,10 @@ Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
         std::array<double, 6> number{};
         for (std::size_t c = 0; c < 6; ++c) {
             const std::string_view field = column[c] < fields.size() ? fields[column[c]] : std::string_view();
-            const auto [rest, error] = std::from_chars(field.data(), field.data() + field.size(), number[c]);
-            if (error != std::errc() || rest != field.data() + field.size() || !std::isfinite(number[c]))
+            const char *first = field.data(), *last = first + field.size();
+            if (field.starts_with('+') && !field.starts_with("+-")) ++first;
+            const auto [rest, error] = std::from_chars(first, last, number[c]);
+            if (error != std::errc() || rest != last || !std::isfinite(number[c]))
                 return at_line(line_number, fmt::format("column {}", k_columns[c]), "a number",
                                fmt::format("'{:.40}'", field));
             text[c] = field;

@@ -132,8 +132,9 @@ std::string percent(double ratio) { return fmt::format("{:.3g} %", 100 * ratio);
 
 void ProgressLine::show(std::string_view stage, double fraction) {
     const double now = watch_.seconds();
-    if (now < 0.5 || now - shown_ < 0.1 || isatty(STDERR_FILENO) == 0) return;
+    if (now < 0.5 || (now - shown_ < 0.1 && stage == stage_) || isatty(STDERR_FILENO) == 0) return;
     shown_ = now;
+    stage_ = stage;
     visible_ = true;
     const double left = fraction > 0.01 ? now * (1 - fraction) / fraction : std::nan("");
     const std::string time = std::isfinite(left) ? fmt::format(", {:.0f} s left", std::ceil(left)) : "";

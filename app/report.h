@@ -63,6 +63,7 @@ class ProgressLine {
 
   private:
     Stopwatch watch_;
+    std::string stage_;
     double shown_ = 0;
     bool visible_ = false;
 };

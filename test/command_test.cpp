@@ -1,0 +1,296 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "measured_files.h"
+#include "program.h"
+#include "properties.h"
+#include "srbf/model.h"
+
+namespace srbf {
+namespace {
+
+using Json = nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+const std::string k_paper = bundled_data() / "paper_white_rgb.bsdf";
+const Arguments k_measures{"squared_error_ratio", "squared_error_ratio_cosine", "log_rms_cosine",
+                           "cube_root_error_ratio"};
+
+Arguments operator+(Arguments a, const Arguments& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+std::string text_of(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+/// A MERL file of a smooth glossy material.
+std::string small_merl() {
+    return text_of(merl_file({9, 6, 8}, [](int h, int, int, int c) { return 0.1 + std::exp(-h) * (1 + c); }));
+}
+
+/// One small fit of bundled data that several tests look at.
+class Command : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        fitted = std::make_unique<TemporaryFolder>();
+        first = run(*fitted, {"fit", k_paper, "-o", "m.srbf", "--lobes", "2", "--variates", "2", "--threads", "1",
+                              "--preview", "p.png", "--json", "r.json"});
+    }
+    static void TearDownTestSuite() { fitted.reset(); }
+    static Json report() { return Json::parse(contents(*fitted / "r.json"), nullptr, false); }
+
+    /// Runs in `folder`, expects `status`, one line on standard error that holds `named`, and nothing else.
+    void expect_failure(int status, const Arguments& arguments, const std::string& named, std::string out = {}) {
+        SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
+        const auto before = folder.files();
+        const ProgramRun failed = run(folder, arguments, std::move(out));
+        EXPECT_EQ(failed.status, status);
+        EXPECT_EQ(failed.out, "");
+        EXPECT_TRUE(failed.err.starts_with("srbf: ")) << failed.err;
+        EXPECT_EQ(failed.err.find('\n'), failed.err.size() - 1) << failed.err;
+        EXPECT_NE(failed.err.find(named), std::string::npos) << failed.err;
+        EXPECT_EQ(folder.files(), before);
+    }
+
+    TemporaryFolder folder;
+    static std::unique_ptr<TemporaryFolder> fitted;
+    static ProgramRun first;
+};
+std::unique_ptr<TemporaryFolder> Command::fitted;
+ProgramRun Command::first;
+
+TEST_F(Command, fit_writes_model_picture_and_report) {
+    ASSERT_EQ(first.status, 0) << first.err;
+    EXPECT_EQ(first.err, "");  // progress is for a terminal
+    EXPECT_EQ(fitted->files().size(), 3u);
+    EXPECT_TRUE(contents(*fitted / "p.png").starts_with("\x89PNG\r\n\x1a\n"));
+    const auto model = load_model(*fitted / "m.srbf");
+    ASSERT_TRUE(model) << message(model.error());
+    const PmModel& pm = std::get<PmModel>(model->model);
+
+    const Json json = report();
+    ASSERT_TRUE(json.is_object());
+    const Json expected = Json::parse(R"({"model": "pm", "form": "source", "lobes": 2, "variates": 2, "axial": true,
+        "channels": 3, "objective": "cosine", "max_theta": 89.0, "raw_bytes": 28311552, "auxiliary_bytes": 0, "seed": 0,
+        "threads": 1, "masked_samples": 0, "clamped_samples": 0})");
+    EXPECT_EQ(json.value("payload_bytes", std::size_t(0)), payload_bytes(pm));
+    for (const auto& [key, value] : expected.items()) EXPECT_EQ(json.value(key, Json()), value) << key;
+    EXPECT_GT(json.value("fit_seconds", 0.0), 0.0);
+    EXPECT_GT(json.value("load_seconds", 0.0), 0.0);
+    EXPECT_NE(json.value("stop_reason", ""), "");
+    for (const std::string prefix : {"", "unrounded_"}) {
+        Arguments names{"albedo_error"};
+        for (const std::string& name : k_measures) names = names + Arguments{name, "heldout_" + name};
+        for (const std::string& name : names) {
+            const double error = json.value(prefix + name, -1.0);
+            EXPECT_TRUE(error > 0 && error < 0.5) << prefix << name << ' ' << error;
+        }
+    }
+}
+
+TEST_F(Command, fit_stores_eight_lobes_of_four_variates_by_default) {
+    write(folder / "small.binary", small_merl());
+    const ProgramRun fit = run(folder, {"fit", "small.binary", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    EXPECT_EQ(json.value("lobes", 0), 8);
+    EXPECT_EQ(json.value("variates", 0), 4);
+    const auto model = load_model(folder / "small.srbf");
+    ASSERT_TRUE(model);
+    EXPECT_EQ(json.value("payload_bytes", 0), has_log_scale(std::get<PmModel>(model->model)) ? 144 : 128);
+}
+
+TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
+    write(folder / "paper_white_rgb.srbf", "what was here before");
+    const Arguments fit{"fit", k_paper, "--lobes", "2", "--variates", "2"};
+    const ProgramRun second = run(folder, fit + Arguments{"--threads", "2", "--json", "-"});
+    ASSERT_EQ(second.status, 0) << second.err;
+    EXPECT_EQ(second.err, "");
+    const auto files = folder.files();
+    EXPECT_EQ(files.size(), 1u);  // the default name, in the working directory
+    EXPECT_EQ(files.begin()->second, contents(*fitted / "m.srbf"));
+
+    Json ours = Json::parse(second.out, nullptr, false), theirs = report();  // standard output is JSON and nothing else
+    ASSERT_TRUE(ours.is_object());
+    for (const char* key : {"threads", "output", "fit_seconds", "load_seconds"}) ours.erase(key), theirs.erase(key);
+    EXPECT_EQ(ours, theirs);
+
+    ASSERT_EQ(run(folder, fit + Arguments{"--seed", "1", "-o", "seed.srbf"}).status, 0);
+    const auto a = load_model(*fitted / "m.srbf"), b = load_model(folder / "seed.srbf");
+    ASSERT_TRUE(a && b);
+    EXPECT_NE(std::get<PmModel>(a->model), std::get<PmModel>(b->model));
+}
+
+TEST_F(Command, compare_finds_the_errors_that_fit_reports) {
+    const Json fit = report();
+    for (const Arguments& theta : {Arguments{}, Arguments{"--max-theta", "89"}}) {
+        const ProgramRun compared =
+            run(*fitted, Arguments{"compare", k_paper, "m.srbf", "--json", "-", "--threads", "2"} + theta);
+        ASSERT_EQ(compared.status, 0) << compared.err;
+        const Json json = Json::parse(compared.out, nullptr, false);
+        EXPECT_EQ(json.value("albedo_error", -1.0), fit.value("albedo_error", -2.0));
+        for (const std::string& name : k_measures)
+            for (const std::string& key : {name, "heldout_" + name})
+                EXPECT_EQ(json.value(key, -1.0), fit.value(key, -2.0)) << key;
+    }
+}
+
+TEST_F(Command, compare_of_a_file_with_itself_is_zero) {
+    write(folder / "small.binary", small_merl());
+    ASSERT_EQ(run(folder, {"compare", "small.binary", "small.binary", "--json", "r.json"}).status, 0);
+    const Json json = Json::parse(contents(folder / "r.json"), nullptr, false);
+    EXPECT_EQ(json.value("albedo_error", -1.0), 0.0);
+    EXPECT_EQ(json.value("max_theta", -1.0), 80.0);
+    for (const std::string& name : k_measures)
+        for (const std::string& key : {name, "heldout_" + name}) EXPECT_EQ(json.value(key, -1.0), 0.0) << key;
+}
+
+TEST_F(Command, info_tells_what_a_file_is) {
+    const ProgramRun measured = run(*fitted, {"info", k_paper}), model = run(*fitted, {"info", "m.srbf"});
+    EXPECT_EQ(measured.status + model.status, 0) << measured.err << model.err;
+    for (const char* word : {"RGL", "658,928 bytes", "masked entries", "albedo R"})
+        EXPECT_NE(measured.out.find(word), std::string::npos) << word;
+    for (const char* word : {"2 lobes × 2 variates", "paper_white_rgb.bsdf", "objective", "albedo R"})
+        EXPECT_NE(model.out.find(word), std::string::npos) << word;
+}
+
+TEST_F(Command, eval_agrees_with_the_reference_values) {
+    const std::string csv = bundled_data() / "paper_white_rgb.csv";
+    const ProgramRun eval = run(folder, {"eval", k_paper, "--pairs", csv});
+    ASSERT_EQ(eval.status, 0) << eval.err;
+    write(folder / "values.csv", eval.out);
+    const auto reference = read_reference(csv), ours = read_reference(folder / "values.csv");
+    ASSERT_EQ(ours.size(), reference.size());
+    for (std::size_t i = 0; i < ours.size(); ++i) {
+        EXPECT_EQ(ours[i].wl, reference[i].wl);
+        EXPECT_EQ(ours[i].wv, reference[i].wv);
+        for (int c = 0; c < 3; ++c) {
+            const double a = double(ours[i].f[c]), b = double(reference[i].f[c]);
+            EXPECT_TRUE(near_relative(a, b, 1e-3) || near(a, b, 1e-5)) << i << ' ' << a << ' ' << b;
+        }
+    }
+}
+
+TEST_F(Command, eval_keeps_order_and_text_of_rows) {
+    const auto model = load_model(*fitted / "m.srbf");
+    ASSERT_TRUE(model);
+    // Columns in another order, others among them, quotes, a byte order mark, CRLF, no last line's end.
+    write(folder / "pairs.csv",
+          "\xef\xbb\xbfnote,\"wv_z\",wv_y,wv_x, wl_x ,wl_y,wl_z,r\r\n"
+          "\"a, b\",1.0,0,0.000,6e-1,+0,0.8,x\r\n"
+          "\r\n"
+          ",\"0.8\",-.6,0,0,0,1,\r\n"
+          "below,1,0,0,0.6,0,-0.8,7");
+    const ProgramRun eval = run(folder, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"});
+    ASSERT_EQ(eval.status, 0) << eval.err;
+    const auto row = [&](const char* text, Vec3f wl, Vec3f wv) {
+        const Rgb f = value(*model, wl, wv);
+        return fmt::format("{},{:.9g},{:.9g},{:.9g}\n", text, f.r, f.g, f.b);
+    };
+    EXPECT_EQ(eval.out, std::string("wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n") +
+                            row("6e-1,+0,0.8,0.000,0,1.0", {0.6f, 0, 0.8f}, {0, 0, 1}) +
+                            row("0,0,1,0,-.6,0.8", {0, 0, 1}, {0, -0.6f, 0.8f}) + "0.6,0,-0.8,0,0,1,0,0,0\n");
+}
+
+TEST_F(Command, eval_names_the_line_at_fault) {
+    const std::string header = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n", good = "0,0,1,0,0,1\n";
+    const std::pair<std::string, std::string> bad[] = {{"", "pairs.csv: line 1"},
+                                                       {"wl_x,wl_y,wl_z,wv_x,wv_y\n", "line 1: header"},
+                                                       {header + good + "0,0,one,0,0,1\n", "line 3: column wl_z"},
+                                                       {header + good + good + "0,0,1,0,0\n", "line 4: column wv_z"},
+                                                       {header + "0,0,1,0,0,nan\n", "line 2: column wv_z"},
+                                                       {header + "0,0,1,0,0,1e999\n", "line 2: column wv_z"},
+                                                       {header + "0,0,1,0,0.2,1\n", "line 2: direction wv"}};
+    for (const auto& [csv, named] : bad) {
+        write(folder / "pairs.csv", csv);
+        expect_failure(1, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"}, named);
+    }
+    expect_failure(1, {"eval", *fitted / "m.srbf", "--pairs", "none.csv"}, "none.csv");
+}
+
+TEST_F(Command, bad_input_leaves_nothing_behind) {
+    const std::string paper = contents(k_paper), merl = small_merl();
+    write(folder / "empty", "");
+    write(folder / "truncated.bsdf", paper.substr(0, paper.size() / 2));
+    write(folder / "magic.bsdf", fmt::format("T{}", paper.substr(1)));
+    write(folder / "size.binary", merl + "x");
+    write(folder / "truncated.binary", merl.substr(0, merl.size() - 1));
+    write(folder / "nan.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return std::nan(""); })));
+    write(folder / "truncated.srbf", contents(*fitted / "m.srbf").substr(0, 40));
+    write(folder / "kept.srbf", "kept");
+    std::filesystem::create_directory(folder / "a folder");
+    for (const std::string name : {"missing", "empty", "truncated.bsdf", "magic.bsdf", "size.binary",
+                                   "truncated.binary", "nan.binary", "truncated.srbf", "a folder"}) {
+        expect_failure(1, {"fit", name, "-o", "kept.srbf", "--preview", "p.png", "--json", "r.json"}, name);
+        expect_failure(1, {"info", name}, name);
+        expect_failure(1, {"compare", k_paper, name, "--json", "r.json"}, name);
+    }
+    expect_failure(1, {"fit", *fitted / "m.srbf"}, "m.srbf: input: expected a measurement, found a fitted model");
+    write(folder / "zero.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return 0; })));
+    expect_failure(1, {"fit", "zero.binary"}, "zero.binary: ");
+}
+
+TEST_F(Command, outputs_that_cannot_be_written_leave_nothing_behind) {
+    write(folder / "small.binary", small_merl());
+    std::filesystem::create_directory(folder / "a folder");
+    std::filesystem::create_symlink("small.binary", folder / "link");
+    const Arguments fit{"fit", "small.binary", "--lobes", "1", "--variates", "1"};
+    for (const char* option : {"-o", "--preview", "--json"})
+        for (const char* name : {"missing/x", "a folder", "link"})
+            expect_failure(1, fit + Arguments{option, name}, name);
+    expect_failure(1, fit + Arguments{"-o", "./small.binary"}, "small.binary");
+    expect_failure(1, fit + Arguments{"-o", "x.png", "--preview", "./x.png"}, "x.png");
+    expect_failure(1, {"compare", "small.binary", k_paper, "--json", "small.binary"}, "small.binary");
+    // Full devices, of which only writing tells.
+    expect_failure(1, fit + Arguments{"-o", "/dev/full", "--json", "r.json"}, "/dev/full");
+    expect_failure(1, fit + Arguments{"--json", "/dev/full", "--preview", "p.png"}, "/dev/full");
+    const Arguments eval{"eval", k_paper, "--pairs", bundled_data() / "paper_white_rgb.csv"};
+    for (const Arguments& command : {fit, {"info", k_paper}, eval})
+        expect_failure(1, command, "standard output", "/dev/full");
+}
+
+TEST_F(Command, usage_errors_name_what_is_wrong) {
+    const std::pair<Arguments, std::string> bad[] = {
+        {{}, "subcommand"},
+        {{"bogus"}, "bogus"},
+        {{"--bogus"}, "--bogus"},
+        {{"fit"}, "INPUT"},
+        {{"fit", k_paper, "two"}, "two"},
+        {{"fit", "--bogus"}, "--bogus"},
+        {{"fit", k_paper, "--bogus"}, "--bogus"},
+        {{"info"}, "FILE"},
+        {{"eval", k_paper}, "--pairs"},
+        {{"compare", k_paper}, "OTHER"},
+        {{"compare", k_paper, k_paper, "--max-theta", "nan"}, "--max-theta"},
+        {{"fit", k_paper, "--output"}, "--output"},
+        {{"fit", k_paper, "--objective", "none"}, "--objective"},
+        {{"fit", k_paper, "--preview", "x.jpg"}, "--preview"},
+        {{"fit", k_paper, "--seed", "-1"}, "--seed"},
+        {{"fit", k_paper, "--threads", "-1"}, "--threads"},
+    };
+    for (const auto& [arguments, named] : bad) expect_failure(2, arguments, named);
+    for (const char* lobes : {"0", "-1", "65", "1e9", "2.5", "abc", "", "3\n4"})
+        expect_failure(2, {"fit", k_paper, "--lobes", lobes}, "--lobes");
+    for (const char* variates : {"0", "9"}) expect_failure(2, {"fit", k_paper, "--variates", variates}, "--variates");
+    for (const char* theta : {"0", "-5", "95", "nan", "inf"})
+        expect_failure(2, {"fit", k_paper, "--max-theta", theta}, "--max-theta");
+}
+
+TEST_F(Command, help_shows_an_example) {
+    for (const Arguments& of : {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}}) {
+        const ProgramRun help = run(folder, of + Arguments{"--help"});
+        EXPECT_EQ(help.status, 0);
+        EXPECT_EQ(help.err, "");
+        EXPECT_NE(help.out.find("Example"), std::string::npos) << help.out;
+        EXPECT_NE(help.out.find("\n  srbf "), std::string::npos) << help.out;
+    }
+    const ProgramRun version = run(folder, {"--version"});
+    EXPECT_EQ(version.status, 0);
+    EXPECT_TRUE(version.out.starts_with("srbf 0.")) << version.out;
+}
+
+}  // namespace
+}  // namespace srbf

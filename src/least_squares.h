@@ -17,6 +17,9 @@ concept SeparableProblem = requires(P& problem, const Eigen::VectorXd& x, Eigen:
     {problem.linearise(x, H, g)};                        // JᵀJ and Jᵀr at the x of the last call of `loss`
     { problem.lower(x) } -> std::convertible_to<Eigen::VectorXd>;  // bounds of an x of that size
     { problem.upper(x) } -> std::convertible_to<Eigen::VectorXd>;
+    {
+        problem.longest_step(x)
+        } -> std::convertible_to<Eigen::VectorXd>;  // of each variable; a longer step is shortened
 };
 
 /// Why an optimiser stopped.
@@ -68,7 +71,8 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
         for (; mu < 1e10; mu *= growth, growth *= 2) {
             Eigen::MatrixXd damped = H;
             damped.diagonal() += mu * scale;
-            const Eigen::VectorXd step = -damped.ldlt().solve(g);
+            Eigen::VectorXd step = -damped.ldlt().solve(g);
+            step *= std::min(1.0, 1 / step.cwiseAbs().cwiseQuotient(problem.longest_step(x)).maxCoeff());
             const double predicted = -2 * step.dot(g) - step.dot(H * step);
             if (!(predicted > options.decrease_tolerance * summary.loss)) {
                 summary.stop = Stop::decrease;

@@ -16,8 +16,7 @@ inline tbb::task_arena arena_of(int threads) {
 }
 
 /// body(i) for i in 0..count−1, in any order, on threads as in `arena_of`.
-template <typename Body>
-void parallel_for(std::size_t count, int threads, const Body& body) {
+template <typename Body> void parallel_for(std::size_t count, int threads, const Body& body) {
     arena_of(threads).execute([&] { tbb::parallel_for(std::size_t(0), count, body); });
 }
 

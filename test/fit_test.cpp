@@ -120,6 +120,24 @@ TEST(Fit, OfRealMaterialsIsAsGoodAsTheFormAllows) {
     EXPECT_LE(fitted("cc_ibiza_sunset_rgb").rounded.squared_error_ratio, 0.066);
 }
 
+TEST(Fit, OfFurtherFormsIsBetterByFar) {
+    for (const auto& [form, paper, film] :
+         {std::tuple(PmForm::horizon, 0.0020, 0.0085), {PmForm::extended, 0.0014, 0.0060}}) {
+        FitOptions options;
+        options.form = form;
+        options.lobes = form == PmForm::horizon ? 8 : 6;
+        for (const auto& [name, bound] : {std::pair("paper_white_rgb", paper), {"cc_ibiza_sunset_rgb", film}}) {
+            const auto fit = fit_pm(observed(signed_evaluator(bundled(name))), options);
+            ASSERT_TRUE(fit);
+            EXPECT_LE(payload_bytes(fit->model), 160u);
+            const Evaluate others[] = {evaluator(fit->model), evaluator(fit->unrounded)};
+            const auto m = measure_heldout(evaluator(bundled(name)), others, {80 * k_degree, 0});
+            EXPECT_LE(m[0].squared_error_ratio, bound) << name;
+            EXPECT_LE(m[0].squared_error_ratio, 1.1 * m[1].squared_error_ratio) << name;
+        }
+    }
+}
+
 TEST(Fit, LosesLittleByRounding) {
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const Fitted& f = fitted(name);

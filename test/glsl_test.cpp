@@ -19,7 +19,8 @@ const std::string k_host = R"(
 #define Bool bool
 #define SRBF_FN
 struct Pm { int first; };
-uniform int lobes, variates;
+uniform int lobes, variates, features;
+uniform vec3 exponent_of_lobe[16];
 uniform vec2 weight[8];
 uniform vec4 variate_of_lobe[128];   // centre, bandwidth
 uniform vec4 coefficient_of_lobe[16];  // coefficient, log scale
@@ -31,6 +32,8 @@ Real pm_weight_v(Pm pm, int n) { return weight[n].y; }
 Vec3 pm_centre(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].xyz; }
 Real pm_bandwidth(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].w; }
 Vec3 pm_coefficient(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].rgb; }
+int pm_features(Pm pm) { return features; }
+Real pm_exponent(Pm pm, int j, int k) { return exponent_of_lobe[pm.first + j][k]; }
 Real pm_log_scale(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].w; }
 )";
 
@@ -44,6 +47,7 @@ void main() {
     GaussianProduct product = gaussian_product(wl, 3.0, wv, u.x);
     f += from_frame(wl, u.x, u.y, one_minus_exp(u.x)) + psi_by_angle(wl, wv, u.x, u.y) + product.centre;
     f *= gaussian(w, wl, 2.0) * gaussian_exponent(w, wv, 2.0) * product.scale * product.bandwidth;
+    f += pm_further_features(features, wl, wv);
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }
 )";

@@ -175,6 +175,7 @@ struct Exponentials {
     }
     VectorXd lower(const VectorXd&) const { return lower_bound; }
     VectorXd upper(const VectorXd&) const { return upper_bound; }
+    VectorXd longest_step(const VectorXd& x) const { return VectorXd::Constant(x.size(), 1e3); }
 };
 
 Exponentials two_exponentials(double noise = 0) {

@@ -27,7 +27,7 @@ const Rows& rows() {
     return all;
 }
 
-Lobes some_lobes() { return {3, {0.7, 0.1, 1.4}, {40, -2, 1, 3, 0.5, -1.5, -0.7, 4, 2}}; }
+Lobes some_lobes() { return {PmForm::source, 3, {0.7, 0.1, 1.4}, {40, -2, 1, 3, 0.5, -1.5, -0.7, 4, 2}}; }
 
 /// 2 Jᵀr of linearise against central differences of the loss.
 void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
@@ -49,21 +49,25 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
 }
 
 TEST(Lobes, GradientIsThatOfTheLoss) {
-    LobeProblem problem(rows(), 8, 3, false);
-    check_gradient(problem, LobeProblem::pack(some_lobes()));
+    const Lobes horizon{PmForm::horizon, 2, {0.7, 1.4}, {40, 1, 0.5, 3, -1.5, 1}},
+        extended{PmForm::extended, 2, {0.7, 1.4}, {40, 1, 0.5, 0.2, 3, 3, -1.5, 1, 2, -4}};
+    for (const Lobes& lobes : {some_lobes(), horizon, extended}) {
+        LobeProblem problem(rows(), 8, lobes.form, lobes.variates, false);
+        check_gradient(problem, LobeProblem::pack(lobes));
+    }
 }
 
 TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
-    LobeProblem problem(rows(), 8, 3, false, -3.0);
+    LobeProblem problem(rows(), 8, PmForm::source, 3, false, -3.0);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     const double bounded = problem.loss(x);
-    LobeProblem free(rows(), 8, 3, false);
+    LobeProblem free(rows(), 8, PmForm::source, 3, false);
     ASSERT_GT(bounded, 1.05 * free.loss(x));  // the bound is felt
     check_gradient(problem, x);
 }
 
 TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
-    LobeProblem problem(rows(), 8, 3, false);
+    LobeProblem problem(rows(), 8, PmForm::source, 3, false);
     const Lobes lobes = some_lobes();
     const Eigen::VectorXd x = LobeProblem::pack(lobes);
     const double loss = problem.loss(x);
@@ -102,7 +106,8 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
 
 TEST(Lobes, AreTheSameInParallel) {
     const Rows many(observations(1 << 16));
-    LobeProblem serial(many, many.blocks, 3, false), parallel(many, many.blocks, 3, true);
+    LobeProblem serial(many, many.blocks, PmForm::source, 3, false),
+        parallel(many, many.blocks, PmForm::source, 3, true);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     EXPECT_EQ(serial.loss(x), parallel.loss(x));
     Eigen::MatrixXd H1, H2;
@@ -114,8 +119,8 @@ TEST(Lobes, AreTheSameInParallel) {
 }
 
 TEST(Lobes, DroppingCostsWhatItSays) {
-    LobeProblem problem(rows(), 8, 3, false);
-    const Lobes lobes{3, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
+    LobeProblem problem(rows(), 8, PmForm::source, 3, false);
+    const Lobes lobes{PmForm::source, 3, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
     const double loss = problem.loss(LobeProblem::pack(lobes));
     const std::vector<double> cost = problem.cost_of_dropping();
     for (std::size_t j = 0; j < 3; ++j) {
@@ -129,7 +134,7 @@ TEST(Lobes, DroppingCostsWhatItSays) {
 }
 
 TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
-    LobeProblem problem(rows(), 8, 3, false);
+    LobeProblem problem(rows(), 8, PmForm::source, 3, false);
     Lobes lobes = some_lobes();
     lobes.weight.resize(6);
     std::mt19937_64 random(5);
@@ -169,7 +174,7 @@ TEST(Rounding, KeepsDirections) {
 }
 
 TEST(Rounding, ModelOfLobesEvaluatesToThem) {
-    LobeProblem problem(rows(), 8, 3, false);
+    LobeProblem problem(rows(), 8, PmForm::source, 3, false);
     const Lobes lobes = some_lobes();
     problem.loss(LobeProblem::pack(lobes));
     const PmModel model = to_model(problem, lobes, true);

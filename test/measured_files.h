@@ -75,8 +75,7 @@ inline Bytes tensor_file(const std::vector<FieldToWrite>& fields, std::size_t* h
 /// u/2, and the colour at w: (w_x, w_y, w_x − ½).
 inline std::vector<FieldToWrite> simple_rgl() {
     const std::vector<float> theta{0, 0.7f, 1.55f};
-    FieldToWrite description{"description", TensorType::u8, {4}, {}},
-        jacobian{"jacobian", TensorType::u8, {1}, {}};
+    FieldToWrite description{"description", TensorType::u8, {4}, {}}, jacobian{"jacobian", TensorType::u8, {1}, {}};
     for (const char c : std::string("test")) append(description.numbers, c);
     append(jacobian.numbers, std::uint8_t(1));
     return {description,
@@ -112,8 +111,7 @@ inline std::vector<Reference> read_reference(const std::filesystem::path& path) 
     while (std::getline(in, line)) {
         std::ranges::replace(line, ',', ' ');
         Reference r;
-        std::istringstream(line) >> r.wl.x >> r.wl.y >> r.wl.z >> r.wv.x >> r.wv.y >> r.wv.z >> r.f.r >>
-            r.f.g >> r.f.b;
+        std::istringstream(line) >> r.wl.x >> r.wl.y >> r.wl.z >> r.wv.x >> r.wv.y >> r.wv.z >> r.f.r >> r.f.g >> r.f.b;
         rows.push_back(r);
     }
     return rows;

@@ -41,8 +41,7 @@ bool read_all(std::span<const std::byte> bytes, std::mt19937_64& random) {
 }
 
 Bytes small_merl() {
-    return merl_file({3, 4, 5},
-                     [](int h, int d, int p, int c) { return (h + d + p) % 7 == 6 ? -1 : 1 + c + h; });
+    return merl_file({3, 4, 5}, [](int h, int d, int p, int c) { return (h + d + p) % 7 == 6 ? -1 : 1 + c + h; });
 }
 
 std::string error_of(const std::vector<FieldToWrite>& fields) {
@@ -110,9 +109,8 @@ TEST(DamagedInput, IsToldInPlainWords) {
     Bytes cut = merl_file({90, 90, 180}, [](int, int, int, int) { return 0.1; });
     ASSERT_EQ(say(cut), "");
     cut.resize(cut.size() - 8);
-    EXPECT_EQ(
-        say(cut),
-        "f: at 12: size of a MERL table of 90 x 90 x 180: expected 34992012 bytes, found 34992004 bytes");
+    EXPECT_EQ(say(cut),
+              "f: at 12: size of a MERL table of 90 x 90 x 180: expected 34992012 bytes, found 34992004 bytes");
 
     const double nan = std::nan("");
     EXPECT_EQ(say(merl_file({3, 4, 5}, [&](int, int, int, int) { return nan; })),
@@ -168,16 +166,14 @@ TEST(DamagedInput, EachNeededFieldIsChecked) {
 
         auto twice = simple_rgl();
         twice.push_back(field(twice, name));
-        EXPECT_NE(error_of(twice).find("tensor field " + name + ": expected each name once"),
-                  std::string::npos);
+        EXPECT_NE(error_of(twice).find("tensor field " + name + ": expected each name once"), std::string::npos);
 
         if (type != TensorType::f32) continue;
         for (const float bad : {std::nanf(""), INFINITY, -INFINITY, -1e20f}) {
             auto filled = simple_rgl();
             FieldToWrite& f = field(filled, name);
             std::memcpy(f.numbers.data() + f.numbers.size() - 4, &bad, 4);
-            EXPECT_NE(error_of(filled).find("tensor field " + name + ": expected values"), std::string::npos)
-                << bad;
+            EXPECT_NE(error_of(filled).find("tensor field " + name + ": expected values"), std::string::npos) << bad;
         }
     }
 }
@@ -192,15 +188,13 @@ TEST(DamagedInput, EachValueIsChecked) {
     const auto index = [](std::size_t i) { return float(i); };
     EXPECT_NE(with("theta_i", {3}, zero).find("increasing"), std::string::npos);
     EXPECT_NE(with("vndf", {1, 3, 4, 5}, zero).find("positive integral"), std::string::npos);
-    EXPECT_NE(with("vndf", {1, 3, 4, 5}, [](std::size_t) { return -1.0f; }).find("found -1"),
-              std::string::npos);
+    EXPECT_NE(with("vndf", {1, 3, 4, 5}, [](std::size_t) { return -1.0f; }).find("found -1"), std::string::npos);
     EXPECT_NE(with("sigma", {2, 5}, zero).find("found 0"), std::string::npos);
     EXPECT_NE(with("ndf", {2, 4}, index).find("isotropic"), std::string::npos);
     EXPECT_NE(with("ndf", {2, 1}, zero).find("at least 2 nodes"), std::string::npos);
     EXPECT_NE(with("vndf", {1, 3, 1, 5}, index).find("at least 2 x 2"), std::string::npos);
     EXPECT_NE(with("rgb", {1, 3, 3, 4, 1}, index).find("at least 2 x 2"), std::string::npos);
-    EXPECT_NE(with("rgb", {1, 3, 4, 4, 3}, index).find("expected 1 x 3 x 3 x n x n of f32"),
-              std::string::npos);
+    EXPECT_NE(with("rgb", {1, 3, 4, 4, 3}, index).find("expected 1 x 3 x 3 x n x n of f32"), std::string::npos);
     EXPECT_NE(with("phi_i", {3}, index).find("anisotropic"), std::string::npos);
 
     auto spectral = simple_rgl();

@@ -8,12 +8,10 @@ namespace {
 TEST(Angles, AgreeWithTheirDefinitions) {
     double polar = 0, around = 0;
     for (int i = 0; i <= 400000; ++i) {
-        const double theta = k_pi / 2 * std::pow(i / 400000.0, 4),
-                     phi = -k_pi + 2 * k_pi * (i + 0.5) / 400001;
+        const double theta = k_pi / 2 * std::pow(i / 400000.0, 4), phi = -k_pi + 2 * k_pi * (i + 0.5) / 400001;
         const float s = float(3 * std::sin(theta)), c = float(3 * std::abs(std::cos(theta)));
         if (i > 0 && s > 1e-15f)
-            polar = std::max(polar,
-                             std::abs(double(polar_angle(s * s, c)) / std::atan2(double(s), double(c)) - 1));
+            polar = std::max(polar, std::abs(double(polar_angle(s * s, c)) / std::atan2(double(s), double(c)) - 1));
         const float x = float(2 * std::cos(phi)), y = float(2 * std::sin(phi));
         around = std::max(around, std::abs(double(azimuth(y, x)) - std::atan2(double(y), double(x))));
     }
@@ -45,8 +43,7 @@ struct Pair {
 /// The pair at the position (h, d, p) in units of nodes: the docstring of MerlTable, turned about n by
 /// `turn`.
 Pair pair_at(double h, double d, double p, double turn) {
-    const double theta_h = (h / n_h) * (h / n_h) * k_pi / 2, theta_d = d / n_d * k_pi / 2,
-                 phi_d = p / n_p * k_pi;
+    const double theta_h = (h / n_h) * (h / n_h) * k_pi / 2, theta_d = d / n_d * k_pi / 2, phi_d = p / n_p * k_pi;
     const auto place = [&](Vec3d w) {
         const double x = std::cos(theta_h) * w.x + std::sin(theta_h) * w.z;
         const double z = std::cos(theta_h) * w.z - std::sin(theta_h) * w.x;
@@ -71,8 +68,7 @@ TEST(Merl, ReproducesItsNodes) {
                 const Rgb f = value(table, wl, wv), g = nearest(table, wl, wv);
                 for (int c = 0; c < 3; ++c) {
                     const double expected = (c + 1) * multilinear(h, d, known_p);
-                    EXPECT_PRED3(near_relative, f[c], expected, d == 0 ? 1e-3 : 1e-4)
-                        << h << ' ' << d << ' ' << p;
+                    EXPECT_PRED3(near_relative, f[c], expected, d == 0 ? 1e-3 : 1e-4) << h << ' ' << d << ' ' << p;
                     EXPECT_PRED3(near_relative, g[c], expected, 1e-6) << h << ' ' << d << ' ' << p;
                 }
                 ++checked;

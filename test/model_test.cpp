@@ -26,7 +26,8 @@ TEST(Model, WhatIsWrittenIsRead) {
         const RandomModelOptions options{.axial = trial % 2 == 0,
                                          .log_scale = trial % 4 < 2,
                                          .lobes = 1 + int(random() % 12),
-                                         .variates = 1 + int(random() % k_most_variates)};
+                                         .variates = 1 + int(random() % k_most_variates),
+                                         .form = k_forms[std::size_t(trial % 3)]};
         const Model model{rounded(random_model(random, options)), {{"source", "a.bsdf"}, {"", "empty key"}}};
         const Bytes bytes = write_model(model);
         const auto back = read_model(bytes, "x");
@@ -41,7 +42,8 @@ TEST(Model, WhatIsWrittenIsRead) {
 TEST(Model, RoundedIsWhatAFileHolds) {
     std::mt19937_64 random(2);
     for (int trial = 0; trial < 200; ++trial) {
-        const PmModel model = random_model(random, {.axial = trial % 2 == 0, .log_scale = trial % 4 < 2});
+        const PmModel model = random_model(
+            random, {.axial = trial % 2 == 0, .log_scale = trial % 4 < 2, .form = k_forms[std::size_t(trial % 3)]});
         const PmModel once = rounded(model);
         EXPECT_NE(once, model);
         EXPECT_EQ(rounded(once), once);
@@ -107,30 +109,33 @@ TEST(Model, CentresKeepTheirAnglesToTheDigitsOfAHalf) {
 
 TEST(Model, BytesAreThePromisedOnes) {
     std::mt19937_64 random(5);
-    const auto bytes = [&](bool axial, bool log_scale, int lobes, int variates) {
-        return payload_bytes(random_model(random, {axial, log_scale, lobes, variates}));
+    const auto bytes = [&](bool axial, bool log_scale, int lobes, int variates, PmForm form = PmForm::source) {
+        return payload_bytes(random_model(random, {axial, log_scale, lobes, variates, 300, form}));
     };
     EXPECT_EQ(bytes(true, false, 8, 4), 128u);
     EXPECT_EQ(bytes(true, true, 8, 4), 144u);
     EXPECT_EQ(bytes(false, false, 6, 3), 156u);
     EXPECT_EQ(bytes(false, false, 8, 4), 256u);
-    for (const bool axial : {true, false})
-        for (const bool log_scale : {true, false}) {
-            const PmModel model = random_model(random, {axial, log_scale, 7, 5});
-            EXPECT_EQ(has_log_scale(model), log_scale);
-            const Bytes file = write_model({model, {}});
-            std::size_t length = 0, tensors = 0;
-            for (std::size_t i = 8; i-- > 0;) length = length << 8 | std::to_integer<std::size_t>(file[i]);
-            EXPECT_EQ(file.size() - 8 - length, payload_bytes(model));
-            EXPECT_EQ(length % 8, 0u);
-            const auto text = header(file);
-            for (const auto& [name, entry] : text.items()) {
-                if (name == "__metadata__") continue;
-                EXPECT_EQ(entry["dtype"], "F16");
-                ++tensors;
-            }
-            EXPECT_EQ(tensors, 3u + !axial + log_scale);
+    EXPECT_EQ(bytes(true, false, 8, 4, PmForm::horizon), 160u);
+    EXPECT_EQ(bytes(true, false, 6, 4, PmForm::extended), 148u);
+    for (int trial = 0; trial < 12; ++trial) {
+        const bool axial = trial % 2 == 0, log_scale = trial % 4 < 2;
+        const PmForm form = k_forms[std::size_t(trial % 3)];
+        const PmModel model = random_model(random, {axial, log_scale, 7, 5, 300, form});
+        EXPECT_EQ(has_log_scale(model), log_scale || form != PmForm::source);
+        const Bytes file = write_model({model, {}});
+        std::size_t length = 0, tensors = 0;
+        for (std::size_t i = 8; i-- > 0;) length = length << 8 | std::to_integer<std::size_t>(file[i]);
+        EXPECT_EQ(file.size() - 8 - length, payload_bytes(model));
+        EXPECT_EQ(length % 8, 0u);
+        const auto text = header(file);
+        for (const auto& [name, entry] : text.items()) {
+            if (name == "__metadata__") continue;
+            EXPECT_EQ(entry["dtype"], "F16");
+            ++tensors;
         }
+        EXPECT_EQ(tensors, 3u + !axial + has_log_scale(model) + (form != PmForm::source));
+    }
 }
 
 TEST(Model, TensorsAreNamedAndOrderedAsPromised) {
@@ -218,7 +223,11 @@ TEST(Model, FilesAreSavedAndLoaded) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(Model, FormsHaveNames) { EXPECT_EQ(name(PmForm::source), "source"); }
+TEST(Model, FormsHaveNames) {
+    EXPECT_EQ(name(PmForm::source), "source");
+    for (const PmForm form : k_forms) EXPECT_EQ(form_named(name(form)), form);
+    EXPECT_FALSE(form_named("sauce"));
+}
 
 }  // namespace
 }  // namespace srbf

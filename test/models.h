@@ -10,11 +10,13 @@ struct RandomModelOptions {
     bool axial = true, log_scale = false;
     int lobes = 5, variates = 3;
     double most_bandwidth = 300;
+    PmForm form = PmForm::source;
 };
 
 /// A model whose numbers are drawn from what a fit yields.
 inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& options) {
     PmModel model;
+    model.form = options.form;
     model.axial = options.axial;
     model.lobes = options.lobes;
     model.variates = options.variates;
@@ -22,6 +24,8 @@ inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& o
     for (int j = 0; j < model.lobes; ++j) {
         model.coefficient.push_back({float(draw()), float(draw()), float(draw())});
         model.log_scale.push_back(options.log_scale ? float(20 * draw() - 10) : 0);
+        for (int k = 0; k < features(model.form); ++k)
+            model.exponent.push_back(float(k < 2 ? 3 * draw() : 6 * draw() - 3));
         for (int n = 0; n < model.variates; ++n) {
             const bool up = draw() < 0.7;
             model.centre.push_back(options.axial ? Vec3f(0, 0, up ? 1 : -1) : to_float(random_direction(random)));
@@ -34,5 +38,7 @@ inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& o
     }
     return model;
 }
+
+inline constexpr PmForm k_forms[] = {PmForm::source, PmForm::horizon, PmForm::extended};
 
 }  // namespace srbf

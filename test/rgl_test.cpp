@@ -53,8 +53,7 @@ TEST(Rgl, ComputesItsFormula) {
     std::mt19937_64 random(3);
     for (int i = 0; i < 5000; ++i) {
         const Vec3d wl = random_direction(random, 0.01), wv = random_direction(random, 0.01), h = wl + wv;
-        const double u_h = std::sqrt(std::acos(normalize(h).z) * 2 / k_pi),
-                     u_l = std::sqrt(std::acos(wl.z) * 2 / k_pi);
+        const double u_h = std::sqrt(std::acos(normalize(h).z) * 2 / k_pi), u_l = std::sqrt(std::acos(wl.z) * 2 / k_pi);
         const double turn = std::remainder(std::atan2(h.y, h.x) - std::atan2(wl.y, wl.x), 2 * k_pi);
         const double scale = (1 + u_h) / (4 * (1 - u_l / 2) * wv.z), w_y = (turn + k_pi) / (2 * k_pi);
         const Rgb f = signed_value(*table, to_float(wl), to_float(wv));
@@ -77,14 +76,12 @@ TEST(Rgl, WarpMapsTheSquareOntoItselfWithItsDensity) {
             EXPECT_TRUE(any.x >= 0 && any.x <= 1 && any.y >= 0 && any.y <= 1 && any.density >= 0);
             // Inside a cell the warp is quadratic, so that a central difference is its derivative.
             const float cells_x = float(table.visible.width - 1), cells_y = float(table.visible.height - 1);
-            const float x = (std::floor(float(uniform(random)) * cells_x) + 0.5f) / cells_x,
-                        dx = 0.4f / cells_x;
-            const float y = (std::floor(float(uniform(random)) * cells_y) + 0.5f) / cells_y,
-                        dy = 0.4f / cells_y;
-            const double along_x = double(unwarp(table.visible, slices, x + dx, y).x) -
-                                   double(unwarp(table.visible, slices, x - dx, y).x);
-            const double along_y = double(unwarp(table.visible, slices, x, y + dy).y) -
-                                   double(unwarp(table.visible, slices, x, y - dy).y);
+            const float x = (std::floor(float(uniform(random)) * cells_x) + 0.5f) / cells_x, dx = 0.4f / cells_x;
+            const float y = (std::floor(float(uniform(random)) * cells_y) + 0.5f) / cells_y, dy = 0.4f / cells_y;
+            const double along_x =
+                double(unwarp(table.visible, slices, x + dx, y).x) - double(unwarp(table.visible, slices, x - dx, y).x);
+            const double along_y =
+                double(unwarp(table.visible, slices, x, y + dy).y) - double(unwarp(table.visible, slices, x, y - dy).y);
             const double jacobian = along_x * along_y / (4 * double(dx) * double(dy));
             const double density = double(unwarp(table.visible, slices, x, y).density);
             EXPECT_PRED3(near, jacobian, density, 1e-3 * (0.1 + density));
@@ -105,8 +102,7 @@ TEST(Rgl, WarpReachesTheEndsOfTheSquare) {
 
 TEST(Rgl, WarpStaysInTheSquareWithoutDensity) {
     auto fields = simple_rgl();
-    field(fields, "vndf") =
-        float_field("vndf", {1, 3, 4, 5}, [](std::size_t i) { return i % 20 < 5 ? 1.0f : 0.0f; });
+    field(fields, "vndf") = float_field("vndf", {1, 3, 4, 5}, [](std::size_t i) { return i % 20 < 5 ? 1.0f : 0.0f; });
     const auto table = read_rgl(tensor_file(fields), "f");
     ASSERT_TRUE(table.ok()) << message(table.error());
     std::mt19937_64 random(7);
@@ -150,8 +146,7 @@ TEST(Rgl, IsContinuous) {
             // Half of the pairs straddle the seam of the table, where h lies opposite of ωl.
             Vec3d wv = random_direction(random, 0.1);
             if (i % 2)
-                wv = spherical(std::min(1.4, std::acos(wl.z) + 0.15 + uniform(random)),
-                               std::atan2(-wl.y, -wl.x));
+                wv = spherical(std::min(1.4, std::acos(wl.z) + 0.15 + uniform(random)), std::atan2(-wl.y, -wl.x));
             const Vec3d moved = normalize(wv + step * random_direction(random));
             const Vec3d h = wl + wv;
             if (wl.z > 0.99 || std::hypot(h.x, h.y) < 0.1) continue;

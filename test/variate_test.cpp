@@ -64,6 +64,16 @@ Vec3d written_value(const PmModel& model, Vec3d wl, Vec3d wv) {
             // Centres are unit vectors to float's precision.
             product *= std::exp((long double)(model.bandwidth[i]) * (cosine / std::sqrt(square * unit) - 1));
         }
+        if (const int F = features(model.form); F > 0) {
+            const float* kappa = &model.exponent[std::size_t(j * F)];
+            const long double area = std::max(l[2], 1e-6L) * std::max(v[2], 1e-6L);
+            long double square = 0;
+            for (int k = 0; k < 3; ++k) square += (l[k] + v[k]) * (l[k] + v[k]);
+            const long double half_way = std::max((l[2] + v[2]) * (l[2] + v[2]) / square, 1e-12L);  // cos²θh
+            product *= std::pow(F == 1 ? area : area / half_way, (long double)(kappa[0]));
+            if (F > 1)
+                product *= std::pow(half_way, kappa[1] / 2.0L) * std::exp(kappa[2] * (std::sqrt(square) / 2 - 1));
+        }
         for (int c = 0; c < 3; ++c) sum[c] += product * (long double)(model.coefficient[std::size_t(j)][c]);
     }
     return {double(sum[0]), double(sum[1]), double(sum[2])};
@@ -133,7 +143,9 @@ TEST(Variate, PsiByAngleIsTheDerivative) {
 TEST(Variate, ModelIsTheWrittenSum) {
     std::mt19937_64 random(3);
     for (int trial = 0; trial < 60; ++trial) {
-        const PmModel model = random_model(random, {.axial = trial % 2 == 0, .log_scale = trial % 3 == 0});
+        const PmModel model = random_model(
+            random,
+            {.axial = trial % 2 == 0, .log_scale = trial % 3 == 0, .form = k_forms[std::size_t(trial / 6 % 3)]});
         for (int i = 0; i < 50; ++i) {
             const Vec3d wl = random_direction(random), wv = random_direction(random);
             const Vec3d f = K::pm_value(model, wl, wv);
@@ -149,7 +161,8 @@ TEST(Variate, ModelIsTheWrittenSum) {
 TEST(Variate, ModelOnDualNumbersCarriesDerivatives) {
     std::mt19937_64 random(4);
     for (int trial = 0; trial < 200; ++trial) {
-        const PmModel model = random_model(random, {.axial = trial % 2 == 0, .most_bandwidth = 30});
+        const PmModel model = random_model(
+            random, {.axial = trial % 2 == 0, .most_bandwidth = 30, .form = k_forms[std::size_t(trial % 3)]});
         const Vec3d wl = random_direction(random), wv = random_direction(random), tangent = random_direction(random);
         const Vec3<Dual> moving(Dual(wl.x, tangent.x), Dual(wl.y, tangent.y), Dual(wl.z, tangent.z));
         const Vec3<Dual> f = Kernel<Dual>::pm_value(model, moving, constant(wv));

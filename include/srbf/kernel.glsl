@@ -9,6 +9,7 @@
 //     pm_weight_l(pm, n), pm_weight_v(pm, n) a_n, b_n of variate n
 //     pm_centre(pm, j, n), pm_bandwidth(pm, j, n)  xi_jn (unit vector), lambda_jn >= 0
 //     pm_coefficient(pm, j), pm_log_scale(pm, j)   beta_j (R, G, B), s_j
+//     pm_features(pm), pm_exponent(pm, j, k)       F = 0, 1 or 3 [int], exponents kappa_jk
 // No branch depends on a value, so that Real may be a batch of numbers. Directions are unit vectors; wl points to the
 // light, wv to the viewer, the shading normal is +z. Angles are in radians.
 
@@ -112,17 +113,35 @@ SRBF_FN Vec3 psi_by_angle(Vec3 wl, Vec3 wv, Real a, Real b) {
     return across - dot(across, direction) * direction;
 }
 
-// rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) [1/sr], for R, G, B. An exponent is cut at 70, which
-// keeps every sum of lobes of a stored model finite in float.
+// What a lobe's exponent is linear in beside its variates, each at most 0 on the open hemispheres, so that exponents >= 0 of the
+// first two bound the lobe at the horizon. With cl, cv, ch the cosines of wl, wv and their half-way vector h to the normal:
+//   F = 1: log(cl cv);   F = 3: log(cl cv / ch^2), log(ch), wl . h - 1.
+// Cosines below 1e-6 count as 1e-6.
+SRBF_FN Vec3 pm_further_features(int count, Vec3 wl, Vec3 wv) {
+    Vec3 sum = wl + wv;
+    Real squared = max(dot(sum, sum), Real(1.0e-12));
+    Real half_way = log(max(sum.z * sum.z / squared, Real(1.0e-12)));
+    Real horizon = log(max(wl.z, Real(1.0e-6)) * max(wv.z, Real(1.0e-6)));
+    return Vec3(horizon - (count > 1 ? half_way : Real(0.0)), Real(0.5) * half_way, Real(0.5) * sqrt(squared) - Real(1.0));
+}
+
+// rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr], for R, G, B, with
+// x_k the further features. An exponent is cut at 70, which keeps every sum of lobes of a stored model finite in float.
 SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
     Vec3 variate[SRBF_MAX_VARIATES];
     for (int n = 0; n < pm_variates(pm); ++n)
         variate[n] = psi(wl, wv, Real(pm_weight_l(pm, n)), Real(pm_weight_v(pm, n)));
+    Vec3 features = Vec3(Real(0.0), Real(0.0), Real(0.0));
+    if (pm_features(pm) > 0) features = pm_further_features(pm_features(pm), wl, wv);
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     for (int j = 0; j < pm_lobes(pm); ++j) {
         Real exponent = Real(pm_log_scale(pm, j));
         for (int n = 0; n < pm_variates(pm); ++n)
             exponent = exponent + gaussian_exponent(variate[n], pm_centre(pm, j, n), Real(pm_bandwidth(pm, j, n)));
+        if (pm_features(pm) > 0) exponent = exponent + Real(pm_exponent(pm, j, 0)) * features.x;
+        if (pm_features(pm) > 1)
+            exponent = exponent + Real(pm_exponent(pm, j, 1)) * features.y +
+                       Real(pm_exponent(pm, j, 2)) * features.z;
         sum = sum + exp(min(exponent, Real(70.0))) * pm_coefficient(pm, j);
     }
     return sum;

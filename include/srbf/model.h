@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,9 +16,14 @@ namespace srbf {
 
 /// What a lobe of a multivariate model is made of; the numbers of 16 bits are for J lobes of N variates.
 enum class PmForm {
-    source,  ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
+    source,   ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
+    horizon,  ///< and (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N
+    extended,  ///< and (cosθl cosθv / cos²θh)^κ cosθh^ζ e^{μ(l·h−1)}, κ, ζ ≥ 0, likewise: axial J(3+N+4)+2N
 };
+/// F: how many exponents a lobe of that form has beside its bandwidths.
+constexpr int features(PmForm form) { return form == PmForm::source ? 0 : form == PmForm::horizon ? 1 : 3; }
 std::string_view name(PmForm form);
+std::optional<PmForm> form_named(std::string_view text);
 
 /// ψ(wl, wv) = normalize(a wl + b wv), a variate's parameterization; (a, b) finite and not (0, 0).
 struct Parameterization {
@@ -25,9 +31,9 @@ struct Parameterization {
     friend bool operator==(const Parameterization&, const Parameterization&) = default;
 };
 
-/// Parameterized multivariate SRBFs (Tsai 2009, section 7.2): ρ(wl,wv) = Σ_j β_j e^{s_j} Π_n
-/// G(ψ_n(wl,wv)·ξ_jn | λ_jn) [1/sr], evaluated by kernel.glsl's pm_value. Members are as the formula takes
-/// them; the file's encoding is in `write_model`.
+/// Parameterized multivariate SRBFs (Tsai 2009, section 7.2), with further features x_k:
+///   ρ(wl,wv) = Σ_j β_j e^{s_j} Π_n G(ψ_n(wl,wv)·ξ_jn | λ_jn) Π_k e^{κ_jk x_k(wl,wv)} [1/sr],
+/// evaluated by kernel.glsl's pm_value. Members are as the formula takes them; the file's encoding is in `write_model`.
 struct PmModel {
     PmForm form = PmForm::source;
     bool axial = true;                               ///< every centre is +z or −z, as befits isotropic data
@@ -38,6 +44,7 @@ struct PmModel {
     std::vector<Vec3f> centre;                       ///< J × N: ξ_jn, unit vectors
     std::vector<float> bandwidth;                    ///< J × N: λ_jn ≥ 0
     std::vector<Parameterization> parameterization;  ///< N
+    std::vector<float> exponent;                     ///< J × F: κ_jk; ≥ 0 but for that of l·h
     friend bool operator==(const PmModel&, const PmModel&) = default;
 };
 inline constexpr int k_most_lobes = 1024;
@@ -53,7 +60,7 @@ struct Model {
 };
 Rgb value(const Model& model, Vec3f wl, Vec3f wv);
 
-/// Whether a log scale is stored: some s_j is not 0 as a half.
+/// Whether a log scale is stored: the form has further features, or some s_j is not 0 as a half.
 bool has_log_scale(const PmModel& model);
 /// Bytes of the model's numbers as stored, two each.
 std::size_t payload_bytes(const PmModel& model);
@@ -61,8 +68,8 @@ std::size_t payload_bytes(const PmModel& model);
 PmModel rounded(const PmModel& model);
 
 /// The model file: a safetensors container (8-byte little-endian length, JSON header, data) with F16 tensors
-/// `coefficient` [J,3], `bandwidth` [J,N], `parameterization` [N,2], where needed `log_scale` [J], and for
-/// general lobes `centre` [J,N,2] (θ, φ in radians). Axial lobes have no `centre`: the sign of the bandwidth
+/// `coefficient` [J,3], `bandwidth` [J,N], `parameterization` [N,2], where needed `log_scale` [J] and
+/// `exponent` [J,F], and for general lobes `centre` [J,N,2] (θ, φ in radians). Axial lobes have no `centre`: the sign of the bandwidth
 /// chooses +z or −z.
 std::vector<std::byte> write_model(const Model& model);
 /// Errors: not such a file; tensors missing, of other type or shape, overlapping or leaving gaps; numbers

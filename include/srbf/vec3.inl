@@ -5,8 +5,8 @@
 /// arithmetic (a SIMD batch, a dual number).
 template <typename Real>
 struct Vec3 {
-    Real x{}, y{}, z{};
-    constexpr Vec3() = default;
+    Real x, y, z;
+    constexpr Vec3() : x(), y(), z() {}  // not defaulted: that would not be of the target
     constexpr Vec3(Real x_, Real y_, Real z_) : x(x_), y(y_), z(z_) {}
 };
 

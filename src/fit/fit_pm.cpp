@@ -68,9 +68,11 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
     if (observations.checks > count)
         return Error{"fit", {}, "checks", fmt::format("at most {}", count), fmt::format("{}", observations.checks)};
     const std::size_t values = 3 * (count - observations.checks);
-    const auto parameters = std::size_t(options.lobes * (3 + options.variates) + 2 * options.variates);
+    const auto parameters =
+        std::size_t(options.lobes * (3 + options.variates + features(options.form)) + 2 * options.variates);
     if (values < parameters)
-        return Error{"fit", {}, "observations", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
+        return Error{
+            "fit", {}, "observations", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
     for (std::size_t i = 0; i < count; ++i)
         if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
             return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
@@ -124,7 +126,7 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
         steps.max_iterations = reporter.cancelled() ? 0 : 40;
         for (int round = 0;; ++round) {
             const Rows rows(all);
-            LobeProblem problem(rows, rows.blocks, options.variates, true, log_peak_limit);
+            LobeProblem problem(rows, rows.blocks, options.form, options.variates, true, log_peak_limit);
             Eigen::VectorXd x = LobeProblem::pack(best);
             const auto summary = levenberg_marquardt(problem, x, steps);
             best = problem.unpack(x);

@@ -14,17 +14,31 @@ HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
 
+Vec3<Batch> direction(const std::array<Aligned<float>, 3>& w, std::size_t at) {
+    return {Batch::load(&w[0][at]), Batch::load(&w[1][at]), Batch::load(&w[2][at])};
+}
+
 void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
     using Formula = Formulas<Batch, PmModel>;
     const Batch a_(a), b_(b), one(1.0);
     const Vec3<Batch> up(Batch(0.0), Batch(0.0), one);
     const std::size_t first = block * k_block;
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        const std::size_t at = first + i;
-        const Vec3<Batch> wl(Batch::load(&rows.wl[0][at]), Batch::load(&rows.wl[1][at]), Batch::load(&rows.wl[2][at]));
-        const Vec3<Batch> wv(Batch::load(&rows.wv[0][at]), Batch::load(&rows.wv[1][at]), Batch::load(&rows.wv[2][at]));
+        const Vec3<Batch> wl = direction(rows.wl, first + i), wv = direction(rows.wv, first + i);
         Formula::gaussian_exponent(Formula::psi(wl, wv, a_, b_), up, one).store(s + i);
         Formula::psi_by_angle(wl, wv, a_, b_).z.store(s_by_angle + i);
+    }
+}
+
+void further_features(const Rows& rows, std::size_t block, int count, float* features) {
+    const std::size_t first = block * k_block;
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+        const auto x = Formulas<Batch, PmModel>::pm_further_features(count, direction(rows.wl, first + i),
+                                                                     direction(rows.wv, first + i));
+        x.x.store(features + i);
+        if (count < 2) continue;
+        x.y.store(features + k_block + i);
+        x.z.store(features + 2 * k_block + i);
     }
 }
 
@@ -102,6 +116,7 @@ HWY_AFTER_NAMESPACE();
 namespace srbf {
 
 HWY_EXPORT(axial_feature);
+HWY_EXPORT(further_features);
 HWY_EXPORT(exponent);
 HWY_EXPORT(exponentiate);
 HWY_EXPORT(multiply);
@@ -110,6 +125,9 @@ HWY_EXPORT(add_gram);
 
 void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
     HWY_DYNAMIC_DISPATCH(axial_feature)(rows, block, a, b, s, s_by_angle);
+}
+void further_features(const Rows& rows, std::size_t block, int count, float* features) {
+    HWY_DYNAMIC_DISPATCH(further_features)(rows, block, count, features);
 }
 float exponent(const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
                float* x) {

@@ -2,6 +2,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Sparse>
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,20 +19,34 @@ constexpr float k_nothing = -std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-LobeProblem::LobeProblem(const Rows& rows, std::size_t blocks, int variates, bool parallel, double log_peak_limit)
+LobeProblem::LobeProblem(const Rows& rows, std::size_t blocks, PmForm form, int variates, bool parallel,
+                         double log_peak_limit)
     : rows_(rows),
       blocks_(std::min(blocks, rows.blocks)),
+      form_(form),
       variates_(variates),
+      width_(variates + features(form)),
       parallel_(parallel),
       log_peak_limit_(log_peak_limit),
-      feature_(blocks_ * std::size_t(2 * variates) * k_block),
-      rest_(blocks_ * 3 * k_block) {}
+      feature_(blocks_ * std::size_t(width_ + variates) * k_block),
+      rest_(blocks_ * 3 * k_block) {
+    if (width_ == variates_) return;
+    for (std::size_t block = 0; block < blocks_; ++block)
+        further_features(rows_, block, width_ - variates_, feature(block, variates_));
+}
 
-Eigen::VectorXd LobeProblem::bound(Eigen::Index size, double sign) const {
+Eigen::VectorXd LobeProblem::bounds(Eigen::Index size, double Interval::*side) const {
+    const Interval angles{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     Eigen::VectorXd b(size);
-    b.head(variates_).setConstant(sign * std::numeric_limits<double>::infinity());
-    b.tail(size - variates_).setConstant(sign * k_largest_weight);
+    b.head(variates_).setConstant(angles.*side);
+    for (Eigen::Index i = variates_; i < size; ++i) b[i] = weight_range(int(i - variates_) % width_, variates_).*side;
     return b;
+}
+
+Eigen::VectorXd LobeProblem::longest_step(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd longest = 0.5 * x.cwiseAbs().array() + 2;
+    longest.head(variates_).setConstant(0.5);
+    return longest;
 }
 
 Eigen::VectorXd LobeProblem::pack(const Lobes& lobes) {
@@ -41,7 +57,7 @@ Eigen::VectorXd LobeProblem::pack(const Lobes& lobes) {
 }
 
 Lobes LobeProblem::unpack(const Eigen::VectorXd& x) const {
-    return {variates_, {x.begin(), x.begin() + variates_}, {x.begin() + variates_, x.end()}};
+    return {form_, variates_, {x.begin(), x.begin() + variates_}, {x.begin() + variates_, x.end()}};
 }
 
 template <typename Body> void LobeProblem::for_chunks(const Body& body) const {
@@ -73,12 +89,12 @@ Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, co
 }
 
 double LobeProblem::loss(const Eigen::VectorXd& x) {
-    lobes_ = int(x.size()) / variates_ - 1;
-    const std::size_t J = std::size_t(lobes_), N = std::size_t(variates_);
+    lobes_ = (int(x.size()) - variates_) / width_;
+    const std::size_t J = std::size_t(lobes_), N = std::size_t(variates_), W = std::size_t(width_);
     lobe_.resize(blocks_ * J * k_block);
     offset_.assign(J, 0.0);
-    std::vector<float> weight(J * N);
-    for (std::size_t i = 0; i < J * N; ++i) weight[i] = float(x[Eigen::Index(N + i)]);
+    std::vector<float> weight(J * W);
+    for (std::size_t i = 0; i < J * W; ++i) weight[i] = float(x[Eigen::Index(N + i)]);
 
     const std::size_t chunks = (blocks_ + k_chunk - 1) / k_chunk;
     std::vector<std::vector<float>> largest(chunks, std::vector<float>(J, k_nothing));
@@ -87,11 +103,11 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
             std::vector<const float*> s;
             for (int n = 0; n < variates_; ++n) {
                 const auto a = float(std::cos(x[n])), b = float(std::sin(x[n]));
-                axial_feature(rows_, block, a, b, feature(block, n), feature(block, variates_ + n));
-                s.push_back(feature(block, n));
+                axial_feature(rows_, block, a, b, feature(block, n), feature(block, width_ + n));
             }
+            for (int n = 0; n < width_; ++n) s.push_back(feature(block, n));
             for (int j = 0; j < lobes_; ++j) {
-                const std::span<const float> of_lobe(&weight[std::size_t(j) * N], N);
+                const std::span<const float> of_lobe(&weight[std::size_t(j) * W], W);
                 float& most = largest[chunk][std::size_t(j)];
                 most = std::max(most, exponent(rows_, block, of_lobe, s, lobe(block, j)));
             }
@@ -114,7 +130,7 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     gram_ = G.topLeftCorner(lobes_, lobes_);
     beta_limit_.resize(lobes_);
     for (int j = 0; j < lobes_; ++j) {
-        const std::span<const double> of_lobe(x.data() + N + std::size_t(j) * N, N);
+        const std::span<const double> of_lobe(x.data() + N + std::size_t(j) * W, N);
         beta_limit_[j] = std::exp(std::min(log_peak_limit_ - log_peak_factor(of_lobe, offset_[std::size_t(j)]), 700.0));
     }
     beta_.resize(lobes_, 3);
@@ -138,16 +154,17 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     return sum;
 }
 
-// With D the columns E_j s_n, E_j ds_n/dangle and E_j, the derivative of channel c's residual is −D B_c, B_c
-// made of β and the weights. A coefficient between its bounds follows the others, so that of D only the part
-// across those lobes counts (Kaufman's approximation). One at its upper bound follows the bound: β_j E_j is
-// then a lobe of a given peak, whose derivative by a negative weight is β_j E_j (s_n + 2).
+// With D the columns E_j s_n, E_j ds_n/dangle and E_j, the derivative of channel c's residual is −D B_c, B_c made of β
+// and the weights. A coefficient between its bounds follows the others, so that of D only the part across those lobes
+// counts (Kaufman's approximation). One at its upper bound follows the bound: β_j E_j is then a lobe of a given peak,
+// whose derivative by the negative weight of a variate is β_j E_j (s_n + 2).
 void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    const Eigen::Index J = lobes_, N = variates_, first_e = 2 * J * N, columns_d = first_e + J, total = columns_d + 3;
+    const Eigen::Index J = lobes_, N = variates_, W = width_, of_lobe = W + N;
+    const Eigen::Index first_e = of_lobe * J, columns_d = first_e + J, total = columns_d + 3;
     const Eigen::MatrixXd G = gram(std::size_t(total), std::size_t(first_e),
                                    [&](std::size_t block, float* scratch, std::vector<const float*>& columns) {
                                        for (int j = 0; j < J; ++j)
-                                           for (int n = 0; n < 2 * N; ++n, scratch += k_block) {
+                                           for (int n = 0; n < of_lobe; ++n, scratch += k_block) {
                                                multiply(lobe(block, j), feature(block, n), scratch);
                                                columns.push_back(scratch);
                                            }
@@ -159,23 +176,28 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
     H = Eigen::MatrixXd::Zero(x.size(), x.size());
     g = Eigen::VectorXd::Zero(x.size());
     for (Eigen::Index c = 0; c < 3; ++c) {
-        Eigen::MatrixXd B = Eigen::MatrixXd::Zero(columns_d, x.size());
+        std::vector<Eigen::Triplet<double>> entries;
         std::vector<Eigen::Index> passive;
         for (Eigen::Index j = 0; j < J; ++j) {
-            if (!(beta_(j, c) > 0)) continue;
-            const bool bounded = beta_(j, c) >= beta_limit_[j];
+            const double beta = beta_(j, c);
+            if (!(beta > 0)) continue;
+            const bool bounded = beta >= beta_limit_[j];
             if (!bounded) passive.push_back(first_e + j);
-            for (Eigen::Index n = 0; n < N; ++n) {
-                const Eigen::Index at = N + j * N + n;
-                B(j * 2 * N + n, at) = beta_(j, c);
-                B(j * 2 * N + N + n, n) = beta_(j, c) * x[at];
-                if (bounded && x[at] < 0) B(first_e + j, at) = 2 * beta_(j, c);
+            for (Eigen::Index n = 0; n < W; ++n) {
+                const Eigen::Index at = N + j * W + n;
+                entries.emplace_back(j * of_lobe + n, at, beta);
+                if (n >= N) continue;
+                entries.emplace_back(j * of_lobe + W + n, n, beta * x[at]);
+                if (bounded && x[at] < 0) entries.emplace_back(first_e + j, at, 2 * beta);
             }
         }
-        H += B.transpose() * DD * B;
+        Eigen::SparseMatrix<double> B(columns_d, x.size());
+        B.setFromTriplets(entries.begin(), entries.end());
+        const Eigen::MatrixXd BD = B.transpose() * DD;
+        H += BD * B;
         g -= B.transpose() * G.block(0, columns_d + c, columns_d, 1);
         if (passive.empty()) continue;
-        const Eigen::MatrixXd BP = B.transpose() * DD(Eigen::all, passive);
+        const Eigen::MatrixXd BP = BD(Eigen::all, passive);
         Eigen::MatrixXd PP = DD(passive, passive);
         PP.diagonal() *= 1 + 1e-6;
         H -= BP * PP.ldlt().solve(BP.transpose());
@@ -205,7 +227,7 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
         const std::size_t count = std::min(group, candidates.size() - first);
         const auto exponent_of = [&](std::size_t k, std::size_t block, float* x) {
             std::vector<const float*> s;
-            for (int n = 0; n < variates_; ++n) s.push_back(feature(block, n));
+            for (int n = 0; n < width_; ++n) s.push_back(feature(block, n));
             const std::vector<float> weight(candidates[first + k].begin(), candidates[first + k].end());
             return exponent(rows_, block, weight, s, x);
         };

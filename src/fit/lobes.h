@@ -9,19 +9,27 @@
 
 namespace srbf {
 
-/// The nonlinear numbers of J axial lobes of N variates. Lobe j is E_j = exp(Σ_n weight_jn s_n − o_j) with
-/// s_n = ψ_n,z − 1, a Gaussian SRBF of bandwidth |weight| about +z or −z up to a factor; o_j makes its
-/// largest value on the rows 1.
+/// The nonlinear numbers of J axial lobes of N variates. Lobe j is E_j = exp(Σ_n weight_jn s_n − o_j), where the first N
+/// of s are ψ_n,z − 1, so that it is a Gaussian SRBF of bandwidth |weight| about +z or −z up to a factor, and the rest
+/// the form's further features; o_j makes its largest value on the rows 1.
 struct Lobes {
+    PmForm form = PmForm::source;
     int variates = 0;
     std::vector<double> angle;   ///< N: (a_n, b_n) = (cos, sin)
-    std::vector<double> weight;  ///< J × N
-    int count() const { return variates ? int(weight.size()) / variates : 0; }
-    std::span<const double> of(int j) const {
-        return {weight.data() + std::size_t(j * variates), std::size_t(variates)};
-    }
+    std::vector<double> weight;  ///< J × (N + F)
+    int width() const { return variates + features(form); }
+    int count() const { return variates ? int(weight.size()) / width() : 0; }
+    std::span<const double> of(int j) const { return {weight.data() + std::size_t(j * width()), std::size_t(width())}; }
 };
-inline constexpr double k_largest_weight = 65504;
+/// The least and the most that weight n of a lobe may be.
+struct Interval {
+    double least, most;
+};
+constexpr Interval weight_range(int n, int variates) {
+    if (n < variates) return {-65504, 65504};  // what a half holds
+    if (n < variates + 2) return {0, 64};      // exponents of cosines
+    return {-1000, 1000};                      // that of l·h
+}
 
 /// Σ w |f − Σ_j β_j E_j|² over the first rows of `rows`, β eliminated by non-negative least squares per
 /// channel. Variables are x = (angles, weights).
@@ -29,13 +37,16 @@ class LobeProblem {
   public:
     /// `parallel`: the loops run over the rows on several threads; the result does not depend on it.
     /// `log_peak_limit`: bound on the log of a coefficient of a lobe whose peak is 1.
-    LobeProblem(const Rows& rows, std::size_t blocks, int variates, bool parallel,
+    LobeProblem(const Rows& rows, std::size_t blocks, PmForm form, int variates, bool parallel,
                 double log_peak_limit = std::numeric_limits<double>::infinity());
 
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
-    Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return bound(x.size(), -1); }
-    Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return bound(x.size(), 1); }
+    Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::least); }
+    Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::most); }
+
+    /// Half of a weight and 2 more, half a radian: a lobe that is of little use for a moment is not flung out of sight.
+    Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
     // Of the last call of `loss`:
     const Eigen::MatrixXd& beta() const { return beta_; }          ///< J × 3
@@ -50,10 +61,10 @@ class LobeProblem {
     Lobes unpack(const Eigen::VectorXd& x) const;
 
   private:
-    Eigen::VectorXd bound(Eigen::Index size, double sign) const;
+    Eigen::VectorXd bounds(Eigen::Index size, double Interval::*side) const;
     float* lobe(std::size_t block, int j) { return &lobe_[(block * std::size_t(lobes_) + std::size_t(j)) * k_block]; }
     float* feature(std::size_t block, int n) {
-        return &feature_[(block * std::size_t(2 * variates_) + std::size_t(n)) * k_block];
+        return &feature_[(block * std::size_t(width_ + variates_) + std::size_t(n)) * k_block];
     }
     float* rest(std::size_t block, int c) { return &rest_[(block * 3 + std::size_t(c)) * k_block]; }
     template <typename Body> void for_chunks(const Body& body) const;
@@ -63,17 +74,18 @@ class LobeProblem {
 
     const Rows& rows_;
     std::size_t blocks_;
-    int variates_, lobes_ = 0;
+    PmForm form_;
+    int variates_, width_, lobes_ = 0;
     bool parallel_;
     double log_peak_limit_;
-    Aligned<float> lobe_, feature_,
-        rest_;  ///< blocks × (J, 2N, 3) × k_block: E_j; s_n, then ds_n/dangle; residuals
+    Aligned<float> lobe_, feature_, rest_;  ///< blocks × (J, N+F+N, 3) × k_block: E_j; s, ds_n/dangle; residuals
     std::vector<double> offset_;
     Eigen::MatrixXd beta_, gram_;  ///< J × 3; E·E
     Eigen::VectorXd beta_limit_;   ///< J: bound on β by that on the peaks
 };
 
 /// The log of what β_j of the problem must be multiplied by to be the coefficient of a lobe whose peak is 1.
+/// `weight`: those of the variates alone.
 double log_peak_factor(std::span<const double> weight, double offset);
 
 }  // namespace srbf

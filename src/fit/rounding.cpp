@@ -26,14 +26,17 @@ Parameterization rounded_direction(double angle) {
 
 PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale) {
     PmModel model;
+    model.form = lobes.form;
     model.lobes = lobes.count();
     model.variates = lobes.variates;
     for (const double angle : lobes.angle) model.parameterization.push_back(rounded_direction(angle));
     std::vector<double> log_peak;  // of the largest channel
-    bool out_of_range = false;
+    const auto variates = std::size_t(lobes.variates);
+    bool out_of_range = features(lobes.form) > 0;  // those forms always have log scales
     for (int j = 0; j < model.lobes; ++j) {
         const double beta = problem.beta().row(j).maxCoeff();
-        const double log_beta = std::log(beta) + log_peak_factor(lobes.of(j), problem.offset()[std::size_t(j)]);
+        const double log_beta =
+            std::log(beta) + log_peak_factor(lobes.of(j).first(variates), problem.offset()[std::size_t(j)]);
         log_peak.push_back(log_beta);
         if (beta > 1e-30)
             out_of_range |= log_beta > std::log(double(k_half_max)) || log_beta < std::log(double(k_half_min)) + 3;
@@ -49,7 +52,8 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale)
         for (int c = 0; c < 3; ++c) coefficient[c] = float(problem.beta()(j, c) * factor);
         model.coefficient.push_back(coefficient);
         model.log_scale.push_back(float(scale));
-        for (const double w : lobes.of(j)) {
+        for (const double kappa : lobes.of(j).subspan(variates)) model.exponent.push_back(float(kappa));
+        for (const double w : lobes.of(j).first(variates)) {
             model.centre.push_back({0, 0, w < 0 ? -1.f : 1.f});
             model.bandwidth.push_back(float(std::abs(w)));
         }
@@ -58,10 +62,14 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale)
 }
 
 Lobes to_lobes(const PmModel& model) {
-    Lobes lobes{model.variates, {}, {}};
+    Lobes lobes{model.form, model.variates, {}, {}};
     for (const auto& p : model.parameterization) lobes.angle.push_back(std::atan2(double(p.b), double(p.a)));
-    for (std::size_t i = 0; i < model.bandwidth.size(); ++i)
-        lobes.weight.push_back(double(model.centre[i].z) * double(model.bandwidth[i]));
+    const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
+    for (std::size_t j = 0; j < std::size_t(model.lobes); ++j) {
+        for (std::size_t i = j * N; i < (j + 1) * N; ++i)
+            lobes.weight.push_back(double(model.centre[i].z) * double(model.bandwidth[i]));
+        for (std::size_t i = j * F; i < (j + 1) * F; ++i) lobes.weight.push_back(double(model.exponent[i]));
+    }
     return lobes;
 }
 

@@ -16,8 +16,8 @@ constexpr int k_candidates = 256;
 /// The parameterizations to start from: half-way vector, light, view (Tsai 2009), further ones at random; in
 /// every other start the fourth is the half-way vector once more, since a peak sharper than a half's largest
 /// bandwidth takes two.
-Lobes without_lobes(int variates, int start, std::mt19937_64& random) {
-    Lobes lobes{variates, {k_pi / 4, 0, k_pi / 2}, {}};
+Lobes without_lobes(PmForm form, int variates, int start, std::mt19937_64& random) {
+    Lobes lobes{form, variates, {k_pi / 4, 0, k_pi / 2}, {}};
     lobes.angle.resize(std::size_t(variates));
     for (std::size_t n = 3; n < lobes.angle.size(); ++n) lobes.angle[n] = k_pi * uniform(random);
     if (variates > 3 && start % 2 == 1) lobes.angle[3] = k_pi / 4;
@@ -27,18 +27,26 @@ Lobes without_lobes(int variates, int start, std::mt19937_64& random) {
 /// A lobe drawn at random: weights of either sign, even in the logarithm, some of them 0; or one of `lobes`
 /// disturbed.
 std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
-    std::vector<double> weight(std::size_t(lobes.variates), 0.0);
+    std::vector<double> weight(std::size_t(lobes.width()), 0.0);
+    const auto clamped = [&](double w, std::size_t n) {
+        const Interval range = weight_range(int(n), lobes.variates);
+        return std::clamp(w, range.least, range.most);
+    };
     if (lobes.count() > 0 && uniform(random) < 0.25) {
         const auto parent = lobes.of(int(uniform(random) * lobes.count()));
         for (std::size_t n = 0; n < weight.size(); ++n)
-            weight[n] = std::clamp(parent[n] * std::exp(2 * uniform(random) - 1) + 4 * (uniform(random) - 0.5),
-                                   -k_largest_weight, k_largest_weight);
+            weight[n] = clamped(parent[n] * std::exp(2 * uniform(random) - 1) + 4 * (uniform(random) - 0.5), n);
         return weight;
     }
-    for (double& w : weight) {
-        if (uniform(random) < 0.35) continue;
-        w = 0.3 * std::pow(2e5, uniform(random));
-        if (uniform(random) < 0.3) w = -std::min(w, 100.0);
+    for (std::size_t n = 0; n < weight.size(); ++n) {
+        const double chance = uniform(random), size = uniform(random), sign = uniform(random);
+        if (int(n) < lobes.variates) {
+            if (chance < 0.35) continue;
+            weight[n] = 0.3 * std::pow(2e5, size);
+            if (sign < 0.3) weight[n] = -std::min(weight[n], 100.0);
+        } else if (chance < 0.5) {
+            weight[n] = clamped(0.1 * std::pow(100, size) * (sign < 0.5 ? -1 : 1), n);
+        }
     }
     return weight;
 }
@@ -49,7 +57,7 @@ void add_lobe(LobeProblem& problem, Lobes& lobes, std::mt19937_64& random) {
     for (int i = 0; i < k_candidates; ++i) candidates.push_back(random_lobe(random, lobes));
     const std::vector<double> best = problem.best_addition(candidates);
     if (best.empty())
-        lobes.weight.insert(lobes.weight.end(), std::size_t(lobes.variates), 0.0);
+        lobes.weight.insert(lobes.weight.end(), std::size_t(lobes.width()), 0.0);
     else
         lobes.weight.insert(lobes.weight.end(), best.begin(), best.end());
 }
@@ -73,8 +81,8 @@ void replace_least(LobeProblem& problem, Candidate& best, std::mt19937_64& rando
     const std::vector<double> cost = problem.cost_of_dropping();
     const auto least = std::min_element(cost.begin(), cost.end()) - cost.begin();
     Candidate next = best;
-    const auto at = next.lobes.weight.begin() + least * best.lobes.variates;
-    next.lobes.weight.erase(at, at + best.lobes.variates);
+    const auto at = next.lobes.weight.begin() + least * best.lobes.width();
+    next.lobes.weight.erase(at, at + best.lobes.width());
     problem.loss(LobeProblem::pack(next.lobes));
     add_lobe(problem, next.lobes, random);
     next.loss = optimise(problem, next.lobes, 12);
@@ -85,8 +93,8 @@ void replace_least(LobeProblem& problem, Candidate& best, std::mt19937_64& rando
 
 Candidate search(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter) {
     std::mt19937_64 random = generator(options.seed, start, 0);
-    LobeProblem problem(rows, k_search_blocks, options.variates, false, log_peak_limit);
-    Candidate best{without_lobes(options.variates, start, random)};
+    LobeProblem problem(rows, k_search_blocks, options.form, options.variates, false, log_peak_limit);
+    Candidate best{without_lobes(options.form, options.variates, start, random)};
     for (int j = 0; j < options.lobes; ++j) {
         problem.loss(LobeProblem::pack(best.lobes));
         add_lobe(problem, best.lobes, random);
@@ -103,7 +111,7 @@ Candidate search(const Rows& rows, const FitOptions& options, double log_peak_li
 
 void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Candidate& candidate) {
     std::mt19937_64 random = generator(options.seed, start, 1);
-    LobeProblem problem(rows, k_polish_blocks, options.variates, false, log_peak_limit);
+    LobeProblem problem(rows, k_polish_blocks, options.form, options.variates, false, log_peak_limit);
     candidate.loss = optimise(problem, candidate.lobes, 25);
     // On more rows than it was found on, a lobe may turn out to be good for nothing.
     for (int attempt = 0; attempt < 3; ++attempt) {

@@ -44,6 +44,12 @@ std::map<std::string, HalfTensor> encode(const PmModel& model) {
         }
     }
 
+    if (const auto F = std::uint64_t(features(model.form)); F > 0) {
+        HalfTensor& exponent = tensors["exponent"] = {{J, F}, {}};
+        for (const float kappa : model.exponent)
+            exponent.data.push_back(to_half(std::clamp(kappa, -k_half_max, k_half_max)));
+    }
+
     HalfTensor& parameterization = tensors["parameterization"] = {{N, 2}, {}};
     for (const Parameterization& p : model.parameterization) {
         // Only the direction of (a, b) counts: one that would leave the range of halves is brought to length 1.
@@ -56,7 +62,8 @@ std::map<std::string, HalfTensor> encode(const PmModel& model) {
 }
 
 /// The model of these tensors, or what is wrong with them.
-Result<PmModel> decode(const std::map<std::string, HalfTensor>& tensors, bool axial, const std::string& source) {
+Result<PmModel> decode(const std::map<std::string, HalfTensor>& tensors, PmForm form, bool axial,
+                       const std::string& source) {
     const auto fail = [&](std::string what, std::string expected, std::string found) {
         return Error{source, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
@@ -75,7 +82,9 @@ Result<PmModel> decode(const std::map<std::string, HalfTensor>& tensors, bool ax
     std::map<std::string, std::vector<std::uint64_t>> expected{
         {"coefficient", {J, 3}}, {"bandwidth", {J, N}}, {"parameterization", {N, 2}}};
     if (!axial) expected["centre"] = {J, N, 2};
-    if (tensors.contains("log_scale")) expected["log_scale"] = {J};
+    const auto F = std::uint64_t(features(form));
+    if (F > 0) expected["exponent"] = {J, F};
+    if (F > 0 || tensors.contains("log_scale")) expected["log_scale"] = {J};
     for (const auto& [name, shape] : expected) {
         const auto at = tensors.find(name);
         if (at == tensors.end()) return fail(fmt::format("tensor '{}'", name), "present", "none");
@@ -90,6 +99,7 @@ Result<PmModel> decode(const std::map<std::string, HalfTensor>& tensors, bool ax
 
     const auto number = [&](const char* name, std::size_t i) { return from_half(tensors.at(name).data[i]); };
     PmModel model;
+    model.form = form;
     model.axial = axial;
     model.lobes = int(J);
     model.variates = int(N);
@@ -113,6 +123,11 @@ Result<PmModel> decode(const std::map<std::string, HalfTensor>& tensors, bool ax
             model.bandwidth.push_back(lambda);
         }
     }
+    for (std::size_t i = 0; i < J * F; ++i) {
+        const float kappa = number("exponent", i);
+        if (kappa < 0 && i % F < 2) return fail("tensor 'exponent'", "numbers of at least 0", fmt::format("{}", kappa));
+        model.exponent.push_back(kappa);
+    }
     for (std::size_t n = 0; n < N; ++n) {
         const Parameterization p{number("parameterization", 2 * n), number("parameterization", 2 * n + 1)};
         if (p.a == 0 && p.b == 0) return fail("tensor 'parameterization'", "weights that are not both 0", "0, 0");
@@ -127,8 +142,18 @@ std::string_view name(PmForm form) {
     switch (form) {
         case PmForm::source:
             return "source";
+        case PmForm::horizon:
+            return "horizon";
+        case PmForm::extended:
+            return "extended";
     }
     return "";
+}
+
+std::optional<PmForm> form_named(std::string_view text) {
+    for (const PmForm form : {PmForm::source, PmForm::horizon, PmForm::extended})
+        if (name(form) == text) return form;
+    return std::nullopt;
 }
 
 Rgb value(const PmModel& model, Vec3f wl, Vec3f wv) {
@@ -142,16 +167,19 @@ Rgb value(const Model& model, Vec3f wl, Vec3f wv) {
 }
 
 bool has_log_scale(const PmModel& model) {
-    return std::any_of(model.log_scale.begin(), model.log_scale.end(), [](float s) { return round_to_half(s) != 0; });
+    return features(model.form) > 0 ||
+           std::any_of(model.log_scale.begin(), model.log_scale.end(), [](float s) { return round_to_half(s) != 0; });
 }
 
 std::size_t payload_bytes(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates);
-    return 2 * (J * (3 + (model.axial ? N : 3 * N) + (has_log_scale(model) ? 1 : 0)) + 2 * N);
+    return 2 * (J * (3 + (model.axial ? N : 3 * N) + std::size_t(has_log_scale(model)) +
+                     std::size_t(features(model.form))) +
+                2 * N);
 }
 
 PmModel rounded(const PmModel& model) {
-    Result<PmModel> decoded = decode(encode(model), model.axial, "");
+    Result<PmModel> decoded = decode(encode(model), model.form, model.axial, "");
     assert(decoded.ok());  // a valid model has no number that its encoding could not hold
     return *std::move(decoded);
 }
@@ -181,10 +209,11 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& so
         return found;
     };
     const auto version = take("srbf", {k_version}), kind = take("model", {"pm"}),
-               form = take("form", {name(PmForm::source)}), axial = take("axial", {"true", "false"});
+               form = take("form", {name(PmForm::source), name(PmForm::horizon), name(PmForm::extended)}),
+               axial = take("axial", {"true", "false"});
     for (const auto* entry : {&version, &kind, &form, &axial})
         if (!*entry) return entry->error();
-    Result<PmModel> pm = decode(content->tensors, *axial == "true", source);
+    Result<PmModel> pm = decode(content->tensors, *form_named(*form), *axial == "true", source);
     if (!pm) return pm.error();
     return Model{*std::move(pm), std::move(metadata)};
 }

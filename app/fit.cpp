@@ -27,7 +27,7 @@ struct Outcome {
 
 struct FitCommand {
     std::string input, output, preview, json;
-    std::string model = "pm", form = "source", objective = "cosine";
+    std::string model = "pm", form = std::string(name(FitOptions{}.form)), objective = "cosine";
     bool axial = true, no_scale = false;
     double max_theta = 0;  // [degrees], 0: the objective's default
     int lobes = FitOptions{}.lobes, variates = FitOptions{}.variates, threads = 0;
@@ -126,6 +126,7 @@ Result<Outcome> FitCommand::fit(const Measured& measured) const {
     outcome.clamped = observations->clamped;
 
     FitOptions options;
+    options.form = *form_named(form);
     options.lobes = lobes;
     options.variates = variates;
     options.log_scale = !no_scale;
@@ -223,9 +224,12 @@ void add_fit(CLI::App& app, int& status) {
         ->type_name("NAME")
         ->check(one_of({"pm"}))
         ->capture_default_str();
-    sub->add_option("--form", command->form, "source: as Tsai 2009 defines them")
+    sub->add_option(
+           "--form", command->form,
+           "source: as Tsai 2009 defines them; horizon: and an exponent of cos(theta_l) cos(theta_v); extended: and "
+           "two more")
         ->type_name("NAME")
-        ->check(one_of({"source"}))
+        ->check(one_of({"source", "horizon", "extended"}))
         ->capture_default_str();
     sub->add_option("--lobes", command->lobes, fmt::format("Lobes of the model, 1 to {}", k_most_fitted_lobes))
         ->type_name("J")
@@ -264,7 +268,11 @@ void add_fit(CLI::App& app, int& status) {
     sub->footer(
         "Examples:\n  srbf fit paper_white_rgb.bsdf\n"
         "  srbf fit nickel.binary --lobes 6 --variates 3 --objective raw --preview nickel.png --json -");
-    sub->callback([command, &status] { status = command->run(); });
+    sub->callback([command, &status] {
+        if (command->no_scale && command->form != name(PmForm::source))
+            throw CLI::ValidationError("--no-scale", "only with --form source; other forms always store log scales");
+        status = command->run();
+    });
 }
 
 }  // namespace srbf

@@ -54,7 +54,8 @@ int write_all(Descriptor& file, std::span<const std::byte> bytes) {
 /// A new file beside `target`, by a name that no other file bears.
 Descriptor create_beside(const std::string& target, mode_t mode, std::string& name) {
     for (int attempt = 0;; ++attempt) {
-        name = fmt::format("{}.{}-{}.tmp", target, ::getpid(), attempt);
+        const auto folder = std::filesystem::path(target).parent_path();
+        name = (folder / fmt::format(".srbf-{}-{}.tmp", ::getpid(), attempt)).string();
         const int number = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
         if (number >= 0 || errno != EEXIST) return Descriptor(number);
     }
@@ -93,8 +94,13 @@ Result<Done> write_file(const std::string& path, std::span<const std::byte> byte
     // A link is followed, else the rename would replace the link and leave what it points to.
     std::error_code unresolved;
     std::string target = path;
-    if (std::filesystem::is_symlink(path, unresolved))
-        target = std::filesystem::weakly_canonical(path, unresolved).string();
+    if (std::filesystem::is_symlink(path, unresolved)) {
+        const std::filesystem::path link(path);
+        const bool leads_somewhere = std::filesystem::exists(link, unresolved);
+        target = (leads_somewhere ? std::filesystem::canonical(link, unresolved)
+                                  : link.parent_path() / std::filesystem::read_symlink(link, unresolved))
+                     .string();
+    }
     if (unresolved || target.empty()) target = path;
 
     struct stat status;

@@ -73,7 +73,7 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
 
     const Json json = report();
     ASSERT_TRUE(json.is_object());
-    const Json expected = Json::parse(R"({"model": "pm", "form": "source", "lobes": 2, "variates": 2, "axial": true,
+    const Json expected = Json::parse(R"({"model": "pm", "form": "extended", "lobes": 2, "variates": 2, "axial": true,
         "channels": 3, "objective": "cosine", "max_theta": 89.0, "raw_bytes": 28311552, "auxiliary_bytes": 0, "seed": 0,
         "threads": 1, "masked_samples": 0, "clamped_samples": 0})");
     EXPECT_EQ(json.value("payload_bytes", std::size_t(0)), payload_bytes(pm));
@@ -93,7 +93,7 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
 
 TEST_F(Command, fit_stores_eight_lobes_of_four_variates_by_default) {
     write(folder / "small.binary", small_merl());
-    const ProgramRun fit = run(folder, {"fit", "small.binary", "--json", "-"});
+    const ProgramRun fit = run(folder, {"fit", "small.binary", "--form", "source", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_EQ(json.value("lobes", 0), 8);

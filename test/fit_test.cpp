@@ -51,6 +51,7 @@ TEST(Fit, RecoversTheModelThatMadeTheData) {
         for (int variates = 1; variates <= 3; ++variates) {
             const PmModel model = random_model(lobes, variates, random);
             FitOptions options;
+            options.form = PmForm::source;
             options.lobes = lobes;
             options.variates = variates;
             const auto fit = fit_pm(observed(evaluator(model)), options);
@@ -81,6 +82,25 @@ TEST(Fit, OfScaledDataIsTheScaledFit) {
     EXPECT_LE(measure_heldout(reference, others, {80 * k_degree, 0})[0].squared_error_ratio, 1e-6);
 }
 
+TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
+    const Evaluate paper = signed_evaluator(bundled("paper_white_rgb"));
+    FitOptions options;
+    options.lobes = 2;
+    options.variates = 2;
+    std::vector<double> losses;
+    for (const float unit : {1e-20f, 1.f, 1e20f}) {
+        const auto scaled = [&](auto wl, auto wv, auto f) {
+            paper(wl, wv, f);
+            for (Rgb& x : f) x = {unit * x.r, unit * x.g, unit * x.b};
+        };
+        const auto fit = fit_pm(observed(scaled), options);
+        ASSERT_TRUE(fit) << unit;
+        losses.push_back(fit->unrounded_loss);
+    }
+    EXPECT_TRUE(near_relative(losses[0], losses[1], 1e-3));
+    EXPECT_TRUE(near_relative(losses[2], losses[1], 1e-3));
+}
+
 TEST(Fit, DoesNotDependOnTheNumberOfThreads) {
     const Observations o = observed(signed_evaluator(bundled("cc_ibiza_sunset_rgb")));
     FitOptions options;
@@ -108,7 +128,7 @@ const Fitted& fitted(const std::string& name) {
     static std::map<std::string, Fitted> all;
     if (const auto at = all.find(name); at != all.end()) return at->second;
     const Measured& measured = bundled(name);
-    PmFit fit = *fit_pm(observed(signed_evaluator(measured)), {});
+    PmFit fit = *fit_pm(observed(signed_evaluator(measured)), FitOptions{.form = PmForm::source});
     const Evaluate others[] = {evaluator(fit.model), evaluator(fit.unrounded)};
     const auto measures = measure_heldout(evaluator(measured), others, {80 * k_degree, 0});
     return all.emplace(name, Fitted{measured, std::move(fit), measures[0], measures[1]}).first->second;
@@ -175,6 +195,7 @@ TEST(Fit, StaysBoundedUpToTheHorizon) {
 
 TEST(Fit, WithoutLogScaleKeepsCoefficientsWithinHalves) {
     FitOptions options;
+    options.form = PmForm::source;
     options.log_scale = false;
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const auto fit = fit_pm(observed(signed_evaluator(bundled(name))), options);
@@ -225,6 +246,7 @@ TEST(Fit, RefusesBadOptionsAndObservations) {
     };
     for (const int bad : {0, -1, 65, 1 << 30}) EXPECT_FALSE(with([&](FitOptions& o) { o.lobes = bad; })) << bad;
     for (const int bad : {0, -1, 9, 1 << 30}) EXPECT_FALSE(with([&](FitOptions& o) { o.variates = bad; })) << bad;
+    EXPECT_FALSE(with([](FitOptions& o) { o.log_scale = false; }));  // form extended
     EXPECT_FALSE(with([](FitOptions& o) { o.starts = 0; }));
     EXPECT_FALSE(with([](FitOptions& o) { o.kicks = -1; }));
     EXPECT_FALSE(with([](FitOptions& o) { o.threads = -1; }));

@@ -62,9 +62,10 @@ TEST_P(Gram, RowsHoldTheObservationsWithoutTheChecks) {
         if (i < k_count) {
             EXPECT_EQ(wl, observations_.wl[i]);
             EXPECT_EQ(wv, observations_.wv[i]);
-            EXPECT_TRUE(near_relative(rows_.root_weight[i], std::sqrt(double(observations_.weight[i])), 1e-6));
+            const double root = std::sqrt(observations_.weight[i]);
+            EXPECT_TRUE(near_relative(rows_.root_weight[i], rows_.scale * root, 1e-6));
             for (int c = 0; c < 3; ++c)
-                EXPECT_EQ(rows_.y[std::size_t(c)][i], rows_.root_weight[i] * observations_.f[i][c]);
+                EXPECT_TRUE(near_relative(rows_.y[std::size_t(c)][i], root * double(observations_.f[i][c]), 1e-6));
         } else {
             EXPECT_TRUE(near(dot(wl, wl), 1, 1e-6) && near(dot(wv, wv), 1, 1e-6));
             EXPECT_EQ(rows_.root_weight[i], 0);
@@ -78,6 +79,12 @@ TEST_P(Gram, RowsHoldTheObservationsWithoutTheChecks) {
     EXPECT_EQ(Rows(few).blocks, 2u);
     few.checks = few.f.size();
     EXPECT_EQ(Rows(few).blocks, 0u);
+}
+
+TEST_P(Gram, WeightsOfRowsSumToOne) {
+    double sum = 0;
+    for (const float root : rows_.root_weight) sum += double(root) * double(root);
+    EXPECT_TRUE(near(sum, 1, 1e-5));
 }
 
 TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAboutTheNormal) {

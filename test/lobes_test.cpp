@@ -87,7 +87,7 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
                                                               std::sin(angle));
                         exponent += lobes.of(j)[std::size_t(n)] * (psi.z - 1);
                     }
-                    f += beta(j, c) * std::exp(exponent);
+                    f += problem.scale() * beta(j, c) * std::exp(exponent);
                 }
                 total += double(o.weight[i]) * std::pow(double(o.f[i][c]) - f, 2);
             }
@@ -192,7 +192,7 @@ TEST(Rounding, ModelOfLobesEvaluatesToThem) {
                 const Vec3f psi = Kernel<float>::psi(o.wl[i], o.wv[i], float(std::cos(angle)), float(std::sin(angle)));
                 exponent += lobes.of(j)[std::size_t(n)] * double(psi.z - 1);
             }
-            f += problem.beta()(j, 1) * std::exp(exponent);
+            f += problem.scale() * problem.beta()(j, 1) * std::exp(exponent);
         }
         error += std::pow(f - double(value(model, o.wl[i], o.wv[i]).g), 2);
         whole += f * f;

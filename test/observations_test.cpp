@@ -78,7 +78,7 @@ TEST(Observations, LeaveOutWhatWasNotMeasuredAndClampTheNegative) {
     EXPECT_GT(o->masked, 1000u);
     EXPECT_EQ(o->clamped, o->f.size());
     for (const Rgb& f : o->f) ASSERT_EQ(f, (Rgb{0, 1, 2}));
-    for (const float w : o->weight) ASSERT_TRUE(std::isfinite(w) && w >= 0);
+    for (const double w : o->weight) ASSERT_TRUE(std::isfinite(w) && w >= 0);
 }
 
 TEST(Observations, AreOfTheSeed) {

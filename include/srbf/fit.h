@@ -24,11 +24,11 @@ double default_max_theta(Objective objective);
 /// Weighted samples of a BRDF, in an order of which every beginning is a sample of the whole.
 struct Observations {
     std::vector<Vec3f> wl, wv;
-    std::vector<Rgb> f;         ///< [1/sr], ≥ 0
-    std::vector<float> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
-    std::size_t checks = 0;     ///< the last so many are no part of Σ: a fit that exceeds them by far takes them in
-    std::uint64_t masked = 0;   ///< pairs drawn where nothing was measured
-    std::uint64_t clamped = 0;  ///< negative channel values, set to 0
+    std::vector<Rgb> f;          ///< [1/sr], ≥ 0
+    std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
+    std::size_t checks = 0;      ///< the last so many are no part of Σ: a fit that exceeds them by far takes them in
+    std::uint64_t masked = 0;    ///< pairs drawn where nothing was measured
+    std::uint64_t clamped = 0;   ///< negative channel values, set to 0
 };
 
 struct ObserveOptions {
@@ -54,10 +54,10 @@ struct Progress {
 using ProgressCallback = std::function<bool(const Progress&)>;
 
 struct FitOptions {
-    PmForm form = PmForm::source;
+    PmForm form = PmForm::extended;
     int lobes = 8;           ///< J, 1..64
     int variates = 4;        ///< N, 1..8
-    bool log_scale = true;   ///< store a log scale per lobe where a half cannot hold β; false: bound β in the fit
+    bool log_scale = true;   ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
     int starts = 6;          ///< independent growths; the best is polished
     int kicks = 25;          ///< attempts per start to replace the lobe that matters least
     std::uint64_t seed = 0;  ///< of the random lobes

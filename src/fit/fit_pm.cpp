@@ -45,7 +45,7 @@ std::size_t take_exceeded(Observations& observations, std::size_t first, const P
         std::swap(observations.wl[i], observations.wl[to]);
         std::swap(observations.wv[i], observations.wv[to]);
         std::swap(observations.f[i], observations.f[to]);
-        observations.weight[to] = float(k_excess_weight * loss * area(to) * area(to) / (peak * peak));
+        observations.weight[to] = k_excess_weight * loss * area(to) * area(to) / (peak * peak);
         --observations.checks;
     }
     return exceeded;
@@ -62,6 +62,8 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
           in_range("number of starts", options.starts, 1, 1000), in_range("number of kicks", options.kicks, 0, 100000),
           in_range("number of threads", options.threads, 0, 1024)})
         if (!result) return result.error();
+    if (!options.log_scale && options.form != PmForm::source)
+        return Error{"fit", {}, "log scale", "one, in all forms but the source's", "none"};
     const std::size_t count = observations.f.size();
     if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)
         return Error{"fit", {}, "observations", "arrays of one length", "different lengths"};
@@ -77,7 +79,7 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
         if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
             return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
     const auto end_of_fitted = observations.weight.begin() + std::ptrdiff_t(count - observations.checks);
-    if (std::none_of(observations.weight.begin(), end_of_fitted, [](float w) { return w > 0; }))
+    if (std::none_of(observations.weight.begin(), end_of_fitted, [](double w) { return w > 0; }))
         return Error{"fit", {}, "observations", "a weight above 0", "none"};
     return Done{};
 }

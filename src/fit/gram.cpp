@@ -152,12 +152,16 @@ Rows::Rows(const Observations& observations) {
         y[std::size_t(k)].assign(blocks * k_block, 0.f);
     }
     root_weight.assign(blocks * k_block, 0.f);
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) sum += observations.weight[i];
+    if (sum > 0) scale = 1 / std::sqrt(sum);
     for (std::size_t i = 0; i < count; ++i) {
         const Vec3f l = observations.wl[i], v = observations.wv[i];
         wl[0][i] = l.x, wl[1][i] = l.y, wl[2][i] = l.z;
         wv[0][i] = v.x, wv[1][i] = v.y, wv[2][i] = v.z;
-        root_weight[i] = std::sqrt(observations.weight[i]);
-        for (int c = 0; c < 3; ++c) y[std::size_t(c)][i] = root_weight[i] * observations.f[i][c];
+        const double root = std::sqrt(observations.weight[i]);
+        root_weight[i] = float(root * scale);
+        for (int c = 0; c < 3; ++c) y[std::size_t(c)][i] = float(root * double(observations.f[i][c]));
     }
 }
 

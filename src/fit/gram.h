@@ -22,7 +22,8 @@ struct Rows {
     explicit Rows(const Observations& observations);  ///< all but the checks
     std::size_t blocks = 0;
     std::array<Aligned<float>, 3> wl, wv;
-    Aligned<float> root_weight;       ///< √w
+    double scale = 1;                 ///< values are counted in multiples of it, whatever the data's unit: 1 / √Σw
+    Aligned<float> root_weight;       ///< √w × scale, so that its squares sum to 1
     std::array<Aligned<float>, 3> y;  ///< √w f for each channel
 };
 

@@ -131,7 +131,8 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     beta_limit_.resize(lobes_);
     for (int j = 0; j < lobes_; ++j) {
         const std::span<const double> of_lobe(x.data() + N + std::size_t(j) * W, N);
-        beta_limit_[j] = std::exp(std::min(log_peak_limit_ - log_peak_factor(of_lobe, offset_[std::size_t(j)]), 700.0));
+        beta_limit_[j] = std::exp(std::min(
+            log_peak_limit_ - std::log(rows_.scale) - log_peak_factor(of_lobe, offset_[std::size_t(j)]), 700.0));
     }
     beta_.resize(lobes_, 3);
     for (int c = 0; c < 3; ++c)

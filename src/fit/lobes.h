@@ -49,7 +49,8 @@ class LobeProblem {
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
     // Of the last call of `loss`:
-    const Eigen::MatrixXd& beta() const { return beta_; }          ///< J × 3
+    const Eigen::MatrixXd& beta() const { return beta_; }  ///< J × 3, in multiples of `scale`
+    double scale() const { return rows_.scale; }
     const std::vector<double>& offset() const { return offset_; }  ///< o_j
 
     /// What the loss would rise by, to first order, if lobe j were dropped and the others' β adapted.
@@ -84,7 +85,7 @@ class LobeProblem {
     Eigen::VectorXd beta_limit_;   ///< J: bound on β by that on the peaks
 };
 
-/// The log of what β_j of the problem must be multiplied by to be the coefficient of a lobe whose peak is 1.
+/// The log of what β_j of the problem, in the data's unit, must be multiplied by to be the coefficient of a lobe whose peak is 1.
 /// `weight`: those of the variates alone.
 double log_peak_factor(std::span<const double> weight, double offset);
 

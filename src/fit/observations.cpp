@@ -149,7 +149,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
         kept.wl.push_back(drawn.wl[i]);
         kept.wv.push_back(drawn.wv[i]);
         kept.f.push_back(value);
-        kept.weight.push_back(float(weight));
+        kept.weight.push_back(weight);
         kept.checks += i >= options.count;
         is_guard.push_back(draws[i].weight == 0);
         guards += draws[i].weight == 0 && i < options.count;
@@ -161,8 +161,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
 
     for (std::size_t i = 0; i < kept.f.size(); ++i) {
         const double area = double(kept.wl[i].z) * double(kept.wv[i].z);
-        kept.weight[i] =
-            float(is_guard[i] ? k_guard_importance * area * area / (guards * peak) : double(kept.weight[i]) / energy);
+        kept.weight[i] = is_guard[i] ? k_guard_importance * area * area / (guards * peak) : kept.weight[i] / energy;
     }
     return kept;
 }

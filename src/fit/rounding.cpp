@@ -35,8 +35,8 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale)
     bool out_of_range = features(lobes.form) > 0;  // those forms always have log scales
     for (int j = 0; j < model.lobes; ++j) {
         const double beta = problem.beta().row(j).maxCoeff();
-        const double log_beta =
-            std::log(beta) + log_peak_factor(lobes.of(j).first(variates), problem.offset()[std::size_t(j)]);
+        const double log_beta = std::log(beta) + std::log(problem.scale()) +
+                                log_peak_factor(lobes.of(j).first(variates), problem.offset()[std::size_t(j)]);
         log_peak.push_back(log_beta);
         if (beta > 1e-30)
             out_of_range |= log_beta > std::log(double(k_half_max)) || log_beta < std::log(double(k_half_min)) + 3;

@@ -21,6 +21,10 @@ Rgb value(const Subject& subject, Vec3f wl, Vec3f wv) {
     return std::visit([&](const auto& brdf) { return value(brdf, wl, wv); }, subject.content);
 }
 
+Evaluate evaluator(const Subject& subject) {
+    return std::visit([](const auto& brdf) { return evaluator(brdf); }, subject.content);
+}
+
 Result<Subject> load(const std::string& path) {
     const auto bytes = read_file(path);
     if (!bytes) return bytes.error();

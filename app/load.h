@@ -15,6 +15,8 @@ struct Subject {
     bool is_model() const { return std::holds_alternative<Model>(content); }
 };
 Rgb value(const Subject& subject, Vec3f wl, Vec3f wv);
+/// The subject on arrays of pairs. It refers to `subject`.
+Evaluate evaluator(const Subject& subject);
 
 Result<Subject> load(const std::string& path);
 

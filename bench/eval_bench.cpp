@@ -36,10 +36,12 @@ Pairs random_pairs(std::size_t count) {
 }
 
 /// An axial model of J lobes in N variates, with bandwidths from 0.1 to 1000.
-PmModel random_model(int lobes, int variates) {
+PmModel random_model(PmForm form, int lobes, int variates) {
     std::mt19937_64 random(2);
     const auto number = [&] { return float(uniform(random)); };
     PmModel model;
+    model.form = form;
+    for (int i = 0; i < lobes * features(form); ++i) model.exponent.push_back(number());
     model.lobes = lobes;
     model.variates = variates;
     for (int j = 0; j < lobes; ++j) {
@@ -75,8 +77,33 @@ template <Brdf B> void evaluate(benchmark::State& state, const B& brdf) {
     }
 }
 
-void pm(benchmark::State& state) { evaluate(state, random_model(int(state.range(0)), int(state.range(1)))); }
-BENCHMARK(pm)->ArgNames({"J", "N"})->Args({6, 3})->Args({8, 4})->Args({16, 4});
+PmModel model_of(const benchmark::State& state) {
+    return random_model(PmForm(state.range(0)), int(state.range(1)), int(state.range(2)));
+}
+void sizes(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"form", "J", "N"});  // 0 source, 1 horizon, 2 extended
+    for (const int form : {0, 1, 2})
+        for (const auto& [lobes, variates] : {std::pair(6, 3), {8, 4}, {16, 4}})
+            benchmark->Args({form, lobes, variates});
+}
+
+void pm(benchmark::State& state) { evaluate(state, model_of(state)); }
+BENCHMARK(pm)->Apply(sizes);
+
+/// The same by batches as wide as the machine's vectors; "per_pair" is the time for one pair.
+void pm_batch(benchmark::State& state) {
+    constexpr std::size_t count = 1 << 12;
+    const PmModel model = model_of(state);
+    const Pairs pairs = random_pairs(count);
+    std::vector<Rgb> f(count);
+    for (auto _ : state) {
+        evaluate(model, pairs.wl, pairs.wv, f);
+        benchmark::DoNotOptimize(f.data());
+    }
+    state.counters["per_pair"] =
+        benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(pm_batch)->Apply(sizes);
 
 void merl(benchmark::State& state) {
     static const MerlTable table = merl_table();

@@ -20,6 +20,7 @@ const std::string k_host = R"(
 #define SRBF_FN
 struct Pm { int first; };
 uniform int lobes, variates, features;
+uniform bool axial;
 uniform vec3 exponent_of_lobe[16];
 uniform vec2 weight[8];
 uniform vec4 variate_of_lobe[128];   // centre, bandwidth
@@ -32,6 +33,8 @@ Real pm_weight_v(Pm pm, int n) { return weight[n].y; }
 Vec3 pm_centre(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].xyz; }
 Real pm_bandwidth(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].w; }
 Vec3 pm_coefficient(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].rgb; }
+bool pm_axial(Pm pm) { return axial; }
+bool pm_down(Pm pm, int j, int n) { return pm_centre(pm, j, n).z < 0.0; }
 int pm_features(Pm pm) { return features; }
 Real pm_exponent(Pm pm, int j, int k) { return exponent_of_lobe[pm.first + j][k]; }
 Real pm_log_scale(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].w; }

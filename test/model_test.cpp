@@ -204,6 +204,27 @@ TEST(Model, ValueIsTheKernelsAboveTheHorizonAndZeroBelow) {
     }
 }
 
+TEST(Model, BatchesAgreeWithSingleValues) {
+    std::mt19937_64 random(12);
+    for (int trial = 0; trial < 60; ++trial) {
+        const PmModel model = random_model(
+            random, {.axial = trial % 2 == 0, .log_scale = trial % 4 < 2, .form = k_forms[std::size_t(trial % 3)]});
+        const std::size_t count = std::size_t(trial);  // all remainders of a batch
+        std::vector<Vec3f> wl, wv;
+        for (std::size_t i = 0; i < count; ++i) {
+            wl.push_back(to_float(random_direction(random, -0.2)));
+            wv.push_back(to_float(random_direction(random, -0.2)));
+        }
+        std::vector<Rgb> f(count);
+        evaluate(model, wl, wv, f);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Rgb one = value(model, wl[i], wv[i]);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_TRUE(near(f[i][c], one[c], 1e-4 * double(one[c]) + 1e-30)) << f[i][c] << ' ' << one[c];
+        }
+    }
+}
+
 TEST(Model, FilesAreSavedAndLoaded) {
     std::mt19937_64 random(8);
     std::string folder = (std::filesystem::temp_directory_path() / "srbf-model-XXXXXX").string();

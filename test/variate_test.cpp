@@ -19,6 +19,7 @@ inline bool operator<(Dual a, Dual b) { return a.v < b.v; }
 inline Dual exp(Dual a) { return Dual(std::exp(a.v), std::exp(a.v) * a.d); }
 inline Dual log(Dual a) { return Dual(std::log(a.v), a.d / a.v); }
 inline Dual sqrt(Dual a) { return Dual(std::sqrt(a.v), a.d / (2 * std::sqrt(a.v))); }
+inline Dual inversesqrt(Dual a) { return Dual(1) / sqrt(a); }
 inline Dual cos(Dual a) { return Dual(std::cos(a.v), -std::sin(a.v) * a.d); }
 inline Dual sin(Dual a) { return Dual(std::sin(a.v), std::cos(a.v) * a.d); }
 inline Dual min(Dual a, Dual b) { return b < a ? b : a; }

@@ -8,6 +8,7 @@
 //     pm_lobes(pm), pm_variates(pm)          J, N                            [int, N <= SRBF_MAX_VARIATES]
 //     pm_weight_l(pm, n), pm_weight_v(pm, n) a_n, b_n of variate n
 //     pm_centre(pm, j, n), pm_bandwidth(pm, j, n)  xi_jn (unit vector), lambda_jn >= 0
+//     pm_axial(pm), pm_down(pm, j, n)        whether every centre is +z or -z; whether this one is -z  [bool]
 //     pm_coefficient(pm, j), pm_log_scale(pm, j)   beta_j (R, G, B), s_j
 //     pm_features(pm), pm_exponent(pm, j, k)       F = 0, 1 or 3 [int], exponents kappa_jk
 // No branch depends on a value, so that Real may be a batch of numbers. Directions are unit vectors; wl points to the
@@ -101,13 +102,13 @@ SRBF_FN Vec3 sample_vmf(Vec3 centre, Real bandwidth, Real u1, Real u2) {
 // vanishes (b = -a, wl = wv) it is the zero vector, so that a kernel of it stays finite: exp(-lambda / 2).
 SRBF_FN Vec3 psi(Vec3 wl, Vec3 wv, Real a, Real b) {
     Vec3 d = a * wl + b * wv;
-    return (Real(1.0) / sqrt(max(dot(d, d), Real(1.0e-20)))) * d;
+    return inversesqrt(max(dot(d, d), Real(1.0e-20))) * d;
 }
 
 // d psi / d angle for (a, b) = (cos angle, sin angle): the part of -b wl + a wv across psi, over |a wl + b wv|.
 SRBF_FN Vec3 psi_by_angle(Vec3 wl, Vec3 wv, Real a, Real b) {
     Vec3 d = a * wl + b * wv;
-    Real reciprocal = Real(1.0) / sqrt(max(dot(d, d), Real(1.0e-20)));
+    Real reciprocal = inversesqrt(max(dot(d, d), Real(1.0e-20)));
     Vec3 across = reciprocal * (a * wv - b * wl);
     Vec3 direction = reciprocal * d;
     return across - dot(across, direction) * direction;
@@ -129,15 +130,25 @@ SRBF_FN Vec3 pm_further_features(int count, Vec3 wl, Vec3 wv) {
 // x_k the further features. An exponent is cut at 70, which keeps every sum of lobes of a stored model finite in float.
 SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
     Vec3 variate[SRBF_MAX_VARIATES];
-    for (int n = 0; n < pm_variates(pm); ++n)
+    Real up[SRBF_MAX_VARIATES];  // exponents of bandwidth 1 about +z and -z, all that axial lobes need
+    Real down[SRBF_MAX_VARIATES];
+    for (int n = 0; n < pm_variates(pm); ++n) {
         variate[n] = psi(wl, wv, Real(pm_weight_l(pm, n)), Real(pm_weight_v(pm, n)));
+        up[n] = gaussian_exponent(variate[n], Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(1.0));
+        down[n] = gaussian_exponent(variate[n], Vec3(Real(0.0), Real(0.0), Real(-1.0)), Real(1.0));
+    }
     Vec3 features = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (pm_features(pm) > 0) features = pm_further_features(pm_features(pm), wl, wv);
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     for (int j = 0; j < pm_lobes(pm); ++j) {
         Real exponent = Real(pm_log_scale(pm, j));
-        for (int n = 0; n < pm_variates(pm); ++n)
-            exponent = exponent + gaussian_exponent(variate[n], pm_centre(pm, j, n), Real(pm_bandwidth(pm, j, n)));
+        for (int n = 0; n < pm_variates(pm); ++n) {
+            Real bandwidth = Real(pm_bandwidth(pm, j, n));
+            if (pm_axial(pm))
+                exponent = exponent + bandwidth * (pm_down(pm, j, n) ? down[n] : up[n]);
+            else
+                exponent = exponent + gaussian_exponent(variate[n], pm_centre(pm, j, n), bandwidth);
+        }
         if (pm_features(pm) > 0) exponent = exponent + Real(pm_exponent(pm, j, 0)) * features.x;
         if (pm_features(pm) > 1)
             exponent = exponent + Real(pm_exponent(pm, j, 1)) * features.y +

@@ -19,6 +19,7 @@ concept Number = std::is_floating_point_v<Real>;
 template <Number Real> inline Real exp(Real x) { return std::exp(x); }
 template <Number Real> inline Real log(Real x) { return std::log(x); }
 template <Number Real> inline Real sqrt(Real x) { return std::sqrt(x); }
+template <Number Real> inline Real inversesqrt(Real x) { return 1 / std::sqrt(x); }
 template <Number Real> inline Real cos(Real x) { return std::cos(x); }
 template <Number Real> inline Real sin(Real x) { return std::sin(x); }
 template <Number Real> inline Real min(Real a, Real b) { return std::min(a, b); }

@@ -13,6 +13,8 @@ struct Formulas {
     static float pm_weight_l(Pm pm, int n) { return pm.parameterization[std::size_t(n)].a; }
     static float pm_weight_v(Pm pm, int n) { return pm.parameterization[std::size_t(n)].b; }
     static float pm_bandwidth(Pm pm, int j, int n) { return pm.bandwidth[std::size_t(j * pm.variates + n)]; }
+    static bool pm_axial(Pm pm) { return pm.axial; }
+    static bool pm_down(Pm pm, int j, int n) { return pm.centre[std::size_t(j * pm.variates + n)].z < 0; }
     static int pm_features(Pm pm) { return features(pm.form); }
     static float pm_exponent(Pm pm, int j, int k) { return pm.exponent[std::size_t(j * features(pm.form) + k)]; }
     static float pm_log_scale(Pm pm, int j) { return pm.log_scale[std::size_t(j)]; }

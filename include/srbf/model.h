@@ -60,6 +60,14 @@ struct Model {
 };
 Rgb value(const Model& model, Vec3f wl, Vec3f wv);
 
+/// f[i] = value(model, wl[i], wv[i]) for spans of one length, in SIMD as wide as the machine has it: within 1e-4 of
+/// `value` or 1e-6 of the model's peak.
+void evaluate(const PmModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
+void evaluate(const Model& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
+/// The same as a function. It refers to `model`.
+Evaluate evaluator(const PmModel& model);
+Evaluate evaluator(const Model& model);
+
 /// Whether a log scale is stored: the form has further features, or some s_j is not 0 as a half.
 bool has_log_scale(const PmModel& model);
 /// Bytes of the model's numbers as stored, two each.

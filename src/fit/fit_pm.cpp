@@ -12,7 +12,9 @@
 namespace srbf {
 namespace {
 
-constexpr std::size_t k_polished = 3;  // of the starts
+// Of the starts so many go on to the next stage.
+constexpr int k_kicked = 6;
+constexpr std::size_t k_polished = 3;
 constexpr int k_check_rounds = 12;
 /// Bound on the log of the coefficient of a lobe whose peak is 1. Peaks lie where no pair of directions
 /// leads, but lobes made of ever larger opposing bandwidths gain nothing (less than 1 % in the measured
@@ -101,22 +103,30 @@ std::string_view name(StopReason reason) {
 Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressCallback& progress) {
     if (const auto valid = check(observations, options); !valid) return valid.error();
     const double log_peak_limit = options.log_scale ? k_log_peak_limit : std::log(double(k_half_max));
-    const double polish_work = 0.15 * options.starts * (options.lobes + options.kicks);
-    Reporter reporter(progress, options.starts * (options.lobes + options.kicks) + 2 * polish_work);
+    // Work is counted in lobes grown and kicks.
+    const int kicked = std::min(options.starts, k_kicked);
+    const double polish_work = 0.2 * kicked * options.kicks + 1;
+    Reporter reporter(progress, options.starts * options.lobes + kicked * options.kicks + 2 * polish_work);
 
     PmFit fit;
     arena_of(options.threads).execute([&] {
         const Rows sample(observations);
+        const auto by_loss = [](const Candidate& a, const Candidate& b) { return a.loss < b.loss; };
         std::vector<Candidate> found(std::size_t(options.starts));
         tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t start) {
-            found[start] = search(sample, options, log_peak_limit, int(start), reporter);
+            found[start] = grow(sample, options, log_peak_limit, int(start), reporter);
         });
-        const auto by_loss = [](const Candidate& a, const Candidate& b) { return a.loss < b.loss; };
+        std::stable_sort(found.begin(), found.end(), by_loss);
+        found.resize(std::size_t(kicked));
+
+        tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
+            if (!reporter.cancelled()) improve(sample, options, log_peak_limit, found[i], reporter);
+        });
         std::stable_sort(found.begin(), found.end(), by_loss);
         found.resize(std::min(found.size(), k_polished));
 
         tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
-            if (!reporter.cancelled()) polish(sample, options, log_peak_limit, int(i), found[i]);
+            if (!reporter.cancelled()) polish(sample, options, log_peak_limit, found[i]);
             reporter.advance("polishing", polish_work / double(found.size()));
         });
         Lobes best = std::min_element(found.begin(), found.end(), by_loss)->lobes;

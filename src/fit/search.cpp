@@ -91,26 +91,31 @@ void replace_least(LobeProblem& problem, Candidate& best, std::mt19937_64& rando
 
 }  // namespace
 
-Candidate search(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter) {
+Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter) {
     std::mt19937_64 random = generator(options.seed, start, 0);
     LobeProblem problem(rows, k_search_blocks, options.form, options.variates, false, log_peak_limit);
-    Candidate best{without_lobes(options.form, options.variates, start, random)};
+    Candidate best{start, without_lobes(options.form, options.variates, start, random)};
     for (int j = 0; j < options.lobes; ++j) {
         problem.loss(LobeProblem::pack(best.lobes));
         add_lobe(problem, best.lobes, random);
         best.loss = optimise(problem, best.lobes, j + 1 < options.lobes ? 6 : 40);
-        if (!reporter.advance("growing lobes", 1)) return best;
+        if (!reporter.advance("growing lobes", 1)) break;
     }
+    return best;
+}
+
+void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& best, Reporter& reporter) {
+    std::mt19937_64 random = generator(options.seed, best.start, 1);
+    LobeProblem problem(rows, k_search_blocks, options.form, options.variates, false, log_peak_limit);
     for (int kick = 0; kick < options.kicks; ++kick) {
         problem.loss(LobeProblem::pack(best.lobes));
         replace_least(problem, best, random);
         if (!reporter.advance("replacing lobes", 1)) break;
     }
-    return best;
 }
 
-void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Candidate& candidate) {
-    std::mt19937_64 random = generator(options.seed, start, 1);
+void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate) {
+    std::mt19937_64 random = generator(options.seed, candidate.start, 2);
     LobeProblem problem(rows, k_polish_blocks, options.form, options.variates, false, log_peak_limit);
     candidate.loss = optimise(problem, candidate.lobes, 25);
     // On more rows than it was found on, a lobe may turn out to be good for nothing.

@@ -29,17 +29,21 @@ class Reporter {
     std::mutex mutex_;
 };
 
-/// A fit on its way: the nonlinear numbers and the loss last known.
+/// A fit on its way.
 struct Candidate {
+    int start = 0;  ///< which of the starts it grew from; chooses its random numbers, beside the seed
     Lobes lobes;
-    double loss = std::numeric_limits<double>::infinity();
+    double loss = std::numeric_limits<double>::infinity();  ///< the one last known
 };
 
-/// Grows J lobes one by one, then again and again drops the one that costs least, adds another, and keeps
-/// what is better. `start` chooses the random numbers, beside the seed.
-Candidate search(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter);
+/// Grows J lobes one by one.
+Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter);
 
-/// Goes on with what the search from `start` found, on more rows; lobes that turn out to be of no use are replaced.
-void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Candidate& candidate);
+/// Again and again drops the lobe that costs least, adds another, and keeps what is better.
+void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate,
+             Reporter& reporter);
+
+/// Goes on with more rows; lobes that turn out to be of no use are replaced.
+void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate);
 
 }  // namespace srbf

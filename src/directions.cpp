@@ -15,10 +15,7 @@ Vec3d fibonacci_direction(int i, int n, double theta_max) {
 std::vector<Vec3f> fibonacci_directions(int n, double theta_max) {
     std::vector<Vec3f> directions;
     directions.reserve(std::size_t(n));
-    for (int i = 0; i < n; ++i) {
-        const Vec3d w = fibonacci_direction(i, n, theta_max);
-        directions.push_back({float(w.x), float(w.y), float(w.z)});
-    }
+    for (int i = 0; i < n; ++i) directions.push_back(to_float(fibonacci_direction(i, n, theta_max)));
     return directions;
 }
 

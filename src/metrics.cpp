@@ -87,8 +87,6 @@ std::vector<Measures> measure(const Evaluate& reference, std::span<const Evaluat
 
 constexpr int k_albedo_points = 1 << 16;
 
-Vec3f to_float(Vec3d w) { return {float(w.x), float(w.y), float(w.z)}; }
-
 }  // namespace
 
 std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,

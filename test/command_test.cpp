@@ -86,7 +86,7 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
         for (const std::string& name : k_measures) names = names + Arguments{name, "heldout_" + name};
         for (const std::string& name : names) {
             const double error = json.value(prefix + name, -1.0);
-            EXPECT_TRUE(error > 0 && error < 0.5) << prefix << name << ' ' << error;
+            EXPECT_TRUE(std::isfinite(error) && error > 0 && error < 0.5) << prefix << name << ' ' << error;
         }
     }
 }

@@ -7,6 +7,7 @@
 #include <csignal>
 
 #include "properties.h"
+#include "temporary_folder.h"
 
 namespace srbf {
 namespace {
@@ -16,16 +17,11 @@ namespace fs = std::filesystem;
 /// A folder of its own for each test, removed at the end.
 class File : public testing::Test {
   protected:
-    void SetUp() override {
-        std::string pattern = (fs::temp_directory_path() / "srbf-file-XXXXXX").string();
-        ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-        folder_ = pattern;
-    }
-    void TearDown() override { fs::remove_all(folder_); }
     std::string path(const std::string& name) const { return (folder_ / name).string(); }
     std::size_t files() const { return std::size_t(std::distance(fs::directory_iterator(folder_), {})); }
 
-    fs::path folder_;
+    const TemporaryFolder temporary_;
+    const fs::path folder_ = temporary_.path;
 };
 
 std::string text(const std::string& path) {

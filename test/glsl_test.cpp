@@ -8,6 +8,7 @@
 
 #include "properties.h"
 #include "srbf/file.h"
+#include "temporary_folder.h"
 
 namespace srbf {
 namespace {
@@ -70,12 +71,6 @@ class Glsl : public testing::Test {
     void SetUp() override {
         ASSERT_TRUE(std::filesystem::exists(SRBF_GLSLANG))
             << "glslangValidator (Debian: glslang-tools) was not found when this was configured: " << SRBF_GLSLANG;
-        std::string pattern = (std::filesystem::temp_directory_path() / "srbf-glsl-XXXXXX").string();
-        ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-        folder_ = pattern;
-    }
-    void TearDown() override {
-        if (!folder_.empty()) std::filesystem::remove_all(folder_);
     }
 
     testing::AssertionResult compiles(const std::string& shader) {
@@ -92,7 +87,7 @@ class Glsl : public testing::Test {
     }
 
   private:
-    std::filesystem::path folder_;
+    const TemporaryFolder folder_;
 };
 
 TEST_F(Glsl, TheTextCompilesAsAShader) {

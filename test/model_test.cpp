@@ -5,6 +5,7 @@
 
 #include "models.h"
 #include "srbf/file.h"
+#include "temporary_folder.h"
 
 namespace srbf {
 namespace {
@@ -227,8 +228,8 @@ TEST(Model, BatchesAgreeWithSingleValues) {
 
 TEST(Model, FilesAreSavedAndLoaded) {
     std::mt19937_64 random(8);
-    std::string folder = (std::filesystem::temp_directory_path() / "srbf-model-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(folder.data()), nullptr);
+    const TemporaryFolder temporary;
+    const std::string folder = temporary.path.string();
     const Model model{rounded(random_model(random, {.axial = false})), {{"a", "b"}}};
     const std::string path = folder + "/m.srbf", missing = folder + "/none/m.srbf";
     ASSERT_TRUE(save_model(model, path).ok());
@@ -241,7 +242,6 @@ TEST(Model, FilesAreSavedAndLoaded) {
         EXPECT_FALSE(error.what.empty());
     }
     EXPECT_FALSE(std::filesystem::exists(folder + "/none"));
-    std::filesystem::remove_all(folder);
 }
 
 TEST(Model, FormsHaveNames) {

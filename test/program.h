@@ -5,46 +5,12 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <map>
 #include <string>
 #include <vector>
 
+#include "temporary_folder.h"
+
 namespace srbf {
-
-inline std::string contents(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-inline void write(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
-}
-
-/// A folder of its own, gone with all it holds when it leaves its scope.
-struct TemporaryFolder {
-    std::filesystem::path path;
-    TemporaryFolder() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "srbf-command-XXXXXX").string();
-        if (::mkdtemp(pattern.data())) path = pattern;
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        if (!path.empty()) std::filesystem::remove_all(path, ignored);
-    }
-    std::filesystem::path operator/(const std::string& name) const { return path / name; }
-    /// What its files hold, by name.
-    std::map<std::string, std::string> files() const {
-        std::map<std::string, std::string> all;
-        for (const auto& entry : std::filesystem::directory_iterator(path))
-            all[entry.path().filename().string()] = entry.is_regular_file() ? contents(entry.path()) : "";
-        return all;
-    }
-};
 
 /// How a run of the program ended; a status below 0 is the signal that killed it.
 struct ProgramRun {

@@ -33,6 +33,4 @@ inline Vec3d random_direction(std::mt19937_64& random, double z_min = -1) {
     return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
-inline Vec3f to_float(Vec3d w) { return {float(w.x), float(w.y), float(w.z)}; }
-
 }  // namespace srbf

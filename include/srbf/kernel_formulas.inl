@@ -1,8 +1,7 @@
 // kernel.glsl as the body of a struct, without include guard: kernel.h includes it for numbers, SIMD code once more for
 // each instruction set. `Triple<Real>` is the Vec3 of the including namespace.
 #define SRBF_FN static
-template <typename Real_, typename Model>
-struct Formulas {
+template <typename Real_, typename Model> struct Formulas {
     using Real = Real_;
     using Vec3 = Triple<Real_>;
     using Bool = decltype(Real_() < Real_());

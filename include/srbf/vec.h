@@ -14,6 +14,8 @@ inline constexpr double k_degree = k_pi / 180;
 using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
 
+constexpr Vec3f to_float(Vec3d w) { return {float(w.x), float(w.y), float(w.z)}; }
+
 /// Component by component.
 template <typename Real> constexpr bool operator==(Vec3<Real> a, Vec3<Real> b) {
     return a.x == b.x && a.y == b.y && a.z == b.z;

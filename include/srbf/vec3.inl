@@ -3,35 +3,24 @@
 
 /// A vector of three components, named as in the shading languages. `Real` is float, double, or any type with their
 /// arithmetic (a SIMD batch, a dual number).
-template <typename Real>
-struct Vec3 {
+template <typename Real> struct Vec3 {
     Real x, y, z;
     constexpr Vec3() : x(), y(), z() {}  // not defaulted: that would not be of the target
     constexpr Vec3(Real x_, Real y_, Real z_) : x(x_), y(y_), z(z_) {}
 };
 
-template <typename Real>
-constexpr Vec3<Real> operator+(Vec3<Real> a, Vec3<Real> b) {
+template <typename Real> constexpr Vec3<Real> operator+(Vec3<Real> a, Vec3<Real> b) {
     return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
-template <typename Real>
-constexpr Vec3<Real> operator-(Vec3<Real> a, Vec3<Real> b) {
+template <typename Real> constexpr Vec3<Real> operator-(Vec3<Real> a, Vec3<Real> b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-template <typename Real>
-constexpr Vec3<Real> operator*(Real s, Vec3<Real> a) {
-    return {s * a.x, s * a.y, s * a.z};
-}
-template <typename Real>
-constexpr Real dot(Vec3<Real> a, Vec3<Real> b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <typename Real>
-constexpr Vec3<Real> cross(Vec3<Real> a, Vec3<Real> b) {
+template <typename Real> constexpr Vec3<Real> operator*(Real s, Vec3<Real> a) { return {s * a.x, s * a.y, s * a.z}; }
+template <typename Real> constexpr Real dot(Vec3<Real> a, Vec3<Real> b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+template <typename Real> constexpr Vec3<Real> cross(Vec3<Real> a, Vec3<Real> b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-template <typename Real>
-Vec3<Real> normalize(Vec3<Real> a) {
+template <typename Real> Vec3<Real> normalize(Vec3<Real> a) {
     using std::sqrt;
     return (Real(1) / sqrt(dot(a, a))) * a;
 }

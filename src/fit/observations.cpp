@@ -121,7 +121,6 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
     }
 
     Observations drawn;
-    const auto to_float = [](Vec3d w) { return Vec3f{float(w.x), float(w.y), float(w.z)}; };
     for (const Draw& draw : draws) {
         drawn.wl.push_back(to_float(draw.wl));
         drawn.wv.push_back(to_float(draw.wv));

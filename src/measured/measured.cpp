@@ -21,8 +21,7 @@ std::string opening(std::span<const std::byte> bytes) {
 }
 
 template <typename Table>
-Result<Measured> labelled(Result<Table> table, const std::string& source, std::string format,
-                          std::size_t bytes) {
+Result<Measured> labelled(Result<Table> table, const std::string& source, std::string format, std::size_t bytes) {
     if (!table) return table.error();
     return Measured{source, std::move(format), bytes, *std::move(table)};
 }
@@ -32,8 +31,7 @@ Result<Measured> labelled(Result<Table> table, const std::string& source, std::s
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& source) {
     if (is_rgl(bytes)) return labelled(read_rgl(bytes, source), source, "RGL", bytes.size());
     if (is_merl(bytes)) return labelled(read_merl(bytes, source), source, "MERL", bytes.size());
-    return Error{
-        source, {}, "unknown format", "a MERL table (.binary) or an RGL measurement (.bsdf)", opening(bytes)};
+    return Error{source, {}, "unknown format", "a MERL table (.binary) or an RGL measurement (.bsdf)", opening(bytes)};
 }
 
 Result<Measured> load_measured(const std::string& path) {

@@ -99,8 +99,7 @@ Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string&
         ++table.masked;
     }
     if (table.masked == count)
-        return Error{source, k_header, "MERL cells", "at least one measured (finite and not negative)",
-                     "none"};
+        return Error{source, k_header, "MERL cells", "at least one measured (finite and not negative)", "none"};
     return table;
 }
 
@@ -133,8 +132,7 @@ Rgb value(const MerlTable& table, Vec3f wl, Vec3f wv) {
     add_line(next_h, next_d, to_h * to_d);
     if (!(weight > 0)) return {k_nan, k_nan, k_nan};
     // Rounding may lift the mean of cells at the end of the range of float past it.
-    return {std::min(sum.r / weight, k_max), std::min(sum.g / weight, k_max),
-            std::min(sum.b / weight, k_max)};
+    return {std::min(sum.r / weight, k_max), std::min(sum.g / weight, k_max), std::min(sum.b / weight, k_max)};
 }
 
 Rgb nearest(const MerlTable& table, Vec3f wl, Vec3f wv) {

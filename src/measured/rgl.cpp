@@ -22,8 +22,8 @@ struct Expected {
     std::uint64_t least_extent = 1;
 };
 
-Error wrong(const std::string& source, const std::string& name, const TensorField& field,
-            std::string expected, std::string found) {
+Error wrong(const std::string& source, const std::string& name, const TensorField& field, std::string expected,
+            std::string found) {
     return {source, field.offset, "tensor field " + name, std::move(expected), std::move(found)};
 }
 
@@ -31,8 +31,7 @@ Result<TensorField> find(const TensorFile& file, const std::string& source, cons
     std::string shape;
     for (const std::uint64_t extent : expected.shape)
         shape += (shape.empty() ? "" : " x ") + (extent ? fmt::format("{}", extent) : "n");
-    const std::string wanted =
-        fmt::format("{} of {}", shape, k_tensor_type_names[std::size_t(expected.type)]);
+    const std::string wanted = fmt::format("{} of {}", shape, k_tensor_type_names[std::size_t(expected.type)]);
     const auto entry = file.find(expected.name);
     if (entry == file.end())
         return Error{source, {}, fmt::format("tensor field {}", expected.name), wanted, "no such field"};
@@ -59,10 +58,8 @@ Result<Floats> find_floats(const TensorFile& file, const std::string& source, co
     std::memcpy(values.data(), field->bytes.data(), field->bytes.size());
     for (std::size_t i = 0; i < values.size(); ++i)
         if (!(least <= values[i] && values[i] <= k_largest_value))
-            return Error{source, field->offset + i * sizeof(float),
-                         fmt::format("tensor field {}", expected.name),
-                         fmt::format("values between {} and {}", least, k_largest_value),
-                         fmt::format("{}", values[i])};
+            return Error{source, field->offset + i * sizeof(float), fmt::format("tensor field {}", expected.name),
+                         fmt::format("values between {} and {}", least, k_largest_value), fmt::format("{}", values[i])};
     return Floats{*field, std::move(values)};
 }
 
@@ -84,8 +81,7 @@ Result<std::vector<float>> read_profile(const TensorFile& file, const std::strin
     auto table = find_floats(file, source, {name, TensorType::f32, {0, 0}}, least);
     if (!table) return table.error();
     if (table->field.shape[1] < 2)
-        return wrong(source, name, table->field, "at least 2 nodes",
-                     describe(TensorType::f32, table->field.shape));
+        return wrong(source, name, table->field, "at least 2 nodes", describe(TensorType::f32, table->field.shape));
     if (!keep_first(table->values, table->field.shape[0]))
         return wrong(source, name, table->field, k_one_azimuth, "different ones");
     return std::move(table->values);
@@ -116,15 +112,14 @@ bool integrate(std::span<const float> density, RglTable::VisibleNormals& visible
     return true;
 }
 
-Result<RglTable::VisibleNormals> read_visible(const TensorFile& file, const std::string& source,
-                                              std::uint64_t azimuths, std::uint64_t slices) {
+Result<RglTable::VisibleNormals> read_visible(const TensorFile& file, const std::string& source, std::uint64_t azimuths,
+                                              std::uint64_t slices) {
     auto vndf = find_floats(file, source, {"vndf", TensorType::f32, {azimuths, slices, 0, 0}}, 0);
     if (!vndf) return vndf.error();
     const TensorField& field = vndf->field;
     if (field.shape[2] < 2 || field.shape[3] < 2)
         return wrong(source, "vndf", field, "at least 2 x 2 nodes", describe(field.type, field.shape));
-    if (!keep_first(vndf->values, azimuths))
-        return wrong(source, "vndf", field, k_one_azimuth, "different ones");
+    if (!keep_first(vndf->values, azimuths)) return wrong(source, "vndf", field, k_one_azimuth, "different ones");
     RglTable::VisibleNormals visible{std::uint32_t(field.shape[3]), std::uint32_t(field.shape[2]), {}, {}};
     visible.nodes.reserve(vndf->values.size());
     const std::size_t size = std::size_t(visible.width) * visible.height;
@@ -135,8 +130,8 @@ Result<RglTable::VisibleNormals> read_visible(const TensorFile& file, const std:
     return visible;
 }
 
-Result<RglTable::Colours> read_colour(const TensorFile& file, const std::string& source,
-                                      std::uint64_t azimuths, std::uint64_t slices) {
+Result<RglTable::Colours> read_colour(const TensorFile& file, const std::string& source, std::uint64_t azimuths,
+                                      std::uint64_t slices) {
     if (!file.contains("rgb") && file.contains("spectra"))
         return Error{source, file.find("spectra")->second.offset, "tensor field rgb", "an RGB measurement",
                      "a spectral one, which cannot be read yet"};
@@ -145,8 +140,7 @@ Result<RglTable::Colours> read_colour(const TensorFile& file, const std::string&
     const TensorField& field = rgb->field;
     if (field.shape[3] < 2 || field.shape[4] < 2)
         return wrong(source, "rgb", field, "at least 2 x 2 nodes", describe(field.type, field.shape));
-    if (!keep_first(rgb->values, azimuths))
-        return wrong(source, "rgb", field, k_one_azimuth, "different ones");
+    if (!keep_first(rgb->values, azimuths)) return wrong(source, "rgb", field, k_one_azimuth, "different ones");
     RglTable::Colours colour{std::uint32_t(field.shape[4]), std::uint32_t(field.shape[3]), {}};
     const std::size_t size = std::size_t(colour.width) * colour.height;
     for (std::size_t slice = 0; slice < slices; ++slice)
@@ -168,12 +162,10 @@ float at(const std::vector<float>& profile, float u) {
 Rgb at(const RglTable::Colours& colour, const Slices& slices, const Warped& w) {
     const auto [column, x] = between_nodes(w.x, colour.width);
     const auto [row, y] = between_nodes(w.y, colour.height);
-    const auto bilinear = [&, column = column, row = row, x = x, y = y](std::size_t slice, float weight,
-                                                                        Rgb& sum) {
+    const auto bilinear = [&, column = column, row = row, x = x, y = y](std::size_t slice, float weight, Rgb& sum) {
         const Rgb* const f = &colour.nodes[(slice * colour.height + row) * colour.width + column];
         const Rgb* const g = f + colour.width;
-        for (int c = 0; c < 3; ++c)
-            sum[c] += weight * mix(mix(f[0][c], f[1][c], x), mix(g[0][c], g[1][c], x), y);
+        for (int c = 0; c < 3; ++c) sum[c] += weight * mix(mix(f[0][c], f[1][c], x), mix(g[0][c], g[1][c], x), y);
     };
     Rgb sum;
     bilinear(slices.first, 1 - slices.to, sum);
@@ -242,8 +234,7 @@ Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv) {
     const Rgb f = at(table.colour, slices, w);
 
     // At the very horizon the quotient may leave the range of float; a value stays finite.
-    const double scale =
-        at(table.ndf, u_h) / (4.0 * double(at(table.sigma, to_unit(theta_l))) * double(wv.z));
+    const double scale = at(table.ndf, u_h) / (4.0 * double(at(table.sigma, to_unit(theta_l))) * double(wv.z));
     const auto finite = [scale](float x) { return float(std::clamp(scale * double(x), -k_max, k_max)); };
     return {finite(f.r), finite(f.g), finite(f.b)};
 }

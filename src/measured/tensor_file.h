@@ -23,8 +23,8 @@ inline constexpr std::string_view k_tensor_magic("tensor_file\0", 12);
 /// Types of numbers, by their codes in the file.
 enum class TensorType : std::uint8_t { u8 = 1, i8, u16, i16, u32, i32, u64, i64, f16, f32, f64 };
 inline constexpr std::array<std::uint64_t, 12> k_tensor_type_bytes{0, 1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8};
-inline constexpr std::array<std::string_view, 12> k_tensor_type_names{
-    "", "u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f16", "f32", "f64"};
+inline constexpr std::array<std::string_view, 12> k_tensor_type_names{"",    "u8",  "i8",  "u16", "i16", "u32",
+                                                                      "i32", "u64", "i64", "f16", "f32", "f64"};
 
 /// A field, its numbers still where the file holds them.
 struct TensorField {
@@ -77,8 +77,7 @@ inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader
                                                                       std::span<const std::byte> bytes,
                                                                       const std::string& source) {
     const std::uint64_t begin = reader.offset();
-    const Error truncated{source, begin, "tensor field", "an entry in the table of fields",
-                          "the end of the file"};
+    const Error truncated{source, begin, "tensor field", "an entry in the table of fields", "the end of the file"};
     const auto name_length = reader.take<std::uint16_t>();
     const auto raw_name = name_length ? reader.take_bytes(*name_length) : std::nullopt;
     const auto rank = reader.take<std::uint16_t>();
@@ -87,8 +86,7 @@ inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader
     if (!raw_name || !rank || !type || !offset) return truncated;
     const std::string name(reinterpret_cast<const char*>(raw_name->data()), raw_name->size());
     if (*type == 0 || *type >= k_tensor_type_bytes.size())
-        return Error{source, begin, "type of tensor field " + name, "between 1 and 11",
-                     fmt::format("{}", *type)};
+        return Error{source, begin, "type of tensor field " + name, "between 1 and 11", fmt::format("{}", *type)};
 
     TensorField field{TensorType(*type), *offset, {}, {}};
     for (int i = 0; i < *rank; ++i) {
@@ -98,8 +96,7 @@ inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader
     }
     const auto size = tensor_bytes(field.type, field.shape);
     if (!size || *offset > bytes.size() || *size > bytes.size() - *offset)
-        return Error{source, begin, "tensor field " + name,
-                     fmt::format("to lie within {} bytes", bytes.size()),
+        return Error{source, begin, "tensor field " + name, fmt::format("to lie within {} bytes", bytes.size()),
                      fmt::format("{} from byte {}", describe(field.type, field.shape), *offset)};
     field.bytes = bytes.subspan(*offset, *size);
     return std::pair(name, std::move(field));

@@ -29,11 +29,9 @@ struct Slices {
 };
 
 inline Slices slices_at(std::span<const float> theta_l, float theta) {
-    std::size_t after =
-        0;  // a table has eight: counting is faster than a search, whose branches cannot be foreseen
+    std::size_t after = 0;  // a table has eight: counting is faster than a search, whose branches cannot be foreseen
     for (const float t : theta_l) after += t <= theta;
-    const std::size_t first = std::max<std::size_t>(after, 1) - 1,
-                      second = std::min(after, theta_l.size() - 1);
+    const std::size_t first = std::max<std::size_t>(after, 1) - 1, second = std::min(after, theta_l.size() - 1);
     if (first == second) return {first, first, 0};
     return {first, second, (theta - theta_l[first]) / (theta_l[second] - theta_l[first])};
 }
@@ -54,9 +52,7 @@ inline Warped unwarp(const RglTable::VisibleNormals& visible, const Slices& slic
         &visible.nodes[(slices.first * height + row) * width + column];
     const RglTable::VisibleNormals::Node* const far_nodes =
         &visible.nodes[(slices.second * height + row) * width + column];
-    const auto density = [&](std::size_t i) {
-        return mix(near_nodes[i].density, far_nodes[i].density, slices.to);
-    };
+    const auto density = [&](std::size_t i) { return mix(near_nodes[i].density, far_nodes[i].density, slices.to); };
     const auto left = [&](std::size_t i) { return mix(near_nodes[i].left, far_nodes[i].left, slices.to); };
     const float p0 = mix(density(0), density(width), y), p1 = mix(density(1), density(width + 1), y);
     const float to_left = mix(left(0), left(width), y) + x * (p0 + 0.5f * x * (p1 - p0));

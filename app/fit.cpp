@@ -112,7 +112,7 @@ Result<Outcome> FitCommand::fit(const Measured& measured) const {
     const Stopwatch fitting;
     Outcome outcome;
     ObserveOptions observing;
-    observing.objective = objective == "raw" ? Objective::raw : Objective::cosine;
+    observing.objective = *objective_named(objective);
     outcome.max_theta = max_theta > 0 ? max_theta : default_max_theta(observing.objective) / k_degree;
     observing.max_theta = outcome.max_theta * k_degree;
     observing.seed = seed;
@@ -244,9 +244,10 @@ void add_fit(CLI::App& app, int& status) {
                   "Store no log scale: bounds the coefficients in the fit,\n2 J bytes fewer, larger errors");
     sub->add_option(
            "--objective", command->objective,
-           "What is minimised, the squared error\nraw: of f; cosine: of f cos(theta_l) seen under cos(theta_v)")
+           "What is minimised, the squared error\nraw: of f; cosine: of f cos(theta_l) seen under cos(theta_v);\n"
+           "log: of log(1 + f cos(theta_l)), likewise; cube-root: of the cube root of f")
         ->type_name("NAME")
-        ->check(one_of({"raw", "cosine"}))
+        ->check(one_of({"raw", "cosine", "log", "cube-root"}))
         ->capture_default_str();
     sub->add_option("--max-theta", command->max_theta,
                     "Fit and measure directions up to here from the normal,\n"

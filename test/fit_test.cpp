@@ -158,6 +158,36 @@ TEST(Fit, OfFurtherFormsIsBetterByFar) {
     }
 }
 
+TEST(Fit, OfEachObjectiveIsTheBestByItsOwnMeasure) {
+    const std::pair<Objective, double Measures::*> own[] = {{Objective::raw, &Measures::squared_error_ratio},
+                                                            {Objective::cosine, &Measures::squared_error_ratio_cosine},
+                                                            {Objective::log, &Measures::log_rms_cosine},
+                                                            {Objective::cube_root, &Measures::cube_root_error_ratio}};
+    const Measured& film = bundled("cc_ibiza_sunset_rgb");
+    const double cap = 80 * k_degree;
+    std::vector<Measures> measures;
+    for (const auto& [objective, measure] : own) {
+        const auto fit = fit_pm(*observe(signed_evaluator(film), {objective, cap}), {});
+        ASSERT_TRUE(fit);
+        const Evaluate others[] = {evaluator(fit->model)};
+        measures.push_back(measure_heldout(evaluator(film), others, {cap, 0})[0]);
+    }
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t k = 0; k < 4; ++k) {
+            const auto measure = own[i].second;
+            EXPECT_LE(measures[i].*measure, measures[k].*measure)
+                << name(own[i].first) << " by its measure against " << name(own[k].first);
+        }
+}
+
+TEST(Fit, ObjectivesAndStopReasonsHaveNames) {
+    for (const Objective objective : {Objective::raw, Objective::cosine, Objective::log, Objective::cube_root})
+        EXPECT_EQ(objective_named(name(objective)), objective);
+    EXPECT_FALSE(objective_named("cubed"));
+    for (const StopReason reason : {StopReason::converged, StopReason::iterations, StopReason::cancelled})
+        EXPECT_FALSE(name(reason).empty());
+}
+
 TEST(Fit, LosesLittleByRounding) {
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const Fitted& f = fitted(name);

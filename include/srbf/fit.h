@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,9 +17,13 @@ namespace srbf {
 enum class Objective {
     raw,     ///< Σ (f−f̂)²
     cosine,  ///< Σ (f cosθl − f̂ cosθl)² cosθv
+    // These two to second order in f − f̂, with the mean of the channels in place of each:
+    log,        ///< Σ (log(1 + f cosθl) − log(1 + f̂ cosθl))² cosθv
+    cube_root,  ///< Σ (∛f − ∛f̂)², below a hundredth of the mean f as there
 };
 std::string_view name(Objective objective);
-/// The cap of the fit and of its measures where none is asked for [rad]: 80° for raw, 89° for cosine.
+std::optional<Objective> objective_named(std::string_view text);
+/// The cap of the fit and of its measures where none is asked for [rad]: 80° for raw and cube-root, 89° for cosine and log.
 double default_max_theta(Objective objective);
 
 /// Weighted samples of a BRDF, in an order of which every beginning is a sample of the whole.

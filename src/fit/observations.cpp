@@ -34,6 +34,25 @@ class ViewMixture {
     double cos_max_;
 };
 
+/// What (f−f̂)² weighs in the objective where the channels of f have mean `f`, per solid angle of both directions; `mean` is
+/// that of all f, which only the cube root asks for.
+double objective_weight(Objective objective, double f, double mean, double cos_l, double cos_v) {
+    switch (objective) {
+        case Objective::raw:
+            return 1;
+        case Objective::cosine:
+            return cos_l * cos_l * cos_v;
+        case Objective::log:
+            return std::pow(cos_l / (1 + f * cos_l), 2) * cos_v;
+        case Objective::cube_root:
+            return std::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
+    }
+    return 0;
+}
+
+double square_of(const Rgb& f) { return double(f.r) * f.r + double(f.g) * f.g + double(f.b) * f.b; }
+double mean_of(const Rgb& f) { return (double(f.r) + double(f.g) + double(f.b)) / 3; }
+
 struct Draw {
     Vec3d wl, wv;
     double weight = 0;  // 1 / density within the caps, 0 for a guard
@@ -57,9 +76,29 @@ std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
 
 }  // namespace
 
-std::string_view name(Objective objective) { return objective == Objective::raw ? "raw" : "cosine"; }
+std::string_view name(Objective objective) {
+    switch (objective) {
+        case Objective::raw:
+            return "raw";
+        case Objective::cosine:
+            return "cosine";
+        case Objective::log:
+            return "log";
+        case Objective::cube_root:
+            return "cube-root";
+    }
+    return "";
+}
 
-double default_max_theta(Objective objective) { return (objective == Objective::raw ? 80 : 89) * k_degree; }
+std::optional<Objective> objective_named(std::string_view text) {
+    for (const Objective objective : {Objective::raw, Objective::cosine, Objective::log, Objective::cube_root})
+        if (name(objective) == text) return objective;
+    return std::nullopt;
+}
+
+double default_max_theta(Objective objective) {
+    return (objective == Objective::raw || objective == Objective::cube_root ? 80 : 89) * k_degree;
+}
 
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
@@ -128,9 +167,9 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
     drawn.f.resize(draws.size());
     f(drawn.wl, drawn.wv, drawn.f);
 
-    // Drop what was not measured, clamp what is negative, weight by the objective.
+    // Drop what was not measured, clamp what is negative.
     Observations kept;
-    double energy = 0, peak = 0, guards = 0;
+    double mean = 0, solid_angle = 0, peak = 0, guards = 0;
     std::vector<bool> is_guard;
     for (std::size_t i = 0; i < draws.size(); ++i) {
         if (!is_finite(drawn.f[i])) {
@@ -143,21 +182,28 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
             kept.clamped += drawn.f[i][c] < 0;
         }
         const double cos_l = draws[i].wl.z, cos_v = draws[i].wv.z;
-        const double square = double(value.r) * value.r + double(value.g) * value.g + double(value.b) * value.b;
-        const double weight = draws[i].weight * (options.objective == Objective::cosine ? cos_l * cos_l * cos_v : 1);
         kept.wl.push_back(drawn.wl[i]);
         kept.wv.push_back(drawn.wv[i]);
         kept.f.push_back(value);
-        kept.weight.push_back(weight);
+        kept.weight.push_back(draws[i].weight);
         kept.checks += i >= options.count;
         is_guard.push_back(draws[i].weight == 0);
         guards += draws[i].weight == 0 && i < options.count;
-        energy += weight * square;
-        peak = std::max(peak, square * cos_l * cos_l * cos_v * cos_v);
+        mean += draws[i].weight * mean_of(value);
+        solid_angle += draws[i].weight;
+        peak = std::max(peak, square_of(value) * cos_l * cos_l * cos_v * cos_v);
     }
     if (kept.f.size() == kept.checks) return Error{"observe", {}, "pairs with a measurement", "some", "none"};
-    if (!(energy > 0) || !std::isfinite(energy)) return Error{"observe", {}, "values", "some above 0", "none"};
+    if (!(mean > 0)) return Error{"observe", {}, "values", "some above 0", "none"};
+    mean /= solid_angle;
 
+    double energy = 0;
+    for (std::size_t i = 0; i < kept.f.size(); ++i) {
+        const Rgb value = kept.f[i];
+        const double cos_l = double(kept.wl[i].z), cos_v = double(kept.wv[i].z);
+        kept.weight[i] *= objective_weight(options.objective, mean_of(value), mean, cos_l, cos_v);
+        energy += kept.weight[i] * square_of(value);
+    }
     for (std::size_t i = 0; i < kept.f.size(); ++i) {
         const double area = double(kept.wl[i].z) * double(kept.wv[i].z);
         kept.weight[i] = is_guard[i] ? k_guard_importance * area * area / (guards * peak) : kept.weight[i] / energy;

@@ -251,7 +251,7 @@ void add_fit(CLI::App& app, int& status) {
         ->capture_default_str();
     sub->add_option("--max-theta", command->max_theta,
                     "Fit and measure directions up to here from the normal,\n"
-                    "1 to 89.9 degrees; default: raw 80, cosine 89")
+                    "1 to 89.9 degrees; default: raw and cube-root 80, cosine and log 89")
         ->type_name("DEG")
         ->check(within(1.0, 89.9));
     sub->add_option("--preview", command->preview, "Write a picture: measured, fit, 10 x difference")

@@ -48,7 +48,7 @@ float exponent(const Rows& rows, std::size_t block, std::span<const float> weigh
     const Batch lowest(-std::numeric_limits<float>::max());
     Batch largest = lowest;
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        Batch sum;
+        Batch sum(0.0);
         for (std::size_t n = 0; n < weight.size(); ++n)
             sum = multiply_add(Batch(double(weight[n])), Batch::load(s[n] + i), sum);
         sum.store(x + i);
@@ -69,7 +69,7 @@ void multiply(const float* a, const float* b, float* out) {
 }
 
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
-    Batch sum;
+    Batch sum(0.0);
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
         Batch rest = Batch::load(y + i);
         for (std::size_t j = 0; j < beta.size(); ++j)
@@ -91,6 +91,8 @@ void add_gram(std::span<const float* const> columns, double* G) {
             const float* b[3];
             for (std::size_t t = 0; t < 3; ++t) b[t] = columns[std::min(column + t, last)];
             Batch sum[4][3];
+            for (auto& of_row : sum)
+                for (Batch& x : of_row) x = Batch(0.0);
             for (std::size_t i = 0; i < k_block; i += Batch::size()) {
                 const Batch b0 = Batch::load(b[0] + i), b1 = Batch::load(b[1] + i), b2 = Batch::load(b[2] + i);
                 HWY_UNROLL(4)

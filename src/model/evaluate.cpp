@@ -18,7 +18,7 @@ Vec3<Batch> load_directions(const Vec3f* w) {
 }
 
 void evaluate(const PmModel& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
-    const Batch zero;
+    const Batch zero(0.0);
     const auto step = [&](const Vec3f* l, const Vec3f* v, Rgb* out) {
         const Vec3<Batch> light = load_directions(l), view = load_directions(v);
         const Vec3<Batch> value = Formulas<Batch, PmModel>::pm_value(model, light, view);

@@ -80,7 +80,7 @@ std::string_view name(StopReason reason);
 
 struct PmFit {
     PmModel model;      ///< every number a half
-    PmModel unrounded;  ///< before rounding
+    PmModel unrounded;  ///< before rounding; its parameterizations are those of `model`
     double loss = 0;    ///< Σ w |f−f̂|² over the observations, guards and exceeded checks among them, of `model`
     double unrounded_loss = 0;  ///< the same of `unrounded`
     StopReason stop = StopReason::converged;

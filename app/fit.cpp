@@ -116,11 +116,7 @@ Result<Outcome> FitCommand::fit(const Measured& measured) const {
     outcome.max_theta = max_theta > 0 ? max_theta : default_max_theta(observing.objective) / k_degree;
     observing.max_theta = outcome.max_theta * k_degree;
     observing.seed = seed;
-    const auto observations = observe(
-        [&](auto wl, auto wv, auto f) {
-            for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(measured, wl[i], wv[i]);
-        },
-        observing);
+    const auto observations = observe(signed_evaluator(measured), observing);
     if (!observations) return observations.error();
     outcome.masked = observations->masked;
     outcome.clamped = observations->clamped;

@@ -49,10 +49,7 @@ Result<Row> fit_one(const std::string& path, const Size& size, Objective objecti
     const auto start = Clock::now();
     const auto measured = load_measured(path);
     if (!measured) return measured.error();
-    const Evaluate signed_values = [&](auto wl, auto wv, auto f) {
-        for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(*measured, wl[i], wv[i]);
-    };
-    const auto observations = observe(signed_values, {.objective = objective});
+    const auto observations = observe(signed_evaluator(*measured), {.objective = objective});
     if (!observations) return observations.error();
     FitOptions options;
     options.form = size.form;

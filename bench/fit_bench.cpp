@@ -20,7 +20,7 @@ void fit(benchmark::State& state, const std::string& name) {
     options.threads = int(state.range(3));
     const ObserveOptions observing{.objective = Objective::raw};
     PmModel model;
-    for (auto _ : state) model = fit_pm(*observe(evaluator(measured), observing), options)->model;
+    for (auto _ : state) model = fit_pm(*observe(signed_evaluator(measured), observing), options)->model;
     const Evaluate others[] = {evaluator(model)};
     const MeasureOptions within{default_max_theta(observing.objective), 0};
     state.counters["error_percent"] = 100 * measure_heldout(evaluator(measured), others, within)[0].squared_error_ratio;

@@ -11,12 +11,6 @@
 namespace srbf {
 namespace {
 
-Evaluate signed_evaluator(const Measured& measured) {
-    return [&measured](auto wl, auto wv, auto f) {
-        for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(measured, wl[i], wv[i]);
-    };
-}
-
 const Measured& bundled(const std::string& name) {
     static std::map<std::string, Measured> loaded;
     if (!loaded.contains(name)) loaded[name] = *load_measured((bundled_data() / (name + ".bsdf")).string());

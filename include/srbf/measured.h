@@ -82,6 +82,8 @@ Rgb value(const Measured& measured, Vec3f wl, Vec3f wv);
 Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
+/// The same on arrays of pairs: what a fit observes. It refers to `measured`.
+Evaluate signed_evaluator(const Measured& measured);
 
 /// Reads the bytes of a MERL `.binary`: int32 dimensions, then three planes (R, G, B) of n_h n_d n_p doubles;
 /// a channel is scaled by 1/1500, 1.15/1500, 1.66/1500. Negative or not finite: not measured. `source` is for

@@ -48,4 +48,10 @@ Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
     return std::visit([&](const auto& table) { return signed_value(table, wl, wv); }, measured.table);
 }
 
+Evaluate signed_evaluator(const Measured& measured) {
+    return [&measured](auto wl, auto wv, auto f) {
+        for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(measured, wl[i], wv[i]);
+    };
+}
+
 }  // namespace srbf

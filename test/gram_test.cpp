@@ -38,13 +38,20 @@ std::vector<const float*> pointers(const std::vector<Aligned<float>>& columns) {
 }
 
 /// Each test once for each instruction set.
-class Gram : public testing::TestWithParam<std::int64_t> {
+using Target = decltype(hwy::SupportedTargets());  // uint32_t before Highway 0.17, int64_t from then on
+class Gram : public testing::TestWithParam<Target> {
   protected:
     void SetUp() override { choose(GetParam()); }
     void TearDown() override { choose(0); }
-    static void choose(std::int64_t target) {
+    static void choose(Target target) {
         hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+        const auto update = [](auto& chosen) {
+            if constexpr (requires { chosen.Update(hwy::SupportedTargets()); })
+                chosen.Update(hwy::SupportedTargets());
+            else
+                chosen.Update();
+        };
+        update(hwy::GetChosenTarget());
     }
 
     const Observations observations_ = random_observations();

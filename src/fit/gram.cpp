@@ -95,7 +95,6 @@ void add_gram(std::span<const float* const> columns, double* G) {
                 for (Batch& x : of_row) x = Batch(0.0);
             for (std::size_t i = 0; i < k_block; i += Batch::size()) {
                 const Batch b0 = Batch::load(b[0] + i), b1 = Batch::load(b[1] + i), b2 = Batch::load(b[2] + i);
-                HWY_UNROLL(4)
                 for (std::size_t t = 0; t < 4; ++t) {
                     const Batch at = Batch::load(a[t] + i);
                     sum[t][0] = multiply_add(at, b0, sum[t][0]);

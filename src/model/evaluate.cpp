@@ -11,10 +11,19 @@ HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
 
+constexpr std::size_t k_most = HWY_MAX_BYTES / sizeof(float);  // lanes of a batch
+
+// By way of arrays: not every Highway in use loads and stores vectors of three.
 Vec3<Batch> load_directions(const Vec3f* w) {
-    hn::Vec<Lanes> x, y, z;
-    hn::LoadInterleaved3(Lanes(), &w->x, x, y, z);
-    return {Batch(x), Batch(y), Batch(z)};
+    HWY_ALIGN float x[k_most], y[k_most], z[k_most];
+    for (std::size_t k = 0; k < Batch::size(); ++k) x[k] = w[k].x, y[k] = w[k].y, z[k] = w[k].z;
+    return {Batch::load(x), Batch::load(y), Batch::load(z)};
+}
+
+void store_colours(Batch r, Batch g, Batch b, Rgb* f) {
+    HWY_ALIGN float x[k_most], y[k_most], z[k_most];
+    r.store(x), g.store(y), b.store(z);
+    for (std::size_t k = 0; k < Batch::size(); ++k) f[k] = {x[k], y[k], z[k]};
 }
 
 void evaluate(const PmModel& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
@@ -23,16 +32,15 @@ void evaluate(const PmModel& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, st
         const Vec3<Batch> light = load_directions(l), view = load_directions(v);
         const Vec3<Batch> value = Formulas<Batch, PmModel>::pm_value(model, light, view);
         const Batch lowest = min(light.z, view.z);
-        const auto above = [&](Batch x) { return select(zero < lowest, x, zero).v; };
-        hn::StoreInterleaved3(above(value.x), above(value.y), above(value.z), Lanes(), &out->r);
+        const auto above = [&](Batch x) { return select(zero < lowest, x, zero); };
+        store_colours(above(value.x), above(value.y), above(value.z), out);
     };
     std::size_t i = 0;
     for (; i + Batch::size() <= count; i += Batch::size()) step(wl + i, wv + i, f + i);
     if (i == count) return;
     // The rest, filled up with the normal.
-    constexpr std::size_t most = HWY_MAX_BYTES / sizeof(float);
-    Vec3f last_wl[most], last_wv[most];
-    Rgb last_f[most];
+    Vec3f last_wl[k_most], last_wv[k_most];
+    Rgb last_f[k_most];
     for (std::size_t k = 0; k < Batch::size(); ++k) {
         last_wl[k] = i + k < count ? wl[i + k] : Vec3f(0, 0, 1);
         last_wv[k] = i + k < count ? wv[i + k] : Vec3f(0, 0, 1);

@@ -223,7 +223,7 @@ void add_fit(CLI::App& app, int& status) {
     sub->add_option(
            "--form", command->form,
            "source: as Tsai 2009 defines them; horizon: and an exponent of cos(theta_l) cos(theta_v); extended: and "
-           "two more")
+           "three more")
         ->type_name("NAME")
         ->check(one_of({"source", "horizon", "extended"}))
         ->capture_default_str();

@@ -60,7 +60,7 @@ void print_model(const PmModel& model) {
     }
     fmt::print("\n  {:>4}  {:>31}  {:>10}", "lobe", "coefficient R, G, B", "log scale");
     for (int n = 0; n < model.variates; ++n) fmt::print("  {:>{}}", fmt::format("λ{}", n + 1), model.axial ? 10 : 26);
-    constexpr const char* exponents[] = {"κ", "ζ", "μ"};
+    constexpr const char* exponents[] = {"κ", "μ", "γ", "σ"};
     for (int k = 0; k < features(model.form); ++k) fmt::print("  {:>9}", exponents[k]);
     fmt::print("\n");
     for (int j = 0; j < model.lobes; ++j) {
@@ -83,7 +83,7 @@ void print_model(const PmModel& model) {
     if (model.axial) fmt::print("  A bandwidth λ below 0 is that of a lobe about -z.\n");
     if (model.form == PmForm::horizon) fmt::print("  A lobe is also multiplied by (cosθl cosθv)^κ.\n");
     if (model.form == PmForm::extended)
-        fmt::print("  A lobe is also multiplied by (cosθl cosθv / cos²θh)^κ cosθh^ζ e^(μ(l·h - 1)).\n");
+        fmt::print("  A lobe is also multiplied by (cosθl cosθv)^κ e^(μ(l·h - 1) - γ|cosθl - cosθv| - σ sinθh).\n");
 }
 
 int run(const std::string& file) {

@@ -24,7 +24,7 @@ using Lanes = hn::ScalableTag<float>;
 
 struct Batch {
     hn::Vec<Lanes> v;
-    HWY_INLINE Batch() {}  // of no value yet, like a float
+    Batch() = default;  // of no value yet, like a float
     HWY_INLINE Batch(hn::Vec<Lanes> x) : v(x) {}
     HWY_INLINE explicit Batch(double x) : v(hn::Set(Lanes(), float(x))) {}
     static HWY_INLINE Batch load(const float* p) { return hn::Load(Lanes(), p); }

@@ -22,7 +22,7 @@ const std::string k_host = R"(
 struct Pm { int first; };
 uniform int lobes, variates, features;
 uniform bool axial;
-uniform vec3 exponent_of_lobe[16];
+uniform vec4 exponent_of_lobe[16];
 uniform vec2 weight[8];
 uniform vec4 variate_of_lobe[128];   // centre, bandwidth
 uniform vec4 coefficient_of_lobe[16];  // coefficient, log scale
@@ -51,7 +51,8 @@ void main() {
     GaussianProduct product = gaussian_product(wl, 3.0, wv, u.x);
     f += from_frame(wl, u.x, u.y, one_minus_exp(u.x)) + psi_by_angle(wl, wv, u.x, u.y) + product.centre;
     f *= gaussian(w, wl, 2.0) * gaussian_exponent(w, wv, 2.0) * product.scale * product.bandwidth;
-    f += pm_further_features(features, wl, wv);
+    PmFeatures x = pm_further_features(features, wl, wv);
+    f += x.horizon * x.difference + x.elevation * x.half_way;
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }
 )";

@@ -50,7 +50,7 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
 
 TEST(Lobes, GradientIsThatOfTheLoss) {
     const Lobes horizon{PmForm::horizon, 2, {0.7, 1.4}, {40, 1, 0.5, 3, -1.5, 1}},
-        extended{PmForm::extended, 2, {0.7, 1.4}, {40, 1, 0.5, 0.2, 3, 3, -1.5, 1, 2, -4}};
+        extended{PmForm::extended, 2, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
     for (const Lobes& lobes : {some_lobes(), horizon, extended}) {
         LobeProblem problem(rows(), 8, lobes.form, lobes.variates, false);
         check_gradient(problem, LobeProblem::pack(lobes));

@@ -118,7 +118,7 @@ TEST(Model, BytesAreThePromisedOnes) {
     EXPECT_EQ(bytes(false, false, 6, 3), 156u);
     EXPECT_EQ(bytes(false, false, 8, 4), 256u);
     EXPECT_EQ(bytes(true, false, 8, 4, PmForm::horizon), 160u);
-    EXPECT_EQ(bytes(true, false, 6, 4, PmForm::extended), 148u);
+    EXPECT_EQ(bytes(true, false, 6, 4, PmForm::extended), 160u);
     for (int trial = 0; trial < 12; ++trial) {
         const bool axial = trial % 2 == 0, log_scale = trial % 4 < 2;
         const PmForm form = k_forms[std::size_t(trial % 3)];

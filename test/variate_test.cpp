@@ -70,10 +70,11 @@ Vec3d written_value(const PmModel& model, Vec3d wl, Vec3d wv) {
             const long double area = std::max(l[2], 1e-6L) * std::max(v[2], 1e-6L);
             long double square = 0;
             for (int k = 0; k < 3; ++k) square += (l[k] + v[k]) * (l[k] + v[k]);
-            const long double half_way = std::max((l[2] + v[2]) * (l[2] + v[2]) / square, 1e-12L);  // cos²θh
-            product *= std::pow(F == 1 ? area : area / half_way, (long double)(kappa[0]));
+            const long double half_way = (l[2] + v[2]) * (l[2] + v[2]) / square;  // cos²θh
+            product *= std::pow(area, (long double)(kappa[0]));
             if (F > 1)
-                product *= std::pow(half_way, kappa[1] / 2.0L) * std::exp(kappa[2] * (std::sqrt(square) / 2 - 1));
+                product *= std::exp(kappa[1] * (std::sqrt(square) / 2 - 1) - kappa[2] * std::abs(l[2] - v[2]) -
+                                    kappa[3] * std::sqrt(std::max(1 - half_way, 0.0L)));
         }
         for (int c = 0; c < 3; ++c) sum[c] += product * (long double)(model.coefficient[std::size_t(j)][c]);
     }

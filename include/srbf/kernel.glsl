@@ -10,7 +10,7 @@
 //     pm_centre(pm, j, n), pm_bandwidth(pm, j, n)  xi_jn (unit vector), lambda_jn >= 0
 //     pm_axial(pm), pm_down(pm, j, n)        whether every centre is +z or -z; whether this one is -z  [bool]
 //     pm_coefficient(pm, j), pm_log_scale(pm, j)   beta_j (R, G, B), s_j
-//     pm_features(pm), pm_exponent(pm, j, k)       F = 0, 1 or 3 [int], exponents kappa_jk
+//     pm_features(pm), pm_exponent(pm, j, k)       F = 0, 1 or 4 [int], exponents kappa_jk
 // No branch depends on a value, so that Real may be a batch of numbers. Directions are unit vectors; wl points to the
 // light, wv to the viewer, the shading normal is +z. Angles are in radians.
 
@@ -114,16 +114,32 @@ SRBF_FN Vec3 psi_by_angle(Vec3 wl, Vec3 wv, Real a, Real b) {
     return across - dot(across, direction) * direction;
 }
 
-// What a lobe's exponent is linear in beside its variates, each at most 0 on the open hemispheres, so that exponents >= 0 of the
-// first two bound the lobe at the horizon. With cl, cv, ch the cosines of wl, wv and their half-way vector h to the normal:
-//   F = 1: log(cl cv);   F = 3: log(cl cv / ch^2), log(ch), wl . h - 1.
-// Cosines below 1e-6 count as 1e-6.
-SRBF_FN Vec3 pm_further_features(int count, Vec3 wl, Vec3 wv) {
-    Vec3 sum = wl + wv;
-    Real squared = max(dot(sum, sum), Real(1.0e-12));
-    Real half_way = log(max(sum.z * sum.z / squared, Real(1.0e-12)));
-    Real horizon = log(max(wl.z, Real(1.0e-6)) * max(wv.z, Real(1.0e-6)));
-    return Vec3(horizon - (count > 1 ? half_way : Real(0.0)), Real(0.5) * half_way, Real(0.5) * sqrt(squared) - Real(1.0));
+struct PmFeatures {
+    Real horizon;
+    Real difference;
+    Real elevation;
+    Real half_way;
+};
+
+// What a lobe's exponent is linear in beside its variates, each at most 0 on the open hemispheres. With cl, cv the cosines of wl, wv to
+// the normal, h their half-way vector:
+//   F = 1: log(cl cv);   F = 4: and wl . h - 1, -|cl - cv|, -sin(theta_h).
+// Only the first is unbounded: an exponent >= 0 of it bounds the lobe at the horizon. The last two have an edge at the mirror direction: the peaks of
+// measurements are pointed, and of one width in the plane of incidence, of another across it. Cosines below 1e-6 count as 1e-6.
+SRBF_FN PmFeatures pm_further_features(int count, Vec3 wl, Vec3 wv) {
+    PmFeatures x;
+    x.horizon = log(max(wl.z, Real(1.0e-6)) * max(wv.z, Real(1.0e-6)));
+    x.difference = Real(0.0);
+    x.elevation = Real(0.0);
+    x.half_way = Real(0.0);
+    if (count > 1) {
+        Vec3 sum = wl + wv;
+        Real squared = max(dot(sum, sum), Real(1.0e-12));
+        x.difference = Real(0.5) * sqrt(squared) - Real(1.0);
+        x.elevation = min(wl.z - wv.z, wv.z - wl.z);
+        x.half_way = -sqrt((sum.x * sum.x + sum.y * sum.y) / squared);
+    }
+    return x;
 }
 
 // rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr], for R, G, B, with
@@ -137,8 +153,7 @@ SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
         up[n] = gaussian_exponent(variate[n], Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(1.0));
         down[n] = gaussian_exponent(variate[n], Vec3(Real(0.0), Real(0.0), Real(-1.0)), Real(1.0));
     }
-    Vec3 features = Vec3(Real(0.0), Real(0.0), Real(0.0));
-    if (pm_features(pm) > 0) features = pm_further_features(pm_features(pm), wl, wv);
+    PmFeatures features = pm_further_features(pm_features(pm), wl, wv);
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     for (int j = 0; j < pm_lobes(pm); ++j) {
         Real exponent = Real(pm_log_scale(pm, j));
@@ -149,10 +164,11 @@ SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
             else
                 exponent = exponent + gaussian_exponent(variate[n], pm_centre(pm, j, n), bandwidth);
         }
-        if (pm_features(pm) > 0) exponent = exponent + Real(pm_exponent(pm, j, 0)) * features.x;
+        if (pm_features(pm) > 0) exponent = exponent + Real(pm_exponent(pm, j, 0)) * features.horizon;
         if (pm_features(pm) > 1)
-            exponent = exponent + Real(pm_exponent(pm, j, 1)) * features.y +
-                       Real(pm_exponent(pm, j, 2)) * features.z;
+            exponent = exponent + Real(pm_exponent(pm, j, 1)) * features.difference +
+                       Real(pm_exponent(pm, j, 2)) * features.elevation +
+                       Real(pm_exponent(pm, j, 3)) * features.half_way;
         sum = sum + exp(min(exponent, Real(70.0))) * pm_coefficient(pm, j);
     }
     return sum;

@@ -16,12 +16,12 @@ namespace srbf {
 
 /// What a lobe of a multivariate model is made of; the numbers of 16 bits are for J lobes of N variates.
 enum class PmForm {
-    source,   ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
-    horizon,  ///< and (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N
-    extended,  ///< and (cosθl cosθv / cos²θh)^κ cosθh^ζ e^{μ(l·h−1)}, κ, ζ ≥ 0, likewise: axial J(3+N+4)+2N
+    source,    ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
+    horizon,   ///< and (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N
+    extended,  ///< and e^{μ(l·h−1)} e^{−γ|cosθl−cosθv|} e^{−σ sinθh} besides: axial J(3+N+5)+2N
 };
 /// F: how many exponents a lobe of that form has beside its bandwidths.
-constexpr int features(PmForm form) { return form == PmForm::source ? 0 : form == PmForm::horizon ? 1 : 3; }
+constexpr int features(PmForm form) { return form == PmForm::source ? 0 : form == PmForm::horizon ? 1 : 4; }
 std::string_view name(PmForm form);
 std::optional<PmForm> form_named(std::string_view text);
 
@@ -44,7 +44,7 @@ struct PmModel {
     std::vector<Vec3f> centre;                       ///< J × N: ξ_jn, unit vectors
     std::vector<float> bandwidth;                    ///< J × N: λ_jn ≥ 0
     std::vector<Parameterization> parameterization;  ///< N
-    std::vector<float> exponent;                     ///< J × F: κ_jk; ≥ 0 but for that of l·h
+    std::vector<float> exponent;                     ///< J × F: κ_jk, the first of a lobe ≥ 0
     friend bool operator==(const PmModel&, const PmModel&) = default;
 };
 inline constexpr int k_most_lobes = 1024;

@@ -35,10 +35,11 @@ void further_features(const Rows& rows, std::size_t block, int count, float* fea
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
         const auto x = Formulas<Batch, PmModel>::pm_further_features(count, direction(rows.wl, first + i),
                                                                      direction(rows.wv, first + i));
-        x.x.store(features + i);
+        x.horizon.store(features + i);
         if (count < 2) continue;
-        x.y.store(features + k_block + i);
-        x.z.store(features + 2 * k_block + i);
+        x.difference.store(features + k_block + i);
+        x.elevation.store(features + 2 * k_block + i);
+        x.half_way.store(features + 3 * k_block + i);
     }
 }
 

@@ -27,8 +27,9 @@ struct Interval {
 };
 constexpr Interval weight_range(int n, int variates) {
     if (n < variates) return {-65504, 65504};  // what a half holds
-    if (n < variates + 2) return {0, 64};      // exponents of cosines
-    return {-1000, 1000};                      // that of l·h
+    if (n == variates) return {0, 64};         // exponent of the cosines
+    if (n < variates + 3) return {-1000, 1000};
+    return {-1000, 65504};  // that of sinθh
 }
 
 /// Σ w |f − Σ_j β_j E_j|² over the first rows of `rows`, β eliminated by non-negative least squares per

@@ -13,14 +13,12 @@ namespace {
 constexpr std::size_t k_search_blocks = 4096 / k_block, k_polish_blocks = 16384 / k_block;
 constexpr int k_candidates = 256;
 
-/// The parameterizations to start from: half-way vector, light, view (Tsai 2009), further ones at random; in
-/// every other start the fourth is the half-way vector once more, since a peak sharper than a half's largest
-/// bandwidth takes two.
-Lobes without_lobes(PmForm form, int variates, int start, std::mt19937_64& random) {
-    Lobes lobes{form, variates, {k_pi / 4, 0, k_pi / 2}, {}};
+/// The parameterizations to start from: half-way vector, light, view (Tsai 2009), the half-way vector once more, since a peak
+/// sharper than a half's largest bandwidth takes two, further ones at random.
+Lobes without_lobes(PmForm form, int variates, std::mt19937_64& random) {
+    Lobes lobes{form, variates, {k_pi / 4, 0, k_pi / 2, k_pi / 4}, {}};
     lobes.angle.resize(std::size_t(variates));
-    for (std::size_t n = 3; n < lobes.angle.size(); ++n) lobes.angle[n] = k_pi * uniform(random);
-    if (variates > 3 && start % 2 == 1) lobes.angle[3] = k_pi / 4;
+    for (std::size_t n = 4; n < lobes.angle.size(); ++n) lobes.angle[n] = k_pi * uniform(random);
     return lobes;
 }
 
@@ -40,7 +38,9 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
     }
     for (std::size_t n = 0; n < weight.size(); ++n) {
         const double chance = uniform(random), size = uniform(random), sign = uniform(random);
-        if (int(n) < lobes.variates) {
+        const bool sharp =
+            int(n) < lobes.variates || int(n) == lobes.variates + 3;  // bandwidths, and what sinθh is multiplied by
+        if (sharp) {
             if (chance < 0.35) continue;
             weight[n] = 0.3 * std::pow(2e5, size);
             if (sign < 0.3) weight[n] = -std::min(weight[n], 100.0);
@@ -94,7 +94,7 @@ void replace_least(LobeProblem& problem, Candidate& best, std::mt19937_64& rando
 Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter) {
     std::mt19937_64 random = generator(options.seed, start, 0);
     LobeProblem problem(rows, k_search_blocks, options.form, options.variates, false, log_peak_limit);
-    Candidate best{start, without_lobes(options.form, options.variates, start, random)};
+    Candidate best{start, without_lobes(options.form, options.variates, random)};
     for (int j = 0; j < options.lobes; ++j) {
         problem.loss(LobeProblem::pack(best.lobes));
         add_lobe(problem, best.lobes, random);

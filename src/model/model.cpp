@@ -125,7 +125,8 @@ Result<PmModel> decode(const std::map<std::string, HalfTensor>& tensors, PmForm 
     }
     for (std::size_t i = 0; i < J * F; ++i) {
         const float kappa = number("exponent", i);
-        if (kappa < 0 && i % F < 2) return fail("tensor 'exponent'", "numbers of at least 0", fmt::format("{}", kappa));
+        if (kappa < 0 && i % F == 0)
+            return fail("tensor 'exponent'", "numbers of at least 0", fmt::format("{}", kappa));
         model.exponent.push_back(kappa);
     }
     for (std::size_t n = 0; n < N; ++n) {

@@ -43,4 +43,19 @@ double MirrorMixture::pdf(Vec3d wl, Vec3d wv) const {
     return density + k_retro * Kernel<double>::vmf_pdf(wl, wv, k_retro_bandwidth);
 }
 
+Quadrature MirrorMixture::quadrature(Vec3d wv, int count) const {
+    const double golden = (std::sqrt(5.0) - 1) / 2;
+    Quadrature points;
+    for (int part = 0; part < k_parts; ++part) {
+        const int of_part = int(share(part) * count);
+        for (int i = 0; i < of_part; ++i) {
+            const Vec3d wl = sample_part(part, wv, (i + 0.5) / of_part, std::fmod(i * golden, 1.0));
+            if (!contains(wl)) continue;
+            points.w.push_back(to_float(wl));
+            points.weight.push_back(share(part) / of_part / pdf(wl, wv));
+        }
+    }
+    return points;
+}
+
 }  // namespace srbf

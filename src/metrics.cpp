@@ -122,28 +122,15 @@ std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const
                    });
 }
 
-// Each part of the mixture by a Fibonacci lattice of its own: its points lie evenly in its lobe.
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {
-    const MirrorMixture mixture(max_theta);
-    const Vec3d v = spherical(theta_v, 0.0);
-    const double golden = (std::sqrt(5.0) - 1) / 2;
-    std::vector<Vec3f> wl;
-    std::vector<double> weight;
-    for (int part = 0; part < MirrorMixture::k_parts; ++part) {
-        const int count = int(MirrorMixture::share(part) * k_albedo_points);
-        for (int i = 0; i < count; ++i) {
-            const Vec3d l = mixture.sample_part(part, v, (i + 0.5) / count, std::fmod(i * golden, 1.0));
-            if (!mixture.contains(l)) continue;
-            wl.push_back(to_float(l));
-            weight.push_back(MirrorMixture::share(part) / count * l.z / mixture.pdf(l, v));
-        }
-    }
-    std::vector<Rgb> f(wl.size());
-    brdf(wl, std::vector<Vec3f>(wl.size(), to_float(v)), f);
+    const Vec3d wv = spherical(theta_v, 0.0);
+    const Quadrature points = MirrorMixture(max_theta).quadrature(wv, k_albedo_points);
+    std::vector<Rgb> f(points.w.size());
+    brdf(points.w, std::vector<Vec3f>(f.size(), to_float(wv)), f);
     std::array<double, 3> sum{};
-    for (std::size_t i = 0; i < wl.size(); ++i)
+    for (std::size_t i = 0; i < f.size(); ++i)
         for (int c = 0; c < 3; ++c)
-            if (!std::isnan(f[i][c])) sum[std::size_t(c)] += weight[i] * double(f[i][c]);
+            if (!std::isnan(f[i][c])) sum[std::size_t(c)] += points.weight[i] * double(points.w[i].z) * double(f[i][c]);
     return {float(sum[0]), float(sum[1]), float(sum[2])};
 }
 

@@ -18,6 +18,12 @@ Vec3d fibonacci_direction(int i, int n, double theta_max);
 /// All n of them.
 std::vector<Vec3f> fibonacci_directions(int n, double theta_max);
 
+/// Directions and weights [sr]: Σ weight g(w) stands for ∫ g dω.
+struct Quadrature {
+    std::vector<Vec3f> w;
+    std::vector<double> weight;
+};
+
 /// Directions about a given one that find a BRDF's features: even over the cap θ ≤ θmax, von Mises-Fisher
 /// lobes about the mirror direction and one about the given direction itself (retroreflection).
 class MirrorMixture {
@@ -33,6 +39,9 @@ class MirrorMixture {
     /// Its density [1/sr]; at least `k_even` over the cap's solid angle inside of it.
     double pdf(Vec3d wl, Vec3d wv) const;
     bool contains(Vec3d w) const { return w.z >= cos_max_; }
+    /// About `count` directions over the cap, given wv: each part by a Fibonacci lattice of its own, whose points lie evenly in
+    /// its lobe.
+    Quadrature quadrature(Vec3d wv, int count) const;
     /// A direction even over the cap, and its density.
     Vec3d sample_cap(double u1, double u2) const;
     double cap_pdf() const { return 1 / (2 * k_pi * (1 - cos_max_)); }

@@ -26,12 +26,21 @@ std::optional<Objective> objective_named(std::string_view text);
 /// The cap of the fit and of its measures where none is asked for [rad]: 80° for raw and cube-root, 89° for cosine and log.
 double default_max_theta(Objective objective);
 
+/// A directional albedo as a sum: Σ_i weight_i f(wl_i, wv).
+struct AlbedoObservation {
+    Vec3f wv;
+    std::vector<Vec3f> wl;
+    std::vector<Rgb> f;          ///< [1/sr], ≥ 0
+    std::vector<double> weight;  ///< solid angle times cosθl [sr]
+};
+
 /// Weighted samples of a BRDF, in an order of which every beginning is a sample of the whole.
 struct Observations {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;          ///< [1/sr], ≥ 0
     std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
     std::size_t checks = 0;      ///< the last so many are no part of Σ: a fit that exceeds them by far takes them in
+    std::vector<AlbedoObservation> albedo;  ///< what the last steps of a fit keep as well
     std::uint64_t masked = 0;    ///< pairs drawn where nothing was measured
     std::uint64_t clamped = 0;   ///< negative channel values, set to 0
 };
@@ -46,7 +55,8 @@ struct ObserveOptions {
 /// Draws pairs from a mixture that finds a BRDF's features, weighted so that sums over them estimate the
 /// objective's integrals over both caps. An eighth are guards between θmax and 89.9°, weighted little and by
 /// f cosθl cosθv, which hold the fit to the measurement's order of magnitude where it is not asked to follow
-/// it. Behind them stand the checks, a grid over the whole hemisphere to 89.9° with its edges. `f` may be
+/// it. Behind them stand the checks: a grid over the whole hemisphere to 89.9° with its edges, and 32,768 pairs about the mirror
+/// direction. Albedo is observed at 0, 15, 30, 45, 60, 70, 75, 80 and 85° as far as they are within θmax. `f` may be
 /// negative (see signed_value) or NaN. Errors: no pair has a value; all values are 0.
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options);
 
@@ -81,7 +91,7 @@ std::string_view name(StopReason reason);
 struct PmFit {
     PmModel model;      ///< every number a half
     PmModel unrounded;  ///< before rounding; its parameterizations are those of `model`
-    double loss = 0;    ///< Σ w |f−f̂|² over the observations, guards and exceeded checks among them, of `model`
+    double loss = 0;    ///< Σ w |f−f̂|² over the observations, guards, exceeded checks and albedo among them, of `model`
     double unrounded_loss = 0;  ///< the same of `unrounded`
     StopReason stop = StopReason::converged;
 };

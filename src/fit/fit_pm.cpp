@@ -27,6 +27,9 @@ constexpr double k_most_excess = 1.6;
 /// What exceeding it by the largest measured value costs at first, relative to the loss.
 constexpr double k_excess_weight = 0.005;
 
+/// Every albedo off by 10 % costs as much as the fit's loss without regard to albedo.
+constexpr double k_albedo_error = 0.1;
+
 /// Where `model` exceeds the checks by far they become observations, and those that had become so weigh more;
 /// returns how many. `first` is where the checks began.
 std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss) {
@@ -129,7 +132,9 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
             if (!reporter.cancelled()) polish(sample, options, log_peak_limit, found[i]);
             reporter.advance("polishing", polish_work / double(found.size()));
         });
-        Lobes best = std::min_element(found.begin(), found.end(), by_loss)->lobes;
+        const Candidate& winner = *std::min_element(found.begin(), found.end(), by_loss);
+        Lobes best = winner.lobes;
+        const double albedo_importance = winner.loss / (3 * k_albedo_error * k_albedo_error);
 
         // Checks that the fit exceeds become observations, until there are none.
         Observations all = observations;
@@ -137,8 +142,8 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
         LevenbergMarquardtOptions steps;
         steps.max_iterations = reporter.cancelled() ? 0 : 40;
         for (int round = 0;; ++round) {
-            const Rows rows(all);
-            LobeProblem problem(rows, rows.blocks, options.form, options.variates, true, log_peak_limit);
+            const Rows rows(all, albedo_importance);
+            LobeProblem problem(rows, rows.whole_blocks, options.form, options.variates, true, log_peak_limit);
             Eigen::VectorXd x = LobeProblem::pack(best);
             const auto summary = levenberg_marquardt(problem, x, steps);
             best = problem.unpack(x);

@@ -1,6 +1,7 @@
 #include "fit/gram.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -81,6 +82,12 @@ double residual(const float* y, std::span<const float> beta, std::span<const flo
     return double(sum.sum());
 }
 
+double sum(const float* column) {
+    Batch sum(0.0);
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) sum = sum + Batch::load(column + i);
+    return double(sum.sum());
+}
+
 // Tiles of 4 × 3 columns: 12 sums and 7 operands fit the 16 registers of AVX2.
 void add_gram(std::span<const float* const> columns, double* G) {
     const std::size_t n = columns.size();
@@ -123,6 +130,7 @@ HWY_EXPORT(exponent);
 HWY_EXPORT(exponentiate);
 HWY_EXPORT(multiply);
 HWY_EXPORT(residual);
+HWY_EXPORT(sum);
 HWY_EXPORT(add_gram);
 
 void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
@@ -142,29 +150,45 @@ void multiply(const float* a, const float* b, float* out) { HWY_DYNAMIC_DISPATCH
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
     return HWY_DYNAMIC_DISPATCH(residual)(y, beta, columns, r);
 }
+double sum(const float* column) { return HWY_DYNAMIC_DISPATCH(sum)(column); }
 void add_gram(std::span<const float* const> columns, double* G) { HWY_DYNAMIC_DISPATCH(add_gram)(columns, G); }
 
-Rows::Rows(const Observations& observations) {
+Rows::Rows(const Observations& observations, double albedo_importance) {
+    const auto whole_chunks = [](std::size_t rows) { return (rows + k_chunk * k_block - 1) / (k_chunk * k_block); };
     const std::size_t count = observations.f.size() - observations.checks;
-    blocks = (count + k_block - 1) / k_block;
-    // Rows that fill up the last block: any direction will do, their weight is 0.
+    const bool with_albedo = albedo_importance > 0;
+    blocks = with_albedo ? k_chunk * whole_chunks(count) : (count + k_block - 1) / k_block;
+    whole_blocks = blocks + (with_albedo ? k_chunk * observations.albedo.size() : 0);
+    // Rows that fill up: any direction will do, their weight is 0.
     for (int k = 0; k < 3; ++k) {
-        wl[std::size_t(k)].assign(blocks * k_block, k == 2 ? 1.f : 0.f);
-        wv[std::size_t(k)].assign(blocks * k_block, k == 2 ? 1.f : 0.f);
-        y[std::size_t(k)].assign(blocks * k_block, 0.f);
+        wl[std::size_t(k)].assign(whole_blocks * k_block, k == 2 ? 1.f : 0.f);
+        wv[std::size_t(k)].assign(whole_blocks * k_block, k == 2 ? 1.f : 0.f);
+        y[std::size_t(k)].assign(whole_blocks * k_block, 0.f);
     }
-    root_weight.assign(blocks * k_block, 0.f);
+    root_weight.assign(whole_blocks * k_block, 0.f);
     double sum = 0;
     for (std::size_t i = 0; i < count; ++i) sum += observations.weight[i];
     if (sum > 0) scale = 1 / std::sqrt(sum);
-    for (std::size_t i = 0; i < count; ++i) {
-        const Vec3f l = observations.wl[i], v = observations.wv[i];
-        wl[0][i] = l.x, wl[1][i] = l.y, wl[2][i] = l.z;
-        wv[0][i] = v.x, wv[1][i] = v.y, wv[2][i] = v.z;
-        const double root = std::sqrt(observations.weight[i]);
-        root_weight[i] = float(root * scale);
-        for (int c = 0; c < 3; ++c) y[std::size_t(c)][i] = float(root * double(observations.f[i][c]));
+    for (std::size_t i = 0; i < count; ++i)
+        set(i, observations.wl[i], observations.wv[i], observations.f[i], std::sqrt(observations.weight[i]));
+    if (!with_albedo) return;
+    for (std::size_t k = 0; k < observations.albedo.size(); ++k) {
+        const AlbedoObservation& albedo = observations.albedo[k];
+        assert(albedo.wl.size() <= k_chunk * k_block);
+        double whole = 0;
+        for (std::size_t i = 0; i < albedo.wl.size(); ++i) whole += albedo.weight[i] * double(luminance(albedo.f[i]));
+        if (!(whole > 0)) continue;
+        const double factor = std::sqrt(albedo_importance / double(observations.albedo.size())) / whole;
+        for (std::size_t i = 0; i < albedo.wl.size(); ++i)
+            set((blocks + k * k_chunk) * k_block + i, albedo.wl[i], albedo.wv, albedo.f[i], factor * albedo.weight[i]);
     }
+}
+
+void Rows::set(std::size_t i, Vec3f l, Vec3f v, Rgb f, double factor) {
+    wl[0][i] = l.x, wl[1][i] = l.y, wl[2][i] = l.z;
+    wv[0][i] = v.x, wv[1][i] = v.y, wv[2][i] = v.z;
+    root_weight[i] = float(factor * scale);
+    for (int c = 0; c < 3; ++c) y[std::size_t(c)][i] = float(factor * double(f[c]));
 }
 
 }  // namespace srbf

@@ -13,18 +13,27 @@
 namespace srbf {
 
 inline constexpr std::size_t k_block = 512;  ///< rows in a block
+inline constexpr std::size_t k_chunk = 8;    ///< blocks in a chunk: what is summed in one go
 
 template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
 
-/// Observations as the loops take them: an array a component, filled up to whole blocks with rows of weight
-/// 0.
+/// Observations as the loops take them: an array a component, filled up to whole chunks with rows of weight
+/// 0. First those of pairs, of which the sum of squares is asked for; then chunks each of which observes one albedo: of such a chunk the
+/// square of the sum is asked for.
 struct Rows {
-    explicit Rows(const Observations& observations);  ///< all but the checks
-    std::size_t blocks = 0;
+    /// All but the checks. `albedo_importance`: what the sum rises by where every albedo is off by its luminance in one channel; 0: no
+    /// such chunks.
+    explicit Rows(const Observations& observations, double albedo_importance = 0);
+    std::size_t blocks = 0;        ///< of pairs
+    std::size_t whole_blocks = 0;  ///< those of albedo as well
     std::array<Aligned<float>, 3> wl, wv;
     double scale = 1;                 ///< values are counted in multiples of it, whatever the data's unit: 1 / √Σw
-    Aligned<float> root_weight;       ///< √w × scale, so that its squares sum to 1
+    Aligned<float> root_weight;       ///< √w × scale, so that its squares sum to 1 over pairs
     std::array<Aligned<float>, 3> y;  ///< √w f for each channel
+
+  private:
+    /// Row i for these directions: `factor` is √w, or what stands in its place in a sum.
+    void set(std::size_t i, Vec3f l, Vec3f v, Rgb f, double factor);
 };
 
 // Every array below holds k_block numbers and is aligned for vectors.
@@ -42,6 +51,8 @@ void exponentiate(const Rows& rows, std::size_t block, float offset, float* x);
 void multiply(const float* a, const float* b, float* out);
 /// r = y − Σ_j beta[j] columns[j]; returns Σ r².
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r);
+/// Σ of the column.
+double sum(const float* column);
 /// G[i × n + k] += columns[i] · columns[k] for k ≤ i, n the number of columns.
 void add_gram(std::span<const float* const> columns, double* G);
 

@@ -12,9 +12,6 @@
 namespace srbf {
 namespace {
 
-// Sums run over chunks of this many blocks, then over chunks, whatever the number of threads.
-constexpr std::size_t k_chunk = 8;
-
 constexpr float k_nothing = -std::numeric_limits<float>::infinity();
 
 }  // namespace
@@ -22,7 +19,7 @@ constexpr float k_nothing = -std::numeric_limits<float>::infinity();
 LobeProblem::LobeProblem(const Rows& rows, std::size_t blocks, PmForm form, int variates, bool parallel,
                          double log_peak_limit)
     : rows_(rows),
-      blocks_(std::min(blocks, rows.blocks)),
+      blocks_(std::min(blocks, rows.whole_blocks)),
       form_(form),
       variates_(variates),
       width_(variates + features(form)),
@@ -75,12 +72,20 @@ Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, co
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
         Aligned<float> scratch(scratch_columns * k_block);
         std::vector<const float*> pointers;
-        parts[chunk].assign(n * n, 0.0);
+        std::vector<double>& part = parts[chunk];
+        part.assign(n * n, 0.0);
+        std::vector<double> sums(n, 0.0);
         for (std::size_t block = begin; block < end; ++block) {
             pointers.clear();
             columns(block, scratch.data(), pointers);
-            add_gram(pointers, parts[chunk].data());
+            if (observes_albedo(block))
+                for (std::size_t i = 0; i < n; ++i) sums[i] += sum(pointers[i]);
+            else
+                add_gram(pointers, part.data());
         }
+        if (observes_albedo(begin))
+            for (std::size_t i = 0; i < n; ++i)
+                for (std::size_t k = 0; k <= i; ++k) part[i * n + k] = sums[i] * sums[k];
     });
     Eigen::MatrixXd G = Eigen::MatrixXd::Zero(Eigen::Index(n), Eigen::Index(n));
     for (const auto& part : parts) G += Eigen::Map<const Eigen::MatrixXd>(part.data(), G.rows(), G.cols());
@@ -142,17 +147,24 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::vector<float> beta(J);
         std::vector<const float*> columns(J);
+        std::array<double, 3> albedo{};
         for (std::size_t block = begin; block < end; ++block) {
             for (int j = 0; j < lobes_; ++j) columns[std::size_t(j)] = lobe(block, j);
             for (int c = 0; c < 3; ++c) {
                 for (int j = 0; j < lobes_; ++j) beta[std::size_t(j)] = float(beta_(j, c));
-                sums[chunk] += residual(&rows_.y[std::size_t(c)][block * k_block], beta, columns, rest(block, c));
+                const double squares =
+                    residual(&rows_.y[std::size_t(c)][block * k_block], beta, columns, rest(block, c));
+                if (observes_albedo(block))
+                    albedo[std::size_t(c)] += sum(rest(block, c));
+                else
+                    sums[chunk] += squares;
             }
         }
+        for (const double difference : albedo) sums[chunk] += difference * difference;
     });
-    double sum = 0;
-    for (const double part : sums) sum += part;
-    return sum;
+    double whole = 0;
+    for (const double part : sums) whole += part;
+    return whole;
 }
 
 // With D the columns E_j s_n, E_j ds_n/dangle and E_j, the derivative of channel c's residual is −D B_c, B_c made of β

@@ -32,8 +32,8 @@ constexpr Interval weight_range(int n, int variates) {
     return {-1000, 65504};  // that of sinθh
 }
 
-/// Σ w |f − Σ_j β_j E_j|² over the first rows of `rows`, β eliminated by non-negative least squares per
-/// channel. Variables are x = (angles, weights).
+/// Σ w |f − Σ_j β_j E_j|² over the first rows of `rows`, and over chunks that observe an albedo the square of the sum, β eliminated by
+/// non-negative least squares per channel. Variables are x = (angles, weights).
 class LobeProblem {
   public:
     /// `parallel`: the loops run over the rows on several threads; the result does not depend on it.
@@ -69,6 +69,7 @@ class LobeProblem {
         return &feature_[(block * std::size_t(width_ + variates_) + std::size_t(n)) * k_block];
     }
     float* rest(std::size_t block, int c) { return &rest_[(block * 3 + std::size_t(c)) * k_block]; }
+    bool observes_albedo(std::size_t block) const { return block >= rows_.blocks; }
     template <typename Body> void for_chunks(const Body& body) const;
     /// Σ over blocks of products of columns; `columns(block, scratch)` appends n pointers.
     template <typename Columns>

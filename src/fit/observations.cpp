@@ -53,6 +53,10 @@ double objective_weight(Objective objective, double f, double mean, double cos_l
 double square_of(const Rgb& f) { return double(f.r) * f.r + double(f.g) * f.g + double(f.b) * f.b; }
 double mean_of(const Rgb& f) { return (double(f.r) + double(f.g) + double(f.b)) / 3; }
 
+/// Albedo at θv [degrees] is observed by so many directions.
+constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
+constexpr int k_albedo_points = 4096;
+
 struct Draw {
     Vec3d wl, wv;
     double weight = 0;  // 1 / density within the caps, 0 for a guard
@@ -72,6 +76,37 @@ std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
             for (const double p : phi)
                 grid.emplace_back(spherical(l * k_degree, p * k_degree), spherical(v * k_degree, 0.0));
     return grid;
+}
+
+/// Negative channels become 0; returns how many.
+int clamp_negative(Rgb& f) {
+    int clamped = 0;
+    for (int c = 0; c < 3; ++c) {
+        clamped += f[c] < 0;
+        f[c] = std::max(f[c], 0.f);
+    }
+    return clamped;
+}
+
+std::vector<AlbedoObservation> observe_albedo(const Evaluate& f, double theta_max) {
+    std::vector<AlbedoObservation> all;
+    for (const double theta : k_albedo_angles) {
+        if (theta * k_degree > theta_max) continue;
+        // Of isotropic data any azimuth will do; of others these are spread.
+        const Vec3d wv = spherical(theta * k_degree, 2.4 * double(all.size()));
+        Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_albedo_points);
+        AlbedoObservation albedo{to_float(wv), std::move(points.w), {}, std::move(points.weight)};
+        albedo.f.resize(albedo.wl.size());
+        f(albedo.wl, std::vector<Vec3f>(albedo.wl.size(), albedo.wv), albedo.f);
+        for (std::size_t i = 0; i < albedo.f.size(); ++i) {
+            const bool valid = is_finite(albedo.f[i]);
+            albedo.weight[i] *= valid ? double(albedo.wl[i].z) : 0;
+            if (!valid) albedo.f[i] = {};
+            clamp_negative(albedo.f[i]);
+        }
+        all.push_back(std::move(albedo));
+    }
+    return all;
 }
 
 }  // namespace
@@ -176,11 +211,8 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
             ++kept.masked;
             continue;
         }
-        Rgb value;
-        for (int c = 0; c < 3; ++c) {
-            value[c] = std::max(drawn.f[i][c], 0.f);
-            kept.clamped += drawn.f[i][c] < 0;
-        }
+        Rgb value = drawn.f[i];
+        kept.clamped += std::uint64_t(clamp_negative(value));
         const double cos_l = draws[i].wl.z, cos_v = draws[i].wv.z;
         kept.wl.push_back(drawn.wl[i]);
         kept.wv.push_back(drawn.wv[i]);
@@ -208,6 +240,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
         const double area = double(kept.wl[i].z) * double(kept.wv[i].z);
         kept.weight[i] = is_guard[i] ? k_guard_importance * area * area / (guards * peak) : kept.weight[i] / energy;
     }
+    kept.albedo = observe_albedo(f, theta_max);
     return kept;
 }
 

@@ -1,6 +1,7 @@
 // What one evaluation costs: models by kernel.glsl's text, tables by look-up. The column Time is ns for one pair of
 // directions, RGB, on one thread; the pairs are random, so that a table is read all over, as a path tracer does.
 #include <benchmark/benchmark.h>
+#include <hwy/highway.h>
 
 #include <cmath>
 #include <random>
@@ -13,6 +14,26 @@
 
 namespace srbf {
 namespace {
+
+using Target = decltype(hwy::SupportedTargets());  // uint32_t before Highway 0.17, int64_t from then on
+/// While it lives, Highway dispatches to that instruction set alone.
+class ChosenTarget {
+  public:
+    explicit ChosenTarget(Target target) { choose(target); }
+    ~ChosenTarget() { choose(0); }
+
+  private:
+    static void choose(Target target) {
+        hwy::SetSupportedTargetsForTest(target);
+        const auto update = [](auto& chosen) {
+            if constexpr (requires { chosen.Update(hwy::SupportedTargets()); })
+                chosen.Update(hwy::SupportedTargets());
+            else
+                chosen.Update();
+        };
+        update(hwy::GetChosenTarget());
+    }
+};
 
 struct Pairs {
     std::vector<Vec3f> wl, wv;
@@ -90,8 +111,9 @@ void sizes(benchmark::internal::Benchmark* benchmark) {
 void pm(benchmark::State& state) { evaluate(state, model_of(state)); }
 BENCHMARK(pm)->Apply(sizes);
 
-/// The same by batches as wide as the machine's vectors; "per_pair" is the time for one pair.
-void pm_batch(benchmark::State& state) {
+/// The same by batches, for one of the instruction sets of this machine; "per_pair" is the time for one pair.
+void pm_batch(benchmark::State& state, Target target) {
+    const ChosenTarget chosen(target);
     constexpr std::size_t count = 1 << 12;
     const PmModel model = model_of(state);
     const Pairs pairs = random_pairs(count);
@@ -103,7 +125,13 @@ void pm_batch(benchmark::State& state) {
     state.counters["per_pair"] =
         benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
-BENCHMARK(pm_batch)->Apply(sizes);
+const bool k_registered = [] {
+    for (const Target target : hwy::SupportedAndGeneratedTargets()) {
+        const std::string name = std::string("pm_batch/") + hwy::TargetName(target);
+        sizes(benchmark::RegisterBenchmark(name.c_str(), pm_batch, target));
+    }
+    return true;
+}();
 
 void merl(benchmark::State& state) {
     static const MerlTable table = merl_table();

@@ -1,39 +1,19 @@
 // What one evaluation costs: models by kernel.glsl's text, tables by look-up. The column Time is ns for one pair of
 // directions, RGB, on one thread; the pairs are random, so that a table is read all over, as a path tracer does.
 #include <benchmark/benchmark.h>
-#include <hwy/highway.h>
 
 #include <cmath>
 #include <random>
 #include <variant>
 #include <vector>
 
+#include "one_target.h"
 #include "srbf/directions.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
 
 namespace srbf {
 namespace {
-
-using Target = decltype(hwy::SupportedTargets());  // uint32_t before Highway 0.17, int64_t from then on
-/// While it lives, Highway dispatches to that instruction set alone.
-class ChosenTarget {
-  public:
-    explicit ChosenTarget(Target target) { choose(target); }
-    ~ChosenTarget() { choose(0); }
-
-  private:
-    static void choose(Target target) {
-        hwy::SetSupportedTargetsForTest(target);
-        const auto update = [](auto& chosen) {
-            if constexpr (requires { chosen.Update(hwy::SupportedTargets()); })
-                chosen.Update(hwy::SupportedTargets());
-            else
-                chosen.Update();
-        };
-        update(hwy::GetChosenTarget());
-    }
-};
 
 struct Pairs {
     std::vector<Vec3f> wl, wv;
@@ -56,12 +36,13 @@ Pairs random_pairs(std::size_t count) {
     return pairs;
 }
 
-/// An axial model of J lobes in N variates, with bandwidths from 0.1 to 1000.
-PmModel random_model(PmForm form, int lobes, int variates) {
+/// A model of J lobes in N variates, with bandwidths from 0.1 to 1000.
+PmModel random_model(PmForm form, int lobes, int variates, bool axial) {
     std::mt19937_64 random(2);
     const auto number = [&] { return float(uniform(random)); };
     PmModel model;
     model.form = form;
+    model.axial = axial;
     for (int i = 0; i < lobes * features(form); ++i) model.exponent.push_back(number());
     model.lobes = lobes;
     model.variates = variates;
@@ -70,7 +51,8 @@ PmModel random_model(PmForm form, int lobes, int variates) {
         model.log_scale.push_back(number());
     }
     for (int i = 0; i < lobes * variates; ++i) {
-        model.centre.push_back({0, 0, number() < 0.5f ? -1.f : 1.f});
+        const double z = 2 * uniform(random) - 1;
+        model.centre.push_back(axial ? Vec3f(0, 0, z < 0 ? -1 : 1) : to_float(spherical(std::acos(z), 6 * z)));
         model.bandwidth.push_back(std::pow(10.f, 4 * number() - 1));
     }
     for (int n = 0; n < variates; ++n) model.parameterization.push_back({number(), number()});
@@ -99,13 +81,14 @@ template <Brdf B> void evaluate(benchmark::State& state, const B& brdf) {
 }
 
 PmModel model_of(const benchmark::State& state) {
-    return random_model(PmForm(state.range(0)), int(state.range(1)), int(state.range(2)));
+    return random_model(PmForm(state.range(0)), int(state.range(1)), int(state.range(2)), state.range(3) != 0);
 }
 void sizes(benchmark::internal::Benchmark* benchmark) {
-    benchmark->ArgNames({"form", "J", "N"});  // 0 source, 1 horizon, 2 extended
-    for (const int form : {0, 1, 2})
-        for (const auto& [lobes, variates] : {std::pair(6, 3), {8, 4}, {16, 4}})
-            benchmark->Args({form, lobes, variates});
+    benchmark->ArgNames({"form", "J", "N", "axial"});  // form: 0 source, 1 horizon, 2 extended
+    for (const int axial : {1, 0})
+        for (const int form : {0, 1, 2})
+            for (const auto& [lobes, variates] : {std::pair(6, 3), {8, 4}, {16, 4}})
+                benchmark->Args({form, lobes, variates, axial});
 }
 
 void pm(benchmark::State& state) { evaluate(state, model_of(state)); }
@@ -113,7 +96,7 @@ BENCHMARK(pm)->Apply(sizes);
 
 /// The same by batches, for one of the instruction sets of this machine; "per_pair" is the time for one pair.
 void pm_batch(benchmark::State& state, Target target) {
-    const ChosenTarget chosen(target);
+    const OneTarget one(target);
     constexpr std::size_t count = 1 << 12;
     const PmModel model = model_of(state);
     const Pairs pairs = random_pairs(count);

@@ -137,7 +137,7 @@ HWY_INLINE Scaled<Batch> operator*(Batch s, Vec3<Batch> v) { return {s, v}; }
 // meet, since their number is no multiple of 3: they are blended into one vector, and this is put in order.
 struct Interleaved {
     BatchMask third[3];  // the lanes r, r + 3, ...
-    decltype(hn::SetTableIndices(Lanes(), static_cast<const std::int32_t*>(nullptr))) gather[3], scatter[3];
+    decltype(hn::IndicesFromVec(Lanes(), hn::Zero(LanesOfBits()))) gather[3], scatter[3];
 
     HWY_INLINE Interleaved() {
         constexpr std::size_t most = HWY_MAX_BYTES / sizeof(float);
@@ -151,12 +151,12 @@ struct Interleaved {
                 from[k] = std::int32_t(lane);
                 to[lane] = std::int32_t(k);
             }
-            gather[c] = hn::SetTableIndices(Lanes(), from);
-            scatter[c] = hn::SetTableIndices(Lanes(), to);
+            gather[c] = hn::IndicesFromVec(Lanes(), hn::Load(LanesOfBits(), from));
+            scatter[c] = hn::IndicesFromVec(Lanes(), hn::Load(LanesOfBits(), to));
             third[c] = hn::Eq(hn::Load(Lanes(), phase), hn::Set(Lanes(), float(c)));
         }
     }
-    // a, b or c, the one whose lane holds the first of `a`'s components from `first` on, the next, or the one after.
+    // In the lanes `first`, first + 3, ... those of a; in the lanes `second`, second + 3, ... those of b; in the others those of c.
     HWY_INLINE Batch blended(std::size_t first, std::size_t second, Batch a, Batch b, Batch c) const {
         return select(third[first % 3], a, select(third[second % 3], b, c));
     }

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "one_target.h"
 #include "srbf/directions.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
@@ -35,12 +36,13 @@ Pairs random_pairs(std::size_t count) {
     return pairs;
 }
 
-/// An axial model of J lobes in N variates, with bandwidths from 0.1 to 1000.
-PmModel random_model(PmForm form, int lobes, int variates) {
+/// A model of J lobes in N variates, with bandwidths from 0.1 to 1000.
+PmModel random_model(PmForm form, int lobes, int variates, bool axial) {
     std::mt19937_64 random(2);
     const auto number = [&] { return float(uniform(random)); };
     PmModel model;
     model.form = form;
+    model.axial = axial;
     for (int i = 0; i < lobes * features(form); ++i) model.exponent.push_back(number());
     model.lobes = lobes;
     model.variates = variates;
@@ -49,7 +51,8 @@ PmModel random_model(PmForm form, int lobes, int variates) {
         model.log_scale.push_back(number());
     }
     for (int i = 0; i < lobes * variates; ++i) {
-        model.centre.push_back({0, 0, number() < 0.5f ? -1.f : 1.f});
+        const double z = 2 * uniform(random) - 1;
+        model.centre.push_back(axial ? Vec3f(0, 0, z < 0 ? -1 : 1) : to_float(spherical(std::acos(z), 6 * z)));
         model.bandwidth.push_back(std::pow(10.f, 4 * number() - 1));
     }
     for (int n = 0; n < variates; ++n) model.parameterization.push_back({number(), number()});
@@ -78,20 +81,22 @@ template <Brdf B> void evaluate(benchmark::State& state, const B& brdf) {
 }
 
 PmModel model_of(const benchmark::State& state) {
-    return random_model(PmForm(state.range(0)), int(state.range(1)), int(state.range(2)));
+    return random_model(PmForm(state.range(0)), int(state.range(1)), int(state.range(2)), state.range(3) != 0);
 }
 void sizes(benchmark::internal::Benchmark* benchmark) {
-    benchmark->ArgNames({"form", "J", "N"});  // 0 source, 1 horizon, 2 extended
-    for (const int form : {0, 1, 2})
-        for (const auto& [lobes, variates] : {std::pair(6, 3), {8, 4}, {16, 4}})
-            benchmark->Args({form, lobes, variates});
+    benchmark->ArgNames({"form", "J", "N", "axial"});  // form: 0 source, 1 horizon, 2 extended
+    for (const int axial : {1, 0})
+        for (const int form : {0, 1, 2})
+            for (const auto& [lobes, variates] : {std::pair(6, 3), {8, 4}, {16, 4}})
+                benchmark->Args({form, lobes, variates, axial});
 }
 
 void pm(benchmark::State& state) { evaluate(state, model_of(state)); }
 BENCHMARK(pm)->Apply(sizes);
 
-/// The same by batches as wide as the machine's vectors; "per_pair" is the time for one pair.
-void pm_batch(benchmark::State& state) {
+/// The same by batches, for one of the instruction sets of this machine; "per_pair" is the time for one pair.
+void pm_batch(benchmark::State& state, Target target) {
+    const OneTarget one(target);
     constexpr std::size_t count = 1 << 12;
     const PmModel model = model_of(state);
     const Pairs pairs = random_pairs(count);
@@ -103,7 +108,13 @@ void pm_batch(benchmark::State& state) {
     state.counters["per_pair"] =
         benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
-BENCHMARK(pm_batch)->Apply(sizes);
+const bool k_registered = [] {
+    for (const Target target : hwy::SupportedAndGeneratedTargets()) {
+        const std::string name = std::string("pm_batch/") + hwy::TargetName(target);
+        sizes(benchmark::RegisterBenchmark(name.c_str(), pm_batch, target));
+    }
+    return true;
+}();
 
 void merl(benchmark::State& state) {
     static const MerlTable table = merl_table();

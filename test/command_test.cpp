@@ -187,7 +187,8 @@ TEST_F(Command, eval_keeps_order_and_text_of_rows) {
     const ProgramRun eval = run(folder, {"eval", *fitted / "m.srbf", "--pairs", "pairs.csv"});
     ASSERT_EQ(eval.status, 0) << eval.err;
     const auto row = [&](const char* text, Vec3f wl, Vec3f wv) {
-        const Rgb f = value(*model, wl, wv);
+        Rgb f;
+        evaluate(*model, {&wl, 1}, {&wv, 1}, {&f, 1});
         return fmt::format("{},{:.9g},{:.9g},{:.9g}\n", text, f.r, f.g, f.b);
     };
     EXPECT_EQ(eval.out, std::string("wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n") +

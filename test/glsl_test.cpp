@@ -24,21 +24,21 @@ uniform int lobes, variates, features;
 uniform bool axial;
 uniform vec4 exponent_of_lobe[16];
 uniform vec2 weight[8];
-uniform vec4 variate_of_lobe[128];   // centre, bandwidth
-uniform vec4 coefficient_of_lobe[16];  // coefficient, log scale
+uniform vec4 variate_of_lobe[128];   // centre, sharpness
+uniform vec4 coefficient_of_lobe[16];  // coefficient, scale
 Real select(Bool condition, Real a, Real b) { return condition ? a : b; }
 int pm_lobes(Pm pm) { return lobes; }
 int pm_variates(Pm pm) { return variates; }
 Real pm_weight_l(Pm pm, int n) { return weight[n].x; }
 Real pm_weight_v(Pm pm, int n) { return weight[n].y; }
 Vec3 pm_centre(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].xyz; }
-Real pm_bandwidth(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].w; }
+Real pm_sharpness(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].w; }
 Vec3 pm_coefficient(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].rgb; }
 bool pm_axial(Pm pm) { return axial; }
 bool pm_down(Pm pm, int j, int n) { return pm_centre(pm, j, n).z < 0.0; }
 int pm_features(Pm pm) { return features; }
 Real pm_exponent(Pm pm, int j, int k) { return exponent_of_lobe[pm.first + j][k]; }
-Real pm_log_scale(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].w; }
+Real pm_log2_scale(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].w; }
 )";
 
 const std::string k_main = R"(
@@ -52,7 +52,7 @@ void main() {
     f += from_frame(wl, u.x, u.y, one_minus_exp(u.x)) + psi_by_angle(wl, wv, u.x, u.y) + product.centre;
     f *= gaussian(w, wl, 2.0) * gaussian_exponent(w, wv, 2.0) * product.scale * product.bandwidth;
     PmFeatures x = pm_further_features(features, wl, wv);
-    f += x.horizon * x.difference + x.elevation * x.half_way;
+    f += x.horizon * x.difference + x.elevation * x.half_way + squared_distance_from_pole(wl, u.x, u.y);
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }
 )";
@@ -110,7 +110,7 @@ TEST_F(Glsl, WhatIsNoGlslIsRefused) {
         EXPECT_FALSE(compiles(version + k_host + broken("};", "}") + k_main));
         EXPECT_FALSE(compiles(version + text + k_main));  // a host that names nothing
         std::string incomplete = k_host;
-        incomplete.replace(incomplete.find("pm_log_scale"), 12, "pm_other");
+        incomplete.replace(incomplete.find("pm_log2_scale"), 13, "pm_other");
         EXPECT_FALSE(compiles(version + incomplete + text + k_main));
     }
 }

@@ -7,11 +7,13 @@
 namespace srbf {
 namespace {
 
-const RglTable& bundled(const std::string& name) {
-    static std::map<std::string, Measured> loaded;
+const RglTable& bundled(std::string_view name) {
+    static std::map<std::string, Measured, std::less<>> loaded;
     auto entry = loaded.find(name);
-    if (entry == loaded.end())
-        entry = loaded.emplace(name, *load_measured((bundled_data() / (name + "_rgb.bsdf")).string())).first;
+    if (entry == loaded.end()) {
+        const auto path = bundled_data() / (std::string(name) + "_rgb.bsdf");
+        entry = loaded.emplace(name, *load_measured(path.string())).first;
+    }
     return std::get<RglTable>(entry->second.table);
 }
 

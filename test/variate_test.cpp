@@ -17,6 +17,7 @@ inline Dual operator*(Dual a, Dual b) { return Dual(a.v * b.v, a.d * b.v + a.v *
 inline Dual operator/(Dual a, Dual b) { return Dual(a.v / b.v, (a.d * b.v - a.v * b.d) / (b.v * b.v)); }
 inline bool operator<(Dual a, Dual b) { return a.v < b.v; }
 inline Dual exp(Dual a) { return Dual(std::exp(a.v), std::exp(a.v) * a.d); }
+inline Dual exp2(Dual a) { return exp(Dual(std::log(2.0)) * a); }
 inline Dual log(Dual a) { return Dual(std::log(a.v), a.d / a.v); }
 inline Dual sqrt(Dual a) { return Dual(std::sqrt(a.v), a.d / (2 * std::sqrt(a.v))); }
 inline Dual inversesqrt(Dual a) { return Dual(1) / sqrt(a); }

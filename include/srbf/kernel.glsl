@@ -7,10 +7,10 @@
 //   Pm                      a handle of a multivariate model, answering
 //     pm_lobes(pm), pm_variates(pm)          J, N                            [int, N <= SRBF_MAX_VARIATES]
 //     pm_weight_l(pm, n), pm_weight_v(pm, n) a_n, b_n of variate n
-//     pm_centre(pm, j, n), pm_bandwidth(pm, j, n)  xi_jn (unit vector), lambda_jn >= 0
+//     pm_centre(pm, j, n), pm_sharpness(pm, j, n)  xi_jn (unit vector), lambda_jn log2(e) / 2 >= 0
 //     pm_axial(pm), pm_down(pm, j, n)        whether every centre is +z or -z; whether this one is -z  [bool]
-//     pm_coefficient(pm, j), pm_log_scale(pm, j)   beta_j (R, G, B), s_j
-//     pm_features(pm), pm_exponent(pm, j, k)       F = 0, 1 or 4 [int], exponents kappa_jk
+//     pm_coefficient(pm, j), pm_log2_scale(pm, j)  beta_j (R, G, B), s_j log2(e)
+//     pm_features(pm), pm_exponent(pm, j, k)       F = 0, 1 or 4 [int], kappa_jk log2(e)
 // No branch depends on a value, so that Real may be a batch of numbers. Directions are unit vectors; wl points to the
 // light, wv to the viewer, the shading normal is +z. Angles are in radians.
 
@@ -142,34 +142,52 @@ SRBF_FN PmFeatures pm_further_features(int count, Vec3 wl, Vec3 wv) {
     return x;
 }
 
+// |psi - p|^2 of psi = d / |d| and the pole p = (0, 0, pole), with reciprocal = 1 / |d|.
+SRBF_FN Real squared_distance_from_pole(Vec3 d, Real reciprocal, Real pole) {
+    Real along = reciprocal * d.z - pole;
+    return reciprocal * reciprocal * (d.x * d.x + d.y * d.y) + along * along;
+}
+
 // rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr], for R, G, B, with
-// x_k the further features. An exponent is cut at 70, which keeps every sum of lobes of a stored model finite in float.
+// x_k the further features. A lobe is taken as a power of two, of the exponent
+//     s_j log2(e) - sum_n (lambda_jn log2(e) / 2) |psi_n - xi_jn|^2 + sum_k (kappa_jk log2(e)) x_k,
+// cut at 100, which keeps every sum of lobes of a stored model finite in float.
 SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
     Vec3 variate[SRBF_MAX_VARIATES];
-    Real up[SRBF_MAX_VARIATES];  // exponents of bandwidth 1 about +z and -z, all that axial lobes need
+    Real up[SRBF_MAX_VARIATES];  // squared distances from +z and -z, all that axial lobes need
     Real down[SRBF_MAX_VARIATES];
     for (int n = 0; n < pm_variates(pm); ++n) {
-        variate[n] = psi(wl, wv, Real(pm_weight_l(pm, n)), Real(pm_weight_v(pm, n)));
-        up[n] = gaussian_exponent(variate[n], Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(1.0));
-        down[n] = gaussian_exponent(variate[n], Vec3(Real(0.0), Real(0.0), Real(-1.0)), Real(1.0));
+        Real a = Real(pm_weight_l(pm, n));
+        Real b = Real(pm_weight_v(pm, n));
+        if (pm_axial(pm)) {
+            Vec3 d = a * wl + b * wv;
+            Real reciprocal = inversesqrt(max(dot(d, d), Real(1.0e-20)));
+            up[n] = squared_distance_from_pole(d, reciprocal, Real(1.0));
+            down[n] = squared_distance_from_pole(d, reciprocal, Real(-1.0));
+        } else {
+            variate[n] = psi(wl, wv, a, b);
+        }
     }
-    PmFeatures features = pm_further_features(pm_features(pm), wl, wv);
+    PmFeatures features;
+    if (pm_features(pm) > 0) features = pm_further_features(pm_features(pm), wl, wv);
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     for (int j = 0; j < pm_lobes(pm); ++j) {
-        Real exponent = Real(pm_log_scale(pm, j));
+        Real exponent = Real(pm_log2_scale(pm, j));
         for (int n = 0; n < pm_variates(pm); ++n) {
-            Real bandwidth = Real(pm_bandwidth(pm, j, n));
-            if (pm_axial(pm))
-                exponent = exponent + bandwidth * (pm_down(pm, j, n) ? down[n] : up[n]);
-            else
-                exponent = exponent + gaussian_exponent(variate[n], pm_centre(pm, j, n), bandwidth);
+            Real sharpness = Real(pm_sharpness(pm, j, n));
+            if (pm_axial(pm)) {
+                exponent = exponent - sharpness * (pm_down(pm, j, n) ? down[n] : up[n]);
+            } else {
+                Vec3 apart = variate[n] - pm_centre(pm, j, n);
+                exponent = exponent - sharpness * dot(apart, apart);
+            }
         }
         if (pm_features(pm) > 0) exponent = exponent + Real(pm_exponent(pm, j, 0)) * features.horizon;
         if (pm_features(pm) > 1)
             exponent = exponent + Real(pm_exponent(pm, j, 1)) * features.difference +
                        Real(pm_exponent(pm, j, 2)) * features.elevation +
                        Real(pm_exponent(pm, j, 3)) * features.half_way;
-        sum = sum + exp(min(exponent, Real(70.0))) * pm_coefficient(pm, j);
+        sum = sum + exp2(min(exponent, Real(100.0))) * pm_coefficient(pm, j);
     }
     return sum;
 }

@@ -17,6 +17,7 @@ namespace kernel {
 template <typename Real>
 concept Number = std::is_floating_point_v<Real>;
 template <Number Real> inline Real exp(Real x) { return std::exp(x); }
+template <Number Real> inline Real exp2(Real x) { return std::exp2(x); }
 template <Number Real> inline Real log(Real x) { return std::log(x); }
 template <Number Real> inline Real sqrt(Real x) { return std::sqrt(x); }
 template <Number Real> inline Real inversesqrt(Real x) { return 1 / std::sqrt(x); }

@@ -1,22 +1,41 @@
 // kernel.glsl as the body of a struct, without include guard: kernel.h includes it for numbers, SIMD code once more for
 // each instruction set. `Triple<Real>` is the Vec3 of the including namespace.
+#ifndef SRBF_FN
 #define SRBF_FN static
+#endif
 template <typename Real_, typename Model> struct Formulas {
     using Real = Real_;
     using Vec3 = Triple<Real_>;
     using Bool = decltype(Real_() < Real_());
     using Pm = const Model&;
 
+    // A PmModel's exponents are to the base e; another model brings its numbers as the text takes them.
+    static auto in_bits(Pm, float x, double factor) {
+        if constexpr (std::is_same_v<Model, PmModel>)
+            return factor * 1.4426950408889634 * double(x);
+        else
+            return x;
+    }
     static int pm_lobes(Pm pm) { return pm.lobes; }
     static int pm_variates(Pm pm) { return pm.variates; }
     static float pm_weight_l(Pm pm, int n) { return pm.parameterization[std::size_t(n)].a; }
     static float pm_weight_v(Pm pm, int n) { return pm.parameterization[std::size_t(n)].b; }
-    static float pm_bandwidth(Pm pm, int j, int n) { return pm.bandwidth[std::size_t(j * pm.variates + n)]; }
+    static auto pm_sharpness(Pm pm, int j, int n) {
+        return in_bits(pm, pm.bandwidth[std::size_t(j * pm.variates + n)], 0.5);
+    }
     static bool pm_axial(Pm pm) { return pm.axial; }
-    static bool pm_down(Pm pm, int j, int n) { return pm.centre[std::size_t(j * pm.variates + n)].z < 0; }
+    static bool pm_down(Pm pm, int j, int n) {
+        const auto i = std::size_t(j * pm.variates + n);
+        if constexpr (std::is_same_v<Model, PmModel>)
+            return pm.centre[i].z < 0;
+        else
+            return pm.down[i];
+    }
     static int pm_features(Pm pm) { return features(pm.form); }
-    static float pm_exponent(Pm pm, int j, int k) { return pm.exponent[std::size_t(j * features(pm.form) + k)]; }
-    static float pm_log_scale(Pm pm, int j) { return pm.log_scale[std::size_t(j)]; }
+    static auto pm_exponent(Pm pm, int j, int k) {
+        return in_bits(pm, pm.exponent[std::size_t(j * features(pm.form) + k)], 1.0);
+    }
+    static auto pm_log2_scale(Pm pm, int j) { return in_bits(pm, pm.log_scale[std::size_t(j)], 1.0); }
     static Vec3 pm_centre(Pm pm, int j, int n) {
         const auto& centre = pm.centre[std::size_t(j * pm.variates + n)];
         return Vec3(Real(centre.x), Real(centre.y), Real(centre.z));

@@ -63,11 +63,12 @@ void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
     const float* root_weight = &rows.root_weight[block * k_block];
     const Batch shift{double(offset)};
     for (std::size_t i = 0; i < k_block; i += Batch::size())
-        (Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, Batch(0.0)))).store(x + i);
+        Batch(Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, Batch(0.0)))).store(x + i);
 }
 
 void multiply(const float* a, const float* b, float* out) {
-    for (std::size_t i = 0; i < k_block; i += Batch::size()) (Batch::load(a + i) * Batch::load(b + i)).store(out + i);
+    for (std::size_t i = 0; i < k_block; i += Batch::size())
+        Batch(Batch::load(a + i) * Batch::load(b + i)).store(out + i);
 }
 
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {

@@ -1,0 +1,166 @@
+// Models on arrays of pairs against kernel.glsl in double, for each instruction set of this machine.
+#include <algorithm>
+
+#include "models.h"
+#include "one_target.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+struct Pairs {
+    std::vector<Vec3f> wl, wv;
+    void add(Vec3d l, Vec3d v) {
+        wl.push_back(to_float(l));
+        wv.push_back(to_float(v));
+    }
+};
+
+std::vector<Rgb> evaluated(const PmModel& model, const Pairs& pairs) {
+    std::vector<Rgb> f(pairs.wl.size());
+    evaluate(model, pairs.wl, pairs.wv, f);
+    return f;
+}
+
+Vec3d widen(Vec3f w) { return {double(w.x), double(w.y), double(w.z)}; }
+std::vector<Vec3d> exact(const PmModel& model, const Pairs& pairs) {
+    std::vector<Vec3d> f;
+    for (std::size_t i = 0; i < pairs.wl.size(); ++i) {
+        const Vec3d wl = widen(pairs.wl[i]), wv = widen(pairs.wv[i]);
+        f.push_back(wl.z > 0 && wv.z > 0 ? Kernel<double>::pm_value(model, wl, wv) : Vec3d());
+    }
+    return f;
+}
+
+/// Within 1e-4, or 1e-6 of the largest value of that channel, or what float holds no more.
+void expect_exact(const PmModel& model, const Pairs& pairs) {
+    const std::vector<Rgb> f = evaluated(model, pairs);
+    const std::vector<Vec3d> expected = exact(model, pairs);
+    for (int c = 0; c < 3; ++c) {
+        const auto channel = [&](const Vec3d& e) { return c == 0 ? e.x : c == 1 ? e.y : e.z; };
+        double peak = 0;
+        for (const Vec3d& e : expected) peak = std::max(peak, channel(e));
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            const double e = channel(expected[i]);
+            EXPECT_TRUE(near(f[i][c], e, std::max({1e-4 * e, 1e-6 * peak, 1e-35})))
+                << f[i][c] << ' ' << e << ' ' << peak << " off by " << double(f[i][c]) / e - 1;
+        }
+    }
+}
+
+/// `count` directions wv at distances up to `reach` from the mirror direction of wl, in all directions from it.
+void add_about_mirror(Pairs& pairs, std::mt19937_64& random, Vec3d wl, double reach, int count) {
+    for (int i = 0; i < count; ++i) {
+        const Vec3d wv = normalize(mirror(wl) + (reach * uniform(random)) * random_direction(random));
+        if (wv.z > 0) pairs.add(wl, wv);
+    }
+}
+
+class EvaluateOn : public testing::TestWithParam<Target> {
+  protected:
+    const OneTarget target_{GetParam()};
+    std::mt19937_64 random_{1};
+};
+INSTANTIATE_TEST_SUITE_P(EachTarget, EvaluateOn, testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
+                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+
+TEST_P(EvaluateOn, AgreesWithDouble) {
+    Pairs pairs;
+    for (int i = 0; i < 300; ++i) pairs.add(random_direction(random_, -0.2), random_direction(random_, -0.2));
+    for (int i = 0; i < 20; ++i) add_about_mirror(pairs, random_, random_direction(random_, 0.05), 0.3, 10);
+    for (const PmForm form : k_forms)
+        for (const bool axial : {true, false})
+            for (int variates = 1; variates <= k_most_variates; ++variates)
+                for (const int lobes : {1, 6})
+                    expect_exact(random_model(random_, {axial, variates % 2 == 0, lobes, variates, 3000, form}), pairs);
+}
+
+TEST_P(EvaluateOn, KeepsTheDigitsOfTheSharpestPeaks) {
+    for (const bool axial : {true, false})
+        for (const Parameterization p : {Parameterization{1, 1}, {0.7f, 0.7f}, {-0.7f, -0.7f}, {0.8f, 0.6f}}) {
+            PmModel model = random_model(random_, {.axial = axial, .lobes = 2, .variates = 1});
+            model.parameterization = {p};
+            model.bandwidth = {k_half_max, 3000};
+            const float pole = p.a > 0 ? 1.f : -1.f;
+            model.centre = {{0, 0, pole}, {0, 0, pole}};
+            for (const double theta : {0.0, 0.1, 0.7, 1.3, 1.5}) {
+                Pairs pairs;
+                add_about_mirror(pairs, random_, spherical(theta, 1.0), 0.1, 500);
+                add_about_mirror(pairs, random_, spherical(theta, 1.0), 0.01, 500);
+                expect_exact(model, pairs);
+            }
+        }
+}
+
+TEST_P(EvaluateOn, HoldsAtTheHorizon) {
+    Pairs pairs;
+    for (const double cosine : {1e-30, 1e-8, 1e-6, 1e-5, 1e-3, 0.1, 0.0, -0.0, -1e-30, -0.5, 1.0})
+        for (int i = 0; i < 50; ++i) {
+            const double phi = 2 * k_pi * uniform(random_);
+            const Vec3d low = normalize(Vec3d(std::cos(phi), std::sin(phi), cosine)),
+                        other = random_direction(random_, 0);
+            pairs.add(low, other);
+            pairs.add(other, low);
+            pairs.add(low, mirror(low));
+            pairs.add(low, -1.0 * low);
+        }
+    for (const PmForm form : k_forms)
+        for (const bool axial : {true, false}) {
+            const PmModel model = random_model(random_, {.axial = axial, .log_scale = true, .form = form});
+            expect_exact(model, pairs);
+            const std::vector<Rgb> f = evaluated(model, pairs);
+            for (std::size_t i = 0; i < f.size(); ++i)
+                if (!(pairs.wl[i].z > 0 && pairs.wv[i].z > 0)) {
+                    EXPECT_EQ(f[i], Rgb());
+                }
+        }
+}
+
+TEST_P(EvaluateOn, UnderflowsToZeroAndIsCutBeforeInfinity) {
+    Pairs pairs;
+    for (int i = 0; i < 200; ++i) pairs.add(random_direction(random_, 0), random_direction(random_, 0));
+    PmModel model = random_model(random_, {.lobes = 1, .variates = 1});
+    model.parameterization = {{1, 1}};
+    model.centre = {{0, 0, -1}};  // at least sqrt(2) away
+    model.coefficient = {{k_half_max, 1, 0}};
+    for (const float bandwidth : {130.f, 1000.f, k_half_max}) {
+        model.bandwidth = {bandwidth};
+        for (const Rgb& f : evaluated(model, pairs)) EXPECT_EQ(f, Rgb());
+    }
+    for (double least = -88; least <= -80; least += 0.01) {  // e^-87.3 is the least normal number
+        model.bandwidth = {0};
+        model.log_scale = {float(least)};
+        const double expected = std::exp(double(model.log_scale[0]));
+        for (const Rgb& f : evaluated(model, pairs)) EXPECT_TRUE(near(f.g, expected, 1e-4 * expected + 0x1p-126));
+    }
+    model.lobes = k_most_lobes;
+    model.coefficient.assign(k_most_lobes, {k_half_max, 1, 0});
+    model.log_scale.assign(k_most_lobes, k_half_max);
+    model.centre.assign(k_most_lobes, {0, 0, 1});
+    model.bandwidth.assign(k_most_lobes, 0);
+    for (const Rgb& f : evaluated(model, pairs)) {
+        EXPECT_TRUE(is_finite(f));
+        EXPECT_TRUE(near_relative(f.g, 1024 * 0x1p100, 1e-4));
+        EXPECT_EQ(f.b, 0);
+    }
+}
+
+TEST_P(EvaluateOn, APairsValueDoesNotDependOnItsPlace) {
+    Pairs pairs;
+    for (int i = 0; i < 150; ++i) pairs.add(random_direction(random_, 0), random_direction(random_, 0));
+    for (int trial = 0; trial < 12; ++trial) {
+        const PmModel model = random_model(random_, {.axial = trial % 2 == 0, .form = k_forms[std::size_t(trial % 3)]});
+        const std::vector<Rgb> all = evaluated(model, pairs);
+        for (std::size_t first = 0; first < 40; first += 3)
+            for (std::size_t count = 0; count <= 70; count += 7) {
+                std::vector<Rgb> f(count + 1, Rgb{-1, -1, -1});
+                evaluate(model, std::span(pairs.wl).subspan(first, count), std::span(pairs.wv).subspan(first, count),
+                         std::span(f).first(count));
+                EXPECT_TRUE(std::equal(f.begin(), f.end() - 1, all.begin() + std::ptrdiff_t(first)));
+                EXPECT_EQ(f.back(), (Rgb{-1, -1, -1}));
+            }
+    }
+}
+
+}  // namespace
+}  // namespace srbf

@@ -28,7 +28,8 @@ struct Outcome {
 struct FitCommand {
     std::string input, output, preview, json;
     std::string model = "pm", form = std::string(name(FitOptions{}.form)), objective = "cosine";
-    bool axial = true, no_scale = false;
+    int axial = 0;  // 1: axial lobes, -1: general ones, 0: as the measurement asks for
+    bool no_scale = false;
     double max_theta = 0;  // [degrees], 0: the objective's default
     int lobes = FitOptions{}.lobes, variates = FitOptions{}.variates, threads = 0;
     std::uint64_t seed = 0;
@@ -123,6 +124,7 @@ Result<Outcome> FitCommand::fit(const Measured& measured) const {
 
     FitOptions options;
     options.form = *form_named(form);
+    options.axial = axial > 0 || (axial == 0 && is_isotropic(signed_evaluator(measured), observing.max_theta));
     options.lobes = lobes;
     options.variates = variates;
     options.log_scale = !no_scale;
@@ -235,7 +237,9 @@ void add_fit(CLI::App& app, int& status) {
         ->type_name("N")
         ->check(within(1, k_most_variates))
         ->capture_default_str();
-    sub->add_flag("--axial", command->axial, "Centres at +z or -z, for isotropic measurements (always on so far)");
+    sub->add_flag("--axial{1},--no-axial{-1}", command->axial,
+                  "Centres at +z or -z alone, or anywhere, 4 J N bytes more;\n"
+                  "default: anywhere if turning about the normal changes the measurement");
     sub->add_flag("--no-scale", command->no_scale,
                   "Store no log scale: bounds the coefficients in the fit,\n2 J bytes fewer, larger errors");
     sub->add_option(

@@ -105,6 +105,26 @@ TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAboutTheNormal) {
     }
 }
 
+TEST_P(Gram, GeneralFeaturesAreThoseOfTheText) {
+    const auto wide = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
+    using K = Kernel<double>;
+    const double a = std::cos(0.4), b = std::sin(0.4);
+    Aligned<float> s(3 * k_block), by(3 * k_block);
+    for (std::size_t block = 0; block < 3; ++block) {
+        general_features(rows_, block, float(a), float(b), s.data(), by.data());
+        for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
+            const Vec3d wl = wide(observations_.wl[block * k_block + i]),
+                        wv = wide(observations_.wv[block * k_block + i]);
+            const Vec3d psi = K::psi(wl, wv, a, b), by_angle = K::psi_by_angle(wl, wv, a, b);
+            const double expected[] = {psi.x, psi.y, psi.z - 1, by_angle.x, by_angle.y, by_angle.z};
+            for (std::size_t k = 0; k < 3; ++k) {
+                EXPECT_TRUE(near(s[k * k_block + i], expected[k], 2e-6));
+                EXPECT_TRUE(near(by[k * k_block + i], expected[3 + k], 4e-6));
+            }
+        }
+    }
+}
+
 TEST_P(Gram, FurtherFeaturesAreThoseOfTheText) {
     const auto wide = [](Vec3f w) { return Vec3d(double(w.x), double(w.y), double(w.z)); };
     for (const int count : {1, 4}) {

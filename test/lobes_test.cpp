@@ -22,12 +22,17 @@ Observations observations(std::size_t count = 4096) {
     return *observe(f, {Objective::raw, 0, count, 7});
 }
 
+Lobes general_lobes() {
+    return {{PmForm::extended, 2, false}, {0.7, 1.4}, {3,         -2, 40, 0.5, 1,   1, 0.5, 3,  0.2, 2,
+                                                       /**/ -1.5, 2,  -1, 1,   0.3, 4, 0.7, -4, 0.3, 5}};
+}
+
 const Rows& rows() {
     static const Rows all(observations());
     return all;
 }
 
-Lobes some_lobes() { return {PmForm::source, 3, {0.7, 0.1, 1.4}, {40, -2, 1, 3, 0.5, -1.5, -0.7, 4, 2}}; }
+Lobes some_lobes() { return {{PmForm::source, 3}, {0.7, 0.1, 1.4}, {40, -2, 1, 3, 0.5, -1.5, -0.7, 4, 2}}; }
 
 /// 2 Jᵀr of linearise against central differences of the loss.
 void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
@@ -49,25 +54,62 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
 }
 
 TEST(Lobes, GradientIsThatOfTheLoss) {
-    const Lobes horizon{PmForm::horizon, 2, {0.7, 1.4}, {40, 1, 0.5, 3, -1.5, 1}},
-        extended{PmForm::extended, 2, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
-    for (const Lobes& lobes : {some_lobes(), horizon, extended}) {
-        LobeProblem problem(rows(), 8, lobes.form, lobes.variates, false);
+    const Lobes horizon{{PmForm::horizon, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, -1.5, 1}},
+        extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
+    for (const Lobes& lobes : {some_lobes(), horizon, extended, general_lobes()}) {
+        LobeProblem problem(rows(), 8, lobes.shape, false);
         check_gradient(problem, LobeProblem::pack(lobes));
     }
 }
 
 TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
-    LobeProblem problem(rows(), 8, PmForm::source, 3, false, -3.0);
+    LobeProblem problem(rows(), 8, {PmForm::source, 3}, false, -3.0);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     const double bounded = problem.loss(x);
-    LobeProblem free(rows(), 8, PmForm::source, 3, false);
+    LobeProblem free(rows(), 8, {PmForm::source, 3}, false);
     ASSERT_GT(bounded, 1.05 * free.loss(x));  // the bound is felt
     check_gradient(problem, x);
+
+    LobeProblem general(rows(), 8, {PmForm::extended, 2, false}, false, 0.0);
+    const Eigen::VectorXd y = LobeProblem::pack(general_lobes());
+    LobeProblem general_free(rows(), 8, {PmForm::extended, 2, false}, false);
+    ASSERT_GT(general.loss(y), 1.05 * general_free.loss(y));
+    check_gradient(general, y);
+}
+
+// Of an albedo the difference of the sums counts, squared and relative to the albedo's luminance.
+TEST(Lobes, LossCountsAlbedo) {
+    const Observations o = observations();
+    const double importance = 0.3;
+    const Rows with(o, importance);
+    for (const Lobes& lobes : {some_lobes(), general_lobes()}) {
+        LobeProblem problem(with, with.whole_blocks, lobes.shape, false);
+        const Eigen::VectorXd x = LobeProblem::pack(lobes);
+        const double loss = problem.loss(x);
+        check_gradient(problem, x);
+        const PmModel model = to_model(problem, lobes, true);
+        double expected = 0;
+        for (std::size_t i = 0; i < o.f.size() - o.checks; ++i)
+            for (int c = 0; c < 3; ++c)
+                expected += o.weight[i] * std::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
+        for (const AlbedoObservation& albedo : o.albedo) {
+            double whole = 0;
+            std::array<double, 3> off{};
+            for (std::size_t i = 0; i < albedo.wl.size(); ++i) {
+                whole += albedo.weight[i] * luminance(albedo.f[i]);
+                const Rgb f = value(model, albedo.wl[i], albedo.wv);
+                for (int c = 0; c < 3; ++c)
+                    off[std::size_t(c)] += albedo.weight[i] * (double(albedo.f[i][c]) - double(f[c]));
+            }
+            for (const double difference : off)
+                expected += importance / double(o.albedo.size()) * std::pow(difference / whole, 2);
+        }
+        EXPECT_TRUE(near_relative(loss, expected, 2e-3));
+    }
 }
 
 TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
-    LobeProblem problem(rows(), 8, PmForm::source, 3, false);
+    LobeProblem problem(rows(), 8, {PmForm::source, 3}, false);
     const Lobes lobes = some_lobes();
     const Eigen::VectorXd x = LobeProblem::pack(lobes);
     const double loss = problem.loss(x);
@@ -106,8 +148,8 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
 
 TEST(Lobes, AreTheSameInParallel) {
     const Rows many(observations(1 << 16));
-    LobeProblem serial(many, many.blocks, PmForm::source, 3, false),
-        parallel(many, many.blocks, PmForm::source, 3, true);
+    LobeProblem serial(many, many.blocks, {PmForm::source, 3}, false),
+        parallel(many, many.blocks, {PmForm::source, 3}, true);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     EXPECT_EQ(serial.loss(x), parallel.loss(x));
     Eigen::MatrixXd H1, H2;
@@ -119,8 +161,8 @@ TEST(Lobes, AreTheSameInParallel) {
 }
 
 TEST(Lobes, DroppingCostsWhatItSays) {
-    LobeProblem problem(rows(), 8, PmForm::source, 3, false);
-    const Lobes lobes{PmForm::source, 3, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
+    LobeProblem problem(rows(), 8, {PmForm::source, 3}, false);
+    const Lobes lobes{{PmForm::source, 3}, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
     const double loss = problem.loss(LobeProblem::pack(lobes));
     const std::vector<double> cost = problem.cost_of_dropping();
     for (std::size_t j = 0; j < 3; ++j) {
@@ -134,7 +176,7 @@ TEST(Lobes, DroppingCostsWhatItSays) {
 }
 
 TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
-    LobeProblem problem(rows(), 8, PmForm::source, 3, false);
+    LobeProblem problem(rows(), 8, {PmForm::source, 3}, false);
     Lobes lobes = some_lobes();
     lobes.weight.resize(6);
     std::mt19937_64 random(5);
@@ -174,7 +216,7 @@ TEST(Rounding, KeepsDirections) {
 }
 
 TEST(Rounding, ModelOfLobesEvaluatesToThem) {
-    LobeProblem problem(rows(), 8, PmForm::source, 3, false);
+    LobeProblem problem(rows(), 8, {PmForm::source, 3}, false);
     const Lobes lobes = some_lobes();
     problem.loss(LobeProblem::pack(lobes));
     const PmModel model = to_model(problem, lobes, true);

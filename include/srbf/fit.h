@@ -41,8 +41,8 @@ struct Observations {
     std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
     std::size_t checks = 0;      ///< the last so many are no part of Σ: a fit that exceeds them by far takes them in
     std::vector<AlbedoObservation> albedo;  ///< what the last steps of a fit keep as well
-    std::uint64_t masked = 0;    ///< pairs drawn where nothing was measured
-    std::uint64_t clamped = 0;   ///< negative channel values, set to 0
+    std::uint64_t masked = 0;               ///< pairs drawn where nothing was measured
+    std::uint64_t clamped = 0;              ///< negative channel values, set to 0
 };
 
 struct ObserveOptions {
@@ -60,6 +60,10 @@ struct ObserveOptions {
 /// negative (see signed_value) or NaN. Errors: no pair has a value; all values are 0.
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options);
 
+/// Whether f(Rωl, Rωv) = f(ωl, ωv) for rotations R about the normal, up to rounding or noise, over θ ≤ max_theta [rad]: the mean square of what any
+/// rotation changes in f cosθl cosθv is at most 1e-6 of that of f cosθl cosθv itself; or 2 % of it, and no more than 2.5 times what 15° change.
+bool is_isotropic(const Evaluate& f, double max_theta);
+
 /// What is going on, for a progress display.
 struct Progress {
     std::string_view stage;
@@ -70,6 +74,7 @@ using ProgressCallback = std::function<bool(const Progress&)>;
 
 struct FitOptions {
     PmForm form = PmForm::extended;
+    bool axial = true;       ///< centres at +z or −z alone, which is all that isotropic data need
     int lobes = 8;           ///< J, 1..64
     int variates = 4;        ///< N, 1..8
     bool log_scale = true;   ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
@@ -90,13 +95,13 @@ std::string_view name(StopReason reason);
 
 struct PmFit {
     PmModel model;      ///< every number a half
-    PmModel unrounded;  ///< before rounding; its parameterizations are those of `model`
-    double loss = 0;    ///< Σ w |f−f̂|² over the observations, guards, exceeded checks and albedo among them, of `model`
+    PmModel unrounded;  ///< before rounding
+    double loss = 0;  ///< Σ w |f−f̂|² over the observations, guards, exceeded checks and albedo among them, of `model`
     double unrounded_loss = 0;  ///< the same of `unrounded`
     StopReason stop = StopReason::converged;
 };
 
-/// Fits parameterized multivariate SRBFs with axial lobes by separable least squares: for any centres,
+/// Fits parameterized multivariate SRBFs by separable least squares: for any centres,
 /// bandwidths and parameterizations the coefficients follow from a non-negative linear problem; the others by
 /// Levenberg-Marquardt on what remains (Kaufman 1975), from lobes grown one by one. Docs: docs/fitting.md.
 /// Errors: options out of range, fewer observations than parameters, values that are not finite.

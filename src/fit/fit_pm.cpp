@@ -75,8 +75,7 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
     if (observations.checks > count)
         return Error{"fit", {}, "checks", fmt::format("at most {}", count), fmt::format("{}", observations.checks)};
     const std::size_t values = 3 * (count - observations.checks);
-    const auto parameters =
-        std::size_t(options.lobes * (3 + options.variates + features(options.form)) + 2 * options.variates);
+    const auto parameters = std::size_t(options.lobes * (3 + shape_of(options).width()) + 2 * options.variates);
     if (values < parameters)
         return Error{
             "fit", {}, "observations", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
@@ -143,7 +142,7 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
         steps.max_iterations = reporter.cancelled() ? 0 : 40;
         for (int round = 0;; ++round) {
             const Rows rows(all, albedo_importance);
-            LobeProblem problem(rows, rows.whole_blocks, options.form, options.variates, true, log_peak_limit);
+            LobeProblem problem(rows, rows.whole_blocks, shape_of(options), true, log_peak_limit);
             Eigen::VectorXd x = LobeProblem::pack(best);
             const auto summary = levenberg_marquardt(problem, x, steps);
             best = problem.unpack(x);
@@ -152,9 +151,9 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
             fit.unrounded = to_model(problem, best, options.log_scale);
 
             // The nonlinear numbers are rounded, then the coefficients solved again.
-            const Lobes halves = to_lobes(rounded(fit.unrounded));
+            const Lobes halves = to_lobes(to_halves(fit.unrounded, best));
             fit.loss = problem.loss(LobeProblem::pack(halves));
-            fit.model = rounded(to_model(problem, halves, options.log_scale));
+            fit.model = to_halves(to_model(problem, halves, options.log_scale), halves);
             if (round == k_check_rounds || reporter.cancelled()) break;
             if (take_exceeded(all, first_check, fit.model, fit.loss) == 0) break;
             steps.max_iterations = 12;

@@ -40,6 +40,8 @@ struct Rows {
 
 /// For rows of one block and ψ of angle (a, b): s = −|ψ−ẑ|²/2 = ψ_z − 1 and its derivative by the angle.
 void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle);
+/// The same for centres anywhere: ψ_x, ψ_y, ψ_z − 1, one after the other, and their derivatives: 3 × k_block numbers each.
+void general_features(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle);
 /// The `count` further features of a form (kernel.glsl: pm_further_features), one after the other: 1 or 4 × k_block numbers.
 void further_features(const Rows& rows, std::size_t block, int count, float* features);
 /// x = Σ_n weight[n] s[n]; returns the largest of the rows with a positive weight, the lowest float where there is none.

@@ -16,33 +16,32 @@ constexpr float k_nothing = -std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-LobeProblem::LobeProblem(const Rows& rows, std::size_t blocks, PmForm form, int variates, bool parallel,
+LobeProblem::LobeProblem(const Rows& rows, std::size_t blocks, const LobeShape& shape, bool parallel,
                          double log_peak_limit)
     : rows_(rows),
       blocks_(std::min(blocks, rows.whole_blocks)),
-      form_(form),
-      variates_(variates),
-      width_(variates + features(form)),
+      shape_(shape),
       parallel_(parallel),
       log_peak_limit_(log_peak_limit),
-      feature_(blocks_ * std::size_t(width_ + variates) * k_block),
+      feature_(blocks_ * std::size_t(shape.width() + shape.directional()) * k_block),
       rest_(blocks_ * 3 * k_block) {
-    if (width_ == variates_) return;
+    if (features(shape.form) == 0) return;
     for (std::size_t block = 0; block < blocks_; ++block)
-        further_features(rows_, block, width_ - variates_, feature(block, variates_));
+        further_features(rows_, block, features(shape.form), feature(block, shape.directional()));
 }
 
 Eigen::VectorXd LobeProblem::bounds(Eigen::Index size, double Interval::*side) const {
     const Interval angles{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     Eigen::VectorXd b(size);
-    b.head(variates_).setConstant(angles.*side);
-    for (Eigen::Index i = variates_; i < size; ++i) b[i] = weight_range(int(i - variates_) % width_, variates_).*side;
+    b.head(shape_.variates).setConstant(angles.*side);
+    for (Eigen::Index i = shape_.variates; i < size; ++i)
+        b[i] = weight_range(int(i - shape_.variates) % shape_.width(), shape_).*side;
     return b;
 }
 
 Eigen::VectorXd LobeProblem::longest_step(const Eigen::VectorXd& x) const {
     Eigen::VectorXd longest = 0.5 * x.cwiseAbs().array() + 2;
-    longest.head(variates_).setConstant(0.5);
+    longest.head(shape_.variates).setConstant(0.5);
     return longest;
 }
 
@@ -54,7 +53,8 @@ Eigen::VectorXd LobeProblem::pack(const Lobes& lobes) {
 }
 
 Lobes LobeProblem::unpack(const Eigen::VectorXd& x) const {
-    return {form_, variates_, {x.begin(), x.begin() + variates_}, {x.begin() + variates_, x.end()}};
+    const auto weights = x.begin() + shape_.variates;
+    return {shape_, {x.begin(), weights}, {weights, x.end()}};
 }
 
 template <typename Body> void LobeProblem::for_chunks(const Body& body) const {
@@ -94,8 +94,8 @@ Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, co
 }
 
 double LobeProblem::loss(const Eigen::VectorXd& x) {
-    lobes_ = (int(x.size()) - variates_) / width_;
-    const std::size_t J = std::size_t(lobes_), N = std::size_t(variates_), W = std::size_t(width_);
+    lobes_ = (int(x.size()) - shape_.variates) / shape_.width();
+    const std::size_t J = std::size_t(lobes_), N = std::size_t(shape_.variates), W = std::size_t(shape_.width());
     lobe_.resize(blocks_ * J * k_block);
     offset_.assign(J, 0.0);
     std::vector<float> weight(J * W);
@@ -106,11 +106,13 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
         for (std::size_t block = begin; block < end; ++block) {
             std::vector<const float*> s;
-            for (int n = 0; n < variates_; ++n) {
+            for (int n = 0; n < shape_.variates; ++n) {
                 const auto a = float(std::cos(x[n])), b = float(std::sin(x[n]));
-                axial_feature(rows_, block, a, b, feature(block, n), feature(block, width_ + n));
+                float *at = feature(block, n * shape_.components()),
+                      *by_angle = feature(block, shape_.width() + n * shape_.components());
+                (shape_.axial ? axial_feature : general_features)(rows_, block, a, b, at, by_angle);
             }
-            for (int n = 0; n < width_; ++n) s.push_back(feature(block, n));
+            for (int n = 0; n < shape_.width(); ++n) s.push_back(feature(block, n));
             for (int j = 0; j < lobes_; ++j) {
                 const std::span<const float> of_lobe(&weight[std::size_t(j) * W], W);
                 float& most = largest[chunk][std::size_t(j)];
@@ -135,9 +137,9 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     gram_ = G.topLeftCorner(lobes_, lobes_);
     beta_limit_.resize(lobes_);
     for (int j = 0; j < lobes_; ++j) {
-        const std::span<const double> of_lobe(x.data() + N + std::size_t(j) * W, N);
-        beta_limit_[j] = std::exp(std::min(
-            log_peak_limit_ - std::log(rows_.scale) - log_peak_factor(of_lobe, offset_[std::size_t(j)]), 700.0));
+        const std::span<const double> of_lobe(x.data() + N + std::size_t(j) * W, W);
+        const double factor = log_peak_factor(of_lobe, shape_, offset_[std::size_t(j)]);
+        beta_limit_[j] = std::exp(std::min(log_peak_limit_ - std::log(rows_.scale) - factor, 700.0));
     }
     beta_.resize(lobes_, 3);
     for (int c = 0; c < 3; ++c)
@@ -167,23 +169,34 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     return whole;
 }
 
-// With D the columns E_j s_n, E_j ds_n/dangle and E_j, the derivative of channel c's residual is −D B_c, B_c made of β
-// and the weights. A coefficient between its bounds follows the others, so that of D only the part across those lobes
-// counts (Kaufman's approximation). One at its upper bound follows the bound: β_j E_j is then a lobe of a given peak,
-// whose derivative by the negative weight of a variate is β_j E_j (s_n + 2).
+// With D the columns E_j s_i (s_i what weight i multiplies), E_j p_jn·∂ψ_n/∂angle and E_j, the derivative of channel c's residual is
+// −D B_c, B_c made of β. A coefficient between its bounds follows the others, so that of D only the part across those lobes
+// counts (Kaufman's approximation). One at its upper bound follows the bound: β_j E_j is then a lobe of a given peak, and that of
+// exp(p·(ψ − ẑ)) is exp(|p| − p_z).
 void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    const Eigen::Index J = lobes_, N = variates_, W = width_, of_lobe = W + N;
+    const Eigen::Index J = lobes_, N = shape_.variates, C = shape_.components(), W = shape_.width(), of_lobe = W + N;
     const Eigen::Index first_e = of_lobe * J, columns_d = first_e + J, total = columns_d + 3;
-    const Eigen::MatrixXd G = gram(std::size_t(total), std::size_t(first_e),
-                                   [&](std::size_t block, float* scratch, std::vector<const float*>& columns) {
-                                       for (int j = 0; j < J; ++j)
-                                           for (int n = 0; n < of_lobe; ++n, scratch += k_block) {
-                                               multiply(lobe(block, j), feature(block, n), scratch);
-                                               columns.push_back(scratch);
-                                           }
-                                       for (int j = 0; j < J; ++j) columns.push_back(lobe(block, j));
-                                       for (int c = 0; c < 3; ++c) columns.push_back(rest(block, c));
-                                   });
+    std::vector<float> weight(std::size_t(J * W));
+    for (Eigen::Index i = 0; i < J * W; ++i) weight[std::size_t(i)] = float(x[N + i]);
+    const auto fill = [&](std::size_t block, float* scratch, std::vector<const float*>& columns) {
+        for (int j = 0; j < J; ++j) {
+            for (int i = 0; i < W; ++i, scratch += k_block) {
+                multiply(lobe(block, j), feature(block, i), scratch);
+                columns.push_back(scratch);
+            }
+            for (int n = 0; n < N; ++n, scratch += k_block) {
+                std::vector<const float*> by_angle;
+                for (int k = 0; k < C; ++k) by_angle.push_back(feature(block, int(W + n * C) + k));
+                const std::span<const float> p(&weight[std::size_t(j * W + n * C)], std::size_t(C));
+                exponent(rows_, block, p, by_angle, scratch);
+                multiply(lobe(block, j), scratch, scratch);
+                columns.push_back(scratch);
+            }
+        }
+        for (int j = 0; j < J; ++j) columns.push_back(lobe(block, j));
+        for (int c = 0; c < 3; ++c) columns.push_back(rest(block, c));
+    };
+    const Eigen::MatrixXd G = gram(std::size_t(total), std::size_t(first_e), fill);
     const auto DD = G.topLeftCorner(columns_d, columns_d);
 
     H = Eigen::MatrixXd::Zero(x.size(), x.size());
@@ -194,14 +207,21 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
         for (Eigen::Index j = 0; j < J; ++j) {
             const double beta = beta_(j, c);
             if (!(beta > 0)) continue;
-            const bool bounded = beta >= beta_limit_[j];
-            if (!bounded) passive.push_back(first_e + j);
-            for (Eigen::Index n = 0; n < W; ++n) {
-                const Eigen::Index at = N + j * W + n;
-                entries.emplace_back(j * of_lobe + n, at, beta);
-                if (n >= N) continue;
-                entries.emplace_back(j * of_lobe + W + n, n, beta * x[at]);
-                if (bounded && x[at] < 0) entries.emplace_back(first_e + j, at, 2 * beta);
+            for (Eigen::Index i = 0; i < W; ++i) entries.emplace_back(j * of_lobe + i, N + j * W + i, beta);
+            for (Eigen::Index n = 0; n < N; ++n) entries.emplace_back(j * of_lobe + W + n, n, beta);
+            if (beta < beta_limit_[j]) {
+                passive.push_back(first_e + j);
+                continue;
+            }
+            for (Eigen::Index n = 0; n < N; ++n) {
+                const Vec3d p = vector_of({&x[N + j * W], std::size_t(W)}, shape_, int(n));
+                const double bandwidth = std::hypot(p.x, p.y, p.z);
+                if (bandwidth == 0) continue;
+                const Eigen::Index last = N + j * W + (n + 1) * C - 1;  // of p_z
+                entries.emplace_back(first_e + j, last, beta * (1 - p.z / bandwidth));
+                if (shape_.axial) continue;
+                entries.emplace_back(first_e + j, last - 2, -beta * p.x / bandwidth);
+                entries.emplace_back(first_e + j, last - 1, -beta * p.y / bandwidth);
             }
         }
         Eigen::SparseMatrix<double> B(columns_d, x.size());
@@ -240,7 +260,7 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
         const std::size_t count = std::min(group, candidates.size() - first);
         const auto exponent_of = [&](std::size_t k, std::size_t block, float* x) {
             std::vector<const float*> s;
-            for (int n = 0; n < width_; ++n) s.push_back(feature(block, n));
+            for (int n = 0; n < shape_.width(); ++n) s.push_back(feature(block, n));
             const std::vector<float> weight(candidates[first + k].begin(), candidates[first + k].end());
             return exponent(rows_, block, weight, s, x);
         };
@@ -280,10 +300,19 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
     return best;
 }
 
-double log_peak_factor(std::span<const double> weight, double offset) {
+double log_peak_factor(std::span<const double> of_lobe, const LobeShape& shape, double offset) {
     double log_factor = -offset;
-    for (const double w : weight) log_factor += w < 0 ? -2 * w : 0;
+    for (int n = 0; n < shape.variates; ++n) {
+        const Vec3d p = vector_of(of_lobe, shape, n);
+        log_factor += std::hypot(p.x, p.y, p.z) - p.z;
+    }
     return log_factor;
+}
+
+Vec3d vector_of(std::span<const double> of_lobe, const LobeShape& shape, int n) {
+    if (shape.axial) return {0, 0, of_lobe[std::size_t(n)]};
+    const double* p = &of_lobe[std::size_t(3 * n)];
+    return {p[0], p[1], p[2]};
 }
 
 }  // namespace srbf

@@ -1,7 +1,8 @@
-// Axial lobes as a separable least-squares problem: what Levenberg-Marquardt and the search for lobes work
+// Lobes as a separable least-squares problem: what Levenberg-Marquardt and the search for lobes work
 // on.
 #pragma once
 #include <Eigen/Dense>
+#include <cmath>
 #include <limits>
 
 #include "fit/gram.h"
@@ -9,27 +10,39 @@
 
 namespace srbf {
 
-/// The nonlinear numbers of J axial lobes of N variates. Lobe j is E_j = exp(Σ_n weight_jn s_n − o_j), where the first N
-/// of s are ψ_n,z − 1, so that it is a Gaussian SRBF of bandwidth |weight| about +z or −z up to a factor, and the rest
-/// the form's further features; o_j makes its largest value on the rows 1.
-struct Lobes {
+/// What the lobes of a fit are made of.
+struct LobeShape {
     PmForm form = PmForm::source;
-    int variates = 0;
+    int variates = 0;                                            ///< N
+    bool axial = true;                                           ///< centres at +z or −z alone
+    int components() const { return axial ? 1 : 3; }             ///< C: weights of a variate
+    int directional() const { return variates * components(); }  ///< weights of all variates of a lobe
+    int width() const { return directional() + features(form); }
+};
+
+/// The nonlinear numbers of J lobes of N variates. Lobe j is E_j = exp(Σ_n p_jn·(ψ_n − ẑ) + Σ_k κ_jk x_k − o_j), so that it is a product
+/// of Gaussian SRBFs of bandwidths |p_jn| about p_jn / |p_jn| and of the form's further factors, up to a factor; o_j makes its largest
+/// value on the rows 1. Of p_jn an axial lobe has the third component alone.
+struct Lobes {
+    LobeShape shape;
     std::vector<double> angle;   ///< N: (a_n, b_n) = (cos, sin)
-    std::vector<double> weight;  ///< J × (N + F)
-    int width() const { return variates + features(form); }
-    int count() const { return variates ? int(weight.size()) / width() : 0; }
-    std::span<const double> of(int j) const { return {weight.data() + std::size_t(j * width()), std::size_t(width())}; }
+    std::vector<double> weight;  ///< J × (N C + F): p_j1, …, p_jN, κ_j1, …
+    int count() const { return shape.variates ? int(weight.size()) / shape.width() : 0; }
+    std::span<const double> of(int j) const {
+        return {weight.data() + std::size_t(j * shape.width()), std::size_t(shape.width())};
+    }
 };
 /// The least and the most that weight n of a lobe may be.
 struct Interval {
     double least, most;
 };
-constexpr Interval weight_range(int n, int variates) {
-    if (n < variates) return {-65504, 65504};  // what a half holds
-    if (n == variates) return {0, 64};         // exponent of the cosines
-    if (n < variates + 3) return {-1000, 1000};
-    return {-1000, 65504};  // that of sinθh
+inline Interval weight_range(int n, const LobeShape& shape) {
+    const double most_bandwidth = 65504, component = shape.axial ? most_bandwidth : most_bandwidth / std::sqrt(3.0);
+    const int further = n - shape.directional();
+    if (further < 0) return {-component, component};  // |p| is a bandwidth, which a half holds
+    if (further == 0) return {0, 64};                 // exponent of the cosines
+    if (further < 3) return {-1000, 1000};
+    return {-1000, most_bandwidth};  // that of sinθh
 }
 
 /// Σ w |f − Σ_j β_j E_j|² over the first rows of `rows`, and over chunks that observe an albedo the square of the sum, β eliminated by
@@ -38,7 +51,7 @@ class LobeProblem {
   public:
     /// `parallel`: the loops run over the rows on several threads; the result does not depend on it.
     /// `log_peak_limit`: bound on the log of a coefficient of a lobe whose peak is 1.
-    LobeProblem(const Rows& rows, std::size_t blocks, PmForm form, int variates, bool parallel,
+    LobeProblem(const Rows& rows, std::size_t blocks, const LobeShape& shape, bool parallel,
                 double log_peak_limit = std::numeric_limits<double>::infinity());
 
     double loss(const Eigen::VectorXd& x);
@@ -66,7 +79,7 @@ class LobeProblem {
     Eigen::VectorXd bounds(Eigen::Index size, double Interval::*side) const;
     float* lobe(std::size_t block, int j) { return &lobe_[(block * std::size_t(lobes_) + std::size_t(j)) * k_block]; }
     float* feature(std::size_t block, int n) {
-        return &feature_[(block * std::size_t(width_ + variates_) + std::size_t(n)) * k_block];
+        return &feature_[(block * std::size_t(shape_.width() + shape_.directional()) + std::size_t(n)) * k_block];
     }
     float* rest(std::size_t block, int c) { return &rest_[(block * 3 + std::size_t(c)) * k_block]; }
     bool observes_albedo(std::size_t block) const { return block >= rows_.blocks; }
@@ -77,18 +90,20 @@ class LobeProblem {
 
     const Rows& rows_;
     std::size_t blocks_;
-    PmForm form_;
-    int variates_, width_, lobes_ = 0;
+    LobeShape shape_;
+    int lobes_ = 0;
     bool parallel_;
     double log_peak_limit_;
-    Aligned<float> lobe_, feature_, rest_;  ///< blocks × (J, N+F+N, 3) × k_block: E_j; s, ds_n/dangle; residuals
+    Aligned<float> lobe_, feature_,
+        rest_;  ///< blocks × (J, NC+F+NC, 3) × k_block: E_j; what weights multiply, d(ψ−ẑ)/dangle; residuals
     std::vector<double> offset_;
     Eigen::MatrixXd beta_, gram_;  ///< J × 3; E·E
     Eigen::VectorXd beta_limit_;   ///< J: bound on β by that on the peaks
 };
 
 /// The log of what β_j of the problem, in the data's unit, must be multiplied by to be the coefficient of a lobe whose peak is 1.
-/// `weight`: those of the variates alone.
-double log_peak_factor(std::span<const double> weight, double offset);
+double log_peak_factor(std::span<const double> of_lobe, const LobeShape& shape, double offset);
+/// p_n of a lobe's weights.
+Vec3d vector_of(std::span<const double> of_lobe, const LobeShape& shape, int n);
 
 }  // namespace srbf

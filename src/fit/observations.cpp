@@ -73,8 +73,10 @@ std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
     std::vector<std::pair<Vec3d, Vec3d>> grid;
     for (const double l : theta)
         for (const double v : theta)
-            for (const double p : phi)
-                grid.emplace_back(spherical(l * k_degree, p * k_degree), spherical(v * k_degree, 0.0));
+            for (const double p : phi) {
+                const double turn = 2.4 * double(grid.size());  // of isotropic data any will do
+                grid.emplace_back(spherical(l * k_degree, p * k_degree + turn), spherical(v * k_degree, turn));
+            }
     return grid;
 }
 

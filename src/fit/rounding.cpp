@@ -26,17 +26,19 @@ Parameterization rounded_direction(double angle) {
 
 PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale) {
     PmModel model;
-    model.form = lobes.form;
+    const LobeShape& shape = lobes.shape;
+    model.form = shape.form;
+    model.axial = shape.axial;
     model.lobes = lobes.count();
-    model.variates = lobes.variates;
-    for (const double angle : lobes.angle) model.parameterization.push_back(rounded_direction(angle));
-    std::vector<double> log_peak;  // of the largest channel
-    const auto variates = std::size_t(lobes.variates);
-    bool out_of_range = features(lobes.form) > 0;  // those forms always have log scales
+    model.variates = shape.variates;
+    for (const double angle : lobes.angle)
+        model.parameterization.push_back({float(std::cos(angle)), float(std::sin(angle))});
+    std::vector<double> log_peak;                  // of the largest channel
+    bool out_of_range = features(shape.form) > 0;  // those forms always have log scales
     for (int j = 0; j < model.lobes; ++j) {
         const double beta = problem.beta().row(j).maxCoeff();
         const double log_beta = std::log(beta) + std::log(problem.scale()) +
-                                log_peak_factor(lobes.of(j).first(variates), problem.offset()[std::size_t(j)]);
+                                log_peak_factor(lobes.of(j), shape, problem.offset()[std::size_t(j)]);
         log_peak.push_back(log_beta);
         if (beta > 1e-30)
             out_of_range |= log_beta > std::log(double(k_half_max)) || log_beta < std::log(double(k_half_min)) + 3;
@@ -52,22 +54,35 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale)
         for (int c = 0; c < 3; ++c) coefficient[c] = float(problem.beta()(j, c) * factor);
         model.coefficient.push_back(coefficient);
         model.log_scale.push_back(float(scale));
-        for (const double kappa : lobes.of(j).subspan(variates)) model.exponent.push_back(float(kappa));
-        for (const double w : lobes.of(j).first(variates)) {
-            model.centre.push_back({0, 0, w < 0 ? -1.f : 1.f});
-            model.bandwidth.push_back(float(std::abs(w)));
+        for (const double kappa : lobes.of(j).subspan(std::size_t(shape.directional())))
+            model.exponent.push_back(float(kappa));
+        for (int n = 0; n < shape.variates; ++n) {
+            const Vec3d p = vector_of(lobes.of(j), shape, n);
+            const double bandwidth = std::hypot(p.x, p.y, p.z);
+            model.centre.push_back(bandwidth > 0 ? to_float((1 / bandwidth) * p) : Vec3f(0, 0, 1));
+            model.bandwidth.push_back(float(bandwidth));
         }
     }
     return model;
 }
 
+PmModel to_halves(PmModel model, const Lobes& lobes) {
+    for (std::size_t n = 0; n < lobes.angle.size(); ++n) model.parameterization[n] = rounded_direction(lobes.angle[n]);
+    return rounded(model);
+}
+
 Lobes to_lobes(const PmModel& model) {
-    Lobes lobes{model.form, model.variates, {}, {}};
+    Lobes lobes{{model.form, model.variates, model.axial}, {}, {}};
     for (const auto& p : model.parameterization) lobes.angle.push_back(std::atan2(double(p.b), double(p.a)));
     const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
     for (std::size_t j = 0; j < std::size_t(model.lobes); ++j) {
-        for (std::size_t i = j * N; i < (j + 1) * N; ++i)
-            lobes.weight.push_back(double(model.centre[i].z) * double(model.bandwidth[i]));
+        for (std::size_t i = j * N; i < (j + 1) * N; ++i) {
+            const Vec3f xi = model.centre[i];
+            const double bandwidth = double(model.bandwidth[i]);
+            if (!model.axial)
+                lobes.weight.insert(lobes.weight.end(), {bandwidth * double(xi.x), bandwidth * double(xi.y)});
+            lobes.weight.push_back(bandwidth * double(xi.z));
+        }
         for (std::size_t i = j * F; i < (j + 1) * F; ++i) lobes.weight.push_back(double(model.exponent[i]));
     }
     return lobes;

@@ -14,7 +14,10 @@ Parameterization rounded_direction(double angle);
 /// lobes get log scales.
 PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale);
 
-/// The lobes of a model with axial centres.
+/// `model`, that of these lobes, with every number rounded to a half.
+PmModel to_halves(PmModel model, const Lobes& lobes);
+
+/// The lobes of a model.
 Lobes to_lobes(const PmModel& model);
 
 }  // namespace srbf

@@ -14,39 +14,52 @@ constexpr std::size_t k_search_blocks = 4096 / k_block, k_polish_blocks = 16384 
 constexpr int k_candidates = 256;
 
 /// The parameterizations to start from: half-way vector, light, view (Tsai 2009), the half-way vector once more, since a peak
-/// sharper than a half's largest bandwidth takes two, further ones at random.
-Lobes without_lobes(PmForm form, int variates, std::mt19937_64& random) {
-    Lobes lobes{form, variates, {k_pi / 4, 0, k_pi / 2, k_pi / 4}, {}};
-    lobes.angle.resize(std::size_t(variates));
+/// sharper than a half's largest bandwidth takes two, further ones at random; of three the last is so in every other start.
+Lobes without_lobes(const LobeShape& shape, int start, std::mt19937_64& random) {
+    Lobes lobes{shape, {k_pi / 4, 0, k_pi / 2, k_pi / 4}, {}};
+    lobes.angle.resize(std::size_t(shape.variates));
     for (std::size_t n = 4; n < lobes.angle.size(); ++n) lobes.angle[n] = k_pi * uniform(random);
+    if (shape.variates == 3 && start % 2 == 1) lobes.angle[2] = k_pi / 4;
     return lobes;
 }
 
 /// A lobe drawn at random: weights of either sign, even in the logarithm, some of them 0; or one of `lobes`
-/// disturbed.
+/// disturbed. Half of the centres that are free to are at a pole all the same, the others even over the sphere.
 std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
-    std::vector<double> weight(std::size_t(lobes.width()), 0.0);
-    const auto clamped = [&](double w, std::size_t n) {
-        const Interval range = weight_range(int(n), lobes.variates);
+    const LobeShape& shape = lobes.shape;
+    const auto clamped = [&](double w, int i) {
+        const Interval range = weight_range(i, shape);
         return std::clamp(w, range.least, range.most);
     };
     if (lobes.count() > 0 && uniform(random) < 0.25) {
         const auto parent = lobes.of(int(uniform(random) * lobes.count()));
-        for (std::size_t n = 0; n < weight.size(); ++n)
-            weight[n] = clamped(parent[n] * std::exp(2 * uniform(random) - 1) + 4 * (uniform(random) - 0.5), n);
+        std::vector<double> weight(parent.begin(), parent.end());
+        for (int i = 0; i < shape.width(); ++i) {
+            double& w = weight[std::size_t(i)];
+            w = clamped(w * std::exp(2 * uniform(random) - 1) + 4 * (uniform(random) - 0.5), i);
+        }
         return weight;
     }
-    for (std::size_t n = 0; n < weight.size(); ++n) {
-        const double chance = uniform(random), size = uniform(random), sign = uniform(random);
-        const bool sharp =
-            int(n) < lobes.variates || int(n) == lobes.variates + 3;  // bandwidths, and what sinθh is multiplied by
-        if (sharp) {
-            if (chance < 0.35) continue;
-            weight[n] = 0.3 * std::pow(2e5, size);
-            if (sign < 0.3) weight[n] = -std::min(weight[n], 100.0);
-        } else if (chance < 0.5) {
-            weight[n] = clamped(0.1 * std::pow(100, size) * (sign < 0.5 ? -1 : 1), n);
+    std::vector<double> weight;
+    const auto sharp = [&] {
+        const double chance = uniform(random), size = 0.3 * std::pow(2e5, uniform(random)), sign = uniform(random);
+        return chance < 0.35 ? 0.0 : sign < 0.3 ? -std::min(size, 100.0) : size;
+    };
+    for (int n = 0; n < shape.variates; ++n) {
+        const double p = sharp();
+        if (shape.axial) {
+            weight.push_back(p);
+            continue;
         }
+        const double chance = uniform(random), z = 2 * uniform(random) - 1, phi = 2 * k_pi * uniform(random);
+        const Vec3d centre = chance < 0.5 ? Vec3d(0, 0, 1) : spherical(std::acos(z), phi);
+        for (const double component : {centre.x, centre.y, centre.z})
+            weight.push_back(clamped(p * component, int(weight.size())));
+    }
+    for (int k = 0; k < features(shape.form); ++k) {
+        const double chance = uniform(random), size = 0.1 * std::pow(100, uniform(random)), sign = uniform(random);
+        const double small = chance < 0.5 ? 0 : clamped(sign < 0.5 ? -size : size, shape.directional() + k);
+        weight.push_back(k == 3 ? sharp() : small);  // the fourth is that of sinθh, as sharp as a bandwidth
     }
     return weight;
 }
@@ -57,7 +70,7 @@ void add_lobe(LobeProblem& problem, Lobes& lobes, std::mt19937_64& random) {
     for (int i = 0; i < k_candidates; ++i) candidates.push_back(random_lobe(random, lobes));
     const std::vector<double> best = problem.best_addition(candidates);
     if (best.empty())
-        lobes.weight.insert(lobes.weight.end(), std::size_t(lobes.width()), 0.0);
+        lobes.weight.insert(lobes.weight.end(), std::size_t(lobes.shape.width()), 0.0);
     else
         lobes.weight.insert(lobes.weight.end(), best.begin(), best.end());
 }
@@ -81,8 +94,8 @@ void replace_least(LobeProblem& problem, Candidate& best, std::mt19937_64& rando
     const std::vector<double> cost = problem.cost_of_dropping();
     const auto least = std::min_element(cost.begin(), cost.end()) - cost.begin();
     Candidate next = best;
-    const auto at = next.lobes.weight.begin() + least * best.lobes.width();
-    next.lobes.weight.erase(at, at + best.lobes.width());
+    const auto at = next.lobes.weight.begin() + least * best.lobes.shape.width();
+    next.lobes.weight.erase(at, at + best.lobes.shape.width());
     problem.loss(LobeProblem::pack(next.lobes));
     add_lobe(problem, next.lobes, random);
     next.loss = optimise(problem, next.lobes, 12);
@@ -93,8 +106,8 @@ void replace_least(LobeProblem& problem, Candidate& best, std::mt19937_64& rando
 
 Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter) {
     std::mt19937_64 random = generator(options.seed, start, 0);
-    LobeProblem problem(rows, k_search_blocks, options.form, options.variates, false, log_peak_limit);
-    Candidate best{start, without_lobes(options.form, options.variates, random)};
+    LobeProblem problem(rows, k_search_blocks, shape_of(options), false, log_peak_limit);
+    Candidate best{start, without_lobes(shape_of(options), start, random)};
     for (int j = 0; j < options.lobes; ++j) {
         problem.loss(LobeProblem::pack(best.lobes));
         add_lobe(problem, best.lobes, random);
@@ -106,7 +119,7 @@ Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limi
 
 void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& best, Reporter& reporter) {
     std::mt19937_64 random = generator(options.seed, best.start, 1);
-    LobeProblem problem(rows, k_search_blocks, options.form, options.variates, false, log_peak_limit);
+    LobeProblem problem(rows, k_search_blocks, shape_of(options), false, log_peak_limit);
     for (int kick = 0; kick < options.kicks; ++kick) {
         problem.loss(LobeProblem::pack(best.lobes));
         replace_least(problem, best, random);
@@ -116,7 +129,7 @@ void improve(const Rows& rows, const FitOptions& options, double log_peak_limit,
 
 void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate) {
     std::mt19937_64 random = generator(options.seed, candidate.start, 2);
-    LobeProblem problem(rows, k_polish_blocks, options.form, options.variates, false, log_peak_limit);
+    LobeProblem problem(rows, k_polish_blocks, shape_of(options), false, log_peak_limit);
     candidate.loss = optimise(problem, candidate.lobes, 25);
     // On more rows than it was found on, a lobe may turn out to be good for nothing.
     for (int attempt = 0; attempt < 3; ++attempt) {

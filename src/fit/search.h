@@ -29,6 +29,8 @@ class Reporter {
     std::mutex mutex_;
 };
 
+inline LobeShape shape_of(const FitOptions& options) { return {options.form, options.variates, options.axial}; }
+
 /// A fit on its way.
 struct Candidate {
     int start = 0;  ///< which of the starts it grew from; chooses its random numbers, beside the seed

@@ -1,0 +1,75 @@
+// Anisotropic data: told from isotropic ones, and fitted by lobes whose centres are free.
+#include "properties.h"
+#include "srbf/directions.h"
+#include "srbf/fit.h"
+#include "srbf/metrics.h"
+
+namespace srbf {
+namespace {
+
+/// A rough conductor of Beckmann's distribution with roughness ax along x, ay along y, over a diffuse part: synthetic.
+Evaluate brushed(double ax, double ay) {
+    return [=](auto wl, auto wv, auto f) {
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            const Vec3d l(double(wl[i].x), double(wl[i].y), double(wl[i].z)),
+                v(double(wv[i].x), double(wv[i].y), double(wv[i].z)), h = normalize(l + v);
+            const double tan2 = (h.x * h.x / (ax * ax) + h.y * h.y / (ay * ay)) / (h.z * h.z);
+            const double d = std::exp(-tan2) / (k_pi * ax * ay * std::pow(h.z, 4));
+            const double g = std::min({1.0, 2 * h.z * l.z / dot(h, l), 2 * h.z * v.z / dot(h, v)});
+            const auto fr = float(d * g / (4 * l.z * v.z));
+            f[i] = {0.05f + 0.9f * fr, 0.03f + 0.7f * fr, 0.02f + 0.4f * fr};
+        }
+    };
+}
+
+/// `f` times numbers of standard deviation `noise`, other ones at every pair.
+Evaluate noisy(Evaluate f, double noise) {
+    return [=](auto wl, auto wv, auto out) {
+        f(wl, wv, out);
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            std::seed_seq seed{std::uint32_t(1e6f * (2 + wl[i].x)), std::uint32_t(1e6f * (2 + wl[i].y)),
+                               std::uint32_t(1e6f * (2 + wv[i].x)), std::uint32_t(1e6f * (2 + wv[i].y))};
+            std::mt19937_64 random(seed);
+            const auto factor = float(1 + noise * std::sqrt(12.0) * (uniform(random) - 0.5));
+            for (int c = 0; c < 3; ++c) out[i][c] *= factor;
+        }
+    };
+}
+
+TEST(Isotropy, IsTold) {
+    const double cap = 80 * k_degree;
+    EXPECT_TRUE(is_isotropic(brushed(0.2, 0.2), cap));
+    EXPECT_TRUE(is_isotropic(brushed(0.01, 0.01), cap));
+    EXPECT_TRUE(is_isotropic(noisy(brushed(0.2, 0.2), 0.05), cap));
+    EXPECT_FALSE(is_isotropic(brushed(0.2, 0.21), cap));
+    EXPECT_FALSE(is_isotropic(brushed(0.1, 0.3), cap));
+    EXPECT_FALSE(is_isotropic(brushed(0.02, 0.5), cap));
+    EXPECT_FALSE(is_isotropic(noisy(brushed(0.1, 0.3), 0.05), cap));
+}
+
+TEST(Isotropy, GeneralLobesFitWhatAxialOnesCannot) {
+    const Evaluate f = brushed(0.15, 0.4);
+    const Observations observations = *observe(f, {.objective = Objective::raw});
+    std::vector<PmModel> models;
+    for (const auto& [form, axial] :
+         {std::pair(PmForm::extended, false), {PmForm::source, false}, {PmForm::extended, true}}) {
+        FitOptions options;
+        options.form = form;
+        options.axial = axial;
+        options.variates = 3;
+        const auto fit = fit_pm(observations, options);
+        ASSERT_TRUE(fit);
+        EXPECT_EQ(fit->model.axial, axial);
+        models.push_back(fit->model);
+    }
+    EXPECT_EQ(payload_bytes(models[0]), 2u * (8 * (3 + 9 + 5) + 6));
+    std::vector<Evaluate> others;
+    for (const PmModel& model : models) others.push_back(evaluator(model));
+    const auto measures = measure_heldout(f, others, {80 * k_degree, 0});
+    EXPECT_LE(measures[0].squared_error_ratio, 0.001);
+    EXPECT_LE(measures[1].squared_error_ratio, 0.004);
+    EXPECT_GE(measures[2].squared_error_ratio, 0.1);
+}
+
+}  // namespace
+}  // namespace srbf

@@ -29,7 +29,7 @@ struct FitCommand {
     std::string input, output, preview, json;
     std::string model = "pm", form = std::string(name(FitOptions{}.form)), objective = "cosine";
     int axial = 0;  // 1: axial lobes, -1: general ones, 0: as the measurement asks for
-    bool no_scale = false;
+    bool no_scale = false, reciprocal = false;
     double max_theta = 0;  // [degrees], 0: the objective's default
     int lobes = FitOptions{}.lobes, variates = FitOptions{}.variates, threads = 0;
     std::uint64_t seed = 0;
@@ -54,6 +54,7 @@ Json report_of(const FitCommand& command, const Measured& measured, const Outcom
         {"lobes", model.lobes},
         {"variates", model.variates},
         {"axial", model.axial},
+        {"reciprocal", command.reciprocal},
         {"channels", 3},
         {"objective", command.objective},
         {"max_theta", outcome.max_theta},
@@ -125,6 +126,7 @@ Result<Outcome> FitCommand::fit(const Measured& measured) const {
     FitOptions options;
     options.form = *form_named(form);
     options.axial = axial > 0 || (axial == 0 && is_isotropic(signed_evaluator(measured), observing.max_theta));
+    options.reciprocal = reciprocal;
     options.lobes = lobes;
     options.variates = variates;
     options.log_scale = !no_scale;
@@ -240,6 +242,8 @@ void add_fit(CLI::App& app, int& status) {
     sub->add_flag("--axial{1},--no-axial{-1}", command->axial,
                   "Centres at +z or -z alone, or anywhere, 4 J N bytes more;\n"
                   "default: anywhere if turning about the normal changes the measurement");
+    sub->add_flag("--reciprocal", command->reciprocal,
+                  "f(wl, wv) = f(wv, wl): variates come in pairs that share bandwidths, N is even; larger errors");
     sub->add_flag("--no-scale", command->no_scale,
                   "Store no log scale: bounds the coefficients in the fit,\n2 J bytes fewer, larger errors");
     sub->add_option(

@@ -3,8 +3,9 @@
 
 #include <map>
 
+#include "models.h"
 #include "properties.h"
-#include "srbf/half.h"
+#include "srbf/directions.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 
@@ -20,7 +21,7 @@ const Measured& bundled(const std::string& name) {
 Observations observed(const Evaluate& f, Objective objective = Objective::raw) { return *observe(f, {objective, 0}); }
 
 /// A model of J axial lobes of N variates whose lobes reach the hemispheres.
-PmModel random_model(int lobes, int variates, std::mt19937_64& random) {
+PmModel model_of(int lobes, int variates, std::mt19937_64& random) {
     PmModel model;
     model.lobes = lobes;
     model.variates = variates;
@@ -43,7 +44,7 @@ TEST(Fit, RecoversTheModelThatMadeTheData) {
     std::mt19937_64 random(11);
     for (int lobes = 1; lobes <= 4; ++lobes)
         for (int variates = 1; variates <= 3; ++variates) {
-            const PmModel model = random_model(lobes, variates, random);
+            const PmModel model = model_of(lobes, variates, random);
             FitOptions options;
             options.form = PmForm::source;
             options.lobes = lobes;
@@ -149,6 +150,30 @@ TEST(Fit, OfFurtherFormsIsBetterByFar) {
             EXPECT_LE(m[0].squared_error_ratio, bound) << name;
             EXPECT_LE(m[0].squared_error_ratio, 1.1 * m[1].squared_error_ratio) << name;
         }
+    }
+}
+
+TEST(Fit, IsReciprocalWhereAskedTo) {
+    const Measured& paper = bundled("paper_white_rgb");
+    for (const PmForm form : k_forms) {
+        FitOptions options;
+        options.form = form;
+        options.reciprocal = true;
+        const auto fit = fit_pm(observed(signed_evaluator(paper)), options);
+        ASSERT_TRUE(fit);
+        std::mt19937_64 random(5);
+        const MirrorMixture mixture(80 * k_degree);
+        for (int i = 0; i < 1000; ++i) {
+            const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random), u4 = uniform(random),
+                         u5 = uniform(random);
+            const Vec3d v = mixture.sample_cap(u1, u2);
+            const Vec3f wv = to_float(v), wl = to_float(mixture.sample(v, u3, u4, u5));
+            const double f = value(fit->model, wl, wv).g, swapped = value(fit->model, wv, wl).g;
+            EXPECT_TRUE(near_relative(f, swapped, 1e-3));
+        }
+        const Evaluate others[] = {evaluator(fit->model)};
+        const double error = measure_heldout(evaluator(paper), others, {80 * k_degree, 0})[0].squared_error_ratio;
+        EXPECT_LE(error, form == PmForm::extended ? 0.002 : 0.012) << name(form);
     }
 }
 

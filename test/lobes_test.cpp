@@ -27,6 +27,11 @@ Lobes general_lobes() {
                                                        /**/ -1.5, 2,  -1, 1,   0.3, 4, 0.7, -4, 0.3, 5}};
 }
 
+Lobes reciprocal(Lobes lobes) {
+    lobes.shape.reciprocal = true;
+    return lobes;
+}
+
 const Rows& rows() {
     static const Rows all(observations());
     return all;
@@ -56,7 +61,8 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
 TEST(Lobes, GradientIsThatOfTheLoss) {
     const Lobes horizon{{PmForm::horizon, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, -1.5, 1}},
         extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
-    for (const Lobes& lobes : {some_lobes(), horizon, extended, general_lobes()}) {
+    for (const Lobes& lobes :
+         {some_lobes(), horizon, extended, general_lobes(), reciprocal(some_lobes()), reciprocal(general_lobes())}) {
         LobeProblem problem(rows(), 8, lobes.shape, false);
         check_gradient(problem, LobeProblem::pack(lobes));
     }
@@ -82,7 +88,7 @@ TEST(Lobes, LossCountsAlbedo) {
     const Observations o = observations();
     const double importance = 0.3;
     const Rows with(o, importance);
-    for (const Lobes& lobes : {some_lobes(), general_lobes()}) {
+    for (const Lobes& lobes : {some_lobes(), general_lobes(), reciprocal(general_lobes())}) {
         LobeProblem problem(with, with.whole_blocks, lobes.shape, false);
         const Eigen::VectorXd x = LobeProblem::pack(lobes);
         const double loss = problem.loss(x);
@@ -220,7 +226,7 @@ TEST(Rounding, ModelOfLobesEvaluatesToThem) {
     const Lobes lobes = some_lobes();
     problem.loss(LobeProblem::pack(lobes));
     const PmModel model = to_model(problem, lobes, true);
-    const Lobes back = to_lobes(model);
+    const Lobes back = to_lobes(model, lobes.shape);
     for (std::size_t i = 0; i < lobes.weight.size(); ++i)
         EXPECT_TRUE(near_relative(back.weight[i], lobes.weight[i], 1e-6));
     const Observations o = observations();

@@ -74,9 +74,11 @@ using ProgressCallback = std::function<bool(const Progress&)>;
 
 struct FitOptions {
     PmForm form = PmForm::extended;
-    bool axial = true;       ///< centres at +z or −z alone, which is all that isotropic data need
+    bool axial = true;  ///< centres at +z or −z alone, which is all that isotropic data need
+    bool reciprocal =
+        false;  ///< f(ωl,ωv) = f(ωv,ωl) up to rounding: variates in pairs (a, b) and (b, a) of one centre and bandwidth
     int lobes = 8;           ///< J, 1..64
-    int variates = 4;        ///< N, 1..8
+    int variates = 4;        ///< N, 1..8, even for a reciprocal model
     bool log_scale = true;   ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
     int starts = 16;         ///< independent growths; the best six are improved, the best three of these polished
     int kicks = 25;          ///< attempts for each of the six to replace the lobe that matters least

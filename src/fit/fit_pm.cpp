@@ -27,8 +27,9 @@ constexpr double k_most_excess = 1.6;
 /// What exceeding it by the largest measured value costs at first, relative to the loss.
 constexpr double k_excess_weight = 0.005;
 
-/// Every albedo off by 10 % costs as much as the fit's loss without regard to albedo.
-constexpr double k_albedo_error = 0.1;
+/// Every albedo off by 5 % costs as much as the fit's loss without regard to albedo, but no more than 0.001: a fit that cannot
+/// follow the data gains nothing from an albedo that is right by chance.
+constexpr double k_albedo_error = 0.05, k_most_albedo_loss = 1e-3;
 
 /// Where `model` exceeds the checks by far they become observations, and those that had become so weigh more;
 /// returns how many. `first` is where the checks began.
@@ -69,6 +70,12 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
         if (!result) return result.error();
     if (!options.log_scale && options.form != PmForm::source)
         return Error{"fit", {}, "log scale", "one, in all forms but the source's", "none"};
+    if (options.reciprocal && options.variates % 2 == 1)
+        return Error{"fit",
+                     {},
+                     "number of variates",
+                     "an even one, for a reciprocal model",
+                     fmt::format("{}", options.variates)};
     const std::size_t count = observations.f.size();
     if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)
         return Error{"fit", {}, "observations", "arrays of one length", "different lengths"};
@@ -133,7 +140,8 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
         });
         const Candidate& winner = *std::min_element(found.begin(), found.end(), by_loss);
         Lobes best = winner.lobes;
-        const double albedo_importance = winner.loss / (3 * k_albedo_error * k_albedo_error);
+        const double albedo_importance =
+            std::min(winner.loss, k_most_albedo_loss) / (3 * k_albedo_error * k_albedo_error);
 
         // Checks that the fit exceeds become observations, until there are none.
         Observations all = observations;
@@ -151,7 +159,7 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
             fit.unrounded = to_model(problem, best, options.log_scale);
 
             // The nonlinear numbers are rounded, then the coefficients solved again.
-            const Lobes halves = to_lobes(to_halves(fit.unrounded, best));
+            const Lobes halves = to_lobes(to_halves(fit.unrounded, best), best.shape);
             fit.loss = problem.loss(LobeProblem::pack(halves));
             fit.model = to_halves(to_model(problem, halves, options.log_scale), halves);
             if (round == k_check_rounds || reporter.cancelled()) break;

@@ -104,13 +104,22 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     const std::size_t chunks = (blocks_ + k_chunk - 1) / k_chunk;
     std::vector<std::vector<float>> largest(chunks, std::vector<float>(J, k_nothing));
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        Aligned<float> swapped(shape_.reciprocal ? std::size_t(shape_.components()) * k_block : 0),
+            swapped_by_angle(swapped.size());
         for (std::size_t block = begin; block < end; ++block) {
             std::vector<const float*> s;
             for (int n = 0; n < shape_.variates; ++n) {
                 const auto a = float(std::cos(x[n])), b = float(std::sin(x[n]));
                 float *at = feature(block, n * shape_.components()),
                       *by_angle = feature(block, shape_.width() + n * shape_.components());
-                (shape_.axial ? axial_feature : general_features)(rows_, block, a, b, at, by_angle);
+                const auto features = shape_.axial ? axial_feature : general_features;
+                features(rows_, block, a, b, at, by_angle);
+                if (!shape_.reciprocal) continue;
+                features(rows_, block, b, a, swapped.data(), swapped_by_angle.data());
+                for (std::size_t i = 0; i < swapped.size(); ++i) {
+                    at[i] += swapped[i];
+                    by_angle[i] -= swapped_by_angle[i];  // the angle of (b, a) is π/2 less that of (a, b)
+                }
             }
             for (int n = 0; n < shape_.width(); ++n) s.push_back(feature(block, n));
             for (int j = 0; j < lobes_; ++j) {
@@ -217,11 +226,12 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
                 const Vec3d p = vector_of({&x[N + j * W], std::size_t(W)}, shape_, int(n));
                 const double bandwidth = std::hypot(p.x, p.y, p.z);
                 if (bandwidth == 0) continue;
+                const double factor = (shape_.reciprocal ? 2 : 1) * beta;
                 const Eigen::Index last = N + j * W + (n + 1) * C - 1;  // of p_z
-                entries.emplace_back(first_e + j, last, beta * (1 - p.z / bandwidth));
+                entries.emplace_back(first_e + j, last, factor * (1 - p.z / bandwidth));
                 if (shape_.axial) continue;
-                entries.emplace_back(first_e + j, last - 2, -beta * p.x / bandwidth);
-                entries.emplace_back(first_e + j, last - 1, -beta * p.y / bandwidth);
+                entries.emplace_back(first_e + j, last - 2, -factor * p.x / bandwidth);
+                entries.emplace_back(first_e + j, last - 1, -factor * p.y / bandwidth);
             }
         }
         Eigen::SparseMatrix<double> B(columns_d, x.size());
@@ -304,7 +314,7 @@ double log_peak_factor(std::span<const double> of_lobe, const LobeShape& shape, 
     double log_factor = -offset;
     for (int n = 0; n < shape.variates; ++n) {
         const Vec3d p = vector_of(of_lobe, shape, n);
-        log_factor += std::hypot(p.x, p.y, p.z) - p.z;
+        log_factor += (shape.reciprocal ? 2 : 1) * (std::hypot(p.x, p.y, p.z) - p.z);
     }
     return log_factor;
 }

@@ -13,8 +13,10 @@ namespace srbf {
 /// What the lobes of a fit are made of.
 struct LobeShape {
     PmForm form = PmForm::source;
-    int variates = 0;                                            ///< N
-    bool axial = true;                                           ///< centres at +z or −z alone
+    int variates = 0;         ///< N
+    bool axial = true;        ///< centres at +z or −z alone
+    bool reciprocal = false;  ///< a variate is a pair, ψ of (a, b) and of (b, a), with one centre and one bandwidth
+
     int components() const { return axial ? 1 : 3; }             ///< C: weights of a variate
     int directional() const { return variates * components(); }  ///< weights of all variates of a lobe
     int width() const { return directional() + features(form); }
@@ -22,7 +24,7 @@ struct LobeShape {
 
 /// The nonlinear numbers of J lobes of N variates. Lobe j is E_j = exp(Σ_n p_jn·(ψ_n − ẑ) + Σ_k κ_jk x_k − o_j), so that it is a product
 /// of Gaussian SRBFs of bandwidths |p_jn| about p_jn / |p_jn| and of the form's further factors, up to a factor; o_j makes its largest
-/// value on the rows 1. Of p_jn an axial lobe has the third component alone.
+/// value on the rows 1. Of p_jn an axial lobe has the third component alone. In a reciprocal one ψ_n − ẑ is the sum of a pair's.
 struct Lobes {
     LobeShape shape;
     std::vector<double> angle;   ///< N: (a_n, b_n) = (cos, sin)

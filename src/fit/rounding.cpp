@@ -24,15 +24,22 @@ Parameterization rounded_direction(double angle) {
     return best;
 }
 
+namespace {
+Parameterization swapped(Parameterization p) { return {p.b, p.a}; }
+}  // namespace
+
 PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale) {
     PmModel model;
     const LobeShape& shape = lobes.shape;
     model.form = shape.form;
     model.axial = shape.axial;
     model.lobes = lobes.count();
-    model.variates = shape.variates;
-    for (const double angle : lobes.angle)
-        model.parameterization.push_back({float(std::cos(angle)), float(std::sin(angle))});
+    model.variates = (shape.reciprocal ? 2 : 1) * shape.variates;
+    for (int n = 0; n < model.variates; ++n) {
+        const double angle = lobes.angle[std::size_t(n % shape.variates)];
+        const Parameterization p{float(std::cos(angle)), float(std::sin(angle))};
+        model.parameterization.push_back(n < shape.variates ? p : swapped(p));
+    }
     std::vector<double> log_peak;                  // of the largest channel
     bool out_of_range = features(shape.form) > 0;  // those forms always have log scales
     for (int j = 0; j < model.lobes; ++j) {
@@ -56,8 +63,8 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale)
         model.log_scale.push_back(float(scale));
         for (const double kappa : lobes.of(j).subspan(std::size_t(shape.directional())))
             model.exponent.push_back(float(kappa));
-        for (int n = 0; n < shape.variates; ++n) {
-            const Vec3d p = vector_of(lobes.of(j), shape, n);
+        for (int n = 0; n < model.variates; ++n) {
+            const Vec3d p = vector_of(lobes.of(j), shape, n % shape.variates);
             const double bandwidth = std::hypot(p.x, p.y, p.z);
             model.centre.push_back(bandwidth > 0 ? to_float((1 / bandwidth) * p) : Vec3f(0, 0, 1));
             model.bandwidth.push_back(float(bandwidth));
@@ -67,16 +74,24 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale)
 }
 
 PmModel to_halves(PmModel model, const Lobes& lobes) {
-    for (std::size_t n = 0; n < lobes.angle.size(); ++n) model.parameterization[n] = rounded_direction(lobes.angle[n]);
+    const std::size_t variates = lobes.angle.size();
+    for (std::size_t n = 0; n < model.parameterization.size(); ++n) {
+        const Parameterization p = rounded_direction(lobes.angle[n % variates]);
+        model.parameterization[n] = n < variates ? p : swapped(p);
+    }
     return rounded(model);
 }
 
-Lobes to_lobes(const PmModel& model) {
-    Lobes lobes{{model.form, model.variates, model.axial}, {}, {}};
-    for (const auto& p : model.parameterization) lobes.angle.push_back(std::atan2(double(p.b), double(p.a)));
-    const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
+Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
+    Lobes lobes{shape, {}, {}};
+    for (int n = 0; n < shape.variates; ++n) {
+        const Parameterization p = model.parameterization[std::size_t(n)];
+        lobes.angle.push_back(std::atan2(double(p.b), double(p.a)));
+    }
+    const auto N = std::size_t(model.variates), of_shape = std::size_t(shape.variates),
+               F = std::size_t(features(model.form));
     for (std::size_t j = 0; j < std::size_t(model.lobes); ++j) {
-        for (std::size_t i = j * N; i < (j + 1) * N; ++i) {
+        for (std::size_t i = j * N; i < j * N + of_shape; ++i) {
             const Vec3f xi = model.centre[i];
             const double bandwidth = double(model.bandwidth[i]);
             if (!model.axial)

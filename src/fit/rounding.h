@@ -17,7 +17,7 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale)
 /// `model`, that of these lobes, with every number rounded to a half.
 PmModel to_halves(PmModel model, const Lobes& lobes);
 
-/// The lobes of a model.
-Lobes to_lobes(const PmModel& model);
+/// The lobes of such a model, of which they have the shape.
+Lobes to_lobes(const PmModel& model, const LobeShape& shape);
 
 }  // namespace srbf

@@ -7,14 +7,7 @@
 #include "srbf/directions.h"
 
 namespace srbf {
-namespace {
 
-// The search looks at the first 4096 rows, the polish at 16384.
-constexpr std::size_t k_search_blocks = 4096 / k_block, k_polish_blocks = 16384 / k_block;
-constexpr int k_candidates = 256;
-
-/// The parameterizations to start from: half-way vector, light, view (Tsai 2009), the half-way vector once more, since a peak
-/// sharper than a half's largest bandwidth takes two, further ones at random; of three the last is so in every other start.
 Lobes without_lobes(const LobeShape& shape, int start, std::mt19937_64& random) {
     Lobes lobes{shape, {k_pi / 4, 0, k_pi / 2, k_pi / 4}, {}};
     lobes.angle.resize(std::size_t(shape.variates));
@@ -23,8 +16,6 @@ Lobes without_lobes(const LobeShape& shape, int start, std::mt19937_64& random) 
     return lobes;
 }
 
-/// A lobe drawn at random: weights of either sign, even in the logarithm, some of them 0; or one of `lobes`
-/// disturbed. Half of the centres that are free to are at a pole all the same, the others even over the sphere.
 std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
     const LobeShape& shape = lobes.shape;
     const auto clamped = [&](double w, int i) {
@@ -64,6 +55,17 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
     return weight;
 }
 
+std::mt19937_64 generator(std::uint64_t seed, int start, int stage) {
+    std::seed_seq seeds{std::uint32_t(seed), std::uint32_t(seed >> 32), std::uint32_t(start), std::uint32_t(stage)};
+    return std::mt19937_64(seeds);
+}
+
+namespace {
+
+// The search looks at the first 4096 rows, the polish at 16384.
+constexpr std::size_t k_search_blocks = 4096 / k_block, k_polish_blocks = 16384 / k_block;
+constexpr int k_candidates = 256;
+
 /// Adds the best of many random lobes to those of the problem's last call of `loss`.
 void add_lobe(LobeProblem& problem, Lobes& lobes, std::mt19937_64& random) {
     std::vector<std::vector<double>> candidates;
@@ -73,11 +75,6 @@ void add_lobe(LobeProblem& problem, Lobes& lobes, std::mt19937_64& random) {
         lobes.weight.insert(lobes.weight.end(), std::size_t(lobes.shape.width()), 0.0);
     else
         lobes.weight.insert(lobes.weight.end(), best.begin(), best.end());
-}
-
-std::mt19937_64 generator(std::uint64_t seed, int start, int stage) {
-    std::seed_seq seeds{std::uint32_t(seed), std::uint32_t(seed >> 32), std::uint32_t(start), std::uint32_t(stage)};
-    return std::mt19937_64(seeds);
 }
 
 double optimise(LobeProblem& problem, Lobes& lobes, int iterations) {

@@ -29,7 +29,20 @@ class Reporter {
     std::mutex mutex_;
 };
 
-inline LobeShape shape_of(const FitOptions& options) { return {options.form, options.variates, options.axial}; }
+inline LobeShape shape_of(const FitOptions& options) {
+    return {options.form, options.variates / (options.reciprocal ? 2 : 1), options.axial, options.reciprocal};
+}
+
+/// The random numbers of a stage of a start.
+std::mt19937_64 generator(std::uint64_t seed, int start, int stage);
+
+/// The parameterizations to start from: half-way vector, light, view (Tsai 2009), the half-way vector once more, since a peak
+/// sharper than a half's largest bandwidth takes two, further ones at random; of three the last is so in every other start.
+Lobes without_lobes(const LobeShape& shape, int start, std::mt19937_64& random);
+
+/// A lobe drawn at random: weights of either sign, even in the logarithm, some of them 0; or one of `lobes`
+/// disturbed. Half of the centres that are free to are at a pole all the same, the others even over the sphere.
+std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes);
 
 /// A fit on its way.
 struct Candidate {

@@ -21,7 +21,7 @@ constexpr int k_first_steps = 40, k_steps = 15, k_kick_steps = 12;
 constexpr int k_kicks = 8;
 /// A view takes the lobes of its neighbour if that one's loss is below this part of its own; and starts from nothing if
 /// its own exceeds that of its neighbour by far.
-constexpr double k_better = 0.97, k_much_worse = 2;
+constexpr double k_better = 0.97, k_much_worse = 4;
 
 /// A view's fit on its way.
 struct ViewFit {

@@ -22,7 +22,9 @@ std::vector<ViewLobe> vmf_clusters(std::span<const Vec3f> directions, std::span<
             const Vec3d w{double(directions[i].x), double(directions[i].y), double(directions[i].z)};
             double sum = 1e-300;
             for (std::size_t j = 0; j < lobes.size(); ++j) {
-                part[j] = share[j] * normaliser[j] * Kernel<double>::gaussian(w, lobes[j].centre, lobes[j].bandwidth);
+                const double exponent = Kernel<double>::gaussian_exponent(w, lobes[j].centre, lobes[j].bandwidth);
+                part[j] =
+                    exponent > -100 ? share[j] * normaliser[j] * std::exp(exponent) : 0;  // far from it exp is slow
                 sum += part[j];
             }
             whole += weight[i];

@@ -36,7 +36,8 @@ struct FitCommand {
     bool axial = true, no_scale = false;
     double max_theta = 0;  // [degrees], 0: the objective's default
     int lobes = FitOptions{}.lobes, variates = FitOptions{}.variates, threads = 0;
-    int directions = TabulateOptions{}.directions;
+    int directions = TabulateOptions{}.directions, between = TabulateOptions{}.between;
+    int neighbours = SuFitOptions{}.neighbours;
     std::uint64_t seed = 0;
 
     int run();
@@ -166,14 +167,17 @@ Result<Outcome> FitCommand::fit_pm(const Evaluate& f, const ProgressCallback& pr
 }
 
 Result<Outcome> FitCommand::fit_su(const Evaluate& f, const ProgressCallback& progress) const {
-    const auto matrix =
-        tabulate(f, {.directions = directions, .discretise = *discretise_named(discretise), .threads = threads});
+    const auto matrix = tabulate(f, {.directions = directions,
+                                     .between = between,
+                                     .discretise = *discretise_named(discretise),
+                                     .threads = threads});
     if (!matrix) return matrix.error();
     SuFitOptions options;
     options.lobes = lobes;
     options.objective = *objective_named(objective);
     options.max_theta = theta() * k_degree;
     options.interpolation = *interpolation_named(interpolation);
+    options.neighbours = neighbours;
     options.seed = seed;
     options.threads = threads;
     auto fitted = srbf::fit_su(*matrix, options, progress);
@@ -343,9 +347,23 @@ void add_fit(CLI::App& app, int& status) {
     auto* interpolation =
         sub->add_option("--interpolation", command->interpolation,
                         "su: between the samples, rotated: the two next in elevation, turned to the azimuth\n"
-                        "asked for, for isotropic measurements; plain: the 3 nearest as they are")
+                        "asked for, for isotropic measurements; plain: the nearest as they are")
             ->type_name("NAME")
             ->check(one_of({"rotated", "plain"}))
+            ->capture_default_str();
+    auto* neighbours =
+        sub->add_option("--neighbours", command->neighbours,
+                        fmt::format("su: how many the plain interpolation takes, 1 to {}", k_most_neighbours))
+            ->type_name("K")
+            ->check(within(1, k_most_neighbours))
+            ->capture_default_str();
+    auto* between =
+        sub->add_option("--between", command->between,
+                        fmt::format("su: further directions about each sampled one that the fit looks at,\n0 to {}; "
+                                    "0: the raw matrix alone",
+                                    k_most_between))
+            ->type_name("M")
+            ->check(within(0, int(k_most_between)))
             ->capture_default_str();
     auto* with_index = sub->add_option("--with-index", command->with_index,
                                        "su: store the texture that names the samples nearest to each direction")
@@ -368,7 +386,7 @@ void add_fit(CLI::App& app, int& status) {
         "  srbf fit nickel.binary --lobes 6 --variates 3 --objective raw --preview nickel.png --json -\n"
         "  srbf fit paper_white_rgb.bsdf --model su --lobes 5 --with-index cube");
     const std::vector<const CLI::Option*> of_pm{form, variates, axial, no_scale},
-        of_su{discretise, directions, interpolation, with_index};
+        of_su{discretise, directions, interpolation, neighbours, between, with_index};
     sub->callback([command, of_pm, of_su, &status] {
         for (const CLI::Option* option : command->model == "su" ? of_pm : of_su)
             if (option->count() > 0)

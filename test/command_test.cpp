@@ -174,6 +174,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     ASSERT_TRUE(by_light);
     EXPECT_EQ(std::get<SuModel>(by_light->model).discretise, Discretise::light);
     EXPECT_EQ(std::get<SuModel>(by_light->model).interpolation, SuInterpolation::plain);
+    EXPECT_EQ(std::get<SuModel>(by_light->model).neighbours, 4);
     EXPECT_FALSE(std::get<SuModel>(by_light->model).index);
 
     // As many lobes as there are directions within 80 degrees, and one more.
@@ -183,6 +184,8 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     expect_failure(1, {"fit", "zero.binary", "--model", "su", "--directions", "64"}, "zero.binary: values");
     expect_failure(2, fit + Arguments{"--variates", "2"}, "--variates: only with --model pm");
     expect_failure(2, {"fit", k_paper, "--with-index", "cube"}, "--with-index: only with --model su");
+    expect_failure(2, fit + Arguments{"--neighbours", "8"}, "--neighbours");
+    expect_failure(2, fit + Arguments{"--between", "-1"}, "--between");
     for (const char* directions : {"7", "8193", "x"})
         expect_failure(2, {"fit", k_paper, "--model", "su", "--directions", directions}, "--directions");
 }

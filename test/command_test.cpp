@@ -167,9 +167,9 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
         << eval.out;
 
     // Without the texture, by light, and with the interpolation of the source.
-    ASSERT_EQ(
-        run(folder, fit + Arguments{"-o", "light.srbf", "--discretise", "light", "--interpolation", "plain"}).status,
-        0);
+    const Arguments otherwise{"-o",           "light.srbf", "--discretise", "light", "--interpolation", "plain",
+                              "--neighbours", "4",          "--between",    "0"};
+    ASSERT_EQ(run(folder, fit + otherwise).status, 0);
     const auto by_light = load_model(folder / "light.srbf");
     ASSERT_TRUE(by_light);
     EXPECT_EQ(std::get<SuModel>(by_light->model).discretise, Discretise::light);

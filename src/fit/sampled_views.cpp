@@ -10,9 +10,9 @@
 namespace srbf {
 namespace {
 
-/// The largest value of a lobe over the hemisphere, relative to the largest measured one about its view: a lobe between
-/// the samples cannot explode.
-constexpr double k_most_peak = 2;
+/// The largest value of a lobe over the hemisphere, times the cosine there, relative to the largest measured such product about
+/// its view: a lobe between the samples cannot explode. Beyond θmax, where nobody asks for the peak between them, less.
+constexpr double k_most_peak = 2, k_most_peak_beyond = 1;
 constexpr std::size_t k_peak_views = 24;  ///< views on either side that count as about it
 /// What directions between those of the matrix weigh, relative to those of the matrix, per solid angle.
 constexpr double k_between = 0.1;
@@ -31,7 +31,7 @@ SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double 
         OfView& of = views[view];
         const auto take = [&](Vec3f w, const Rgb& value) {
             if (!within(w) || !is_finite(value)) return false;
-            for (int c = 0; c < 3; ++c) of.largest[c] = std::max(of.largest[c], value[c]);
+            for (int c = 0; c < 3; ++c) of.largest[c] = std::max(of.largest[c], value[c] * w.z);
             return true;
         };
         for (std::size_t i = 0; i < n; ++i)
@@ -104,7 +104,9 @@ ViewRows SampledViews::rows(std::size_t view) const {
         rows.root_weight[i] = float(root);
         for (int c = 0; c < 3; ++c) rows.y[std::size_t(c)][i] = float(root / rows.scale * double(values[i][c]));
     }
-    for (int c = 0; c < 3; ++c) rows.largest[std::size_t(c)] = k_most_peak * double(largest_[view][c]) / rows.scale;
+    rows.least_cosine = 0.5 * cos_max_;
+    const double most = within(direction(view)) ? k_most_peak : k_most_peak_beyond;
+    for (int c = 0; c < 3; ++c) rows.largest[std::size_t(c)] = most * double(largest_[view][c]) / rows.scale;
     return rows;
 }
 

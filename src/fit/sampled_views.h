@@ -34,7 +34,7 @@ class SampledViews {
     Objective objective_;
     double cos_max_;
     double mean_ = 0;           ///< of f within both caps
-    std::vector<Rgb> largest_;  ///< of each channel, within θmax about each view
+    std::vector<Rgb> largest_;  ///< f times the other direction's cosine, of each channel, within θmax about each view
 };
 
 }  // namespace srbf

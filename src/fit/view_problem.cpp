@@ -95,7 +95,8 @@ double ViewProblem::loss(const Eigen::VectorXd& x) {
         const double log_visible = z < 0 ? lambda * (std::sqrt(std::max(0.0, 1 - z * z)) - 1) : 0;
         const double seen = std::exp(double(most) - log_visible);  // the part of it that is seen on the rows
         for (int c = 0; c < 3; ++c) {
-            const double of_hemisphere = view_->largest[std::size_t(c)] * seen * std::min(1.0, k_unseen * seen);
+            const double of_hemisphere = view_->largest[std::size_t(c)] / std::max(z, view_->least_cosine) * seen *
+                                         std::min(1.0, k_unseen * seen);
             const double of_halves = double(k_half_max) / view_->scale * std::exp(double(most));
             limit_(j, c) = std::min(of_hemisphere, of_halves);
         }

@@ -19,8 +19,10 @@ struct ViewRows {
     Aligned<float> root_weight;       ///< √w, Σ w = 1; 0 where nothing was measured
     std::array<Aligned<float>, 3> y;  ///< √w f / scale for each channel; their squares sum to 1
     double scale = 0;                 ///< 0: there is nothing to fit
-    std::array<double, 3>
-        largest{};  ///< bound on the largest value over the hemisphere of each lobe and channel, f / scale
+    /// Bound for each lobe and channel: its largest value over the hemisphere times the cosine there, f / scale. Cosines below
+    /// the least count as that.
+    std::array<double, 3> largest{};
+    double least_cosine = 0;
 };
 
 /// Σ w |f − Σ_j β_j G_j|² / Σ w |f|² of one view, β eliminated by non-negative least squares per channel. Variables are for each

@@ -4,6 +4,7 @@
 
 #include "app/commands.h"
 #include "app/report.h"
+#include "srbf/directions.h"
 
 namespace srbf {
 namespace {
@@ -37,7 +38,10 @@ int CompareCommand::run() const {
 
     const double own = fitted_theta(*b), theta = max_theta > 0 ? max_theta : own > 0 ? own : 80;
     const Evaluate others[] = {evaluator(*b)};
-    const Comparison comparison = compare(evaluator(*a), others, {theta * k_degree, threads})[0];
+    const auto* model = std::get_if<Model>(&b->content);
+    const std::vector<Vec3f> directions = model ? matrix_directions(*model, theta * k_degree)
+                                                : fibonacci_directions(k_matrix_directions, theta * k_degree);
+    const Comparison comparison = compare(evaluator(*a), others, {theta * k_degree, threads}, directions)[0];
 
     if (comparison.matrix.pairs == 0 || comparison.heldout.pairs == 0)
         return complain({reference, {}, "compared pairs of directions", "some that both hold", "none"});

@@ -86,6 +86,33 @@ void print_model(const PmModel& model) {
         fmt::print("  A lobe is also multiplied by (cosθl cosθv)^κ e^(μ(l·h - 1) - γ|cosθl - cosθv| - σ sinθh).\n");
 }
 
+void print_model(const SuModel& model) {
+    const auto J = std::size_t(model.lobes);
+    const bool by_view = model.discretise == Discretise::view;
+    print_row("model", "su: scattered univariate SRBFs, a sum of lobes for each sampled direction");
+    print_row("size", fmt::format("{} lobes × {} sampled directions to the {}, {} bytes", J, model.direction.size(),
+                                  by_view ? "viewer" : "light", grouped(payload_bytes(model))));
+    print_row("between samples", model.interpolation == SuInterpolation::rotated
+                                     ? "the two next in elevation, rotated to the azimuth asked for"
+                                     : fmt::format("the {} nearest as they are", model.neighbours));
+    print_row("index texture",
+              fmt::format("{}, {} bytes with the direction table",
+                          model.index ? fmt::format("{} of {} texels a side", name(model.index->map), model.index->size)
+                                      : "built on load, a cube",
+                          grouped(auxiliary_bytes(model))));
+    Range bandwidth;
+    std::size_t empty = 0;
+    for (std::size_t i = 0; i < model.direction.size(); ++i) {
+        const auto first = model.coefficient.begin() + std::ptrdiff_t(i * J);
+        empty += std::all_of(first, first + std::ptrdiff_t(J), [](const Rgb& beta) { return beta == Rgb{}; });
+    }
+    for (std::size_t k = 0; k < model.bandwidth.size(); ++k)
+        if (!(model.coefficient[k] == Rgb{})) bandwidth.add(model.bandwidth[k]);
+    print_row("empty samples", empty ? grouped(empty) : "none");
+    print_row("bandwidth", bandwidth.text());
+    print_channel_ranges("coefficient", model.coefficient);
+}
+
 int run(const std::string& file) {
     const auto subject = load(file);
     if (!subject) return complain(subject.error());

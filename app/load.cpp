@@ -5,7 +5,9 @@
 #include <cstdio>
 
 #include "app/commands.h"
+#include "srbf/directions.h"
 #include "srbf/file.h"
+#include "srbf/metrics.h"
 
 namespace srbf {
 namespace {
@@ -23,6 +25,11 @@ Rgb value(const Subject& subject, Vec3f wl, Vec3f wv) {
 
 Evaluate evaluator(const Subject& subject) {
     return std::visit([](const auto& brdf) { return evaluator(brdf); }, subject.content);
+}
+
+std::vector<Vec3f> matrix_directions(const Model& model, double theta_max) {
+    if (const auto* su = std::get_if<SuModel>(&model.model)) return su->direction;
+    return fibonacci_directions(k_matrix_directions, theta_max);
 }
 
 Result<Subject> load(const std::string& path) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "srbf/measured.h"
 #include "srbf/model.h"
@@ -17,6 +18,9 @@ struct Subject {
 Rgb value(const Subject& subject, Vec3f wl, Vec3f wv);
 /// The subject on arrays of pairs. It refers to `subject`.
 Evaluate evaluator(const Subject& subject);
+
+/// The directions of the matrix on which a model is measured: a view-by-view model's own, else the source's within θmax.
+std::vector<Vec3f> matrix_directions(const Model& model, double theta_max);
 
 Result<Subject> load(const std::string& path);
 

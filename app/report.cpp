@@ -58,8 +58,8 @@ Result<Done> check_output(const std::string& path) {
 }  // namespace
 
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
-                                const MeasureOptions& options) {
-    const auto matrix = measure_matrix(reference, others, options),
+                                const MeasureOptions& options, std::span<const Vec3f> directions) {
+    const auto matrix = measure_matrix(reference, others, options, directions),
                heldout = measure_heldout(reference, others, options);
     std::vector<Comparison> comparisons;
     for (std::size_t k = 0; k < others.size(); ++k)

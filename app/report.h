@@ -18,9 +18,9 @@ struct Comparison {
     Measures matrix, heldout;
     double albedo_error = 0;
 };
-/// Of each of `others` against `reference`.
+/// Of each of `others` against `reference`; `directions`: of the matrix.
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
-                                const MeasureOptions& options);
+                                const MeasureOptions& options, std::span<const Vec3f> directions);
 
 /// Adds the comparison's measures to `json`, their names after `prefix`: "", "unrounded_".
 void add_measures(Json& json, const Comparison& comparison, std::string_view prefix);

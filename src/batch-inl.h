@@ -16,7 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "srbf/vec.h"
+#include "srbf/kernel.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {
@@ -48,6 +48,7 @@ template <typename B> struct Product {
     B a, b;
     HWY_INLINE Product(B a_, B b_) : a(a_), b(b_) {}
     HWY_INLINE operator B() const { return product(a, b); }
+    HWY_INLINE void store(float* p) const { product(a, b).store(p); }
     friend HWY_INLINE B operator+(Product p, B c) { return multiply_add(p.a, p.b, c); }
     friend HWY_INLINE B operator+(B c, Product p) { return multiply_add(p.a, p.b, c); }
     friend HWY_INLINE B operator+(Product p, Product q) { return multiply_add(q.a, q.b, product(p.a, p.b)); }

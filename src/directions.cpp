@@ -1,5 +1,8 @@
 #include "srbf/directions.h"
 
+#include <algorithm>
+#include <cassert>
+
 #include "srbf/kernel.h"
 
 namespace srbf {
@@ -17,6 +20,86 @@ std::vector<Vec3f> fibonacci_directions(int n, double theta_max) {
     directions.reserve(std::size_t(n));
     for (int i = 0; i < n; ++i) directions.push_back(to_float(fibonacci_direction(i, n, theta_max)));
     return directions;
+}
+
+// From the elevation of w outwards, until z alone is further than the last of those found.
+void find_nearest(std::span<const Vec3f> directions, Vec3f w, std::span<std::uint16_t> nearest) {
+    assert(directions.size() >= nearest.size() && directions.size() <= 65536);
+    struct Found {
+        float squared_distance;
+        std::size_t number;
+        bool operator<(const Found& other) const {
+            return squared_distance != other.squared_distance ? squared_distance < other.squared_distance
+                                                              : number < other.number;
+        }
+    };
+    constexpr std::size_t k_most = 16;
+    assert(nearest.size() <= k_most && !nearest.empty());
+    std::array<Found, k_most> found;
+    std::size_t count = 0;
+    const auto is_far = [&](std::size_t i) {  // this one and all beyond it
+        const float apart = directions[i].z - w.z;
+        return count == nearest.size() && apart * apart > found[count - 1].squared_distance;
+    };
+    const auto take = [&](std::size_t i) {
+        const Vec3f apart = directions[i] - w;
+        const Found next{dot(apart, apart), i};
+        if (count == nearest.size() && !(next < found[count - 1])) return;
+        std::size_t at = count < nearest.size() ? count++ : count - 1;
+        for (; at > 0 && next < found[at - 1]; --at) found[at] = found[at - 1];
+        found[at] = next;
+    };
+    const auto middle =
+        std::size_t(std::partition_point(directions.begin(), directions.end(), [&](Vec3f d) { return d.z < w.z; }) -
+                    directions.begin());
+    for (std::size_t i = middle; i < directions.size() && !is_far(i); ++i) take(i);
+    for (std::size_t i = middle; i-- > 0 && !is_far(i);) take(i);
+    for (std::size_t k = 0; k < nearest.size(); ++k) nearest[k] = std::uint16_t(found[k].number);
+}
+
+namespace {
+
+// The axes along which s and t grow on a face of the cube, and its normal.
+struct CubeFace {
+    Vec3f s, t, normal;
+};
+constexpr std::array<CubeFace, 6> k_faces{{{{0, 0, -1}, {0, -1, 0}, {1, 0, 0}},
+                                           {{0, 0, 1}, {0, -1, 0}, {-1, 0, 0}},
+                                           {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}},
+                                           {{1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
+                                           {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}},
+                                           {{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}}}};
+
+}  // namespace
+
+std::size_t texels(DirectionMap map, int size) {
+    return (map == DirectionMap::cube ? 6 : 1) * std::size_t(size) * std::size_t(size);
+}
+
+Vec3f texel_direction(DirectionMap map, int size, std::size_t texel) {
+    const auto side = std::size_t(size);
+    const auto centre = [&](std::size_t i) { return (2 * float(i) + 1) / float(size) - 1; };
+    const float s = centre(texel % side), t = centre(texel / side % side);
+    if (map == DirectionMap::parabolic) return (1 / (1 + s * s + t * t)) * Vec3f(2 * s, 2 * t, 1 - s * s - t * t);
+    const CubeFace& face = k_faces[texel / (side * side)];
+    return normalize(face.normal + s * face.s + t * face.t);
+}
+
+std::size_t texel_of(DirectionMap map, int size, Vec3f w) {
+    const auto side = std::size_t(size);
+    const auto at = [&](float x) {  // the column or row of a coordinate in [−1, 1]
+        return std::size_t(std::clamp(int((0.5f * x + 0.5f) * float(size)), 0, size - 1));
+    };
+    if (map == DirectionMap::parabolic) {
+        const float scale = 1 / std::max(1 + w.z, 1e-6f);
+        return at(std::clamp(scale * w.y, -1.f, 1.f)) * side + at(std::clamp(scale * w.x, -1.f, 1.f));
+    }
+    const auto face = std::max_element(k_faces.begin(), k_faces.end(), [&](const CubeFace& a, const CubeFace& b) {
+        return dot(a.normal, w) < dot(b.normal, w);
+    });
+    const float scale = 1 / dot(face->normal, w);
+    const auto number = std::size_t(face - k_faces.begin());
+    return (number * side + at(scale * dot(face->t, w))) * side + at(scale * dot(face->s, w));
 }
 
 Vec3d MirrorMixture::sample_cap(double u1, double u2) const {

@@ -90,14 +90,22 @@ constexpr int k_albedo_points = 1 << 16;
 }  // namespace
 
 std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
-                                     const MeasureOptions& options, int n) {
-    const std::vector<Vec3f> directions = fibonacci_directions(n, options.max_theta);
-    return measure(reference, others, directions.size(), directions.size(), options.threads,
+                                     const MeasureOptions& options, std::span<const Vec3f> directions) {
+    std::vector<Vec3f> within;
+    const auto cos_max = float(std::cos(options.max_theta));
+    std::copy_if(directions.begin(), directions.end(), std::back_inserter(within),
+                 [&](Vec3f w) { return w.z >= cos_max; });
+    return measure(reference, others, within.size(), within.size(), options.threads,
                    [&](std::size_t block, auto& wl, auto& wv, auto& weight) {
-                       wl = directions;
-                       std::fill(wv.begin(), wv.end(), directions[block]);
+                       wl = within;
+                       std::fill(wv.begin(), wv.end(), within[block]);
                        std::fill(weight.begin(), weight.end(), 1.0);
                    });
+}
+
+std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
+                                     const MeasureOptions& options, int n) {
+    return measure_matrix(reference, others, options, fibonacci_directions(n, options.max_theta));
 }
 
 std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const Evaluate> others,

@@ -124,6 +124,72 @@ TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
     EXPECT_NE(std::get<PmModel>(a->model), std::get<PmModel>(b->model));
 }
 
+TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
+    const Arguments fit{"fit", k_paper, "--model", "su", "--directions", "200", "--lobes", "2", "--objective", "raw"};
+    const ProgramRun done =
+        run(folder, fit + Arguments{"-o", "su.srbf", "--with-index", "parabolic", "--json", "r.json"});
+    ASSERT_EQ(done.status, 0) << done.err;
+    const Json json = Json::parse(contents(folder / "r.json"), nullptr, false);
+    const Json expected = Json::parse(R"({"model": "su", "form": "source", "lobes": 2, "variates": 1, "axial": false,
+        "discretise": "view", "directions": 200, "interpolation": "rotated", "index": "parabolic", "channels": 3,
+        "objective": "raw", "max_theta": 80.0, "raw_bytes": 480000, "payload_bytes": 4800, "auxiliary_bytes": 1050176,
+        "masked_samples": 0, "clamped_samples": 0, "empty_directions": 0})");
+    for (const auto& [key, value] : expected.items()) EXPECT_EQ(json.value(key, Json()), value) << key;
+    EXPECT_GT(json.value("fit_seconds", 0.0), 0.0);
+
+    const auto model = load_model(folder / "su.srbf");
+    ASSERT_TRUE(model) << message(model.error());
+    const SuModel& su = std::get<SuModel>(model->model);
+    EXPECT_EQ(su.index, index_texture(su, DirectionMap::parabolic));
+
+    const ProgramRun compared = run(folder, {"compare", k_paper, "su.srbf", "--json", "-"});
+    ASSERT_EQ(compared.status, 0) << compared.err;
+    const Json measures = Json::parse(compared.out, nullptr, false);
+    for (const std::string& name : k_measures)
+        for (const std::string& key : {name, "heldout_" + name}) {
+            EXPECT_EQ(measures.value(key, -1.0), json.value(key, -2.0)) << key;
+            EXPECT_TRUE(near_relative(json.value("unrounded_" + key, -1.0), json.value(key, -2.0), 0.02)) << key;
+        }
+    EXPECT_EQ(measures.value("pairs", 0), 165 * 165);  // of 200 directions those within 80 degrees
+
+    const ProgramRun info = run(folder, {"info", "su.srbf"});
+    EXPECT_EQ(info.status, 0);
+    for (const char* word : {"2 lobes × 200 sampled directions", "4,800 bytes", "parabolic", "albedo R"})
+        EXPECT_NE(info.out.find(word), std::string::npos) << word;
+
+    write(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0,0,1\n");
+    const ProgramRun eval = run(folder, {"eval", "su.srbf", "--pairs", "pairs.csv"});
+    EXPECT_EQ(eval.status, 0);
+    std::vector<Rgb> f(1);
+    const Vec3f wl[] = {{0, 0.6f, 0.8f}}, wv[] = {{0, 0, 1}};
+    evaluator (*model)(wl, wv, f);
+    EXPECT_NE(eval.out.find(fmt::format("0,0,1,{:.9g},{:.9g},{:.9g}\n", f[0].r, f[0].g, f[0].b)), std::string::npos)
+        << eval.out;
+
+    // Without the texture, by light, and with the interpolation of the source.
+    const Arguments otherwise{"-o",           "light.srbf", "--discretise", "light", "--interpolation", "plain",
+                              "--neighbours", "4",          "--between",    "0"};
+    ASSERT_EQ(run(folder, fit + otherwise).status, 0);
+    const auto by_light = load_model(folder / "light.srbf");
+    ASSERT_TRUE(by_light);
+    EXPECT_EQ(std::get<SuModel>(by_light->model).discretise, Discretise::light);
+    EXPECT_EQ(std::get<SuModel>(by_light->model).interpolation, SuInterpolation::plain);
+    EXPECT_EQ(std::get<SuModel>(by_light->model).neighbours, 4);
+    EXPECT_FALSE(std::get<SuModel>(by_light->model).index);
+
+    // As many lobes as there are directions within 80 degrees, and one more.
+    expect_failure(1, {"fit", k_paper, "--model", "su", "--directions", "16", "--lobes", "14", "--objective", "raw"},
+                   "paper_white_rgb.bsdf: directions with data in sampled view 0: expected none or at least 14");
+    write(folder / "zero.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return 0; })));
+    expect_failure(1, {"fit", "zero.binary", "--model", "su", "--directions", "64"}, "zero.binary: values");
+    expect_failure(2, fit + Arguments{"--variates", "2"}, "--variates: only with --model pm");
+    expect_failure(2, {"fit", k_paper, "--with-index", "cube"}, "--with-index: only with --model su");
+    expect_failure(2, fit + Arguments{"--neighbours", "8"}, "--neighbours");
+    expect_failure(2, fit + Arguments{"--between", "-1"}, "--between");
+    for (const char* directions : {"7", "8193", "x"})
+        expect_failure(2, {"fit", k_paper, "--model", "su", "--directions", directions}, "--directions");
+}
+
 TEST_F(Command, compare_finds_the_errors_that_fit_reports) {
     const Json fit = report();
     for (const Arguments& theta : {Arguments{}, Arguments{"--max-theta", "89"}}) {

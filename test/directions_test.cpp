@@ -184,5 +184,69 @@ TEST(MirrorMixture, CapSamplesAreEvenOverTheCap) {
     }
 }
 
+TEST(Nearest, AreThoseThatTryingAllFinds) {
+    std::mt19937_64 random(5);
+    for (const int n : {8, 9, 100, 1536}) {
+        const auto set = fibonacci_directions(n, k_pi / 2);
+        for (int trial = 0; trial < 300; ++trial) {
+            // Samples themselves, the poles and directions below the horizon among them.
+            const Vec3f w = trial == 0   ? Vec3f(0, 0, 1)
+                            : trial == 1 ? Vec3f(0, 0, -1)
+                            : trial < 20 ? set[std::size_t(trial % n)]
+                                         : to_float(random_direction(random));
+            std::vector<std::pair<float, std::uint16_t>> all;
+            for (std::size_t i = 0; i < set.size(); ++i) {
+                const Vec3f d = set[i] - w;
+                all.emplace_back(dot(d, d), std::uint16_t(i));
+            }
+            std::sort(all.begin(), all.end());
+            std::array<std::uint16_t, 8> nearest{};
+            find_nearest(set, w, nearest);
+            for (std::size_t k = 0; k < 8; ++k) EXPECT_EQ(nearest[k], all[k].second) << n << ' ' << trial << ' ' << k;
+            std::array<std::uint16_t, 1> first{};
+            find_nearest(set, w, first);
+            EXPECT_EQ(first[0], all[0].second);
+        }
+    }
+}
+
+TEST(DirectionMaps, ATexelHoldsItsCentre) {
+    for (const auto map : {DirectionMap::cube, DirectionMap::parabolic})
+        for (const int size : {1, 2, 7, 128}) {
+            std::vector<Vec3f> seen;
+            for (std::size_t texel = 0; texel < texels(map, size); ++texel) {
+                const Vec3f w = texel_direction(map, size, texel);
+                EXPECT_TRUE(near(double(dot(w, w)), 1, 1e-6));
+                EXPECT_EQ(texel_of(map, size, w), texel) << size;
+            }
+        }
+}
+
+TEST(DirectionMaps, TexelsCoverTheHemisphere) {
+    std::mt19937_64 random(6);
+    for (const auto map : {DirectionMap::cube, DirectionMap::parabolic}) {
+        const int size = 64;
+        // Half the diagonal of a texel at the cube's face's middle; at the parabolic map's middle, where it is coarsest.
+        const double widest = (map == DirectionMap::cube ? 1 : 2) * std::sqrt(2.0) / size;
+        for (int trial = 0; trial < 20000; ++trial) {
+            const Vec3d w = random_direction(random, map == DirectionMap::cube ? -1 : 0);
+            const std::size_t texel = texel_of(map, size, to_float(w));
+            ASSERT_LT(texel, texels(map, size));
+            const Vec3d d = to_double(texel_direction(map, size, texel)) - w;
+            EXPECT_LE(std::sqrt(dot(d, d)), 1.01 * widest);
+        }
+    }
+}
+
+TEST(DirectionMaps, FacesAreOpenGLs) {
+    // The centres of the faces, and the corner of the first texel of face +x.
+    const Vec3f centres[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    for (std::size_t face = 0; face < 6; ++face) EXPECT_EQ(texel_direction(DirectionMap::cube, 1, face), centres[face]);
+    const Vec3f corner = texel_direction(DirectionMap::cube, 2, 0);
+    EXPECT_TRUE(corner.x > 0 && corner.y > 0 && corner.z > 0);  // s along -z, t along -y, from -1 on
+    EXPECT_LT(texel_direction(DirectionMap::cube, 2, 1).z, 0);
+    EXPECT_LT(texel_direction(DirectionMap::cube, 2, 2).y, 0);
+}
+
 }  // namespace
 }  // namespace srbf

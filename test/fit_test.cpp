@@ -161,6 +161,7 @@ TEST(Fit, IsReciprocalWhereAskedTo) {
         options.reciprocal = true;
         const auto fit = fit_pm(observed(signed_evaluator(paper)), options);
         ASSERT_TRUE(fit);
+        EXPECT_TRUE(is_reciprocal(fit->model));
         std::mt19937_64 random(5);
         const MirrorMixture mixture(80 * k_degree);
         for (int i = 0; i < 1000; ++i) {

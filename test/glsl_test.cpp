@@ -39,11 +39,23 @@ bool pm_down(Pm pm, int j, int n) { return pm_centre(pm, j, n).z < 0.0; }
 int pm_features(Pm pm) { return features; }
 Real pm_exponent(Pm pm, int j, int k) { return exponent_of_lobe[pm.first + j][k]; }
 Real pm_log2_scale(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].w; }
+struct Su { int lobes; };
+struct SuNearest { uvec4 pairs; };  // a texel of eight 16-bit numbers
+uniform highp sampler2D numbers_of_view;  // a lobe's coefficient and bandwidth, then its centre
+uniform sampler2D direction_of_view;
+int su_lobes(Su su) { return su.lobes; }
+int su_views(Su su) { return textureSize(direction_of_view, 0).x; }
+Vec3 su_direction(Su su, int view) { return texelFetch(direction_of_view, ivec2(view, 0), 0).xyz; }
+Vec3 su_centre(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j + 1, view), 0).xyz; }
+Real su_bandwidth(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j, view), 0).w; }
+Vec3 su_coefficient(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j, view), 0).rgb; }
+int su_nearest(SuNearest nearest, int k) { return int(nearest.pairs[k / 2] >> uint(16 * (k % 2)) & 0xffffu); }
 )";
 
 const std::string k_main = R"(
 in vec3 wl, wv;
 in vec2 u;
+uniform highp usamplerCube index_of_direction;
 out vec4 colour;
 void main() {
     Vec3 f = pm_value(Pm(0), wl, wv);
@@ -53,6 +65,11 @@ void main() {
     f *= gaussian(w, wl, 2.0) * gaussian_exponent(w, wv, 2.0) * product.scale * product.bandwidth;
     PmFeatures x = pm_further_features(features, wl, wv);
     f += x.horizon * x.difference + x.elevation * x.half_way + squared_distance_from_pole(wl, u.x, u.y);
+    SuNearest nearest = SuNearest(texture(index_of_direction, wv));
+    SuNeighbour neighbour = su_rotated_neighbour(Su(5), wv, 0);
+    f += su_view_value(Su(5), neighbour.view, turned(wl, neighbour.cosine, neighbour.sine)) * neighbour.weight;
+    f += su_rotated_value(Su(5), wl, wv) + su_plain_value(Su(5), nearest, wl, wv, 3);
+    f *= su_plain_weight(Su(5), nearest, wv, 3, 0);
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }
 )";

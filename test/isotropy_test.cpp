@@ -60,6 +60,7 @@ TEST(Isotropy, GeneralLobesFitWhatAxialOnesCannot) {
         const auto fit = fit_pm(observations, options);
         ASSERT_TRUE(fit);
         EXPECT_EQ(fit->model.axial, axial);
+        EXPECT_FALSE(is_reciprocal(fit->model));
         models.push_back(fit->model);
     }
     EXPECT_EQ(payload_bytes(models[0]), 2u * (8 * (3 + 9 + 5) + 6));

@@ -21,6 +21,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/brdf"},
     {"include/srbf/metrics", "src/metrics"},
     {"include/srbf/measured", "src/measured/"},
+    {"include/srbf/su"},
     {"include/srbf/model", "src/model/"},
     {"render/image"},
     {"render/preview"},

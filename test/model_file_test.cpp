@@ -3,6 +3,7 @@
 
 #include "models.h"
 #include "srbf/file.h"
+#include "su_models.h"
 
 namespace srbf {
 namespace {
@@ -282,7 +283,7 @@ TEST(ModelFile, MetadataThatTellNothingKnown) {
     for (const char* key : {"srbf", "model", "form", "axial"}) {
         const std::string what = std::string("metadata '") + key + "'";
         EXPECT_TRUE(names(spoilt([&](File& f) { f.header["__metadata__"].erase(key); }), what));
-        for (const char* text : {"", "2", "su", "TRUE", "x\ny"})
+        for (const char* text : {"", "2", "ggx", "TRUE", "x\ny"})
             EXPECT_TRUE(names(spoilt([&](File& f) { f.header["__metadata__"][key] = text; }), what));
         EXPECT_TRUE(
             names(spoilt([&](File& f) { f.header["__metadata__"][key] = true; }), std::string("metadata ") + key));
@@ -290,6 +291,110 @@ TEST(ModelFile, MetadataThatTellNothingKnown) {
     EXPECT_TRUE(
         names(spoilt([](File& f) { f.header.erase("__metadata__"); }), "metadata 'srbf': expected 1, found none"));
     EXPECT_TRUE(names(spoilt([](File& f) { f.header["__metadata__"] = 3; }), "metadata"));
+}
+
+// ---- View by view ----
+
+SuModel small_su(int index) {
+    std::mt19937_64 random(4);
+    SuModel model = random_su(random, 8, 2);
+    if (index > 0) model.index = index_texture(model, index == 1 ? DirectionMap::cube : DirectionMap::parabolic, 2);
+    return model;
+}
+
+/// A file of n = 8, J = 2 with a cube, to be spoilt by tensor.
+struct SuFile {
+    Json header;
+    std::vector<std::uint16_t> data;
+    SuFile() {
+        const Bytes bytes = write_model({small_su(1), {}});
+        std::size_t length = 0;
+        for (std::size_t i = 8; i-- > 0;) length = length << 8 | std::to_integer<std::size_t>(bytes[i]);
+        const auto* text = reinterpret_cast<const char*>(bytes.data()) + 8;
+        header = Json::parse(text, text + length);
+        for (std::size_t at = 8 + length; at < bytes.size(); at += 2)
+            data.push_back(
+                std::uint16_t(std::to_integer<unsigned>(bytes[at]) | std::to_integer<unsigned>(bytes[at + 1]) << 8));
+    }
+    std::uint16_t& number(const char* tensor, std::size_t i) {
+        return data[header[tensor]["data_offsets"][0].get<std::size_t>() / 2 + i];
+    }
+};
+template <typename Spoil> std::string spoilt_su(Spoil spoil) {
+    SuFile file;
+    spoil(file);
+    return error_of(container(file.header.dump(), file.data));
+}
+
+TEST(SuModelFile, EveryTruncationIsAnErrorAndEveryFlipOneOrAModel) {
+    int models = 0;
+    for (const int index : {0, 1, 2}) {
+        const Bytes whole = write_model({small_su(index), {{"source", "a.bsdf"}}});
+        EXPECT_EQ(error_of(whole), "");
+        for (std::size_t size = 0; size < whole.size(); ++size)
+            EXPECT_NE(error_of(Bytes(whole.begin(), whole.begin() + std::ptrdiff_t(size))), "") << size;
+        for (std::size_t at = 0; at < whole.size(); ++at)
+            for (const int flip : {0x01, 0x80, 0xff}) {
+                Bytes flipped = whole;
+                flipped[at] ^= std::byte(flip);
+                models += error_of(flipped).empty();
+            }
+    }
+    EXPECT_GT(models, 0);
+}
+
+TEST(SuModelFile, NumbersOutOfRange) {
+    EXPECT_EQ(spoilt_su([](SuFile&) {}), "");
+    for (const char* tensor : {"coefficient", "bandwidth", "centre"}) {
+        for (const unsigned bad : {0x7c00u, 0xfc00u, 0x7e00u})
+            EXPECT_TRUE(names(spoilt_su([&](SuFile& f) { f.number(tensor, 5) = std::uint16_t(bad); }),
+                              "expected finite numbers"));
+        const std::string negative = spoilt_su([&](SuFile& f) { f.number(tensor, 5) = 0xbc00; });
+        if (tensor == std::string("centre"))
+            EXPECT_EQ(negative, "");
+        else
+            EXPECT_TRUE(names(negative, "expected numbers of at least 0, found -1"));
+    }
+    EXPECT_TRUE(names(spoilt_su([](SuFile& f) { f.number("aux.index", 77) = 8; }),
+                      "tensor 'aux.index': expected numbers below 8, found 8"));
+    EXPECT_TRUE(
+        names(spoilt_su([](SuFile& f) { f.number("aux.directions", 4) ^= 1; }), "expected the Fibonacci set of 8"));
+    EXPECT_TRUE(names(spoilt_su([](SuFile& f) { f.number("aux.directions", 3) = 0x3c00; }), "aux.directions"));
+}
+
+TEST(SuModelFile, TensorsThatDoNotFit) {
+    for (const char* tensor : {"coefficient", "bandwidth", "centre", "aux.index", "aux.directions"}) {
+        const std::string what = std::string("tensor '") + tensor + "'";
+        const bool is_index = tensor == std::string("aux.index");
+        EXPECT_TRUE(names(spoilt_su([&](SuFile& f) { f.header[tensor]["dtype"] = is_index ? "F16" : "U16"; }),
+                          what + ": dtype"));
+        EXPECT_TRUE(names(spoilt_su([&](SuFile& f) { f.header[tensor]["dtype"] = "U32"; }), what + ": dtype"));
+        EXPECT_NE(spoilt_su([&](SuFile& f) { f.header.erase(tensor); }), "");  // its data are left over
+    }
+    const auto reshaped = [](const char* tensor, const Json& shape) {
+        return spoilt_su([&](SuFile& f) { f.header[tensor]["shape"] = shape; });
+    };
+    EXPECT_TRUE(names(reshaped("aux.index", {2, 6, 2, 8}), "tensor 'aux.index': shape"));
+    EXPECT_TRUE(names(reshaped("aux.index", {24, 8}), "tensor 'aux.index': shape"));
+    EXPECT_TRUE(names(reshaped("aux.index", {4, 6, 8}), "tensor 'aux.index': shape"));
+    EXPECT_TRUE(names(reshaped("bandwidth", {2, 8}), "expected [n, J] from [8, 1]"));
+    EXPECT_TRUE(names(reshaped("bandwidth", {16, 1}), "shape"));
+    EXPECT_TRUE(names(reshaped("centre", {8, 4}), "tensor 'centre': shape: expected [8, 2, 2], found [8, 4]"));
+    EXPECT_TRUE(names(spoilt_su([](SuFile& f) { f.header["gloss"] = f.header["bandwidth"]; }), "data"));
+}
+
+TEST(SuModelFile, MetadataThatTellNothingKnown) {
+    for (const char* key : {"srbf", "model", "discretise", "interpolation", "neighbours"}) {
+        const std::string what = std::string("metadata '") + key + "'";
+        EXPECT_TRUE(names(spoilt_su([&](SuFile& f) { f.header["__metadata__"].erase(key); }), what));
+        for (const char* text : {"", "0", "8", "views", "33"})
+            EXPECT_TRUE(names(spoilt_su([&](SuFile& f) { f.header["__metadata__"][key] = text; }), what)) << text;
+    }
+    // One kind's numbers under the other's name.
+    EXPECT_NE(spoilt_su([](SuFile& f) {
+                  f.header["__metadata__"] = {{"srbf", "1"}, {"model", "pm"}, {"form", "source"}, {"axial", "false"}};
+              }),
+              "");
 }
 
 }  // namespace

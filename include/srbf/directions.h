@@ -1,7 +1,9 @@
 // Sets of directions and distributions of pairs of them: level 1.
 #pragma once
 #include <array>
+#include <cstdint>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "srbf/vec.h"
@@ -17,6 +19,22 @@ Vec3d fibonacci_direction(int i, int n, double theta_max);
 
 /// All n of them.
 std::vector<Vec3f> fibonacci_directions(int n, double theta_max);
+
+/// The numbers of those of `directions`, at most 65,536 whose z does not fall, that are nearest to `w`, the nearest first,
+/// of equally near ones the lower number first. As many as `nearest` takes; there are at least as many directions.
+void find_nearest(std::span<const Vec3f> directions, Vec3f w, std::span<std::uint16_t> nearest);
+
+/// How a square texture holds a function of direction.
+enum class DirectionMap {
+    cube,       ///< six faces +x, −x, +y, −y, +z, −z, each laid out as OpenGL's
+    parabolic,  ///< one square, its point (s, t) in [−1, 1]² standing for (2s, 2t, 1−s²−t²) / (1+s²+t²)
+};
+/// Texels of a texture of `size` × `size` a face.
+std::size_t texels(DirectionMap map, int size);
+/// The direction at a texel's centre; texels by face, row t, column s.
+Vec3f texel_direction(DirectionMap map, int size, std::size_t texel);
+/// The texel that holds direction `w`; the parabolic map holds none below the horizon near −z, and gives one at its border.
+std::size_t texel_of(DirectionMap map, int size, Vec3f w);
 
 /// Directions and weights [sr]: Σ weight g(w) stands for ∫ g dω.
 struct Quadrature {

@@ -64,6 +64,34 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options);
 /// rotation changes in f cosθl cosθv is at most 1e-6 of that of f cosθl cosθv itself; or 2 % of it, and no more than 2.5 times what 15° change.
 bool is_isotropic(const Evaluate& f, double max_theta);
 
+/// A BRDF at all pairs of n directions, the source's raw data of 12 n² bytes, and at further directions about each of them.
+struct RawMatrix {
+    Discretise discretise = Discretise::view;  ///< which of the directions is the sampled one in `between`
+    std::vector<Vec3f> direction;              ///< n: the Fibonacci set of the whole hemisphere
+    std::vector<Rgb> f;  ///< n × n, that of (wl_l, wv_v) at v n + l [1/sr], ≥ 0; NaN: not measured
+    /// f of a sampled direction and one drawn from MirrorMixture about it. The set's directions miss most of a sharp highlight, and for
+    /// isotropic data the same part of it in all views.
+    struct Between {
+        Vec3f direction;
+        Rgb f;
+        float pdf = 0;  ///< [1/sr]
+    };
+    std::vector<Between> between;  ///< n × m
+    std::uint64_t masked = 0;      ///< pairs of the matrix that were not measured
+    std::uint64_t clamped = 0;     ///< negative channel values there, set to 0
+};
+
+struct TabulateOptions {
+    int directions = 1536;                     ///< n, k_least_views..k_most_views
+    int between = 512;                         ///< m, 0..k_most_between; 0: the source's raw data alone
+    Discretise discretise = Discretise::view;  ///< of the model that will be fitted
+    int threads = 0;                           ///< 0: as many as the machine has; the result does not depend on it
+};
+inline constexpr std::size_t k_most_between = 4096;
+
+/// Looks `f` up; it may be negative (see signed_value) or NaN.
+Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options = {});
+
 /// What is going on, for a progress display.
 struct Progress {
     std::string_view stage;
@@ -109,5 +137,28 @@ struct PmFit {
 /// Errors: options out of range, fewer observations than parameters, values that are not finite.
 Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options,
                      const ProgressCallback& progress = {});
+
+struct SuFitOptions {
+    int lobes = 8;  ///< J, 1..k_most_view_lobes
+    Objective objective = Objective::cosine;
+    double max_theta = 0;  ///< [rad], 1 to 89.9°, 0: the objective's default; pairs beyond it are guards
+    SuInterpolation interpolation = SuInterpolation::rotated;  ///< of the model; the fit does not depend on it
+    int neighbours = 3;                                        ///< K of plain interpolation, 1..k_most_neighbours
+    std::uint64_t seed = 0;                                    ///< of the random lobes
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+
+struct SuFit {
+    SuModel model;      ///< every number as a file holds it
+    SuModel unrounded;  ///< before rounding
+    int empty = 0;      ///< sampled views without data, or black within θmax: their coefficients are 0
+    StopReason stop = StopReason::converged;  ///< iterations: some view's last search did all of its
+};
+
+/// Fits scattered univariate SRBFs: for each sampled direction of `matrix`, those beyond θmax too, a sum of J lobes with any
+/// centres, by separable least squares as in `fit_pm`. A view starts from the lobes of the one before it, rotated to its
+/// azimuth, the first of every 32 from soft von Mises-Fisher clusterings. Docs: docs/fitting.md.
+/// Errors: options out of range, a matrix of other size; a view with data at fewer than J directions within θmax.
+Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressCallback& progress = {});
 
 }  // namespace srbf

@@ -11,7 +11,14 @@
 //     pm_axial(pm), pm_down(pm, j, n)        whether every centre is +z or -z; whether this one is -z  [bool]
 //     pm_coefficient(pm, j), pm_log2_scale(pm, j)  beta_j (R, G, B), s_j log2(e)
 //     pm_features(pm), pm_exponent(pm, j, k)       F = 0, 1 or 4 [int], kappa_jk log2(e)
-// No branch depends on a value, so that Real may be a batch of numbers. Directions are unit vectors; wl points to the
+//   Su                      a handle of a view-by-view model, answering
+//     su_lobes(su), su_views(su)             J, n                            [int]
+//     su_direction(su, i)                    the direction of sampled view i (unit vector; z rises with i)
+//     su_centre(su, i, j), su_bandwidth(su, i, j), su_coefficient(su, i, j)   xi_ij, lambda_ij, beta_ij (R, G, B)
+//   SuNearest               a handle of the sampled views nearest to a direction, answering
+//     su_nearest(nearest, k)                 the k-th nearest, from 0 on     [int]
+// No branch depends on a value, so that Real may be a batch of numbers; but for what chooses among sampled views
+// (su_rotated_..., su_plain_...), which is for one pair of directions. Directions are unit vectors; wl points to the
 // light, wv to the viewer, the shading normal is +z. Angles are in radians.
 
 #define SRBF_MAX_VARIATES 8
@@ -190,4 +197,89 @@ SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
         sum = sum + exp2(min(exponent, Real(100.0))) * pm_coefficient(pm, j);
     }
     return sum;
+}
+
+// ---- Scattered univariate SRBFs ----------------------------------------------------------------------------------
+
+// The function of sampled view i: sum_j beta_ij G(wl . xi_ij | lambda_ij) [1/sr], for R, G, B.
+SRBF_FN Vec3 su_view_value(Su su, int view, Vec3 wl) {
+    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
+    for (int j = 0; j < su_lobes(su); ++j)
+        sum = sum + gaussian(wl, su_centre(su, view, j), Real(su_bandwidth(su, view, j))) * su_coefficient(su, view, j);
+    return sum;
+}
+
+// w turned about the normal by the angle of that cosine and sine.
+SRBF_FN Vec3 turned(Vec3 w, Real cosine, Real sine) {
+    return Vec3(cosine * w.x - sine * w.y, sine * w.x + cosine * w.y, w.z);
+}
+
+// A sampled view's part in the value at another view direction: its weight, and the turn about the normal that takes
+// the view direction to the sample's azimuth, and wl along with it.
+struct SuNeighbour {
+    int view;
+    Real weight;
+    Real cosine;
+    Real sine;
+};
+
+// Isotropic interpolation. Sampled views are rotated to the azimuth of wv, so that elevation alone tells them apart: the value
+// is linear in wv.z between the two samples that are next in elevation. Above the last sample the azimuth loses its meaning:
+// over that cap that sample's part falls linearly to the pole, and three copies of it, turned by thirds of a circle from
+// where it lies, take over. Continuous in wv; a sample's own function at a sample. Neighbour k of SU_ROTATED_NEIGHBOURS.
+#define SU_ROTATED_NEIGHBOURS 5
+SRBF_FN SuNeighbour su_rotated_neighbour(Su su, Vec3 wv, int k) {
+    int last = su_views(su) - 1;
+    Real at = max(wv.z * Real(su_views(su)) - Real(0.5), Real(0.0));  // the samples are even in z
+    int below = at < Real(last) ? int(at) : last;
+    int above = below < last ? below + 1 : last;
+    Vec3 top = su_direction(su, last);
+    Real radius = sqrt(wv.x * wv.x + wv.y * wv.y);
+    Real top_radius = max(sqrt(top.x * top.x + top.y * top.y), Real(1.0e-20));
+    Real cap = wv.z > top.z ? min(radius / top_radius, Real(1.0)) : Real(1.0);  // 1 outside of it, 0 at the pole
+
+    SuNeighbour neighbour;
+    neighbour.view = k == 0 ? below : k == 1 ? above : last;
+    Vec3 sample_ = su_direction(su, neighbour.view);
+    Real from = su_direction(su, below).z;
+    Real step = su_direction(su, above).z - from;
+    Real part = step > Real(0.0) ? min(max((wv.z - from) / step, Real(0.0)), Real(1.0)) : Real(0.0);
+    Real length = max(radius * sqrt(sample_.x * sample_.x + sample_.y * sample_.y), Real(1.0e-20));
+    neighbour.weight = k == 0 ? cap * (Real(1.0) - part) : k == 1 ? cap * part : (Real(1.0) - cap) / Real(3.0);
+    neighbour.cosine = k < 2 ? (wv.x * sample_.x + wv.y * sample_.y) / length : k == 2 ? Real(1.0) : Real(-0.5);
+    neighbour.sine = k < 2 ? (wv.x * sample_.y - wv.y * sample_.x) / length
+                           : Real(0.8660254037844386) * (k == 3 ? Real(1.0) : k == 4 ? Real(-1.0) : Real(0.0));
+    return neighbour;
+}
+
+SRBF_FN Vec3 su_rotated_value(Su su, Vec3 wl, Vec3 wv) {
+    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
+    for (int k = 0; k < SU_ROTATED_NEIGHBOURS; ++k) {
+        SuNeighbour neighbour = su_rotated_neighbour(su, wv, k);
+        if (neighbour.weight > Real(0.0))
+            sum = sum + neighbour.weight *
+                            su_view_value(su, neighbour.view, turned(wl, neighbour.cosine, neighbour.sine));
+    }
+    return sum;
+}
+
+// Interpolation as it comes: the K nearest views as they are. A view at distance d from wv weighs 1/d - 1/d_K, d_K being the
+// distance of the next nearest one, not yet divided by the sum over the views: it falls to 0 as the view leaves the K nearest,
+// and exceeds all others by far as wv reaches the sample.
+SRBF_FN Real su_plain_weight(Su su, SuNearest nearest, Vec3 wv, int neighbours, int k) {
+    Vec3 apart = wv - su_direction(su, su_nearest(nearest, k));
+    Vec3 leaving = wv - su_direction(su, su_nearest(nearest, neighbours));
+    return max(inversesqrt(max(dot(apart, apart), Real(1.0e-30))) - inversesqrt(max(dot(leaving, leaving), Real(1.0e-30))),
+               Real(0.0));
+}
+
+SRBF_FN Vec3 su_plain_value(Su su, SuNearest nearest, Vec3 wl, Vec3 wv, int neighbours) {
+    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
+    Real weights = Real(0.0);
+    for (int k = 0; k < neighbours; ++k) {
+        Real weight = su_plain_weight(su, nearest, wv, neighbours, k);
+        weights = weights + weight;
+        sum = sum + weight * su_view_value(su, su_nearest(nearest, k), wl);
+    }
+    return (Real(1.0) / max(weights, Real(1.0e-20))) * sum;
 }

@@ -1,7 +1,9 @@
 // kernel.glsl as C++: `Kernel<float>::gaussian(...)`: level 1.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <type_traits>
 
 #include "srbf/vec.h"
@@ -9,6 +11,7 @@
 namespace srbf {
 
 struct PmModel;
+struct SuModel;
 
 namespace kernel {
 

@@ -3,7 +3,7 @@
 #ifndef SRBF_FN
 #define SRBF_FN static
 #endif
-template <typename Real_, typename Model> struct Formulas {
+template <typename Real_, typename Model, typename ByView = SuModel> struct Formulas {
     using Real = Real_;
     using Vec3 = Triple<Real_>;
     using Bool = decltype(Real_() < Real_());
@@ -44,6 +44,22 @@ template <typename Real_, typename Model> struct Formulas {
         const auto& coefficient = pm.coefficient[std::size_t(j)];
         return Vec3(Real(coefficient.r), Real(coefficient.g), Real(coefficient.b));
     }
+
+    using Su = const ByView&;
+    using SuNearest = const std::array<std::uint16_t, 8>&;
+
+    static int su_lobes(Su su) { return su.lobes; }
+    static int su_views(Su su) { return int(su.direction.size()); }
+    static Vec3 su_direction(Su su, int view) { return triple(su.direction[std::size_t(view)]); }
+    static Vec3 su_centre(Su su, int view, int j) { return triple(su.centre[std::size_t(view * su.lobes + j)]); }
+    static float su_bandwidth(Su su, int view, int j) { return su.bandwidth[std::size_t(view * su.lobes + j)]; }
+    static Vec3 su_coefficient(Su su, int view, int j) {
+        const auto& coefficient = su.coefficient[std::size_t(view * su.lobes + j)];
+        return Vec3(Real(coefficient.r), Real(coefficient.g), Real(coefficient.b));
+    }
+    static int su_nearest(SuNearest nearest, int k) { return nearest[std::size_t(k)]; }
+
+    template <typename Vector> static Vec3 triple(const Vector& w) { return Vec3(Real(w.x), Real(w.y), Real(w.z)); }
 
 #include "srbf/kernel.glsl"
 };

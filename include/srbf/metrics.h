@@ -35,6 +35,9 @@ struct MeasureOptions {
 inline constexpr int k_matrix_directions = 1536;
 std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
                                      const MeasureOptions& options, int n = k_matrix_directions);
+/// The same over the n × n pairs of the given directions, as far as they lie within θmax: a view-by-view model's own matrix.
+std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
+                                     const MeasureOptions& options, std::span<const Vec3f> directions);
 
 /// The same over `count` independent pairs: wv even over the cap, wl from a mixture around the mirror
 /// direction, weighted back to even solid angle. Fibonacci pairs undersample sharp lobes; these do not.

@@ -11,6 +11,7 @@
 
 #include "srbf/brdf.h"
 #include "srbf/result.h"
+#include "srbf/su.h"
 
 namespace srbf {
 
@@ -55,7 +56,7 @@ Rgb value(const PmModel& model, Vec3f wl, Vec3f wv);
 
 /// A model as a file holds it, with the story of how it was made.
 struct Model {
-    std::variant<PmModel> model;
+    std::variant<PmModel, SuModel> model;
     std::map<std::string, std::string> provenance;  ///< source file, options, errors, version
 };
 Rgb value(const Model& model, Vec3f wl, Vec3f wv);
@@ -68,17 +69,27 @@ void evaluate(const Model& model, std::span<const Vec3f> wl, std::span<const Vec
 Evaluate evaluator(const PmModel& model);
 Evaluate evaluator(const Model& model);
 
+/// Bytes of a model's numbers as stored, and of what else it looks up at run time.
+std::size_t payload_bytes(const Model& model);
+std::size_t auxiliary_bytes(const Model& model);
+
+/// Whether f(ωl, ωv) = f(ωv, ωl) by construction, up to rounding: each variate (a, b) with a ≠ b has another one, (b, a), of the same centres
+/// and bandwidths in all lobes.
+bool is_reciprocal(const PmModel& model);
 /// Whether a log scale is stored: the form has further features, or some s_j is not 0 as a half.
 bool has_log_scale(const PmModel& model);
 /// Bytes of the model's numbers as stored, two each.
 std::size_t payload_bytes(const PmModel& model);
+constexpr std::size_t auxiliary_bytes(const PmModel&) { return 0; }
 /// `model` with every number rounded to what a file holds: read_model(write_model(model)).
 PmModel rounded(const PmModel& model);
 
 /// The model file: a safetensors container (8-byte little-endian length, JSON header, data) with F16 tensors
 /// `coefficient` [J,3], `bandwidth` [J,N], `parameterization` [N,2], where needed `log_scale` [J] and
 /// `exponent` [J,F], and for general lobes `centre` [J,N,2] (θ, φ in radians). Axial lobes have no `centre`: the sign of the bandwidth
-/// chooses +z or −z.
+/// chooses +z or −z. A view-by-view model has `coefficient` [n,J,3], `bandwidth` [n,J] and `centre` [n,J,2], a centre's (θ, φ) less
+/// those of its view's mirror direction; and where it has an index texture that as `aux.index`, U16 [6,s,s,8] or [s,s,8], and
+/// `aux.directions` [n,4], the sampled directions and a 0.
 std::vector<std::byte> write_model(const Model& model);
 /// Errors: not such a file; tensors missing, of other type or shape, overlapping or leaving gaps; numbers
 /// that are not finite or out of range. `source` is for errors alone.

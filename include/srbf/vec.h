@@ -15,6 +15,7 @@ using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
 
 constexpr Vec3f to_float(Vec3d w) { return {float(w.x), float(w.y), float(w.z)}; }
+constexpr Vec3d to_double(Vec3f w) { return {double(w.x), double(w.y), double(w.z)}; }
 
 /// Component by component.
 template <typename Real> constexpr bool operator==(Vec3<Real> a, Vec3<Real> b) {
@@ -32,6 +33,15 @@ struct Rgb {
 /// ω = (sin θ cos φ, sin θ sin φ, cos θ), angles in radians.
 template <typename Real> Vec3<Real> spherical(Real theta, Real phi) {
     return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+}
+
+/// The angles of a direction, in radians.
+template <typename Real> struct Angles {
+    Real theta, phi;  ///< [0, π], [−π, π]
+};
+/// The inverse of `spherical`: 2 atan2 of the chords keeps its digits near the poles, where acos loses half of them.
+template <typename Real> Angles<Real> angles(Vec3<Real> w) {
+    return {2 * std::atan2(std::hypot(w.x, w.y, w.z - 1), std::hypot(w.x, w.y, w.z + 1)), std::atan2(w.y, w.x)};
 }
 
 /// The mirror direction of ω about the normal: (−x, −y, z).

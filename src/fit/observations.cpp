@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "evenly.h"
+#include "fit/objective.h"
 #include "srbf/directions.h"
 #include "srbf/fit.h"
 
@@ -11,9 +12,6 @@ namespace {
 const double k_guard_share = 1.0 / 8;
 constexpr std::size_t k_mirror_checks = 32768;
 constexpr double k_guard_theta = 89.9 * k_degree;
-/// Σ over the guards, relative to Σ w |f|², if the fit were off by the largest measured f cosθl cosθv at each
-/// of them.
-constexpr double k_guard_importance = 1e-2;
 
 /// Directions of view: even over the cap, a quarter of them even in log cosθ, so that grazing ones are not
 /// rare.
@@ -33,25 +31,6 @@ class ViewMixture {
     static constexpr double k_even = 0.75;
     double cos_max_;
 };
-
-/// What (f−f̂)² weighs in the objective where the channels of f have mean `f`, per solid angle of both directions; `mean` is
-/// that of all f, which only the cube root asks for.
-double objective_weight(Objective objective, double f, double mean, double cos_l, double cos_v) {
-    switch (objective) {
-        case Objective::raw:
-            return 1;
-        case Objective::cosine:
-            return cos_l * cos_l * cos_v;
-        case Objective::log:
-            return std::pow(cos_l / (1 + f * cos_l), 2) * cos_v;
-        case Objective::cube_root:
-            return std::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
-    }
-    return 0;
-}
-
-double square_of(const Rgb& f) { return double(f.r) * f.r + double(f.g) * f.g + double(f.b) * f.b; }
-double mean_of(const Rgb& f) { return (double(f.r) + double(f.g) + double(f.b)) / 3; }
 
 /// Albedo at θv [degrees] is observed by so many directions.
 constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "model/safetensors.h"
+#include "model/su_file.h"
 #include "srbf/file.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
@@ -15,42 +16,41 @@ namespace {
 constexpr std::string_view k_version = "1";
 
 /// The tensors of a model: its numbers, rounded to halves.
-std::map<std::string, HalfTensor> encode(const PmModel& model) {
+std::map<std::string, Tensor16> encode(const PmModel& model) {
     const auto J = std::uint64_t(model.lobes), N = std::uint64_t(model.variates);
-    std::map<std::string, HalfTensor> tensors;
+    std::map<std::string, Tensor16> tensors;
 
-    HalfTensor& coefficient = tensors["coefficient"] = {{J, 3}, {}};
+    Tensor16& coefficient = tensors["coefficient"] = {Type16::half, {J, 3}, {}};
     for (const Rgb& beta : model.coefficient)
         for (int c = 0; c < 3; ++c) coefficient.data.push_back(to_half(std::min(beta[c], k_half_max)));
 
     if (has_log_scale(model)) {
-        HalfTensor& log_scale = tensors["log_scale"] = {{J}, {}};
+        Tensor16& log_scale = tensors["log_scale"] = {Type16::half, {J}, {}};
         for (const float s : model.log_scale) log_scale.data.push_back(to_half(std::clamp(s, -k_half_max, k_half_max)));
     }
 
-    HalfTensor& bandwidth = tensors["bandwidth"] = {{J, N}, {}};
+    Tensor16& bandwidth = tensors["bandwidth"] = {Type16::half, {J, N}, {}};
     for (std::size_t i = 0; i < model.bandwidth.size(); ++i) {
         const float sign = model.axial && model.centre[i].z < 0 ? -1.f : 1.f;
         bandwidth.data.push_back(to_half(sign * std::min(model.bandwidth[i], k_half_max)));
     }
 
     if (!model.axial) {
-        HalfTensor& centre = tensors["centre"] = {{J, N, 2}, {}};
+        Tensor16& centre = tensors["centre"] = {Type16::half, {J, N, 2}, {}};
         for (const Vec3f& xi : model.centre) {
-            // 2 atan2 of the chords keeps its digits near the poles, where acos loses half of them.
-            const float theta = 2 * std::atan2(std::hypot(xi.x, xi.y, xi.z - 1), std::hypot(xi.x, xi.y, xi.z + 1));
-            centre.data.push_back(to_half(theta));
-            centre.data.push_back(to_half(std::atan2(xi.y, xi.x)));
+            const Angles<float> of_centre = angles(xi);
+            centre.data.push_back(to_half(of_centre.theta));
+            centre.data.push_back(to_half(of_centre.phi));
         }
     }
 
     if (const auto F = std::uint64_t(features(model.form)); F > 0) {
-        HalfTensor& exponent = tensors["exponent"] = {{J, F}, {}};
+        Tensor16& exponent = tensors["exponent"] = {Type16::half, {J, F}, {}};
         for (const float kappa : model.exponent)
             exponent.data.push_back(to_half(std::clamp(kappa, -k_half_max, k_half_max)));
     }
 
-    HalfTensor& parameterization = tensors["parameterization"] = {{N, 2}, {}};
+    Tensor16& parameterization = tensors["parameterization"] = {Type16::half, {N, 2}, {}};
     for (const Parameterization& p : model.parameterization) {
         // Only the direction of (a, b) counts: one that would leave the range of halves is brought to length 1.
         const float largest = std::max(std::abs(p.a), std::abs(p.b));
@@ -62,15 +62,11 @@ std::map<std::string, HalfTensor> encode(const PmModel& model) {
 }
 
 /// The model of these tensors, or what is wrong with them.
-Result<PmModel> decode(const std::map<std::string, HalfTensor>& tensors, PmForm form, bool axial,
+Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm form, bool axial,
                        const std::string& source) {
     const auto fail = [&](std::string what, std::string expected, std::string found) {
         return Error{source, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
-    const auto shape_text = [](const std::vector<std::uint64_t>& shape) {
-        return fmt::format("[{}]", fmt::join(shape, ", "));
-    };
-
     const auto bandwidth_at = tensors.find("bandwidth");
     if (bandwidth_at == tensors.end()) return fail("tensor 'bandwidth'", "present", "none");
     const auto& extent = bandwidth_at->second.shape;
@@ -79,23 +75,14 @@ Result<PmModel> decode(const std::map<std::string, HalfTensor>& tensors, PmForm 
                     shape_text(extent));
     const std::uint64_t J = extent[0], N = extent[1];
 
-    std::map<std::string, std::vector<std::uint64_t>> expected{
-        {"coefficient", {J, 3}}, {"bandwidth", {J, N}}, {"parameterization", {N, 2}}};
-    if (!axial) expected["centre"] = {J, N, 2};
+    std::map<std::string, TensorShape> expected{{"coefficient", {Type16::half, {J, 3}}},
+                                                {"bandwidth", {Type16::half, {J, N}}},
+                                                {"parameterization", {Type16::half, {N, 2}}}};
+    if (!axial) expected["centre"] = {Type16::half, {J, N, 2}};
     const auto F = std::uint64_t(features(form));
-    if (F > 0) expected["exponent"] = {J, F};
-    if (F > 0 || tensors.contains("log_scale")) expected["log_scale"] = {J};
-    for (const auto& [name, shape] : expected) {
-        const auto at = tensors.find(name);
-        if (at == tensors.end()) return fail(fmt::format("tensor '{}'", name), "present", "none");
-        if (at->second.shape != shape)
-            return fail(fmt::format("tensor '{}': shape", name), shape_text(shape), shape_text(at->second.shape));
-        for (const std::uint16_t half : at->second.data)
-            if (!std::isfinite(from_half(half)))
-                return fail(fmt::format("tensor '{}'", name), "finite numbers", fmt::format("{}", from_half(half)));
-    }
-    for (const auto& [name, tensor] : tensors)
-        if (!expected.contains(name)) return fail(fmt::format("tensor '{:.80}'", name), "none of that name", "one");
+    if (F > 0) expected["exponent"] = {Type16::half, {J, F}};
+    if (F > 0 || tensors.contains("log_scale")) expected["log_scale"] = {Type16::half, {J}};
+    if (const auto valid = check_tensors(tensors, expected, source); !valid) return valid.error();
 
     const auto number = [&](const char* name, std::size_t i) { return from_half(tensors.at(name).data[i]); };
     PmModel model;
@@ -167,9 +154,34 @@ Rgb value(const Model& model, Vec3f wl, Vec3f wv) {
     return std::visit([&](const auto& m) { return value(m, wl, wv); }, model.model);
 }
 
+bool is_reciprocal(const PmModel& model) {
+    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates);
+    std::vector<bool> matched(N, false);
+    const auto swapped = [&](std::size_t n, std::size_t m) {
+        const Parameterization p = model.parameterization[n], q = model.parameterization[m];
+        bool same = p.a == q.b && p.b == q.a;
+        for (std::size_t j = 0; j < J; ++j)
+            same = same && model.bandwidth[j * N + n] == model.bandwidth[j * N + m] &&
+                   model.centre[j * N + n] == model.centre[j * N + m];
+        return same;
+    };
+    for (std::size_t n = 0; n < N; ++n)
+        for (std::size_t m = n; m < N && !matched[n]; ++m)
+            if (!matched[m] && swapped(n, m)) matched[n] = matched[m] = true;
+    return std::all_of(matched.begin(), matched.end(), [](bool x) { return x; });
+}
+
 bool has_log_scale(const PmModel& model) {
     return features(model.form) > 0 ||
            std::any_of(model.log_scale.begin(), model.log_scale.end(), [](float s) { return round_to_half(s) != 0; });
+}
+
+std::size_t payload_bytes(const Model& model) {
+    return std::visit([](const auto& m) { return payload_bytes(m); }, model.model);
+}
+
+std::size_t auxiliary_bytes(const Model& model) {
+    return std::visit([](const auto& m) { return auxiliary_bytes(m); }, model.model);
 }
 
 std::size_t payload_bytes(const PmModel& model) {
@@ -186,12 +198,22 @@ PmModel rounded(const PmModel& model) {
 }
 
 std::vector<std::byte> write_model(const Model& model) {
-    const auto& pm = std::get<PmModel>(model.model);
-    Safetensors content{encode(pm), model.provenance};
-    content.metadata["srbf"] = k_version;
-    content.metadata["model"] = "pm";
-    content.metadata["form"] = name(pm.form);
-    content.metadata["axial"] = pm.axial ? "true" : "false";
+    Safetensors content{{}, model.provenance};
+    auto& metadata = content.metadata;
+    metadata["srbf"] = k_version;
+    if (const auto* pm = std::get_if<PmModel>(&model.model)) {
+        content.tensors = encode(*pm);
+        metadata["model"] = "pm";
+        metadata["form"] = name(pm->form);
+        metadata["axial"] = pm->axial ? "true" : "false";
+    } else {
+        const SuModel& su = std::get<SuModel>(model.model);
+        content.tensors = encode_su(su);
+        metadata["model"] = "su";
+        metadata["discretise"] = name(su.discretise);
+        metadata["interpolation"] = name(su.interpolation);
+        metadata["neighbours"] = std::to_string(su.neighbours);
+    }
     return write_safetensors(content);
 }
 
@@ -199,22 +221,38 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& so
     Result<Safetensors> content = read_safetensors(bytes, source);
     if (!content) return content.error();
     auto& metadata = content->metadata;
-    // The metadata that tell what the tensors mean; the others are the model's story.
-    const auto take = [&](const char* key, std::initializer_list<std::string_view> known) -> Result<std::string> {
+    // The metadata that tell what the tensors mean; the others are the model's story. The first that is not known is the error.
+    std::optional<Error> error;
+    const auto take = [&](const char* key, std::initializer_list<std::string_view> known) {
         const auto at = metadata.find(key);
         const std::string found = at == metadata.end() ? "" : at->second;
-        if (std::find(known.begin(), known.end(), found) == known.end())
-            return Error{source, 8, fmt::format("metadata '{}'", key), fmt::format("{}", fmt::join(known, " or ")),
+        if (std::find(known.begin(), known.end(), found) == known.end()) {
+            if (!error)
+                error = {source, 8, fmt::format("metadata '{}'", key), fmt::format("{}", fmt::join(known, " or ")),
                          at == metadata.end() ? "none" : fmt::format("{:.40}", found)};
-        metadata.erase(at);
+        } else {
+            metadata.erase(at);
+        }
         return found;
     };
-    const auto version = take("srbf", {k_version}), kind = take("model", {"pm"}),
-               form = take("form", {name(PmForm::source), name(PmForm::horizon), name(PmForm::extended)}),
+    const std::string version = take("srbf", {k_version}), kind = take("model", {"pm", "su"});
+    if (error) return *error;
+    if (kind == "su") {
+        const auto discretise = take("discretise", {name(Discretise::view), name(Discretise::light)}),
+                   interpolation =
+                       take("interpolation", {name(SuInterpolation::rotated), name(SuInterpolation::plain)}),
+                   neighbours = take("neighbours", {"1", "2", "3", "4", "5", "6", "7"});
+        if (error) return *error;
+        Result<SuModel> su = decode_su(
+            content->tensors, {*discretise_named(discretise), *interpolation_named(interpolation), neighbours[0] - '0'},
+            source);
+        if (!su) return su.error();
+        return Model{*std::move(su), std::move(metadata)};
+    }
+    const auto form = take("form", {name(PmForm::source), name(PmForm::horizon), name(PmForm::extended)}),
                axial = take("axial", {"true", "false"});
-    for (const auto* entry : {&version, &kind, &form, &axial})
-        if (!*entry) return entry->error();
-    Result<PmModel> pm = decode(content->tensors, *form_named(*form), *axial == "true", source);
+    if (error) return *error;
+    Result<PmModel> pm = decode(content->tensors, *form_named(form), axial == "true", source);
     if (!pm) return pm.error();
     return Model{*std::move(pm), std::move(metadata)};
 }

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+
+#include "srbf/half.h"
 
 namespace srbf {
 namespace {
@@ -45,7 +48,34 @@ std::optional<std::vector<std::uint64_t>> shape_within(const Json& json, std::ui
     return shape;
 }
 
+constexpr const char* name_of(Type16 type) { return type == Type16::half ? "F16" : "U16"; }
+
 }  // namespace
+
+std::string shape_text(const std::vector<std::uint64_t>& shape) { return fmt::format("[{}]", fmt::join(shape, ", ")); }
+
+Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
+                           const std::map<std::string, TensorShape>& expected, const std::string& source) {
+    const auto fail = [&](std::string what, std::string wanted, std::string found) {
+        return Error{source, std::nullopt, std::move(what), std::move(wanted), std::move(found)};
+    };
+    for (const auto& [name, wanted] : expected) {
+        const auto at = tensors.find(name);
+        if (at == tensors.end()) return fail(fmt::format("tensor '{}'", name), "present", "none");
+        const Tensor16& tensor = at->second;
+        if (tensor.type != wanted.type)
+            return fail(fmt::format("tensor '{}': dtype", name), name_of(wanted.type), name_of(tensor.type));
+        if (tensor.shape != wanted.shape)
+            return fail(fmt::format("tensor '{}': shape", name), shape_text(wanted.shape), shape_text(tensor.shape));
+        if (tensor.type != Type16::half) continue;
+        for (const std::uint16_t half : tensor.data)
+            if (!std::isfinite(from_half(half)))
+                return fail(fmt::format("tensor '{}'", name), "finite numbers", fmt::format("{}", from_half(half)));
+    }
+    for (const auto& [name, tensor] : tensors)
+        if (!expected.contains(name)) return fail(fmt::format("tensor '{:.80}'", name), "none of that name", "one");
+    return Done{};
+}
 
 std::vector<std::byte> write_safetensors(const Safetensors& content) {
     Json header = Json::object();
@@ -53,11 +83,12 @@ std::vector<std::byte> write_safetensors(const Safetensors& content) {
     std::vector<std::byte> data;
     for (const auto& [name, tensor] : content.tensors) {
         const std::size_t begin = data.size();
-        for (const std::uint16_t half : tensor.data) {
-            data.push_back(std::byte(half & 0xff));
-            data.push_back(std::byte(half >> 8));
+        for (const std::uint16_t number : tensor.data) {
+            data.push_back(std::byte(number & 0xff));
+            data.push_back(std::byte(number >> 8));
         }
-        header[name] = {{"dtype", "F16"}, {"shape", tensor.shape}, {"data_offsets", {begin, data.size()}}};
+        header[name] = {
+            {"dtype", name_of(tensor.type)}, {"shape", tensor.shape}, {"data_offsets", {begin, data.size()}}};
     }
     // Metadata hold file names, which need not be UTF-8.
     std::string text = header.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -106,7 +137,9 @@ Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std
         if (!entry.is_object() || !entry.contains("dtype") || !entry.contains("shape") ||
             !entry.contains("data_offsets"))
             return fail(k_length_bytes, what, "dtype, shape and data_offsets", "one is missing");
-        if (entry["dtype"] != "F16") return fail(k_length_bytes, what + ": dtype", "\"F16\"", brief(entry["dtype"]));
+        const Json& dtype = entry["dtype"];
+        if (dtype != "F16" && dtype != "U16")
+            return fail(k_length_bytes, what + ": dtype", "\"F16\" or \"U16\"", brief(dtype));
         const auto shape = shape_within(entry["shape"], data.size() / 2);
         if (!shape)
             return fail(k_length_bytes, what + ": shape", fmt::format("counts, at most {} numbers", data.size() / 2),
@@ -121,7 +154,7 @@ Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std
         if (end > data.size() || begin > end || end - begin != 2 * count)
             return fail(k_length_bytes, what + ": data_offsets",
                         fmt::format("{} bytes within {}", 2 * count, data.size()), fmt::format("[{}, {}]", begin, end));
-        HalfTensor tensor{*shape, {}};
+        Tensor16 tensor{dtype == "U16" ? Type16::count : Type16::half, *shape, {}};
         tensor.data.reserve(std::size_t(count));
         for (std::uint64_t at = begin; at < end; at += 2)
             tensor.data.push_back(std::uint16_t(std::to_integer<unsigned>(data[std::size_t(at)]) |

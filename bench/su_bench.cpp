@@ -1,0 +1,150 @@
+// Where the time of the view-by-view model goes: looking the raw matrix up, fitting it, stage by stage, writing the file, building
+// the index texture, evaluating. Fits are of the bundled vinyl film; objective raw, 1536 directions.
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+#include <map>
+#include <string>
+
+#include "srbf/fit.h"
+#include "srbf/measured.h"
+#include "srbf/metrics.h"
+#include "srbf/model.h"
+
+namespace srbf {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+const Measured& measured() {
+    static const Measured film = *load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
+    return film;
+}
+const RawMatrix& matrix() {
+    static const RawMatrix of_film = *tabulate(signed_evaluator(measured()));
+    return of_film;
+}
+SuFitOptions options_of(int lobes, int threads) {
+    return {.lobes = lobes, .objective = Objective::raw, .threads = threads};
+}
+const SuModel& model() {
+    static const SuModel of_film = fit_su(matrix(), options_of(5, 0))->model;
+    return of_film;
+}
+
+void tabulate_matrix(benchmark::State& state) {
+    for (auto _ : state)
+        benchmark::DoNotOptimize(
+            tabulate(signed_evaluator(measured()), {.between = int(state.range(1)), .threads = int(state.range(0))}));
+}
+BENCHMARK(tabulate_matrix)
+    ->ArgNames({"threads", "between"})
+    ->Args({2, 0})
+    ->Args({2, 512})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+/// From the raw matrix to the bytes of the file; the counters are milliseconds between reports of progress of that stage.
+void fit(benchmark::State& state) {
+    std::map<std::string, double> stages;
+    SuModel fitted;
+    for (auto _ : state) {
+        auto last = Clock::now();
+        const auto result =
+            fit_su(matrix(), options_of(int(state.range(0)), int(state.range(1))), [&](const Progress& progress) {
+                const auto now = Clock::now();
+                stages[std::string(progress.stage)] += 1e3 * std::chrono::duration<double>(now - last).count();
+                last = now;
+                return true;
+            });
+        fitted = result->model;
+        benchmark::DoNotOptimize(write_model({fitted, {}}));
+    }
+    for (const auto& [stage, milliseconds] : stages)
+        state.counters[stage] = benchmark::Counter(milliseconds, benchmark::Counter::kAvgIterations);
+    const Evaluate others[] = {evaluator(fitted)};
+    state.counters["error_percent"] =
+        100 *
+        measure_matrix(evaluator(measured()), others, {80 * k_degree, 0}, fitted.direction)[0].squared_error_ratio;
+}
+BENCHMARK(fit)
+    ->ArgNames({"J", "threads"})
+    ->ArgsProduct({{2, 4, 5, 8}, {2}})
+    ->Args({5, 1})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+void write_file(benchmark::State& state) {
+    const Model whole{model(), {}};
+    for (auto _ : state) benchmark::DoNotOptimize(write_model(whole));
+}
+BENCHMARK(write_file)->Unit(benchmark::kMillisecond);
+
+void build_index(benchmark::State& state) {
+    const auto map = DirectionMap(state.range(0));
+    for (auto _ : state) benchmark::DoNotOptimize(index_texture(model(), map));
+    state.SetLabel(std::string(name(map)));
+}
+BENCHMARK(build_index)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+struct Pairs {
+    std::vector<Vec3f> wl, wv;
+};
+const Pairs& random_pairs() {
+    static const Pairs pairs = [] {
+        std::mt19937_64 random(1);
+        const MirrorMixture cap(89 * k_degree);
+        Pairs drawn;
+        for (int i = 0; i < 1 << 14; ++i)
+            for (auto* of : {&drawn.wl, &drawn.wv}) {
+                const double u1 = uniform(random), u2 = uniform(random);
+                of->push_back(to_float(cap.sample_cap(u1, u2)));
+            }
+        return drawn;
+    }();
+    return pairs;
+}
+
+/// ns for one pair: one by one, by the texture, in arrays of unrelated pairs, in arrays of one view.
+void evaluate_one(benchmark::State& state) {
+    SuModel one = model();
+    one.interpolation = SuInterpolation(state.range(0));
+    const Pairs& pairs = random_pairs();
+    std::size_t i = 0;
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(value(one, pairs.wl[i], pairs.wv[i]));
+        i = (i + 1) % pairs.wl.size();
+    }
+    state.SetLabel(std::string(name(one.interpolation)));
+}
+BENCHMARK(evaluate_one)->Arg(0)->Arg(1);
+
+void evaluate_by_texture(benchmark::State& state) {
+    const IndexTexture index = index_texture(model(), DirectionMap::cube);
+    const Pairs& pairs = random_pairs();
+    std::size_t i = 0;
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(value(model(), index, pairs.wl[i], pairs.wv[i]));
+        i = (i + 1) % pairs.wl.size();
+    }
+}
+BENCHMARK(evaluate_by_texture);
+
+void evaluate_array(benchmark::State& state) {
+    SuModel one = model();
+    one.interpolation = SuInterpolation(state.range(0));
+    Pairs pairs = random_pairs();
+    if (state.range(1) == 1) std::fill(pairs.wv.begin(), pairs.wv.end(), pairs.wv[0]);
+    std::vector<Rgb> f(pairs.wl.size());
+    for (auto _ : state) {
+        evaluate(one, pairs.wl, pairs.wv, f);
+        benchmark::DoNotOptimize(f.data());
+    }
+    state.counters["per_pair"] = benchmark::Counter(
+        double(f.size()), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+    state.SetLabel(std::string(name(one.interpolation)));
+}
+BENCHMARK(evaluate_array)->ArgNames({"interpolation", "one_view"})->ArgsProduct({{0, 1}, {0, 1}});
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,247 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "fit/sampled_views.h"
+#include "fit/search.h"
+#include "fit/vmf_clusters.h"
+#include "least_squares.h"
+#include "parallel.h"
+#include "srbf/half.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+constexpr std::size_t k_chain =
+    32;  ///< views that are fitted one from the other; the first of them is fitted from nothing
+constexpr int k_first_steps = 40, k_steps = 15, k_kick_steps = 12;
+constexpr int k_kicks = 8;
+/// A view takes the lobes of its neighbour if that one's loss is below this part of its own; and starts from nothing if
+/// its own exceeds that of its neighbour by far.
+constexpr double k_better = 0.97, k_much_worse = 4;
+
+/// A view's fit on its way.
+struct ViewFit {
+    std::vector<ViewLobe> lobes;
+    double loss = std::numeric_limits<double>::infinity();
+    Stop stop = Stop::decrease;
+    bool is_empty() const { return lobes.empty(); }
+};
+
+ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, int steps) {
+    LevenbergMarquardtOptions options;
+    options.max_iterations = steps;
+    options.decrease_tolerance = 1e-4;
+    Eigen::VectorXd x = problem.start(rows, start);
+    const auto summary = levenberg_marquardt(problem, x, options);
+    return {problem.lobes(x), summary.loss, summary.stop};
+}
+
+/// Lobes of the sampled direction `from` as those of `to`, for a BRDF that does not change when both directions are
+/// rotated.
+std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
+    const double angle = std::atan2(double(to.y), double(to.x)) - std::atan2(double(from.y), double(from.x));
+    for (ViewLobe& lobe : lobes) lobe.centre = Kernel<double>::turned(lobe.centre, std::cos(angle), std::sin(angle));
+    return lobes;
+}
+
+/// The rows of a view that count, as clusterings take them.
+struct Weighted {
+    std::vector<Vec3f> direction;
+    std::vector<double> weight;  ///< w f, summed over the channels
+    Vec3d brightest;
+};
+Weighted weighted(const ViewRows& rows) {
+    Weighted points;
+    double most = -1;
+    for (std::size_t i = 0; i < rows.root_weight.size(); ++i) {
+        const double root = double(rows.root_weight[i]);
+        if (!(root > 0)) continue;
+        double value = 0;
+        for (const auto& y : rows.y) value += double(y[i]) / root;
+        points.direction.push_back({rows.directions.w[0][i], rows.directions.w[1][i], rows.directions.w[2][i]});
+        points.weight.push_back(root * root * value);
+        if (value > most) most = value, points.brightest = to_double(points.direction.back());
+    }
+    return points;
+}
+
+/// Where J lobes may begin: of all sizes about the brightest direction, and far apart from each other where there is
+/// much.
+std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_t J) {
+    std::vector<std::vector<ViewLobe>> starts;
+    for (const double factor : {3.0, 6.0, 30.0}) {
+        std::vector<ViewLobe> lobes;
+        for (std::size_t j = 0; j < J; ++j)
+            lobes.push_back({points.brightest, std::min(0.5 * std::pow(factor, double(j)), 5e4)});
+        starts.push_back(std::move(lobes));
+    }
+    std::vector<ViewLobe> apart{{points.brightest, 20}};
+    std::vector<double> squared_distance(points.weight.size(), 4.0);
+    while (apart.size() < J) {
+        std::size_t next = 0;
+        double most = -1;
+        for (std::size_t i = 0; i < points.weight.size(); ++i) {
+            const Vec3d d = to_double(points.direction[i]) - apart.back().centre;
+            squared_distance[i] = std::min(squared_distance[i], dot(d, d));
+            if (points.weight[i] * squared_distance[i] > most) most = points.weight[i] * squared_distance[i], next = i;
+        }
+        apart.push_back({to_double(points.direction[next]), 20});
+    }
+    starts.push_back(std::move(apart));
+    return starts;
+}
+
+/// The best of fits from clusterings of the view's values, improved by dropping the lobe that costs least and adding one at
+/// random, again and again.
+ViewFit from_nothing(ViewProblem& problem, const ViewRows& rows, std::size_t J, std::mt19937_64& random) {
+    const Weighted points = weighted(rows);
+    ViewFit best;
+    for (const auto& start : beginnings(points, J))
+        for (const int rounds : {0, 8}) {
+            ViewFit fit =
+                optimised(problem, rows, vmf_clusters(points.direction, points.weight, start, rounds), k_first_steps);
+            if (fit.loss < best.loss) best = std::move(fit);
+        }
+    for (int kick = 0; kick < k_kicks; ++kick) {
+        problem.loss(problem.start(rows, best.lobes));
+        const std::vector<double> cost = problem.cost_of_dropping();
+        std::vector<ViewLobe> next = best.lobes;
+        ViewLobe& least = next[std::size_t(std::min_element(cost.begin(), cost.end()) - cost.begin())];
+        const double pick = uniform(random), size = uniform(random);
+        least = {to_double(points.direction[std::size_t(pick * double(points.direction.size()))]),
+                 0.3 * std::pow(1e5, size)};
+        ViewFit fit = optimised(problem, rows, next, k_kick_steps);
+        if (fit.loss < best.loss) best = std::move(fit);
+    }
+    return best;
+}
+
+Result<Done> check(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
+    const auto in_range = [](const char* what, double x, double least, double most) -> Result<Done> {
+        if (x >= least && x <= most) return Done{};
+        return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x)};
+    };
+    const std::size_t n = matrix.direction.size();
+    for (const auto& result : {in_range("number of lobes", options.lobes, 1, k_most_view_lobes),
+                               in_range("number of neighbours", options.neighbours, 1, k_most_neighbours),
+                               in_range("number of threads", options.threads, 0, 1024),
+                               in_range("max_theta", theta_max / k_degree, 1 - 1e-9, 89.9 + 1e-9),
+                               in_range("number of directions", double(n), k_least_views, k_most_views)})
+        if (!result) return result.error();
+    if (matrix.f.size() != n * n || matrix.between.size() % n != 0)
+        return Error{"fit", {}, "matrix", "values of all pairs of directions", "another number"};
+    return Done{};
+}
+
+}  // namespace
+
+Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressCallback& progress) {
+    const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
+    if (const auto valid = check(matrix, options, theta_max); !valid) return valid.error();
+    const std::size_t n = matrix.direction.size(), J = std::size_t(options.lobes), chains = (n + k_chain - 1) / k_chain;
+    Reporter reporter(progress, 4 * double(n));
+    SuFit result;
+    result.unrounded.discretise = matrix.discretise;
+    result.unrounded.interpolation = options.interpolation;
+    result.unrounded.neighbours = options.neighbours;
+    result.unrounded.lobes = options.lobes;
+    result.unrounded.direction = matrix.direction;
+    result.unrounded.coefficient.assign(n * J, {});
+    result.unrounded.centre.assign(n * J, {0, 0, 1});
+    result.unrounded.bandwidth.assign(n * J, 0.f);
+    std::optional<Error> error;
+
+    arena_of(options.threads).execute([&] {
+        const SampledViews views(matrix, options.objective, theta_max);
+        for (std::size_t i = 0; i < n && !error; ++i)
+            if (const std::size_t valid = views.valid(i); valid > 0 && valid < J)
+                error = {"fit",
+                         {},
+                         fmt::format("directions with data in sampled {} {}", name(matrix.discretise), i),
+                         fmt::format("none or at least {}, the number of lobes", J),
+                         fmt::format("{}", valid)};
+        if (error) return;
+
+        std::vector<ViewFit> fits(n);
+        const auto for_chains = [&](std::string_view stage, const auto& body) {
+            tbb::parallel_for(std::size_t(0), chains, [&](std::size_t chain) {
+                if (reporter.cancelled()) return;
+                ViewProblem problem(options.lobes);
+                const std::size_t begin = chain * k_chain, end = std::min(begin + k_chain, n);
+                body(problem, begin, end);
+                reporter.advance(stage, double(end - begin));
+            });
+        };
+        for_chains("fitting views", [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
+            std::seed_seq seeds{std::uint32_t(options.seed), std::uint32_t(options.seed >> 32), std::uint32_t(begin)};
+            std::mt19937_64 random(seeds);
+            std::size_t last = n;  // the one to start from
+            for (std::size_t i = begin; i < end; ++i) {
+                const ViewRows rows = views.rows(i);
+                if (!(rows.scale > 0)) continue;
+                if (last < n)
+                    fits[i] = optimised(problem, rows,
+                                        rotated(fits[last].lobes, views.direction(last), views.direction(i)), k_steps);
+                if (last == n || fits[i].loss > k_much_worse * fits[last].loss + 1e-9) {
+                    ViewFit fit = from_nothing(problem, rows, J, random);
+                    if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
+                }
+                last = i;
+            }
+        });
+        // What one view found its neighbours try as well, down and up again.
+        for (const bool down : {true, false}) {
+            const std::vector<ViewFit> before = fits;
+            for_chains("comparing views", [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
+                for (std::size_t k = begin; k < end; ++k) {
+                    const std::size_t i = down ? end - 1 - (k - begin) : k, from = down ? i + 1 : i - 1;
+                    if (from >= n) continue;  // either end of all views
+                    const ViewFit& neighbour = from >= begin && from < end ? fits[from] : before[from];
+                    if (fits[i].is_empty() || neighbour.is_empty() || neighbour.loss > k_better * fits[i].loss)
+                        continue;
+                    const ViewRows rows = views.rows(i);
+                    ViewFit fit = optimised(
+                        problem, rows, rotated(neighbour.lobes, views.direction(from), views.direction(i)), k_steps);
+                    if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
+                }
+            });
+        }
+
+        // The nonlinear numbers are rounded, then the coefficients solved again.
+        const auto solve = [&](ViewProblem& problem, SuModel& model, std::size_t i) {
+            std::vector<ViewLobe> lobes;
+            for (std::size_t k = i * J; k < (i + 1) * J; ++k)
+                lobes.push_back({to_double(model.centre[k]), double(model.bandwidth[k])});
+            const ViewRows rows = views.rows(i);
+            problem.loss(problem.start(rows, lobes));
+            for (std::size_t j = 0; j < J; ++j)
+                for (int c = 0; c < 3; ++c) model.coefficient[i * J + j][c] = float(problem.coefficient(int(j), c));
+        };
+        for (std::size_t i = 0; i < n; ++i) {
+            result.empty += fits[i].is_empty();
+            if (fits[i].stop == Stop::iterations) result.stop = StopReason::iterations;
+            for (std::size_t j = 0; j < fits[i].lobes.size(); ++j) {
+                result.unrounded.centre[i * J + j] = to_float(fits[i].lobes[j].centre);
+                result.unrounded.bandwidth[i * J + j] = float(fits[i].lobes[j].bandwidth);
+            }
+        }
+        result.model = rounded(result.unrounded);
+        for_chains("rounding", [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                if (fits[i].is_empty()) continue;
+                solve(problem, result.unrounded, i);
+                solve(problem, result.model, i);
+            }
+        });
+        result.model = rounded(result.model);
+    });
+    if (error) return *error;
+    if (reporter.cancelled()) result.stop = StopReason::cancelled;
+    return result;
+}
+
+}  // namespace srbf

@@ -1,0 +1,113 @@
+#include "fit/sampled_views.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/objective.h"
+
+namespace srbf {
+namespace {
+
+/// The largest value of a lobe over the hemisphere, times the cosine there, relative to the largest measured such product about
+/// its view: a lobe between the samples cannot explode. Beyond θmax, where nobody asks for the peak between them, less.
+constexpr double k_most_peak = 2, k_most_peak_beyond = 1;
+constexpr std::size_t k_peak_views = 24;  ///< views on either side that count as about it
+/// What directions between those of the matrix weigh, relative to those of the matrix, per solid angle.
+constexpr double k_between = 0.1;
+
+}  // namespace
+
+SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double theta_max)
+    : matrix_(matrix), objective_(objective), cos_max_(std::cos(theta_max)) {
+    const std::size_t n = count(), m = matrix.between.size() / n;
+    struct OfView {
+        Rgb largest;
+        double sum = 0, values = 0;
+    };
+    std::vector<OfView> views(n);
+    tbb::parallel_for(std::size_t(0), n, [&](std::size_t view) {
+        OfView& of = views[view];
+        const auto take = [&](Vec3f w, const Rgb& value) {
+            if (!within(w) || !is_finite(value)) return false;
+            for (int c = 0; c < 3; ++c) of.largest[c] = std::max(of.largest[c], value[c] * w.z);
+            return true;
+        };
+        for (std::size_t i = 0; i < n; ++i)
+            if (take(direction(i), f(view, i)) && within(direction(view))) of.sum += mean_of(f(view, i)), ++of.values;
+        for (std::size_t i = view * m; i < (view + 1) * m; ++i) take(matrix.between[i].direction, matrix.between[i].f);
+    });
+    double sum = 0, values = 0;
+    for (const OfView& of : views) sum += of.sum, values += of.values;
+    mean_ = sum / std::max(values, 1.0);
+    largest_.resize(n);
+    for (std::size_t view = 0; view < n; ++view)
+        for (std::size_t i = view - std::min(view, k_peak_views); i < std::min(n, view + k_peak_views + 1); ++i)
+            for (int c = 0; c < 3; ++c) largest_[view][c] = std::max(largest_[view][c], views[i].largest[c]);
+}
+
+std::size_t SampledViews::valid(std::size_t view) const {
+    std::size_t valid = 0;
+    for (std::size_t i = 0; i < count(); ++i) valid += within(direction(i)) && is_finite(f(view, i));
+    return valid;
+}
+
+double SampledViews::weight(std::size_t view, Vec3f other, const Rgb& value) const {
+    double cos_l = double(other.z), cos_v = double(direction(view).z);
+    if (matrix_.discretise == Discretise::light) std::swap(cos_l, cos_v);
+    return objective_weight(objective_, mean_of(value), mean_, cos_l, cos_v);
+}
+
+ViewRows SampledViews::rows(std::size_t view) const {
+    const std::size_t n = count(), m = matrix_.between.size() / n;
+    std::vector<Vec3f> directions(matrix_.direction);
+    std::vector<Rgb> values(n);
+    std::vector<double> weights(n, 0.0);
+    double energy = 0, peak = 0, guards = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        values[i] = f(view, i);
+        if (!is_finite(values[i])) continue;
+        const double cosine = double(directions[i].z);
+        peak = std::max(peak, square_of(values[i]) * cosine * cosine);
+        guards += !within(directions[i]);
+        if (!within(directions[i])) continue;
+        weights[i] = weight(view, directions[i], values[i]);
+        energy += weights[i] * square_of(values[i]);
+    }
+    ViewRows rows;
+    if (!(energy > 0)) return rows;
+    double whole = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const double cosine = double(directions[i].z);
+        if (is_finite(values[i]) && !within(directions[i]))
+            weights[i] = k_guard_importance * energy * cosine * cosine / (guards * peak);
+        whole += weights[i];
+    }
+    const double density = double(n) / (2 * k_pi);  // of the matrix's directions [1/sr]
+    for (std::size_t i = view * m; i < (view + 1) * m; ++i) {
+        const RawMatrix::Between& between = matrix_.between[i];
+        if (!within(between.direction) || !is_finite(between.f)) continue;
+        directions.push_back(between.direction);
+        values.push_back(between.f);
+        weights.push_back(k_between * density / (density + double(m) * double(between.pdf)) *
+                          weight(view, between.direction, between.f));
+    }
+
+    rows.directions = DirectionRows(directions);
+    rows.scale = std::sqrt(energy / whole);
+    rows.root_weight.assign(rows.directions.blocks * k_block, 0.f);
+    for (auto& y : rows.y) y.assign(rows.root_weight.size(), 0.f);
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        if (!(weights[i] > 0)) continue;
+        const double root = std::sqrt(weights[i] / whole);
+        rows.root_weight[i] = float(root);
+        for (int c = 0; c < 3; ++c) rows.y[std::size_t(c)][i] = float(root / rows.scale * double(values[i][c]));
+    }
+    rows.least_cosine = 0.5 * cos_max_;
+    const double most = within(direction(view)) ? k_most_peak : k_most_peak_beyond;
+    for (int c = 0; c < 3; ++c) rows.largest[std::size_t(c)] = most * double(largest_[view][c]) / rows.scale;
+    return rows;
+}
+
+}  // namespace srbf

@@ -1,0 +1,84 @@
+#include "fit/view_lobes.h"
+
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fit/view_lobes.cpp"
+#include <hwy/foreach_target.h>
+
+#include "batch-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace srbf {
+namespace HWY_NAMESPACE {
+
+Vec3<Batch> load(const DirectionRows& rows, std::size_t at) {
+    return {Batch::load(&rows.w[0][at]), Batch::load(&rows.w[1][at]), Batch::load(&rows.w[2][at])};
+}
+Vec3<Batch> spread(Vec3f w) { return {Batch(double(w.x)), Batch(double(w.y)), Batch(double(w.z))}; }
+
+float gaussian_exponents(const DirectionRows& rows, std::size_t block, Vec3f centre, float bandwidth,
+                         const float* root_weight, float* x) {
+    const Vec3<Batch> xi = spread(centre);
+    const Batch lambda{double(bandwidth)}, lowest(-double(std::numeric_limits<float>::max()));
+    Batch largest = lowest;
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+        const Batch exponent = Formulas<Batch, PmModel>::gaussian_exponent(load(rows, block * k_block + i), xi, lambda);
+        exponent.store(x + i);
+        largest = max(largest, select(Batch(0.0) < Batch::load(root_weight + i), exponent, lowest));
+    }
+    return largest.largest();
+}
+
+void exponentiate_view(const float* x, const float* root_weight, float offset, float* e) {
+    const Batch shift{double(offset)};
+    for (std::size_t i = 0; i < k_block; i += Batch::size())
+        (Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, Batch(0.0)))).store(e + i);
+}
+
+void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
+            float* by_first, float* by_second, float* by_log_bandwidth) {
+    const Vec3<Batch> first = spread(lobe.bandwidth * lobe.along[0]), second = spread(lobe.bandwidth * lobe.along[1]),
+                      centre = spread(lobe.centre);
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+        // The tangents are at right angles to the centre, so that it may be taken off: small numbers keep their digits.
+        const Vec3<Batch> apart = load(rows, block * k_block + i) - centre;
+        const Batch value = Batch::load(e + i);
+        (value * dot(apart, first)).store(by_first + i);
+        (value * dot(apart, second)).store(by_second + i);
+        (value * Batch::load(x + i)).store(by_log_bandwidth + i);
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace srbf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace srbf {
+
+HWY_EXPORT(gaussian_exponents);
+HWY_EXPORT(exponentiate_view);
+HWY_EXPORT(derive);
+
+float gaussian_exponents(const DirectionRows& rows, std::size_t block, Vec3f centre, float bandwidth,
+                         const float* root_weight, float* x) {
+    return HWY_DYNAMIC_DISPATCH(gaussian_exponents)(rows, block, centre, bandwidth, root_weight, x);
+}
+void exponentiate(const float* x, const float* root_weight, float offset, float* e) {
+    HWY_DYNAMIC_DISPATCH(exponentiate_view)(x, root_weight, offset, e);
+}
+void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
+            float* by_first, float* by_second, float* by_log_bandwidth) {
+    HWY_DYNAMIC_DISPATCH(derive)(rows, block, lobe, e, x, by_first, by_second, by_log_bandwidth);
+}
+
+DirectionRows::DirectionRows(std::span<const Vec3f> directions) : blocks((directions.size() + k_block - 1) / k_block) {
+    // Rows that fill up the last block: any direction will do, their weight is 0.
+    for (std::size_t k = 0; k < 3; ++k) w[k].assign(blocks * k_block, k == 2 ? 1.f : 0.f);
+    for (std::size_t i = 0; i < directions.size(); ++i)
+        w[0][i] = directions[i].x, w[1][i] = directions[i].y, w[2][i] = directions[i].z;
+}
+
+}  // namespace srbf
+#endif

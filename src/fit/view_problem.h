@@ -1,0 +1,69 @@
+// The lobes of one sampled view as a separable least-squares problem.
+#pragma once
+#include <Eigen/Dense>
+
+#include "fit/view_lobes.h"
+
+namespace srbf {
+
+/// The nonlinear numbers of a lobe.
+struct ViewLobe {
+    Vec3d centre;
+    double bandwidth = 0;
+};
+inline constexpr double k_least_bandwidth = 1e-3;  ///< of a fit: constant to 0.2 %
+
+/// What was measured in one sampled view, weighted.
+struct ViewRows {
+    DirectionRows directions;
+    Aligned<float> root_weight;       ///< √w, Σ w = 1; 0 where nothing was measured
+    std::array<Aligned<float>, 3> y;  ///< √w f / scale for each channel; their squares sum to 1
+    double scale = 0;                 ///< 0: there is nothing to fit
+    /// Bound for each lobe and channel: its largest value over the hemisphere times the cosine there, f / scale. Cosines below
+    /// the least count as that.
+    std::array<double, 3> largest{};
+    double least_cosine = 0;
+};
+
+/// Σ w |f − Σ_j β_j G_j|² / Σ w |f|² of one view, β eliminated by non-negative least squares per channel. Variables are for each
+/// lobe two shifts u along the tangents t of its centre at the start, ξ = normalize(ξ_0 + u_1 t_1 + u_2 t_2), and log λ.
+class ViewProblem {
+  public:
+    explicit ViewProblem(int lobes);
+
+    /// The problem of `view`, which must outlive its use, about these lobes: x of length 3 J, its shifts 0.
+    Eigen::VectorXd start(const ViewRows& view, std::span<const ViewLobe> lobes);
+    std::vector<ViewLobe> lobes(const Eigen::VectorXd& x) const;
+
+    double loss(const Eigen::VectorXd& x);
+    void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
+    Eigen::VectorXd lower(const Eigen::VectorXd& x) const;
+    Eigen::VectorXd upper(const Eigen::VectorXd& x) const;
+    /// A lobe moves by no more than its width, nor half a radian; its bandwidth changes by no more than a factor of e.
+    Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
+
+    // Of the last call of `loss`:
+    /// β_jc of G_j, whose peak is 1 [1/sr].
+    double coefficient(int j, int c) const;
+    /// What the loss would rise by, to first order, if lobe j were dropped and the others' β adapted.
+    std::vector<double> cost_of_dropping() const;
+
+  private:
+    MovingLobe moving(const Eigen::VectorXd& x, int j) const;
+    float* part(Aligned<float>& of, std::size_t column, std::size_t block) const {
+        return &of[(block * (of.size() / (blocks() * k_block)) + column) * k_block];
+    }
+    std::size_t blocks() const { return view_->directions.blocks; }
+
+    const ViewRows* view_ = nullptr;
+    int lobes_;
+    struct Frame {
+        Vec3d centre, along[2];
+    };
+    std::vector<Frame> frame_;
+    Aligned<float> exponent_, value_, derivative_, rest_;  ///< blocks × (J, J, 3 J, 3) × k_block
+    std::vector<double> offset_;
+    Eigen::MatrixXd beta_, limit_, gram_;  ///< J × 3, J × 3, J × J: of lobes whose largest value on the rows is 1
+};
+
+}  // namespace srbf

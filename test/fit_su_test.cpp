@@ -1,0 +1,351 @@
+// The view-by-view fit: recovery of what was put in, how near it comes to measurements, what it refuses.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "srbf/fit.h"
+#include "srbf/measured.h"
+#include "srbf/metrics.h"
+#include "srbf/model.h"
+#include "su_models.h"
+
+namespace srbf {
+namespace {
+
+constexpr double k_cap = 80 * k_degree;
+const SuFitOptions k_raw{.lobes = 4, .objective = Objective::raw};
+
+const Measured& bundled(const std::string& name) {
+    static std::map<std::string, Measured> files;
+    if (!files.contains(name)) files.emplace(name, *load_measured(bundled_data() / (name + ".bsdf")));
+    return files.at(name);
+}
+
+/// The raw matrix of a bundled measurement, of 384 directions unless said.
+RawMatrix matrix_of(const std::string& name, int directions = 384) {
+    return *tabulate(signed_evaluator(bundled(name)), {.directions = directions});
+}
+
+double matrix_error(const Evaluate& reference, const SuModel& model,
+                    double Measures::*measure = &Measures::squared_error_ratio) {
+    const Evaluate others[] = {evaluator(model)};
+    return measure_matrix(reference, others, {k_cap, 0}, model.direction)[0].*measure;
+}
+double heldout_error(const Evaluate& reference, const SuModel& model) {
+    const Evaluate others[] = {evaluator(model)};
+    return measure_heldout(reference, others, {k_cap, 0}, 50000)[0].squared_error_ratio;
+}
+
+/// A model of J lobes a view that lie apart from each other in the upper hemisphere, each view's by themselves or the same in
+/// every view's own azimuth.
+SuModel separated(int lobes, bool isotropic, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    SuModel model;
+    model.lobes = lobes;
+    model.direction = fibonacci_directions(256, k_pi / 2);
+    std::vector<double> turn, theta, bandwidth;
+    std::vector<Rgb> colour;
+    for (std::size_t i = 0; i < model.direction.size(); ++i) {
+        if (i == 0 || !isotropic) {
+            turn.clear(), theta.clear(), bandwidth.clear(), colour.clear();
+            const double first = 2 * k_pi * uniform(random);
+            for (int j = 0; j < lobes; ++j) {
+                turn.push_back(first + 2 * k_pi * j / lobes);
+                theta.push_back((25 + 30 * uniform(random)) * k_degree);
+                bandwidth.push_back(8 * std::pow(8, uniform(random)));
+                colour.push_back(
+                    {float(0.3 + uniform(random)), float(0.3 + uniform(random)), float(0.3 + uniform(random))});
+            }
+        }
+        const double azimuth = std::atan2(double(model.direction[i].y), double(model.direction[i].x));
+        for (std::size_t j = 0; j < std::size_t(lobes); ++j) {
+            model.coefficient.push_back(colour[j]);
+            model.centre.push_back(to_float(spherical(theta[j], turn[j] + azimuth)));
+            model.bandwidth.push_back(float(bandwidth[j]));
+        }
+    }
+    return model;
+}
+
+TEST(FitSu, RecoversSeparatedLobes) {
+    for (int lobes = 1; lobes <= 4; ++lobes)
+        for (const bool isotropic : {true, false}) {
+            const SuModel truth = separated(lobes, isotropic, std::uint64_t(lobes));
+            SuFitOptions options = k_raw;
+            options.lobes = lobes;
+            // Nothing lies between the samples of views that have nothing to do with each other.
+            const auto matrix = tabulate(evaluator(truth), {.directions = 256, .between = isotropic ? 128 : 0});
+            ASSERT_TRUE(matrix);
+            const auto fit = fit_su(*matrix, options);
+            ASSERT_TRUE(fit) << message(fit.error());
+            EXPECT_LE(matrix_error(evaluator(truth), fit->unrounded), 1e-6) << lobes << isotropic;
+            EXPECT_LE(matrix_error(evaluator(truth), fit->model), 1e-5) << lobes << isotropic;
+            EXPECT_EQ(fit->empty, 0);
+        }
+}
+
+TEST(FitSu, ComesNearToMeasurements) {
+    const struct {
+        const char* name;
+        double matrix, heldout;
+    } expected[] = {{"paper_white_rgb", 0.005, 0.005}, {"cc_ibiza_sunset_rgb", 0.0012, 0.006}};
+    for (const auto& e : expected) {
+        const auto fit = fit_su(matrix_of(e.name, 1536), k_raw);
+        ASSERT_TRUE(fit);
+        EXPECT_EQ(payload_bytes(fit->model), 73728u);
+        const Evaluate reference = evaluator(bundled(e.name));
+        const double error = matrix_error(reference, fit->model), unrounded = matrix_error(reference, fit->unrounded);
+        EXPECT_LE(error, e.matrix) << e.name;
+        EXPECT_LE(error, 1.01 * unrounded) << e.name;
+        EXPECT_LE(heldout_error(reference, fit->model), e.heldout) << e.name;
+        SuModel plain = fit->model;
+        plain.interpolation = SuInterpolation::plain;
+        EXPECT_LE(matrix_error(reference, plain), e.matrix) << e.name;  // the same at the samples
+        if (e.heldout > e.matrix) {
+            EXPECT_GT(heldout_error(reference, plain), 5 * e.heldout)
+                << e.name;  // a highlight that moves with the view
+        }
+    }
+}
+
+TEST(FitSu, ErrorFallsWithTheNumberOfLobes) {
+    for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
+        const RawMatrix matrix = matrix_of(name);
+        double last = 1;
+        for (const int lobes : {1, 2, 3, 4, 6, 8}) {
+            SuFitOptions options = k_raw;
+            options.lobes = lobes;
+            const double error = matrix_error(evaluator(bundled(name)), fit_su(matrix, options)->model);
+            EXPECT_LT(error, 0.97 * last) << name << lobes;
+            last = error;
+        }
+    }
+}
+
+TEST(FitSu, DoesNotDependOnThreads) {
+    const RawMatrix matrix = matrix_of("cc_ibiza_sunset_rgb", 200);
+    SuFitOptions options = k_raw;
+    options.threads = 1;
+    const auto one = fit_su(matrix, options);
+    options.threads = 2;
+    const auto two = fit_su(matrix, options);
+    ASSERT_TRUE(one && two);
+    EXPECT_EQ(write_model({one->model, {}}), write_model({two->model, {}}));
+    EXPECT_EQ(one->unrounded, two->unrounded);
+    const auto single = tabulate(signed_evaluator(bundled("cc_ibiza_sunset_rgb")), {.directions = 200, .threads = 1});
+    EXPECT_EQ(single->f, matrix.f);
+}
+
+TEST(FitSu, ScalesWithItsData) {
+    // Three lobes by two, so that there is an error.
+    RawMatrix matrix = *tabulate(evaluator(separated(3, true, 7)), {.directions = 128});
+    SuFitOptions options = k_raw;
+    options.lobes = 2;
+    const auto fit = fit_su(matrix, options);
+    for (Rgb& f : matrix.f) f = {4 * f.r, 4 * f.g, 4 * f.b};
+    for (auto& between : matrix.between) between.f = {4 * between.f.r, 4 * between.f.g, 4 * between.f.b};
+    const auto scaled = fit_su(matrix, options);
+    ASSERT_TRUE(fit && scaled);
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 500; ++i) {
+        const Vec3f wl = to_float(random_direction(random, 0.2)), wv = to_float(random_direction(random, 0.2));
+        const double f = double(value(fit->unrounded, wl, wv).g), four_f = double(value(scaled->unrounded, wl, wv).g);
+        EXPECT_TRUE(near_relative(four_f, 4 * f, 1e-3)) << f << ' ' << four_f;
+    }
+}
+
+/// The same function with its directions swapped.
+Evaluate swapped(const Evaluate& f) {
+    return [&f](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) { f(wv, wl, out); };
+}
+
+TEST(FitSu, DiscretisesEitherDirection) {
+    const Evaluate f = signed_evaluator(bundled("cc_ibiza_sunset_rgb"));
+    const auto by_view = fit_su(*tabulate(swapped(f), {.directions = 128}), k_raw);
+    const auto by_light = fit_su(*tabulate(f, {.directions = 128, .discretise = Discretise::light}), k_raw);
+    ASSERT_TRUE(by_view && by_light);
+    EXPECT_EQ(by_light->model.discretise, Discretise::light);
+    std::mt19937_64 random(2);
+    for (int i = 0; i < 500; ++i) {
+        const Vec3f a = to_float(random_direction(random, 0)), b = to_float(random_direction(random, 0));
+        EXPECT_EQ(value(by_light->model, a, b), value(by_view->model, b, a));
+    }
+    EXPECT_LE(matrix_error(evaluator(bundled("cc_ibiza_sunset_rgb")), by_light->model), 0.002);
+}
+
+TEST(FitSu, EachObjectiveIsTheBestByItsOwnMeasure) {
+    const std::pair<Objective, double Measures::*> objectives[] = {
+        {Objective::raw, &Measures::squared_error_ratio},
+        {Objective::cosine, &Measures::squared_error_ratio_cosine},
+        {Objective::log, &Measures::log_rms_cosine},
+        {Objective::cube_root, &Measures::cube_root_error_ratio}};
+    const auto matrix = tabulate(signed_evaluator(bundled("cc_ibiza_sunset_rgb")), {.directions = 256, .between = 0});
+    ASSERT_TRUE(matrix);
+    std::vector<SuModel> models;
+    for (const auto& [objective, measure] : objectives)
+        models.push_back(fit_su(*matrix, {.lobes = 2, .objective = objective, .max_theta = k_cap})->model);
+    for (std::size_t k = 0; k < 4; ++k)
+        for (std::size_t other = 0; other < 4; ++other) {
+            const auto error = [&](std::size_t i) {
+                return matrix_error(evaluator(bundled("cc_ibiza_sunset_rgb")), models[i], objectives[k].second);
+            };
+            EXPECT_LE(error(k), error(other)) << k << other;
+        }
+}
+
+TEST(FitSu, StaysBoundedUpToTheHorizon) {
+    for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
+        SuFitOptions options = k_raw;
+        options.lobes = 6;
+        const auto fit = fit_su(matrix_of(name, 768), options);
+        ASSERT_TRUE(fit);
+        std::mt19937_64 random(3);
+        double measured = 0, most = 0;
+        for (int i = 0; i < 200000; ++i) {
+            const auto direction = [&] {
+                const double z = std::cos(89.9 * k_degree) * std::pow(1 / std::cos(89.9 * k_degree), uniform(random));
+                return to_float(spherical(std::acos(z), i % 4 ? 2 * k_pi * uniform(random) : i % 8 ? 0 : k_pi));
+            };
+            const Vec3f wl = direction(), wv = direction();
+            const auto area = [&](const Rgb& f) {
+                return double(std::max({f.r, f.g, f.b})) * double(wl.z) * double(wv.z);
+            };
+            measured = std::max(measured, area(value(bundled(name), wl, wv)));
+            const Rgb f = value(fit->model, wl, wv);
+            ASSERT_TRUE(is_finite(f) && std::min({f.r, f.g, f.b}) >= 0);
+            most = std::max(most, area(f));
+        }
+        EXPECT_LE(most, 2 * measured) << name;
+    }
+}
+
+constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
+
+TEST(FitSu, ViewsWithoutDataAreEmpty) {
+    RawMatrix matrix = matrix_of("paper_white_rgb", 64);
+    for (std::size_t l = 0; l < 64; ++l) {
+        matrix.f[10 * 64 + l] = {k_nan, k_nan, k_nan};  // one that was not measured
+        matrix.f[11 * 64 + l] = {};                     // a black one
+        if (l > 10) matrix.f[12 * 64 + l] = {};         // one that is black within 80°
+    }
+    const auto fit = fit_su(matrix, k_raw);
+    ASSERT_TRUE(fit) << message(fit.error());
+    EXPECT_EQ(fit->empty, 3);
+    for (std::size_t view = 0; view < 64; ++view)
+        for (std::size_t l = 11; l < 64; ++l) {
+            const Rgb f = value(fit->model, matrix.direction[l], matrix.direction[view]);
+            EXPECT_TRUE(is_finite(f));
+            EXPECT_EQ(f == Rgb{}, view >= 10 && view <= 12) << view;
+        }
+    // A matrix without any.
+    for (Rgb& f : matrix.f) f = {k_nan, k_nan, k_nan};
+    const auto none = fit_su(matrix, k_raw);
+    ASSERT_TRUE(none);
+    EXPECT_EQ(none->empty, 64);
+    EXPECT_EQ(value(none->model, {0, 0, 1}, {0, 0, 1}), Rgb{});
+    // Values are missing here and there.
+    matrix = matrix_of("paper_white_rgb", 64);
+    for (std::size_t i = 0; i < matrix.f.size(); i += 3) matrix.f[i].g = k_nan;
+    EXPECT_TRUE(fit_su(matrix, k_raw));
+}
+
+TEST(FitSu, RefusesBadOptionsAndMatrices) {
+    const RawMatrix good = matrix_of("paper_white_rgb", 64);
+    const auto error_with = [&](auto change) {
+        SuFitOptions options = k_raw;
+        change(options);
+        const auto fit = fit_su(good, options);
+        return fit ? "" : message(fit.error());
+    };
+    EXPECT_EQ(error_with([](SuFitOptions& o) { o.lobes = 0; }), "fit: number of lobes: expected 1 to 64, found 0");
+    for (const int bad : {-1, 65, 1 << 30}) EXPECT_NE(error_with([&](SuFitOptions& o) { o.lobes = bad; }), "") << bad;
+    for (const int bad : {0, 8}) EXPECT_NE(error_with([&](SuFitOptions& o) { o.neighbours = bad; }), "") << bad;
+    for (const double bad : {-1.0, 0.001, 1.6, std::nan("")})
+        EXPECT_NE(error_with([&](SuFitOptions& o) { o.max_theta = bad; }), "") << bad;
+    EXPECT_NE(error_with([](SuFitOptions& o) { o.threads = -1; }), "");
+    // 53 of the 64 directions are within 80°.
+    EXPECT_NE(error_with([](SuFitOptions& o) { o.lobes = 60; }).find("expected none or at least 60"),
+              std::string::npos);
+
+    const auto without = [&](auto change) {
+        RawMatrix bad = good;
+        change(bad);
+        const auto fit = fit_su(bad, k_raw);
+        return fit ? "" : message(fit.error());
+    };
+    EXPECT_NE(without([](RawMatrix& m) {
+                  for (std::size_t l = 0; l < 61; ++l) m.f[20 * 64 + l].r = k_nan;
+              }).find("directions with data in sampled view 20"),
+              std::string::npos);
+    EXPECT_NE(without([](RawMatrix& m) { m.f.pop_back(); }), "");
+    EXPECT_NE(without([](RawMatrix& m) { m.between.pop_back(); }), "");
+    EXPECT_NE(without([](RawMatrix& m) { m = {}; }), "");
+    for (const int bad : {-1, 0, 7, 8193, 1 << 30})
+        EXPECT_FALSE(tabulate(signed_evaluator(bundled("paper_white_rgb")), {.directions = bad})) << bad;
+    EXPECT_FALSE(tabulate(signed_evaluator(bundled("paper_white_rgb")), {.directions = 8, .between = -1}));
+    // As few directions as there may be.
+    const RawMatrix few = matrix_of("paper_white_rgb", k_least_views);
+    const auto fit = fit_su(few, {.lobes = 2, .objective = Objective::raw});
+    ASSERT_TRUE(fit);
+    EXPECT_TRUE(is_finite(value(fit->model, {0, 0, 1}, {0, 0.6f, 0.8f})));
+}
+
+TEST(FitSu, ReportsProgressAndCanBeCancelled) {
+    const RawMatrix matrix = matrix_of("paper_white_rgb", 128);
+    double last = 0;
+    const auto whole = fit_su(matrix, k_raw, [&](const Progress& progress) {
+        EXPECT_GE(progress.fraction, last);
+        last = progress.fraction;
+        return true;
+    });
+    ASSERT_TRUE(whole);
+    EXPECT_TRUE(near(last, 1, 1e-9));
+    const auto cancelled = fit_su(matrix, k_raw, [](const Progress& progress) { return progress.fraction < 0.1; });
+    ASSERT_TRUE(cancelled);
+    EXPECT_EQ(cancelled->stop, StopReason::cancelled);
+    EXPECT_TRUE(is_finite(value(cancelled->model, {0, 0, 1}, {0, 0, 1})));
+}
+
+TEST(Tabulate, HoldsTheFunctionAndCountsWhatIsAmiss) {
+    const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
+        for (std::size_t i = 0; i < out.size(); ++i)
+            out[i] = wl[i].x < -0.9f ? Rgb{1, k_nan, 1} : Rgb{wl[i].x, wv[i].z, wl[i].y + 2 * wv[i].y};
+    };
+    for (const auto discretise : {Discretise::view, Discretise::light}) {
+        const auto matrix = tabulate(f, {.directions = 50, .between = 40, .discretise = discretise});
+        ASSERT_TRUE(matrix);
+        std::uint64_t masked = 0, clamped = 0;
+        const auto check = [&](Vec3f wl, Vec3f wv, const Rgb& found, bool counts) {
+            Rgb expected;
+            f({&wl, 1}, {&wv, 1}, {&expected, 1});
+            if (!is_finite(expected)) {
+                masked += counts;
+                EXPECT_FALSE(is_finite(found));
+                return;
+            }
+            for (int c = 0; c < 3; ++c) {
+                clamped += counts && expected[c] < 0;
+                EXPECT_EQ(found[c], std::max(expected[c], 0.f));
+            }
+        };
+        for (std::size_t v = 0; v < 50; ++v) {
+            for (std::size_t l = 0; l < 50; ++l)
+                check(matrix->direction[l], matrix->direction[v], matrix->f[v * 50 + l], true);
+            for (std::size_t k = v * 40; k < (v + 1) * 40; ++k) {
+                const auto& between = matrix->between[k];
+                const bool by_view = discretise == Discretise::view;
+                check(by_view ? between.direction : matrix->direction[v],
+                      by_view ? matrix->direction[v] : between.direction, between.f, false);
+                EXPECT_TRUE(near_relative(
+                    double(between.pdf),
+                    MirrorMixture(k_pi / 2).pdf(to_double(between.direction), to_double(matrix->direction[v])), 0.05));
+            }
+        }
+        EXPECT_EQ(matrix->masked, masked);
+        EXPECT_EQ(matrix->clamped, clamped);
+        EXPECT_GT(masked, 0u);
+    }
+}
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,304 @@
+// The view-by-view model: what it is at its samples and between them, its textures, its file.
+#include "srbf/su.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "srbf/half.h"
+#include "srbf/kernel.h"
+#include "srbf/model.h"
+#include "su_models.h"
+
+namespace srbf {
+namespace {
+
+/// The function of view i by the formula of the docstring, in double.
+std::array<double, 3> of_view(const SuModel& model, std::size_t view, Vec3f wl) {
+    std::array<double, 3> f{};
+    for (std::size_t j = view * std::size_t(model.lobes); j < (view + 1) * std::size_t(model.lobes); ++j) {
+        const Vec3d d = to_double(wl) - to_double(model.centre[j]);
+        for (int c = 0; c < 3; ++c)
+            f[std::size_t(c)] +=
+                double(model.coefficient[j][c]) * std::exp(-0.5 * double(model.bandwidth[j]) * dot(d, d));
+    }
+    return f;
+}
+
+double difference(const Rgb& a, const Rgb& b) {
+    return std::max({std::abs(double(a.r) - double(b.r)), std::abs(double(a.g) - double(b.g)),
+                     std::abs(double(a.b) - double(b.b))});
+}
+
+constexpr SuInterpolation k_interpolations[] = {SuInterpolation::rotated, SuInterpolation::plain};
+
+TEST(Su, ASampleHasItsOwnFunction) {
+    std::mt19937_64 random(1);
+    SuModel model = random_su(random, 300, 4);
+    for (const auto interpolation : k_interpolations)
+        for (const auto discretise : {Discretise::view, Discretise::light}) {
+            model.interpolation = interpolation;
+            model.discretise = discretise;
+            for (std::size_t i = 0; i < model.direction.size(); ++i) {
+                const Vec3f w = to_float(random_direction(random, 0)), sample = model.direction[i];
+                const Rgb f = discretise == Discretise::view ? value(model, w, sample) : value(model, sample, w);
+                const auto expected = of_view(model, i, w);
+                for (int c = 0; c < 3; ++c)
+                    EXPECT_TRUE(near(double(f[c]), expected[std::size_t(c)], 2e-5)) << i << name(interpolation);
+            }
+        }
+}
+
+TEST(Su, IsZeroBelowTheHorizon) {
+    std::mt19937_64 random(2);
+    SuModel model = random_su(random, 100, 2);
+    for (const auto interpolation : k_interpolations) {
+        model.interpolation = interpolation;
+        EXPECT_EQ(value(model, {0, 0.6f, -0.8f}, {0, 0, 1}), Rgb{});
+        EXPECT_EQ(value(model, {0, 0, 1}, {0.6f, 0, -0.8f}), Rgb{});
+        EXPECT_EQ(value(model, {0, 0, 1}, {1, 0, 0}), Rgb{});
+    }
+}
+
+TEST(Su, LobesIntegrateToTheirClosedForm) {
+    std::mt19937_64 random(3);
+    const SuModel model = random_su(random, 8, 5);
+    constexpr int count = 200000;
+    for (std::size_t view = 0; view < 8; ++view) {
+        std::array<double, 3> sum{}, closed{};
+        for (int i = 0; i < count; ++i) {
+            const auto f = of_view(model, view, to_float(fibonacci_direction(i, count, k_pi)));
+            for (std::size_t c = 0; c < 3; ++c) sum[c] += 4 * k_pi / count * f[c];
+        }
+        for (std::size_t j = view * 5; j < view * 5 + 5; ++j)
+            for (int c = 0; c < 3; ++c)
+                closed[std::size_t(c)] +=
+                    double(model.coefficient[j][c]) * Kernel<double>::gaussian_integral(double(model.bandwidth[j]));
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_TRUE(near_relative(sum[c], closed[c], 1e-4));
+    }
+    // The model's own values are those: `ASampleHasItsOwnFunction`.
+}
+
+/// The largest change of the value over steps of 1e-4 on great circles, in multiples of the largest value.
+double largest_jump(const SuModel& model, bool through_the_pole) {
+    std::mt19937_64 random(4);
+    double most = 0, largest = 0;
+    for (int circle = 0; circle < 6; ++circle) {
+        const Vec3d wl = random_direction(random, 0.2),
+                    a = through_the_pole ? Vec3d{0, 0, 1} : random_direction(random, 0);
+        Vec3d b = random_direction(random, 0);
+        b = normalize(b - dot(a, b) * a);
+        Rgb last{-1, -1, -1};
+        for (int step = 0; step < 31416; ++step) {  // from horizon to horizon
+            const double t = 1e-4 * step - k_pi / 2;
+            const Vec3d wv = std::cos(t) * a + std::sin(t) * b;
+            if (wv.z <= 1e-3) {
+                last = {-1, -1, -1};
+                continue;
+            }
+            const Rgb f = value(model, to_float(wl), to_float(wv));
+            if (last.r >= 0) most = std::max(most, difference(f, last));
+            largest = std::max(largest, double(f.g));
+            last = f;
+        }
+    }
+    return most / largest;
+}
+
+TEST(Su, IsContinuousInTheSampledDirection) {
+    // A sample's part comes and goes over some hundredths of a radian, so that a step of 1e-4 changes little.
+    std::mt19937_64 random(5);
+    SuModel model = random_su(random, 1536, 3);
+    for (Vec3f& xi : model.centre) xi = normalize(xi + Vec3f(0, 0, 3));
+    for (float& lambda : model.bandwidth) lambda = std::min(lambda, 3.f);
+    model.interpolation = SuInterpolation::plain;
+    EXPECT_LE(largest_jump(model, false), 0.03);  // about where four views are equally near
+    model.neighbours = 4;
+    EXPECT_LE(largest_jump(model, false), 0.003);
+    // Rotated views next in elevation are as different as views can be here, and 1/1536 apart: a step goes a sixth of the way.
+    model.interpolation = SuInterpolation::rotated;
+    EXPECT_LE(largest_jump(model, false), 0.16);
+    const SuModel isotropic = isotropic_su(1536);
+    EXPECT_LE(largest_jump(isotropic, false), 0.001);
+    EXPECT_LE(largest_jump(isotropic, true), 0.001);  // above the last sample, where the azimuth turns round
+}
+
+TEST(Su, RotatedInterpolationOfAnIsotropicModelIsIsotropic) {
+    std::mt19937_64 random(6);
+    const SuModel model = isotropic_su(1536);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3d wl = random_direction(random, 0.05), wv = random_direction(random, 0.05);
+        if (wv.z > 1 - 2.0 / 1536) continue;  // above the last sample
+        const double angle = 7 * uniform(random), c = std::cos(angle), s = std::sin(angle);
+        const Rgb a = value(model, to_float(wl), to_float(wv));
+        const Rgb b =
+            value(model, to_float(Kernel<double>::turned(wl, c, s)), to_float(Kernel<double>::turned(wv, c, s)));
+        EXPECT_LE(difference(a, b), 3e-4) << wv.z;
+        // And what it is made of: a lobe about the mirror direction, another about the normal.
+        const double lobe = Kernel<double>::gaussian(wl, mirror(wv), 100.0);
+        const double body = Kernel<double>::gaussian(wl, Vec3d(0, 0, 1), 0.5 + wv.z);
+        EXPECT_TRUE(near(double(a.r), 0.3 * body + lobe, 4e-3)) << wv.z;
+    }
+}
+
+TEST(Su, PlainWeightsAreAPartOfOneAndPositive) {
+    std::mt19937_64 random(7);
+    SuModel model = random_su(random, 500, 1);
+    // With lobes that are constant the value is the weighted mean of the neighbours' coefficients.
+    for (float& lambda : model.bandwidth) lambda = 0;
+    model.interpolation = SuInterpolation::plain;
+    for (model.neighbours = 1; model.neighbours <= k_most_neighbours; ++model.neighbours)
+        for (int i = 0; i < 300; ++i) {
+            const Vec3f wv = to_float(random_direction(random, 0.01));
+            const NearestViews nearest = nearest_views(model, wv);
+            float least = 1e9f, most = 0;
+            for (int k = 0; k < model.neighbours; ++k) {
+                const float beta = model.coefficient[nearest[std::size_t(k)]].r;
+                least = std::min(least, beta), most = std::max(most, beta);
+            }
+            const float f = value(model, {0, 0, 1}, wv).r;
+            EXPECT_TRUE(f >= least - 1e-6f && f <= most + 1e-6f);
+            if (model.neighbours == 1) {
+                EXPECT_TRUE(near(double(f), double(most), 1e-6));
+            }
+        }
+}
+
+TEST(Su, ArraysAgreeWithSingleValues) {
+    std::mt19937_64 random(8);
+    SuModel model = random_su(random, 200, 5);
+    for (const auto interpolation : k_interpolations)
+        for (const auto discretise : {Discretise::view, Discretise::light}) {
+            model.interpolation = interpolation;
+            model.discretise = discretise;
+            std::vector<Vec3f> wl, wv;
+            while (wl.size() < 3000) {  // runs of one to 40 pairs with a common direction
+                const Vec3f common = to_float(random_direction(random, -0.1));
+                for (double i = 0; i < 40 * uniform(random); ++i) {
+                    const Vec3f other = to_float(random_direction(random, -0.1));
+                    wl.push_back(discretise == Discretise::view ? other : common);
+                    wv.push_back(discretise == Discretise::view ? common : other);
+                }
+            }
+            wv.back() = {0, 0, 1};  // the pole itself
+            std::vector<Rgb> f(wl.size());
+            evaluator(model)(wl, wv, f);
+            for (std::size_t i = 0; i < f.size(); ++i) {
+                const Rgb one = value(model, wl[i], wv[i]);
+                for (int c = 0; c < 3; ++c)
+                    EXPECT_TRUE(near_relative(double(f[i][c]), double(one[c]), 1e-4) ||
+                                near(double(f[i][c]), double(one[c]), 1e-6));
+            }
+        }
+}
+
+TEST(Su, TextureHoldsTheNearestViews) {
+    std::mt19937_64 random(9);
+    SuModel model = random_su(random, 1536, 2);
+    model.interpolation = SuInterpolation::plain;
+    for (const auto map : {DirectionMap::cube, DirectionMap::parabolic}) {
+        const IndexTexture index = index_texture(model, map);
+        EXPECT_EQ(index.size, map == DirectionMap::cube ? 128 : 256);
+        EXPECT_EQ(index.texels.size(), map == DirectionMap::cube ? 98304u : 65536u);
+        for (int i = 0; i < 200; ++i) {
+            const auto texel = std::size_t(uniform(random) * double(index.texels.size()));
+            const Vec3f w = texel_direction(map, index.size, texel);
+            // By trying all.
+            std::vector<std::size_t> order(model.direction.size());
+            std::iota(order.begin(), order.end(), std::size_t(0));
+            const auto distance = [&](std::size_t view) {
+                const Vec3f d = model.direction[view] - w;
+                return dot(d, d);
+            };
+            std::stable_sort(order.begin(), order.end(),
+                             [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
+            for (std::size_t k = 0; k < 8; ++k) EXPECT_EQ(index.texels[texel][k], order[k]);
+        }
+        model.index = index;
+        EXPECT_EQ(auxiliary_bytes(model), index.texels.size() * 16 + 1536 * 8);
+        model.index.reset();
+    }
+    EXPECT_EQ(auxiliary_bytes(model), 1572864u + 12288u);
+}
+
+TEST(Su, TexelsApproachTheExactNeighboursAsTheyShrink) {
+    std::mt19937_64 random(10);
+    SuModel model = random_su(random, 1536, 2);
+    model.interpolation = SuInterpolation::plain;
+    for (const auto map : {DirectionMap::cube, DirectionMap::parabolic}) {
+        std::vector<double> errors;
+        for (const int size : {8, 32, default_size(map)}) {
+            const IndexTexture index = index_texture(model, map, size);
+            double squares = 0, whole = 0;
+            for (int i = 0; i < 3000; ++i) {
+                const Vec3f wl = to_float(random_direction(random, 0)), wv = to_float(random_direction(random, 0));
+                const double exact = double(value(model, wl, wv).g), by_texel = double(value(model, index, wl, wv).g);
+                squares += (exact - by_texel) * (exact - by_texel);
+                whole += exact * exact;
+            }
+            errors.push_back(squares / whole);
+        }
+        EXPECT_GT(errors[0], 1e-3) << name(map);
+        EXPECT_LT(errors[1], 0.1 * errors[0]) << name(map);
+        EXPECT_LT(errors[2], 1e-6) << name(map);
+    }
+}
+
+TEST(Su, BytesAreTheSources) {
+    std::mt19937_64 random(11);
+    EXPECT_EQ(payload_bytes(random_su(random, 1536, 5)), 92160u);
+    EXPECT_EQ(payload_bytes(random_su(random, 1536, 4)), 73728u);
+    EXPECT_EQ(payload_bytes(random_su(random, 384, 1)), 384u * 12);
+}
+
+TEST(SuFile, ComesBackAsRounded) {
+    std::mt19937_64 random(12);
+    for (const auto discretise : {Discretise::view, Discretise::light})
+        for (const auto interpolation : k_interpolations)
+            for (const int index : {0, 1, 2}) {
+                SuModel model = random_su(random, 100, 3);
+                model.discretise = discretise;
+                model.interpolation = interpolation;
+                model.neighbours = 1 + int(7 * uniform(random));
+                if (index > 0)
+                    model.index = index_texture(model, index == 1 ? DirectionMap::cube : DirectionMap::parabolic, 16);
+                const SuModel once = rounded(model);
+                EXPECT_EQ(once.index, model.index);
+                EXPECT_EQ(once.direction, model.direction);
+                EXPECT_EQ(once.neighbours, model.neighbours);
+                for (std::size_t i = 0; i < model.bandwidth.size(); ++i) {
+                    EXPECT_EQ(once.bandwidth[i], round_to_half(model.bandwidth[i]));
+                    for (int c = 0; c < 3; ++c)
+                        EXPECT_EQ(once.coefficient[i][c], round_to_half(model.coefficient[i][c]));
+                    const Vec3f d = once.centre[i] - model.centre[i];
+                    EXPECT_LE(dot(d, d), 2e-6f);
+                }
+                const auto bytes = write_model({model, {{"source", "a.bsdf"}}});
+                const auto back = read_model(bytes, "x");
+                ASSERT_TRUE(back) << message(back.error());
+                EXPECT_EQ(std::get<SuModel>(back->model), once);
+                EXPECT_EQ(back->provenance, (std::map<std::string, std::string>{{"source", "a.bsdf"}}));
+                // Rounding again changes little: the angles count from a direction that is none of halves.
+                EXPECT_EQ(rounded(once).bandwidth, once.bandwidth);
+                EXPECT_EQ(rounded(once).coefficient, once.coefficient);
+            }
+}
+
+TEST(SuFile, CentresAboutTheMirrorDirectionKeepTheirDigits) {
+    std::mt19937_64 random(13);
+    SuModel model = isotropic_su(1536);
+    for (Vec3f& xi : model.centre) {
+        const Vec3d off = 0.01 * random_direction(random);
+        xi = to_float(normalize(to_double(mirror(model.direction[std::size_t(&xi - model.centre.data()) / 2])) + off));
+    }
+    const SuModel back = rounded(model);
+    for (std::size_t i = 0; i < model.centre.size(); ++i) {
+        if (model.direction[i / 2].z > 0.99f) continue;  // about the pole azimuths are large
+        const Vec3f d = back.centre[i] - model.centre[i];
+        EXPECT_LE(std::sqrt(dot(d, d)), 3e-5f) << i;  // absolute angles would err by up to 1e-3
+    }
+}
+
+}  // namespace
+}  // namespace srbf

@@ -27,9 +27,9 @@ constexpr double k_most_excess = 1.6;
 /// What exceeding it by the largest measured value costs at first, relative to the loss.
 constexpr double k_excess_weight = 0.005;
 
-/// Every albedo off by 5 % costs as much as the fit's loss without regard to albedo, but no more than 0.001: a fit that cannot
+/// Every albedo off by 10 % costs as much as the fit's loss without regard to albedo, but no more than 0.004: a fit that cannot
 /// follow the data gains nothing from an albedo that is right by chance.
-constexpr double k_albedo_error = 0.05, k_most_albedo_loss = 1e-3;
+constexpr double k_albedo_error = 0.1, k_most_albedo_loss = 0.004;
 
 /// Where `model` exceeds the checks by far they become observations, and those that had become so weigh more;
 /// returns how many. `first` is where the checks began.
@@ -138,10 +138,10 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
             if (!reporter.cancelled()) polish(sample, options, log_peak_limit, found[i]);
             reporter.advance("polishing", polish_work / double(found.size()));
         });
-        const Candidate& winner = *std::min_element(found.begin(), found.end(), by_loss);
-        Lobes best = winner.lobes;
-        const double albedo_importance =
-            std::min(winner.loss, k_most_albedo_loss) / (3 * k_albedo_error * k_albedo_error);
+        Lobes best = std::min_element(found.begin(), found.end(), by_loss)->lobes;
+        const double loss =
+            LobeProblem(sample, sample.blocks, best.shape, true, log_peak_limit).loss(LobeProblem::pack(best));
+        const double albedo_importance = std::min(loss, k_most_albedo_loss) / (3 * k_albedo_error * k_albedo_error);
 
         // Checks that the fit exceeds become observations, until there are none.
         Observations all = observations;

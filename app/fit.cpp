@@ -172,6 +172,13 @@ Result<Done> FitCommand::write(const Measured& measured, const Outcome& outcome)
     return Done{};
 }
 
+/// Why a measurement cannot be fitted yet; none: it can.
+std::optional<std::string> unfit(const Measured& measured) {
+    if (std::holds_alternative<Scattered>(measured.table)) return "scattered samples, which cannot be fitted yet";
+    if (!is_isotropic(measured)) return "an anisotropic one, which cannot be fitted yet";
+    return {};
+}
+
 int FitCommand::run() {
     const Stopwatch loading;
     const auto subject = load(input);
@@ -179,6 +186,7 @@ int FitCommand::run() {
     const double load_seconds = loading.seconds();
     const auto* measured = std::get_if<Measured>(&subject->content);
     if (!measured) return complain({input, {}, "input", "a measurement", "a fitted model"});
+    if (const auto why = unfit(*measured)) return complain({input, {}, "input", "an isotropic table", *why});
 
     if (output.empty()) output = std::filesystem::path(input).stem().string() + ".srbf";
     const auto writable = check_outputs({input}, {output, preview, json == "-" ? "" : json});

@@ -17,8 +17,9 @@ template <typename T> T load(const std::byte* bytes) {
 }
 
 /// Whether `bytes` open a file of the format: for MERL, three dimensions that give the size, or those of the
-/// database (so that a truncated table is known for what it is); for RGL, the name of the container.
+/// database (so that a truncated table is known for what it is); for RGL, the name of the container; for UTIA, the size.
 bool is_merl(std::span<const std::byte> bytes);
 bool is_rgl(std::span<const std::byte> bytes);
+bool is_utia(std::span<const std::byte> bytes);
 
 }  // namespace srbf

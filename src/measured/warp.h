@@ -21,20 +21,35 @@ inline Between between_nodes(float u, std::size_t size) {
 }
 
 inline float mix(float a, float b, float to) { return a + to * (b - a); }
+inline Rgb mix(const Rgb& a, const Rgb& b, float to) {
+    return {mix(a.r, b.r, to), mix(a.g, b.g, to), mix(a.b, b.b, to)};
+}
 
 /// Two slices, `to` of the way from one to the other; they are the same at and past the ends.
 struct Slices {
     std::size_t first, second;
     float to;
+    /// What `of(slice)` is between them.
+    template <typename Of> auto blend(Of of) const { return mix(of(first), of(second), to); }
 };
 
-inline Slices slices_at(std::span<const float> theta_l, float theta) {
+/// Between the values of an increasing list, of which there is one at least.
+inline Slices slices_at(std::span<const float> values, float x) {
     std::size_t after = 0;  // a table has eight: counting is faster than a search, whose branches cannot be foreseen
-    for (const float t : theta_l) after += t <= theta;
-    const std::size_t first = std::max<std::size_t>(after, 1) - 1, second = std::min(after, theta_l.size() - 1);
+    for (const float value : values) after += value <= x;
+    const std::size_t first = std::max<std::size_t>(after, 1) - 1, second = std::min(after, values.size() - 1);
     if (first == second) return {first, first, 0};
-    return {first, second, (theta - theta_l[first]) / (theta_l[second] - theta_l[first])};
+    return {first, second, (x - values[first]) / (values[second] - values[first])};
 }
+
+/// Slices of a table of azimuths × polar angles.
+struct TurnedSlices {
+    Slices phi, theta;
+    std::size_t polar;  ///< how many polar angles there are
+    template <typename Of> auto blend(Of of) const {
+        return phi.blend([&](std::size_t p) { return theta.blend([&](std::size_t t) { return of(p * polar + t); }); });
+    }
+};
 
 /// A point of the unit square and the density there, which integrates to 1 over the square.
 struct Warped {
@@ -43,25 +58,30 @@ struct Warped {
 
 /// w = warp⁻¹(u): w_y = ∫_0^{u_y} ∫_0^1 p(x,y) dx dy,  w_x = ∫_0^{u_x} p(x,u_y) dx / ∫_0^1 p(x,u_y) dx;
 /// |∂w/∂u| = p(u). Source: Dupuy & Jakob (2018).
-inline Warped unwarp(const RglTable::VisibleNormals& visible, const Slices& slices, float u_x, float u_y) {
+template <typename AnySlices>
+Warped unwarp(const RglTable::VisibleNormals& visible, const AnySlices& slices, float u_x, float u_y) {
     const std::size_t width = visible.width, height = visible.height;
     const auto [column, x] = between_nodes(u_x, width);
     const auto [row, y] = between_nodes(u_y, height);
 
-    const RglTable::VisibleNormals::Node* const near_nodes =
-        &visible.nodes[(slices.first * height + row) * width + column];
-    const RglTable::VisibleNormals::Node* const far_nodes =
-        &visible.nodes[(slices.second * height + row) * width + column];
-    const auto density = [&](std::size_t i) { return mix(near_nodes[i].density, far_nodes[i].density, slices.to); };
-    const auto left = [&](std::size_t i) { return mix(near_nodes[i].left, far_nodes[i].left, slices.to); };
+    const RglTable::VisibleNormals::Node* const nodes = &visible.nodes[row * width + column];
+    const std::size_t size = width * height;
+    const auto density = [&](std::size_t i) {
+        return slices.blend([&](std::size_t slice) { return nodes[slice * size + i].density; });
+    };
+    const auto left = [&](std::size_t i) {
+        return slices.blend([&](std::size_t slice) { return nodes[slice * size + i].left; });
+    };
     const float p0 = mix(density(0), density(width), y), p1 = mix(density(1), density(width + 1), y);
     const float to_left = mix(left(0), left(width), y) + x * (p0 + 0.5f * x * (p1 - p0));
 
-    const RglTable::VisibleNormals::Row* const near_rows = &visible.rows[slices.first * height + row];
-    const RglTable::VisibleNormals::Row* const far_rows = &visible.rows[slices.second * height + row];
-    const auto whole = [&](std::size_t j) { return mix(near_rows[j].whole, far_rows[j].whole, slices.to); };
+    const RglTable::VisibleNormals::Row* const rows = &visible.rows[row];
+    const auto whole = [&](std::size_t j) {
+        return slices.blend([&](std::size_t slice) { return rows[slice * height + j].whole; });
+    };
     const float w0 = whole(0), w1 = whole(1), total = mix(w0, w1, y);
-    const float below = mix(near_rows->below, far_rows->below, slices.to) + y * (w0 + 0.5f * y * (w1 - w0));
+    const float below =
+        slices.blend([&](std::size_t slice) { return rows[slice * height].below; }) + y * (w0 + 0.5f * y * (w1 - w0));
 
     // Rounding may leave the square by a hair. Where a row has no density, no warp is defined and any will
     // do.

@@ -110,12 +110,13 @@ constexpr std::array<Observer, 95> k_observer{{{0.0001299, 3.917e-06, 0.0006061,
                                                {1.251141e-06, 4.5181e-07, 0, 60.3125}}};
 constexpr int k_last = k_first + k_step * (int(k_observer.size()) - 1);
 
-/// At a whole nm of the range, linear between the rows.
-Observer observer_at(int nm) {
+/// D65 times x̄, ȳ, z̄ at a whole nm of the range, linear between the rows.
+Xyz seen_at(int nm) {
     const std::size_t i = std::min(std::size_t((nm - k_first) / k_step), k_observer.size() - 2);
     const double to = double(nm - k_first) / k_step - double(i);
-    const Observer &a = k_observer[i], &b = k_observer[i + 1];
-    return {a.x + to * (b.x - a.x), a.y + to * (b.y - a.y), a.z + to * (b.z - a.z), a.d65 + to * (b.d65 - a.d65)};
+    const auto seen = [](const Observer& o) { return Xyz{o.d65 * o.x, o.d65 * o.y, o.d65 * o.z}; };
+    const Xyz a = seen(k_observer[i]), b = seen(k_observer[i + 1]);
+    return {a.x + to * (b.x - a.x), a.y + to * (b.y - a.y), a.z + to * (b.z - a.z)};
 }
 
 /// Σ over the nm of the range of D65 (x̄, ȳ, z̄) factor(nm), over that of D65 ȳ.
@@ -123,10 +124,10 @@ template <typename Factor> Xyz tristimulus(Factor factor) {
     Xyz sum;
     double whole = 0;
     for (int nm = k_first; nm <= k_last; ++nm) {
-        const Observer at = observer_at(nm);
-        const double light = at.d65 * factor(nm);
-        sum = {sum.x + light * at.x, sum.y + light * at.y, sum.z + light * at.z};
-        whole += at.d65 * at.y;
+        const Xyz seen = seen_at(nm);
+        const double f = factor(nm);
+        sum = {sum.x + f * seen.x, sum.y + f * seen.y, sum.z + f * seen.z};
+        whole += seen.y;
     }
     return {sum.x / whole, sum.y / whole, sum.z / whole};
 }

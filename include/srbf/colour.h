@@ -12,7 +12,7 @@ struct Xyz {
     double x = 0, y = 0, z = 0;
 };
 
-/// Of the perfect white reflector under D65: (0.95047, 1, 1.08883).
+/// Of the perfect white reflector under D65: (0.9504, 1, 1.0890).
 Xyz white_point();
 
 /// Linear sRGB, 3 × 3 from the chromaticities of the primaries (IEC 61966-2-1) and `white_point()`, which becomes (1, 1, 1).
@@ -22,8 +22,8 @@ Rgb to_rgb(const Xyz& colour);
 /// `wavelengths` [nm] (increasing, one at least) and constant beyond them,
 ///   X = ∫ R D65 x̄ dλ / ∫ D65 ȳ dλ,  Y, Z likewise,  (R, G, B) = M (X, Y, Z) = Σ_i R(λ_i) weight_i.
 /// The weights sum to (1, 1, 1): what reflects everything is white. x̄ ȳ z̄ are CIE 1931 2° and D65 is CIE's, every 5 nm from 360 to
-/// 830 nm (ISO/CIE 11664-1 and -2); D65 x̄ is linear between them, and the integrals are sums at 1 nm: for spectra given every 5 nm
-/// those of CIE 15, within 1e-3 on smooth ones given more finely.
+/// 830 nm (ISO/CIE 11664-1 and -2); D65 x̄ is linear between them, and the integrals are sums at 1 nm:
+/// sums at 5 nm give colours within 1e-3 of these on smooth spectra.
 std::vector<Rgb> rgb_weights(std::span<const float> wavelengths);
 
 /// Σ_i spectrum_i weight_i, as linear in the spectrum as it stands: a saturated colour may have a negative channel.

@@ -168,6 +168,26 @@ Matrix xyz_to_rgb() {
     return inverse(primaries);
 }
 
+/// R_r, R_g, R_b at k_primary_wavelengths.
+constexpr std::array<Rgb, 18> k_primaries{{{0.05623f, 0.00000f, 0.94377f},
+                                           {0.05598f, 0.00000f, 0.94402f},
+                                           {0.05240f, 0.00000f, 0.94760f},
+                                           {0.02935f, 0.00000f, 0.97065f},
+                                           {0.00569f, 0.00000f, 0.99431f},
+                                           {0.00000f, 0.25793f, 0.74207f},
+                                           {0.00000f, 0.74881f, 0.25119f},
+                                           {0.00000f, 1.00000f, 0.00000f},
+                                           {0.00000f, 1.00000f, 0.00000f},
+                                           {0.00000f, 1.00000f, 0.00000f},
+                                           {0.13431f, 0.79132f, 0.07437f},
+                                           {0.79719f, 0.20281f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f}}};
+
 }  // namespace
 
 Xyz white_point() {
@@ -203,6 +223,13 @@ Rgb to_rgb(std::span<const float> spectrum, std::span<const Rgb> weights) {
     for (std::size_t i = 0; i < spectrum.size(); ++i)
         for (int c = 0; c < 3; ++c) sum[c] += double(spectrum[i]) * double(weights[i][c]);
     return {float(sum[0]), float(sum[1]), float(sum[2])};
+}
+
+std::array<float, 18> reflectance_spectrum(const Rgb& colour) {
+    std::array<float, 18> spectrum{};
+    for (std::size_t i = 0; i < spectrum.size(); ++i)
+        spectrum[i] = colour.r * k_primaries[i].r + colour.g * k_primaries[i].g + colour.b * k_primaries[i].b;
+    return spectrum;
 }
 
 }  // namespace srbf

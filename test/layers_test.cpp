@@ -21,7 +21,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/directions", "src/directions"},
     {"include/srbf/brdf"},
     {"include/srbf/metrics", "src/metrics"},
-    {"include/srbf/measured", "src/measured/"},
+    {"include/srbf/measured", "include/srbf/convert", "src/measured/"},
     {"include/srbf/model", "src/model/"},
     {"render/image"},
     {"render/preview"},

@@ -1,5 +1,6 @@
 // From spectra to colours: level 0.
 #pragma once
+#include <array>
 #include <span>
 #include <vector>
 
@@ -28,5 +29,14 @@ std::vector<Rgb> rgb_weights(std::span<const float> wavelengths);
 
 /// Σ_i spectrum_i weight_i, as linear in the spectrum as it stands: a saturated colour may have a negative channel.
 Rgb to_rgb(std::span<const float> spectrum, std::span<const Rgb> weights);
+
+/// The other way: a smooth spectrum of the colour, at the wavelengths `k_primary_wavelengths` [nm],
+///   R(λ) = r R_r(λ) + g R_g(λ) + b R_b(λ),
+/// whose `to_rgb` is the colour again within 2e-6. The three are the smoothest (least sum of squared steps) that lie between 0 and 1, sum to
+/// 1 and have the colours (1,0,0), (0,1,0), (0,0,1): after Mallett & Yuksel, "Spectral primary decomposition for rendering with sRGB
+/// reflectance", 2019. So white is 1 throughout, and what reflects no more than it receives still does.
+inline constexpr std::array<float, 18> k_primary_wavelengths{380, 400, 420, 440, 460, 480, 500, 520, 540,
+                                                             560, 580, 600, 620, 640, 660, 680, 700, 720};
+std::array<float, 18> reflectance_spectrum(const Rgb& colour);
 
 }  // namespace srbf

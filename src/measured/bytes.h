@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 #include <span>
+#include <vector>
 
 namespace srbf {
 
@@ -14,6 +15,12 @@ template <typename T> T load(const std::byte* bytes) {
     T number;
     std::memcpy(&number, bytes, sizeof number);
     return number;
+}
+
+/// Appends the number as it is stored.
+template <typename T> void store(std::vector<std::byte>& bytes, const T& number) {
+    const auto raw = std::as_bytes(std::span(&number, 1));
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
 /// Whether `bytes` open a file of the format: for MERL, three dimensions that give the size, or those of the

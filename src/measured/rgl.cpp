@@ -100,31 +100,6 @@ Result<RglTable::Profile> read_profile(const TensorFile& file, const std::string
     return RglTable::Profile{std::uint32_t(field.shape[1]), std::uint32_t(rows), std::move(table->values)};
 }
 
-/// Normalises a slice of densities and integrates it; false where its integral is no positive number.
-bool integrate(std::span<const float> density, RglTable::VisibleNormals& visible) {
-    const std::size_t width = visible.width, height = visible.height;
-    std::vector<double> left(density.size());
-    double integral = 0;
-    for (std::size_t y = 0; y < height; ++y) {
-        const std::size_t row = y * width, end = row + width - 1;
-        for (std::size_t i = row; i < end; ++i)
-            left[i + 1] = left[i] + 0.5 * (double(density[i]) + double(density[i + 1]));
-        integral += left[end] * (y == 0 || y == height - 1 ? 0.5 : 1);
-    }
-    if (!(integral > 0)) return false;
-    double below = 0, last = 0;
-    for (std::size_t y = 0; y < height; ++y) {
-        const std::size_t row = y * width;
-        for (std::size_t i = row; i < row + width; ++i)
-            visible.nodes.push_back({float(double(density[i]) / integral), float(left[i] / integral)});
-        const double whole = left[row + width - 1] / integral;
-        if (y > 0) below += 0.5 * (last + whole);
-        visible.rows.push_back({float(whole), float(below)});
-        last = whole;
-    }
-    return true;
-}
-
 /// A field of slices φ_l × θ_l (× channels) × rows × columns, of which an isotropic file's repetitions are dropped.
 Result<Floats> read_slices(const TensorFile& file, const std::string& source, const Expected& expected,
                            const Azimuths& azimuths, float least = -k_largest_value) {
@@ -210,14 +185,6 @@ Result<Azimuths> read_azimuths(const TensorFile& file, const std::string& source
         return wrong(source, "phi_i", phi->field, "increasing azimuths over a whole turn, a half or a quarter",
                      fmt::format("{} from {} to {}", count, phi->values.front(), phi->values.back()));
     return Azimuths{std::move(phi->values), count};
-}
-
-/// u(θ) = √(2θ/π)
-float to_unit(float theta) { return std::sqrt(theta * float(2 / k_pi)); }
-
-float at(const RglTable::Profile& profile, float u) {
-    const auto [i, to] = between_nodes(u, profile.width);
-    return mix(profile.nodes[i], profile.nodes[i + 1], to);
 }
 
 float at(const RglTable::Profile& profile, float u_x, float u_y) {

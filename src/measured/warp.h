@@ -2,6 +2,9 @@
 // colours.
 #pragma once
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <span>
 
 #include "srbf/measured.h"
 
@@ -51,6 +54,39 @@ struct TurnedSlices {
     }
 };
 
+/// Normalises a slice of densities and integrates it; false where its integral is no positive number.
+inline bool integrate(std::span<const float> density, RglTable::VisibleNormals& visible) {
+    const std::size_t width = visible.width, height = visible.height;
+    std::vector<double> left(density.size());
+    double integral = 0;
+    for (std::size_t y = 0; y < height; ++y) {
+        const std::size_t row = y * width, end = row + width - 1;
+        for (std::size_t i = row; i < end; ++i)
+            left[i + 1] = left[i] + 0.5 * (double(density[i]) + double(density[i + 1]));
+        integral += left[end] * (y == 0 || y == height - 1 ? 0.5 : 1);
+    }
+    if (!(integral > 0)) return false;
+    double below = 0, last = 0;
+    for (std::size_t y = 0; y < height; ++y) {
+        const std::size_t row = y * width;
+        for (std::size_t i = row; i < row + width; ++i)
+            visible.nodes.push_back({float(double(density[i]) / integral), float(left[i] / integral)});
+        const double whole = left[row + width - 1] / integral;
+        if (y > 0) below += 0.5 * (last + whole);
+        visible.rows.push_back({float(whole), float(below)});
+        last = whole;
+    }
+    return true;
+}
+
+/// u(θ) = √(2θ/π)
+inline float to_unit(float theta) { return std::sqrt(theta * float(2 / k_pi)); }
+
+inline float at(const RglTable::Profile& profile, float u) {
+    const auto [i, to] = between_nodes(u, profile.width);
+    return mix(profile.nodes[i], profile.nodes[i + 1], to);
+}
+
 /// A point of the unit square and the density there, which integrates to 1 over the square.
 struct Warped {
     float x, y, density;
@@ -87,6 +123,34 @@ Warped unwarp(const RglTable::VisibleNormals& visible, const AnySlices& slices, 
     // do.
     return {total > 0 ? std::min(to_left / total, 1.0f) : u_x, std::min(below, 1.0f),
             mix(p0, p1, x) * float(width - 1) * float(height - 1)};
+}
+
+/// s in [0, 1] with s (a + s (b − a) / 2) = area, the inverse of the area below a line from a to b ≥ 0.
+inline float along_line(float a, float b, float area) {
+    const float root = std::sqrt(std::max(0.0f, a * a + 2 * area * (b - a)));
+    return a + root > 0 ? std::clamp(2 * area / (a + root), 0.0f, 1.0f) : 0;
+}
+
+/// The inverse of `unwarp` on one slice: a place even over the square, led to where the density is.
+inline Warped warp(const RglTable::VisibleNormals& visible, std::size_t slice, float w_x, float w_y) {
+    const std::size_t width = visible.width, height = visible.height;
+    const RglTable::VisibleNormals::Row* const rows = &visible.rows[slice * height];
+    const auto above =
+        std::upper_bound(rows + 1, rows + height - 1, w_y,
+                         [](float y, const RglTable::VisibleNormals::Row& row) { return y < row.below; });
+    const std::size_t row = std::size_t(above - rows) - 1;
+    const float y = along_line(rows[row].whole, rows[row + 1].whole, w_y - rows[row].below);
+
+    const RglTable::VisibleNormals::Node* const nodes = &visible.nodes[(slice * height + row) * width];
+    const auto left = [&](std::size_t i) { return mix(nodes[i].left, nodes[i + width].left, y); };
+    const auto density = [&](std::size_t i) { return mix(nodes[i].density, nodes[i + width].density, y); };
+    const float wanted = w_x * mix(rows[row].whole, rows[row + 1].whole, y);
+    std::size_t column = 0;
+    for (std::size_t step = std::bit_ceil(width) / 2; step > 0; step /= 2)
+        if (column + step < width - 1 && left(column + step) <= wanted) column += step;
+    const float x = along_line(density(column), density(column + 1), wanted - left(column));
+    return {(float(column) + x) / float(width - 1), (float(row) + y) / float(height - 1),
+            mix(density(column), density(column + 1), x) * float(width - 1) * float(height - 1)};
 }
 
 }  // namespace srbf

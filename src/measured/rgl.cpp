@@ -197,10 +197,12 @@ float at(const RglTable::Profile& profile, float u_x, float u_y) {
 template <typename AnySlices> Rgb at(const RglTable::Colours& colour, const AnySlices& slices, const Warped& w) {
     const auto [column, x] = between_nodes(w.x, colour.width);
     const auto [row, y] = between_nodes(w.y, colour.height);
-    return slices.blend([&, column = column, row = row, x = x, y = y](std::size_t slice) {
-        const Rgb* const f = &colour.nodes[(slice * colour.height + row) * colour.width + column];
-        return mix(mix(f[0], f[1], x), mix(f[colour.width], f[colour.width + 1], x), y);
+    const Four f = slices.blend([&, column = column, row = row, x = x, y = y](std::size_t slice) {
+        const Rgb* const c = &colour.nodes[(slice * colour.height + row) * colour.width + column];
+        const auto node = [](const Rgb& rgb) { return Four{rgb.r, rgb.g, rgb.b, 0}; };
+        return mix(mix(node(c[0]), node(c[1]), x), mix(node(c[colour.width]), node(c[colour.width + 1]), x), y);
     });
+    return {f[0], f[1], f[2]};
 }
 
 /// An azimuth in [−π, π] as a place on [0, 1].

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <span>
 
 #include "srbf/measured.h"
@@ -24,9 +25,15 @@ inline Between between_nodes(float u, std::size_t size) {
 }
 
 inline float mix(float a, float b, float to) { return a + to * (b - a); }
-inline Rgb mix(const Rgb& a, const Rgb& b, float to) {
-    return {mix(a.r, b.r, to), mix(a.g, b.g, to), mix(a.b, b.b, to)};
+
+/// Four numbers at once, as they lie in memory.
+using Four [[gnu::vector_size(16)]] = float;
+inline Four four_at(const void* numbers) {
+    Four four;
+    std::memcpy(&four, numbers, sizeof four);
+    return four;
 }
+inline Four mix(Four a, Four b, float to) { return a + to * (b - a); }
 
 /// Two slices, `to` of the way from one to the other; they are the same at and past the ends.
 struct Slices {
@@ -100,24 +107,20 @@ Warped unwarp(const RglTable::VisibleNormals& visible, const AnySlices& slices, 
     const auto [column, x] = between_nodes(u_x, width);
     const auto [row, y] = between_nodes(u_y, height);
 
+    // Two nodes beside each other are density, left, density, left; two rows whole, below, whole, below.
     const RglTable::VisibleNormals::Node* const nodes = &visible.nodes[row * width + column];
     const std::size_t size = width * height;
-    const auto density = [&](std::size_t i) {
-        return slices.blend([&](std::size_t slice) { return nodes[slice * size + i].density; });
+    const auto two_nodes = [&](std::size_t i) {
+        return slices.blend([&](std::size_t slice) { return four_at(nodes + slice * size + i); });
     };
-    const auto left = [&](std::size_t i) {
-        return slices.blend([&](std::size_t slice) { return nodes[slice * size + i].left; });
-    };
-    const float p0 = mix(density(0), density(width), y), p1 = mix(density(1), density(width + 1), y);
-    const float to_left = mix(left(0), left(width), y) + x * (p0 + 0.5f * x * (p1 - p0));
+    const Four between = mix(two_nodes(0), two_nodes(width), y);
+    const float p0 = between[0], p1 = between[2];
+    const float to_left = between[1] + x * (p0 + 0.5f * x * (p1 - p0));
 
     const RglTable::VisibleNormals::Row* const rows = &visible.rows[row];
-    const auto whole = [&](std::size_t j) {
-        return slices.blend([&](std::size_t slice) { return rows[slice * height + j].whole; });
-    };
-    const float w0 = whole(0), w1 = whole(1), total = mix(w0, w1, y);
-    const float below =
-        slices.blend([&](std::size_t slice) { return rows[slice * height].below; }) + y * (w0 + 0.5f * y * (w1 - w0));
+    const Four two_rows = slices.blend([&](std::size_t slice) { return four_at(rows + slice * height); });
+    const float w0 = two_rows[0], w1 = two_rows[2], total = mix(w0, w1, y);
+    const float below = two_rows[1] + y * (w0 + 0.5f * y * (w1 - w0));
 
     // Rounding may leave the square by a hair. Where a row has no density, no warp is defined and any will
     // do.

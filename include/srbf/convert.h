@@ -11,7 +11,7 @@ namespace srbf {
 /// The size of the database's tables: n_h, n_d, n_p.
 inline constexpr std::array<std::uint32_t, 3> k_merl_size{90, 90, 180};
 /// `brdf` at the nodes of a MERL table: the mean of f_r(wl, wv) and f_r(wv, wl), between which such a table cannot tell. Not measured where
-/// a direction of the node lies below the horizon. What is not isotropic is seen with the half-way vector at azimuth 0.
+/// a direction of the node lies beyond 89.7°. What is not isotropic is seen with the half-way vector at azimuth 0.
 MerlTable to_merl(const Evaluate& brdf, std::array<std::uint32_t, 3> size = k_merl_size, int threads = 0);
 
 struct RglOptions {
@@ -24,7 +24,7 @@ struct RglOptions {
 ///   D(θ_h) ∝ max over directions within 84° of the luminance of f_r (cosθl cosθv)^¾,  ∫ D(m) cosθ_m dm = 1,
 ///   σ(θ) = ∫ D(m) max(0, m·ω) dm / ∫ D(m) cosθ_m dm,
 /// `ndf` is D, `sigma` is σ, `visible` is D(m) max(0, m·ωl) sinθ_m u(θ_m), normalised, and the colours are f_r cosθv 4 σ / D at the
-/// directions that the warp leads to; where that is below the horizon, those of the nearest nodes above it.
+/// directions that the warp leads to; where that lies beyond 89.7°, those of the nearest nodes within.
 RglTable to_rgl(const Evaluate& brdf, const RglOptions& options = {});
 
 /// `brdf` at all pairs of n directions of the Fibonacci set of the cap θ ≤ θmax [rad]. Pairs that were not measured are left out.

@@ -21,6 +21,9 @@ namespace {
 
 constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
 
+/// Closer to the horizon than this cosine (89.7°) f_r, which may grow without bound there, is not asked for.
+constexpr float k_horizon = 5e-3f;
+
 /// f of many pairs at once.
 std::vector<Rgb> values_at(const Evaluate& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
     std::vector<Rgb> f(wl.size());
@@ -51,7 +54,7 @@ MerlTable to_merl(const Evaluate& brdf, std::array<std::uint32_t, 3> size, int t
         const auto f = values_at(brdf, wl, wv), exchanged = values_at(brdf, wv, wl);
         for (std::size_t i = 0; i < plane; ++i) {
             Rgb& cell = table.cells[h * plane + i];
-            const bool above = wl[i].z > 0 && wv[i].z > 0;
+            const bool above = std::min(wl[i].z, wv[i].z) > k_horizon;
             for (int c = 0; c < 3; ++c) cell[c] = above ? 0.5f * f[i][c] + 0.5f * exchanged[i][c] : k_nan;
             if (!is_finite(cell)) cell = {k_nan, k_nan, k_nan};
         }
@@ -188,8 +191,7 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
     table.colour.width = table.colour.height = options.colours;
     table.colour.nodes.resize(table.theta_l.size() * size);
     parallel_for(table.theta_l.size(), options.threads, [&](std::size_t slice) {
-        // At the horizon f_r has no value; a hair above it does.
-        const double theta_l = std::min(double(table.theta_l[slice]), k_pi / 2 - 1e-3);
+        const double theta_l = std::min(double(table.theta_l[slice]), std::acos(double(k_horizon)));
         const Vec3d light = spherical(theta_l, 0.0);
         std::vector<Vec3f> wl(size, to_float(light)), wv;
         std::vector<double> scale;
@@ -203,7 +205,7 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
         std::vector<Rgb> nodes(size);
         std::vector<char> known(size);
         for (std::size_t i = 0; i < size; ++i) {
-            known[i] = wv[i].z > 1e-3f && is_finite(f[i]);
+            known[i] = wv[i].z > k_horizon && is_finite(f[i]);
             for (int c = 0; c < 3 && known[i]; ++c) nodes[i][c] = float(double(f[i][c]) * double(wv[i].z) * scale[i]);
         }
         fill(nodes, std::move(known), side);

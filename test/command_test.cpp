@@ -302,7 +302,7 @@ TEST_F(Command, convert_copies_and_converts) {
     ASSERT_EQ(run(folder, {"convert", k_paper, "-o", "paper.bsdf"}).status, 0);
     EXPECT_EQ(contents(folder / "paper.bsdf"), contents(k_paper));
     // A measurement, samples and a model.
-    for (const std::string& input : {k_paper, std::string("s.csv"), *fitted / "m.srbf"})
+    for (const std::string& input : Arguments{k_paper, "s.csv", (*fitted / "m.srbf").string()})
         for (const std::string output : {"o.binary", "o.bsdf", "o.csv"}) {
             if (output == "o.binary" && input == k_paper) continue;  // takes its time under sanitizers
             const ProgramRun made =

@@ -221,6 +221,37 @@ TEST(Rgl, IsContinuous) {
     }
 }
 
+TEST(Rgl, BatchesAgreeWithSingleValues) {
+    std::mt19937_64 random(11);
+    std::vector<RglTable> tables;
+    for (const auto& name : k_bundled) tables.push_back(bundled(name));
+    tables.push_back(*read_rgl(tensor_file(simple_rgl()), "s"));
+    tables.push_back(*read_rgl(tensor_file(anisotropic_rgl()), "a"));
+    for (const RglTable& table : tables) {
+        float largest = 0;
+        for (const Rgb& c : table.colour.nodes)
+            largest = std::max({largest, std::abs(c.r), std::abs(c.g), std::abs(c.b)});
+        for (const std::size_t count : {std::size_t(0), std::size_t(1), std::size_t(37), std::size_t(20000)}) {
+            std::vector<Vec3f> wl, wv;
+            for (std::size_t i = 0; i < count; ++i) {
+                wl.push_back(direction_to_the_ends(random));
+                wv.push_back(i % 5 == 0   ? mirror(wl.back())
+                             : i % 7 == 0 ? to_float(random_direction(random))
+                                          : direction_to_the_ends(random));
+            }
+            std::vector<Rgb> f(count);
+            evaluate_signed(table, wl, wv, f);
+            for (std::size_t i = 0; i < count; ++i) {
+                const Rgb expected = signed_value(table, wl[i], wv[i]);
+                const double z = std::max(1e-9, double(wv[i].z));
+                for (int c = 0; c < 3; ++c)
+                    EXPECT_PRED3(near, f[i][c], expected[c],
+                                 1e-4 * std::abs(double(expected[c])) + 1e-5 * double(largest) / z);
+            }
+        }
+    }
+}
+
 TEST(Rgl, IsZeroBelowTheHorizon) {
     const RglTable& table = bundled("paper_white");
     const Vec3f up{0, 0.6f, 0.8f};

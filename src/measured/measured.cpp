@@ -65,7 +65,16 @@ Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
 
 Evaluate signed_evaluator(const Measured& measured) {
     return [&measured](auto wl, auto wv, auto f) {
+        if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return evaluate_signed(*rgl, wl, wv, f);
         for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(measured, wl[i], wv[i]);
+    };
+}
+
+Evaluate evaluator(const Measured& measured) {
+    return [&measured, of = signed_evaluator(measured)](auto wl, auto wv, auto f) {
+        of(wl, wv, f);
+        for (Rgb& c : f)
+            for (int k = 0; k < 3; ++k) c[k] = c[k] < 0 ? 0 : c[k];  // a NaN stays
     };
 }
 

@@ -30,6 +30,7 @@ template <typename B> void check_answers(const Result<B>& brdf) {
         return;
     }
     std::mt19937_64 random(1);
+    std::vector<Vec3f> lights, views;
     const auto direction = [&random] {
         const double z = 2 * uniform(random) - 0.5, theta = std::acos(std::min(1.0, z));
         return to_float(spherical(theta, 7 * uniform(random)));
@@ -40,6 +41,7 @@ template <typename B> void check_answers(const Result<B>& brdf) {
         if (i % 6 == 2) wv = mirror(wl);
         if (i % 6 == 3) wv = wl;
         if (i % 6 == 4) wv = {1, 0, 1e-30f};
+        lights.push_back(wl), views.push_back(wv);
         const Rgb f = value(*brdf, wl, wv);
         if (wl.z <= 0 || wv.z <= 0) {
             require(f == Rgb{}, "0 below the horizon");
@@ -48,6 +50,10 @@ template <typename B> void check_answers(const Result<B>& brdf) {
         const bool lacks = std::isnan(f.r) && std::isnan(f.g) && std::isnan(f.b);
         require(lacks || (is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0), "finite and not negative, or NaN");
     }
+    std::vector<Rgb> f(lights.size());
+    evaluator (*brdf)(lights, views, f);
+    for (const Rgb& c : f)
+        require(std::isnan(c.r) || (is_finite(c) && c.r >= 0 && c.g >= 0 && c.b >= 0), "batches, too");
 }
 
 using FuzzTarget = void (*)(std::span<const std::byte>);
@@ -60,6 +66,13 @@ inline void check_utia(std::span<const std::byte> bytes) {
     for (std::size_t at = 0; at < table.size(); at += bytes.size())
         std::memcpy(&table[at], bytes.data(), std::min(bytes.size(), table.size() - at));
     check_answers(read_utia(table, "f"));
+}
+
+/// By way of `Measured`, whose evaluator works by batches.
+inline void check_rgl(std::span<const std::byte> bytes) {
+    auto table = read_rgl(bytes, "f");
+    check_answers(table ? Result<Measured>(Measured{"f", "RGL", bytes.size(), *std::move(table)})
+                        : Result<Measured>(table.error()));
 }
 
 /// What is read can be written, and what was written is read and written again to the same bytes. (A foreign file may hold weights of
@@ -80,7 +93,7 @@ struct NamedTarget {
 /// A target for each reader, and one for telling them apart.
 inline const NamedTarget k_targets[] = {
     {"merl", [](auto bytes) { check_answers(read_merl(bytes, "f")); }},
-    {"rgl", [](auto bytes) { check_answers(read_rgl(bytes, "f")); }},
+    {"rgl", check_rgl},
     {"utia", check_utia},
     {"cornell", [](auto bytes) { check_answers(read_cornell(bytes, "f")); }},
     {"astm", [](auto bytes) { check_answers(read_astm(bytes, "f")); }},

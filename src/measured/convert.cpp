@@ -39,7 +39,7 @@ double theta_of(double u) { return u * u * k_pi / 2; }
 MerlTable to_merl(const Evaluate& brdf, std::array<std::uint32_t, 3> size, int threads) {
     MerlTable table;
     table.size = size;
-    const auto [n_h, n_d, n_p] = size;
+    const std::uint32_t n_h = size[0], n_d = size[1], n_p = size[2];
     const std::size_t plane = std::size_t(n_d) * n_p;
     table.cells.resize(n_h * plane);
     parallel_for(n_h, threads, [&](std::size_t h) {

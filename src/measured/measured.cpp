@@ -71,7 +71,7 @@ Evaluate signed_evaluator(const Measured& measured) {
 }
 
 Evaluate evaluator(const Measured& measured) {
-    return [&measured, of = signed_evaluator(measured)](auto wl, auto wv, auto f) {
+    return [of = signed_evaluator(measured)](auto wl, auto wv, auto f) {
         of(wl, wv, f);
         for (Rgb& c : f)
             for (int k = 0; k < 3; ++k) c[k] = c[k] < 0 ? 0 : c[k];  // a NaN stays

@@ -16,7 +16,7 @@ constexpr std::size_t k_absent = k_most_columns;
 /// of those files is that much below white = 1.
 constexpr std::string_view k_trinitron = "RGB for Trinitron phosphors";
 constexpr double k_from_trinitron[3][3] = {
-    {3.10623, -0.26574, -0.04223}, {0.08502, 2.62435, 0.07934}, {0.04608, 0.06340, 2.68716}};
+    {3.10689, -0.26651, -0.04211}, {0.08512, 2.62439, 0.07920}, {0.04650, 0.06312, 2.68701}};
 
 Rgb from_trinitron(std::span<const float> f) {
     Rgb rgb;

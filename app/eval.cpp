@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <memory>
 #include <string_view>
 
 #include "app/commands.h"
 #include "app/load.h"
 #include "srbf/file.h"
+#include "srbf/text.h"
 
 namespace srbf {
 namespace {
@@ -20,51 +20,21 @@ struct Pairs {
     std::vector<std::array<std::string, 6>> text;  ///< as the file writes them
 };
 
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view blank = " \t\r";
-    const auto first = text.find_first_not_of(blank);
-    return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(blank) - first + 1);
-}
-
-/// The fields of a line, without blanks and quotes around them; a comma within quotes parts nothing.
-std::vector<std::string_view> fields_of(std::string_view line) {
-    std::vector<std::string_view> fields;
-    bool quoted = false;
-    for (std::size_t at = 0, begin = 0; at <= line.size(); ++at) {
-        if (at < line.size() && line[at] == '"') quoted = !quoted;
-        if (at < line.size() && (quoted || line[at] != ',')) continue;
-        std::string_view field = trimmed(line.substr(begin, at - begin));
-        if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
-            field = trimmed(field.substr(1, field.size() - 2));
-        fields.push_back(field);
-        begin = at + 1;
-    }
-    return fields;
-}
-
 /// The columns of `k_columns` of a CSV whose first line names its columns. Errors name the line.
 Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
-    const auto at_line = [&](std::uint64_t line, std::string_view what, std::string expected, std::string found) {
-        return Error{source, {}, fmt::format("line {}: {}", line, what), std::move(expected), std::move(found)};
-    };
     Pairs pairs;
     std::array<std::size_t, 6> column{};
-    std::uint64_t line_number = 0;
+    std::vector<std::string_view> fields;
     bool has_header = false;
-    if (constexpr std::string_view mark = "\xef\xbb\xbf"; csv.starts_with(mark)) csv.remove_prefix(mark.size());
-    for (std::size_t at = 0; at < csv.size();) {
-        const auto end = std::min(csv.find('\n', at), csv.size());
-        const std::string_view line = csv.substr(at, end - at);
-        at = end + 1;
-        ++line_number;
-        if (trimmed(line).empty()) continue;
-        const auto fields = fields_of(line);
+    Lines lines(csv);
+    while (const auto line = lines.next()) {
+        split_fields(*line, fields);
         if (!has_header) {
             has_header = true;
             for (std::size_t c = 0; c < 6; ++c) {
                 const auto found = std::find(fields.begin(), fields.end(), k_columns[c]);
                 if (found == fields.end())
-                    return at_line(line_number, "header", fmt::format("a column {}", k_columns[c]), "none");
+                    return at_line(source, lines.number(), "header", fmt::format("a column {}", k_columns[c]), "none");
                 column[c] = std::size_t(found - fields.begin());
             }
             continue;
@@ -73,27 +43,26 @@ Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
         std::array<double, 6> number{};
         for (std::size_t c = 0; c < 6; ++c) {
             const std::string_view field = column[c] < fields.size() ? fields[column[c]] : std::string_view();
-            const char *first = field.data(), *last = first + field.size();
-            if (field.starts_with('+') && !field.starts_with("+-")) ++first;
-            const auto [rest, error] = std::from_chars(first, last, number[c]);
-            if (error != std::errc() || rest != last || !std::isfinite(number[c]))
-                return at_line(line_number, fmt::format("column {}", k_columns[c]), "a number",
-                               fmt::format("'{:.40}'", field));
+            const auto parsed = to_number<double>(field);
+            if (!parsed || !std::isfinite(*parsed))
+                return at_line(source, lines.number(), fmt::format("column {}", k_columns[c]), "a number",
+                               quoted(field));
+            number[c] = *parsed;
             text[c] = field;
         }
         const auto direction = [&](std::size_t c) { return Vec3d{number[c], number[c + 1], number[c + 2]}; };
         for (const std::size_t c : {std::size_t(0), std::size_t(3)}) {
             const double length = std::sqrt(dot(direction(c), direction(c)));
             if (!(std::abs(length - 1) <= 0.01))
-                return at_line(line_number, fmt::format("direction {}", k_columns[c].substr(0, 2)), "length 1",
-                               fmt::format("{:.6g}", length));
+                return at_line(source, lines.number(), fmt::format("direction {}", k_columns[c].substr(0, 2)),
+                               "length 1", fmt::format("{:.6g}", length));
         }
         const Vec3d wl = normalize(direction(0)), wv = normalize(direction(3));
         pairs.wl.push_back({float(wl.x), float(wl.y), float(wl.z)});
         pairs.wv.push_back({float(wv.x), float(wv.y), float(wv.z)});
         pairs.text.push_back(std::move(text));
     }
-    if (!has_header) return at_line(1, "header", "columns wl_x to wv_z", "an empty file");
+    if (!has_header) return at_line(source, 1, "header", "columns wl_x to wv_z", "an empty file");
     return pairs;
 }
 
@@ -102,7 +71,7 @@ int run(const std::string& file, const std::string& pairs_file) {
     if (!subject) return complain(subject.error());
     const auto bytes = read_file(pairs_file);
     if (!bytes) return complain(bytes.error());
-    const auto pairs = read_pairs({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, pairs_file);
+    const auto pairs = read_pairs(as_text(*bytes), pairs_file);
     if (!pairs) return complain(pairs.error());
 
     std::vector<Rgb> f(pairs->wl.size());

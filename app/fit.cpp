@@ -259,6 +259,8 @@ int FitCommand::run() {
     const double load_seconds = loading.seconds();
     const auto* measured = std::get_if<Measured>(&subject->content);
     if (!measured) return complain({input, {}, "input", "a measurement", "a fitted model"});
+    if (std::holds_alternative<Scattered>(measured->table))
+        return complain({input, {}, "input", "a table", "scattered samples, which cannot be fitted yet"});
 
     if (output.empty()) output = std::filesystem::path(input).stem().string() + ".srbf";
     const auto writable = check_outputs({input}, {output, preview, json == "-" ? "" : json});
@@ -293,7 +295,9 @@ CLI::Validator png_name() {
 void add_fit(CLI::App& app, int& status) {
     const auto command = std::make_shared<FitCommand>();
     CLI::App* sub = app.add_subcommand("fit", "Fit a model to a measurement and report its errors");
-    sub->add_option("INPUT", command->input, "The measurement: MERL .binary or RGL .bsdf")->type_name("")->required();
+    sub->add_option("INPUT", command->input, "The measurement: a table of MERL's, RGL's or UTIA's layout")
+        ->type_name("")
+        ->required();
     sub->add_option("-o,--output", command->output, "The model; default: INPUT's stem + .srbf in the working directory")
         ->type_name("FILE");
     sub->add_option(

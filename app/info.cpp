@@ -32,6 +32,10 @@ template <typename Pixels> void print_channel_ranges(std::string_view name, cons
     }
 }
 
+void print_wavelengths(const std::vector<float>& nm) {
+    print_row("wavelengths", fmt::format("{}, {:g} to {:g} nm", nm.size(), nm.front(), nm.back()));
+}
+
 void print_table(const MerlTable& table) {
     print_row("dimensions", fmt::format("{} θh × {} θd × {} φd", table.size[0], table.size[1], table.size[2]));
     print_row("masked entries", fmt::format("{} of {}", grouped(table.masked), grouped(table.cells.size())));
@@ -40,13 +44,40 @@ void print_table(const MerlTable& table) {
 
 void print_table(const RglTable& table) {
     if (!table.description.empty()) print_row("description", table.description);
-    print_row("dimensions", fmt::format("{} θl × {} × {}, microfacet distribution {}, area {}", table.theta_l.size(),
-                                        table.colour.width, table.colour.height, table.ndf.size(), table.sigma.size()));
+    print_row("dimensions",
+              fmt::format("{}{} θl × {} × {}, microfacet distribution {}, area {}",
+                          table.phi_l.empty() ? "" : fmt::format("{} φl × ", table.phi_l.size()), table.theta_l.size(),
+                          table.colour.width, table.colour.height, table.ndf.width, table.sigma.width));
+    if (!table.wavelengths.empty()) print_wavelengths(table.wavelengths);
     if (!table.theta_l.empty())
         print_row("θl", fmt::format("{:.2f}° to {:.2f}°", double(table.theta_l.front()) / k_degree,
                                     double(table.theta_l.back()) / k_degree));
     print_row("masked entries", "none");
     print_channel_ranges("colour", table.colour.nodes);
+}
+
+void print_table(const UtiaTable& table) {
+    print_row("dimensions",
+              fmt::format("{0} θl × {1} φl × {0} θv × {1} φv", UtiaTable::k_polar, UtiaTable::k_azimuths));
+    print_row("masked entries", fmt::format("{} of {}", grouped(table.masked), grouped(table.cells.size())));
+    print_channel_ranges("value [1/sr]", table.cells);
+}
+
+void print_table(const Scattered& samples) {
+    if (!samples.description.empty()) print_row("description", samples.description);
+    print_row("samples", fmt::format("{} pairs of directions, {}", grouped(samples.wl.size()),
+                                     samples.isotropic ? "isotropic" : "anisotropic"));
+    if (!samples.wavelengths.empty()) print_wavelengths(samples.wavelengths);
+    Range theta_l, theta_v, spectrum;
+    for (const Vec3f& w : samples.wl) theta_l.add(float(std::acos(double(w.z)) / k_degree));
+    for (const Vec3f& w : samples.wv) theta_v.add(float(std::acos(double(w.z)) / k_degree));
+    for (const float f : samples.spectrum) spectrum.add(f);
+    print_row("θl", theta_l.text() + " degrees");
+    print_row("θv", theta_v.text() + " degrees");
+    print_row("masked entries",
+              fmt::format("{} of {}", grouped(samples.masked), grouped(samples.masked + samples.wl.size())));
+    if (!samples.spectrum.empty()) print_row("spectrum [1/sr]", spectrum.text());
+    print_channel_ranges("value [1/sr]", samples.colour);
 }
 
 void print_model(const PmModel& model) {

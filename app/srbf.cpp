@@ -9,7 +9,8 @@
 int main(int argc, char** argv) {
     CLI::App app(
         "srbf: measured BRDFs as a handful of spherical radial basis functions.\n"
-        "Fits a measurement (MERL .binary, RGL .bsdf), says how far off the fit is,\nevaluates and compares BRDFs.");
+        "Reads measurements (MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA, CSV), fits them, says how far off the\nfit "
+        "is, evaluates, compares and converts BRDFs.");
     app.name("srbf");
     app.set_version_flag("--version", "srbf " SRBF_VERSION);
     app.require_subcommand(1);
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
     srbf::add_info(app, status);
     srbf::add_eval(app, status);
     srbf::add_compare(app, status);
+    srbf::add_convert(app, status);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& done) {  // --help, --version

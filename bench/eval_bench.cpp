@@ -129,5 +129,22 @@ void rgl(benchmark::State& state) {
 }
 BENCHMARK(rgl);
 
+/// The same by batches; "per_pair" is the time for one pair.
+void rgl_batch(benchmark::State& state) {
+    static const auto measured = load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
+    if (!measured) return state.SkipWithError(message(measured.error()).c_str());
+    constexpr std::size_t count = 1 << 12;
+    const Pairs pairs = random_pairs(count);
+    std::vector<Rgb> f(count);
+    const Evaluate of = evaluator(*measured);
+    for (auto _ : state) {
+        of(pairs.wl, pairs.wv, f);
+        benchmark::DoNotOptimize(f.data());
+    }
+    state.counters["per_pair"] =
+        benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(rgl_batch);
+
 }  // namespace
 }  // namespace srbf

@@ -359,5 +359,41 @@ TEST_F(Command, help_shows_an_example) {
     EXPECT_TRUE(version.out.starts_with("srbf 0.")) << version.out;
 }
 
+TEST_F(Command, convert_copies_and_converts) {
+    // Of the format already: byte for byte.
+    const std::string merl = small_merl();
+    write(folder / "m.binary", merl);
+    write(folder / "s.csv", std::string(k_small_csv));
+    ASSERT_EQ(run(folder, {"convert", "m.binary", "-o", "copy.binary"}).status, 0);
+    EXPECT_EQ(contents(folder / "copy.binary"), merl);
+    ASSERT_EQ(run(folder, {"convert", k_paper, "-o", "paper.bsdf"}).status, 0);
+    EXPECT_EQ(contents(folder / "paper.bsdf"), contents(k_paper));
+    // A measurement, samples and a model.
+    for (const std::string& input : Arguments{k_paper, "s.csv", (*fitted / "m.srbf").string()})
+        for (const std::string output : {"o.binary", "o.bsdf", "o.csv"}) {
+            if (output == "o.binary" && input == k_paper) continue;  // takes its time under sanitizers
+            const ProgramRun made =
+                run(folder, {"convert", input, "-o", output, "--threads", "1", "--directions", "9"});
+            ASSERT_EQ(made.status, 0) << made.err;
+            EXPECT_EQ(made.out, "");
+            const auto measured = load_measured(folder / output);
+            ASSERT_TRUE(measured.ok()) << message(measured.error());
+            EXPECT_EQ(measured->format, output == "o.binary" ? "MERL" : output == "o.bsdf" ? "RGL" : "CSV");
+        }
+}
+
+TEST_F(Command, convert_refuses) {
+    write(folder / "m.binary", small_merl());
+    write(folder / "a.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n");
+    expect_failure(2, {"convert", "m.binary", "-o", "m.exr"}, "ends in .binary, .bsdf or .csv");
+    expect_failure(2, {"convert", "m.binary"}, "--output");
+    expect_failure(1, {"convert", "m.binary", "-o", "m.binary"}, "another file than the input");
+    expect_failure(1, {"convert", "a.csv", "-o", "a.bsdf"},
+                   "expected an isotropic BRDF, as RGL tables are, found an anisotropic one");
+    expect_failure(1, {"convert", "none.binary", "-o", "m.csv"}, "none.binary");
+    expect_failure(1, {"convert", "m.binary", "-o", "no/folder.bsdf"}, "a folder that exists");
+    expect_failure(1, {"fit", "a.csv"}, "scattered samples, which cannot be fitted yet");
+}
+
 }  // namespace
 }  // namespace srbf

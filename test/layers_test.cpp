@@ -14,13 +14,14 @@ const fs::path k_root = SRBF_SOURCE_DIR;
 
 // Groups of files in reading order, by the beginnings of their paths; a file may include its own group and those before it.
 const std::vector<std::vector<std::string>> k_groups{
-    {"include/srbf/vec", "include/srbf/half", "src/half", "include/srbf/result", "src/result"},
-    {"src/parallel", "src/evenly", "src/least_squares", "include/srbf/file", "src/file"},
+    {"include/srbf/vec", "include/srbf/half", "src/half", "include/srbf/colour", "src/colour", "include/srbf/result",
+     "src/result"},
+    {"src/parallel", "src/evenly", "src/least_squares", "include/srbf/file", "src/file", "include/srbf/text"},
     {"include/srbf/kernel", "src/batch-inl"},
     {"include/srbf/directions", "src/directions"},
     {"include/srbf/brdf"},
     {"include/srbf/metrics", "src/metrics"},
-    {"include/srbf/measured", "src/measured/"},
+    {"include/srbf/measured", "include/srbf/convert", "src/measured/"},
     {"include/srbf/su"},
     {"include/srbf/model", "src/model/"},
     {"render/image"},

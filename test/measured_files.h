@@ -1,9 +1,11 @@
 // Small files of the measured formats, made in memory, and the reference values of the real ones.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <functional>
 #include <sstream>
+#include <string_view>
 #include <vector>
 
 #include "measured/tensor_file.h"
@@ -96,6 +98,59 @@ inline FieldToWrite& field(std::vector<FieldToWrite>& fields, const std::string&
         if (f.name == name) return f;
     throw std::out_of_range(name);
 }
+
+/// The same with spectra at three wavelengths in place of colours: at w the spectrum (w_x, w_y, w_x − ½).
+inline std::vector<FieldToWrite> spectral_rgl() {
+    auto fields = simple_rgl();
+    field(fields, "rgb").name = "spectra";
+    const float nm[] = {450, 550, 600};
+    fields.push_back(float_field("wavelengths", {3}, [&](std::size_t i) { return nm[i]; }));
+    return fields;
+}
+
+/// An anisotropic measurement whose warp is the identity, over azimuths −π .. −π + 2π/symmetry in four steps: ndf(u, t) = 1 + u + t,
+/// sigma(u, t) = 1 − u/2 + t/4, and the colour at w and slice (i, j) of φ_l and θ_l: (w_x, w_y, 1 + i/2 + j).
+inline std::vector<FieldToWrite> anisotropic_rgl(int symmetry = 1) {
+    auto fields = simple_rgl();
+    const auto replace = [&](const char* name, std::vector<std::uint64_t> shape, auto f) {
+        field(fields, name) = float_field(name, std::move(shape), f);
+    };
+    replace("phi_i", {5}, [&](std::size_t i) { return float(-k_pi + 2 * k_pi / symmetry * double(i) / 4); });
+    replace("ndf", {3, 4}, [](std::size_t i) { return 1 + float(i % 4) / 3 + float(i / 4) / 2; });
+    replace("sigma", {3, 5}, [](std::size_t i) { return 1 - float(i % 5) / 8 + float(i / 5) / 8; });
+    replace("vndf", {5, 3, 4, 5}, [](std::size_t) { return 0.1f; });
+    replace("rgb", {5, 3, 3, 4, 3}, [](std::size_t i) {
+        const std::size_t channel = i / 12 % 3, slice = i / 36;
+        return channel == 0   ? float(i % 3) / 2
+               : channel == 1 ? float(i / 3 % 4) / 3
+                              : 1 + float(slice / 3) / 2 + float(slice % 3);
+    });
+    return fields;
+}
+
+/// A UTIA file of f(i_θl, i_φl, i_θv, i_φv, channel) [1/sr].
+inline Bytes utia_file(const std::function<double(int, int, int, int, int)>& f) {
+    Bytes bytes;
+    bytes.reserve(3 * 288 * 288 * sizeof(double));
+    for (int c = 0; c < 3; ++c)
+        for (int l = 0; l < 288; ++l)
+            for (int v = 0; v < 288; ++v) append(bytes, f(l / 48, l % 48, v / 48, v % 48, c));
+    return bytes;
+}
+
+/// Small files of the text formats.
+inline constexpr std::string_view k_small_cornell =
+    "# Blue paint\r\n\r\n# num wls\r\n3\r\n# wls\r\n450 550\r\n650\r\n"
+    "0.1 0.0 0.2 3.0 0.30 0.20 0.10 # a comment\r\n0.5 0.0 1.0 0.5 0.31 0.21 0.11\r\n1.2 0.0 1.2 3.14 3 2 1\r\n";
+inline constexpr std::string_view k_small_astm =
+    "# Blue paint\n\nLAB_NAME A laboratory\nSAMPLE_NAME Blue\nNUM_POINTS 3\nVARS theta_i,phi_i,theta_s,phi_s,R,G,B\n\n"
+    "0.1,0.0,0.2,3.0,0.10,0.20,0.30\n0.5,0.0,1.0,0.5,-0.01,0.21,0.31\n1.2,0.0,1.2,3.14,1,2,3\n";
+inline constexpr std::string_view k_small_alta =
+    "#SAMPLE \"Tape\"\n#DIM 3 1\n#VS 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n#PARAM_OUT INV_STERADIAN\n"
+    "0.1 0.2 0.3 0.5 0.01\n0.5 -0.5 0.1 0.25 0.01\n1.0 0.7 -0.7 2.5 0.1\n";
+inline constexpr std::string_view k_small_csv =
+    "# isotropic\ntheta_l_deg, phi_l_deg, theta_v_deg, phi_v_deg, r, g, b, note\n"
+    "10,0,20,180,0.1,0.2,0.3,\"a, b\"\n30,5,60,5,0.11,nan,0.31,\n70,90,70,270,1,2,3,\n0,0,80,20,+0.4,.5,5e-1,x\n";
 
 /// A row of reference values.
 struct Reference {

@@ -7,7 +7,7 @@ namespace {
 
 /// Each way to read gives an error with its parts in place, or a table that keeps the contract of a BRDF.
 template <typename Table> void expect_answers(const Table& table, std::mt19937_64& random) {
-    constexpr bool may_lack = !std::is_same_v<Table, RglTable>;
+    constexpr bool may_lack = std::is_same_v<Table, MerlTable> || std::is_same_v<Table, UtiaTable>;
     for (int i = 0; i < 40; ++i) {
         Vec3f wl = to_float(random_direction(random)), wv = to_float(random_direction(random));
         if (i % 4 == 0) wl = {0, 0, 1};
@@ -37,6 +37,8 @@ bool read_all(std::span<const std::byte> bytes, std::mt19937_64& random) {
         expect_answers(Result<RglTable>(measured.error()), random);
     expect_answers(read_merl(copy, "test\n.file"), random);
     expect_answers(read_rgl(copy, "test\n.file"), random);
+    for (const auto reader : {read_cornell, read_astm, read_alta, read_csv})
+        expect_answers(reader(copy, "test\n.file"), random);
     return measured.ok();
 }
 
@@ -51,18 +53,45 @@ std::string error_of(const std::vector<FieldToWrite>& fields) {
 
 TEST(DamagedInput, EveryTruncationIsAnError) {
     std::mt19937_64 random(1);
-    for (const Bytes& whole : {small_merl(), tensor_file(simple_rgl())}) {
+    for (const Bytes& whole : {small_merl(), tensor_file(simple_rgl()), tensor_file(spectral_rgl())}) {
         EXPECT_TRUE(read_all(whole, random));
         for (std::size_t size = 0; size < whole.size(); ++size)
             EXPECT_FALSE(read_all(std::span(whole).first(size), random)) << size;
     }
 }
 
+/// A text that ends early may end between two samples, or within the digits of the last number: then it is a shorter file.
+TEST(DamagedInput, EveryTruncationOfATextIsAnErrorOrAShorterOne) {
+    std::mt19937_64 random(5);
+    for (const std::string_view text : {k_small_cornell, k_small_astm, k_small_alta, k_small_csv}) {
+        EXPECT_TRUE(read_all(as_bytes(text), random)) << text;
+        std::size_t errors = 0;
+        for (std::size_t size = 0; size < text.size(); ++size) errors += !read_all(as_bytes(text).first(size), random);
+        // Whatever ends within the header, or within a row before its last number, is an error.
+        EXPECT_GE(errors, text.size() / 2) << text;
+    }
+}
+
+TEST(DamagedInput, EveryFlippedByteOfATextIsAnErrorOrSamples) {
+    std::mt19937_64 random(6);
+    for (const std::string_view text : {k_small_cornell, k_small_astm, k_small_alta, k_small_csv})
+        for (std::size_t at = 0; at < text.size(); ++at)
+            for (const int pattern : {0xff, 0x01, 0x80, 0x10, 0x20}) {
+                const auto bytes = as_bytes(text);
+                Bytes damaged(bytes.begin(), bytes.end());
+                damaged[at] ^= std::byte(pattern);
+                read_all(damaged, random);
+            }
+}
+
 TEST(DamagedInput, EveryFlippedHeaderByteIsAnErrorOrATable) {
     std::mt19937_64 random(2);
-    std::size_t header = 0;
+    std::size_t header = 0, spectral_header = 0, turned_header = 0;
     const Bytes rgl = tensor_file(simple_rgl(), &header), merl = small_merl();
-    for (const auto& [whole, size] : {std::pair(rgl, header), std::pair(merl, std::size_t(12))})
+    const Bytes spectral = tensor_file(spectral_rgl(), &spectral_header),
+                turned = tensor_file(anisotropic_rgl(), &turned_header);
+    for (const auto& [whole, size] : {std::pair(rgl, header), std::pair(merl, std::size_t(12)),
+                                      std::pair(spectral, spectral_header), std::pair(turned, turned_header)})
         for (std::size_t at = 0; at < size; ++at)
             for (const int pattern : {0xff, 0x01, 0x80}) {
                 Bytes damaged = whole;
@@ -102,8 +131,7 @@ TEST(DamagedInput, IsToldInPlainWords) {
         return measured ? "" : message(measured.error());
     };
     EXPECT_EQ(say({}),
-              "f: unknown format: expected a MERL table (.binary) or an RGL measurement (.bsdf), found an "
-              "empty file");
+              "f: unknown format: expected MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA or CSV, found an empty file");
     EXPECT_NE(say(as_bytes("theta phi\n1 2\n")).find("unknown format"), std::string::npos);
 
     Bytes cut = merl_file({90, 90, 180}, [](int, int, int, int) { return 0.1; });
@@ -195,14 +223,23 @@ TEST(DamagedInput, EachValueIsChecked) {
     EXPECT_NE(with("vndf", {1, 3, 1, 5}, index).find("at least 2 x 2"), std::string::npos);
     EXPECT_NE(with("rgb", {1, 3, 3, 4, 1}, index).find("at least 2 x 2"), std::string::npos);
     EXPECT_NE(with("rgb", {1, 3, 4, 4, 3}, index).find("expected 1 x 3 x 3 x n x n of f32"), std::string::npos);
-    EXPECT_NE(with("phi_i", {3}, index).find("anisotropic"), std::string::npos);
+    EXPECT_NE(with("phi_i", {3}, zero).find("increasing azimuths over a whole turn"), std::string::npos);
+    EXPECT_NE(with("phi_i", {3}, index).find("increasing azimuths over a whole turn"),
+              std::string::npos);  // two radians
 
-    auto spectral = simple_rgl();
-    field(spectral, "rgb").name = "spectra";
-    EXPECT_NE(error_of(spectral).find("spectral"), std::string::npos);
-    auto plain = simple_rgl();
-    field(plain, "jacobian").numbers[0] = std::byte(0);
-    EXPECT_NE(error_of(plain).find("jacobian"), std::string::npos);
+    const auto with_wavelengths = [](const std::vector<float>& nm) {
+        auto fields = spectral_rgl();
+        field(fields, "wavelengths") = float_field("wavelengths", {nm.size()}, [&](std::size_t i) { return nm[i]; });
+        return error_of(fields);
+    };
+    EXPECT_EQ(with_wavelengths({450, 550, 600}), "");
+    for (const std::vector<float>& nm :
+         {std::vector<float>{450, 450, 600}, {450, 600, 550}, {1, 2, 3}, {500, 600, 1e9f}})
+        EXPECT_NE(with_wavelengths(nm).find("tensor field wavelengths"), std::string::npos);
+    EXPECT_NE(with_wavelengths({450, 550}).find("tensor field spectra: expected 1 x 3 x 2 x n x n"), std::string::npos);
+    auto nameless = spectral_rgl();
+    std::erase_if(nameless, [](const FieldToWrite& f) { return f.name == "wavelengths"; });
+    EXPECT_NE(error_of(nameless).find("tensor field wavelengths"), std::string::npos);
 }
 
 TEST(DamagedInput, FilesThatCannotBeReadAreErrors) {

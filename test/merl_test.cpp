@@ -18,7 +18,7 @@ TEST(Angles, AgreeWithTheirDefinitions) {
     EXPECT_LE(polar, 4e-7);
     EXPECT_LE(around, 4e-7);
     EXPECT_EQ(polar_angle(Vec3f{}), 0);
-    EXPECT_EQ(azimuth(0, 0), 0);
+    EXPECT_EQ(azimuth(0.0f, 0.0f), 0);
 }
 
 constexpr int n_h = 12, n_d = 10, n_p = 16;

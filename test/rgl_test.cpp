@@ -3,6 +3,7 @@
 
 #include "measured/warp.h"
 #include "measured_files.h"
+#include "srbf/colour.h"
 
 namespace srbf {
 namespace {
@@ -65,6 +66,69 @@ TEST(Rgl, ComputesItsFormula) {
         const Rgb clamped = value(*table, to_float(wl), to_float(wv));
         EXPECT_EQ(clamped.b, std::max(f.b, 0.0f));
         EXPECT_EQ(clamped.r, f.r);
+    }
+}
+
+TEST(Rgl, WithoutJacobianTheColourIsTheValue) {
+    auto fields = simple_rgl();
+    field(fields, "jacobian").numbers[0] = std::byte(0);
+    const auto plain = read_rgl(tensor_file(fields), "plain");
+    ASSERT_TRUE(plain.ok()) << message(plain.error());
+    std::mt19937_64 random(8);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3d wl = random_direction(random, 0.01), wv = random_direction(random, 0.01), h = wl + wv;
+        const double u_h = std::sqrt(std::acos(normalize(h).z) * 2 / k_pi);
+        const Rgb f = signed_value(*plain, to_float(wl), to_float(wv));
+        EXPECT_PRED3(near, f.r, u_h / wv.z, 1e-4 / wv.z);
+        EXPECT_PRED3(near, f.b, (u_h - 0.5) / wv.z, 1e-4 / wv.z);
+    }
+}
+
+/// Synthetic: no spectral file is at hand.
+TEST(Rgl, SpectraBecomeColours) {
+    const auto spectral = read_rgl(tensor_file(spectral_rgl()), "spectral"),
+               rgb = read_rgl(tensor_file(simple_rgl()), "rgb");
+    ASSERT_TRUE(spectral.ok()) << message(spectral.error());
+    EXPECT_EQ(spectral->wavelengths, (std::vector<float>{450, 550, 600}));
+    const auto weights = rgb_weights(spectral->wavelengths);
+    std::mt19937_64 random(9);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3f wl = to_float(random_direction(random, 0.05)), wv = to_float(random_direction(random, 0.05));
+        // simple_rgl's channels are the spectrum at the three wavelengths.
+        const Rgb at = signed_value(*rgb, wl, wv), f = signed_value(*spectral, wl, wv);
+        const std::vector<float> spectrum{at.r, at.g, at.b};
+        const Rgb expected = to_rgb(spectrum, weights);
+        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, f[c], expected[c], 1e-4 * (1 + std::abs(double(expected[c]))));
+    }
+}
+
+/// Synthetic: no anisotropic file is at hand. The formula of `anisotropic_rgl`, in double.
+TEST(Rgl, AnisotropicOnesComputeTheirFormula) {
+    std::mt19937_64 random(10);
+    for (const int symmetry : {1, 2, 4}) {
+        const auto table = read_rgl(tensor_file(anisotropic_rgl(symmetry)), "anisotropic");
+        ASSERT_TRUE(table.ok()) << message(table.error());
+        EXPECT_EQ(table->symmetry, symmetry);
+        EXPECT_FALSE(is_isotropic(Measured{"", "", 0, *table}));
+        for (int i = 0; i < 5000; ++i) {
+            Vec3d wl = random_direction(random, 0.01), wv = random_direction(random, 0.01);
+            const Rgb f = signed_value(*table, to_float(wl), to_float(wv));
+            // What the symmetry says: turned by π, or mirrored at both axes.
+            if (symmetry == 2 && wl.y > 0) wl = mirror(wl), wv = mirror(wv);
+            if (symmetry == 4 && wl.y > 0) wl.y = -wl.y, wv.y = -wv.y;
+            if (symmetry == 4 && wl.x > 0) wl.x = -wl.x, wv.x = -wv.x;
+            const Vec3d h = normalize(wl + wv);
+            const double u_h = std::sqrt(std::acos(h.z) * 2 / k_pi), u_l = std::sqrt(std::acos(wl.z) * 2 / k_pi);
+            const double t_h = (std::atan2(h.y, h.x) + k_pi) / (2 * k_pi),
+                         t_l = (std::atan2(wl.y, wl.x) + k_pi) / (2 * k_pi);
+            const double scale = (1 + u_h + t_h) / (4 * (1 - u_l / 2 + t_l / 4) * wv.z);
+            const double theta_nodes[] = {0, 0.7, 1.55}, theta = std::min(std::acos(wl.z), 1.55);
+            const double j =
+                theta < 0.7 ? theta / 0.7 : 1 + (theta - theta_nodes[1]) / (theta_nodes[2] - theta_nodes[1]);
+            EXPECT_PRED3(near, f.r, scale * u_h, 1e-4 * scale);
+            EXPECT_PRED3(near, f.g, scale * t_h, 1e-4 * scale);
+            EXPECT_PRED3(near, f.b, scale * (1 + t_l * 4 * symmetry / 2 + j), 1e-3 * scale);
+        }
     }
 }
 
@@ -155,6 +219,37 @@ TEST(Rgl, IsContinuous) {
             const Rgb f = signed_value(table, to_float(wl), to_float(wv));
             const Rgb g = signed_value(table, to_float(wl), to_float(moved));
             for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, g[c], f[c], 0.01 * (0.1 + std::abs(double(f[c]))));
+        }
+    }
+}
+
+TEST(Rgl, BatchesAgreeWithSingleValues) {
+    std::mt19937_64 random(11);
+    std::vector<RglTable> tables;
+    for (const auto& name : k_bundled) tables.push_back(bundled(name));
+    tables.push_back(*read_rgl(tensor_file(simple_rgl()), "s"));
+    tables.push_back(*read_rgl(tensor_file(anisotropic_rgl()), "a"));
+    for (const RglTable& table : tables) {
+        float largest = 0;
+        for (const Rgb& c : table.colour.nodes)
+            largest = std::max({largest, std::abs(c.r), std::abs(c.g), std::abs(c.b)});
+        for (const std::size_t count : {std::size_t(0), std::size_t(1), std::size_t(37), std::size_t(20000)}) {
+            std::vector<Vec3f> wl, wv;
+            for (std::size_t i = 0; i < count; ++i) {
+                wl.push_back(direction_to_the_ends(random));
+                wv.push_back(i % 5 == 0   ? mirror(wl.back())
+                             : i % 7 == 0 ? to_float(random_direction(random))
+                                          : direction_to_the_ends(random));
+            }
+            std::vector<Rgb> f(count);
+            evaluate_signed(table, wl, wv, f);
+            for (std::size_t i = 0; i < count; ++i) {
+                const Rgb expected = signed_value(table, wl[i], wv[i]);
+                const double z = std::max(1e-9, double(wv[i].z));
+                for (int c = 0; c < 3; ++c)
+                    EXPECT_PRED3(near, f[i][c], expected[c],
+                                 1e-4 * std::abs(double(expected[c])) + 1e-5 * double(largest) / z);
+            }
         }
     }
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 #include <span>
+#include <vector>
 
 namespace srbf {
 
@@ -16,9 +17,16 @@ template <typename T> T load(const std::byte* bytes) {
     return number;
 }
 
+/// Appends the number as it is stored.
+template <typename T> void store(std::vector<std::byte>& bytes, const T& number) {
+    const auto raw = std::as_bytes(std::span(&number, 1));
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+}
+
 /// Whether `bytes` open a file of the format: for MERL, three dimensions that give the size, or those of the
-/// database (so that a truncated table is known for what it is); for RGL, the name of the container.
+/// database (so that a truncated table is known for what it is); for RGL, the name of the container; for UTIA, the size.
 bool is_merl(std::span<const std::byte> bytes);
 bool is_rgl(std::span<const std::byte> bytes);
+bool is_utia(std::span<const std::byte> bytes);
 
 }  // namespace srbf

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "measured/bytes.h"
+#include "measured/samples.h"
 #include "srbf/file.h"
 
 namespace srbf {
@@ -31,13 +32,27 @@ Result<Measured> labelled(Result<Table> table, const std::string& source, std::s
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& source) {
     if (is_rgl(bytes)) return labelled(read_rgl(bytes, source), source, "RGL", bytes.size());
     if (is_merl(bytes)) return labelled(read_merl(bytes, source), source, "MERL", bytes.size());
-    return Error{source, {}, "unknown format", "a MERL table (.binary) or an RGL measurement (.bsdf)", opening(bytes)};
+    if (is_text(bytes)) {
+        const std::string_view text = as_text(bytes);
+        if (is_alta(text)) return labelled(read_alta(bytes, source), source, "ALTA", bytes.size());
+        if (is_astm(text)) return labelled(read_astm(bytes, source), source, "ASTM E1392", bytes.size());
+        if (is_csv(text)) return labelled(read_csv(bytes, source), source, "CSV", bytes.size());
+        if (is_cornell(text)) return labelled(read_cornell(bytes, source), source, "Cornell", bytes.size());
+    }
+    if (is_utia(bytes)) return labelled(read_utia(bytes, source), source, "UTIA", bytes.size());
+    return Error{source, {}, "unknown format", "MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA or CSV", opening(bytes)};
 }
 
 Result<Measured> load_measured(const std::string& path) {
     const auto bytes = read_file(path);
     if (!bytes) return bytes.error();
     return read_measured(*bytes, path);
+}
+
+bool is_isotropic(const Measured& measured) {
+    if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return rgl->phi_l.empty();
+    if (const auto* samples = std::get_if<Scattered>(&measured.table)) return samples->isotropic;
+    return !std::holds_alternative<UtiaTable>(measured.table);
 }
 
 Rgb value(const Measured& measured, Vec3f wl, Vec3f wv) {
@@ -50,7 +65,16 @@ Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
 
 Evaluate signed_evaluator(const Measured& measured) {
     return [&measured](auto wl, auto wv, auto f) {
+        if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return evaluate_signed(*rgl, wl, wv, f);
         for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(measured, wl[i], wv[i]);
+    };
+}
+
+Evaluate evaluator(const Measured& measured) {
+    return [of = signed_evaluator(measured)](auto wl, auto wv, auto f) {
+        of(wl, wv, f);
+        for (Rgb& c : f)
+            for (int k = 0; k < 3; ++k) c[k] = c[k] < 0 ? 0 : c[k];  // a NaN stays
     };
 }
 

@@ -6,6 +6,7 @@
 
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/merl.h"
 #include "srbf/measured.h"
 
 namespace srbf {
@@ -14,7 +15,6 @@ namespace {
 
 constexpr std::size_t k_header = 3 * sizeof(std::int32_t);
 constexpr std::int32_t k_largest_dimension = 4096;
-constexpr std::array<double, 3> k_channel_scale{1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
 
 using Dimensions = std::array<std::int32_t, 3>;
 
@@ -93,7 +93,7 @@ Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string&
     for (std::size_t i = 0; i < count; ++i) {
         Rgb& f = table.cells[i];
         for (std::size_t c = 0; c < 3; ++c)
-            f[int(c)] = float(k_channel_scale[c] * load<double>(plane + (c * count + i) * sizeof(double)));
+            f[int(c)] = float(k_merl_channel_scale[c] * load<double>(plane + (c * count + i) * sizeof(double)));
         if (is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0) continue;
         f = {k_nan, k_nan, k_nan};
         ++table.masked;

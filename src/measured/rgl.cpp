@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "measured/angles.h"
 #include "measured/tensor_file.h"
 #include "measured/warp.h"
+#include "srbf/colour.h"
 
 namespace srbf {
 
@@ -75,102 +78,170 @@ bool keep_first(std::vector<float>& values, std::uint64_t copies) {
 
 constexpr const char* k_one_azimuth = "the same values at every azimuth (isotropic)";
 
-/// A function of the polar angle, stored for two or more azimuths alike.
-Result<std::vector<float>> read_profile(const TensorFile& file, const std::string& source, const char* name,
-                                        float least) {
+/// How many azimuths of the light a file has slices for, and how often they stand there: an isotropic one may repeat itself.
+struct Azimuths {
+    std::vector<float> phi;  ///< empty: isotropic
+    std::uint64_t in_file = 1;
+    bool isotropic() const { return phi.empty(); }
+    std::uint64_t kept() const { return isotropic() ? 1 : in_file; }
+};
+
+/// A function of the polar angle and the azimuth; an isotropic one is stored for two or more azimuths alike.
+Result<RglTable::Profile> read_profile(const TensorFile& file, const std::string& source, const char* name,
+                                       const Azimuths& azimuths, float least) {
     auto table = find_floats(file, source, {name, TensorType::f32, {0, 0}}, least);
     if (!table) return table.error();
-    if (table->field.shape[1] < 2)
-        return wrong(source, name, table->field, "at least 2 nodes", describe(TensorType::f32, table->field.shape));
-    if (!keep_first(table->values, table->field.shape[0]))
-        return wrong(source, name, table->field, k_one_azimuth, "different ones");
-    return std::move(table->values);
+    const TensorField& field = table->field;
+    if (field.shape[1] < 2 || (!azimuths.isotropic() && field.shape[0] < 2))
+        return wrong(source, name, field, "at least 2 nodes", describe(field.type, field.shape));
+    if (azimuths.isotropic() && !keep_first(table->values, field.shape[0]))
+        return wrong(source, name, field, k_one_azimuth, "different ones");
+    const std::uint64_t rows = azimuths.isotropic() ? 1 : field.shape[0];
+    return RglTable::Profile{std::uint32_t(field.shape[1]), std::uint32_t(rows), std::move(table->values)};
 }
 
-/// Normalises a slice of densities and integrates it; false where its integral is no positive number.
-bool integrate(std::span<const float> density, RglTable::VisibleNormals& visible) {
-    const std::size_t width = visible.width, height = visible.height;
-    std::vector<double> left(density.size());
-    double integral = 0;
-    for (std::size_t y = 0; y < height; ++y) {
-        const std::size_t row = y * width, end = row + width - 1;
-        for (std::size_t i = row; i < end; ++i)
-            left[i + 1] = left[i] + 0.5 * (double(density[i]) + double(density[i + 1]));
-        integral += left[end] * (y == 0 || y == height - 1 ? 0.5 : 1);
-    }
-    if (!(integral > 0)) return false;
-    double below = 0, last = 0;
-    for (std::size_t y = 0; y < height; ++y) {
-        const std::size_t row = y * width;
-        for (std::size_t i = row; i < row + width; ++i)
-            visible.nodes.push_back({float(double(density[i]) / integral), float(left[i] / integral)});
-        const double whole = left[row + width - 1] / integral;
-        if (y > 0) below += 0.5 * (last + whole);
-        visible.rows.push_back({float(whole), float(below)});
-        last = whole;
-    }
-    return true;
+/// A field of slices φ_l × θ_l (× channels) × rows × columns, of which an isotropic file's repetitions are dropped.
+Result<Floats> read_slices(const TensorFile& file, const std::string& source, const Expected& expected,
+                           const Azimuths& azimuths, float least = -k_largest_value) {
+    auto floats = find_floats(file, source, expected, least);
+    if (!floats) return floats.error();
+    const auto& shape = floats->field.shape;
+    if (shape[shape.size() - 1] < 2 || shape[shape.size() - 2] < 2)
+        return wrong(source, expected.name, floats->field, "at least 2 x 2 nodes", describe(floats->field.type, shape));
+    if (azimuths.isotropic() && !keep_first(floats->values, azimuths.in_file))
+        return wrong(source, expected.name, floats->field, k_one_azimuth, "different ones");
+    return floats;
 }
 
-Result<RglTable::VisibleNormals> read_visible(const TensorFile& file, const std::string& source, std::uint64_t azimuths,
-                                              std::uint64_t slices) {
-    auto vndf = find_floats(file, source, {"vndf", TensorType::f32, {azimuths, slices, 0, 0}}, 0);
+Result<RglTable::VisibleNormals> read_visible(const TensorFile& file, const std::string& source,
+                                              const Azimuths& azimuths, std::uint64_t polar) {
+    const auto vndf =
+        read_slices(file, source, {"vndf", TensorType::f32, {azimuths.in_file, polar, 0, 0}}, azimuths, 0);
     if (!vndf) return vndf.error();
     const TensorField& field = vndf->field;
-    if (field.shape[2] < 2 || field.shape[3] < 2)
-        return wrong(source, "vndf", field, "at least 2 x 2 nodes", describe(field.type, field.shape));
-    if (!keep_first(vndf->values, azimuths)) return wrong(source, "vndf", field, k_one_azimuth, "different ones");
     RglTable::VisibleNormals visible{std::uint32_t(field.shape[3]), std::uint32_t(field.shape[2]), {}, {}};
     visible.nodes.reserve(vndf->values.size());
     const std::size_t size = std::size_t(visible.width) * visible.height;
-    for (std::size_t slice = 0; slice < slices; ++slice)
+    for (std::size_t slice = 0; slice < azimuths.kept() * polar; ++slice)
         if (!integrate(std::span(vndf->values).subspan(slice * size, size), visible))
             return wrong(source, "vndf", field, "a positive integral in every slice",
                          fmt::format("0 in slice {}", slice));
     return visible;
 }
 
-Result<RglTable::Colours> read_colour(const TensorFile& file, const std::string& source, std::uint64_t azimuths,
-                                      std::uint64_t slices) {
-    if (!file.contains("rgb") && file.contains("spectra"))
-        return Error{source, file.find("spectra")->second.offset, "tensor field rgb", "an RGB measurement",
-                     "a spectral one, which cannot be read yet"};
-    auto rgb = find_floats(file, source, {"rgb", TensorType::f32, {azimuths, slices, 3, 0, 0}});
-    if (!rgb) return rgb.error();
-    const TensorField& field = rgb->field;
-    if (field.shape[3] < 2 || field.shape[4] < 2)
-        return wrong(source, "rgb", field, "at least 2 x 2 nodes", describe(field.type, field.shape));
-    if (!keep_first(rgb->values, azimuths)) return wrong(source, "rgb", field, k_one_azimuth, "different ones");
-    RglTable::Colours colour{std::uint32_t(field.shape[4]), std::uint32_t(field.shape[3]), {}};
-    const std::size_t size = std::size_t(colour.width) * colour.height;
-    for (std::size_t slice = 0; slice < slices; ++slice)
-        for (std::size_t i = 0; i < size; ++i) {
-            const float* const f = &rgb->values[3 * slice * size + i];
-            colour.nodes.push_back({f[0], f[size], f[2 * size]});
-        }
+/// The colours of a field of any number of channels: Σ_c weight_c channel_c.
+RglTable::Colours coloured(const Floats& floats, std::span<const Rgb> weights) {
+    const auto& shape = floats.field.shape;
+    RglTable::Colours colour{std::uint32_t(shape[4]), std::uint32_t(shape[3]), {}};
+    const std::size_t size = std::size_t(colour.width) * colour.height, slice = weights.size() * size;
+    colour.nodes.resize(floats.values.size() / weights.size());
+    for (std::size_t at = 0; at < colour.nodes.size(); ++at) {
+        const float* const channel = &floats.values[at / size * slice + at % size];
+        double sum[3] = {0, 0, 0};
+        for (std::size_t k = 0; k < weights.size(); ++k)
+            for (int c = 0; c < 3; ++c) sum[c] += double(weights[k][c]) * double(channel[k * size]);
+        colour.nodes[at] = {float(sum[0]), float(sum[1]), float(sum[2])};
+    }
     return colour;
 }
 
-/// u(θ) = √(2θ/π)
-float to_unit(float theta) { return std::sqrt(theta * float(2 / k_pi)); }
-
-float at(const std::vector<float>& profile, float u) {
-    const auto [i, to] = between_nodes(u, profile.size());
-    return mix(profile[i], profile[i + 1], to);
+Result<std::vector<float>> read_wavelengths(const TensorFile& file, const std::string& source) {
+    auto wavelengths = find_floats(file, source, {"wavelengths", TensorType::f32, {0}});
+    if (!wavelengths) return wavelengths.error();
+    const std::vector<float>& nm = wavelengths->values;
+    if (nm.size() > 4096 || nm.front() < 100 || nm.back() > 1e5f ||
+        std::ranges::adjacent_find(nm, std::greater_equal()) != nm.end())
+        return wrong(source, "wavelengths", wavelengths->field, "increasing ones in nm, from 100 up",
+                     fmt::format("{} from {} to {}", nm.size(), nm.front(), nm.back()));
+    return std::move(wavelengths->values);
 }
 
-Rgb at(const RglTable::Colours& colour, const Slices& slices, const Warped& w) {
+Result<RglTable::Colours> read_rgb(const TensorFile& file, const std::string& source, const Azimuths& azimuths,
+                                   std::uint64_t polar) {
+    const auto rgb = read_slices(file, source, {"rgb", TensorType::f32, {azimuths.in_file, polar, 3, 0, 0}}, azimuths);
+    if (!rgb) return rgb.error();
+    const std::array<Rgb, 3> unit{Rgb{1, 0, 0}, Rgb{0, 1, 0}, Rgb{0, 0, 1}};
+    return coloured(*rgb, unit);
+}
+
+Result<RglTable::Colours> read_spectra(const TensorFile& file, const std::string& source, const Azimuths& azimuths,
+                                       std::uint64_t polar, std::span<const float> wavelengths) {
+    const auto spectra = read_slices(
+        file, source, {"spectra", TensorType::f32, {azimuths.in_file, polar, wavelengths.size(), 0, 0}}, azimuths);
+    if (!spectra) return spectra.error();
+    return coloured(*spectra, rgb_weights(wavelengths));
+}
+
+/// The azimuths of the light: one or two mean an isotropic material.
+Result<Azimuths> read_azimuths(const TensorFile& file, const std::string& source, int& symmetry) {
+    auto phi = find_floats(file, source, {"phi_i", TensorType::f32, {0}});
+    if (!phi) return phi.error();
+    const std::uint64_t count = phi->values.size();
+    if (count <= 2) return Azimuths{{}, count};
+    const float range = phi->values.back() - phi->values.front();
+    symmetry = int(std::lround(std::clamp(2 * k_pi / double(range), 0.0, 9.0)));
+    if (std::ranges::adjacent_find(phi->values, std::greater_equal()) != phi->values.end() ||
+        (symmetry != 1 && symmetry != 2 && symmetry != 4))
+        return wrong(source, "phi_i", phi->field, "increasing azimuths over a whole turn, a half or a quarter",
+                     fmt::format("{} from {} to {}", count, phi->values.front(), phi->values.back()));
+    return Azimuths{std::move(phi->values), count};
+}
+
+float at(const RglTable::Profile& profile, float u_x, float u_y) {
+    const auto [column, x] = between_nodes(u_x, profile.width);
+    const auto [row, y] = between_nodes(u_y, profile.height);
+    const float* const node = &profile.nodes[row * profile.width + column];
+    return mix(mix(node[0], node[1], x), mix(node[profile.width], node[profile.width + 1], x), y);
+}
+
+template <typename AnySlices> Rgb at(const RglTable::Colours& colour, const AnySlices& slices, const Warped& w) {
     const auto [column, x] = between_nodes(w.x, colour.width);
     const auto [row, y] = between_nodes(w.y, colour.height);
-    const auto bilinear = [&, column = column, row = row, x = x, y = y](std::size_t slice, float weight, Rgb& sum) {
-        const Rgb* const f = &colour.nodes[(slice * colour.height + row) * colour.width + column];
-        const Rgb* const g = f + colour.width;
-        for (int c = 0; c < 3; ++c) sum[c] += weight * mix(mix(f[0][c], f[1][c], x), mix(g[0][c], g[1][c], x), y);
+    const Four f = slices.blend([&, column = column, row = row, x = x, y = y](std::size_t slice) {
+        const Rgb* const c = &colour.nodes[(slice * colour.height + row) * colour.width + column];
+        const auto node = [](const Rgb& rgb) { return Four{rgb.r, rgb.g, rgb.b, 0}; };
+        return mix(mix(node(c[0]), node(c[1]), x), mix(node(c[colour.width]), node(c[colour.width + 1]), x), y);
+    });
+    return {f[0], f[1], f[2]};
+}
+
+/// An azimuth in [−π, π] as a place on [0, 1].
+float turn(float phi) { return (phi + float(k_pi)) * float(0.5 / k_pi); }
+
+/// The colour times its factor ndf / 4 sigma, which is f_r cosθ_v.
+struct Seen {
+    Rgb colour;
+    double factor;
+};
+
+Seen seen_isotropic(const RglTable& table, Vec3f wl, Vec3f wv) {
+    const Vec3f h = wl + wv;
+    const float u_h = to_unit(polar_angle(h)), theta_l = polar_angle(wl);
+    // Of near opposite azimuths h.x and h.y are exact, so the azimuth of h from ωl keeps its digits in this
+    // form.
+    const float phi = azimuth(wl.x * h.y - wl.y * h.x, wl.x * h.x + wl.y * h.y);
+    const Slices slices = slices_at(table.theta_l, theta_l);
+    const Warped w = unwarp(table.visible, slices, u_h, turn(phi));
+    return {at(table.colour, slices, w),
+            table.jacobian ? double(at(table.ndf, u_h)) / (4 * double(at(table.sigma, to_unit(theta_l)))) : 1};
+}
+
+Seen seen_anisotropic(const RglTable& table, Vec3f wl, Vec3f wv) {
+    // Into the azimuths that were measured, −π to 0 or to −π/2: turned by π, or mirrored at both axes.
+    const bool above = wl.y > 0, right = wl.x > 0;
+    const float flip_y = table.symmetry > 1 && above ? -1.0f : 1.0f;
+    const float flip_x = table.symmetry == 2 ? flip_y : table.symmetry == 4 && right ? -1.0f : 1.0f;
+    wl = {flip_x * wl.x, flip_y * wl.y, wl.z};
+    wv = {flip_x * wv.x, flip_y * wv.y, wv.z};
+    const Vec3f h = wl + wv;
+    const float theta_l = polar_angle(wl), phi_l = azimuth(wl.y, wl.x);
+    const float u_h = to_unit(polar_angle(h)), turn_h = turn(azimuth(h.y, h.x));
+    const TurnedSlices slices{slices_at(table.phi_l, phi_l), slices_at(table.theta_l, theta_l), table.theta_l.size()};
+    const Warped w = unwarp(table.visible, slices, u_h, turn_h);
+    const auto factor = [&] {
+        return double(at(table.ndf, u_h, turn_h)) / (4 * double(at(table.sigma, to_unit(theta_l), turn(phi_l))));
     };
-    Rgb sum;
-    bilinear(slices.first, 1 - slices.to, sum);
-    bilinear(slices.second, slices.to, sum);
-    return sum;
+    return {at(table.colour, slices, w), table.jacobian ? factor() : 1};
 }
 
 }  // namespace
@@ -187,56 +258,52 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& s
 
     const auto description = find(file, source, {"description", TensorType::u8, {0}, 0});
     if (!description) return description.error();
-    const auto phi = find_floats(file, source, {"phi_i", TensorType::f32, {0}});
-    if (!phi) return phi.error();
-    const std::uint64_t azimuths = phi->values.size();
-    if (azimuths > 2)
-        return wrong(source, "phi_i", phi->field, "an isotropic measurement (1 or 2 azimuths)",
-                     fmt::format("an anisotropic one ({} azimuths), which cannot be read yet", azimuths));
-    const auto theta = find_floats(file, source, {"theta_i", TensorType::f32, {0}});
+    RglTable table;
+    const char* const text = reinterpret_cast<const char*>(description->bytes.data());
+    table.description.assign(text, description->bytes.size());
+    const auto azimuths = read_azimuths(file, source, table.symmetry);
+    if (!azimuths) return azimuths.error();
+    table.phi_l = azimuths->phi;
+    auto theta = find_floats(file, source, {"theta_i", TensorType::f32, {0}});
     if (!theta) return theta.error();
     for (std::size_t i = 1; i < theta->values.size(); ++i)
         if (theta->values[i] <= theta->values[i - 1])
             return wrong(source, "theta_i", theta->field, "increasing angles",
                          fmt::format("{} after {}", theta->values[i], theta->values[i - 1]));
+    table.theta_l = std::move(theta->values);
     const auto jacobian = find(file, source, {"jacobian", TensorType::u8, {1}});
     if (!jacobian) return jacobian.error();
-    if (std::to_integer<int>(jacobian->bytes[0]) != 1)
-        return wrong(source, "jacobian", *jacobian, "1 (values to be multiplied by ndf / 4 sigma)",
-                     fmt::format("{}", std::to_integer<int>(jacobian->bytes[0])));
+    table.jacobian = jacobian->bytes[0] != std::byte(0);
 
-    auto ndf = read_profile(file, source, "ndf", 0);
+    auto ndf = read_profile(file, source, "ndf", *azimuths, 0);
     if (!ndf) return ndf.error();
-    auto sigma = read_profile(file, source, "sigma", std::numeric_limits<float>::min());
+    table.ndf = *std::move(ndf);
+    auto sigma = read_profile(file, source, "sigma", *azimuths, std::numeric_limits<float>::min());
     if (!sigma) return sigma.error();
-    auto visible = read_visible(file, source, azimuths, theta->values.size());
+    table.sigma = *std::move(sigma);
+    auto visible = read_visible(file, source, *azimuths, table.theta_l.size());
     if (!visible) return visible.error();
-    auto colour = read_colour(file, source, azimuths, theta->values.size());
+    table.visible = *std::move(visible);
+    const bool is_spectral = !file.contains("rgb") && file.contains("spectra");
+    if (is_spectral) {
+        auto wavelengths = read_wavelengths(file, source);
+        if (!wavelengths) return wavelengths.error();
+        table.wavelengths = *std::move(wavelengths);
+    }
+    auto colour = is_spectral ? read_spectra(file, source, *azimuths, table.theta_l.size(), table.wavelengths)
+                              : read_rgb(file, source, *azimuths, table.theta_l.size());
     if (!colour) return colour.error();
-    const char* const text = reinterpret_cast<const char*>(description->bytes.data());
-    return RglTable{std::string(text, description->bytes.size()),
-                    theta->values,
-                    *std::move(ndf),
-                    *std::move(sigma),
-                    *std::move(visible),
-                    *std::move(colour)};
+    table.colour = *std::move(colour);
+    return table;
 }
 
 Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return {};
-    const Vec3f h = wl + wv;
-    const float u_h = to_unit(polar_angle(h)), theta_l = polar_angle(wl);
-    // Of near opposite azimuths h.x and h.y are exact, so the azimuth of h from ωl keeps its digits in this
-    // form.
-    const float phi = azimuth(wl.x * h.y - wl.y * h.x, wl.x * h.x + wl.y * h.y);
-    const Slices slices = slices_at(table.theta_l, theta_l);
-    const Warped w = unwarp(table.visible, slices, u_h, (phi + float(k_pi)) * float(0.5 / k_pi));
-    const Rgb f = at(table.colour, slices, w);
-
+    const Seen seen = table.phi_l.empty() ? seen_isotropic(table, wl, wv) : seen_anisotropic(table, wl, wv);
     // At the very horizon the quotient may leave the range of float; a value stays finite.
-    const double scale = at(table.ndf, u_h) / (4.0 * double(at(table.sigma, to_unit(theta_l))) * double(wv.z));
+    const double scale = seen.factor / double(wv.z);
     const auto finite = [scale](float x) { return float(std::clamp(scale * double(x), -k_max, k_max)); };
-    return {finite(f.r), finite(f.g), finite(f.b)};
+    return {finite(seen.colour.r), finite(seen.colour.g), finite(seen.colour.b)};
 }
 
 Rgb value(const RglTable& table, Vec3f wl, Vec3f wv) {

@@ -85,8 +85,9 @@ inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader
     const auto offset = reader.take<std::uint64_t>();
     if (!raw_name || !rank || !type || !offset) return truncated;
     const std::string name(reinterpret_cast<const char*>(raw_name->data()), raw_name->size());
+    const std::string shown = name.substr(0, 40);
     if (*type == 0 || *type >= k_tensor_type_bytes.size())
-        return Error{source, begin, "type of tensor field " + name, "between 1 and 11", fmt::format("{}", *type)};
+        return Error{source, begin, "type of tensor field " + shown, "between 1 and 11", fmt::format("{}", *type)};
 
     TensorField field{TensorType(*type), *offset, {}, {}};
     for (int i = 0; i < *rank; ++i) {
@@ -96,7 +97,7 @@ inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader
     }
     const auto size = tensor_bytes(field.type, field.shape);
     if (!size || *offset > bytes.size() || *size > bytes.size() - *offset)
-        return Error{source, begin, "tensor field " + name, fmt::format("to lie within {} bytes", bytes.size()),
+        return Error{source, begin, "tensor field " + shown, fmt::format("to lie within {} bytes", bytes.size()),
                      fmt::format("{} from byte {}", describe(field.type, field.shape), *offset)};
     field.bytes = bytes.subspan(*offset, *size);
     return std::pair(name, std::move(field));
@@ -120,7 +121,7 @@ inline Result<TensorFile> parse_tensor_file(std::span<const std::byte> bytes, co
         if (!field) return field.error();
         const std::string name = field->first;
         if (!file.insert(*std::move(field)).second)
-            return Error{source, begin, "tensor field " + name, "each name once", "the name again"};
+            return Error{source, begin, "tensor field " + name.substr(0, 40), "each name once", "the name again"};
     }
     return file;
 }

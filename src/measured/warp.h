@@ -2,6 +2,10 @@
 // colours.
 #pragma once
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <span>
 
 #include "srbf/measured.h"
 
@@ -22,18 +26,72 @@ inline Between between_nodes(float u, std::size_t size) {
 
 inline float mix(float a, float b, float to) { return a + to * (b - a); }
 
+/// Four numbers at once, as they lie in memory.
+using Four [[gnu::vector_size(16)]] = float;
+inline Four four_at(const void* numbers) {
+    Four four;
+    std::memcpy(&four, numbers, sizeof four);
+    return four;
+}
+inline Four mix(Four a, Four b, float to) { return a + to * (b - a); }
+
 /// Two slices, `to` of the way from one to the other; they are the same at and past the ends.
 struct Slices {
     std::size_t first, second;
     float to;
+    /// What `of(slice)` is between them.
+    template <typename Of> auto blend(Of of) const { return mix(of(first), of(second), to); }
 };
 
-inline Slices slices_at(std::span<const float> theta_l, float theta) {
+/// Between the values of an increasing list, of which there is one at least.
+inline Slices slices_at(std::span<const float> values, float x) {
     std::size_t after = 0;  // a table has eight: counting is faster than a search, whose branches cannot be foreseen
-    for (const float t : theta_l) after += t <= theta;
-    const std::size_t first = std::max<std::size_t>(after, 1) - 1, second = std::min(after, theta_l.size() - 1);
+    for (const float value : values) after += value <= x;
+    const std::size_t first = std::max<std::size_t>(after, 1) - 1, second = std::min(after, values.size() - 1);
     if (first == second) return {first, first, 0};
-    return {first, second, (theta - theta_l[first]) / (theta_l[second] - theta_l[first])};
+    return {first, second, (x - values[first]) / (values[second] - values[first])};
+}
+
+/// Slices of a table of azimuths × polar angles.
+struct TurnedSlices {
+    Slices phi, theta;
+    std::size_t polar;  ///< how many polar angles there are
+    template <typename Of> auto blend(Of of) const {
+        return phi.blend([&](std::size_t p) { return theta.blend([&](std::size_t t) { return of(p * polar + t); }); });
+    }
+};
+
+/// Normalises a slice of densities and integrates it; false where its integral is no positive number.
+inline bool integrate(std::span<const float> density, RglTable::VisibleNormals& visible) {
+    const std::size_t width = visible.width, height = visible.height;
+    std::vector<double> left(density.size());
+    double integral = 0;
+    for (std::size_t y = 0; y < height; ++y) {
+        const std::size_t row = y * width, end = row + width - 1;
+        for (std::size_t i = row; i < end; ++i)
+            left[i + 1] = left[i] + 0.5 * (double(density[i]) + double(density[i + 1]));
+        integral += left[end] * (y == 0 || y == height - 1 ? 0.5 : 1);
+    }
+    if (!(integral > 0)) return false;
+    double below = 0, last = 0;
+    for (std::size_t y = 0; y < height; ++y) {
+        const std::size_t row = y * width;
+        for (std::size_t i = row; i < row + width; ++i)
+            visible.nodes.push_back({float(double(density[i]) / integral), float(left[i] / integral)});
+        const double whole = left[row + width - 1] / integral;
+        if (y > 0) below += 0.5 * (last + whole);
+        visible.rows.push_back({float(whole), float(below)});
+        last = whole;
+    }
+    return true;
+}
+
+/// u(θ) = √(2θ/π)
+inline float to_unit(float theta) { return std::sqrt(theta * float(2 / k_pi)); }
+
+inline float at(const RglTable::Profile& profile, float u) {
+    const auto [i, to] = between_nodes(u, profile.width);
+    return mix(profile.nodes[i], profile.nodes[i + 1], to);
 }
 
 /// A point of the unit square and the density there, which integrates to 1 over the square.
@@ -43,30 +101,59 @@ struct Warped {
 
 /// w = warp⁻¹(u): w_y = ∫_0^{u_y} ∫_0^1 p(x,y) dx dy,  w_x = ∫_0^{u_x} p(x,u_y) dx / ∫_0^1 p(x,u_y) dx;
 /// |∂w/∂u| = p(u). Source: Dupuy & Jakob (2018).
-inline Warped unwarp(const RglTable::VisibleNormals& visible, const Slices& slices, float u_x, float u_y) {
+template <typename AnySlices>
+Warped unwarp(const RglTable::VisibleNormals& visible, const AnySlices& slices, float u_x, float u_y) {
     const std::size_t width = visible.width, height = visible.height;
     const auto [column, x] = between_nodes(u_x, width);
     const auto [row, y] = between_nodes(u_y, height);
 
-    const RglTable::VisibleNormals::Node* const near_nodes =
-        &visible.nodes[(slices.first * height + row) * width + column];
-    const RglTable::VisibleNormals::Node* const far_nodes =
-        &visible.nodes[(slices.second * height + row) * width + column];
-    const auto density = [&](std::size_t i) { return mix(near_nodes[i].density, far_nodes[i].density, slices.to); };
-    const auto left = [&](std::size_t i) { return mix(near_nodes[i].left, far_nodes[i].left, slices.to); };
-    const float p0 = mix(density(0), density(width), y), p1 = mix(density(1), density(width + 1), y);
-    const float to_left = mix(left(0), left(width), y) + x * (p0 + 0.5f * x * (p1 - p0));
+    // Two nodes beside each other are density, left, density, left; two rows whole, below, whole, below.
+    const RglTable::VisibleNormals::Node* const nodes = &visible.nodes[row * width + column];
+    const std::size_t size = width * height;
+    const auto two_nodes = [&](std::size_t i) {
+        return slices.blend([&](std::size_t slice) { return four_at(nodes + slice * size + i); });
+    };
+    const Four between = mix(two_nodes(0), two_nodes(width), y);
+    const float p0 = between[0], p1 = between[2];
+    const float to_left = between[1] + x * (p0 + 0.5f * x * (p1 - p0));
 
-    const RglTable::VisibleNormals::Row* const near_rows = &visible.rows[slices.first * height + row];
-    const RglTable::VisibleNormals::Row* const far_rows = &visible.rows[slices.second * height + row];
-    const auto whole = [&](std::size_t j) { return mix(near_rows[j].whole, far_rows[j].whole, slices.to); };
-    const float w0 = whole(0), w1 = whole(1), total = mix(w0, w1, y);
-    const float below = mix(near_rows->below, far_rows->below, slices.to) + y * (w0 + 0.5f * y * (w1 - w0));
+    const RglTable::VisibleNormals::Row* const rows = &visible.rows[row];
+    const Four two_rows = slices.blend([&](std::size_t slice) { return four_at(rows + slice * height); });
+    const float w0 = two_rows[0], w1 = two_rows[2], total = mix(w0, w1, y);
+    const float below = two_rows[1] + y * (w0 + 0.5f * y * (w1 - w0));
 
     // Rounding may leave the square by a hair. Where a row has no density, no warp is defined and any will
     // do.
     return {total > 0 ? std::min(to_left / total, 1.0f) : u_x, std::min(below, 1.0f),
             mix(p0, p1, x) * float(width - 1) * float(height - 1)};
+}
+
+/// s in [0, 1] with s (a + s (b − a) / 2) = area, the inverse of the area below a line from a to b ≥ 0.
+inline float along_line(float a, float b, float area) {
+    const float root = std::sqrt(std::max(0.0f, a * a + 2 * area * (b - a)));
+    return a + root > 0 ? std::clamp(2 * area / (a + root), 0.0f, 1.0f) : 0;
+}
+
+/// The inverse of `unwarp` on one slice: a place even over the square, led to where the density is.
+inline Warped warp(const RglTable::VisibleNormals& visible, std::size_t slice, float w_x, float w_y) {
+    const std::size_t width = visible.width, height = visible.height;
+    const RglTable::VisibleNormals::Row* const rows = &visible.rows[slice * height];
+    const auto above =
+        std::upper_bound(rows + 1, rows + height - 1, w_y,
+                         [](float y, const RglTable::VisibleNormals::Row& row) { return y < row.below; });
+    const std::size_t row = std::size_t(above - rows) - 1;
+    const float y = along_line(rows[row].whole, rows[row + 1].whole, w_y - rows[row].below);
+
+    const RglTable::VisibleNormals::Node* const nodes = &visible.nodes[(slice * height + row) * width];
+    const auto left = [&](std::size_t i) { return mix(nodes[i].left, nodes[i + width].left, y); };
+    const auto density = [&](std::size_t i) { return mix(nodes[i].density, nodes[i + width].density, y); };
+    const float wanted = w_x * mix(rows[row].whole, rows[row + 1].whole, y);
+    std::size_t column = 0;
+    for (std::size_t step = std::bit_ceil(width) / 2; step > 0; step /= 2)
+        if (column + step < width - 1 && left(column + step) <= wanted) column += step;
+    const float x = along_line(density(column), density(column + 1), wanted - left(column));
+    return {(float(column) + x) / float(width - 1), (float(row) + y) / float(height - 1),
+            mix(density(column), density(column + 1), x) * float(width - 1) * float(height - 1)};
 }
 
 }  // namespace srbf

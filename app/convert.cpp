@@ -1,0 +1,114 @@
+#include "srbf/convert.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "app/commands.h"
+#include "app/report.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+struct ConvertCommand {
+    std::string input, output;
+    int directions = 64, threads = 0;
+    double max_theta = 89;  // [degrees], of CSV
+
+    int run() const;
+    Result<std::vector<std::byte>> converted(const Subject& subject) const;
+};
+
+/// The endings that name a format, and the format's name as `Measured` has it.
+constexpr std::pair<std::string_view, std::string_view> k_endings[] = {
+    {".binary", "MERL"}, {".bsdf", "RGL"}, {".csv", "CSV"}};
+
+std::string ending_of(const std::string& path) { return std::filesystem::path(path).extension().string(); }
+
+std::string_view format_of(const std::string& path) {
+    for (const auto& [ending, format] : k_endings)
+        if (ending_of(path) == ending) return format;
+    return {};
+}
+
+std::string description_of(const Subject& subject) {
+    const auto* measured = std::get_if<Measured>(&subject.content);
+    if (measured && std::holds_alternative<Scattered>(measured->table))
+        return std::get<Scattered>(measured->table).description;
+    return std::filesystem::path(subject.path).stem().string();
+}
+
+Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject) const {
+    const auto* measured = std::get_if<Measured>(&subject.content);
+    const std::string_view format = format_of(output);
+    // What is of the format already is copied as it stands, now that it has been read.
+    if (measured && measured->format == format) return read_file(input);
+
+    const bool isotropic = !measured || is_isotropic(*measured);
+    const Evaluate brdf = measured ? signed_evaluator(*measured) : evaluator(subject);
+    if (format == "CSV") {
+        const auto* samples = measured ? std::get_if<Scattered>(&measured->table) : nullptr;
+        const std::string csv =
+            write_csv(samples ? *samples : to_samples(brdf, isotropic, directions, max_theta * k_degree));
+        const auto bytes = as_bytes(csv);
+        return std::vector<std::byte>(bytes.begin(), bytes.end());
+    }
+    if (!isotropic)
+        return Error{
+            input, {}, "input", fmt::format("an isotropic BRDF, as {} tables are", format), "an anisotropic one"};
+    if (format == "MERL") return write_merl(to_merl(evaluator(subject), k_merl_size, threads));
+    RglOptions options;
+    options.description = description_of(subject);
+    options.threads = threads;
+    return write_rgl(to_rgl(brdf, options));
+}
+
+int ConvertCommand::run() const {
+    const auto subject = load(input);
+    if (!subject) return complain(subject.error());
+    if (const auto writable = check_outputs({input}, {output}); !writable) return complain(writable.error());
+    const auto bytes = converted(*subject);
+    if (!bytes) return complain(bytes.error());
+    const auto written = write_file(output, *bytes);
+    return written ? k_done : complain(written.error());
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app, int& status) {
+    const auto command = std::make_shared<ConvertCommand>();
+    CLI::App* sub = app.add_subcommand("convert", "A measurement or a model in another format");
+    sub->add_option("INPUT", command->input, "A measurement or a model")->type_name("")->required();
+    sub->add_option("-o,--output", command->output,
+                    "The file to write; its ending tells the format: .binary (MERL), .bsdf (RGL), .csv")
+        ->type_name("FILE")
+        ->required()
+        ->check(CLI::Validator(
+            [](std::string& name) -> std::string {
+                return format_of(name).empty()
+                           ? fmt::format("expected a name that ends in .binary, .bsdf or .csv, found {}", name)
+                           : "";
+            },
+            ""));
+    sub->add_option("--directions", command->directions,
+                    "CSV of what is no list of samples: all pairs of this many directions, 1 to 1536")
+        ->type_name("N")
+        ->check(within(1, 1536))
+        ->capture_default_str();
+    sub->add_option("--max-theta", command->max_theta, "of them, the furthest from the normal, 1 to 90 degrees")
+        ->type_name("DEG")
+        ->check(within(1.0, 90.0))
+        ->capture_default_str();
+    sub->add_option("--threads", command->threads, "0: as many as the machine has; the output does not depend on it")
+        ->type_name("T")
+        ->check(within(0, k_most_threads))
+        ->capture_default_str();
+    sub->footer(
+        "A file that is of the format already is copied byte for byte.\n\n"
+        "Examples:\n  srbf convert nickel.binary -o nickel.bsdf\n  srbf convert paper_white_rgb.srbf -o paper.binary");
+    sub->callback([command, &status] { status = command->run(); });
+}
+
+}  // namespace srbf

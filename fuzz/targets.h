@@ -1,0 +1,106 @@
+// What a reader does with bytes of any kind: the same for libFuzzer and for the test of the corpus.
+#pragma once
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+#include <string_view>
+#include <vector>
+
+#include "srbf/directions.h"
+#include "srbf/measured.h"
+#include "srbf/model.h"
+
+namespace srbf {
+
+/// Stops the program where a promise is broken, so that the fuzzer keeps the input.
+inline void require(bool holds, const char* promise) {
+    if (holds) return;
+    fmt::print(stderr, "broken: {}\n", promise);
+    std::abort();
+}
+
+/// An error is one line of bounded length that names its source; a BRDF keeps the contract of `Brdf`.
+template <typename B> void check_answers(const Result<B>& brdf) {
+    if (!brdf) {
+        const std::string line = message(brdf.error());
+        require(line.starts_with("f: ") && line.size() < 2000 && line.find('\n') == line.npos, "an error is one line");
+        return;
+    }
+    std::mt19937_64 random(1);
+    std::vector<Vec3f> lights, views;
+    const auto direction = [&random] {
+        const double z = 2 * uniform(random) - 0.5, theta = std::acos(std::min(1.0, z));
+        return to_float(spherical(theta, 7 * uniform(random)));
+    };
+    for (int i = 0; i < 24; ++i) {
+        Vec3f wl = direction(), wv = direction();
+        if (i % 6 == 1) wl = {0, 0, 1};
+        if (i % 6 == 2) wv = mirror(wl);
+        if (i % 6 == 3) wv = wl;
+        if (i % 6 == 4) wv = {1, 0, 1e-30f};
+        lights.push_back(wl), views.push_back(wv);
+        const Rgb f = value(*brdf, wl, wv);
+        if (wl.z <= 0 || wv.z <= 0) {
+            require(f == Rgb{}, "0 below the horizon");
+            continue;
+        }
+        const bool lacks = std::isnan(f.r) && std::isnan(f.g) && std::isnan(f.b);
+        require(lacks || (is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0), "finite and not negative, or NaN");
+    }
+    std::vector<Rgb> f(lights.size());
+    evaluator (*brdf)(lights, views, f);
+    for (const Rgb& c : f)
+        require(std::isnan(c.r) || (is_finite(c) && c.r >= 0 && c.g >= 0 && c.b >= 0), "batches, too");
+}
+
+using FuzzTarget = void (*)(std::span<const std::byte>);
+
+/// A UTIA table has one size: the bytes are repeated until they fill it.
+inline void check_utia(std::span<const std::byte> bytes) {
+    check_answers(read_utia(bytes, "f"));
+    if (bytes.empty()) return;
+    std::vector<std::byte> table(3 * UtiaTable::k_directions * UtiaTable::k_directions * sizeof(double));
+    for (std::size_t at = 0; at < table.size(); at += bytes.size())
+        std::memcpy(&table[at], bytes.data(), std::min(bytes.size(), table.size() - at));
+    check_answers(read_utia(table, "f"));
+}
+
+/// By way of `Measured`, whose evaluator works by batches.
+inline void check_rgl(std::span<const std::byte> bytes) {
+    auto table = read_rgl(bytes, "f");
+    check_answers(table ? Result<Measured>(Measured{"f", "RGL", bytes.size(), *std::move(table)})
+                        : Result<Measured>(table.error()));
+}
+
+/// What is read can be written, and what was written is read and written again to the same bytes. (A foreign file may hold weights of
+/// any length, which are written with one of their own.)
+inline void check_model(std::span<const std::byte> bytes) {
+    const auto model = read_model(bytes, "f");
+    check_answers(model);
+    if (!model) return;
+    const auto written = write_model(*model);
+    const auto again = read_model(written, "f");
+    require(again.ok() && write_model(*again) == written, "write(read(written)) = written");
+}
+
+struct NamedTarget {
+    std::string_view name;
+    FuzzTarget check;
+};
+/// A target for each reader, and one for telling them apart.
+inline const NamedTarget k_targets[] = {
+    {"merl", [](auto bytes) { check_answers(read_merl(bytes, "f")); }},
+    {"rgl", check_rgl},
+    {"utia", check_utia},
+    {"cornell", [](auto bytes) { check_answers(read_cornell(bytes, "f")); }},
+    {"astm", [](auto bytes) { check_answers(read_astm(bytes, "f")); }},
+    {"alta", [](auto bytes) { check_answers(read_alta(bytes, "f")); }},
+    {"csv", [](auto bytes) { check_answers(read_csv(bytes, "f")); }},
+    {"measured", [](auto bytes) { check_answers(read_measured(bytes, "f")); }},
+    {"model", check_model},
+};
+
+}  // namespace srbf

@@ -1,0 +1,98 @@
+// Lines, fields and numbers of text files: level 1.
+#pragma once
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "srbf/result.h"
+
+namespace srbf {
+
+inline std::string_view as_text(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// `text` without the blanks around it; the '\r' of a DOS line counts as one.
+inline std::string_view trimmed(std::string_view text) {
+    constexpr std::string_view blank = " \t\r";
+    const auto first = text.find_first_not_of(blank);
+    return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(blank) - first + 1);
+}
+
+/// The lines of a text one after the other, trimmed; a mark of the byte order before the first is left out.
+class Lines {
+  public:
+    explicit Lines(std::string_view text) : rest_(text) {
+        if (constexpr std::string_view mark = "\xef\xbb\xbf"; rest_.starts_with(mark)) rest_.remove_prefix(mark.size());
+    }
+    /// The next line that holds anything.
+    std::optional<std::string_view> next() {
+        while (!rest_.empty()) {
+            const auto end = std::min(rest_.find('\n'), rest_.size());
+            const std::string_view line = trimmed(rest_.substr(0, end));
+            rest_.remove_prefix(std::min(end + 1, rest_.size()));
+            ++number_;
+            if (!line.empty()) return line;
+        }
+        return {};
+    }
+    /// Of the line that was read last, counted from 1.
+    std::uint64_t number() const { return number_; }
+
+  private:
+    std::string_view rest_;
+    std::uint64_t number_ = 0;
+};
+
+/// The next word of a line, which it is taken from: up to a blank or one of `separators`. Empty at the line's end.
+inline std::string_view next_word(std::string_view& line, std::string_view separators = " \t") {
+    const auto first = std::min(line.find_first_not_of(separators), line.size());
+    const auto end = std::min(line.find_first_of(separators, first), line.size());
+    const std::string_view word = line.substr(first, end - first);
+    line.remove_prefix(end);
+    return word;
+}
+
+/// The fields of a line of CSV, without blanks and quotes around them; a comma within quotes parts nothing.
+inline void split_fields(std::string_view line, std::vector<std::string_view>& fields) {
+    fields.clear();
+    bool quoted = false;
+    for (std::size_t at = 0, begin = 0; at <= line.size(); ++at) {
+        if (at < line.size() && line[at] == '"') quoted = !quoted;
+        if (at < line.size() && (quoted || line[at] != ',')) continue;
+        std::string_view field = trimmed(line.substr(begin, at - begin));
+        if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
+            field = trimmed(field.substr(1, field.size() - 2));
+        fields.push_back(field);
+        begin = at + 1;
+    }
+}
+
+/// The number that all of `text` spells, "nan" and "inf" too, a sign before it or none.
+template <typename T> std::optional<T> to_number(std::string_view text) {
+    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+    T number{};
+    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || rest != text.data() + text.size()) return {};
+    return number;
+}
+
+/// A word of a file as a message may show it.
+inline std::string quoted(std::string_view text) {
+    std::string shown = "'";
+    shown += text.substr(0, 40);
+    return shown += "'";
+}
+
+inline Error at_line(const std::string& source, std::uint64_t line, const std::string& what, std::string expected,
+                     std::string found) {
+    return {source, {}, "line " + std::to_string(line) + ": " + what, std::move(expected), std::move(found)};
+}
+
+}  // namespace srbf

@@ -1,0 +1,235 @@
+#include "srbf/colour.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+namespace srbf {
+
+namespace {
+
+/// x̄, ȳ, z̄ of CIE 1931 (2°) and the power of D65, every 5 nm from 360 nm.
+struct Observer {
+    double x, y, z, d65;
+};
+constexpr int k_first = 360, k_step = 5;
+constexpr std::array<Observer, 95> k_observer{{{0.0001299, 3.917e-06, 0.0006061, 46.6383},
+                                               {0.0002321, 6.965e-06, 0.001086, 49.3637},
+                                               {0.0004149, 1.239e-05, 0.001946, 52.0891},
+                                               {0.0007416, 2.202e-05, 0.003486, 51.0323},
+                                               {0.001368, 3.9e-05, 0.006450001, 49.9755},
+                                               {0.002236, 6.4e-05, 0.01054999, 52.3118},
+                                               {0.004243, 0.00012, 0.02005001, 54.6482},
+                                               {0.00765, 0.000217, 0.03621, 68.7015},
+                                               {0.01431, 0.000396, 0.06785001, 82.7549},
+                                               {0.02319, 0.00064, 0.1102, 87.1204},
+                                               {0.04351, 0.00121, 0.2074, 91.486},
+                                               {0.07763, 0.00218, 0.3713, 92.4589},
+                                               {0.13438, 0.004, 0.6456, 93.4318},
+                                               {0.21477, 0.0073, 1.03905, 90.057},
+                                               {0.2839, 0.0116, 1.3856, 86.6823},
+                                               {0.3285, 0.01684, 1.62296, 95.7736},
+                                               {0.34828, 0.023, 1.74706, 104.865},
+                                               {0.34806, 0.0298, 1.7826, 110.936},
+                                               {0.3362, 0.038, 1.77211, 117.008},
+                                               {0.3187, 0.048, 1.7441, 117.41},
+                                               {0.2908, 0.06, 1.6692, 117.812},
+                                               {0.2511, 0.0739, 1.5281, 116.336},
+                                               {0.19536, 0.09098, 1.28764, 114.861},
+                                               {0.1421, 0.1126, 1.0419, 115.392},
+                                               {0.09564, 0.13902, 0.8129501, 115.923},
+                                               {0.05795001, 0.1693, 0.6162, 112.367},
+                                               {0.03201, 0.20802, 0.46518, 108.811},
+                                               {0.0147, 0.2586, 0.3533, 109.082},
+                                               {0.0049, 0.323, 0.272, 109.354},
+                                               {0.0024, 0.4073, 0.2123, 108.578},
+                                               {0.0093, 0.503, 0.1582, 107.802},
+                                               {0.0291, 0.6082, 0.1117, 106.296},
+                                               {0.06327, 0.71, 0.07824999, 104.79},
+                                               {0.1096, 0.7932, 0.05725001, 106.239},
+                                               {0.1655, 0.862, 0.04216, 107.689},
+                                               {0.2257499, 0.9148501, 0.02984, 106.047},
+                                               {0.2904, 0.954, 0.0203, 104.405},
+                                               {0.3597, 0.9803, 0.0134, 104.225},
+                                               {0.4334499, 0.9949501, 0.008749999, 104.046},
+                                               {0.5120501, 1, 0.005749999, 102.023},
+                                               {0.5945, 0.995, 0.0039, 100},
+                                               {0.6784, 0.9786, 0.002749999, 98.1671},
+                                               {0.7621, 0.952, 0.0021, 96.3342},
+                                               {0.8425, 0.9154, 0.0018, 96.0611},
+                                               {0.9163, 0.87, 0.001650001, 95.788},
+                                               {0.9786, 0.8163, 0.0014, 92.2368},
+                                               {1.0263, 0.757, 0.0011, 88.6856},
+                                               {1.0567, 0.6949, 0.001, 89.3459},
+                                               {1.0622, 0.631, 0.0008, 90.0062},
+                                               {1.0456, 0.5668, 0.0006, 89.8026},
+                                               {1.0026, 0.503, 0.00034, 89.5991},
+                                               {0.9384, 0.4412, 0.00024, 88.6489},
+                                               {0.8544499, 0.381, 0.00019, 87.6987},
+                                               {0.7514, 0.321, 0.0001, 85.4936},
+                                               {0.6424, 0.265, 4.999999e-05, 83.2886},
+                                               {0.5419, 0.217, 3e-05, 83.4939},
+                                               {0.4479, 0.175, 2e-05, 83.6992},
+                                               {0.3608, 0.1382, 1e-05, 81.863},
+                                               {0.2835, 0.107, 0, 80.0268},
+                                               {0.2187, 0.0816, 0, 80.1207},
+                                               {0.1649, 0.061, 0, 80.2146},
+                                               {0.1212, 0.04458, 0, 81.2462},
+                                               {0.0874, 0.032, 0, 82.2778},
+                                               {0.0636, 0.0232, 0, 80.281},
+                                               {0.04677, 0.017, 0, 78.2842},
+                                               {0.0329, 0.01192, 0, 74.0027},
+                                               {0.0227, 0.00821, 0, 69.7213},
+                                               {0.01584, 0.005723, 0, 70.6652},
+                                               {0.01135916, 0.004102, 0, 71.6091},
+                                               {0.008110916, 0.002929, 0, 72.979},
+                                               {0.005790346, 0.002091, 0, 74.349},
+                                               {0.004109457, 0.001484, 0, 67.9765},
+                                               {0.002899327, 0.001047, 0, 61.604},
+                                               {0.00204919, 0.00074, 0, 65.7448},
+                                               {0.001439971, 0.00052, 0, 69.8856},
+                                               {0.0009999493, 0.0003611, 0, 72.4863},
+                                               {0.0006900786, 0.0002492, 0, 75.087},
+                                               {0.0004760213, 0.0001719, 0, 69.3398},
+                                               {0.0003323011, 0.00012, 0, 63.5927},
+                                               {0.0002348261, 8.48e-05, 0, 55.0054},
+                                               {0.0001661505, 6e-05, 0, 46.4182},
+                                               {0.000117413, 4.24e-05, 0, 56.6118},
+                                               {8.307527e-05, 3e-05, 0, 66.8054},
+                                               {5.870652e-05, 2.12e-05, 0, 65.0941},
+                                               {4.150994e-05, 1.499e-05, 0, 63.3828},
+                                               {2.935326e-05, 1.06e-05, 0, 63.8434},
+                                               {2.067383e-05, 7.4657e-06, 0, 64.304},
+                                               {1.455977e-05, 5.2578e-06, 0, 61.8779},
+                                               {1.025398e-05, 3.7029e-06, 0, 59.4519},
+                                               {7.221456e-06, 2.6078e-06, 0, 55.7054},
+                                               {5.085868e-06, 1.8366e-06, 0, 51.959},
+                                               {3.581652e-06, 1.2934e-06, 0, 54.6998},
+                                               {2.522525e-06, 9.1093e-07, 0, 57.4406},
+                                               {1.776509e-06, 6.4153e-07, 0, 58.8765},
+                                               {1.251141e-06, 4.5181e-07, 0, 60.3125}}};
+constexpr int k_last = k_first + k_step * (int(k_observer.size()) - 1);
+
+/// D65 times x̄, ȳ, z̄ at a whole nm of the range, linear between the rows.
+Xyz seen_at(int nm) {
+    const std::size_t i = std::min(std::size_t((nm - k_first) / k_step), k_observer.size() - 2);
+    const double to = double(nm - k_first) / k_step - double(i);
+    const auto seen = [](const Observer& o) { return Xyz{o.d65 * o.x, o.d65 * o.y, o.d65 * o.z}; };
+    const Xyz a = seen(k_observer[i]), b = seen(k_observer[i + 1]);
+    return {a.x + to * (b.x - a.x), a.y + to * (b.y - a.y), a.z + to * (b.z - a.z)};
+}
+
+/// Σ over the nm of the range of D65 (x̄, ȳ, z̄) factor(nm), over that of D65 ȳ.
+template <typename Factor> Xyz tristimulus(Factor factor) {
+    Xyz sum;
+    double whole = 0;
+    for (int nm = k_first; nm <= k_last; ++nm) {
+        const Xyz seen = seen_at(nm);
+        const double f = factor(nm);
+        sum = {sum.x + f * seen.x, sum.y + f * seen.y, sum.z + f * seen.z};
+        whole += seen.y;
+    }
+    return {sum.x / whole, sum.y / whole, sum.z / whole};
+}
+
+using Matrix = std::array<std::array<double, 3>, 3>;
+
+Matrix inverse(const Matrix& m) {
+    Matrix adjugate{};
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+            const std::size_t a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
+            adjugate[i][j] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
+        }
+    const double determinant = m[0][0] * adjugate[0][0] + m[0][1] * adjugate[1][0] + m[0][2] * adjugate[2][0];
+    for (auto& row : adjugate)
+        for (double& element : row) element /= determinant;
+    return adjugate;
+}
+
+std::array<double, 3> operator*(const Matrix& m, const std::array<double, 3>& v) {
+    std::array<double, 3> product{};
+    for (std::size_t i = 0; i < 3; ++i) product[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
+    return product;
+}
+
+/// XYZ to linear sRGB: the columns of the inverse are the primaries, in the amounts that make the white.
+Matrix xyz_to_rgb() {
+    constexpr double chromaticity[3][2] = {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}};
+    Matrix primaries{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto [x, y] = chromaticity[c];
+        primaries[0][c] = x / y, primaries[1][c] = 1, primaries[2][c] = (1 - x - y) / y;
+    }
+    const Xyz white = white_point();
+    const auto amount = inverse(primaries) * std::array<double, 3>{white.x, white.y, white.z};
+    for (auto& row : primaries)
+        for (std::size_t c = 0; c < 3; ++c) row[c] *= amount[c];
+    return inverse(primaries);
+}
+
+/// R_r, R_g, R_b at k_primary_wavelengths.
+constexpr std::array<Rgb, 18> k_primaries{{{0.05623f, 0.00000f, 0.94377f},
+                                           {0.05598f, 0.00000f, 0.94402f},
+                                           {0.05240f, 0.00000f, 0.94760f},
+                                           {0.02935f, 0.00000f, 0.97065f},
+                                           {0.00569f, 0.00000f, 0.99431f},
+                                           {0.00000f, 0.25793f, 0.74207f},
+                                           {0.00000f, 0.74881f, 0.25119f},
+                                           {0.00000f, 1.00000f, 0.00000f},
+                                           {0.00000f, 1.00000f, 0.00000f},
+                                           {0.00000f, 1.00000f, 0.00000f},
+                                           {0.13431f, 0.79132f, 0.07437f},
+                                           {0.79719f, 0.20281f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f},
+                                           {1.00000f, 0.00000f, 0.00000f}}};
+
+}  // namespace
+
+Xyz white_point() {
+    return tristimulus([](int) { return 1.0; });
+}
+
+Rgb to_rgb(const Xyz& colour) {
+    static const Matrix matrix = xyz_to_rgb();
+    const auto rgb = matrix * std::array<double, 3>{colour.x, colour.y, colour.z};
+    return {float(rgb[0]), float(rgb[1]), float(rgb[2])};
+}
+
+std::vector<Rgb> rgb_weights(std::span<const float> wavelengths) {
+    assert(!wavelengths.empty());
+    std::vector<Rgb> weights;
+    for (std::size_t i = 0; i < wavelengths.size(); ++i) {
+        const double here = double(wavelengths[i]);
+        // The hat of a sample: 1 at its wavelength, 0 at its neighbours'; the first and the last go on as they are.
+        const auto hat = [&](int nm) {
+            const bool before = nm < here;
+            if (before ? i == 0 : i + 1 == wavelengths.size()) return 1.0;
+            const double other = double(wavelengths[before ? i - 1 : i + 1]);
+            return std::max(0.0, 1 - (nm - here) / (other - here));
+        };
+        weights.push_back(to_rgb(tristimulus(hat)));
+    }
+    return weights;
+}
+
+Rgb to_rgb(std::span<const float> spectrum, std::span<const Rgb> weights) {
+    assert(spectrum.size() == weights.size());
+    double sum[3] = {0, 0, 0};
+    for (std::size_t i = 0; i < spectrum.size(); ++i)
+        for (int c = 0; c < 3; ++c) sum[c] += double(spectrum[i]) * double(weights[i][c]);
+    return {float(sum[0]), float(sum[1]), float(sum[2])};
+}
+
+std::array<float, 18> reflectance_spectrum(const Rgb& colour) {
+    std::array<float, 18> spectrum{};
+    for (std::size_t i = 0; i < spectrum.size(); ++i)
+        spectrum[i] = colour.r * k_primaries[i].r + colour.g * k_primaries[i].g + colour.b * k_primaries[i].b;
+    return spectrum;
+}
+
+}  // namespace srbf

@@ -1,0 +1,37 @@
+// The formulas of angles.h, without include guard: SIMD code includes them once more for each instruction set.
+
+/// θ = atan2(s, c) [rad] of s = √sine2 ≥ 0 and c ≥ 0, of any length; 0 for the null vector. Relative error ≤
+/// 4e-7, also at the ends, where an arc cosine loses half the digits. With t = sin²(θ/2): θ² = 4 t
+/// (arcsin(√t) / √t)², the factor a polynomial of t on [0, ½] by Chebyshev interpolation.
+template <typename Real> Real polar_angle(Real sine2, Real c) {
+    const Real length = sqrt(sine2 + c * c);
+    const Real t = Real(0.5) * sine2 / max(length * (length + c), Real(k_least_length));
+    Real p = Real(0.319542848);
+    p = p * t - Real(0.265949534);
+    p = p * t + Real(0.217428188);
+    p = p * t + Real(0.0412315376);
+    p = p * t + Real(0.119678547);
+    p = p * t + Real(0.177428973);
+    p = p * t + Real(0.333341786);
+    p = p * t + Real(0.999999967);
+    return Real(2.0) * sqrt(t * p);
+}
+
+/// φ = atan2(y, x) [rad], in [−π, π]; 0 for the null vector. Absolute error ≤ 4e-7.
+/// With q = min(|x|,|y|)/max(|x|,|y|): arctan q = q P(q²), P by Chebyshev interpolation on [0, 1].
+template <typename Real> Real azimuth(Real y, Real x) {
+    const Real a = abs(x), b = abs(y), q = min(a, b) / max(max(a, b), Real(k_least_length)), t = q * q;
+    Real p = Real(0.0027662835);
+    p = p * t - Real(0.0157312491);
+    p = p * t + Real(0.0421376236);
+    p = p * t - Real(0.0745685483);
+    p = p * t + Real(0.106183706);
+    p = p * t - Real(0.141977978);
+    p = p * t + Real(0.19991872);
+    p = p * t - Real(0.333330367);
+    p = p * t + Real(0.999999982);
+    Real phi = q * p;
+    phi = select(a < b, Real(k_pi / 2) - phi, phi);
+    phi = select(x < Real(0.0), Real(k_pi) - phi, phi);
+    return copysign(phi, y);
+}

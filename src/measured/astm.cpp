@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "measured/samples.h"
+
+namespace srbf {
+
+namespace {
+
+constexpr std::array<std::string_view, 4> k_angles{"theta_i", "phi_i", "theta_s", "phi_s"};
+constexpr std::size_t k_absent = k_most_columns;
+
+/// Cornell's files say "RGB for Trinitron phosphors". To linear sRGB: the least-squares map from krylon_blue_RGB.astm to the
+/// colours of the same samples' spectra (krylon_blue.brdf), which leaves a squared error ratio of 2e-8. Its rows sum to 2.8: the scale
+/// of those files is that much below white = 1.
+constexpr std::string_view k_trinitron = "RGB for Trinitron phosphors";
+constexpr double k_from_trinitron[3][3] = {
+    {3.10689, -0.26651, -0.04211}, {0.08512, 2.62439, 0.07920}, {0.04650, 0.06312, 2.68701}};
+
+Rgb from_trinitron(std::span<const float> f) {
+    Rgb rgb;
+    for (int c = 0; c < 3; ++c)
+        for (std::size_t k = 0; k < 3; ++k) rgb[c] += float(k_from_trinitron[c][k] * double(f[k]));
+    return rgb;
+}
+
+/// Where the columns stand that VARS names.
+struct Columns {
+    std::array<std::size_t, 4> angle{k_absent, k_absent, k_absent, k_absent};
+    std::vector<std::size_t> value;
+    Values values = Values::grey;
+    std::size_t count = 0;
+};
+
+Result<Columns> columns_of(std::string_view vars, const std::string& source, std::uint64_t line) {
+    Columns columns;
+    std::vector<std::string_view> names, values;
+    split_fields(vars, names);
+    columns.count = names.size();
+    if (columns.count > k_most_columns)
+        return at_line(source, line, "VARS", fmt::format("at most {} columns", k_most_columns),
+                       fmt::format("{}", columns.count));
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const auto angle = std::ranges::find(k_angles, names[i]);
+        if (angle == k_angles.end()) {
+            columns.value.push_back(i);
+            values.push_back(names[i]);
+            continue;
+        }
+        std::size_t& at = columns.angle[std::size_t(angle - k_angles.begin())];
+        if (at != k_absent) return at_line(source, line, "VARS", "each column once", quoted(names[i]) + " again");
+        at = i;
+    }
+    // The light's azimuth may be left out where it is always 0.
+    for (const std::size_t a : {std::size_t(0), std::size_t(2), std::size_t(3)})
+        if (columns.angle[a] == k_absent)
+            return at_line(source, line, "VARS", fmt::format("a column {}", k_angles[a]), "none");
+    const std::vector<std::string_view> rgb{"R", "G", "B"}, xyz{"X", "Y", "Z"};
+    columns.values = values == rgb ? Values::rgb : values == xyz ? Values::xyz : Values::grey;
+    if (columns.values == Values::grey && values.size() != 1)
+        return at_line(source, line, "VARS", "values R,G,B or X,Y,Z or one column",
+                       values.empty() ? "none" : fmt::format("{} from {}", values.size(), quoted(values[0])));
+    return columns;
+}
+
+bool opens_row(std::string_view line) { return line.find_first_of("0123456789+-.") == 0; }
+
+}  // namespace
+
+bool is_astm(std::string_view text) {
+    for (Lines lines(text); auto line = lines.next();) {
+        const std::string_view key = next_word(*line);
+        if (key == "VARS" || key == "NUM_POINTS" || key == "LAB_NAME") return true;
+        if (key.starts_with('#')) continue;
+        if (opens_row(key) || key.find(',') != key.npos) return false;
+    }
+    return false;
+}
+
+Result<Scattered> read_astm(std::span<const std::byte> bytes, const std::string& source) {
+    Lines lines(as_text(bytes));
+    std::string description;
+    std::optional<std::uint64_t> points;
+    std::optional<Columns> columns;
+    while (!columns) {
+        auto line = lines.next();
+        if (!line) return at_line(source, lines.number(), "header", "a line VARS", "the end of the file");
+        const std::string_view key = next_word(*line), rest = trimmed(*line);
+        if (key.starts_with('#')) continue;
+        if (opens_row(key)) return at_line(source, lines.number(), "header", "a line VARS before the samples", "none");
+        if (key == "NUM_POINTS") {
+            points = to_number<std::uint64_t>(rest);
+            if (!points) return at_line(source, lines.number(), "NUM_POINTS", "a number", quoted(rest));
+        } else if (key == "VARS") {
+            const auto named = columns_of(rest, source, lines.number());
+            if (!named) return named.error();
+            columns = *named;
+        } else if (key == "SAMPLE_NAME" || key == "SAMPLE_TYPE" || key == "LAB_COMMENTS") {
+            description += (description.empty() ? "" : ", ") + std::string(rest.substr(0, 300));
+        }
+    }
+
+    SampleBuilder builder(columns->values, {}, bytes.size(), columns->count);
+    std::vector<std::string_view> fields;
+    std::vector<float> f(builder.width());
+    std::uint64_t rows = 0;
+    bool turned = false;
+    const bool is_trinitron = columns->values == Values::rgb && description.find(k_trinitron) != description.npos;
+    for (; auto line = lines.next(); ++rows) {
+        if (line->starts_with('#')) {
+            --rows;
+            continue;
+        }
+        split_fields(*line, fields);
+        if (fields.size() != columns->count)
+            return at_line(source, lines.number(), "sample", fmt::format("{} numbers", columns->count),
+                           fmt::format("{}", fields.size()));
+        std::array<double, 4> angle{};
+        const auto read = [&](std::size_t column, auto& number) {
+            using Number = std::remove_reference_t<decltype(number)>;
+            const auto parsed = to_number<Number>(fields[column]);
+            if (parsed) number = *parsed;
+            return parsed.has_value();
+        };
+        for (std::size_t a = 0; a < 4; ++a)
+            if (columns->angle[a] != k_absent && !read(columns->angle[a], angle[a]))
+                return at_line(source, lines.number(), std::string(k_angles[a]), "a number",
+                               quoted(fields[columns->angle[a]]));
+        for (std::size_t v = 0; v < f.size(); ++v)
+            if (!read(columns->value[v], f[v]))
+                return at_line(source, lines.number(), "value", "a number", quoted(fields[columns->value[v]]));
+        if (is_trinitron) {
+            const Rgb rgb = from_trinitron(f);
+            f = {rgb.r, rgb.g, rgb.b};
+        }
+        turned |= std::abs(std::remainder(angle[1], 2 * k_pi)) > 1e-4;
+        builder.add(spherical(angle[0], angle[1]), spherical(angle[2], angle[3]), f);
+    }
+    if (points && *points != rows)
+        return Error{source, {}, "samples", fmt::format("{} (NUM_POINTS)", *points), fmt::format("{}", rows)};
+    return std::move(builder).finish(source, std::move(description), !turned);
+}
+
+}  // namespace srbf

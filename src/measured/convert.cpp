@@ -1,0 +1,371 @@
+#include "srbf/convert.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "measured/angles.h"
+#include "measured/bytes.h"
+#include "measured/merl.h"
+#include "measured/tensor_file.h"
+#include "measured/warp.h"
+#include "parallel.h"
+#include "srbf/colour.h"
+#include "srbf/directions.h"
+
+namespace srbf {
+
+namespace {
+
+constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
+
+/// Closer to the horizon than this cosine (89.7°) f_r, which may grow without bound there, is not asked for.
+constexpr float k_horizon = 5e-3f;
+
+/// f of many pairs at once.
+std::vector<Rgb> values_at(const Evaluate& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
+    std::vector<Rgb> f(wl.size());
+    brdf(wl, wv, f);
+    return f;
+}
+
+double u_of(std::size_t i, std::size_t n) { return double(i) / double(n - 1); }
+double theta_of(double u) { return u * u * k_pi / 2; }
+
+}  // namespace
+
+MerlTable to_merl(const Evaluate& brdf, std::array<std::uint32_t, 3> size, int threads) {
+    MerlTable table;
+    table.size = size;
+    const std::uint32_t n_h = size[0], n_d = size[1], n_p = size[2];
+    const std::size_t plane = std::size_t(n_d) * n_p;
+    table.cells.resize(n_h * plane);
+    parallel_for(n_h, threads, [&](std::size_t h) {
+        std::vector<Vec3f> wl, wv;
+        wl.reserve(plane), wv.reserve(plane);
+        const double theta_h = std::pow(double(h) / n_h, 2) * k_pi / 2;
+        for (std::uint32_t d = 0; d < n_d; ++d)
+            for (std::uint32_t p = 0; p < n_p; ++p) {
+                const auto pair = merl_pair(theta_h, double(d) / n_d * k_pi / 2, double(p) / n_p * k_pi);
+                wl.push_back(to_float(pair.wl)), wv.push_back(to_float(pair.wv));
+            }
+        const auto f = values_at(brdf, wl, wv), exchanged = values_at(brdf, wv, wl);
+        for (std::size_t i = 0; i < plane; ++i) {
+            Rgb& cell = table.cells[h * plane + i];
+            const bool above = std::min(wl[i].z, wv[i].z) > k_horizon;
+            for (int c = 0; c < 3; ++c) cell[c] = above ? 0.5f * f[i][c] + 0.5f * exchanged[i][c] : k_nan;
+            if (!is_finite(cell)) cell = {k_nan, k_nan, k_nan};
+        }
+    });
+    table.masked = std::uint64_t(std::ranges::count_if(table.cells, [](const Rgb& f) { return f.r != f.r; }));
+    return table;
+}
+
+std::vector<std::byte> write_merl(const MerlTable& table) {
+    std::vector<std::byte> bytes;
+    bytes.reserve(3 * sizeof(std::int32_t) + 3 * sizeof(double) * table.cells.size());
+    for (const std::uint32_t n : table.size) store(bytes, std::int32_t(n));
+    for (int c = 0; c < 3; ++c)
+        for (const Rgb& f : table.cells)
+            store(bytes, f.r == f.r ? double(f[c]) / k_merl_channel_scale[std::size_t(c)] : -1.0);
+    return bytes;
+}
+
+namespace {
+
+constexpr std::size_t k_profile = 256;    // nodes of D and σ
+constexpr std::uint32_t k_normals = 128;  // of the visible normals, as in the database
+constexpr int k_around = 64;              // azimuths of φ_d
+constexpr double k_least_cosine = 0.1;    // of the directions that decide on D
+constexpr double k_floor = 1e-5;          // least D, of its largest value
+
+/// D at the nodes u = i/(n−1), not yet normalised. It decides where the warp puts nodes: were it the mean over directions, highlights
+/// that show at grazing angles alone would fall between them.
+std::vector<float> half_way_profile(const Evaluate& brdf, int threads) {
+    std::vector<double> most(k_profile);
+    parallel_for(k_profile, threads, [&](std::size_t i) {
+        std::vector<Vec3f> wl, wv;
+        for (int d = 0; d <= 85; d += 5)
+            for (int p = 0; p < k_around; ++p) {
+                const auto pair = merl_pair(theta_of(u_of(i, k_profile)), d * k_degree, (p + 0.5) / k_around * k_pi);
+                if (std::min(pair.wl.z, pair.wv.z) < k_least_cosine) continue;
+                wl.push_back(to_float(pair.wl)), wv.push_back(to_float(pair.wv));
+            }
+        const auto f = values_at(brdf, wl, wv);
+        most[i] = f.empty() ? -1 : 0;
+        for (std::size_t k = 0; k < f.size(); ++k)
+            if (is_finite(f[k]))
+                most[i] = std::max(most[i], luminance(f[k]) * std::pow(double(wl[k].z) * double(wv[k].z), 0.75));
+    });
+    // Towards the horizon no pair is left: there the last one stands.
+    const double largest = *std::ranges::max_element(most);
+    double last = 1;
+    std::vector<float> profile;
+    for (const double x : most) {
+        last = x < 0 ? last : largest > 0 ? std::max(x / largest, k_floor) : 1;
+        profile.push_back(float(last));
+    }
+    return profile;
+}
+
+/// ∫ D(m) max(0, m·ω) dm by midpoints in u, ω at θ.
+double projected_area(const RglTable::Profile& ndf, double theta) {
+    constexpr int polar = 1024;
+    double sum = 0;
+    for (int i = 0; i < polar; ++i) {
+        const double u = (i + 0.5) / polar, m = theta_of(u), s = std::sin(m) * std::sin(theta),
+                     c = std::cos(m) * std::cos(theta);
+        // Over azimuth: ∫ max(0, c + s cosφ) dφ in closed form.
+        const double edge = c >= s ? k_pi : c <= -s ? 0 : std::acos(-c / s);
+        sum += double(at(ndf, float(u))) * 2 * (c * edge + s * std::sin(edge)) * std::sin(m) * k_pi * u / polar;
+    }
+    return sum;
+}
+
+/// The direction that `seen` is mirrored to at the micro-normal m.
+Vec3d reflected(Vec3d seen, Vec3d m) { return 2 * dot(seen, m) * m - seen; }
+
+/// Gives nodes without a value the mean of their neighbours that have one, layer by layer.
+void fill(std::vector<Rgb>& nodes, std::vector<char> known, std::size_t side) {
+    const auto neighbours = [&](std::size_t at, const auto& visit) {
+        const std::size_t x = at % side, y = at / side;
+        for (std::size_t j = y > 0 ? y - 1 : 0; j <= std::min(y + 1, side - 1); ++j)
+            for (std::size_t i = x > 0 ? x - 1 : 0; i <= std::min(x + 1, side - 1); ++i) visit(j * side + i);
+    };
+    for (bool is_whole = false; !is_whole;) {
+        is_whole = true;
+        bool grew = false;
+        auto next = known;
+        for (std::size_t at = 0; at < nodes.size(); ++at) {
+            if (known[at]) continue;
+            int count = 0;
+            Rgb sum;
+            neighbours(at, [&](std::size_t other) {
+                if (!known[other]) return;
+                ++count;
+                for (int c = 0; c < 3; ++c) sum[c] += nodes[other][c];
+            });
+            is_whole = is_whole && count > 0;
+            if (count == 0) continue;
+            for (int c = 0; c < 3; ++c) nodes[at][c] = sum[c] / float(count);
+            next[at] = 1;
+            grew = true;
+        }
+        known = std::move(next);
+        if (!grew) return;
+    }
+}
+
+}  // namespace
+
+RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
+    RglTable table;
+    table.description = options.description;
+    for (std::uint32_t k = 0; k < options.polar; ++k) table.theta_l.push_back(float(k_pi / 2 * u_of(k, options.polar)));
+    table.ndf = {std::uint32_t(k_profile), 1, half_way_profile(brdf, options.threads)};
+    const double whole = projected_area(table.ndf, 0);
+    for (float& d : table.ndf.nodes) d = float(double(d) / whole);
+    table.sigma = {std::uint32_t(k_profile), 1, std::vector<float>(k_profile)};
+    parallel_for(k_profile, options.threads, [&](std::size_t i) {
+        table.sigma.nodes[i] = float(projected_area(table.ndf, theta_of(u_of(i, k_profile))));
+    });
+
+    RglTable::VisibleNormals& visible = table.visible;
+    visible.width = visible.height = k_normals;
+    std::vector<float> density(k_normals * k_normals);
+    for (const float theta_l : table.theta_l) {
+        const Vec3d wl = spherical(double(theta_l), 0.0);
+        for (std::size_t y = 0; y < k_normals; ++y)
+            for (std::size_t x = 0; x < k_normals; ++x) {
+                const double u = u_of(x, k_normals), theta = theta_of(u);
+                const Vec3d m = spherical(theta, (2 * u_of(y, k_normals) - 1) * k_pi);
+                density[y * k_normals + x] =
+                    float(double(at(table.ndf, float(u))) * std::max(0.0, dot(m, wl)) * std::sin(theta) * u);
+            }
+        integrate(density, visible);
+    }
+
+    const std::size_t side = options.colours, size = side * side;
+    table.colour.width = table.colour.height = options.colours;
+    table.colour.nodes.resize(table.theta_l.size() * size);
+    parallel_for(table.theta_l.size(), options.threads, [&](std::size_t slice) {
+        const double theta_l = std::min(double(table.theta_l[slice]), std::acos(double(k_horizon)));
+        const Vec3d light = spherical(theta_l, 0.0);
+        std::vector<Vec3f> wl(size, to_float(light)), wv;
+        std::vector<double> scale;
+        for (std::size_t i = 0; i < size; ++i) {
+            const Warped u = warp(visible, slice, float(u_of(i % side, side)), float(u_of(i / side, side)));
+            const Vec3d m = spherical(theta_of(double(u.x)), (2 * double(u.y) - 1) * k_pi);
+            wv.push_back(to_float(reflected(light, m)));
+            scale.push_back(4 * double(at(table.sigma, to_unit(float(theta_l)))) / double(at(table.ndf, u.x)));
+        }
+        const auto f = values_at(brdf, wl, wv);
+        std::vector<Rgb> nodes(size);
+        std::vector<char> known(size);
+        for (std::size_t i = 0; i < size; ++i) {
+            known[i] = wv[i].z > k_horizon && is_finite(f[i]);
+            for (int c = 0; c < 3 && known[i]; ++c) nodes[i][c] = float(double(f[i][c]) * double(wv[i].z) * scale[i]);
+        }
+        fill(nodes, std::move(known), side);
+        std::ranges::copy(nodes, table.colour.nodes.begin() + std::ptrdiff_t(slice * size));
+    });
+    return table;
+}
+
+namespace {
+
+/// A tensor file's fields, gathered and then written one after the other.
+class TensorWriter {
+  public:
+    template <typename T> void add(std::string name, std::vector<std::uint64_t> shape, std::span<const T> numbers) {
+        constexpr TensorType type = std::is_same_v<T, float> ? TensorType::f32
+                                    : sizeof(T) == 1         ? TensorType::u8
+                                                             : TensorType::u32;
+        const auto raw = std::as_bytes(numbers);
+        fields_.push_back({std::move(name), type, std::move(shape), {raw.begin(), raw.end()}});
+    }
+    std::vector<std::byte> bytes() const {
+        std::uint64_t offset = k_tensor_magic.size() + 6;
+        for (const Field& field : fields_) offset += 13 + field.name.size() + 8 * field.shape.size();
+        std::vector<std::byte> bytes;
+        const auto append = [&](std::span<const std::byte> raw) { bytes.insert(bytes.end(), raw.begin(), raw.end()); };
+        append(std::as_bytes(std::span(k_tensor_magic)));
+        store(bytes, std::uint8_t(1));
+        store(bytes, std::uint8_t(0));
+        store(bytes, std::uint32_t(fields_.size()));
+        for (const Field& field : fields_) {
+            store(bytes, std::uint16_t(field.name.size()));
+            append(std::as_bytes(std::span(field.name)));
+            store(bytes, std::uint16_t(field.shape.size()));
+            store(bytes, field.type);
+            store(bytes, offset);
+            for (const std::uint64_t extent : field.shape) store(bytes, extent);
+            offset += field.numbers.size();
+        }
+        for (const Field& field : fields_) append(field.numbers);
+        return bytes;
+    }
+
+  private:
+    struct Field {
+        std::string name;
+        TensorType type;
+        std::vector<std::uint64_t> shape;
+        std::vector<std::byte> numbers;
+    };
+    std::vector<Field> fields_;
+};
+
+/// Whether the warp leads a node and all around it below the horizon: sampling there would be in vain.
+std::vector<char> lies_in_vain(const RglTable& table, std::size_t slice) {
+    const std::size_t side = table.colour.width, rows = table.colour.height;
+    const Vec3d light = spherical(double(table.theta_l[slice]), 0.0);
+    std::vector<char> below(side * rows), vain(side * rows, 1);
+    for (std::size_t i = 0; i < below.size(); ++i) {
+        const Warped u = warp(table.visible, slice, float(u_of(i % side, side)), float(u_of(i / side, rows)));
+        below[i] = reflected(light, spherical(theta_of(double(u.x)), (2 * double(u.y) - 1) * k_pi)).z <= 0;
+    }
+    for (std::size_t i = 0; i < vain.size(); ++i)
+        for (int j = -1; j <= 1; ++j)
+            for (int k = -1; k <= 1; ++k) {
+                const auto x = std::ptrdiff_t(i % side) + k, y = std::ptrdiff_t(i / side) + j;
+                if (x < 0 || y < 0 || x >= std::ptrdiff_t(side) || y >= std::ptrdiff_t(rows)) continue;
+                vain[i] = vain[i] && below[std::size_t(y) * side + std::size_t(x)];
+            }
+    return vain;
+}
+
+}  // namespace
+
+std::vector<std::byte> write_rgl(const RglTable& table) {
+    const std::uint64_t T = table.theta_l.size(), H = table.colour.height, W = table.colour.width, size = H * W;
+    std::vector<float> luminances, rgb, spectra;
+    for (std::size_t slice = 0; slice < T; ++slice) {
+        const std::span<const Rgb> nodes(&table.colour.nodes[slice * size], size);
+        const auto vain = lies_in_vain(table, slice);
+        for (std::size_t i = 0; i < size; ++i)
+            luminances.push_back(vain[i] ? 0 : float(std::max(0.0, luminance(nodes[i]))));
+        // A slice that could not be sampled at all is sampled evenly.
+        if (std::all_of(luminances.end() - std::ptrdiff_t(size), luminances.end(), [](float x) { return x == 0; }))
+            std::fill(luminances.end() - std::ptrdiff_t(size), luminances.end(), 1.0f);
+        for (int c = 0; c < 3; ++c)
+            for (const Rgb& f : nodes) rgb.push_back(f[c]);
+        const std::size_t begin = spectra.size();
+        spectra.resize(begin + k_primary_wavelengths.size() * size);
+        for (std::size_t i = 0; i < size; ++i) {
+            const auto spectrum = reflectance_spectrum(nodes[i]);
+            for (std::size_t k = 0; k < spectrum.size(); ++k) spectra[begin + k * size + i] = spectrum[k];
+        }
+    }
+    std::vector<float> vndf;
+    for (const auto& node : table.visible.nodes) vndf.push_back(node.density);
+    // Two rows alike: the loaders interpolate between azimuths.
+    const auto twice = [](const RglTable::Profile& profile) {
+        std::vector<float> rows = profile.nodes;
+        rows.insert(rows.end(), profile.nodes.begin(), profile.nodes.end());
+        return rows;
+    };
+
+    TensorWriter file;
+    const auto floats = [&](const char* name, std::vector<std::uint64_t> shape, std::span<const float> numbers) {
+        file.add(name, std::move(shape), numbers);
+    };
+    const std::array<std::uint32_t, 2> version{1, 0};
+    const std::array<std::uint8_t, 1> jacobian{std::uint8_t(table.jacobian)};
+    const std::array<float, 1> phi{0};
+    file.add("version", {2}, std::span<const std::uint32_t>(version));
+    file.add("description", {table.description.size()},
+             std::span(reinterpret_cast<const std::uint8_t*>(table.description.data()), table.description.size()));
+    floats("phi_i", {1}, phi);
+    floats("theta_i", {T}, table.theta_l);
+    floats("sigma", {2, table.sigma.width}, twice(table.sigma));
+    floats("ndf", {2, table.ndf.width}, twice(table.ndf));
+    floats("vndf", {1, T, table.visible.height, table.visible.width}, vndf);
+    floats("luminance", {1, T, H, W}, luminances);
+    floats("rgb", {1, T, 3, H, W}, rgb);
+    floats("wavelengths", {k_primary_wavelengths.size()}, k_primary_wavelengths);
+    floats("spectra", {1, T, k_primary_wavelengths.size(), H, W}, spectra);
+    file.add("jacobian", {1}, std::span<const std::uint8_t>(jacobian));
+    return file.bytes();
+}
+
+Scattered to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_max) {
+    const auto directions = fibonacci_directions(n, theta_max);
+    Scattered samples;
+    samples.isotropic = isotropic;
+    for (const Vec3f& wv : directions)
+        for (const Vec3f& wl : directions) samples.wl.push_back(wl), samples.wv.push_back(wv);
+    samples.colour = values_at(brdf, samples.wl, samples.wv);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        if (!is_finite(samples.colour[i])) continue;
+        samples.wl[kept] = samples.wl[i], samples.wv[kept] = samples.wv[i], samples.colour[kept] = samples.colour[i];
+        ++kept;
+    }
+    samples.masked = samples.wl.size() - kept;
+    samples.wl.resize(kept), samples.wv.resize(kept), samples.colour.resize(kept);
+    make_index(samples);
+    return samples;
+}
+
+std::string write_csv(const Scattered& samples) {
+    std::string csv = samples.isotropic ? "# isotropic\n" : "";
+    csv += "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z";
+    if (samples.wavelengths.empty()) csv += ",r,g,b";
+    for (const float nm : samples.wavelengths) csv += fmt::format(",{}nm", nm);
+    csv += '\n';
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        const Vec3f wl = samples.wl[i], wv = samples.wv[i];
+        csv += fmt::format("{},{},{},{},{},{}", wl.x, wl.y, wl.z, wv.x, wv.y, wv.z);
+        const Rgb& f = samples.colour[i];
+        if (samples.wavelengths.empty()) csv += fmt::format(",{},{},{}", f.r, f.g, f.b);
+        const std::size_t n = samples.wavelengths.size();
+        for (std::size_t k = 0; k < n; ++k) csv += fmt::format(",{}", samples.spectrum[i * n + k]);
+        csv += '\n';
+    }
+    return csv;
+}
+
+}  // namespace srbf

@@ -1,0 +1,177 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "measured/samples.h"
+
+namespace srbf {
+
+namespace {
+
+constexpr std::array<std::string_view, 6> k_vectors{"wl_x", "wl_y", "wl_z", "wv_x", "wv_y", "wv_z"};
+constexpr std::array<std::string_view, 4> k_angles{"theta_l", "phi_l", "theta_v", "phi_v"};
+constexpr std::size_t k_absent = k_most_columns;
+
+std::string lower(std::string_view text) {
+    std::string copy(text.substr(0, 100));
+    for (char& c : copy) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return copy;
+}
+
+/// The wavelength that a column is named by: "450nm", "nm450", "450.5nm".
+std::optional<float> wavelength_of(std::string_view name) {
+    if (name.starts_with("nm"))
+        name.remove_prefix(2);
+    else if (name.ends_with("nm"))
+        name.remove_suffix(2);
+    else
+        return {};
+    return to_number<float>(trimmed(name));
+}
+
+/// Where the columns stand that a header names.
+struct Columns {
+    std::array<std::size_t, 6> vector{};
+    std::array<std::size_t, 4> angle{};
+    bool has_vectors = false;
+    double unit = 1;  ///< of the angles [rad]
+    Values values = Values::grey;
+    std::vector<std::size_t> value;
+    std::vector<float> wavelengths;
+    std::size_t count = 0;
+};
+
+Result<Columns> columns_of(std::span<const std::string_view> header, const std::string& source, std::uint64_t line) {
+    const auto wrong = [&](std::string expected, std::string found) {
+        return at_line(source, line, "header", std::move(expected), std::move(found));
+    };
+    if (header.size() > k_most_columns)
+        return wrong(fmt::format("at most {} columns", k_most_columns), fmt::format("{}", header.size()));
+    Columns columns;
+    columns.count = header.size();
+    std::vector<std::string> names;
+    for (const std::string_view name : header) names.push_back(lower(name));
+    const auto place = [&](std::string_view name) {
+        const auto at = std::ranges::find(names, name);
+        return at == names.end() ? k_absent : std::size_t(at - names.begin());
+    };
+
+    for (std::size_t c = 0; c < 6; ++c) columns.vector[c] = place(k_vectors[c]);
+    columns.has_vectors = std::ranges::find(columns.vector, k_absent) == columns.vector.end();
+    if (!columns.has_vectors) {
+        for (const auto& [suffix, unit] : {std::pair("_deg", k_degree), {"_rad", 1.0}}) {
+            for (std::size_t a = 0; a < 4; ++a) columns.angle[a] = place(std::string(k_angles[a]) + suffix);
+            columns.unit = unit;
+            if (columns.angle[0] != k_absent) break;
+        }
+        if (columns.angle[0] == k_absent && place("theta_l") != k_absent)
+            return wrong("angles with their unit, as theta_l_deg or theta_l_rad", "theta_l without one");
+        for (const std::size_t a : {std::size_t(0), std::size_t(2), std::size_t(3)})
+            if (columns.angle[a] == k_absent)
+                return wrong("columns wl_x to wv_z, or theta_l_deg, phi_l_deg, theta_v_deg, phi_v_deg (or _rad)",
+                             fmt::format("no {}", columns.angle[0] == k_absent ? "such" : std::string(k_angles[a])));
+    }
+
+    const auto use = [&](Values values, std::initializer_list<std::string_view> wanted) {
+        std::vector<std::size_t> found;
+        for (const std::string_view name : wanted) found.push_back(place(name));
+        if (std::ranges::find(found, k_absent) != found.end()) return false;
+        columns.values = values;
+        columns.value = std::move(found);
+        return true;
+    };
+    if (use(Values::rgb, {"r", "g", "b"}) || use(Values::xyz, {"x", "y", "z"}) || use(Values::grey, {"value"}))
+        return columns;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (const auto nm = wavelength_of(names[i])) {
+            columns.values = Values::spectrum;
+            columns.value.push_back(i);
+            columns.wavelengths.push_back(*nm);
+        }
+    if (columns.value.empty())
+        return wrong("values in columns r,g,b or x,y,z or value, or a spectrum in columns as 450nm", "none of them");
+    if (!are_wavelengths(columns.wavelengths))
+        return wrong("columns of increasing wavelengths, from 100 nm up", "others");
+    return columns;
+}
+
+}  // namespace
+
+bool is_csv(std::string_view text) {
+    std::vector<std::string_view> fields;
+    for (Lines lines(text); auto line = lines.next();) {
+        if (line->starts_with('#')) continue;
+        split_fields(line->substr(0, 100000), fields);
+        return std::ranges::any_of(fields, [](std::string_view field) {
+            const std::string name = lower(field);
+            return name == "wl_x" || name.starts_with("theta_l");
+        });
+    }
+    return false;
+}
+
+Result<Scattered> read_csv(std::span<const std::byte> bytes, const std::string& source) {
+    Lines lines(as_text(bytes));
+    std::vector<std::string_view> fields;
+    std::optional<Columns> columns;
+    std::optional<SampleBuilder> builder;
+    std::vector<float> f;
+    bool is_isotropic = false, turned = false;
+    while (auto line = lines.next()) {
+        if (line->starts_with('#')) {
+            is_isotropic |= lower(trimmed(line->substr(1))) == "isotropic";
+            continue;
+        }
+        split_fields(*line, fields);
+        if (!columns) {
+            const auto named = columns_of(fields, source, lines.number());
+            if (!named) return named.error();
+            columns = *named;
+            builder.emplace(columns->values, columns->wavelengths, bytes.size(), columns->count);
+            f.resize(builder->width());
+            continue;
+        }
+        if (fields.size() != columns->count)
+            return at_line(source, lines.number(), "sample", fmt::format("{} numbers", columns->count),
+                           fmt::format("{}", fields.size()));
+        std::optional<Error> error;
+        const auto read = [&](std::size_t column) {
+            const auto number = to_number<double>(fields[column]);
+            if (!number && !error)
+                error = at_line(source, lines.number(), fmt::format("column {}", column + 1), "a number",
+                                quoted(fields[column]));
+            return number.value_or(0);
+        };
+        Vec3d wl, wv;
+        if (columns->has_vectors) {
+            const auto& at = columns->vector;
+            wl = {read(at[0]), read(at[1]), read(at[2])};
+            wv = {read(at[3]), read(at[4]), read(at[5])};
+            for (Vec3d* w : {&wl, &wv}) {
+                const double length = std::sqrt(dot(*w, *w));
+                if (!error && !(std::abs(length - 1) <= 0.01))
+                    error = at_line(source, lines.number(), w == &wl ? "direction wl" : "direction wv", "length 1",
+                                    fmt::format("{:.6g}", length));
+                *w = normalize(*w);
+            }
+            turned = turned || std::abs(wl.y) > 1e-4;
+        } else {
+            const auto angle = [&](std::size_t a) {
+                return columns->angle[a] == k_absent ? 0 : columns->unit * read(columns->angle[a]);
+            };
+            wl = spherical(angle(0), angle(1));
+            wv = spherical(angle(2), angle(3));
+            turned = turned || std::abs(std::remainder(angle(1), 2 * k_pi)) > 1e-4;
+        }
+        for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(read(columns->value[v]));
+        if (error) return *error;
+        builder->add(wl, wv, f);
+    }
+    if (!builder)
+        return at_line(source, std::max<std::uint64_t>(lines.number(), 1), "header", "names of columns",
+                       "an empty file");
+    return std::move(*builder).finish(source, {}, is_isotropic || !turned);
+}
+
+}  // namespace srbf

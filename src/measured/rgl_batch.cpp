@@ -1,0 +1,148 @@
+// Isotropic RGL measurements on arrays of pairs, in batches as wide as the machine's vectors: the steps of rgl.cpp and warp.h.
+#include "srbf/measured.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "measured/rgl_batch.cpp"
+#include <hwy/foreach_target.h>
+
+#include "batch-inl.h"
+#include "measured/angles.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace srbf {
+namespace HWY_NAMESPACE {
+
+using Indices = hn::Vec<hn::RebindToSigned<Lanes>>;
+
+HWY_INLINE Batch abs(Batch a) { return hn::Abs(a.v); }
+HWY_INLINE Batch copysign(Batch magnitude, Batch sign) { return hn::CopySign(magnitude.v, sign.v); }
+HWY_INLINE Batch mix(Batch a, Batch b, Batch to) { return multiply_add(to, b - a, a); }
+HWY_INLINE Indices index(Batch whole) { return hn::ConvertTo(hn::RebindToSigned<Lanes>(), whole.v); }
+HWY_INLINE Batch rounded_down(Batch a) { return hn::Floor(a.v); }
+HWY_INLINE Batch gather(const float* numbers, Indices at) { return hn::GatherIndex(Lanes(), numbers, at); }
+HWY_INLINE Indices offset(Indices at, std::size_t by) {
+    return hn::Add(at, hn::Set(hn::RebindToSigned<Lanes>(), std::int32_t(by)));
+}
+HWY_INLINE Indices scaled(Indices at, std::size_t by) {
+    return hn::Mul(at, hn::Set(hn::RebindToSigned<Lanes>(), std::int32_t(by)));
+}
+
+#include "measured/angles.inl"
+
+/// As `between_nodes` of warp.h.
+struct Between {
+    Indices first;
+    Batch to;
+};
+HWY_INLINE Between between_nodes(Batch u, std::size_t size) {
+    const Batch x = min(max(Batch(0.0), u), Batch(1.0)) * Batch(double(size - 1));
+    const Batch first = min(rounded_down(x), Batch(double(size - 2)));
+    return {index(first), x - first};
+}
+
+HWY_INLINE Batch to_unit(Batch theta) { return sqrt(theta * Batch(2 / k_pi)); }
+
+HWY_INLINE Batch at(const std::vector<float>& profile, Batch u) {
+    const Between node = between_nodes(u, profile.size());
+    return mix(gather(profile.data(), node.first), gather(profile.data() + 1, node.first), node.to);
+}
+
+/// f_r, signed, of isotropic tables whose indices fit in 32 bits.
+HWY_INLINE Vec3<Batch> rgl_value(const RglTable& table, Vec3<Batch> wl, Vec3<Batch> wv) {
+    const Vec3<Batch> h = wl + wv;
+    const Batch u_h = to_unit(polar_angle(h.x * h.x + h.y * h.y, h.z));
+    const Batch theta_l = polar_angle(wl.x * wl.x + wl.y * wl.y, wl.z);
+    const Batch phi = azimuth(wl.x * h.y - wl.y * h.x, wl.x * h.x + wl.y * h.y);
+
+    Batch after(0.0);
+    for (const float t : table.theta_l) after = after + select(theta_l < Batch(double(t)), Batch(0.0), Batch(1.0));
+    const Indices slice = index(max(after, Batch(1.0)) - Batch(1.0));
+    const Indices next = index(min(after, Batch(double(table.theta_l.size() - 1))));
+    const Batch t0 = gather(table.theta_l.data(), slice), t1 = gather(table.theta_l.data(), next);
+    const Batch to = select(t0 < t1, (theta_l - t0) / max(t1 - t0, Batch(1e-30)), Batch(0.0));
+
+    // The warp.
+    const RglTable::VisibleNormals& visible = table.visible;
+    const std::size_t width = visible.width, height = visible.height;
+    const Between column = between_nodes(u_h, width);
+    const Between row = between_nodes((phi + Batch(k_pi)) * Batch(0.5 / k_pi), height);
+    const Batch x = column.to, y = row.to;
+    const Indices row0 = hn::Add(scaled(slice, height), row.first), row1 = hn::Add(scaled(next, height), row.first);
+    const float* const nodes = &visible.nodes[0].density;
+    const Indices node0 = scaled(hn::Add(scaled(row0, width), column.first), 2);
+    const Indices node1 = scaled(hn::Add(scaled(row1, width), column.first), 2);
+    const auto node = [&](std::size_t k) { return mix(gather(nodes + k, node0), gather(nodes + k, node1), to); };
+    const Batch p0 = mix(node(0), node(2 * width), y), p1 = mix(node(2), node(2 * width + 2), y);
+    const Batch to_left = mix(node(1), node(2 * width + 1), y) + x * (p0 + Batch(0.5) * x * (p1 - p0));
+    const float* const rows = &visible.rows[0].whole;
+    const Indices at0 = scaled(row0, 2), at1 = scaled(row1, 2);
+    const auto of_row = [&](std::size_t k) { return mix(gather(rows + k, at0), gather(rows + k, at1), to); };
+    const Batch w0 = of_row(0), w1 = of_row(2), total = mix(w0, w1, y);
+    const Batch below = of_row(1) + y * (w0 + Batch(0.5) * y * (w1 - w0));
+    const Batch w_x = select(Batch(0.0) < total, min(to_left / max(total, Batch(1e-37)), Batch(1.0)), u_h);
+
+    // The colour.
+    const std::size_t wide = table.colour.width, high = table.colour.height;
+    const Between c = between_nodes(w_x, wide), r = between_nodes(min(below, Batch(1.0)), high);
+    const float* const colours = &table.colour.nodes[0].r;
+    const auto place = [&](Indices s) {
+        return scaled(hn::Add(scaled(hn::Add(scaled(s, high), r.first), wide), c.first), 3);
+    };
+    const Indices colour0 = place(slice), colour1 = place(next);
+    const auto channel = [&](std::size_t k) {
+        const auto of = [&](Indices i) {
+            return mix(mix(gather(colours + k, i), gather(colours + k + 3, i), c.to),
+                       mix(gather(colours + k + 3 * wide, i), gather(colours + k + 3 * wide + 3, i), c.to), r.to);
+        };
+        return mix(of(colour0), of(colour1), to);
+    };
+    const Batch largest(3.4028234e38);
+    const Batch factor =
+        table.jacobian ? min(at(table.ndf.nodes, u_h) / (Batch(4.0) * at(table.sigma.nodes, to_unit(theta_l))), largest)
+                       : Batch(1.0);
+    const auto finite = [&](Batch f) { return max(min(f * factor / wv.z, largest), -largest); };
+    return {finite(channel(0)), finite(channel(1)), finite(channel(2))};
+}
+
+void evaluate_rgl(const RglTable& table, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
+    constexpr std::size_t most = HWY_MAX_BYTES / sizeof(float);
+    const std::size_t lanes = Batch::size();
+    for (std::size_t i = 0; i < count; i += lanes) {
+        HWY_ALIGN float number[6][most];
+        for (std::size_t k = 0; k < lanes; ++k) {
+            // The rest is filled up with the normal, and so is what lies below the horizon.
+            const bool is_pair = i + k < count && wl[i + k].z > 0 && wv[i + k].z > 0;
+            const Vec3f l = is_pair ? wl[i + k] : Vec3f(0, 0, 1), v = is_pair ? wv[i + k] : Vec3f(0, 0, 1);
+            number[0][k] = l.x, number[1][k] = l.y, number[2][k] = l.z;
+            number[3][k] = v.x, number[4][k] = v.y, number[5][k] = v.z;
+        }
+        const auto load = [&](int first) {
+            return Vec3<Batch>(Batch::load(number[first]), Batch::load(number[first + 1]),
+                               Batch::load(number[first + 2]));
+        };
+        const Vec3<Batch> value = rgl_value(table, load(0), load(3));
+        value.x.store(number[0]), value.y.store(number[1]), value.z.store(number[2]);
+        for (std::size_t k = 0; k < lanes && i + k < count; ++k)
+            f[i + k] = wl[i + k].z > 0 && wv[i + k].z > 0 ? Rgb{number[0][k], number[1][k], number[2][k]} : Rgb{};
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace srbf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace srbf {
+
+HWY_EXPORT(evaluate_rgl);
+
+void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    assert(wl.size() == wv.size() && wl.size() == f.size());
+    constexpr std::size_t most = std::size_t(1) << 29;  // floats, so that their indices fit in 32 bits
+    if (table.phi_l.empty() && 2 * table.visible.nodes.size() < most && 3 * table.colour.nodes.size() < most)
+        return HWY_DYNAMIC_DISPATCH(evaluate_rgl)(table, wl.data(), wv.data(), f.data(), f.size());
+    for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
+}
+
+}  // namespace srbf
+#endif

@@ -1,0 +1,187 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <nanoflann.hpp>
+
+#include "measured/angles.h"
+#include "measured/samples.h"
+
+namespace srbf {
+
+namespace {
+
+constexpr std::uint32_t k_neighbours = 8;
+constexpr float k_largest_value = 1e12f;  // as of the tables: sums and products of such numbers stay finite
+
+using Point = std::array<float, 5>;
+
+/// Where a pair lies for the search of neighbours: the docstring of `Scattered`.
+Point place_of(Vec3f wl, Vec3f wv, bool isotropic) {
+    constexpr float sharpness = 20, right_angle = float(k_pi / 2);
+    const float scale = right_angle / std::log1p(sharpness * right_angle);
+    const float half = scale * std::log1p(sharpness * polar_angle(wl + wv));
+    const float theta_l = polar_angle(wl), theta_v = polar_angle(wv);
+    if (isotropic) return {half, theta_l, theta_v, 0, 0};
+    const float phi_l = azimuth(wl.y, wl.x), phi_v = azimuth(wv.y, wv.x);
+    return {half, theta_l * std::cos(phi_l), theta_l * std::sin(phi_l), theta_v * std::cos(phi_v),
+            theta_v * std::sin(phi_v)};
+}
+
+/// As nanoflann asks for points.
+struct Points {
+    std::vector<Point> at;
+    std::size_t kdtree_get_point_count() const { return at.size(); }
+    float kdtree_get_pt(std::size_t i, std::size_t dimension) const { return at[i][dimension]; }
+    template <typename Box> bool kdtree_get_bbox(Box&) const { return false; }
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Points>, Points, 5, std::uint32_t>;
+
+}  // namespace
+
+/// A k-d tree over the places of the samples. It refers to no sample: a copy of the measurement may share it.
+class SampleIndex {
+  public:
+    explicit SampleIndex(Points points)
+        : points_(std::move(points)), tree_(5, points_, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
+        tree_.buildIndex();
+    }
+
+    struct Neighbours {
+        std::uint32_t count;
+        std::array<std::uint32_t, k_neighbours + 1> sample;
+        std::array<float, k_neighbours + 1> distance2;
+    };
+    /// The samples nearest to `place`, as far as there are that many, nearest first.
+    Neighbours nearest(const Point& place) const {
+        Neighbours found;
+        const std::size_t wanted = std::min<std::size_t>(k_neighbours + 1, points_.at.size());
+        found.count = std::uint32_t(tree_.knnSearch(place.data(), wanted, found.sample.data(), found.distance2.data()));
+        return found;
+    }
+
+  private:
+    Points points_;
+    Tree tree_;
+};
+
+void make_index(Scattered& samples) {
+    Points points;
+    points.at.reserve(samples.wl.size());
+    for (std::size_t i = 0; i < samples.wl.size(); ++i)
+        points.at.push_back(place_of(samples.wl[i], samples.wv[i], samples.isotropic));
+    samples.index = std::make_shared<const SampleIndex>(std::move(points));
+}
+
+Rgb signed_value(const Scattered& samples, Vec3f wl, Vec3f wv) {
+    if (!(wl.z > 0 && wv.z > 0)) return {};
+    assert(samples.index);
+    const auto near = samples.index->nearest(place_of(wl, wv, samples.isotropic));
+    // Distances below rounding are none: the sample itself.
+    const double own = 1e-6, reach = std::sqrt(double(near.distance2[near.count - 1]));
+    const std::uint32_t used = near.count > k_neighbours ? k_neighbours : near.count;
+    double sum[3] = {0, 0, 0}, weights = 0;
+    const bool is_sample = double(near.distance2[0]) <= own * own;
+    for (std::uint32_t k = 0; k < used; ++k) {
+        const double d = std::sqrt(double(near.distance2[k]));
+        double w = 1 / std::max(d, own);
+        if (is_sample)
+            w = d <= own;
+        else if (near.count > k_neighbours)
+            w = w - 1 / reach;  // (R − d) / (R d)
+        const std::size_t i = near.sample[k];
+        w *= w;
+        weights += w;
+        w *= double(samples.wl[i].z) * double(samples.wv[i].z);
+        for (int c = 0; c < 3; ++c) sum[c] += w * double(samples.colour[i][c]);
+    }
+    if (!(weights > 0)) {  // all of them lie at one distance
+        for (std::uint32_t k = 0; k < used; ++k) {
+            const std::size_t i = near.sample[k];
+            for (int c = 0; c < 3; ++c)
+                sum[c] += double(samples.wl[i].z) * double(samples.wv[i].z) * double(samples.colour[i][c]);
+        }
+        weights = used;
+    }
+    // At the very horizon the quotient may leave the range of float; a value stays finite.
+    constexpr double most = std::numeric_limits<float>::max();
+    const double scale = 1 / (weights * double(wl.z) * double(wv.z));
+    const auto finite = [&](double x) { return float(std::clamp(x * scale, -most, most)); };
+    return {finite(sum[0]), finite(sum[1]), finite(sum[2])};
+}
+
+Rgb value(const Scattered& samples, Vec3f wl, Vec3f wv) {
+    const Rgb f = signed_value(samples, wl, wv);
+    return {std::max(f.r, 0.0f), std::max(f.g, 0.0f), std::max(f.b, 0.0f)};
+}
+
+SampleBuilder::SampleBuilder(Values values, std::vector<float> wavelengths, std::size_t bytes, std::size_t columns)
+    : values_(values) {
+    if (values == Values::spectrum) weights_ = rgb_weights(wavelengths);
+    samples_.wavelengths = std::move(wavelengths);
+    const std::size_t most = bytes / (2 * std::max<std::size_t>(columns, 1)) + 1;
+    samples_.wl.reserve(most);
+    samples_.wv.reserve(most);
+    samples_.colour.reserve(most);
+    samples_.spectrum.reserve(most * weights_.size());
+}
+
+void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f) {
+    assert(f.size() == width());
+    const auto is_value = [](float x) { return std::abs(x) <= k_largest_value; };
+    const auto is_direction = [](Vec3d w) { return w.z > 1e-6 && std::abs(dot(w, w) - 1) < 1e-3; };
+    if (!is_direction(wl) || !is_direction(wv) || !std::ranges::all_of(f, is_value)) {
+        ++samples_.masked;
+        return;
+    }
+    samples_.wl.push_back(to_float(wl));
+    samples_.wv.push_back(to_float(wv));
+    switch (values_) {
+        case Values::grey:
+            samples_.colour.push_back({f[0], f[0], f[0]});
+            break;
+        case Values::rgb:
+            samples_.colour.push_back({f[0], f[1], f[2]});
+            break;
+        case Values::xyz:
+            samples_.colour.push_back(to_rgb(Xyz{double(f[0]), double(f[1]), double(f[2])}));
+            break;
+        case Values::spectrum:
+            samples_.colour.push_back(to_rgb(f, weights_));
+            samples_.spectrum.insert(samples_.spectrum.end(), f.begin(), f.end());
+            break;
+    }
+}
+
+Result<Scattered> SampleBuilder::finish(const std::string& source, std::string description, bool isotropic) && {
+    if (samples_.wl.empty())
+        return Error{source,
+                     {},
+                     "samples",
+                     "at least one that is finite and above the horizon",
+                     samples_.masked == 0 ? "none" : fmt::format("{} that are not", samples_.masked)};
+    samples_.description = std::move(description);
+    samples_.isotropic = isotropic;
+    make_index(samples_);
+    return std::move(samples_);
+}
+
+bool are_wavelengths(std::span<const float> wavelengths) {
+    float last = 99.999f;
+    for (const float nm : wavelengths) {
+        if (!(nm > last && nm <= 1e5f)) return false;
+        last = nm;
+    }
+    return !wavelengths.empty();
+}
+
+bool is_text(std::span<const std::byte> bytes) {
+    return std::ranges::none_of(as_text(bytes).substr(0, 4096), [](char c) {
+        const auto code = static_cast<unsigned char>(c);
+        return code < 0x20 && c != '\t' && c != '\n' && c != '\r';
+    });
+}
+
+}  // namespace srbf

@@ -1,0 +1,64 @@
+// From spectra to colours: white is white, known colours, linearity.
+#include "srbf/colour.h"
+#include "properties.h"
+
+namespace srbf {
+namespace {
+
+std::vector<float> every(float step, float first = 400, float last = 700) {
+    std::vector<float> nm;
+    for (float at = first; at <= last; at += step) nm.push_back(at);
+    return nm;
+}
+
+TEST(Colour, WhiteReflectorIsWhite) {
+    // ASTM E308 gives these for 5 nm.
+    const Xyz white = white_point();
+    EXPECT_PRED3(near, white.x, 0.95047, 2e-4);
+    EXPECT_PRED3(near, white.y, 1, 1e-12);
+    EXPECT_PRED3(near, white.z, 1.08883, 2e-4);
+    for (const auto& nm :
+         {every(10), every(5, 360, 830), every(1, 380, 780), std::vector<float>{550}, every(37, 300, 1100)}) {
+        Rgb sum;
+        for (const Rgb& weight : rgb_weights(nm))
+            for (int c = 0; c < 3; ++c) sum[c] += weight[c];
+        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, sum[c], 1, 3e-6);
+    }
+    const Rgb rgb = to_rgb(white);
+    for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, rgb[c], 1, 1e-6);
+}
+
+TEST(Colour, MatrixIsThatOfSrgb) {
+    // IEC 61966-2-1 gives four digits.
+    const double expected[3][3] = {{3.2406, -1.5372, -0.4986}, {-0.9689, 1.8758, 0.0415}, {0.0557, -0.2040, 1.0570}};
+    const Rgb column[3] = {to_rgb(Xyz{1, 0, 0}), to_rgb(Xyz{0, 1, 0}), to_rgb(Xyz{0, 0, 1})};
+    for (int c = 0; c < 3; ++c)
+        for (int k = 0; k < 3; ++k) EXPECT_PRED3(near, column[k][c], expected[c][k], 1.5e-3);
+}
+
+TEST(Colour, MonochromesLieWhereTheObserverSeesThem) {
+    // 520 nm is greener than sRGB can be, 450 nm bluer, 620 nm redder.
+    const auto colour_of = [](float nm) {
+        const std::vector<float> three{nm - 5, nm, nm + 5};
+        return rgb_weights(three)[1];
+    };
+    EXPECT_TRUE(colour_of(520).g > 0 && colour_of(520).r < 0);
+    EXPECT_TRUE(colour_of(450).b > 0 && colour_of(450).g < 0);
+    EXPECT_TRUE(colour_of(620).r > 0 && colour_of(620).g < 0);
+    // Luminous efficiency peaks at 555 nm.
+    EXPECT_GT(luminance(colour_of(555)), luminance(colour_of(540)));
+    EXPECT_GT(luminance(colour_of(555)), luminance(colour_of(570)));
+}
+
+TEST(Colour, SmoothSpectraDoNotDependOnTheirSampling) {
+    const auto colour_of = [](const std::vector<float>& nm) {
+        std::vector<float> spectrum;
+        for (const float at : nm) spectrum.push_back(0.5f + 0.4f * std::sin(at / 60));
+        return to_rgb(spectrum, rgb_weights(nm));
+    };
+    const Rgb fine = colour_of(every(1, 360, 830)), coarse = colour_of(every(5, 360, 830));
+    for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, coarse[c], fine[c], 1e-3);
+}
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,326 @@
+// Tables made of any BRDF, and the files of the formats.
+#include "srbf/convert.h"
+
+#include "measured/warp.h"
+#include "measured_files.h"
+#include "models.h"
+#include "srbf/colour.h"
+#include "srbf/file.h"
+#include "srbf/metrics.h"
+
+namespace srbf {
+namespace {
+
+const std::vector<std::string> k_bundled{"paper_white", "cc_ibiza_sunset"};
+
+Measured bundled(const std::string& name) { return *load_measured((bundled_data() / (name + "_rgb.bsdf")).string()); }
+
+/// A glossy model with a highlight a few degrees wide over a diffuse body.
+PmModel glossy() {
+    PmModel model;
+    model.form = PmForm::source;
+    model.lobes = 2;
+    model.variates = 1;
+    model.coefficient = {{8, 7, 6}, {0.1f, 0.2f, 0.3f}};
+    model.log_scale = {0, 0};
+    model.centre = {{0, 0, 1}, {0, 0, 1}};
+    model.bandwidth = {400, 0};
+    model.parameterization = {{1, 1}};
+    return model;
+}
+
+double ratio(const Evaluate& reference, const Evaluate& other) {
+    const Evaluate others[] = {other};
+    return measure_heldout(reference, others, {80 * k_degree, 0}, 50000)[0].squared_error_ratio;
+}
+
+TEST(Convert, MerlTablesAreWrittenAndReadAgain) {
+    std::mt19937_64 random(1);
+    const auto table = *read_merl(
+        merl_file({7, 6, 8},
+                  [&](int, int, int, int c) { return c == 0 && uniform(random) < 0.2 ? -1 : 3 * uniform(random); }),
+        "t");
+    const auto again = read_merl(write_merl(table), "t");
+    ASSERT_TRUE(again.ok()) << message(again.error());
+    EXPECT_EQ(again->size, table.size);
+    EXPECT_EQ(again->masked, table.masked);
+    ASSERT_GT(table.masked, 0u);
+    for (std::size_t i = 0; i < table.cells.size(); ++i)
+        EXPECT_TRUE(again->cells[i] == table.cells[i] ||
+                    (std::isnan(again->cells[i].r) && std::isnan(table.cells[i].r)));
+    EXPECT_EQ(write_merl(*again), write_merl(table));
+}
+
+TEST(Convert, MerlTablesFollowWhatTheyAreMadeOf) {
+    const PmModel model = glossy();
+    const MerlTable table = to_merl(evaluator(model));
+    EXPECT_EQ(table.size, k_merl_size);
+    EXPECT_EQ(table.cells.size(), 90u * 90 * 180);
+    EXPECT_LT(ratio(evaluator(model), evaluator(table)), 1e-4);
+    EXPECT_EQ(table.cells[0].g, 7.2f);  // both directions along the normal
+    // The same on one thread.
+    EXPECT_EQ(write_merl(to_merl(evaluator(model), {20, 20, 30}, 1)),
+              write_merl(to_merl(evaluator(model), {20, 20, 30}, 2)));
+}
+
+/// What a table that knows no order of the two directions cannot hold.
+TEST(Convert, MerlTablesLoseWhatIsNotReciprocal) {
+    for (const auto& name : k_bundled) {
+        const Measured measured = bundled(name);
+        const MerlTable table = to_merl(evaluator(measured));
+        const Evaluate symmetrised = [&](auto wl, auto wv, auto f) {
+            for (std::size_t i = 0; i < wl.size(); ++i) {
+                const Rgb a = value(measured, wl[i], wv[i]), b = value(measured, wv[i], wl[i]);
+                f[i] = {(a.r + b.r) / 2, (a.g + b.g) / 2, (a.b + b.b) / 2};
+            }
+        };
+        EXPECT_LT(ratio(symmetrised, evaluator(table)), 1e-4) << name;
+        EXPECT_LT(ratio(evaluator(measured), evaluator(table)), name == "paper_white" ? 0.0013 : 0.024) << name;
+    }
+}
+
+TEST(Convert, RglTablesFollowWhatTheyAreMadeOf) {
+    const PmModel model = glossy();
+    EXPECT_LT(ratio(evaluator(model), evaluator(to_rgl(evaluator(model)))), 2e-3);
+    for (const auto& name : k_bundled) {
+        const Measured measured = bundled(name);
+        const RglTable table = to_rgl(signed_evaluator(measured));
+        EXPECT_LT(ratio(evaluator(measured), evaluator(table)), 1e-3) << name;
+    }
+}
+
+/// The fields of a written file, and the numbers of one of floats.
+struct WrittenFile {
+    std::vector<std::byte> bytes;
+    TensorFile file;
+    explicit WrittenFile(const RglTable& table) : bytes(write_rgl(table)), file(*parse_tensor_file(bytes, "w")) {}
+    std::vector<float> floats(const char* name) const {
+        const auto raw = file.find(name)->second.bytes;
+        std::vector<float> numbers(raw.size() / sizeof(float));
+        std::memcpy(numbers.data(), raw.data(), raw.size());
+        return numbers;
+    }
+};
+
+RglOptions small_options() {
+    RglOptions options;
+    options.polar = 10;
+    options.colours = 48;
+    options.description = "glossy";
+    return options;
+}
+
+/// What Mitsuba 3, pbrt-v4 and the database's loaders check before they take a file.
+TEST(Convert, RglFilesHaveTheFieldsThatRenderersAskFor) {
+    const PmModel model = glossy();
+    const WrittenFile written(to_rgl(evaluator(model), small_options()));
+    const std::map<std::string, std::vector<std::uint64_t>> shapes{{"phi_i", {1}},
+                                                                   {"theta_i", {10}},
+                                                                   {"ndf", {2, 256}},
+                                                                   {"sigma", {2, 256}},
+                                                                   {"vndf", {1, 10, 128, 128}},
+                                                                   {"luminance", {1, 10, 48, 48}},
+                                                                   {"rgb", {1, 10, 3, 48, 48}},
+                                                                   {"wavelengths", {18}},
+                                                                   {"spectra", {1, 10, 18, 48, 48}}};
+    for (const auto& [name, shape] : shapes) {
+        const auto field = written.file.find(name);
+        ASSERT_NE(field, written.file.end()) << name;
+        EXPECT_EQ(field->second.shape, shape) << name;
+        EXPECT_EQ(field->second.type, TensorType::f32) << name;
+    }
+    for (const char* name : {"description", "jacobian"})
+        EXPECT_EQ(written.file.find(name)->second.type, TensorType::u8);
+    EXPECT_EQ(std::to_integer<int>(written.file.find("jacobian")->second.bytes[0]), 1);
+    EXPECT_EQ(written.file.find("description")->second.bytes.size(), 6u);
+}
+
+/// Relations between the fields that hold in the database's files.
+TEST(Convert, RglFilesKeepTheInvariantsOfTheFormat) {
+    const PmModel model = glossy();
+    const RglTable table = to_rgl(evaluator(model), small_options());
+    const WrittenFile written(table);
+    const auto ndf = written.floats("ndf"), sigma = written.floats("sigma"), vndf = written.floats("vndf"),
+               luminances = written.floats("luminance"), rgb = written.floats("rgb"), theta = written.floats("theta_i");
+    EXPECT_EQ(theta.front(), 0);
+    EXPECT_PRED3(near, theta.back(), k_pi / 2, 1e-6);
+    for (std::size_t i = 0; i < 256; ++i) EXPECT_EQ(ndf[i], ndf[256 + i]);
+    // The projected area of the normals is 1 seen from above: σ(0) = ∫ D cos = 1.
+    EXPECT_PRED3(near, sigma[0], 1, 1e-4);
+    double area = 0;
+    for (int i = 0; i < 100000; ++i) {
+        const double u = (i + 0.5) / 100000, t = u * u * k_pi / 2;
+        area += double(at(table.ndf, float(u))) * std::cos(t) * std::sin(t) * 2 * k_pi * k_pi * u / 100000;
+    }
+    EXPECT_PRED3(near, area, 1, 1e-3);
+    for (std::size_t slice = 0; slice < 10; ++slice) {
+        // vndf integrates to 1 over its cells and is D(m) max(0, m·ωl) sinθ u, up to one factor for the slice.
+        std::vector<double> expected(128 * 128);
+        double sum = 0, whole = 0;
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+            const std::size_t x = i % 128, y = i / 128;
+            const double u = double(x) / 127, t = u * u * k_pi / 2, cells = (x % 127 ? 1 : 0.5) * (y % 127 ? 1 : 0.5);
+            const Vec3d m = spherical(t, (2 * double(y) / 127 - 1) * k_pi), wl = spherical(double(theta[slice]), 0.0);
+            expected[i] = double(at(table.ndf, float(u))) * std::max(0.0, dot(m, wl)) * std::sin(t) * u;
+            sum += cells * double(vndf[slice * expected.size() + i]);
+            whole += cells * expected[i];
+        }
+        for (std::size_t i = 0; i < expected.size(); ++i)
+            EXPECT_PRED3(near, double(vndf[slice * expected.size() + i]) * whole, expected[i],
+                         1e-5 * (expected[i] + 1e-2));
+        EXPECT_PRED3(near, sum, 1, 1e-5);
+        // Luminance is Rec.709 of the colours, but where sampling would be in vain.
+        double all = 0;
+        for (std::size_t i = 0; i < 48 * 48; ++i) {
+            const float* const f = &rgb[slice * 3 * 48 * 48 + i];
+            const double of_rgb = std::max(0.0, luminance(Rgb{f[0], f[48 * 48], f[2 * 48 * 48]}));
+            const double l = double(luminances[slice * 48 * 48 + i]);
+            EXPECT_TRUE(l == 0 || near_relative(l, of_rgb, 1e-5)) << l << ' ' << of_rgb;
+            all += l;
+        }
+        EXPECT_GT(all, 0);
+    }
+}
+
+/// rgb and spectra are the same colours: a renderer that reads spectra shows what one that reads rgb shows.
+TEST(Convert, RglFilesHoldOneMaterialTwice) {
+    const RglTable table = to_rgl(evaluator(glossy()), small_options());
+    const auto bytes = write_rgl(table);
+    const auto rgb = read_rgl(bytes, "w");
+    ASSERT_TRUE(rgb.ok()) << message(rgb.error());
+    // Without the field rgb the reader takes the spectra: the name occurs once.
+    auto nameless = bytes;
+    const std::string name("\3\0rgb", 5);
+    const auto at = std::search(nameless.begin(), nameless.end(), name.begin(), name.end(),
+                                [](std::byte b, char c) { return std::to_integer<char>(b) == c; });
+    ASSERT_NE(at, nameless.end());
+    at[2] = std::byte('x');
+    const auto spectral = read_rgl(nameless, "w");
+    ASSERT_TRUE(spectral.ok()) << message(spectral.error());
+    EXPECT_EQ(spectral->wavelengths.size(), 18u);
+    std::mt19937_64 random(2);
+    for (int i = 0; i < 5000; ++i) {
+        const Vec3f wl = to_float(random_direction(random, 0.05)), wv = to_float(random_direction(random, 0.05));
+        const Rgb f = value(table, wl, wv), g = value(*rgb, wl, wv), h = value(*spectral, wl, wv);
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_PRED3(near, g[c], f[c], 1e-4 * (double(f[c]) + 1e-2));
+            EXPECT_PRED3(near, h[c], f[c], 1e-4 * (double(f[c]) + 1e-2));
+        }
+    }
+}
+
+TEST(Convert, ReflectanceSpectraHaveTheirColour) {
+    const auto weights = rgb_weights(k_primary_wavelengths);
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 200; ++i) {
+        const Rgb colour{float(uniform(random)), float(uniform(random)), float(uniform(random))};
+        const auto spectrum = reflectance_spectrum(colour);
+        const Rgb again = to_rgb(spectrum, weights);
+        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, again[c], colour[c], 3e-6);
+        for (const float r : spectrum) EXPECT_TRUE(r >= 0 && r <= 1);
+    }
+    for (const float r : reflectance_spectrum({1, 1, 1})) EXPECT_PRED3(near, r, 1, 2e-6);
+}
+
+TEST(Convert, WarpUndoesUnwarp) {
+    const Measured measured = bundled("cc_ibiza_sunset");
+    const auto& table = std::get<RglTable>(measured.table);
+    std::mt19937_64 random(4);
+    for (std::size_t slice = 0; slice + 1 < table.theta_l.size(); ++slice)
+        for (int i = 0; i < 3000; ++i) {
+            const float x = float(uniform(random)), y = float(uniform(random));
+            const Warped u = warp(table.visible, slice, x, y);
+            const Warped w = unwarp(table.visible, Slices{slice, slice, 0}, u.x, u.y);
+            if (u.density < 1e-2f) continue;  // where the density vanishes, many places lead to one
+            EXPECT_PRED3(near, w.x, x, 1e-3);
+            EXPECT_PRED3(near, w.y, y, 1e-4);
+            EXPECT_PRED3(near_relative, w.density, u.density, 1e-2);
+        }
+}
+
+/// How the renderers sample the written file: luminance, then visible normals. Relative variance of f cosθv / pdf, and the share of
+/// samples below the horizon, for light at 45°.
+struct SamplingQuality {
+    double theta, variance, wasted, albedo;
+};
+
+SamplingQuality sampling_quality(const RglTable& table, const Evaluate& brdf) {
+    const WrittenFile written(table);
+    const auto numbers = written.floats("luminance");
+    // At a node of θ_l nearest to 45° no slices are mixed.
+    std::size_t slice = 0;
+    for (std::size_t i = 0; i < table.theta_l.size(); ++i)
+        if (std::abs(table.theta_l[i] - k_pi / 4) < std::abs(table.theta_l[slice] - k_pi / 4)) slice = i;
+    RglTable::VisibleNormals luminances{table.colour.width, table.colour.height, {}, {}};
+    const std::size_t size = std::size_t(luminances.width) * luminances.height;
+    EXPECT_TRUE(integrate(std::span(numbers).subspan(slice * size, size), luminances));
+    const Vec3d wl = spherical(double(table.theta_l[slice]), 0.0);
+    std::mt19937_64 random(5);
+    constexpr int count = 50000;
+    double sum = 0, squares = 0;
+    int wasted = 0;
+    for (int i = 0; i < count; ++i) {
+        const Warped w = warp(luminances, 0, float(uniform(random)), float(uniform(random)));
+        const Warped u = warp(table.visible, slice, w.x, w.y);
+        const double theta = double(u.x) * double(u.x) * k_pi / 2;
+        const Vec3d m = spherical(theta, (2 * double(u.y) - 1) * k_pi), wv = 2 * dot(wl, m) * m - wl;
+        if (wv.z <= 0) {
+            ++wasted;
+            continue;
+        }
+        const double jacobian = std::max(2 * k_pi * k_pi * double(u.x) * std::sin(theta), 1e-6) * 4 * dot(wl, m);
+        const double pdf = double(u.density) * double(w.density) / jacobian;
+        Rgb f;
+        const Vec3f l = to_float(wl), v = to_float(wv);
+        brdf(std::span(&l, 1), std::span(&v, 1), std::span(&f, 1));
+        const double weight = luminance(f) * wv.z / pdf;
+        sum += weight, squares += weight * weight;
+    }
+    const double mean = sum / count;
+    return {double(table.theta_l[slice]), squares / count / (mean * mean) - 1, double(wasted) / count, mean};
+}
+
+TEST(Convert, RglFilesAreSampledWell) {
+    for (const auto& name : k_bundled) {
+        const Measured measured = bundled(name);
+        const RglTable table = to_rgl(signed_evaluator(measured));
+        const auto quality = sampling_quality(table, evaluator(measured));
+        EXPECT_LT(quality.variance, 0.05) << name;
+        EXPECT_LT(quality.wasted, 0.02) << name;
+        std::printf("%s: relative variance %.4f, %.2f %% of samples in vain\n", name.c_str(), quality.variance,
+                    100 * quality.wasted);
+        // Without bias: the mean weight is the albedo.
+        const Rgb whole =
+            albedo([&](auto a, auto b, auto f) { return evaluator(measured)(b, a, f); }, quality.theta, k_pi / 2);
+        EXPECT_PRED3(near_relative, quality.albedo, luminance(whole), 0.02) << name;
+    }
+}
+
+TEST(Convert, SamplesAreWrittenAndReadAgain) {
+    const auto spectral = *read_cornell(as_bytes(k_small_cornell), "c");
+    const auto again = read_csv(as_bytes(write_csv(spectral)), "c");
+    ASSERT_TRUE(again.ok()) << message(again.error());
+    EXPECT_EQ(again->wavelengths, spectral.wavelengths);
+    EXPECT_EQ(again->spectrum, spectral.spectrum);
+    EXPECT_TRUE(again->isotropic);
+    for (std::size_t i = 0; i < spectral.wl.size(); ++i)
+        for (int k = 0; k < 3; ++k) {
+            const auto part = [&](Vec3f w) { return k == 0 ? w.x : k == 1 ? w.y : w.z; };
+            EXPECT_PRED3(near, part(again->wl[i]), part(spectral.wl[i]), 1e-6);
+            EXPECT_PRED3(near, part(again->wv[i]), part(spectral.wv[i]), 1e-6);
+        }
+
+    const PmModel model = glossy();
+    const Scattered samples = to_samples(evaluator(model), true, 20, 89 * k_degree);
+    ASSERT_EQ(samples.wl.size(), 400u);
+    for (std::size_t i = 0; i < samples.wl.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            EXPECT_PRED3(near_relative, samples.colour[i][c], value(model, samples.wl[i], samples.wv[i])[c], 1e-4);
+    const auto colours = read_csv(as_bytes(write_csv(samples)), "m");
+    ASSERT_TRUE(colours.ok()) << message(colours.error());
+    EXPECT_EQ(colours->colour, samples.colour);
+    EXPECT_TRUE(colours->isotropic);
+}
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,26 @@
+// Every file that the fuzzers began with or once found: fuzz/corpus/TARGET/.
+#include "../fuzz/targets.h"
+
+#include "properties.h"
+#include "temporary_folder.h"
+
+namespace srbf {
+namespace {
+
+TEST(Corpus, BreaksNoPromise) {
+    for (const NamedTarget& target : k_targets) {
+        const auto folder = std::filesystem::path(SRBF_SOURCE_DIR) / "fuzz" / "corpus" / std::string(target.name);
+        int files = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+            const std::string bytes = contents(entry.path());
+            // A copy of just this size, so that reading past its end is seen.
+            const std::vector<char> copy(bytes.begin(), bytes.end());
+            target.check(std::as_bytes(std::span(copy)));
+            ++files;
+        }
+        EXPECT_GE(files, 1) << folder;
+    }
+}
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,94 @@
+// What docs/formats.md promises that no other test holds: its Python reads a model, reading takes no more memory than said.
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <cstdio>
+
+#include "measured_files.h"
+#include "models.h"
+#include "program.h"
+#include "srbf/convert.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+/// Largest memory of the child processes so far [bytes].
+std::uint64_t children_memory() {
+    rusage usage{};
+    ::getrusage(RUSAGE_CHILDREN, &usage);
+    return std::uint64_t(usage.ru_maxrss) * 1024;
+}
+
+void expect_frugal(const std::string& name, std::span<const std::byte> bytes) {
+    const TemporaryFolder folder;
+    write(folder / name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    const ProgramRun shown = run(folder, {"info", name});
+    EXPECT_EQ(shown.status, 0) << shown.err;
+    EXPECT_LT(children_memory(), 4 * bytes.size() + (64 << 20)) << name;
+}
+
+/// From the smallest file to the largest, since the largest memory is all that is known.
+TEST(Formats, ReadingTakesFourTimesTheFile) {
+    const auto grey = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
+        std::ranges::fill(f, Rgb{0.1f, 0.2f, 0.3f});
+    };
+    expect_frugal("small.csv", as_bytes(k_small_csv));
+    expect_frugal("t.bin", utia_file([](int, int, int, int, int) { return 0.1; }));
+    expect_frugal("t.bsdf", write_rgl(to_rgl(grey, {8, 64, "grey", 1})));
+    expect_frugal("t.csv", as_bytes(write_csv(to_samples(grey, true, 400, 80 * k_degree))));
+    MerlTable table;
+    table.size = k_merl_size;
+    table.cells.assign(90 * 90 * 180, Rgb{0.1f, 0.2f, 0.3f});
+    expect_frugal("t.binary", write_merl(table));
+}
+
+/// A Python that has numpy; empty: none.
+std::string python_with_numpy() {
+    for (const std::string python : {"python3", "/usr/bin/python3"})
+        if (std::system((python + " -c 'import numpy' >/dev/null 2>&1").c_str()) == 0) return python;
+    return {};
+}
+
+TEST(Formats, NumpyReadsModels) {
+    const std::string python = python_with_numpy();
+    if (python.empty()) GTEST_SKIP() << "no python3 with numpy (Debian: python3-numpy)";
+    const std::string page = contents(std::filesystem::path(SRBF_SOURCE_DIR) / "docs" / "formats.md");
+    const std::string opening = "```python\n";
+    const auto begin = page.find(opening), end = page.find("```", begin + opening.size());
+    ASSERT_NE(begin, page.npos);
+    const TemporaryFolder folder;
+    write(folder / "model.py", page.substr(begin + opening.size(), end - begin - opening.size()));
+
+    std::mt19937_64 random(1);
+    std::vector<Vec3f> wl, wv;
+    std::string pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n";
+    for (int i = 0; i < 200; ++i) {
+        wl.push_back(to_float(random_direction(random, 0.05)));
+        wv.push_back(to_float(random_direction(random, 0.05)));
+        pairs += fmt::format("{},{},{},{},{},{}\n", wl[wl.size() - 1].x, wl.back().y, wl.back().z, wv.back().x,
+                             wv.back().y, wv.back().z);
+    }
+    write(folder / "pairs.csv", pairs);
+    for (const PmForm form : k_forms)
+        for (const bool log_scale : {false, true}) {
+            if (!log_scale && form != PmForm::source) continue;
+            const PmModel model = rounded(random_model(random, {true, log_scale, 4, 3, 300, form}));
+            ASSERT_TRUE(save_model({model, {}}, folder / "m.srbf").ok());
+            const std::string command =
+                fmt::format("cd '{}' && {} model.py m.srbf pairs.csv > out.csv", folder.path.string(), python);
+            ASSERT_EQ(std::system(command.c_str()), 0);
+            std::istringstream out(contents(folder / "out.csv"));
+            for (std::size_t i = 0; i < wl.size(); ++i) {
+                const Rgb f = value(model, wl[i], wv[i]);
+                for (int c = 0; c < 3; ++c) {
+                    std::string number;
+                    std::getline(out, number, c < 2 ? ',' : '\n');
+                    EXPECT_PRED3(near, std::atof(number.c_str()), f[c], 1e-3 * double(f[c]) + 1e-9);
+                }
+            }
+        }
+}
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,16 @@
+# Installs the build into an empty folder, builds the user's project against that alone, and runs it.
+file(REMOVE_RECURSE ${FOLDER})
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE out)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${ARGN}\n${out}")
+  endif()
+  set(out "${out}" PARENT_SCOPE)
+endfunction()
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${FOLDER}/prefix)
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/test/install -B ${FOLDER}/build -DCMAKE_PREFIX_PATH=${FOLDER}/prefix
+    -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release)
+run(${CMAKE_COMMAND} --build ${FOLDER}/build)
+run(${FOLDER}/build/user ${SOURCE}/data/paper_white_rgb.bsdf ${FOLDER}/paper.srbf)
+message("${out}")
+run(${FOLDER}/prefix/bin/srbf info ${FOLDER}/paper.srbf)

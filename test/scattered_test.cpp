@@ -1,0 +1,357 @@
+// Scattered samples and the text formats that hold them.
+#include <fmt/format.h>
+
+#include <map>
+
+#include "measured_files.h"
+#include "srbf/colour.h"
+#include "srbf/file.h"
+#include "srbf/metrics.h"
+
+namespace srbf {
+namespace {
+
+Result<Scattered> read(Result<Scattered> (*reader)(std::span<const std::byte>, const std::string&),
+                       std::string_view text) {
+    return reader(as_bytes(text), "f");
+}
+std::string error_of(Result<Scattered> (*reader)(std::span<const std::byte>, const std::string&),
+                     std::string_view text) {
+    const auto samples = read(reader, text);
+    return samples ? "" : message(samples.error());
+}
+bool has(const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text << "\nlacks " << part;
+    return true;
+}
+bool near_direction(Vec3f a, Vec3d b) { return near(a.x, b.x, 1e-6) && near(a.y, b.y, 1e-6) && near(a.z, b.z, 1e-6); }
+
+TEST(Cornell, ReadsSpectra) {
+    const auto s = read(read_cornell, k_small_cornell);
+    ASSERT_TRUE(s.ok()) << message(s.error());
+    EXPECT_EQ(s->description, "Blue paint");
+    EXPECT_TRUE(s->isotropic);
+    EXPECT_EQ(s->wavelengths, (std::vector<float>{450, 550, 650}));
+    ASSERT_EQ(s->wl.size(), 3u);
+    EXPECT_TRUE(near_direction(s->wl[0], spherical(0.1, 0.0)));  // i: of the light
+    EXPECT_TRUE(near_direction(s->wv[0], spherical(0.2, 3.0)));
+    EXPECT_EQ(s->spectrum, (std::vector<float>{0.3f, 0.2f, 0.1f, 0.31f, 0.21f, 0.11f, 3, 2, 1}));
+    const auto weights = rgb_weights(s->wavelengths);
+    EXPECT_EQ(s->colour[1], to_rgb(std::span(s->spectrum).subspan(3, 3), weights));
+}
+
+TEST(Cornell, SaysWhatIsWrong) {
+    has(error_of(read_cornell, "x\n"), "line 1: number of wavelengths: expected between 1 and 4096, found 'x'");
+    has(error_of(read_cornell, "0\n"), "number of wavelengths");
+    has(error_of(read_cornell, "2\n400\n"), "wavelength 2 of 2: expected a number, found the end of the file");
+    has(error_of(read_cornell, "2\n400 400\n"), "wavelengths: expected increasing ones");
+    has(error_of(read_cornell, "1\n400\n0.1 0 0.1 0\n"),
+        "number 5 of a sample of 5: expected a number, found the end of");
+    has(error_of(read_cornell, "1\n400\n0.1 0 0.1 0 1\n0.1 0 zero 0 1\n"), "line 4: number 3 of a sample of 5");
+    has(error_of(read_cornell, "1\n400\n"), "samples: expected at least one");
+    has(error_of(read_cornell, "1\n400\n1.6 0 0 0 1\n0 0 0 0 nan\n"), "found 2 that are not");
+}
+
+TEST(Astm, ReadsColumnsByName) {
+    const auto s = read(read_astm, k_small_astm);
+    ASSERT_TRUE(s.ok()) << message(s.error());
+    EXPECT_EQ(s->description, "Blue");
+    EXPECT_TRUE(s->isotropic && s->wavelengths.empty() && s->spectrum.empty());
+    ASSERT_EQ(s->wl.size(), 3u);
+    EXPECT_EQ(s->colour[1], (Rgb{-0.01f, 0.21f, 0.31f}));
+    EXPECT_TRUE(near_direction(s->wv[1], spherical(1.0, 0.5)));
+
+    const auto other = read(read_astm, "VARS Y,theta_s,theta_i,phi_s,phi_i\n0.5,0.1,0.2,0.3,0.4\n");
+    ASSERT_TRUE(other.ok()) << message(other.error());
+    EXPECT_EQ(other->colour[0], (Rgb{0.5f, 0.5f, 0.5f}));
+    EXPECT_FALSE(other->isotropic);
+    EXPECT_TRUE(near_direction(other->wl[0], spherical(0.2, 0.4)) && near_direction(other->wv[0], spherical(0.1, 0.3)));
+
+    const auto xyz = read(read_astm, "VARS theta_i,theta_s,phi_s,X,Y,Z\n0.2,0.1,0.3,0.95047,1,1.08883\n");
+    ASSERT_TRUE(xyz.ok()) << message(xyz.error());
+    for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, xyz->colour[0][c], 1, 2e-4);
+}
+
+TEST(Astm, SaysWhatIsWrong) {
+    has(error_of(read_astm, ""), "a line VARS");
+    has(error_of(read_astm, "VARS theta_i,phi_s,R,G,B\n"), "a column theta_s");
+    has(error_of(read_astm, "VARS theta_i,theta_s,phi_s,R,G\n"),
+        "values R,G,B or X,Y,Z or one column, found 2 from 'R'");
+    has(error_of(read_astm, "VARS theta_i,theta_i,theta_s,phi_s,Y\n"), "'theta_i' again");
+    has(error_of(read_astm, "VARS theta_i,theta_s,phi_s,Y\n1,1,1\n"), "line 2: sample: expected 4 numbers, found 3");
+    has(error_of(read_astm, "VARS theta_i,theta_s,phi_s,Y\n1,a,1,1\n"),
+        "line 2: theta_s: expected a number, found 'a'");
+    has(error_of(read_astm, "NUM_POINTS 2\nVARS theta_i,theta_s,phi_s,Y\n1,1,1,1\n"),
+        "samples: expected 2 (NUM_POINTS), found 1");
+    has(error_of(read_astm, "LAB_NAME x\n1,2,3\n"), "a line VARS before the samples");
+}
+
+/// A parameterization of ALTA's, by its numbers and the pair they stand for, view first.
+struct AltaCase {
+    std::string name;
+    std::vector<double> numbers;
+    Vec3d view, light;
+};
+
+/// Numbers of a random pair, by ALTA's definitions from directions to numbers.
+std::vector<AltaCase> alta_cases(std::mt19937_64& random) {
+    const Vec3d v = random_direction(random, 0.05);
+    Vec3d l = random_direction(random, 0.05);
+    const auto theta = [](Vec3d w) { return std::acos(w.z); };
+    const auto phi = [](Vec3d w) { return std::atan2(w.y, w.x); };
+    const Vec3d h = normalize(l + v);
+    std::vector<AltaCase> cases{
+        {"CARTESIAN", {v.x, v.y, v.z, l.x, l.y, l.z}, v, l},
+        {"SPHERICAL_TL_PL_TV_PV", {theta(l), phi(l), theta(v), phi(v)}, v, l},
+        {"STEREOGRAPHIC", {v.x / (1 + v.z), v.y / (1 + v.z), l.x / (1 + l.z), l.y / (1 + l.z)}, v, l},
+    };
+    // Half-way: θ_d and φ_d of the viewer in the frame that takes h to the normal.
+    const auto in_half_frame = [&](Vec3d w) {
+        const double c = std::cos(phi(h)), s = std::sin(phi(h));
+        const Vec3d a{c * w.x + s * w.y, c * w.y - s * w.x, w.z};
+        return Vec3d{h.z * a.x - std::sin(theta(h)) * a.z, a.y, std::sin(theta(h)) * a.x + h.z * a.z};
+    };
+    const Vec3d d = in_half_frame(v);
+    cases.push_back({"RUSIN_TH_PH_TD_PD", {theta(h), phi(h), theta(d), phi(d)}, v, l});
+
+    // The isotropic ones: the light at azimuth 0.
+    const double turn = phi(l);
+    const auto turned = [&](Vec3d w) {
+        return Vec3d{std::cos(turn) * w.x + std::sin(turn) * w.y, std::cos(turn) * w.y - std::sin(turn) * w.x, w.z};
+    };
+    const Vec3d tv = turned(v), tl = turned(l);
+    const auto plane = [&](Vec3d w) { return std::pair(theta(w) * std::cos(phi(w)), theta(w) * std::sin(phi(w))); };
+    const auto [x, y] = plane(tv);
+    cases.push_back({"ISOTROPIC_TL_TV_PROJ_DPHI", {theta(l), x, y}, tv, tl});
+    cases.push_back({"ISOTROPIC_TV_PROJ_DPHI", {x, y}, tv, Vec3d{0, 0, 1}});
+    const double dphi = phi(l) - phi(v);
+    cases.push_back(
+        {"ISOTROPIC_TV_TL_DPHI", {theta(v), theta(l), dphi}, spherical(theta(v), 0.0), spherical(theta(l), dphi)});
+    const Vec3d back = normalize(tv + mirror(tl));  // bisects the viewer and the reflected light
+    if (dot(back, tv) > 0.05) {
+        const auto [kx, ky] = plane(back);
+        cases.push_back({"SCHLICK_TL_TK_PROJ_DPHI", {theta(l), kx, ky}, tv, tl});
+    }
+    const double between = std::acos(std::min(1.0, dot(v, l)));
+    const double cos_at_l = (tv.z - tl.z * std::cos(between)) / (std::sin(theta(l)) * std::sin(between));
+    const double sin_at_l = tv.y / std::sin(between);
+    cases.push_back({"RETRO_TL_TVL_PROJ_DPHI", {theta(l), between * cos_at_l, between * sin_at_l}, tv, tl});
+    // Stark, Neumann: half-way vector (l + v)/2 and back vector (l − v)/2, whose azimuth counts from the former's.
+    const Vec3d half = 0.5 * (l + v), b = 0.5 * (l - v);
+    const auto flat = [](Vec3d w) { return std::hypot(w.x, w.y); };
+    const double angle = phi(b) - phi(half), c = std::cos(phi(half)), s = std::sin(phi(half));
+    const auto from_half = [&](Vec3d w) { return Vec3d{c * w.x + s * w.y, c * w.y - s * w.x, w.z}; };
+    cases.push_back({"STARK_3D", {flat(half), std::sqrt(dot(b, b)), angle}, from_half(v), from_half(l)});
+    // ALTA exchanges the two in Neumann's.
+    cases.push_back({"NEUMANN_3D", {flat(half), flat(b), angle}, from_half(l), from_half(v)});
+    return cases;
+}
+
+TEST(Alta, ReadsItsParameterizations) {
+    std::mt19937_64 random(1);
+    std::map<std::string, int> read_in;
+    for (int i = 0; i < 200; ++i)
+        for (const auto& [name, numbers, view, light] : alta_cases(random)) {
+            std::string text = "#DIM " + std::to_string(numbers.size()) + " 1\n#PARAM_IN " + name + "\n";
+            for (const double x : numbers) text += fmt::format("{:.17g} ", x);
+            const auto s = read(read_alta, text + "0.25\n");
+            ASSERT_TRUE(s.ok()) << name << ' ' << message(s.error());
+            EXPECT_TRUE(near_direction(s->wv[0], view)) << name << ' ' << i;
+            EXPECT_TRUE(near_direction(s->wl[0], light)) << name << ' ' << i;
+            EXPECT_EQ(s->isotropic, !(name == "CARTESIAN" || numbers.size() == 4)) << name;
+            ++read_in[name];
+        }
+    EXPECT_EQ(read_in.size(), 11u);
+    // Of those that leave something out: what is left agrees.
+    const auto two = [&](const std::string& name, double a, double b) {
+        return *read(read_alta, "#DIM 2 1\n#PARAM_IN " + name + "\n" + fmt::format("{} {} 1\n", a, b));
+    };
+    for (const auto& [name, theta_h, theta_d] : {std::tuple("RUSIN_TH_TD", 0.3, 0.7), {"COS_TH_TD", 0.3, 0.7}}) {
+        const bool cosines = name[0] == 'C';
+        const auto s = two(name, cosines ? std::cos(theta_h) : theta_h, cosines ? std::cos(theta_d) : theta_d);
+        const Vec3f h = s.wl[0] + s.wv[0], d = s.wl[0] - s.wv[0];
+        EXPECT_PRED3(near, std::atan2(std::hypot(h.x, h.y), h.z), theta_h, 1e-6);
+        EXPECT_PRED3(near, std::asin(0.5 * std::sqrt(double(dot(d, d)))), theta_d, 1e-6);
+    }
+    for (const char* name : {"STARK_2D", "NEUMANN_2D"}) {
+        const auto s = two(name, 0.4, 0.3);
+        const Vec3f h = s.wl[0] + s.wv[0], d = s.wl[0] - s.wv[0];
+        EXPECT_PRED3(near, 0.5f * std::hypot(h.x, h.y), 0.4, 1e-6);
+        EXPECT_PRED3(near, 0.5f * std::hypot(d.x, d.y), 0.3, 1e-6);
+    }
+}
+
+TEST(Alta, ReadsHeadersAndOutputs) {
+    const auto s = read(read_alta, k_small_alta);
+    ASSERT_TRUE(s.ok()) << message(s.error());
+    EXPECT_EQ(s->description, "Tape");
+    ASSERT_EQ(s->wl.size(), 3u);
+    EXPECT_EQ(s->colour[2], (Rgb{2.5f, 2.5f, 2.5f}));  // the error bar is left aside
+    const auto with_cosine = read(read_alta,
+                                  "#DIM 6 3\n#PARAM_IN CARTESIAN\n#PARAM_OUT INV_STERADIAN_COSINE_FACTOR\n"
+                                  "0.6 0 0.8 0 0 1 0.4 0.8 1.6\n");
+    ASSERT_TRUE(with_cosine.ok()) << message(with_cosine.error());
+    for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, with_cosine->colour[0][c], 0.5 * (1 << c), 1e-6);
+
+    has(error_of(read_alta, "#DIM 2 1\n#PARAM_IN X\n"), "line 2: #PARAM_IN: expected one of CARTESIAN, SPHERICAL");
+    has(error_of(read_alta, "#DIM 2 1\n#PARAM_IN CARTESIAN\n1 1 1\n"), "6 inputs for CARTESIAN");
+    has(error_of(read_alta, "#PARAM_IN CARTESIAN\n1 1 1\n"), "a line #DIM before");
+    has(error_of(read_alta, "#DIM 6 2\n#PARAM_IN CARTESIAN\n1 1 1 1 1 1 1 1\n"), "1 or 3 outputs");
+    has(error_of(read_alta, "#DIM 6 1\n#PARAM_IN CARTESIAN\n0 0 1 0 0 1\n"),
+        "line 3: number 7 of 7: expected a number, found the end of the line");
+    has(error_of(read_alta, "#DIM 6 1\n#FORMAT binary\n"), "#FORMAT: expected text");
+}
+
+TEST(Csv, ReadsNamedColumns) {
+    const auto s = read(read_csv, k_small_csv);
+    ASSERT_TRUE(s.ok()) << message(s.error());
+    EXPECT_TRUE(s->isotropic);  // it says so
+    ASSERT_EQ(s->wl.size(), 3u);
+    EXPECT_EQ(s->masked, 1u);
+    EXPECT_TRUE(near_direction(s->wl[1], spherical(70 * k_degree, 90 * k_degree)));
+    EXPECT_TRUE(near_direction(s->wv[1], spherical(70 * k_degree, 270 * k_degree)));
+    EXPECT_EQ(s->colour[2], (Rgb{0.4f, 0.5f, 0.5f}));
+
+    const auto vectors = read(read_csv, "wv_x,wv_y,wv_z,wl_x,wl_y,wl_z,value\n0.6,0,0.8,0,0.6,0.8,2\n");
+    ASSERT_TRUE(vectors.ok()) << message(vectors.error());
+    EXPECT_FALSE(vectors->isotropic);
+    EXPECT_EQ(vectors->wl[0], (Vec3f{0, 0.6f, 0.8f}));
+    EXPECT_EQ(vectors->colour[0], (Rgb{2, 2, 2}));
+
+    const auto spectrum =
+        read(read_csv, "theta_l_rad,theta_v_rad,phi_v_rad,450nm,nm550,600.5nm\n0.1,0.2,3,0.5,0.5,0.5\n");
+    ASSERT_TRUE(spectrum.ok()) << message(spectrum.error());
+    EXPECT_EQ(spectrum->wavelengths, (std::vector<float>{450, 550, 600.5f}));
+    for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, spectrum->colour[0][c], 0.5, 1e-5);
+}
+
+TEST(Csv, SaysWhatIsWrong) {
+    has(error_of(read_csv, ""), "names of columns, found an empty file");
+    has(error_of(read_csv, "theta_l,phi_l,theta_v,phi_v,r,g,b\n"), "angles with their unit");
+    has(error_of(read_csv, "theta_l_deg,theta_v_deg,r,g,b\n"), "no phi_v");
+    has(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,a,b\n"), "values in columns r,g,b");
+    has(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,600nm,500nm\n"), "increasing wavelengths");
+    has(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3\n"),
+        "line 2: sample: expected 4 numbers, found 3");
+    has(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3,-\n"),
+        "line 2: column 4: expected a number, found '-'");
+    has(error_of(read_csv, "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,1,1,1\n"),
+        "line 2: direction wv: expected length 1");
+}
+
+/// Samples of a smooth BRDF at random pairs.
+Scattered samples_of(const std::function<Rgb(Vec3d, Vec3d)>& f, int count, bool isotropic, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    Scattered s;
+    s.isotropic = isotropic;
+    for (int i = 0; i < count; ++i) {
+        const Vec3d wl = random_direction(random, 0.1), wv = random_direction(random, 0.1);
+        s.wl.push_back(to_float(wl));
+        s.wv.push_back(to_float(wv));
+        s.colour.push_back(f(wl, wv));
+    }
+    make_index(s);
+    return s;
+}
+
+TEST(Scattered, InterpolationMeetsItsSamples) {
+    std::mt19937_64 random(3);
+    for (const bool isotropic : {true, false}) {
+        const auto s = samples_of(
+            [&](Vec3d, Vec3d) {
+                return Rgb{float(uniform(random)), float(uniform(random)), -float(uniform(random))};
+            },
+            2000, isotropic, 4);
+        for (std::size_t i = 0; i < s.wl.size(); ++i) {
+            const Rgb f = signed_value(s, s.wl[i], s.wv[i]);
+            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, f[c], s.colour[i][c], 1e-4);
+            EXPECT_EQ(value(s, s.wl[i], s.wv[i]).b, 0);
+            if (!isotropic) continue;
+            const Rgb turned = signed_value(s, rotate(s.wl[i], 2.0), rotate(s.wv[i], 2.0));
+            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, turned[c], s.colour[i][c], 2e-2);
+        }
+    }
+}
+
+TEST(Scattered, InterpolationApproachesWhatWasSampled) {
+    // A constant f cosθl cosθv is met everywhere; a smooth BRDF the better, the more samples there are.
+    const auto flat = samples_of([](Vec3d wl, Vec3d wv) { return Rgb{float(1 / (wl.z * wv.z)), 0, 0}; }, 50, true, 5);
+    std::mt19937_64 random(6);
+    for (int i = 0; i < 500; ++i) {
+        const Vec3d wl = random_direction(random, 0.01), wv = random_direction(random, 0.01);
+        EXPECT_PRED3(near_relative, value(flat, to_float(wl), to_float(wv)).r, 1 / (wl.z * wv.z), 1e-4);
+    }
+    const auto glossy = [](Vec3d wl, Vec3d wv) {
+        const Vec3d h = normalize(wl + wv);
+        return Rgb{float(0.3 + 3 * std::pow(h.z, 30)), 0.2f, float(0.1 + wl.z * wv.z)};
+    };
+    double last = 1;
+    for (const int count : {500, 4000, 32000}) {
+        const auto s = samples_of(glossy, count, true, 7);
+        double difference = 0, whole = 0;
+        for (int i = 0; i < 4000; ++i) {
+            const Vec3d wl = random_direction(random, 0.2), wv = random_direction(random, 0.2);
+            const Rgb f = value(s, to_float(wl), to_float(wv)), g = glossy(wl, wv);
+            for (int c = 0; c < 3; ++c) {
+                difference += std::pow(double(f[c]) - double(g[c]), 2);
+                whole += double(g[c]) * double(g[c]);
+            }
+        }
+        EXPECT_LT(difference / whole, count == 500 ? 0.05 : last / 3) << count;
+        last = difference / whole;
+    }
+    EXPECT_LT(last, 2e-3);
+}
+
+TEST(Scattered, KeepsTheContract) {
+    std::mt19937_64 random(8);
+    for (const int count : {1, 2, 9, 300}) {
+        const auto s = samples_of([](Vec3d, Vec3d) { return Rgb{1, 0.5f, -0.1f}; }, count, count % 2 == 0, 9);
+        for (int i = 0; i < 3000; ++i) {
+            const Vec3f wl = direction_to_the_ends(random),
+                        wv = i % 2 ? direction_to_the_ends(random) : to_float(random_direction(random));
+            ASSERT_TRUE(keeps_contract(value(s, wl, wv), wl, wv, false));
+        }
+    }
+}
+
+TEST(Scattered, RealMeasurements) {
+    const auto folder = shared_data();
+    if (!std::filesystem::exists(folder / "cornell")) GTEST_SKIP() << folder << " is not here";
+    for (const char* name : {"krylon_blue", "garnet_red", "acryl_blue"}) {
+        const auto paint = load_measured((folder / "cornell" / (std::string(name) + ".brdf")).string());
+        ASSERT_TRUE(paint.ok()) << message(paint.error());
+        EXPECT_EQ(paint->format, "Cornell");
+        const auto& s = std::get<Scattered>(paint->table);
+        EXPECT_EQ(s.wl.size(), 1439u);
+        EXPECT_EQ(s.wavelengths.size(), 31u);
+        EXPECT_TRUE(s.isotropic && s.masked == 0);
+    }
+    // The same samples as spectra and as colours.
+    const auto spectra = load_measured((folder / "cornell" / "krylon_blue.brdf").string());
+    const auto colours = load_measured((folder / "cornell" / "krylon_blue_RGB.astm").string());
+    ASSERT_TRUE(colours.ok()) << message(colours.error());
+    EXPECT_EQ(colours->format, "ASTM E1392");
+    const auto &a = std::get<Scattered>(spectra->table).colour, &b = std::get<Scattered>(colours->table).colour;
+    ASSERT_EQ(a.size(), b.size());
+    double difference = 0, whole = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            difference += std::pow(double(a[i][c]) - double(b[i][c]), 2);
+            whole += std::pow(double(a[i][c]), 2);
+            EXPECT_PRED3(near, b[i][c], a[i][c], 6e-3 * std::abs(double(a[i].b)) + 1e-5);
+        }
+    EXPECT_LT(difference / whole, 2e-8);
+
+    const auto tape = load_measured((folder / "alta" / "retro-gray-tape.dat").string());
+    ASSERT_TRUE(tape.ok()) << message(tape.error());
+    EXPECT_EQ(tape->format, "ALTA");
+    const auto& s = std::get<Scattered>(tape->table);
+    EXPECT_EQ(s.wl.size() + s.masked, 7405u);  // those masked lie at 90°
+    // It throws light back: at 30° more towards the light than to the mirror direction.
+    const Vec3f light = to_float(spherical(30 * k_degree, 0.0));
+    EXPECT_GT(value(s, light, light).g, 10 * value(s, light, mirror(light)).g);
+}
+
+}  // namespace
+}  // namespace srbf

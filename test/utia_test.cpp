@@ -1,0 +1,74 @@
+// UTIA tables. No file of the database is at hand: these are synthetic.
+#include "measured_files.h"
+
+namespace srbf {
+namespace {
+
+/// Linear in θ, and in φ by a triangle wave, so that interpolation gives it back.
+double wave(double i) { return std::abs(i - 24); }
+double function_at(double l, double p, double v, double q, int c) {
+    return (c + 1) * (1 + 0.2 * l) * (3 - 0.3 * v) * (1 + 0.1 * wave(p)) * (2 - 0.05 * wave(q));
+}
+
+UtiaTable table() {
+    return *read_utia(utia_file([](int l, int p, int v, int q, int c) { return function_at(l, p, v, q, c); }), "t");
+}
+
+TEST(Utia, InterpolatesItsNodes) {
+    const UtiaTable t = table();
+    EXPECT_EQ(t.masked, 0u);
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 20000; ++i) {
+        // To 89°: beyond 75° it goes on linearly.
+        const double l = 5.93 * uniform(random), v = 5.93 * uniform(random), p = 48 * uniform(random),
+                     q = 48 * uniform(random);
+        const Vec3f wl = to_float(spherical(l * 15 * k_degree, p * 7.5 * k_degree));
+        const Vec3f wv = to_float(spherical(v * 15 * k_degree, q * 7.5 * k_degree));
+        const Rgb f = value(t, wl, wv);
+        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near_relative, f[c], function_at(l, p, v, q, c), 3e-4);
+    }
+}
+
+TEST(Utia, IsReadByItsSize) {
+    const Bytes bytes = utia_file([](int, int, int, int, int c) { return c == 0 ? -0.25 : 0.5; });
+    const auto measured = read_measured(bytes, "t");
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    EXPECT_EQ(measured->format, "UTIA");
+    EXPECT_FALSE(is_isotropic(*measured));
+    // Negative values are no mask: a colour may leave the gamut.
+    const Vec3f wl{0, 0, 1}, wv{0.6f, 0, 0.8f};
+    EXPECT_EQ(signed_value(*measured, wl, wv), (Rgb{-0.25f, 0.5f, 0.5f}));
+    EXPECT_EQ(value(*measured, wl, wv), (Rgb{0, 0.5f, 0.5f}));
+    for (const std::size_t size : {bytes.size() - 8, bytes.size() - 1, std::size_t(8), std::size_t(0)})
+        EXPECT_FALSE(read_utia(std::span(bytes).first(size), "t").ok());
+}
+
+TEST(Utia, WhatIsNotFiniteIsMasked) {
+    const auto t = read_utia(utia_file([](int l, int, int v, int, int c) {
+                                 return l == 2 && v == 3 && c == 1 ? std::nan("") : l == 4 && c == 0 ? INFINITY : 1.0;
+                             }),
+                             "t");
+    ASSERT_TRUE(t.ok());
+    EXPECT_EQ(t->masked, 48u * 48 + 48 * 288);
+    const auto at = [&](double theta_l, double theta_v) {
+        return value(*t, to_float(spherical(theta_l * k_degree, 0.1)), to_float(spherical(theta_v * k_degree, 2.0)));
+    };
+    EXPECT_TRUE(std::isnan(at(31, 44).r) && std::isnan(at(31, 44).g) && std::isnan(at(31, 44).b));
+    EXPECT_TRUE(std::isnan(at(55, 5).b));
+    EXPECT_EQ(at(10, 10), (Rgb{1, 1, 1}));
+    const double nan = std::nan("");
+    EXPECT_FALSE(read_utia(utia_file([&](int, int, int, int, int) { return nan; }), "t").ok());
+}
+
+TEST(Utia, KeepsTheContract) {
+    std::mt19937_64 random(2);
+    const auto t = read_utia(utia_file([&](int, int, int, int, int) { return 3 * uniform(random) - 1; }), "t");
+    ASSERT_TRUE(t.ok());
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3f wl = direction_to_the_ends(random), wv = to_float(random_direction(random));
+        ASSERT_TRUE(keeps_contract(value(*t, wl, wv), wl, wv, false));
+    }
+}
+
+}  // namespace
+}  // namespace srbf

@@ -14,7 +14,7 @@ namespace {
 
 // Of the starts so many go on to the next stage.
 constexpr int k_kicked = 6;
-constexpr std::size_t k_polished = 3;
+constexpr std::size_t k_polished = 3, k_finished = 2;
 constexpr int k_check_rounds = 12;
 /// Bound on the log of the coefficient of a lobe whose peak is 1. Peaks lie where no pair of directions
 /// leads, but lobes made of ever larger opposing bandwidths gain nothing (less than 1 % in the measured
@@ -95,6 +95,34 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
     return Done{};
 }
 
+/// Goes on with all observations; checks that the fit exceeds become some of them, until there are none; rounds.
+PmFit finish(Lobes lobes, const Observations& observations, double albedo_importance, const FitOptions& options,
+             double log_peak_limit, const Reporter& reporter) {
+    PmFit fit;
+    Observations all = observations;
+    const std::size_t first_check = all.f.size() - all.checks;
+    LevenbergMarquardtOptions steps;
+    steps.max_iterations = reporter.cancelled() ? 0 : 40;
+    for (int round = 0;; ++round) {
+        const Rows rows(all, albedo_importance);
+        LobeProblem problem(rows, rows.whole_blocks, lobes.shape, true, log_peak_limit);
+        Eigen::VectorXd x = LobeProblem::pack(lobes);
+        const auto summary = levenberg_marquardt(problem, x, steps);
+        lobes = problem.unpack(x);
+        fit.unrounded_loss = summary.loss;
+        fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
+        fit.unrounded = to_model(problem, lobes, options.log_scale);
+
+        // The nonlinear numbers are rounded, then the coefficients solved again.
+        const Lobes halves = to_lobes(to_halves(fit.unrounded, lobes), lobes.shape);
+        fit.loss = problem.loss(LobeProblem::pack(halves));
+        fit.model = to_halves(to_model(problem, halves, options.log_scale), halves);
+        if (round == k_check_rounds || reporter.cancelled()) return fit;
+        if (take_exceeded(all, first_check, fit.model, fit.loss) == 0) return fit;
+        steps.max_iterations = 12;
+    }
+}
+
 }  // namespace
 
 std::string_view name(StopReason reason) {
@@ -138,34 +166,18 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
             if (!reporter.cancelled()) polish(sample, options, log_peak_limit, found[i]);
             reporter.advance("polishing", polish_work / double(found.size()));
         });
-        Lobes best = std::min_element(found.begin(), found.end(), by_loss)->lobes;
-        const double loss =
-            LobeProblem(sample, sample.blocks, best.shape, true, log_peak_limit).loss(LobeProblem::pack(best));
+        std::stable_sort(found.begin(), found.end(), by_loss);
+        found.resize(std::min(found.size(), k_finished));
+
+        LobeProblem whole(sample, sample.blocks, shape_of(options), true, log_peak_limit);
+        const double loss = whole.loss(LobeProblem::pack(found[0].lobes));
         const double albedo_importance = std::min(loss, k_most_albedo_loss) / (3 * k_albedo_error * k_albedo_error);
-
-        // Checks that the fit exceeds become observations, until there are none.
-        Observations all = observations;
-        const std::size_t first_check = all.f.size() - all.checks;
-        LevenbergMarquardtOptions steps;
-        steps.max_iterations = reporter.cancelled() ? 0 : 40;
-        for (int round = 0;; ++round) {
-            const Rows rows(all, albedo_importance);
-            LobeProblem problem(rows, rows.whole_blocks, shape_of(options), true, log_peak_limit);
-            Eigen::VectorXd x = LobeProblem::pack(best);
-            const auto summary = levenberg_marquardt(problem, x, steps);
-            best = problem.unpack(x);
-            fit.unrounded_loss = summary.loss;
-            fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
-            fit.unrounded = to_model(problem, best, options.log_scale);
-
-            // The nonlinear numbers are rounded, then the coefficients solved again.
-            const Lobes halves = to_lobes(to_halves(fit.unrounded, best), best.shape);
-            fit.loss = problem.loss(LobeProblem::pack(halves));
-            fit.model = to_halves(to_model(problem, halves, options.log_scale), halves);
-            if (round == k_check_rounds || reporter.cancelled()) break;
-            if (take_exceeded(all, first_check, fit.model, fit.loss) == 0) break;
-            steps.max_iterations = 12;
-        }
+        std::vector<PmFit> finished(found.size());
+        tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
+            finished[i] = finish(found[i].lobes, observations, albedo_importance, options, log_peak_limit, reporter);
+        });
+        fit = *std::min_element(finished.begin(), finished.end(),
+                                [](const PmFit& a, const PmFit& b) { return a.loss < b.loss; });
         if (!reporter.advance("polishing", polish_work)) fit.stop = StopReason::cancelled;
     });
     return fit;

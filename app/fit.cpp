@@ -25,6 +25,8 @@ struct Outcome {
     std::uint64_t masked = 0, clamped = 0, raw_bytes = 0;
     int empty = 0;  // sampled directions without data
     Comparison rounded, unrounded_too;
+    std::optional<Measures>
+        of_samples;  // of scattered input, by the samples themselves; the others by what is interpolated
     Image8 picture;  // empty: none was asked for
 };
 
@@ -106,6 +108,7 @@ Json report_of(const FitCommand& command, const Measured& measured, const Outcom
     if (std::holds_alternative<SuModel>(outcome.model.model)) json["empty_directions"] = outcome.empty;
     add_measures(json, outcome.rounded, "");
     add_measures(json, outcome.unrounded_too, "unrounded_");
+    if (outcome.of_samples) add_measures(json, *outcome.of_samples, "samples_");
     return json;
 }
 
@@ -139,6 +142,11 @@ Result<Done> print_report(const FitCommand& command, const Measured& measured, c
     if (outcome.clamped > 0) fmt::print("  clamped   {} negative values, set to 0\n", grouped(outcome.clamped));
     fmt::print("\n");
     print_measures({{"as stored", &outcome.rounded}, {"before rounding", &outcome.unrounded_too}});
+    if (outcome.of_samples)
+        fmt::print(
+            "  The matrix is interpolated. At the {} samples within {:g}° themselves: {:.3g} %, of f cosθl {:.3g} %\n",
+            grouped(outcome.of_samples->pairs), outcome.max_theta, 100 * outcome.of_samples->squared_error_ratio,
+            100 * outcome.of_samples->squared_error_ratio_cosine);
     fmt::print("\n  model     {}\n", command.output);
     if (!command.preview.empty()) fmt::print("  picture   {}\n", command.preview);
     if (!command.json.empty()) fmt::print("  report    {}\n", command.json);
@@ -219,6 +227,8 @@ Result<Outcome> FitCommand::fit(const Measured& measured) const {
                                      matrix_directions(outcome->model, theta() * k_degree));
     outcome->rounded = comparisons[0];
     outcome->unrounded_too = comparisons[1];
+    if (const auto* samples = std::get_if<Scattered>(&measured.table))
+        outcome->of_samples = measure_samples(samples->wl, samples->wv, samples->colour, others[0], theta() * k_degree);
 
     if (!preview.empty()) {
         line.show("drawing", 0.95);
@@ -259,8 +269,9 @@ int FitCommand::run() {
     const double load_seconds = loading.seconds();
     const auto* measured = std::get_if<Measured>(&subject->content);
     if (!measured) return complain({input, {}, "input", "a measurement", "a fitted model"});
-    if (std::holds_alternative<Scattered>(measured->table))
-        return complain({input, {}, "input", "a table", "scattered samples, which cannot be fitted yet"});
+    if (std::holds_alternative<Scattered>(measured->table) && model != "su")
+        return complain(
+            {input, {}, "input", "a table", "scattered samples, which only --model su can be fitted to yet"});
 
     if (output.empty()) output = std::filesystem::path(input).stem().string() + ".srbf";
     const auto writable = check_outputs({input}, {output, preview, json == "-" ? "" : json});

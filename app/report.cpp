@@ -67,8 +67,12 @@ std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evalu
     return comparisons;
 }
 
+void add_measures(Json& json, const Measures& measures, std::string_view prefix) {
+    for (const Measure& m : k_measures) json[fmt::format("{}{}", prefix, m.name)] = measures.*m.member;
+}
+
 void add_measures(Json& json, const Comparison& comparison, std::string_view prefix) {
-    for (const Measure& m : k_measures) json[fmt::format("{}{}", prefix, m.name)] = comparison.matrix.*m.member;
+    add_measures(json, comparison.matrix, prefix);
     for (const Measure& m : k_measures)
         json[fmt::format("{}heldout_{}", prefix, m.name)] = comparison.heldout.*m.member;
     json[fmt::format("{}albedo_error", prefix)] = comparison.albedo_error;

@@ -22,7 +22,8 @@ struct Comparison {
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
                                 const MeasureOptions& options, std::span<const Vec3f> directions);
 
-/// Adds the comparison's measures to `json`, their names after `prefix`: "", "unrounded_".
+/// Adds measures to `json`, their names after `prefix`: "", "unrounded_", "samples_"; of a comparison all of them.
+void add_measures(Json& json, const Measures& measures, std::string_view prefix);
 void add_measures(Json& json, const Comparison& comparison, std::string_view prefix);
 
 /// A table of measures, a column for each set of each comparison.

@@ -124,6 +124,29 @@ TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
     EXPECT_NE(std::get<PmModel>(a->model), std::get<PmModel>(b->model));
 }
 
+TEST_F(Command, fit_su_takes_scattered_samples) {
+    std::mt19937_64 random(3);
+    std::string csv = "# isotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n";
+    for (int i = 0; i < 600; ++i) {
+        const auto draw = [&] {
+            const double u1 = uniform(random), u2 = uniform(random);
+            return spherical(std::acos(1 - 0.8 * u1), 2 * k_pi * u2);
+        };
+        const Vec3d l = draw(), v = draw();
+        const double f = 0.2 + 0.3 * dot(l, v) * dot(l, v);
+        csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", l.x, l.y, l.z, v.x, v.y, v.z, f, 0.5 * f, 0.2);
+    }
+    write(folder / "samples.csv", csv);
+    const ProgramRun fit = run(folder, {"fit", "samples.csv", "--model", "su", "--lobes", "3", "--directions", "96",
+                                        "--objective", "raw", "--max-theta", "70", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    // Interpolation's part is the larger one: the samples are 10° apart.
+    EXPECT_LT(json.value("samples_squared_error_ratio", 1.0), 0.02);
+    EXPECT_GT(json.value("samples_squared_error_ratio", 0.0), 0.0);
+    EXPECT_EQ(run(folder, {"fit", "samples.csv"}).status, 1);
+}
+
 TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     const Arguments fit{"fit", k_paper, "--model", "su", "--directions", "200", "--lobes", "2", "--objective", "raw"};
     const ProgramRun done =
@@ -392,7 +415,7 @@ TEST_F(Command, convert_refuses) {
                    "expected an isotropic BRDF, as RGL tables are, found an anisotropic one");
     expect_failure(1, {"convert", "none.binary", "-o", "m.csv"}, "none.binary");
     expect_failure(1, {"convert", "m.binary", "-o", "no/folder.bsdf"}, "a folder that exists");
-    expect_failure(1, {"fit", "a.csv"}, "scattered samples, which cannot be fitted yet");
+    expect_failure(1, {"fit", "a.csv"}, "scattered samples, which which only --model su can be fitted to yet");
 }
 
 }  // namespace

@@ -47,6 +47,10 @@ std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const
                                       const MeasureOptions& options, std::uint64_t count = k_heldout_pairs,
                                       std::uint64_t seed = k_heldout_seed);
 
+/// The same of `other` over samples f[i] at (wl[i], wv[i]) within the cap, each of weight 1; their negative channels count as 0.
+Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                         const Evaluate& other, double max_theta);
+
 /// The angles at which albedo is compared [degrees].
 inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};
 

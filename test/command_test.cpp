@@ -415,7 +415,7 @@ TEST_F(Command, convert_refuses) {
                    "expected an isotropic BRDF, as RGL tables are, found an anisotropic one");
     expect_failure(1, {"convert", "none.binary", "-o", "m.csv"}, "none.binary");
     expect_failure(1, {"convert", "m.binary", "-o", "no/folder.bsdf"}, "a folder that exists");
-    expect_failure(1, {"fit", "a.csv"}, "scattered samples, which which only --model su can be fitted to yet");
+    expect_failure(1, {"fit", "a.csv"}, "scattered samples, which only --model su can be fitted to yet");
 }
 
 }  // namespace

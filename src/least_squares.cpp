@@ -71,4 +71,18 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
     return x;
 }
 
+Eigen::MatrixXd ridged(Eigen::MatrixXd G) {
+    G.diagonal().array() *= 1 + 1e-7;
+    G.diagonal().array() += 1e-300;
+    return G;
+}
+
+std::vector<double> cost_of_dropping(const Eigen::MatrixXd& G, const Eigen::MatrixXd& x) {
+    const Eigen::MatrixXd inverse = ridged(G).ldlt().solve(Eigen::MatrixXd::Identity(G.rows(), G.cols()));
+    std::vector<double> cost;
+    for (Eigen::Index j = 0; j < G.rows(); ++j)
+        cost.push_back(x.row(j).squaredNorm() / std::max(inverse(j, j), 1e-300));
+    return cost;
+}
+
 }  // namespace srbf

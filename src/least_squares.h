@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Dense>
 #include <concepts>
+#include <vector>
 
 namespace srbf {
 
@@ -9,6 +10,13 @@ namespace srbf {
 /// active-set method (Lawson & Hanson 1974, Stark & Parker's bounds). A ridge of 1e-6 of G's diagonal keeps
 /// it defined where columns coincide; a column of zeros gets x = 0. `upper` may hold infinities.
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::VectorXd& g, const Eigen::VectorXd& upper);
+
+/// G with a diagonal so much larger that it can be factored where columns coincide or are 0.
+Eigen::MatrixXd ridged(Eigen::MatrixXd G);
+
+/// What the sum of squares would rise by if column j were dropped and the others' x adapted, were none of them bounded: x_j² over
+/// (G⁻¹)_jj, summed over the right-hand sides, which x has a column for each.
+std::vector<double> cost_of_dropping(const Eigen::MatrixXd& G, const Eigen::MatrixXd& x);
 
 /// A sum of squares whose linear variables have been eliminated: a function of x alone.
 template <typename P>

@@ -108,7 +108,7 @@ struct FitOptions {
     int lobes = 8;           ///< J, 1..64
     int variates = 4;        ///< N, 1..8, even for a reciprocal model
     bool log_scale = true;   ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
-    int starts = 16;         ///< independent growths; the best six are improved, the best three of these polished
+    int starts = 16;         ///< independent growths; the best six are improved, three of these polished, two finished
     int kicks = 25;          ///< attempts for each of the six to replace the lobe that matters least
     std::uint64_t seed = 0;  ///< of the random lobes
     int threads = 0;         ///< 0: as many as the machine has; the result does not depend on it

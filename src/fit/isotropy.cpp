@@ -2,6 +2,7 @@
 
 #include "srbf/directions.h"
 #include "srbf/fit.h"
+#include "srbf/kernel.h"
 
 namespace srbf {
 namespace {
@@ -13,10 +14,7 @@ constexpr double k_rounding = 1e-6, k_noise = 0.02;
 /// Noise differs by as much after a small turn as after any; a brushed surface by far less.
 constexpr double k_most_growth = 2.5;
 
-Vec3f turned(Vec3f w, double angle) {
-    const auto c = float(std::cos(angle)), s = float(std::sin(angle));
-    return {c * w.x - s * w.y, s * w.x + c * w.y, w.z};
-}
+Vec3f turned(Vec3f w, double angle) { return Kernel<float>::turned(w, float(std::cos(angle)), float(std::sin(angle))); }
 
 }  // namespace
 

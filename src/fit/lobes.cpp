@@ -247,25 +247,13 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
     }
 }
 
-std::vector<double> LobeProblem::cost_of_dropping() const {
-    Eigen::MatrixXd ridged = gram_;
-    ridged.diagonal().array() *= 1 + 1e-7;
-    ridged.diagonal().array() += 1e-300;
-    const Eigen::MatrixXd inverse = ridged.ldlt().solve(Eigen::MatrixXd::Identity(lobes_, lobes_));
-    std::vector<double> cost;
-    for (Eigen::Index j = 0; j < lobes_; ++j)
-        cost.push_back(beta_.row(j).squaredNorm() / std::max(inverse(j, j), 1e-300));
-    return cost;
-}
+std::vector<double> LobeProblem::cost_of_dropping() const { return srbf::cost_of_dropping(gram_, beta_); }
 
 std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<double>>& candidates) {
     constexpr std::size_t group = 16;
     std::vector<double> best;
     double best_gain = -1;
-    Eigen::MatrixXd ridged = gram_;
-    ridged.diagonal().array() *= 1 + 1e-7;
-    ridged.diagonal().array() += 1e-300;
-    const Eigen::LDLT<Eigen::MatrixXd> factor(ridged);
+    const Eigen::LDLT<Eigen::MatrixXd> factor(ridged(gram_));
     for (std::size_t first = 0; first < candidates.size(); first += group) {
         const std::size_t count = std::min(group, candidates.size() - first);
         const auto exponent_of = [&](std::size_t k, std::size_t block, float* x) {

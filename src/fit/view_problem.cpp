@@ -179,15 +179,6 @@ double ViewProblem::coefficient(int j, int c) const {
     return std::min(beta_(j, c) * at_peak * view_->scale, double(k_half_max));
 }
 
-std::vector<double> ViewProblem::cost_of_dropping() const {
-    Eigen::MatrixXd ridged = gram_;
-    ridged.diagonal().array() *= 1 + 1e-7;
-    ridged.diagonal().array() += 1e-300;
-    const Eigen::MatrixXd inverse = ridged.ldlt().solve(Eigen::MatrixXd::Identity(lobes_, lobes_));
-    std::vector<double> cost;
-    for (Eigen::Index j = 0; j < lobes_; ++j)
-        cost.push_back(beta_.row(j).squaredNorm() / std::max(inverse(j, j), 1e-300));
-    return cost;
-}
+std::vector<double> ViewProblem::cost_of_dropping() const { return srbf::cost_of_dropping(gram_, beta_); }
 
 }  // namespace srbf

@@ -144,6 +144,18 @@ void print_model(const SuModel& model) {
     print_channel_ranges("coefficient", model.coefficient);
 }
 
+void print_model(const GgxModel& model) {
+    print_row("model", "ggx: Lambert and GGX");
+    print_row("size", fmt::format("{} of GGX, {} bytes", model.lobes.size() == 1 ? "one lobe" : "two lobes",
+                                  payload_bytes(model)));
+    print_row("diffuse RGB", fmt::format("{:.4g}  {:.4g}  {:.4g}", model.diffuse.r, model.diffuse.g, model.diffuse.b));
+    for (const GgxModel::Lobe& lobe : model.lobes) {
+        print_row("roughness α", fmt::format("{:.4g}", lobe.roughness));
+        print_row("F0 RGB", fmt::format("{:.4g}  {:.4g}  {:.4g}", lobe.facing.r, lobe.facing.g, lobe.facing.b));
+        print_row("F90", fmt::format("{:.4g}", lobe.grazing));
+    }
+}
+
 int run(const std::string& file) {
     const auto subject = load(file);
     if (!subject) return complain(subject.error());

@@ -131,15 +131,20 @@ std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const
 }
 
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                         const Evaluate& other, double max_theta) {
-    const auto cos_max = float(std::cos(max_theta));
-    std::vector<Rgb> g(f.size());
-    other(wl, wv, g);
+                         std::span<const Rgb> g, double max_theta) {
+    const float cos_max = sample_cap(max_theta);
     Sums sums;
     for (std::size_t i = 0; i < f.size(); ++i)
         if (std::min(wl[i].z, wv[i].z) >= cos_max)
             sums.add({std::max(f[i].r, 0.f), std::max(f[i].g, 0.f), std::max(f[i].b, 0.f)}, g[i], wl[i], wv[i], 1);
     return sums.measures();
+}
+
+Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                         const Evaluate& other, double max_theta) {
+    std::vector<Rgb> g(f.size());
+    other(wl, wv, g);
+    return measure_samples(wl, wv, f, g, max_theta);
 }
 
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {

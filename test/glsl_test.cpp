@@ -70,6 +70,8 @@ void main() {
     f += su_view_value(Su(5), neighbour.view, turned(wl, neighbour.cosine, neighbour.sine)) * neighbour.weight;
     f += su_rotated_value(Su(5), wl, wv) + su_plain_value(Su(5), nearest, wl, wv, 3);
     f *= su_plain_weight(Su(5), nearest, wv, 3, 0);
+    GgxLobe sharp = GgxLobe(u.x, wl, u.y), broad = GgxLobe(ggx_facets(wl, wv, u.y), wv, schlick_weight(wl, wv));
+    f += ggx_value(wl, sharp, broad, wl, wv) + ggx_lobe_value(broad, wl, wv);
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }
 )";

@@ -291,7 +291,7 @@ TEST(ModelFile, MetadataThatTellNothingKnown) {
     for (const char* key : {"srbf", "model", "form", "axial"}) {
         const std::string what = std::string("metadata '") + key + "'";
         EXPECT_TRUE(names(spoilt([&](File& f) { f.header["__metadata__"].erase(key); }), what));
-        for (const char* text : {"", "2", "ggx", "TRUE", "x\ny"})
+        for (const char* text : {"", "2", "gloss", "TRUE", "x\ny"})
             EXPECT_TRUE(names(spoilt([&](File& f) { f.header["__metadata__"][key] = text; }), what));
         EXPECT_TRUE(
             names(spoilt([&](File& f) { f.header["__metadata__"][key] = true; }), std::string("metadata ") + key));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "srbf/brdf.h"
+#include "srbf/metrics.h"
 #include "srbf/model.h"
 #include "srbf/result.h"
 
@@ -23,6 +24,9 @@ enum class Objective {
 };
 std::string_view name(Objective objective);
 std::optional<Objective> objective_named(std::string_view text);
+/// Of `measures` the one that an objective is judged by: squared_error_ratio, squared_error_ratio_cosine, log_rms_cosine or
+/// cube_root_error_ratio.
+double error_of(const Measures& measures, Objective objective);
 /// The cap of the fit and of its measures where none is asked for [rad]: 80° for raw and cube-root, 89° for cosine and log.
 double default_max_theta(Objective objective);
 
@@ -40,10 +44,15 @@ struct Observations {
     std::vector<Rgb> f;          ///< [1/sr], ≥ 0
     std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
     std::size_t checks = 0;      ///< the last so many are no part of Σ: a fit that exceeds them by far takes them in
+    double root_mean = 0;        ///< the mean f that cube-root weights are relative to; 0: they are another objective's
     std::vector<AlbedoObservation> albedo;  ///< what the last steps of a fit keep as well
     std::uint64_t masked = 0;               ///< pairs drawn where nothing was measured
     std::uint64_t clamped = 0;              ///< negative channel values, set to 0
 };
+
+/// An error where the observations are no arrays of one length, of finite values and weights of at least 0, one of them above 0; or where
+/// their values are fewer than a model's `parameters`.
+Result<Done> check(const Observations& observations, std::size_t parameters);
 
 struct ObserveOptions {
     Objective objective = Objective::cosine;
@@ -105,8 +114,10 @@ struct FitOptions {
     bool axial = true;  ///< centres at +z or −z alone, which is all that isotropic data need
     bool reciprocal =
         false;  ///< f(ωl,ωv) = f(ωv,ωl) up to rounding: variates in pairs (a, b) and (b, a) of one centre and bandwidth
-    int lobes = 8;           ///< J, 1..64
-    int variates = 4;        ///< N, 1..8, even for a reciprocal model
+    int lobes = 8;     ///< J, 1..64
+    int variates = 4;  ///< N, 1..8, even for a reciprocal model
+    double finest =
+        0;  ///< bound on bandwidths, 1/finest², and on what is no bandwidth, 1/finest [1/rad]; 0: what halves hold
     bool log_scale = true;   ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
     int starts = 16;         ///< independent growths; the best six are improved, three of these polished, two finished
     int kicks = 25;          ///< attempts for each of the six to replace the lobe that matters least
@@ -160,5 +171,22 @@ struct SuFit {
 /// azimuth, the first of every 32 from soft von Mises-Fisher clusterings. Docs: docs/fitting.md.
 /// Errors: options out of range, a matrix of other size; a view with data at fewer than J directions within θmax.
 Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressCallback& progress = {});
+
+struct GgxFitOptions {
+    int lobes = 1;    ///< 1..k_most_ggx_lobes
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+
+struct GgxFit {
+    GgxModel model;      ///< every number a half
+    GgxModel unrounded;  ///< before rounding
+    double loss = 0;  ///< Σ w |f−f̂|² over the observations, guards among them, before the linear numbers are rounded
+    double unrounded_loss = 0;  ///< the same of `unrounded`
+};
+
+/// Fits Lambert and GGX: for any roughness all else follows from a non-negative linear problem; roughness, from a grid of half octaves
+/// that holds the least sum of a sample, by pattern search. No albedo and no checks are asked for.
+/// Errors: options out of range, fewer observations than parameters, values that are not finite.
+Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& options);
 
 }  // namespace srbf

@@ -47,9 +47,14 @@ std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const
                                       const MeasureOptions& options, std::uint64_t count = k_heldout_pairs,
                                       std::uint64_t seed = k_heldout_seed);
 
-/// The same of `other` over samples f[i] at (wl[i], wv[i]) within the cap, each of weight 1; their negative channels count as 0.
+/// The same over samples: f[i] measured at (wl[i], wv[i]), g[i] the other's, each of weight 1; negative channels of f count as 0. Those within
+/// `sample_cap` count.
+Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                         std::span<const Rgb> g, double max_theta);
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                          const Evaluate& other, double max_theta);
+/// cos(θmax + 0.01°): angles of samples are rounded in their files.
+inline float sample_cap(double max_theta) { return float(std::cos(max_theta + 0.01 * k_degree)); }
 
 /// The angles at which albedo is compared [degrees].
 inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};

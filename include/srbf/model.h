@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "srbf/brdf.h"
+#include "srbf/ggx.h"
 #include "srbf/result.h"
 #include "srbf/su.h"
 
@@ -56,7 +57,7 @@ Rgb value(const PmModel& model, Vec3f wl, Vec3f wv);
 
 /// A model as a file holds it, with the story of how it was made.
 struct Model {
-    std::variant<PmModel, SuModel> model;
+    std::variant<PmModel, SuModel, GgxModel> model;
     std::map<std::string, std::string> provenance;  ///< source file, options, errors, version
 };
 Rgb value(const Model& model, Vec3f wl, Vec3f wv);
@@ -89,7 +90,8 @@ PmModel rounded(const PmModel& model);
 /// `exponent` [J,F], and for general lobes `centre` [J,N,2] (θ, φ in radians). Axial lobes have no `centre`: the sign of the bandwidth
 /// chooses +z or −z. A view-by-view model has `coefficient` [n,J,3], `bandwidth` [n,J] and `centre` [n,J,2], a centre's (θ, φ) less
 /// those of its view's mirror direction; and where it has an index texture that as `aux.index`, U16 [6,s,s,8] or [s,s,8], and
-/// `aux.directions` [n,4], the sampled directions and a 0.
+/// `aux.directions` [n,4], the sampled directions and a 0. A model of Lambert and GGX has `diffuse` [3], and for its L lobes `roughness` [L],
+/// `facing` [L,3] and `grazing` [L].
 std::vector<std::byte> write_model(const Model& model);
 /// Errors: not such a file; tensors missing, of other type or shape, overlapping or leaving gaps; numbers
 /// that are not finite or out of range. `source` is for errors alone.

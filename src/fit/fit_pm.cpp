@@ -68,6 +68,8 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
           in_range("number of starts", options.starts, 1, 1000), in_range("number of kicks", options.kicks, 0, 100000),
           in_range("number of threads", options.threads, 0, 1024)})
         if (!result) return result.error();
+    if (!(options.finest >= 0 && options.finest < 1))
+        return Error{"fit", {}, "finest width", "0 to 1 radian", fmt::format("{}", options.finest)};
     if (!options.log_scale && options.form != PmForm::source)
         return Error{"fit", {}, "log scale", "one, in all forms but the source's", "none"};
     if (options.reciprocal && options.variates % 2 == 1)
@@ -76,23 +78,7 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
                      "number of variates",
                      "an even one, for a reciprocal model",
                      fmt::format("{}", options.variates)};
-    const std::size_t count = observations.f.size();
-    if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)
-        return Error{"fit", {}, "observations", "arrays of one length", "different lengths"};
-    if (observations.checks > count)
-        return Error{"fit", {}, "checks", fmt::format("at most {}", count), fmt::format("{}", observations.checks)};
-    const std::size_t values = 3 * (count - observations.checks);
-    const auto parameters = std::size_t(options.lobes * (3 + shape_of(options).width()) + 2 * options.variates);
-    if (values < parameters)
-        return Error{
-            "fit", {}, "observations", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
-    for (std::size_t i = 0; i < count; ++i)
-        if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
-            return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
-    const auto end_of_fitted = observations.weight.begin() + std::ptrdiff_t(count - observations.checks);
-    if (std::none_of(observations.weight.begin(), end_of_fitted, [](double w) { return w > 0; }))
-        return Error{"fit", {}, "observations", "a weight above 0", "none"};
-    return Done{};
+    return check(observations, parameter_count(options));
 }
 
 /// Goes on with all observations; checks that the fit exceeds become some of them, until there are none; rounds.

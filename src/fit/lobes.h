@@ -2,6 +2,7 @@
 // on.
 #pragma once
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -16,6 +17,7 @@ struct LobeShape {
     int variates = 0;         ///< N
     bool axial = true;        ///< centres at +z or −z alone
     bool reciprocal = false;  ///< a variate is a pair, ψ of (a, b) and of (b, a), with one centre and one bandwidth
+    double finest = 0;        ///< no factor of a lobe is narrower than this [rad]; 0: than halves can hold
 
     int components() const { return axial ? 1 : 3; }             ///< C: weights of a variate
     int directional() const { return variates * components(); }  ///< weights of all variates of a lobe
@@ -39,12 +41,15 @@ struct Interval {
     double least, most;
 };
 inline Interval weight_range(int n, const LobeShape& shape) {
-    const double most_bandwidth = 65504, component = shape.axial ? most_bandwidth : most_bandwidth / std::sqrt(3.0);
+    const double k_half = 65504,
+                 most_bandwidth = shape.finest > 0 ? std::min(k_half, std::pow(shape.finest, -2)) : k_half;
+    const double most_slope = shape.finest > 0 ? std::min(k_half, 1 / shape.finest) : k_half;
+    const double component = shape.axial ? most_bandwidth : most_bandwidth / std::sqrt(3.0);
     const int further = n - shape.directional();
     if (further < 0) return {-component, component};  // |p| is a bandwidth, which a half holds
     if (further == 0) return {0, 64};                 // exponent of the cosines
-    if (further < 3) return {-1000, 1000};
-    return {-1000, most_bandwidth};  // that of sinθh
+    if (further < 3) return {-std::min(1000.0, most_slope), std::min(1000.0, most_slope)};
+    return {-std::min(1000.0, most_slope), most_slope};  // that of sinθh
 }
 
 /// Σ w |f − Σ_j β_j E_j|² over the first rows of `rows`, and over chunks that observe an albedo the square of the sum, β eliminated by

@@ -23,8 +23,28 @@ inline double objective_weight(Objective objective, double f, double mean, doubl
     return 0;
 }
 
+/// Negative channels become 0; returns how many.
+inline int clamp_negative(Rgb& f) {
+    int clamped = 0;
+    for (int c = 0; c < 3; ++c) {
+        clamped += f[c] < 0;
+        f[c] = std::max(f[c], 0.f);
+    }
+    return clamped;
+}
+
 inline double square_of(const Rgb& f) { return double(f.r) * f.r + double(f.g) * f.g + double(f.b) * f.b; }
 inline double mean_of(const Rgb& f) { return (double(f.r) + double(f.g) + double(f.b)) / 3; }
+
+/// The cube root's weights are those of small errors. Where f̂ = g errs by much, this is what they are to be multiplied by, to make the weighted
+/// square what the error is: Σ_c (∛f−∛g)² / Σ_c (f−g)² over the weight of a small one; as far as a factor `most`.
+inline double large_error_weight(const Rgb& f, const Rgb& g, double mean, double most) {
+    double roots = 0;
+    for (int c = 0; c < 3; ++c) roots += std::pow(std::cbrt(double(f[c])) - std::cbrt(double(g[c])), 2);
+    const double squares = square_of({f.r - g.r, f.g - g.g, f.b - g.b});
+    const double small = std::pow(std::max(mean_of(f), 0.01 * mean), -4.0 / 3) / 9;
+    return squares > 0 ? std::clamp(roots / squares / small, 1 / most, most) : 1;
+}
 
 /// Σ over the guards, the observations beyond θmax, relative to Σ w |f|², if the fit were off by the largest measured
 /// f cosθl cosθv at each of them.

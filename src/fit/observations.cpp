@@ -1,7 +1,10 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "evenly.h"
+#include "fit/check_grid.h"
 #include "fit/objective.h"
 #include "srbf/directions.h"
 #include "srbf/fit.h"
@@ -40,34 +43,6 @@ struct Draw {
     Vec3d wl, wv;
     double weight = 0;  // 1 / density within the caps, 0 for a guard
 };
-
-/// A grid of pairs to 89.9°, in-plane ones and the horizon among them: where a sum of exponentials can run
-/// away unseen, it does so towards an edge.
-std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
-    std::vector<double> theta{0, 2, 5};
-    for (double t = 10; t < 80; t += 5) theta.push_back(t);
-    for (const double t : {79.0, 82.0, 85.0, 87.0, 88.0, 89.0, 89.5, 89.9}) theta.push_back(t);
-    std::vector<double> phi{0,   1,   3,   6,   10,  15,  20,  30,  40,  50,  60,  75, 90,
-                            105, 120, 130, 140, 150, 160, 165, 170, 174, 177, 179, 180};
-    std::vector<std::pair<Vec3d, Vec3d>> grid;
-    for (const double l : theta)
-        for (const double v : theta)
-            for (const double p : phi) {
-                const double turn = 2.4 * double(grid.size());  // of isotropic data any will do
-                grid.emplace_back(spherical(l * k_degree, p * k_degree + turn), spherical(v * k_degree, turn));
-            }
-    return grid;
-}
-
-/// Negative channels become 0; returns how many.
-int clamp_negative(Rgb& f) {
-    int clamped = 0;
-    for (int c = 0; c < 3; ++c) {
-        clamped += f[c] < 0;
-        f[c] = std::max(f[c], 0.f);
-    }
-    return clamped;
-}
 
 std::vector<AlbedoObservation> observe_albedo(const Evaluate& f, double theta_max) {
     std::vector<AlbedoObservation> all;
@@ -112,8 +87,57 @@ std::optional<Objective> objective_named(std::string_view text) {
     return std::nullopt;
 }
 
+double error_of(const Measures& measures, Objective objective) {
+    switch (objective) {
+        case Objective::raw:
+            return measures.squared_error_ratio;
+        case Objective::cosine:
+            return measures.squared_error_ratio_cosine;
+        case Objective::log:
+            return measures.log_rms_cosine;
+        case Objective::cube_root:
+            return measures.cube_root_error_ratio;
+    }
+    return 0;
+}
+
 double default_max_theta(Objective objective) {
     return (objective == Objective::raw || objective == Objective::cube_root ? 80 : 89) * k_degree;
+}
+
+std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
+    std::vector<double> theta{0, 2, 5};
+    for (double t = 10; t < 80; t += 5) theta.push_back(t);
+    for (const double t : {79.0, 82.0, 85.0, 87.0, 88.0, 89.0, 89.5, 89.9}) theta.push_back(t);
+    std::vector<double> phi{0,   1,   3,   6,   10,  15,  20,  30,  40,  50,  60,  75, 90,
+                            105, 120, 130, 140, 150, 160, 165, 170, 174, 177, 179, 180};
+    std::vector<std::pair<Vec3d, Vec3d>> grid;
+    for (const double l : theta)
+        for (const double v : theta)
+            for (const double p : phi) {
+                const double turn = 2.4 * double(grid.size());  // of isotropic data any will do
+                grid.emplace_back(spherical(l * k_degree, p * k_degree + turn), spherical(v * k_degree, turn));
+            }
+    return grid;
+}
+
+Result<Done> check(const Observations& observations, std::size_t parameters) {
+    const std::size_t count = observations.f.size();
+    if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)
+        return Error{"fit", {}, "observations", "arrays of one length", "different lengths"};
+    if (observations.checks > count)
+        return Error{"fit", {}, "checks", fmt::format("at most {}", count), fmt::format("{}", observations.checks)};
+    const std::size_t values = 3 * (count - observations.checks);
+    if (values < parameters)
+        return Error{
+            "fit", {}, "observations", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
+    for (std::size_t i = 0; i < count; ++i)
+        if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
+            return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
+    const auto end_of_fitted = observations.weight.begin() + std::ptrdiff_t(count - observations.checks);
+    if (std::none_of(observations.weight.begin(), end_of_fitted, [](double w) { return w > 0; }))
+        return Error{"fit", {}, "observations", "a weight above 0", "none"};
+    return Done{};
 }
 
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
@@ -221,6 +245,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
         const double area = double(kept.wl[i].z) * double(kept.wv[i].z);
         kept.weight[i] = is_guard[i] ? k_guard_importance * area * area / (guards * peak) : kept.weight[i] / energy;
     }
+    if (options.objective == Objective::cube_root) kept.root_mean = mean;
     kept.albedo = observe_albedo(f, theta_max);
     return kept;
 }

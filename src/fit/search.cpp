@@ -39,7 +39,7 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
     for (int n = 0; n < shape.variates; ++n) {
         const double p = sharp();
         if (shape.axial) {
-            weight.push_back(p);
+            weight.push_back(clamped(p, int(weight.size())));
             continue;
         }
         const double chance = uniform(random), z = 2 * uniform(random) - 1, phi = 2 * k_pi * uniform(random);
@@ -50,7 +50,8 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
     for (int k = 0; k < features(shape.form); ++k) {
         const double chance = uniform(random), size = 0.1 * std::pow(100, uniform(random)), sign = uniform(random);
         const double small = chance < 0.5 ? 0 : clamped(sign < 0.5 ? -size : size, shape.directional() + k);
-        weight.push_back(k == 3 ? sharp() : small);  // the fourth is that of sinθh, as sharp as a bandwidth
+        weight.push_back(k == 3 ? clamped(sharp(), int(weight.size()))
+                                : small);  // the fourth is that of sinθh, as sharp as a bandwidth
     }
     return weight;
 }

@@ -30,7 +30,13 @@ class Reporter {
 };
 
 inline LobeShape shape_of(const FitOptions& options) {
-    return {options.form, options.variates / (options.reciprocal ? 2 : 1), options.axial, options.reciprocal};
+    return {options.form, options.variates / (options.reciprocal ? 2 : 1), options.axial, options.reciprocal,
+            options.finest};
+}
+
+/// Numbers that a fit is free to choose.
+inline std::size_t parameter_count(const FitOptions& options) {
+    return std::size_t(options.lobes * (3 + shape_of(options).width()) + 2 * options.variates);
 }
 
 /// The random numbers of a stage of a start.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "model/ggx_file.h"
 #include "model/safetensors.h"
 #include "model/su_file.h"
 #include "srbf/file.h"
@@ -206,13 +207,15 @@ std::vector<std::byte> write_model(const Model& model) {
         metadata["model"] = "pm";
         metadata["form"] = name(pm->form);
         metadata["axial"] = pm->axial ? "true" : "false";
-    } else {
-        const SuModel& su = std::get<SuModel>(model.model);
-        content.tensors = encode_su(su);
+    } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
+        content.tensors = encode_su(*su);
         metadata["model"] = "su";
-        metadata["discretise"] = name(su.discretise);
-        metadata["interpolation"] = name(su.interpolation);
-        metadata["neighbours"] = std::to_string(su.neighbours);
+        metadata["discretise"] = name(su->discretise);
+        metadata["interpolation"] = name(su->interpolation);
+        metadata["neighbours"] = std::to_string(su->neighbours);
+    } else {
+        content.tensors = encode_ggx(std::get<GgxModel>(model.model));
+        metadata["model"] = "ggx";
     }
     return write_safetensors(content);
 }
@@ -235,7 +238,7 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& so
         }
         return found;
     };
-    const std::string version = take("srbf", {k_version}), kind = take("model", {"pm", "su"});
+    const std::string version = take("srbf", {k_version}), kind = take("model", {"pm", "su", "ggx"});
     if (error) return *error;
     if (kind == "su") {
         const auto discretise = take("discretise", {name(Discretise::view), name(Discretise::light)}),
@@ -248,6 +251,11 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& so
             source);
         if (!su) return su.error();
         return Model{*std::move(su), std::move(metadata)};
+    }
+    if (kind == "ggx") {
+        Result<GgxModel> ggx = decode_ggx(content->tensors, source);
+        if (!ggx) return ggx.error();
+        return Model{*std::move(ggx), std::move(metadata)};
     }
     const auto form = take("form", {name(PmForm::source), name(PmForm::horizon), name(PmForm::extended)}),
                axial = take("axial", {"true", "false"});

@@ -1,0 +1,46 @@
+// The model that is asked for by its bytes or its error: level 4.
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "srbf/fit.h"
+
+namespace srbf {
+
+/// What is asked of a model; one of them.
+struct Wish {
+    std::size_t bytes = 0;  ///< the least error of all models of at most so many bytes
+    double error = 0;       ///< the fewest bytes of all models of at most this error
+};
+
+/// A model on the way.
+struct Step {
+    PmForm form = PmForm::extended;
+    bool axial = true;
+    int lobes = 0, variates = 0;
+    std::size_t bytes = 0;
+    double error = 0;    ///< of the objective, held out
+    bool whole = false;  ///< fitted as `fit_pm` does by itself; else in short, which tells little more than an order
+};
+
+/// The objective's error of a model; `in_short`: a few thousand pairs will do.
+using JudgeModel = std::function<double(const PmModel& model, bool in_short)>;
+
+struct Chosen {
+    FitOptions options;  ///< of the fit
+    PmFit fit;
+    std::vector<Step> path;  ///< what was tried, by bytes
+    bool reached = true;     ///< false: no model of up to k_most_chosen_bytes is as good as asked for
+};
+inline constexpr std::size_t k_most_chosen_bytes = 1024;
+
+/// Looks for the model that is wished for among all forms, up to k_most_chosen_variates variates and, where `options.axial` is false, axial and
+/// general lobes. Of each kind models are fitted in short to a part of the observations; those that then look best are fitted whole, with
+/// `options` for all else. Errors: those of `fit_pm`; fewer bytes than one lobe takes.
+Result<Chosen> choose_pm(const Observations& observations, const FitOptions& options, const Wish& wish,
+                         const JudgeModel& judge, const ProgressCallback& progress = {});
+inline constexpr int k_most_chosen_variates = 6;
+
+}  // namespace srbf

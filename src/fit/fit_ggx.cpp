@@ -1,0 +1,185 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "fit/objective.h"
+#include "least_squares.h"
+#include "parallel.h"
+#include "srbf/fit.h"
+#include "srbf/half.h"
+#include "srbf/kernel.h"
+
+namespace srbf {
+namespace {
+
+// For given roughness all else is linear: of each channel kd and F0_i, of all channels together F90_i. Over an observation these multiply
+//   1/π,  D G / (4 cosθl cosθv) (1 − s),  D G / (4 cosθl cosθv) s,  s = (1 − l·h)⁵,
+// the same in every channel, so that one small matrix of moments serves all.
+constexpr int k_most_terms = 1 + 2 * k_most_ggx_lobes;
+constexpr std::size_t k_rows_at_once = 4096, k_scanned_rows = 16384;
+
+struct Moments {
+    std::array<std::array<double, k_most_terms>, k_most_terms> terms{};  // Σ w t_i t_k
+    std::array<std::array<double, 3>, k_most_terms> values{};            // Σ w t_i f_c
+    double energy = 0;                                                   // Σ w |f|²
+};
+
+/// log2 of the roughness of each lobe.
+using Roughness = std::vector<double>;
+
+class GgxProblem {
+  public:
+    GgxProblem(const Observations& observations, std::size_t rows, int threads)
+        : observations_(observations),
+          rows_(std::min(rows, observations.f.size() - observations.checks)),
+          threads_(threads) {}
+
+    double loss(const Roughness& log_alpha) { return solve(log_alpha).loss; }
+
+    struct Solution {
+        GgxModel model;
+        double loss = 0;  // Σ w |f−f̂|²
+    };
+    /// The best model of that roughness.
+    Solution solve(const Roughness& log_alpha) const {
+        const Moments sums = moments(log_alpha);
+        const auto L = log_alpha.size();
+        const auto n = Eigen::Index(3 + 4 * L);
+        // Unknowns: kd of R, G, B; then of each lobe F0 of R, G, B and F90.
+        const auto of_facing = [](std::size_t i, int c) { return Eigen::Index(3 + 4 * i) + c; };
+        const auto of_grazing = [](std::size_t i) { return Eigen::Index(6 + 4 * i); };
+        Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, n);
+        Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
+        for (int c = 0; c < 3; ++c) {
+            std::array<Eigen::Index, k_most_terms> unknown{c};
+            for (std::size_t i = 0; i < L; ++i)
+                unknown[1 + 2 * i] = of_facing(i, c), unknown[2 + 2 * i] = of_grazing(i);
+            for (std::size_t i = 0; i <= 2 * L; ++i) {
+                g[unknown[i]] += sums.values[i][std::size_t(c)];
+                for (std::size_t k = 0; k <= 2 * L; ++k) G(unknown[i], unknown[k]) += sums.terms[i][k];
+            }
+        }
+        const auto unbounded = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
+        const Eigen::VectorXd x = bounded_least_squares(G, g, unbounded);
+        Solution solution{{}, sums.energy - 2 * g.dot(x) + x.dot(G * x)};
+        solution.model.diffuse = {float(x[0]), float(x[1]), float(x[2])};
+        for (std::size_t i = 0; i < L; ++i)
+            solution.model.lobes.push_back(
+                {float(std::exp2(log_alpha[i])),
+                 {float(x[of_facing(i, 0)]), float(x[of_facing(i, 1)]), float(x[of_facing(i, 2)])},
+                 float(x[of_grazing(i)])});
+        return solution;
+    }
+
+  private:
+    Moments moments(const Roughness& log_alpha) const {
+        const std::size_t parts = (rows_ + k_rows_at_once - 1) / k_rows_at_once, terms = 1 + 2 * log_alpha.size();
+        std::vector<Moments> part(parts);
+        parallel_for(parts, threads_, [&](std::size_t p) {
+            for (std::size_t row = p * k_rows_at_once; row < std::min((p + 1) * k_rows_at_once, rows_); ++row) {
+                const Vec3f wl = observations_.wl[row], wv = observations_.wv[row];
+                const double w = observations_.weight[row];
+                const auto s = double(Kernel<float>::schlick_weight(wl, wv));
+                std::array<double, k_most_terms> t{1 / k_pi};
+                for (std::size_t i = 0; i < log_alpha.size(); ++i) {
+                    const double facets = double(Kernel<float>::ggx_facets(wl, wv, float(std::exp2(log_alpha[i]))));
+                    t[1 + 2 * i] = facets * (1 - s);
+                    t[2 + 2 * i] = facets * s;
+                }
+                for (std::size_t i = 0; i < terms; ++i) {
+                    for (std::size_t k = 0; k < terms; ++k) part[p].terms[i][k] += w * t[i] * t[k];
+                    for (int c = 0; c < 3; ++c)
+                        part[p].values[i][std::size_t(c)] += w * t[i] * double(observations_.f[row][c]);
+                }
+                for (int c = 0; c < 3; ++c) part[p].energy += w * std::pow(double(observations_.f[row][c]), 2);
+            }
+        });
+        Moments sums;
+        for (const Moments& of_part : part) {
+            for (std::size_t i = 0; i < terms; ++i) {
+                for (std::size_t k = 0; k < terms; ++k) sums.terms[i][k] += of_part.terms[i][k];
+                for (std::size_t c = 0; c < 3; ++c) sums.values[i][c] += of_part.values[i][c];
+            }
+            sums.energy += of_part.energy;
+        }
+        return sums;
+    }
+
+    const Observations& observations_;
+    std::size_t rows_;
+    int threads_;
+};
+
+constexpr double k_least_log = -10;  // of k_least_roughness
+
+constexpr int k_root_rounds = 8;
+constexpr double k_most_root_change = 100;
+
+/// The best of all roughnesses on a grid of half octaves; of two lobes the first is the sharper one.
+Roughness scanned(GgxProblem& problem, int lobes) {
+    Roughness best;
+    double least = std::numeric_limits<double>::infinity();
+    const auto attempt = [&](const Roughness& log_alpha) {
+        if (const double loss = problem.loss(log_alpha); loss < least) least = loss, best = log_alpha;
+    };
+    for (double first = k_least_log; first <= 0; first += 0.5) {
+        if (lobes == 1) attempt({first});
+        for (double second = first + 0.5; lobes == 2 && second <= 0; second += 0.5) attempt({first, second});
+    }
+    return best;
+}
+
+/// Goes to the neighbour that lowers the loss, or else halves the step (Hooke & Jeeves 1961).
+void refine(GgxProblem& problem, Roughness& log_alpha) {
+    double least = problem.loss(log_alpha);
+    for (double step = 0.25; step > 1e-4; step /= 2)
+        for (bool lowered = true; lowered;) {
+            lowered = false;
+            for (double& x : log_alpha)
+                for (const double to : {x - step, x + step}) {
+                    const double from = x;
+                    x = std::clamp(to, k_least_log, 0.0);
+                    const double loss = problem.loss(log_alpha);
+                    if (loss < least)
+                        least = loss, lowered = true;
+                    else
+                        x = from;
+                }
+        }
+}
+
+}  // namespace
+
+Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& options) {
+    if (const auto valid = check(observations, std::size_t(3 + 5 * options.lobes)); !valid) return valid.error();
+    if (options.lobes < 1 || options.lobes > k_most_ggx_lobes)
+        return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(options.lobes)};
+    Observations weighed = observations;
+    GgxProblem sample(weighed, k_scanned_rows, options.threads), all(weighed, weighed.f.size(), options.threads);
+    Roughness log_alpha = scanned(sample, options.lobes);
+    refine(all, log_alpha);
+    // A model of so few numbers errs by much: the cube root's weights follow its errors.
+    for (int round = 0; round < k_root_rounds && observations.root_mean > 0; ++round) {
+        const GgxModel model = all.solve(log_alpha).model;
+        for (std::size_t i = 0; i < weighed.f.size() - weighed.checks; ++i)
+            weighed.weight[i] =
+                observations.weight[i] * large_error_weight(observations.f[i],
+                                                            value(model, observations.wl[i], observations.wv[i]),
+                                                            observations.root_mean, k_most_root_change);
+        if (round == 0) log_alpha = scanned(sample, options.lobes);
+        refine(all, log_alpha);
+    }
+    GgxFit fit;
+    auto [unrounded, unrounded_loss] = all.solve(log_alpha);
+    fit.unrounded = std::move(unrounded);
+    fit.unrounded_loss = unrounded_loss;
+    // Roughness is rounded, then all else solved again.
+    for (double& x : log_alpha) x = std::log2(double(round_to_half(float(std::exp2(x)))));
+    auto [model, loss] = all.solve(log_alpha);
+    fit.model = rounded(model);
+    fit.loss = loss;
+    return fit;
+}
+
+}  // namespace srbf

@@ -1,0 +1,210 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "evenly.h"
+#include "fit/check_grid.h"
+#include "fit/objective.h"
+#include "fit/places.h"
+#include "fit/search.h"
+#include "srbf/directions.h"
+#include "srbf/fit_samples.h"
+#include "srbf/metrics.h"
+
+namespace srbf {
+namespace {
+
+constexpr std::size_t k_mirror_checks = 8192;
+/// Of the grid's ten thousand pairs so many hold lobes in place as well.
+constexpr std::size_t k_most_between_samples = 4096;
+/// Beyond θmax what is carried on is believed less than a table.
+constexpr double k_guard_share = 0.1;
+constexpr double k_guard_theta = 89.9 * k_degree;
+// The short fit: what its error is, is asked for to a factor of two or so.
+constexpr int k_short_starts = 4, k_short_kicks = 5;
+
+void add(Observations& to, Vec3f wl, Vec3f wv, const Rgb& f, double weight) {
+    to.wl.push_back(wl);
+    to.wv.push_back(wv);
+    to.f.push_back(f);
+    to.weight.push_back(weight);
+}
+
+/// w of the observations from..end so that Σ w |f|² = 1.
+void normalise(Observations& observations, std::size_t from) {
+    double energy = 0;
+    for (std::size_t i = from; i < observations.f.size(); ++i)
+        energy += observations.weight[i] * square_of(observations.f[i]);
+    for (std::size_t i = from; i < observations.f.size() && energy > 0; ++i) observations.weight[i] /= energy;
+}
+
+void shuffle(Observations& observations, std::mt19937_64& random) {
+    for (std::size_t i = observations.f.size(); i-- > 1;) {
+        const auto k = std::size_t(uniform(random) * double(i + 1));
+        std::swap(observations.wl[i], observations.wl[k]);
+        std::swap(observations.wv[i], observations.wv[k]);
+        std::swap(observations.f[i], observations.f[k]);
+        std::swap(observations.weight[i], observations.weight[k]);
+    }
+}
+
+/// The observations of a fit that believes the grid between the samples so far.
+Observations together(const SampleObservations& from, double weight_between, std::uint64_t seed) {
+    const Observations &samples = from.samples, &between = from.between;
+    const std::size_t fitted = samples.f.size() - samples.checks;
+    Observations all;
+    for (std::size_t i = 0; i < fitted; ++i) add(all, samples.wl[i], samples.wv[i], samples.f[i], samples.weight[i]);
+    for (std::size_t i = 0; i < between.f.size() && weight_between > 0; ++i)
+        add(all, between.wl[i], between.wv[i], between.f[i], weight_between * between.weight[i]);
+    std::mt19937_64 random(seed);
+    shuffle(all, random);
+    for (std::size_t i = fitted; i < samples.f.size(); ++i)
+        add(all, samples.wl[i], samples.wv[i], samples.f[i], samples.weight[i]);
+    all.checks = samples.checks;
+    return all;
+}
+
+constexpr double k_most_change = 3;
+void weigh_large_errors(Observations& observations, const PmModel& model, double max_theta, double mean) {
+    for (std::size_t i = 0; i < observations.f.size() - observations.checks; ++i) {
+        const Vec3f wl = observations.wl[i], wv = observations.wv[i];
+        if (std::min(wl.z, wv.z) >= sample_cap(max_theta))  // else a guard
+            observations.weight[i] *= large_error_weight(observations.f[i], value(model, wl, wv), mean, k_most_change);
+    }
+}
+
+}  // namespace
+
+Result<SampleObservations> observe(const Scattered& samples, const ObserveSamplesOptions& options) {
+    const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
+    if (!(theta_max >= k_degree && theta_max <= k_guard_theta))
+        return Error{"observe", {}, "max_theta", "1 to 89.9 degrees", std::to_string(theta_max / k_degree)};
+    const float cos_max = sample_cap(theta_max);
+    SampleObservations observed;
+    observed.options = options;
+    observed.options.max_theta = theta_max;
+    const Places places = find_places(samples);
+    observed.finest = places.spacing;
+
+    double mean = 0, peak = 0;
+    std::vector<std::size_t> within;
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        if (std::min(samples.wl[i].z, samples.wv[i].z) < cos_max) continue;
+        within.push_back(i);
+        Rgb f = samples.colour[i];
+        observed.samples.clamped += std::uint64_t(clamp_negative(f));
+        mean += mean_of(f);
+        peak = std::max(peak, square_of(f) * std::pow(double(samples.wl[i].z) * double(samples.wv[i].z), 2));
+    }
+    if (within.empty()) return Error{"samples", {}, "samples within the largest angle", "some", "none"};
+    if (!(mean > 0)) return Error{"samples", {}, "values", "some above 0", "none"};
+    mean /= double(within.size());
+    if (options.objective == Objective::cube_root) observed.samples.root_mean = mean;
+    std::vector<bool> seen(std::size_t(places.count), false);
+    for (const std::size_t i : within) {
+        const auto place = std::size_t(places.of[i]);
+        observed.places += !seen[place];
+        seen[place] = true;
+    }
+    const auto weight = [&](Vec3f wl, Vec3f wv, const Rgb& f) {
+        return objective_weight(options.objective, mean_of(f), mean, double(wl.z), double(wv.z));
+    };
+    for (const std::size_t i : within) {
+        Rgb f = samples.colour[i];
+        clamp_negative(f);
+        add(observed.samples, samples.wl[i], samples.wv[i], f, weight(samples.wl[i], samples.wv[i], f));
+        add(observed.samples, samples.wv[i], samples.wl[i], f, weight(samples.wv[i], samples.wl[i], f));
+    }
+    normalise(observed.samples, 0);
+
+    // How well a sample is interpolated from the others.
+    const auto fold = draw_folds(samples, theta_max, options.seed);
+    if (!fold) return fold.error();
+    std::vector<Rgb> interpolated(samples.wl.size());
+    for (int left_out = 0; left_out < k_folds; ++left_out) {
+        const Scattered rest = without_fold(samples, *fold, left_out);
+        for (const std::size_t i : within)
+            if ((*fold)[i] == left_out) interpolated[i] = value(rest, samples.wl[i], samples.wv[i]);
+    }
+    observed.interpolation = measure_samples(samples.wl, samples.wv, samples.colour, interpolated, theta_max);
+
+    // Between the samples, beyond them, and where the fit is to be checked.
+    std::mt19937_64 random(options.seed);
+    const auto grid = check_grid();
+    std::vector<std::pair<Vec3f, Vec3f>> beyond;
+    for (const auto& [l, v] : grid) {
+        const Vec3f wl = to_float(l), wv = to_float(v);
+        if (std::min(wl.z, wv.z) < cos_max) {
+            beyond.emplace_back(wl, wv);
+            continue;
+        }
+        const Rgb f = value(samples, wl, wv);
+        add(observed.between, wl, wv, f, weight(wl, wv, f));
+    }
+    shuffle(observed.between, random);
+    Observations& between = observed.between;
+    const std::size_t kept = std::min(between.f.size(), k_most_between_samples);
+    between.wl.resize(kept), between.wv.resize(kept), between.f.resize(kept), between.weight.resize(kept);
+    normalise(between, 0);
+    for (const auto& [wl, wv] : beyond) {
+        const double area = double(wl.z) * double(wv.z);
+        add(observed.samples, wl, wv, value(samples, wl, wv),
+            k_guard_share * k_guard_importance * area * area / (double(beyond.size()) * peak));
+    }
+    shuffle(observed.samples, random);
+    const std::size_t fitted = observed.samples.f.size();
+    for (const auto& [l, v] : grid) {
+        const Vec3f wl = to_float(l), wv = to_float(v);
+        add(observed.samples, wl, wv, value(samples, wl, wv), 0);
+    }
+    const MirrorMixture lights(k_guard_theta);
+    std::array<double, 6> first;
+    for (double& x : first) x = uniform(random);
+    for (Evenly<6> points(first); observed.samples.f.size() < fitted + grid.size() + k_mirror_checks;) {
+        const auto u = points.next();
+        const Vec3d v = lights.sample_cap(u[1], u[2]), l = lights.sample(v, u[3], u[4], u[5]);
+        if (!lights.contains(l)) continue;
+        const Vec3f wl = to_float(l), wv = to_float(v);
+        add(observed.samples, wl, wv, value(samples, wl, wv), 0);
+    }
+    observed.samples.checks = observed.samples.f.size() - fitted;
+    observed.samples.masked = samples.masked;
+    return observed;
+}
+
+Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
+                     const ProgressCallback& progress) {
+    const auto& [objective, max_theta, seed] = observations.options;
+    FitOptions bounded = options.pm;
+    bounded.finest = std::max(bounded.finest, observations.finest);
+    const std::size_t parameters = parameter_count(bounded), values = 3 * observations.places;
+    if (values < parameters)
+        return Error{"fit", {}, "samples", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
+    if (!options.fill) return fit_pm(together(observations, 0, seed), bounded, progress);
+
+    FitOptions in_short = bounded;
+    in_short.starts = std::min(bounded.starts, k_short_starts);
+    in_short.kicks = std::min(bounded.kicks, k_short_kicks);
+    const Observations alone = together(observations, 0, seed);
+    const auto first = fit_pm(alone, in_short, [&](const Progress& now) {
+        return !progress || progress({now.stage, 0.3 * now.fraction});
+    });
+    if (!first) return first;
+    const std::size_t fitted = observations.samples.f.size() - observations.samples.checks;
+    const auto beginning = [&](const auto& of) { return std::span(of).first(fitted); };
+    const Measures remaining = measure_samples(beginning(alone.wl), beginning(alone.wv), beginning(alone.f),
+                                               evaluator(first->unrounded), max_theta);
+    SampleObservations weighed = observations;
+    if (objective == Objective::cube_root)
+        for (Observations* of : {&weighed.samples, &weighed.between})
+            weigh_large_errors(*of, first->unrounded, max_theta, observations.samples.root_mean);
+    double belief = std::min(error_of(remaining, objective) / error_of(observations.interpolation, objective), 1.0);
+    if (objective == Objective::log) belief *= belief;  // a root of squares
+    return fit_pm(together(weighed, std::isfinite(belief) ? belief : 1, seed), bounded, [&](const Progress& now) {
+        return !progress || progress({now.stage, 0.3 + 0.7 * now.fraction});
+    });
+}
+
+}  // namespace srbf

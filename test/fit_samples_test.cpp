@@ -1,0 +1,223 @@
+// Fits to scattered samples: folds, spacing, what a fit is worth away from the samples.
+#include "srbf/fit_samples.h"
+
+#include <set>
+
+#include "properties.h"
+#include "srbf/directions.h"
+
+namespace srbf {
+namespace {
+
+/// A glossy film over a diffuse base, smooth to the scale of the samples below.
+Rgb glossy(Vec3d wl, Vec3d wv) {
+    const Vec3d h = normalize(wl + wv);
+    const double gloss = 0.6 * std::exp(-12 * (1 - h.z)) * (1 + 2 * std::pow(1 - dot(wl, h), 3));
+    return {float(0.1 + gloss), float(0.2 + gloss), float(0.05 + 0.8 * gloss)};
+}
+
+Vec3d draw(std::mt19937_64& random, double theta_max) {
+    const double z = 1 - uniform(random) * (1 - std::cos(theta_max)), phi = 2 * k_pi * uniform(random);
+    return {std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z};
+}
+
+Scattered samples_of(int count, double noise, std::uint64_t seed, double theta_max = 75 * k_degree) {
+    std::mt19937_64 random(seed);
+    Scattered samples;
+    for (int i = 0; i < count; ++i) {
+        const Vec3d wl = draw(random, theta_max), wv = draw(random, theta_max);
+        samples.wl.push_back(to_float(wl));
+        samples.wv.push_back(to_float(wv));
+        // Of that standard deviation, by the sum of twelve.
+        double normal = -6;
+        for (int k = 0; k < 12; ++k) normal += uniform(random);
+        const Rgb f = glossy(wl, wv);
+        const float factor = float(1 + noise * normal);
+        samples.colour.push_back({factor * f.r, factor * f.g, factor * f.b});
+    }
+    make_index(samples);
+    return samples;
+}
+
+constexpr double k_cap = 75 * k_degree;
+
+TEST(Folds, EachPlaceIsInOneAndAllAreOfOneSize) {
+    Scattered samples = samples_of(500, 0, 1);
+    // Of each tenth sample a copy: as it is, exchanged, mirrored, turned.
+    for (std::size_t i = 0; i < 500; i += 10) {
+        const Vec3f l = samples.wl[i], v = samples.wv[i];
+        const auto add = [&](Vec3f wl, Vec3f wv) {
+            samples.wl.push_back(wl), samples.wv.push_back(wv), samples.colour.push_back(samples.colour[i]);
+        };
+        add(l, v), add(v, l), add({l.x, -l.y, l.z}, {v.x, -v.y, v.z}), add({-l.y, l.x, l.z}, {-v.y, v.x, v.z});
+    }
+    make_index(samples);
+    const auto fold = draw_folds(samples, k_cap, 7);
+    ASSERT_TRUE(fold.ok());
+    std::array<int, k_folds> size{};
+    for (std::size_t i = 0; i < 500; ++i) ++size[std::size_t((*fold)[i])];
+    for (const int n : size) EXPECT_TRUE(n >= 95 && n <= 105) << n;
+    for (std::size_t i = 500; i < fold->size(); ++i) EXPECT_EQ((*fold)[i], (*fold)[(i - 500) / 4 * 10]);
+    // Anisotropic samples that are turned lie elsewhere.
+    samples.isotropic = false;
+    const auto turned = draw_folds(samples, k_cap, 7);
+    ASSERT_TRUE(turned.ok());
+    int apart = 0;
+    for (std::size_t i = 503; i < fold->size(); i += 4) apart += (*turned)[i] != (*turned)[(i - 503) / 4 * 10];
+    EXPECT_GT(apart, 20);
+}
+
+TEST(Folds, TheBrightestAreLeftOutOneByOne) {
+    const Scattered samples = samples_of(300, 0, 2);
+    const auto fold = draw_folds(samples, k_cap, 3);
+    ASSERT_TRUE(fold.ok());
+    std::vector<std::size_t> order(samples.wl.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return luminance(samples.colour[a]) > luminance(samples.colour[b]);
+    });
+    std::set<int> of_brightest;
+    for (int k = 0; k < k_folds; ++k) of_brightest.insert((*fold)[order[std::size_t(k)]]);
+    EXPECT_EQ(of_brightest.size(), std::size_t(k_folds));
+    EXPECT_EQ(*fold, *draw_folds(samples, k_cap, 3));
+    EXPECT_NE(*fold, *draw_folds(samples, k_cap, 4));
+}
+
+TEST(Folds, FewPlacesAreAnError) {
+    Scattered samples = samples_of(4, 0, 3);
+    for (int i = 0; i < 4; ++i)
+        samples.wl.push_back(samples.wl[std::size_t(i)]), samples.wv.push_back(samples.wv[std::size_t(i)]),
+            samples.colour.push_back({2, 2, 2});
+    make_index(samples);
+    const auto fold = draw_folds(samples, k_cap, 0);
+    ASSERT_FALSE(fold.ok());
+    EXPECT_NE(message(fold.error()).find("expected at least 5, found 4"), std::string::npos) << message(fold.error());
+}
+
+TEST(Spacing, IsThatOfTheDensest) {
+    // On a line of samples 2° apart in the plane of incidence.
+    Scattered samples;
+    for (int i = 0; i < 30; ++i) {
+        samples.wl.push_back(to_float(spherical(80 * k_degree, 0.0)));
+        samples.wv.push_back(to_float(spherical((5 + 2 * i) * k_degree, k_pi)));
+        samples.colour.push_back({1, 1, 1});
+    }
+    EXPECT_TRUE(near(spacing(samples) / k_degree, 2, 0.05)) << spacing(samples) / k_degree;
+    samples.isotropic = false;
+    EXPECT_TRUE(near(spacing(samples) / k_degree, 2, 0.05));
+    // 30 times the same place.
+    for (Vec3f& w : samples.wv) w = samples.wv[0];
+    EXPECT_EQ(spacing(samples), 0);
+}
+
+TEST(FitToSamples, NoiseIsNotFittedAndNoLobeIsSharperThanTheSpacing) {
+    const double noise = 0.02;
+    const Scattered samples = samples_of(1500, noise, 4);
+    const double finest = spacing(samples);
+    EXPECT_GT(finest, k_degree);
+    const ObserveSamplesOptions options{Objective::raw, k_cap, 0};
+    const auto fit = [&](const Scattered& training) -> Result<std::vector<Model>> {
+        const auto observations = observe(training, options);
+        if (!observations) return observations.error();
+        SampleFitOptions how;
+        how.pm.lobes = 3;
+        how.pm.starts = 4, how.pm.kicks = 5;
+        auto pm = fit_pm(*observations, how);
+        if (!pm) return pm.error();
+        return std::vector<Model>{{pm->model, {}}};
+    };
+    const auto fold = draw_folds(samples, k_cap, 0);
+    ASSERT_TRUE(fold.ok());
+    const auto predicted = cross_validate(samples, *fold, fit);
+    ASSERT_TRUE(predicted.ok());
+    const double error =
+        measure_samples(samples.wl, samples.wv, samples.colour, (*predicted)[0], k_cap).squared_error_ratio;
+    EXPECT_LT(error, 2 * noise * noise);    // of samples that are noisy themselves
+    EXPECT_GT(error, 0.7 * noise * noise);  // less would tell that they were seen
+    const auto whole = fit(samples);
+    ASSERT_TRUE(whole.ok());
+    // Against the truth the fit is better than a sample is.
+    double wrong = 0, all = 0;
+    std::mt19937_64 random(5);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3d wl = draw(random, k_cap), wv = draw(random, k_cap);
+        const double f = double(glossy(wl, wv).g), g = double(value((*whole)[0], to_float(wl), to_float(wv)).g);
+        wrong += (f - g) * (f - g), all += f * f;
+    }
+    EXPECT_LT(wrong / all, 0.5 * noise * noise);
+    for (const float lambda : std::get<PmModel>((*whole)[0].model).bandwidth)
+        EXPECT_LE(double(lambda), 1.001 / (finest * finest));
+}
+
+TEST(FitToSamples, OneOfManyValuesAtOnePlaceIsTheirMean) {
+    // Two values at every place, ±10 % of the smooth one.
+    Scattered samples = samples_of(400, 0, 6);
+    const std::size_t n = samples.wl.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        const Rgb f = samples.colour[i];
+        const Vec3f wl = samples.wl[i], wv = samples.wv[i];
+        samples.wl.push_back(wl), samples.wv.push_back(wv);
+        samples.colour.push_back({0.9f * f.r, 0.9f * f.g, 0.9f * f.b});
+        samples.colour[i] = {1.1f * f.r, 1.1f * f.g, 1.1f * f.b};
+    }
+    make_index(samples);
+    const auto observations = observe(samples, {Objective::raw, k_cap, 0});
+    ASSERT_TRUE(observations.ok());
+    EXPECT_TRUE(near(double(observations->places), double(n), 3));  // a few lie as near by chance
+    SampleFitOptions how;
+    how.pm.lobes = 4, how.pm.starts = 4, how.pm.kicks = 3;
+    const auto fit = fit_pm(*observations, how);
+    ASSERT_TRUE(fit.ok());
+    const Measures at_samples = measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit->model), k_cap);
+    EXPECT_TRUE(near(at_samples.squared_error_ratio, 0.01 / 1.01, 0.001)) << at_samples.squared_error_ratio;
+}
+
+TEST(FitToSamples, SamplesOfOnePlaneAreFittedAndStayBounded) {
+    Scattered samples;
+    double peak = 0;
+    for (int l = 0; l <= 70; l += 10)
+        for (int v = -75; v <= 75; v += 5) {
+            const Vec3d wl = spherical(l * k_degree, 0.0), wv = spherical(std::abs(v) * k_degree, v < 0 ? 0.0 : k_pi);
+            samples.wl.push_back(to_float(wl)), samples.wv.push_back(to_float(wv));
+            samples.colour.push_back(glossy(wl, wv));
+            peak = std::max(peak, double(samples.colour.back().g) * wl.z * wv.z);
+        }
+    make_index(samples);
+    const auto observations = observe(samples, {Objective::raw, k_cap, 0});
+    ASSERT_TRUE(observations.ok());
+    for (const bool fill : {false, true}) {
+        SampleFitOptions how{{}, fill};
+        how.pm.lobes = 4, how.pm.starts = 4, how.pm.kicks = 3;
+        const auto fit = fit_pm(*observations, how);
+        ASSERT_TRUE(fit.ok());
+        std::mt19937_64 random(8);
+        for (int i = 0; i < 20000; ++i) {
+            const Vec3d wl = draw(random, 89.9 * k_degree), wv = draw(random, 89.9 * k_degree);
+            const double f = double(value(fit->model, to_float(wl), to_float(wv)).g) * wl.z * wv.z;
+            EXPECT_TRUE(std::isfinite(f) && f <= 2 * peak) << f << ' ' << peak;
+        }
+    }
+}
+
+TEST(FitToSamples, WhatCannotBeFittedIsAnError) {
+    const auto why = [](const Scattered& samples, int lobes) {
+        const auto observations = observe(samples, {Objective::raw, k_cap, 0});
+        if (!observations) return message(observations.error());
+        SampleFitOptions how;
+        how.pm.lobes = lobes, how.pm.starts = 1, how.pm.kicks = 0;
+        const auto fit = fit_pm(*observations, how);
+        return fit ? std::string() : message(fit.error());
+    };
+    EXPECT_NE(why(samples_of(20, 0, 9), 8).find("samples: expected at least 96 values, found 60"), std::string::npos)
+        << why(samples_of(20, 0, 9), 8);
+    EXPECT_EQ(why(samples_of(40, 0, 9), 2), "");
+    Scattered black = samples_of(40, 0, 9);
+    for (Rgb& f : black.colour) f = {0, -1, 0};
+    EXPECT_NE(why(black, 1).find("some above 0"), std::string::npos);
+    Scattered grazing = samples_of(40, 0, 9);
+    for (Vec3f& w : grazing.wl) w = to_float(spherical(88 * k_degree, 1.0));
+    EXPECT_NE(why(grazing, 1).find("within the largest angle"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace srbf

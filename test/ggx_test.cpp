@@ -1,0 +1,119 @@
+// Lambert and GGX: the formula, its file, its fit.
+#include "properties.h"
+#include "srbf/directions.h"
+#include "srbf/fit.h"
+#include "srbf/metrics.h"
+
+namespace srbf {
+namespace {
+
+GgxModel random_ggx(std::mt19937_64& random, int lobes) {
+    const auto colour = [&](double most) {
+        return Rgb{float(most * uniform(random)), float(most * uniform(random)), float(most * uniform(random))};
+    };
+    GgxModel model{colour(0.8), {}};
+    for (int i = 0; i < lobes; ++i)
+        model.lobes.push_back({float(std::exp2(i == 0 ? -4 + 2 * uniform(random) : -1 - uniform(random))), colour(0.5),
+                               float(0.4 + 0.6 * uniform(random))});
+    return model;
+}
+
+/// Directional albedo of one channel of the facets alone that reflect all light, by quadrature in the half-way vector's lobe.
+double facet_albedo(float alpha, double theta_v) {
+    const GgxModel white{{}, {{alpha, {1, 1, 1}, 1}}};
+    return double(albedo(evaluator(white), theta_v, k_pi / 2).g);
+}
+
+TEST(Ggx, IsReciprocalIsotropicAndNeverNegative) {
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 2000; ++i) {
+        const GgxModel model = random_ggx(random, 1 + i % 2);
+        Vec3d wl = random_direction(random), wv = random_direction(random);
+        wl.z = std::abs(wl.z), wv.z = std::abs(wv.z);
+        const Rgb f = value(model, to_float(wl), to_float(wv)), g = value(model, to_float(wv), to_float(wl));
+        const double turn = 6 * uniform(random);
+        const auto turned = [&](Vec3d w) {
+            return to_float(
+                {std::cos(turn) * w.x - std::sin(turn) * w.y, std::sin(turn) * w.x + std::cos(turn) * w.y, w.z});
+        };
+        const Rgb h = value(model, turned(wl), turned(wv));
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_GE(f[c], 0);
+            EXPECT_TRUE(near(f[c], g[c], 1e-5 * double(f[c])));
+            EXPECT_TRUE(near(f[c], h[c], 1e-4 * double(f[c]))) << f[c] << ' ' << h[c];
+        }
+    }
+    EXPECT_EQ(value(random_ggx(random, 1), {0, 0, -1}, {0, 0, 1}), Rgb{});
+}
+
+TEST(Ggx, ALambertianReflectsItsColour) {
+    const GgxModel model{{0.2f, 0.5f, 0.9f}, {{0.3f, {}, 0}}};
+    for (const double theta : {0.0, 1.0, 1.4})
+        for (int c = 0; c < 3; ++c)
+            EXPECT_TRUE(near(albedo(evaluator(model), theta, k_pi / 2)[c], model.diffuse[c], 2e-4));
+}
+
+TEST(Ggx, FacetsReflectNoMoreThanTheyGetAndSmoothOnesAll) {
+    // Facets that mask each other lose what they scatter among themselves.
+    for (const float alpha : {0.02f, 0.1f, 0.3f, 1.0f})
+        for (const double theta : {0.0, 0.7, 1.2})
+            EXPECT_LT(facet_albedo(alpha, theta), 1 + 1e-3) << alpha << ' ' << theta;
+    EXPECT_TRUE(near(facet_albedo(0.02f, 0.0), 1, 2e-3));
+    // At α = 1 and normal incidence 1 - ln 2 is left: ∫ cosθl / (2 (1 + cosθl)) dcosθl, twice.
+    EXPECT_TRUE(near(facet_albedo(1, 0.0), 1 - std::log(2.0), 1e-4));
+}
+
+TEST(Ggx, ReadsWhatItWrites) {
+    std::mt19937_64 random(2);
+    for (const int lobes : {1, 2}) {
+        const GgxModel model = rounded(random_ggx(random, lobes));
+        const auto read = read_model(write_model({model, {{"source", "a"}}}), "a.srbf");
+        ASSERT_TRUE(read.ok());
+        EXPECT_EQ(std::get<GgxModel>(read->model), model);
+        EXPECT_EQ(payload_bytes(*read), lobes == 1 ? 16u : 26u);
+        EXPECT_EQ(auxiliary_bytes(*read), 0u);
+        EXPECT_EQ(read->provenance.at("source"), "a");
+    }
+}
+
+TEST(Ggx, IsFittedBack) {
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 8; ++i) {
+        const GgxModel truth = random_ggx(random, 1 + i % 2);
+        const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 8192});
+        ASSERT_TRUE(observed.ok());
+        const auto fit = fit_ggx(*observed, {int(truth.lobes.size()), 0});
+        ASSERT_TRUE(fit.ok());
+        EXPECT_LT(fit->unrounded_loss, 1e-6);
+        EXPECT_LT(fit->loss, 1e-5);  // roughness in halves
+        EXPECT_TRUE(
+            near(fit->unrounded.lobes[0].roughness, truth.lobes[0].roughness, 2e-3 * double(truth.lobes[0].roughness)));
+    }
+}
+
+TEST(Ggx, FitScalesWithTheData) {
+    std::mt19937_64 random(4);
+    const GgxModel truth = random_ggx(random, 2);
+    const auto observed_times = [&](float scale) {
+        return *observe(
+            [&](auto wl, auto wv, auto f) {
+                evaluate(truth, wl, wv, f);
+                for (Rgb& x : f) x = {scale * x.r, scale * x.g, scale * x.b};
+            },
+            {.objective = Objective::cube_root, .count = 4096});
+    };
+    const auto once = fit_ggx(observed_times(1), {}), large = fit_ggx(observed_times(64), {});
+    ASSERT_TRUE(once.ok() && large.ok());
+    EXPECT_TRUE(near(large->unrounded.diffuse.g, 64 * double(once->unrounded.diffuse.g),
+                     64e-4 * double(once->unrounded.diffuse.g) + 1e-6));
+    EXPECT_TRUE(near(large->unrounded.lobes[0].roughness, once->unrounded.lobes[0].roughness, 1e-4));
+}
+
+TEST(Ggx, RefusesOtherNumbersOfLobes) {
+    const auto observed = observe(evaluator(GgxModel{{1, 1, 1}, {{0.5f, {}, 0}}}), {.count = 1024});
+    ASSERT_TRUE(observed.ok());
+    for (const int lobes : {0, 3, -1}) EXPECT_FALSE(fit_ggx(*observed, {lobes, 0}).ok());
+}
+
+}  // namespace
+}  // namespace srbf

@@ -10,7 +10,9 @@
 #include "app/load.h"
 #include "app/report.h"
 #include "render/image.h"
+#include "render/raster.h"
 #include "render/scene.h"
+#include "srbf/convert.h"
 
 namespace srbf {
 namespace {
@@ -29,8 +31,35 @@ struct Renderer {
     Result<std::vector<Rendering>> (*render)(const Scene& scene, std::span<const Subject> subjects,
                                              const RenderCommand& options);
 };
+
+/// What OpenGL draws of a subject: a model as it is, a measurement as a table in Rusinkiewicz' angles.
+Result<Material> material_of(const Subject& subject) {
+    if (const auto* model = std::get_if<Model>(&subject.content))
+        return std::visit([](const auto& of) -> Material { return of; }, model->model);
+    const Measured& measured = std::get<Measured>(subject.content);
+    if (const auto* table = std::get_if<MerlTable>(&measured.table)) return Material(*table);
+    if (!is_isotropic(measured))
+        return Error{subject.path, {}, "measurement for the renderer raster", "an isotropic one", "an anisotropic one"};
+    return Material(to_merl(evaluator(subject)));
+}
+
+Result<std::vector<Rendering>> render_raster(const Scene& scene, std::span<const Subject> subjects,
+                                             const RenderCommand& options) {
+#ifdef SRBF_RASTER
+    std::vector<Material> materials;
+    for (const Subject& subject : subjects) {
+        auto material = material_of(subject);
+        if (!material) return material.error();
+        materials.push_back(*std::move(material));
+    }
+    return rasterize(scene, materials, options.width, options.height);
+#else
+    return Error{"srbf", {}, "renderer raster", "a program built with libepoxy", "one without"};
+#endif
+}
+
 /// The first is the default.
-constexpr std::array<Renderer, 0> k_renderers{};
+constexpr std::array<Renderer, 1> k_renderers{{{"raster", render_raster}}};
 
 int RenderCommand::run() const {
     std::vector<std::string> inputs = files, captions;

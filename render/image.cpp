@@ -9,6 +9,7 @@
 #include <limits>
 #include <span>
 
+#include "render/shading.h"
 #include "srbf/file.h"
 
 #pragma GCC diagnostic push
@@ -22,6 +23,8 @@
 
 namespace srbf {
 
+static_assert(k_knee == float(SRBF_KNEE) && k_whitening == float(SRBF_WHITENING));
+
 Rgb tone_map(Rgb radiance, float exposure) {
     assert(exposure >= 0 && std::isfinite(exposure));
     constexpr float nan = std::numeric_limits<float>::quiet_NaN();
@@ -29,15 +32,11 @@ Rgb tone_map(Rgb radiance, float exposure) {
     constexpr float largest = std::numeric_limits<float>::max();
     Rgb x;
     for (int c = 0; c < 3; ++c) x[c] = std::min(exposure * std::clamp(radiance[c], 0.0f, largest), largest);
-    const float peak = std::max({x.r, x.g, x.b});
-    if (peak <= k_knee) return x;
-    const float new_peak = 1 - (1 - k_knee) * (1 - k_knee) / (peak + 1 - 2 * k_knee);
-    const float whitened = 1 - 1 / (1 + k_whitening * (peak - new_peak));
-    for (int c = 0; c < 3; ++c) x[c] = (1 - whitened) * (x[c] / peak) * new_peak + whitened * new_peak;
-    return x;
+    const Vec3f out = Shading<float>::tone_mapped({x.r, x.g, x.b});
+    return {out.x, out.y, out.z};
 }
 
-float srgb_encoded(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f; }
+float srgb_encoded(float x) { return Shading<float>::srgb_transfer(x); }
 
 Rgb8 to_srgb8(Rgb shown) {
     Rgb8 out{};
@@ -62,13 +61,12 @@ float automatic_exposure(const Image& image) {
 }
 
 Image8 shown(const Rendering& rendering, float exposure) {
-    constexpr float background = 0.16f;
     const Image& radiance = rendering.radiance;
     assert(rendering.coverage.size() == radiance.pixels.size());
     Image8 out(radiance.width, radiance.height);
     for (std::size_t i = 0; i < radiance.pixels.size(); ++i) {
         const Rgb object = tone_map(radiance.pixels[i], exposure);
-        Rgb colour{background, background, background};
+        Rgb colour{k_background, k_background, k_background};
         for (int c = 0; c < 3; ++c) colour[c] += rendering.coverage[i] * (object[c] - colour[c]);
         out.pixels[i] = to_srgb8(colour);
     }

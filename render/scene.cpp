@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "render/shading.h"
+
 namespace srbf {
 
 Frame frame(const Camera& camera) {
@@ -60,9 +62,8 @@ Scene scene_of(Mesh mesh, const Viewpoint& viewpoint, double aspect) {
 }
 
 Frame surface_frame(Vec3d n) {
-    const double radius = std::sqrt(n.x * n.x + n.z * n.z);
-    const Vec3d t = radius > 0 ? Vec3d{n.z / radius, 0, -n.x / radius} : Vec3d{1, 0, 0};
-    return {t, cross(n, t), n};
+    const auto about = Shading<double>::surface_frame_about(n);
+    return {about.tangent, about.bitangent, about.normal};
 }
 
 }  // namespace srbf

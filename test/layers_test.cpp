@@ -27,6 +27,8 @@ const std::vector<std::vector<std::string>> k_groups{
     {"render/image", "render/mesh"},
     {"render/scene"},
     {"render/preview"},
+    {"render/shad", "render/host", "render/pixel", "render/surface"},
+    {"render/raster"},
     {"include/srbf/fit"},
     {"src/fit/gram"},
     {"src/fit/lobes"},

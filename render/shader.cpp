@@ -87,13 +87,16 @@ SuTexels su_texels(const SuModel& model) {
     const auto J = std::size_t(model.lobes);
     SuTexels texels;
     texels.numbers.reserve(2 * model.centre.size());
-    for (std::size_t i = 0; i < model.centre.size(); ++i) {
-        const Rgb& beta = model.coefficient[i];
-        const Vec3f from_mirror = model.centre[i] - mirror(model.direction[i / J]);
-        texels.numbers.push_back({to_half(beta.r), to_half(beta.g), to_half(beta.b), to_half(model.bandwidth[i])});
-        texels.numbers.push_back({to_half(from_mirror.x), to_half(from_mirror.y), to_half(from_mirror.z), 0});
+    for (std::size_t i = 0; i < model.direction.size(); ++i) {
+        const Vec3f w = model.direction[i];
+        texels.directions.push_back({w.x, w.y, w.z, 0});
+        for (std::size_t j = i * J; j < (i + 1) * J; ++j) {
+            const Rgb& beta = model.coefficient[j];
+            const Vec3f apart = model.centre[j] - mirror(w);
+            texels.numbers.push_back({to_half(beta.r), to_half(beta.g), to_half(beta.b), to_half(model.bandwidth[j])});
+            texels.numbers.push_back({to_half(apart.x), to_half(apart.y), to_half(apart.z), 0});
+        }
     }
-    for (const Vec3f& w : model.direction) texels.directions.push_back({w.x, w.y, w.z, 0});
     return texels;
 }
 

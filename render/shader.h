@@ -51,9 +51,10 @@ std::vector<Float4> pm_numbers(const PmModel& model);
 
 /// The texels of a view-by-view model's textures, a row of them for each view.
 struct SuTexels {
-    std::vector<std::array<std::uint16_t, 4>>
-        numbers;                     ///< RGBA16F, n × 2J: (β, λ), then ξ less the mirrored view direction
-    std::vector<Float4> directions;  ///< RGBA32F, n × 1
+    /// RGBA16F, n × 2J: a lobe's (β, λ), then its ξ less the mirrored view direction.
+    std::vector<std::array<std::uint16_t, 4>> numbers;
+    /// RGBA32F, n × 1: halves would not tell elevations apart that are 1/n from each other in z.
+    std::vector<Float4> directions;
 };
 SuTexels su_texels(const SuModel& model);
 

@@ -1,5 +1,5 @@
 // What kernel.glsl and shading.glsl take of a shader. `fragment_shader` puts before it a material's numbers: PM_LOBES and what belongs to
-// it, or SU_LOBES, or MERL_SIZE; and LIGHTS, OUTPUT.
+// it, or SU_LOBES, MERL_SIZE, FLAT; and LIGHTS, EACH_LIGHT, DEFERRED, SHOWN.
 #define Real float
 #define Vec3 vec3
 #define Bool bool
@@ -13,7 +13,7 @@ layout(std140) uniform PmNumbers {
 #if PM_FEATURES > 0
     vec4 pm_exponents[PM_LOBES];    // times log2(e)
 #endif
-    vec4 pm_kernels[PM_KERNELS];    // axial: four sharpnesses, negative where the centre is -z; else centre and sharpness
+    vec4 pm_kernels[PM_KERNELS];    // axial: four sharpnesses; else centre and sharpness
     vec4 pm_weights[PM_VARIATES];   // a, b
 };
 int pm_lobes(Pm pm) { return PM_LOBES; }
@@ -25,9 +25,9 @@ Real pm_weight_v(Pm pm, int n) { return pm_weights[n].y; }
 Vec3 pm_coefficient(Pm pm, int j) { return pm_colours[j].rgb; }
 Real pm_log2_scale(Pm pm, int j) { return pm_colours[j].w; }
 #if PM_AXIAL
-Real pm_signed_sharpness(int j, int n) { return pm_kernels[j * ((PM_VARIATES + 3) / 4) + n / 4][n % 4]; }
-Real pm_sharpness(Pm pm, int j, int n) { return abs(pm_signed_sharpness(j, n)); }
-bool pm_down(Pm pm, int j, int n) { return pm_signed_sharpness(j, n) < 0.0; }
+const int pm_downs[PM_LOBES] = int[PM_LOBES](PM_DOWNS);  // bit n of a lobe: whether centre n is -z
+Real pm_sharpness(Pm pm, int j, int n) { return pm_kernels[j * ((PM_VARIATES + 3) / 4) + n / 4][n % 4]; }
+bool pm_down(Pm pm, int j, int n) { return (pm_downs[j] >> n & 1) != 0; }
 Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, pm_down(pm, j, n) ? -1.0 : 1.0); }
 #else
 Real pm_sharpness(Pm pm, int j, int n) { return pm_kernels[j * PM_VARIATES + n].w; }

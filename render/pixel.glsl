@@ -1,14 +1,20 @@
 // A pixel of a surface under directional lights; after host.glsl, kernel.glsl and shading.glsl.
+out vec4 pixel;
+
+#if DEFERRED
+uniform sampler2D surface_positions;
+uniform sampler2D surface_normals;
+#else
 in vec3 surface_position;
 in vec3 surface_normal;
-out vec4 pixel;
+#endif
 
 uniform vec3 eye;
 uniform vec3 light_direction[LIGHTS];   // to the light, unit vectors
 uniform vec3 light_irradiance[LIGHTS];  // on a surface that faces it
 uniform float exposure;
 
-bool is_measured = true;  // false once a value was asked for where there is none
+bool is_measured = true;  // whether the value that was asked for last was measured
 
 // f_r(wl, wv) [1/sr], wl.z, wv.z > 0.
 #if defined PM_LOBES
@@ -53,46 +59,42 @@ Vec3 brdf(Vec3 wl, Vec3 wv) {
     vec3 node = n * vec3(phi_d / 3.141592653589793, theta_d / 1.5707963267948966, sqrt(theta_h / 1.5707963267948966));
     node.yz = min(node.yz, n.yz - 1.0);
     vec4 f = texture(merl_table, (node + 0.5) / n);
-    is_measured = is_measured && f.a > 0.0;
+    is_measured = f.a > 0.0;
     return f.rgb / max(f.a, 1.0e-6);
 }
 
 #else
-Vec3 brdf(Vec3 wl, Vec3 wv) { return Vec3(0.0); }
+Vec3 brdf(Vec3 wl, Vec3 wv) { return Vec3(FLAT); }
 #endif
 
-// f_r max(0, n.l) E of one light.
-Vec3 reflected(SurfaceFrame frame, Vec3 wv, Vec3 towards, Vec3 irradiance) {
+// f_r max(0, n.l) E of one light, and 1 where f_r was asked for but not measured. Without a branch, so that what the values for
+// several lights have in common is found once.
+vec4 reflected(SurfaceFrame frame, Vec3 wv, Vec3 towards, Vec3 irradiance) {
     Vec3 wl = to_surface(frame, towards);
-    return wl.z > 0.0 ? wl.z * brdf(wl, wv) * irradiance : Vec3(0.0);
+    vec4 lit = vec4(wl.z * brdf(wl, wv) * irradiance, is_measured ? 0.0 : 1.0);
+    return wl.z > 0.0 ? lit : vec4(0.0);
 }
 
-#define OUTPUT_SHOWN 0
-#define OUTPUT_RADIANCE 1
-#define OUTPUT_NORMAL 2
-#define OUTPUT_POSITION 3
-
 void main() {
-    Vec3 normal = gl_FrontFacing ? surface_normal : -surface_normal;
-#if OUTPUT == OUTPUT_NORMAL
-    pixel = vec4(normal, 1.0);
-#elif OUTPUT == OUTPUT_POSITION
-    pixel = vec4(surface_position, 1.0);
-#elif defined FLAT
-    pixel = vec4(0.5, 0.5, 0.5, 1.0);
+#if DEFERRED
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    Vec3 position = texelFetch(surface_positions, at, 0).xyz;
+    Vec3 normal = texelFetch(surface_normals, at, 0).xyz;
 #else
-    Vec3 to_viewer = normalize(eye - surface_position);
+    Vec3 position = surface_position;
+    Vec3 normal = gl_FrontFacing ? surface_normal : -surface_normal;
+#endif
+    Vec3 to_viewer = normalize(eye - position);
     SurfaceFrame frame = surface_frame_about(visible_normal(normal, to_viewer));
     Vec3 wv = to_surface(frame, to_viewer);
-    Vec3 radiance = Vec3(0.0);
-    for (int k = 0; k < LIGHTS; ++k)
-        radiance += reflected(frame, wv, light_direction[k], light_irradiance[k]);
-#if OUTPUT == OUTPUT_RADIANCE
-    pixel = vec4(is_measured ? radiance : Vec3(intBitsToFloat(0x7fc00000)), 1.0);
-#else
-    Vec3 shown = tone_mapped(min(exposure * max(radiance, 0.0), Vec3(3.4e38)));
+    vec4 sum = vec4(0.0);
+#define ADD_LIGHT(k) sum += reflected(frame, wv, light_direction[k], light_irradiance[k]);
+    EACH_LIGHT(ADD_LIGHT)
+#if SHOWN
+    Vec3 shown = tone_mapped(min(exposure * max(sum.rgb, 0.0), Vec3(3.4e38)));
     pixel = vec4(srgb_transfer(shown.x), srgb_transfer(shown.y), srgb_transfer(shown.z), 1.0);
-    if (!is_measured) pixel = vec4(1.0, 0.0, 1.0, 1.0);
-#endif
+    if (sum.w > 0.0) pixel = vec4(1.0, 0.0, 1.0, 1.0);
+#else
+    pixel = vec4(sum.w > 0.0 ? Vec3(intBitsToFloat(0x7fc00000)) : sum.rgb, 1.0);
 #endif
 }

@@ -30,6 +30,12 @@ GlObject buffer_of(GLenum target, const void* data, std::size_t bytes, GLenum us
     return {id, [](unsigned buffer) { glDeleteBuffers(1, &buffer); }};
 }
 
+GlObject new_array() {
+    GLuint id = 0;
+    glGenVertexArrays(1, &id);
+    return {id, [](unsigned array) { glDeleteVertexArrays(1, &array); }};
+}
+
 }  // namespace
 
 // ---- Contexts ----------------------------------------------------------------------------------------------------
@@ -126,10 +132,8 @@ std::string OffscreenContext::renderer() const {
 
 RasterMesh::RasterMesh(const Mesh& mesh) : bounds_(srbf::bounds(mesh)), corners_(int(3 * mesh.triangles.size())) {
     assert(mesh.normals.size() == mesh.positions.size());
-    GLuint id = 0;
-    glGenVertexArrays(1, &id);
-    array_ = {id, [](unsigned array) { glDeleteVertexArrays(1, &array); }};
-    glBindVertexArray(id);
+    array_ = new_array();
+    glBindVertexArray(array_.id());
     std::vector<std::array<Vec3f, 2>> vertices(mesh.positions.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = {mesh.positions[i], mesh.normals[i]};
     constexpr GLsizei stride = sizeof vertices[0];
@@ -174,10 +178,10 @@ Result<GlObject> compiled(GLenum stage, const std::string& text) {
     return shader;
 }
 
-Result<GlObject> linked(const std::string& vertex_text, const std::string& fragment_text) {
-    const auto vertex = compiled(GL_VERTEX_SHADER, vertex_text);
+Result<GlObject> linked(const ShaderText& text) {
+    const auto vertex = compiled(GL_VERTEX_SHADER, text.vertex);
     if (!vertex) return vertex.error();
-    const auto fragment = compiled(GL_FRAGMENT_SHADER, fragment_text);
+    const auto fragment = compiled(GL_FRAGMENT_SHADER, text.fragment);
     if (!fragment) return fragment.error();
     GlObject program(glCreateProgram(), [](unsigned id) { glDeleteProgram(id); });
     glAttachShader(program.id(), vertex->id());
@@ -228,6 +232,19 @@ std::array<float, 16> to_clip(const Camera& camera, double aspect, const Bounds&
         columns[12 + r] = float((r == 2 ? shift_z : 0) - dot(rows[r], camera.eye));
     }
     return columns;
+}
+
+void bind_texture(std::size_t unit, GLenum target, const GlObject& texture) {
+    glActiveTexture(GL_TEXTURE0 + GLenum(unit));
+    glBindTexture(target, texture.id());
+}
+
+/// By the current program, which is `program`.
+void draw_mesh(const GlObject& program, const RasterMesh& mesh, const RasterView& view) {
+    glUniformMatrix4fv(glGetUniformLocation(program.id(), "to_clip"), 1, GL_FALSE,
+                       to_clip(view.camera, view.aspect, mesh.bounds()).data());
+    glEnable(GL_DEPTH_TEST);
+    mesh.draw();
 }
 
 }  // namespace
@@ -298,9 +315,10 @@ Result<Done> RasterMaterial::load(const SuModel& model) {
 }
 
 Result<RasterMaterial> RasterMaterial::make(const Material& material, const ShaderOptions& options) {
-    auto program = linked(vertex_shader(options.dialect), fragment_shader(material, options));
+    auto program = linked(shader_text(material, options));
     if (!program) return program.error();
     RasterMaterial made(*std::move(program));
+    made.no_array_ = new_array();
     glUseProgram(made.program_.id());
     const auto loaded = std::visit([&](const auto& of) { return made.load(of); }, material);
     if (!loaded) return loaded.error();
@@ -314,10 +332,9 @@ void RasterMaterial::update(const PmModel& model) {
     glBufferSubData(GL_UNIFORM_BUFFER, 0, GLsizeiptr(data_bytes_), numbers.data());
 }
 
-void RasterMaterial::draw(const RasterMesh& mesh, const RasterView& view) const {
+void RasterMaterial::use(const RasterView& view) const {
     glUseProgram(program_.id());
     const auto place = [&](const char* uniform) { return glGetUniformLocation(program_.id(), uniform); };
-    glUniformMatrix4fv(place("to_clip"), 1, GL_FALSE, to_clip(view.camera, view.aspect, mesh.bounds()).data());
     const Vec3f eye = to_float(view.camera.eye);
     glUniform3f(place("eye"), eye.x, eye.y, eye.z);
     glUniform1f(place("exposure"), view.exposure);
@@ -331,13 +348,33 @@ void RasterMaterial::draw(const RasterMesh& mesh, const RasterView& view) const 
         glUniform3fv(place("light_direction"), GLsizei(directions.size()), &directions[0].x);
         glUniform3fv(place("light_irradiance"), GLsizei(irradiances.size()), &irradiances[0].r);
     }
-    for (std::size_t unit = 0; unit < textures_.size(); ++unit) {
-        glActiveTexture(GL_TEXTURE0 + GLenum(unit));
-        glBindTexture(textures_[unit].target, textures_[unit].object.id());
-    }
+    for (std::size_t unit = 0; unit < textures_.size(); ++unit)
+        bind_texture(unit, textures_[unit].target, textures_[unit].object);
     if (numbers_.id() != 0) glBindBufferBase(GL_UNIFORM_BUFFER, 0, numbers_.id());
+}
+
+void RasterMaterial::draw(const RasterMesh& mesh, const RasterView& view) const {
+    use(view);
+    draw_mesh(program_, mesh, view);
+}
+
+void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view) const {
+    use(view);
+    for (const auto& [sampler, texture] :
+         {std::pair{"surface_positions", &surface.positions_}, std::pair{"surface_normals", &surface.normals_}}) {
+        const std::size_t unit = textures_.size() + (texture == &surface.normals_ ? 1 : 0);
+        glUniform1i(glGetUniformLocation(program_.id(), sampler), GLint(unit));
+        bind_texture(unit, GL_TEXTURE_2D, *texture);
+    }
+    // The triangle lies at the far end: what lies before it is where the surface is.
     glEnable(GL_DEPTH_TEST);
-    mesh.draw();
+    glDepthFunc(GL_GREATER);
+    glDepthMask(GL_FALSE);
+    glBindVertexArray(no_array_.id());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+    glBindVertexArray(0);
 }
 
 // ---- Framebuffers ------------------------------------------------------------------------------------------------
@@ -364,6 +401,34 @@ GlObject framebuffer(const GlObject& colour, const GlObject* depth) {
     return {id, [](unsigned buffer) { glDeleteFramebuffers(1, &buffer); }};
 }
 
+Result<Done> check_picture(int width, int height, bool floats) {
+    const int most = integer(GL_MAX_RENDERBUFFER_SIZE);
+    if (std::max(width, height) > most)
+        return missing("picture", fmt::format("at most {} pixels along a side here", most),
+                       fmt::format("{} x {}", width, height));
+    if (floats && !epoxy_is_desktop_gl() && !epoxy_has_gl_extension("GL_EXT_color_buffer_float"))
+        return missing("pictures of floats", "GL_EXT_color_buffer_float", "OpenGL ES without it");
+    return Done{};
+}
+
+/// Whether the framebuffer that is bound can be drawn into.
+Result<Done> check_framebuffer(int width, int height) {
+    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE && glGetError() != GL_OUT_OF_MEMORY)
+        return Done{};
+    return missing("picture", "memory and a format that can be drawn", fmt::format("{} x {}", width, height));
+}
+
+/// The floats of the colour buffer `colour` of the framebuffer that is read, rows from the top.
+std::vector<Float4> read_colour(GLenum colour, int columns, int rows) {
+    const auto width = std::size_t(columns), height = std::size_t(rows);
+    std::vector<Float4> pixels(width * height);
+    glReadBuffer(colour);
+    glReadPixels(0, 0, columns, rows, GL_RGBA, GL_FLOAT, pixels.data());
+    for (std::size_t y = 0; y < height / 2; ++y)  // its rows run upwards
+        std::swap_ranges(&pixels[y * width], &pixels[y * width] + width, &pixels[(height - 1 - y) * width]);
+    return pixels;
+}
+
 int most_samples(GLenum format) {
     GLint count = 0, most = 1;
     glGetInternalformativ(GL_RENDERBUFFER, format, GL_NUM_SAMPLE_COUNTS, 1, &count);
@@ -373,14 +438,19 @@ int most_samples(GLenum format) {
 
 }  // namespace
 
+Result<RasterTarget> RasterTarget::make_for(const RasterSurface& surface, Format format) {
+    auto target = make(surface.width_, surface.height_, 1, format);
+    if (!target) return target;
+    glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer_.id());
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, surface.depth_.id());
+    target->depth_ = {};
+    if (auto complete = check_framebuffer(target->width_, target->height_); !complete) return complete.error();
+    return target;
+}
+
 Result<RasterTarget> RasterTarget::make(int width, int height, int samples, Format format) {
     assert(width >= 1 && height >= 1 && samples >= 1);
-    const int most = integer(GL_MAX_RENDERBUFFER_SIZE);
-    if (std::max(width, height) > most)
-        return missing("picture", fmt::format("at most {} pixels along a side here", most),
-                       fmt::format("{} x {}", width, height));
-    if (format == Format::floats && !epoxy_is_desktop_gl() && !epoxy_has_gl_extension("GL_EXT_color_buffer_float"))
-        return missing("pictures of floats", "GL_EXT_color_buffer_float", "OpenGL ES without it");
+    if (auto fits = check_picture(width, height, format == Format::floats); !fits) return fits.error();
     GLenum of_pixel = GL_RGBA8;
     if (format == Format::floats) of_pixel = most_samples(GL_RGBA32F) >= samples ? GL_RGBA32F : GL_RGBA16F;
 
@@ -394,8 +464,7 @@ Result<RasterTarget> RasterTarget::make(int width, int height, int samples, Form
         target.resolved_ = framebuffer(target.resolved_colour_, nullptr);
     }
     target.framebuffer_ = framebuffer(target.colour_, &target.depth_);
-    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || glGetError() == GL_OUT_OF_MEMORY)
-        return missing("picture", "memory and a format that can be drawn", fmt::format("{} x {}", width, height));
+    if (auto complete = check_framebuffer(width, height); !complete) return complete.error();
     return target;
 }
 
@@ -404,7 +473,7 @@ void RasterTarget::begin() const {
     glViewport(0, 0, width_, height_);
     const float grey = format_ == Format::bytes ? srgb_encoded(k_background) : 0;
     glClearColor(grey, grey, grey, 0);
-    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glClear(depth_.id() != 0 ? GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT : GL_COLOR_BUFFER_BIT);
 }
 
 void RasterTarget::resolve() const {
@@ -418,12 +487,7 @@ void RasterTarget::resolve() const {
 std::vector<Float4> RasterTarget::read_floats() const {
     assert(format_ == Format::floats);
     resolve();
-    const auto width = std::size_t(width_), height = std::size_t(height_);
-    std::vector<Float4> pixels(width * height);
-    glReadPixels(0, 0, width_, height_, GL_RGBA, GL_FLOAT, pixels.data());
-    for (std::size_t y = 0; y < height / 2; ++y)  // its rows run upwards
-        std::swap_ranges(&pixels[y * width], &pixels[y * width] + width, &pixels[(height - 1 - y) * width]);
-    return pixels;
+    return read_colour(GL_COLOR_ATTACHMENT0, width_, height_);
 }
 
 Image8 RasterTarget::read_bytes() const {
@@ -440,6 +504,54 @@ Image8 RasterTarget::read_bytes() const {
     return image;
 }
 
+Result<RasterSurface> RasterSurface::make(Dialect dialect, int width, int height) {
+    assert(width >= 1 && height >= 1);
+    if (auto fits = check_picture(width, height, true); !fits) return fits.error();
+    auto program = linked(surface_shader_text(dialect));
+    if (!program) return program.error();
+    RasterSurface surface;
+    surface.width_ = width, surface.height_ = height;
+    surface.program_ = *std::move(program);
+    const int bound = integer(GL_FRAMEBUFFER_BINDING);
+    GLuint id = 0;
+    glGenFramebuffers(1, &id);
+    surface.framebuffer_ = {id, [](unsigned buffer) { glDeleteFramebuffers(1, &buffer); }};
+    glBindFramebuffer(GL_FRAMEBUFFER, id);
+    std::array<GLenum, 2> colours{GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+    for (std::size_t i = 0; i < 2; ++i) {
+        GlObject& texture = i == 0 ? surface.positions_ : surface.normals_;
+        texture = new_texture(GL_TEXTURE_2D, GL_NEAREST);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, width, height, 0, GL_RGBA, GL_FLOAT, nullptr);
+        glFramebufferTexture2D(GL_FRAMEBUFFER, colours[i], GL_TEXTURE_2D, texture.id(), 0);
+    }
+    glDrawBuffers(2, colours.data());
+    surface.depth_ = renderbuffer(GL_DEPTH_COMPONENT24, width, height, 1);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, surface.depth_.id());
+    const auto complete = check_framebuffer(width, height);
+    glBindFramebuffer(GL_FRAMEBUFFER, GLuint(bound));
+    if (!complete) return complete.error();
+    return surface;
+}
+
+void RasterSurface::draw(const RasterMesh& mesh, const RasterView& view) const {
+    const GLint bound = integer(GL_DRAW_FRAMEBUFFER_BINDING);
+    std::array<GLint, 4> viewport{};
+    glGetIntegerv(GL_VIEWPORT, viewport.data());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.id());
+    glViewport(0, 0, width_, height_);
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glUseProgram(program_.id());
+    draw_mesh(program_, mesh, view);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(bound));
+    glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+}
+
+std::vector<Float4> RasterSurface::read(unsigned colour) const {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.id());
+    return read_colour(GL_COLOR_ATTACHMENT0 + colour, width_, height_);
+}
+
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
                                          int samples) {
     const auto context = OffscreenContext::make();
@@ -450,8 +562,9 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Mat
     const RasterView view{scene.camera, double(width) / height, scene.lights, 1};
     std::vector<Rendering> renderings;
     for (const Material& of : materials) {
-        const auto material = RasterMaterial::make(
-            of, {context->dialect(), PixelOutput::radiance, std::max(1, int(scene.lights.size()))});
+        const auto material = RasterMaterial::make(of, {.dialect = context->dialect(),
+                                                        .output = PixelOutput::radiance,
+                                                        .lights = std::max(1, int(scene.lights.size()))});
         if (!material) return material.error();
         target->begin();
         material->draw(mesh, view);

@@ -79,17 +79,39 @@ struct RasterView {
     float exposure = 1;                        ///< of PixelOutput::shown
 };
 
+/// Positions and normals of what each pixel sees, a sample each: the first pass of two.
+class RasterSurface {
+  public:
+    /// Errors: larger than the library's pictures; floats that it cannot draw.
+    static Result<RasterSurface> make(Dialect dialect, int width, int height);
+    /// Draws the mesh. The framebuffer that was bound and its viewport are as before afterwards.
+    void draw(const RasterMesh& mesh, const RasterView& view) const;
+    /// Rows from the top: (x, y, z), and 1 where there is a surface; its normal as interpolated, turned to the viewer.
+    std::vector<Float4> read_positions() const { return read(0); }
+    std::vector<Float4> read_normals() const { return read(1); }
+
+  private:
+    friend class RasterMaterial;
+    friend class RasterTarget;
+    RasterSurface() = default;
+    std::vector<Float4> read(unsigned colour) const;
+    int width_ = 0, height_ = 0;
+    GlObject program_, positions_, normals_, depth_, framebuffer_;
+};
+
 /// A material as the graphics library holds it: a program and its numbers.
 class RasterMaterial {
   public:
     /// Errors: a model larger than the library's buffers or textures; a text that the library's compiler refuses.
     static Result<RasterMaterial> make(const Material& material, const ShaderOptions& options);
 
-    /// Replaces the numbers by those of another model of the same text: form, counts of lobes and variates, axial or not. Costs no more than
-    /// handing over that many bytes.
+    /// Replaces the numbers by those of another model of the same text (`shader_text`). Costs no more than handing over that many bytes.
     void update(const PmModel& model);
-    /// Draws the mesh into the current framebuffer, whose viewport is set.
+    /// Draws the mesh into the current framebuffer, whose viewport is set; made for PixelInput::triangles.
     void draw(const RasterMesh& mesh, const RasterView& view) const;
+    /// Shades what the surface holds, drawn from the same view, into a framebuffer that has the surface's depths, as those of
+    /// `RasterTarget::make_for` have; made for PixelInput::surface.
+    void draw(const RasterSurface& surface, const RasterView& view) const;
     /// Bytes of its numbers that a pixel looks up, and of the index texture and table of directions.
     std::size_t data_bytes() const { return data_bytes_; }
     std::size_t auxiliary_bytes() const { return auxiliary_bytes_; }
@@ -101,12 +123,13 @@ class RasterMaterial {
     };
     explicit RasterMaterial(GlObject program) : program_(std::move(program)) {}
     void add_texture(const char* sampler, Texture texture);
+    void use(const RasterView& view) const;
     Result<Done> load(const Flat&) { return Done{}; }
     Result<Done> load(const MerlTable& table);
     Result<Done> load(const PmModel& model);
     Result<Done> load(const SuModel& model);
 
-    GlObject program_, numbers_;
+    GlObject program_, numbers_, no_array_;
     std::vector<Texture> textures_;  ///< in the order of their units
     std::size_t data_bytes_ = 0, auxiliary_bytes_ = 0;
 };
@@ -118,7 +141,9 @@ class RasterTarget {
     enum class Format { bytes, floats };
     /// `samples` for each pixel, or as many as there are. Errors: larger than the library's pictures; floats that it cannot draw.
     static Result<RasterTarget> make(int width, int height, int samples, Format format);
-    /// Binds it, sets its viewport and clears it: 0 everywhere, no coverage; or the grey behind `shown` pictures.
+    /// For the second pass over the surface, whose size and depths it has; not to outlive it.
+    static Result<RasterTarget> make_for(const RasterSurface& surface, Format format);
+    /// Binds it, sets its viewport and clears it (of another's depths the colours alone): 0 everywhere, no coverage; or the grey behind `shown` pictures.
     void begin() const;
     /// What was drawn, its samples averaged: rows from the top, RGBA.
     std::vector<Float4> read_floats() const;

@@ -21,17 +21,22 @@ std::string version(Dialect dialect) {
 }
 
 /// The shape of a material, as the macros of host.glsl and pixel.glsl.
-std::string shape(const Flat&) { return "#define FLAT\n"; }
+std::string shape(const Flat&) { return fmt::format("#define FLAT {:.9f}\n", Flat::k_value); }
 std::string shape(const MerlTable& table) {
     const auto [h, d, p] = table.size;
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h);
 }
 int kernel_texels(const PmModel& model) { return model.axial ? (model.variates + 3) / 4 : model.variates; }
 std::string shape(const PmModel& model) {
-    return fmt::format(
+    std::vector<int> downs(std::size_t(model.lobes));
+    for (int j = 0; j < model.lobes; ++j)
+        for (int n = 0; n < model.variates; ++n) downs[std::size_t(j)] |= int(Kernel<float>::pm_down(model, j, n)) << n;
+    std::string text = fmt::format(
         "#define PM_LOBES {}\n#define PM_VARIATES {}\n#define PM_FEATURES {}\n#define PM_AXIAL {:d}\n"
         "#define PM_KERNELS {}\n",
         model.lobes, model.variates, features(model.form), model.axial, model.lobes * kernel_texels(model));
+    if (model.axial) text += fmt::format("#define PM_DOWNS {}\n", fmt::join(downs, ", "));
+    return text;
 }
 std::string shape(const SuModel& model) {
     const DirectionMap map = model.index ? model.index->map : DirectionMap::cube;
@@ -46,14 +51,22 @@ std::string shape(const SuModel& model) {
 
 std::string_view name(Dialect dialect) { return dialect == Dialect::gl_450 ? "OpenGL 4.5" : "OpenGL ES 3.0"; }
 
-std::string vertex_shader(Dialect dialect) { return version(dialect) + k_surface_text; }
-
-std::string fragment_shader(const Material& material, const ShaderOptions& options) {
+ShaderText shader_text(const Material& material, const ShaderOptions& options) {
     assert(options.lights >= 1);
-    return version(options.dialect) +
-           fmt::format("#define LIGHTS {}\n#define OUTPUT {}\n", options.lights, int(options.output)) +
-           std::visit([](const auto& of) { return shape(of); }, material) + k_host_text + k_kernel_text +
-           k_shading_text + k_pixel_text;
+    std::string each_light;
+    for (int k = 0; k < options.lights; ++k) each_light += fmt::format(" f({})", k);
+    const bool deferred = options.input == PixelInput::surface;
+    const std::string first = version(options.dialect);
+    return {first + (deferred ? k_whole_text : k_surface_text),
+            first +
+                fmt::format("#define LIGHTS {}\n#define EACH_LIGHT(f){}\n#define DEFERRED {:d}\n#define SHOWN {:d}\n",
+                            options.lights, each_light, deferred, options.output == PixelOutput::shown) +
+                std::visit([](const auto& of) { return shape(of); }, material) + k_host_text + k_kernel_text +
+                k_shading_text + k_pixel_text};
+}
+
+ShaderText surface_shader_text(Dialect dialect) {
+    return {version(dialect) + k_surface_text, version(dialect) + k_surface_pixel_text};
 }
 
 std::vector<Float4> pm_numbers(const PmModel& model) {
@@ -77,7 +90,7 @@ std::vector<Float4> pm_numbers(const PmModel& model) {
                 continue;
             }
             if (n % 4 == 0) numbers.emplace_back();
-            numbers.back()[std::size_t(n % 4)] = centre.z < 0 ? -sharpness : sharpness;
+            numbers.back()[std::size_t(n % 4)] = sharpness;
         }
     for (const Parameterization& of : model.parameterization) numbers.push_back({of.a, of.b, 0, 0});
     return numbers;

@@ -11,8 +11,10 @@
 
 namespace srbf {
 
-/// One colour, whatever the light: a picture of it costs what all pictures do.
-struct Flat {};
+/// A constant f_r: what a picture of it costs, every picture does.
+struct Flat {
+    static constexpr float k_value = float(1 / k_pi);  ///< [1/sr]
+};
 /// What a surface may be made of.
 using Material = std::variant<Flat, MerlTable, PmModel, SuModel>;
 
@@ -27,23 +29,31 @@ std::string_view name(Dialect dialect);
 enum class PixelOutput {
     shown,     ///< tone_map(radiance, exposure) as sRGB
     radiance,  ///< and 1 for coverage; NaN where nothing was measured
-    normal,    ///< as interpolated over the triangle, turned to the viewer where its back is seen
-    position,  ///< likewise
+};
+/// Where a pixel's position and normal come from.
+enum class PixelInput {
+    triangles,  ///< interpolated over the triangle that is drawn: shades what is hidden later, too, and samples of a pixel apart
+    surface,  ///< what an earlier pass left in a `RasterSurface`: each pixel is shaded once, however small the triangles
 };
 
 struct ShaderOptions {
     Dialect dialect = Dialect::gl_450;
     PixelOutput output = PixelOutput::shown;
+    PixelInput input = PixelInput::triangles;
     int lights = 3;  ///< directional lights, ≥ 1
 };
 
-/// The shader of vertices: attributes 0 `position` and 1 `normal`; uniform `to_clip`.
-std::string vertex_shader(Dialect dialect);
-/// The shader of pixels, complete: version, a material's shape (counts of lobes and the like, so that loops unroll), and the
-/// texts host.glsl, kernel.glsl, shading.glsl and pixel.glsl. Uniforms: `eye`, `light_direction`, `light_irradiance`, `exposure`; a
-/// block `PmNumbers` of `pm_numbers`; samplers `su_numbers`, `su_directions`, `su_index`, `merl_table`.
-/// Two materials of one text differ in numbers alone.
-std::string fragment_shader(const Material& material, const ShaderOptions& options);
+struct ShaderText {
+    std::string vertex, fragment;
+};
+/// A material's shaders, complete: version, the material's shape (counts of lobes and the like, so that loops unroll), and the
+/// texts host.glsl, kernel.glsl, shading.glsl and pixel.glsl. Attributes 0 `position` and 1 `normal` and uniform `to_clip`, or samplers
+/// `surface_positions` and `surface_normals`; uniforms `eye`, `light_direction`, `light_irradiance`, `exposure`; a block `PmNumbers`
+/// of `pm_numbers`; samplers `su_numbers`, `su_directions`, `su_index`, `merl_table`.
+/// Two materials of one text differ in numbers alone; which centres of axial lobes are −z is part of it.
+ShaderText shader_text(const Material& material, const ShaderOptions& options);
+/// The shaders of a `RasterSurface`: positions to colour 0, normals to colour 1.
+ShaderText surface_shader_text(Dialect dialect);
 
 using Float4 = std::array<float, 4>;
 /// The contents of the block `PmNumbers` (std140): colours and log2 scales, exponents, kernels, weights of the parameterization.

@@ -69,7 +69,7 @@ void main() {
     SuNeighbour neighbour = su_rotated_neighbour(Su(5), wv, 0);
     f += su_view_value(Su(5), neighbour.view, turned(wl, neighbour.cosine, neighbour.sine)) * neighbour.weight;
     f += su_rotated_value(Su(5), wl, wv) + su_plain_value(Su(5), nearest, wl, wv, 3);
-    f *= su_plain_weight(Su(5), nearest, wv, 3, 0);
+    f *= su_plain_weight(Su(5), nearest, wv, 3, 0) * su_rotated_part(Su(5), wl, wv, 0);
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }
 )";

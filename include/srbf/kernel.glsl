@@ -252,14 +252,16 @@ SRBF_FN SuNeighbour su_rotated_neighbour(Su su, Vec3 wv, int k) {
     return neighbour;
 }
 
+SRBF_FN Vec3 su_rotated_part(Su su, Vec3 wl, Vec3 wv, int k) {
+    SuNeighbour neighbour = su_rotated_neighbour(su, wv, k);
+    return neighbour.weight * su_view_value(su, neighbour.view, turned(wl, neighbour.cosine, neighbour.sine));
+}
+
+// The copies beyond the first two neighbours count within the cap alone. (A loop of no turns is passed over where a branch may not be.)
 SRBF_FN Vec3 su_rotated_value(Su su, Vec3 wl, Vec3 wv) {
-    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
-    for (int k = 0; k < SU_ROTATED_NEIGHBOURS; ++k) {
-        SuNeighbour neighbour = su_rotated_neighbour(su, wv, k);
-        if (neighbour.weight > Real(0.0))
-            sum = sum + neighbour.weight *
-                            su_view_value(su, neighbour.view, turned(wl, neighbour.cosine, neighbour.sine));
-    }
+    Vec3 sum = su_rotated_part(su, wl, wv, 0) + su_rotated_part(su, wl, wv, 1);
+    int count = wv.z > su_direction(su, su_views(su) - 1).z ? SU_ROTATED_NEIGHBOURS : 2;
+    for (int k = 2; k < count; ++k) sum = sum + su_rotated_part(su, wl, wv, k);
     return sum;
 }
 

@@ -35,6 +35,19 @@ inline CLI::Validator one_of(const std::vector<std::string>& names) {
             ""};
 }
 
+/// Takes "x.png", "x.PNG" and names without an extension, such as a pipe's.
+inline CLI::Validator png_name() {
+    return {[](std::string& name) {
+                std::string ending = std::filesystem::path(name).extension().string();
+                std::transform(ending.begin(), ending.end(), ending.begin(),
+                               [](unsigned char c) { return std::tolower(c); });
+                return ending.empty() || ending == ".png"
+                           ? ""
+                           : fmt::format("expected a name that ends in .png, found {}", name);
+            },
+            ""};
+}
+
 // Each adds its subcommand; when it is the one chosen, parsing runs it and leaves its exit status in
 // `status`.
 void add_fit(CLI::App& app, int& status);

@@ -288,19 +288,6 @@ int FitCommand::run() {
     return written ? k_done : complain(written.error());
 }
 
-/// Takes "x.png", "x.PNG" and names without an extension, such as a pipe's.
-CLI::Validator png_name() {
-    return {[](std::string& name) {
-                std::string ending = std::filesystem::path(name).extension().string();
-                std::transform(ending.begin(), ending.end(), ending.begin(),
-                               [](unsigned char c) { return std::tolower(c); });
-                return ending.empty() || ending == ".png"
-                           ? ""
-                           : fmt::format("expected a name that ends in .png, found {}", name);
-            },
-            ""};
-}
-
 }  // namespace
 
 void add_fit(CLI::App& app, int& status) {

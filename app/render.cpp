@@ -8,11 +8,10 @@
 
 #include "app/commands.h"
 #include "app/load.h"
+#include "app/raster.h"
 #include "app/report.h"
 #include "render/image.h"
-#include "render/raster.h"
 #include "render/scene.h"
-#include "srbf/convert.h"
 
 namespace srbf {
 namespace {
@@ -32,30 +31,9 @@ struct Renderer {
                                              const RenderCommand& options);
 };
 
-/// What OpenGL draws of a subject: a model as it is, a measurement as a table in Rusinkiewicz' angles.
-Result<Material> material_of(const Subject& subject) {
-    if (const auto* model = std::get_if<Model>(&subject.content))
-        return std::visit([](const auto& of) -> Material { return of; }, model->model);
-    const Measured& measured = std::get<Measured>(subject.content);
-    if (const auto* table = std::get_if<MerlTable>(&measured.table)) return Material(*table);
-    if (!is_isotropic(measured))
-        return Error{subject.path, {}, "measurement for the renderer raster", "an isotropic one", "an anisotropic one"};
-    return Material(to_merl(evaluator(subject)));
-}
-
 Result<std::vector<Rendering>> render_raster(const Scene& scene, std::span<const Subject> subjects,
                                              const RenderCommand& options) {
-#ifdef SRBF_RASTER
-    std::vector<Material> materials;
-    for (const Subject& subject : subjects) {
-        auto material = material_of(subject);
-        if (!material) return material.error();
-        materials.push_back(*std::move(material));
-    }
-    return rasterize(scene, materials, options.width, options.height);
-#else
-    return Error{"srbf", {}, "renderer raster", "a program built with libepoxy", "one without"};
-#endif
+    return rasterize(scene, subjects, options.width, options.height);
 }
 
 /// The first is the default.
@@ -130,7 +108,10 @@ void add_render(CLI::App& app, int& status) {
     sub->add_option("--size", "Pixels of each picture (640x480)")
         ->type_name("WxH")
         ->check(size_in_pixels(command->width, command->height));
-    sub->add_option("-o,--output", command->output, "The PNG to write")->type_name("FILE")->required();
+    sub->add_option("-o,--output", command->output, "The PNG to write")
+        ->type_name("FILE.png")
+        ->required()
+        ->check(png_name());
     sub->footer("Example:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf --mesh knot -o paper.png");
     sub->callback([command, &status] { status = command->run(); });
 }

@@ -209,6 +209,22 @@ Result<Done> check_size(const char* what, std::uint64_t size, GLenum limit) {
     if (size <= std::uint64_t(integer(limit))) return Done{};
     return missing(what, fmt::format("at most {} here", integer(limit)), std::to_string(size));
 }
+/// Whether a material's numbers fit what the library has.
+Result<Done> check_limits(const Flat&) { return Done{}; }
+Result<Done> check_limits(const MerlTable& table) {
+    return check_size("nodes of a table along an axis", *std::ranges::max_element(table.size), GL_MAX_3D_TEXTURE_SIZE);
+}
+Result<Done> check_limits(const PmModel& model) {
+    return check_size("bytes of a model's uniform buffer", pm_numbers(model).size() * sizeof(Float4),
+                      GL_MAX_UNIFORM_BLOCK_SIZE);
+}
+Result<Done> check_limits(const SuModel& model) {
+    const bool is_cube = model.index && model.index->map == DirectionMap::cube;
+    const auto views = check_size("views of a model", model.direction.size(), GL_MAX_TEXTURE_SIZE);
+    if (!views || !model.index) return views;
+    return check_size("texels of an index texture along a side", std::uint64_t(model.index->size),
+                      is_cube ? GL_MAX_CUBE_MAP_TEXTURE_SIZE : GL_MAX_TEXTURE_SIZE);
+}
 
 /// x, y, z, w to their places in the picture: OpenGL's clip coordinates, columns one after the other.
 std::array<float, 16> to_clip(const Camera& camera, double aspect, const Bounds& box) {
@@ -254,10 +270,8 @@ void RasterMaterial::add_texture(const char* sampler, Texture texture) {
     textures_.push_back(std::move(texture));
 }
 
-Result<Done> RasterMaterial::load(const MerlTable& table) {
+void RasterMaterial::load(const MerlTable& table) {
     const auto [h, d, p] = table.size;
-    if (auto fits = check_size("nodes of a table along an axis", std::max({h, d, p}), GL_MAX_3D_TEXTURE_SIZE); !fits)
-        return fits.error();
     // Linear interpolation of 32-bit floats is an extension of OpenGL ES.
     const bool is_fine = epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_OES_texture_float_linear");
     auto texels = merl_texels(table);
@@ -270,22 +284,17 @@ Result<Done> RasterMaterial::load(const MerlTable& table) {
                  GL_FLOAT, texels.data());
     add_texture("merl_table", std::move(texture));
     data_bytes_ = texels.size() * (is_fine ? 16 : 8);
-    return Done{};
 }
 
-Result<Done> RasterMaterial::load(const PmModel& model) {
+void RasterMaterial::load(const PmModel& model) {
     const auto numbers = pm_numbers(model);
     data_bytes_ = numbers.size() * sizeof(Float4);
-    if (auto fits = check_size("bytes of a model's uniform buffer", data_bytes_, GL_MAX_UNIFORM_BLOCK_SIZE); !fits)
-        return fits.error();
     numbers_ = buffer_of(GL_UNIFORM_BUFFER, numbers.data(), data_bytes_, GL_DYNAMIC_DRAW);
     glUniformBlockBinding(program_.id(), glGetUniformBlockIndex(program_.id(), "PmNumbers"), 0);
-    return Done{};
 }
 
-Result<Done> RasterMaterial::load(const SuModel& model) {
+void RasterMaterial::load(const SuModel& model) {
     const auto n = GLsizei(model.direction.size()), width = GLsizei(2 * model.lobes);
-    if (auto fits = check_size("views of a model", std::uint64_t(n), GL_MAX_TEXTURE_SIZE); !fits) return fits.error();
     const SuTexels texels = su_texels(model);
     Texture numbers{new_texture(GL_TEXTURE_2D, GL_NEAREST), GL_TEXTURE_2D};
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width, n, 0, GL_RGBA, GL_HALF_FLOAT, texels.numbers.data());
@@ -295,15 +304,11 @@ Result<Done> RasterMaterial::load(const SuModel& model) {
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, 1, n, 0, GL_RGBA, GL_FLOAT, texels.directions.data());
     add_texture("su_directions", std::move(directions));
     auxiliary_bytes_ = sizeof(Float4) * texels.directions.size();
-    if (model.interpolation == SuInterpolation::rotated) return Done{};
+    if (model.interpolation == SuInterpolation::rotated) return;
 
     const IndexTexture index = model.index ? *model.index : index_texture(model, DirectionMap::cube);
     const bool is_cube = index.map == DirectionMap::cube;
     const GLenum target = is_cube ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D;
-    if (auto fits = check_size("texels of an index texture along a side", std::uint64_t(index.size),
-                               is_cube ? GL_MAX_CUBE_MAP_TEXTURE_SIZE : GL_MAX_TEXTURE_SIZE);
-        !fits)
-        return fits.error();
     Texture texture{new_texture(target, GL_NEAREST), target};
     const std::size_t face = std::size_t(index.size) * std::size_t(index.size);
     for (std::size_t i = 0; i < (is_cube ? 6 : 1); ++i)
@@ -311,17 +316,17 @@ Result<Done> RasterMaterial::load(const SuModel& model) {
                      index.size, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, &index.texels[i * face]);
     add_texture("su_index", std::move(texture));
     auxiliary_bytes_ += index.texels.size() * sizeof index.texels[0];
-    return Done{};
 }
 
 Result<RasterMaterial> RasterMaterial::make(const Material& material, const ShaderOptions& options) {
+    const auto fits = std::visit([](const auto& of) { return check_limits(of); }, material);
+    if (!fits) return fits.error();
     auto program = linked(shader_text(material, options));
     if (!program) return program.error();
     RasterMaterial made(*std::move(program));
     made.no_array_ = new_array();
     glUseProgram(made.program_.id());
-    const auto loaded = std::visit([&](const auto& of) { return made.load(of); }, material);
-    if (!loaded) return loaded.error();
+    std::visit([&](const auto& of) { made.load(of); }, material);
     return made;
 }
 

@@ -124,10 +124,10 @@ class RasterMaterial {
     explicit RasterMaterial(GlObject program) : program_(std::move(program)) {}
     void add_texture(const char* sampler, Texture texture);
     void use(const RasterView& view) const;
-    Result<Done> load(const Flat&) { return Done{}; }
-    Result<Done> load(const MerlTable& table);
-    Result<Done> load(const PmModel& model);
-    Result<Done> load(const SuModel& model);
+    void load(const Flat&) {}
+    void load(const MerlTable& table);
+    void load(const PmModel& model);
+    void load(const SuModel& model);
 
     GlObject program_, numbers_, no_array_;
     std::vector<Texture> textures_;  ///< in the order of their units

@@ -28,7 +28,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"render/image", "render/mesh"},
     {"render/scene"},
     {"render/preview"},
-    {"render/shader", "render/host", "render/pixel", "render/surface"},
+    {"render/shader", "render/host", "render/pixel", "render/surface", "render/whole"},
     {"render/raster"},
     {"include/srbf/fit"},
     {"src/fit/gram"},

@@ -1,6 +1,6 @@
 // Table 7.2 of the source anew: frames a second of a mesh under three directional lights at 640 x 480, drawn off screen, and what
 // shading costs: the work of a frame (ms CPU, of all threads, where the library draws on the CPU; else its own clock's time) less that
-// of the same frame of a constant f_r. Medians of 24 frames, the materials in turn.
+// of the same frame of a constant f_r. Medians of 24 frames, the materials in turn. Triangles seen from behind are left out.
 //
 // In two passes each pixel is shaded once; in one pass every triangle that touches a block of 4 x 2 pixels has the whole block shaded, and
 // scans have more triangles than pixels. SU by the index texture is bound by its lookups and by K J = 15 exponentials for each light: a
@@ -14,7 +14,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "render/raster.h"
@@ -100,7 +102,7 @@ std::vector<NamedMaterial> materials() {
 Result<Done> compare(const Scene& scene, const std::vector<NamedMaterial>& all, PixelInput input, bool on_cpu) {
     const bool two_passes = input == PixelInput::surface;
     const RasterMesh mesh(scene.mesh);
-    const RasterView view{scene.camera, double(k_width) / k_height, scene.lights, 3};
+    const RasterView view{scene.camera, double(k_width) / k_height, scene.lights, 3, false};
     const auto surface = RasterSurface::make(Dialect::gl_450, k_width, k_height);
     if (!surface) return surface.error();
     const auto target = two_passes ? RasterTarget::make_for(*surface, RasterTarget::Format::bytes)
@@ -168,7 +170,12 @@ Result<Done> run() {
 }  // namespace
 }  // namespace srbf
 
-int main() {
+/// `--benchmark_filter=WORD` leaves it out where it does not ask for it, as of the other benchmarks.
+int main(int argc, char** argv) {
+    constexpr std::string_view option = "--benchmark_filter=";
+    for (const std::string_view argument : std::span(argv, std::size_t(argc)))
+        if (argument.starts_with(option) && !std::string_view("raster").starts_with(argument.substr(option.size())))
+            return 0;
     const auto done = srbf::run();
     if (!done) fmt::print("{}\n", srbf::message(done.error()));
 }

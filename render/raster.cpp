@@ -260,7 +260,9 @@ void draw_mesh(const GlObject& program, const RasterMesh& mesh, const RasterView
     glUniformMatrix4fv(glGetUniformLocation(program.id(), "to_clip"), 1, GL_FALSE,
                        to_clip(view.camera, view.aspect, mesh.bounds()).data());
     glEnable(GL_DEPTH_TEST);
+    if (!view.back_faces) glEnable(GL_CULL_FACE);
     mesh.draw();
+    glDisable(GL_CULL_FACE);
 }
 
 }  // namespace

@@ -299,6 +299,28 @@ TEST_P(Raster, SamplesSmoothOutlines) {
     EXPECT_LT(between(4), 6 * k_height);
 }
 
+TEST_P(Raster, TheInsideOfAnOpenSurfaceIsSeenWithItsNormalTurned) {
+    Scene scene = sphere_scene();  // its back alone
+    std::erase_if(scene.mesh.triangles, [&](const Triangle& t) { return scene.mesh.positions[t[0]].z > 0; });
+    scene.camera = {{0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.5};
+    const Pixels inside = pixels_of(scene);
+    double seen = 0;
+    for (std::size_t i = 0; i < inside.positions.size(); ++i) {
+        const auto& [x, y, z, covered] = inside.positions[i];
+        if (covered == 0) continue;
+        ++seen;
+        const auto& n = inside.normals[i];
+        ASSERT_TRUE(near(n[0], -x, 1e-5) && near(n[1], -y, 1e-5) && near(n[2], -z, 1e-5));
+    }
+    EXPECT_GT(seen, 0.3 * k_height * k_height);
+    const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
+    ASSERT_TRUE(surface);
+    RasterView view = view_of(scene);
+    view.back_faces = false;
+    surface->draw(RasterMesh(scene.mesh), view);
+    EXPECT_EQ(std::ranges::count_if(surface->read_positions(), [](const Float4& p) { return p[3] > 0; }), 0);
+}
+
 TEST_P(Raster, WhatIsTooLargeIsRefused) {
     std::mt19937_64 random(4);
     const auto model = random_model(random, {.axial = false, .lobes = k_most_lobes, .variates = k_most_variates});

@@ -53,22 +53,23 @@ bool has_client_extension(std::string_view name) {
     return all && std::string_view(all).find(name) != std::string_view::npos;
 }
 
-/// A display that needs no screen: Mesa's surfaceless one, a device's, or whatever there is.
-EGLDisplay offscreen_display() {
-    std::vector<EGLDisplay> candidates;
-    if (has_client_extension("EGL_MESA_platform_surfaceless"))
-        candidates.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
+/// Displays that need no screen, those that a GPU may be behind first: the devices', Mesa's surfaceless one, the default.
+std::vector<EGLDisplay> offscreen_displays() {
+    std::vector<EGLDisplay> displays;
     if (has_client_extension("EGL_EXT_platform_device") && has_client_extension("EGL_EXT_device_enumeration")) {
         std::array<EGLDeviceEXT, 16> devices{};
         EGLint count = 0;
         if (eglQueryDevicesEXT(EGLint(devices.size()), devices.data(), &count))
             for (const EGLDeviceEXT device : std::span(devices).first(std::size_t(count)))
-                candidates.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, nullptr));
+                displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, nullptr));
     }
-    candidates.push_back(eglGetDisplay(EGL_DEFAULT_DISPLAY));
-    for (const EGLDisplay display : candidates)
-        if (display != EGL_NO_DISPLAY && eglInitialize(display, nullptr, nullptr)) return display;
-    return EGL_NO_DISPLAY;
+    if (has_client_extension("EGL_MESA_platform_surfaceless"))
+        displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
+    displays.push_back(eglGetDisplay(EGL_DEFAULT_DISPLAY));
+    std::erase_if(displays, [](EGLDisplay display) {
+        return display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr);
+    });
+    return displays;
 }
 
 /// A context of the dialect that is current; EGL_NO_CONTEXT where there is none.
@@ -99,14 +100,15 @@ EGLContext current_context(EGLDisplay display, Dialect dialect) {
 Result<OffscreenContext> OffscreenContext::make(std::optional<Dialect> dialect) {
     if (!is_loadable("libEGL.so.1"))
         return missing("drawing off screen", "EGL (Debian: libegl1, libgl1-mesa-dri)", "no libEGL.so.1");
-    const EGLDisplay display = offscreen_display();
-    if (display == EGL_NO_DISPLAY)
+    const std::vector<EGLDisplay> displays = offscreen_displays();
+    if (displays.empty())
         return missing("drawing off screen", "an EGL display without a window (Debian: libgl1-mesa-dri)", "none");
-    for (const Dialect candidate : {Dialect::gl_450, Dialect::es_300}) {
-        if (dialect && dialect != candidate) continue;
-        if (const EGLContext context = current_context(display, candidate); context != EGL_NO_CONTEXT)
-            return OffscreenContext(display, context, candidate);
-    }
+    for (const Dialect candidate : {Dialect::gl_450, Dialect::es_300})
+        for (const EGLDisplay display : displays) {
+            if (dialect && dialect != candidate) continue;
+            if (const EGLContext context = current_context(display, candidate); context != EGL_NO_CONTEXT)
+                return OffscreenContext(display, context, candidate);
+        }
     return missing(
         "drawing off screen",
         dialect ? std::string(name(*dialect)) : fmt::format("{} or {}", name(Dialect::gl_450), name(Dialect::es_300)),

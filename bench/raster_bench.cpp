@@ -1,11 +1,14 @@
 // Table 7.2 of the source anew: frames a second of a mesh under three directional lights at 640 x 480, drawn off screen, and what
 // shading costs: the work of a frame (ms CPU, of all threads, where the library draws on the CPU; else its own clock's time) less that
-// of the same frame of a constant f_r. The shortest of 60 frames (20 in one pass), the materials in turn. Triangles seen from behind are left out.
+// of the same frame of a constant f_r. The shortest of 60 frames (20 in one pass), the materials in turn. Triangles seen from behind
+// are left out. What else the machine did, the load average tells: of the columns ms CPU minds it least.
 //
 // In two passes each pixel is shaded once; in one pass every triangle that touches a block of 4 x 2 pixels has the whole block shaded, and
-// scans have more triangles than pixels. SU by the index texture is bound by its lookups and by K J = 15 exponentials for each light: a
-// texel of neighbours, 4 directions, 30 texels of parameters a pixel, read once for the three lights. PM reads its numbers from a uniform
-// buffer; on llvmpipe half of its time is that. Its general lobes cost 1.8 times its axial ones, which stand for the same function.
+// scans have more triangles than pixels. (There llvmpipe's clock does not see what its threads draw: fps GPU means nothing.)
+//
+// SU by the index texture is bound by its lookups and by K J = 15 exponentials for each light: a texel of neighbours, 4 directions, 30
+// texels of parameters a pixel, read once for the three lights. PM reads its numbers from a uniform buffer; on llvmpipe half of its time
+// is that. General lobes cost twice what axial ones do, which stand for the same function.
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
 #include <charconv>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -35,6 +38,19 @@ inline CLI::Validator one_of(const std::vector<std::string>& names) {
             ""};
 }
 
+/// Takes "x.png", "x.PNG" and names without an extension, such as a pipe's.
+inline CLI::Validator png_name() {
+    return {[](std::string& name) {
+                std::string ending = std::filesystem::path(name).extension().string();
+                std::transform(ending.begin(), ending.end(), ending.begin(),
+                               [](unsigned char c) { return std::tolower(c); });
+                return ending.empty() || ending == ".png"
+                           ? ""
+                           : fmt::format("expected a name that ends in .png, found {}", name);
+            },
+            ""};
+}
+
 // Each adds its subcommand; when it is the one chosen, parsing runs it and leaves its exit status in
 // `status`.
 void add_fit(CLI::App& app, int& status);
@@ -42,5 +58,6 @@ void add_info(CLI::App& app, int& status);
 void add_eval(CLI::App& app, int& status);
 void add_compare(CLI::App& app, int& status);
 void add_convert(CLI::App& app, int& status);
+void add_render(CLI::App& app, int& status);
 
 }  // namespace srbf

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -60,19 +59,6 @@ int run(FitRequest& request) {
     outcome->load_seconds = load_seconds;
     const auto written = write(request, *measured, *outcome);
     return written ? k_done : complain(written.error());
-}
-
-/// Takes "x.png", "x.PNG" and names without an extension, such as a pipe's.
-CLI::Validator png_name() {
-    return {[](std::string& name) {
-                std::string ending = std::filesystem::path(name).extension().string();
-                std::transform(ending.begin(), ending.end(), ending.begin(),
-                               [](unsigned char c) { return std::tolower(c); });
-                return ending.empty() || ending == ".png"
-                           ? ""
-                           : fmt::format("expected a name that ends in .png, found {}", name);
-            },
-            ""};
 }
 
 /// A number of lobes, or "auto".

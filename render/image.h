@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,7 +40,8 @@ inline constexpr Rgb8 k_not_measured{255, 0, 255};
 /// It is the Khronos PBR Neutral tone mapper (2024) without its toe, which would bend the dark part. Infinity counts as
 /// the largest float; a NaN gives NaN in every channel. exposure ≥ 0, finite.
 Rgb tone_map(Rgb radiance, float exposure);
-inline constexpr float k_knee = 0.76f, k_whitening = 0.15f;
+inline constexpr float k_knee = 0.76f,
+                       k_whitening = 0.15f;  ///< SRBF_KNEE and SRBF_WHITENING of shading.glsl, whose formula it is
 
 /// sRGB's transfer function (IEC 61966-2-1) on [0,1]: 12.92 x where x ≤ 0.0031308, elsewhere 1.055 x^(1/2.4) − 0.055.
 float srgb_encoded(float x);
@@ -55,11 +57,24 @@ Rgb8 to_srgb8(Rgb radiance, float exposure);
 float automatic_exposure(const Image& image);
 inline constexpr double k_exposed = 0.9;
 
+/// What a renderer makes: the radiance of what is seen, and how much of a pixel it covers.
+struct Rendering {
+    Image radiance;  ///< the mean over what is covered; 0 where nothing is, NaN where there is none to show
+    std::vector<float> coverage;  ///< of each pixel, 0 to 1
+};
+/// As a screen shows it: tone_map(radiance, exposure) over a neutral grey, k_background.
+Image8 shown(const Rendering& rendering, float exposure);
+inline constexpr float k_background = 0.16f;
+
 /// Writes one line of text, its upper left corner at (x, y), in a bitmap font of 12 `scale` rows; what lies outside of the
 /// image is left out. A byte that is no printable ASCII shows as '?'. scale ≥ 1.
 void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, int scale = 1);
 /// Columns that `text` takes at scale 1.
 int text_width(std::string_view text);
+
+/// Images of one size side by side, below each a strip of max(12, width/8) rows with its caption as large as fits. As many captions
+/// as images, one at least.
+Image8 side_by_side(std::span<const Image8> images, std::span<const std::string> captions);
 
 /// Writes a PNG of 8-bit RGB. Errors: an empty image, or one of more than 2²⁹ bytes; those of write_file.
 Result<Done> write_png(const Image8& image, const std::string& path);

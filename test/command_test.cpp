@@ -371,7 +371,7 @@ TEST_F(Command, usage_errors_name_what_is_wrong) {
 }
 
 TEST_F(Command, help_shows_an_example) {
-    for (const Arguments& of : {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}}) {
+    for (const Arguments& of : {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}, {"convert"}, {"render"}}) {
         const ProgramRun help = run(folder, of + Arguments{"--help"});
         EXPECT_EQ(help.status, 0);
         EXPECT_EQ(help.err, "");
@@ -417,6 +417,29 @@ TEST_F(Command, convert_refuses) {
     expect_failure(1, {"convert", "none.binary", "-o", "m.csv"}, "none.binary");
     expect_failure(1, {"convert", "m.binary", "-o", "no/folder.bsdf"}, "a folder that exists");
     expect_failure(1, {"fit", "a.csv"}, "samples at different directions: expected at least 5, found 1");
+}
+
+TEST_F(Command, render_refuses) {
+    write(folder / "m.binary", small_merl());
+    write(folder / "no_faces.obj", "v 0 0 0\n");
+    write(folder / "nan.obj", "v 0 nan 0\nf 1 1 1\n");
+    write(folder / "range.ply",
+          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 1 2\n");
+    const Arguments render{"render", "m.binary", "--renderer", "raster", "-o", "x.png"};
+    const auto with_mesh = [&](const std::string& mesh) { return render + Arguments{"--mesh", mesh}; };
+    expect_failure(1, with_mesh("no_faces.obj"), "no_faces.obj: faces of the mesh: expected one at least, found none");
+    expect_failure(1, with_mesh("nan.obj"), "nan.obj: line 1: v: expected three numbers");
+    expect_failure(1, with_mesh("range.ply"), "range.ply: vertex index of a face: expected below 1, found 1");
+    expect_failure(1, with_mesh("missing.ply"), "missing.ply");
+    expect_failure(1, {"render", "missing", "-o", "x.png"}, "missing");
+    expect_failure(1, {"render", "m.binary", "-o", "no/folder.png"}, "a folder that exists");
+    for (const char* size : {"0x0", "640x0", "640", "-1x5", "640x480x2", "9000x1", "x", "1e2x5"})
+        expect_failure(2, render + Arguments{"--size", size}, "--size: expected WxH");
+    expect_failure(2, render + Arguments{"--renderer", "none"}, "--renderer");
+    expect_failure(2, render + Arguments{"--up", "x"}, "--up");
+    expect_failure(2, {"render", "m.binary", "-o", "x.jpg"}, "--output");
+    expect_failure(2, {"render", "m.binary"}, "--output");
 }
 
 }  // namespace

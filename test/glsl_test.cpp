@@ -1,4 +1,4 @@
-// kernel.glsl is accepted by a compiler of GLSL 4.50 and of GLSL ES 3.00.
+// kernel.glsl and the shaders made of it are accepted by a compiler of GLSL 4.50 and of GLSL ES 3.00.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <set>
 
-#include "properties.h"
+#include "models.h"
+#include "render/shader.h"
 #include "srbf/file.h"
+#include "su_models.h"
 #include "temporary_folder.h"
 
 namespace srbf {
@@ -69,7 +71,7 @@ void main() {
     SuNeighbour neighbour = su_rotated_neighbour(Su(5), wv, 0);
     f += su_view_value(Su(5), neighbour.view, turned(wl, neighbour.cosine, neighbour.sine)) * neighbour.weight;
     f += su_rotated_value(Su(5), wl, wv) + su_plain_value(Su(5), nearest, wl, wv, 3);
-    f *= su_plain_weight(Su(5), nearest, wv, 3, 0);
+    f *= su_plain_weight(Su(5), nearest, wv, 3, 0) * su_rotated_part(Su(5), wl, wv, 0);
     GgxLobe sharp = GgxLobe(u.x, wl, u.y), broad = GgxLobe(ggx_facets(wl, wv, u.y), wv, schlick_weight(wl, wv));
     f += ggx_value(wl, sharp, broad, wl, wv) + ggx_lobe_value(broad, wl, wv);
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
@@ -93,8 +95,8 @@ class Glsl : public testing::Test {
             << "glslangValidator (Debian: glslang-tools) was not found when this was configured: " << SRBF_GLSLANG;
     }
 
-    testing::AssertionResult compiles(const std::string& shader) {
-        const std::string path = (folder_ / "shader.frag").string();
+    testing::AssertionResult compiles(const std::string& shader, const std::string& stage = "frag") {
+        const std::string path = (folder_ / ("shader." + stage)).string();
         if (!write_file(path, as_bytes(shader))) return testing::AssertionFailure() << "cannot write " << path;
         const std::string command = std::string("'") + SRBF_GLSLANG + "' '" + path + "' 2>&1";
         FILE* pipe = ::popen(command.c_str(), "r");
@@ -113,6 +115,35 @@ class Glsl : public testing::Test {
 TEST_F(Glsl, TheTextCompilesAsAShader) {
     for (const std::string& version : k_versions)
         EXPECT_TRUE(compiles(version + k_host + kernel_text() + k_main)) << version;
+}
+
+TEST_F(Glsl, EveryMaterialCompiles) {
+    std::mt19937_64 random(1);
+    std::vector<Material> materials{Flat{}, MerlTable{{90, 90, 180}, {}, 0}};
+    for (const PmForm form : k_forms)
+        for (const bool axial : {true, false})
+            materials.push_back(random_model(random, {.axial = axial, .form = form}));
+    SuModel su = random_su(random, 100, 2);
+    materials.push_back(su);
+    su.interpolation = SuInterpolation::plain;
+    for (const DirectionMap map : {DirectionMap::cube, DirectionMap::parabolic}) {
+        su.index = IndexTexture{map, 8, {}};
+        materials.push_back(su);
+    }
+    for (const Dialect dialect : {Dialect::gl_450, Dialect::es_300}) {
+        for (const Material& material : materials) {
+            const ShaderText text = shader_text(material, {.dialect = dialect, .lights = 2});
+            EXPECT_TRUE(compiles(text.fragment)) << text.fragment.substr(0, 500);
+        }
+        for (const PixelOutput output : {PixelOutput::shown, PixelOutput::radiance})
+            for (const PixelInput input : {PixelInput::triangles, PixelInput::surface}) {
+                const ShaderText text = shader_text(materials.back(), {dialect, output, input, 1});
+                EXPECT_TRUE(compiles(text.vertex, "vert")) << text.vertex;
+                EXPECT_TRUE(compiles(text.fragment)) << text.fragment.substr(0, 500);
+            }
+        EXPECT_TRUE(compiles(surface_shader_text(dialect).vertex, "vert"));
+        EXPECT_TRUE(compiles(surface_shader_text(dialect).fragment));
+    }
 }
 
 TEST_F(Glsl, WhatIsNoGlslIsRefused) {

@@ -252,25 +252,28 @@ SRBF_FN SuNeighbour su_rotated_neighbour(Su su, Vec3 wv, int k) {
     return neighbour;
 }
 
+SRBF_FN Vec3 su_rotated_part(Su su, Vec3 wl, Vec3 wv, int k) {
+    SuNeighbour neighbour = su_rotated_neighbour(su, wv, k);
+    return neighbour.weight * su_view_value(su, neighbour.view, turned(wl, neighbour.cosine, neighbour.sine));
+}
+
+// The copies beyond the first two neighbours count within the cap alone. (A loop of no turns is passed over where a branch may not be.)
 SRBF_FN Vec3 su_rotated_value(Su su, Vec3 wl, Vec3 wv) {
-    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
-    for (int k = 0; k < SU_ROTATED_NEIGHBOURS; ++k) {
-        SuNeighbour neighbour = su_rotated_neighbour(su, wv, k);
-        if (neighbour.weight > Real(0.0))
-            sum = sum + neighbour.weight *
-                            su_view_value(su, neighbour.view, turned(wl, neighbour.cosine, neighbour.sine));
-    }
+    Vec3 sum = su_rotated_part(su, wl, wv, 0) + su_rotated_part(su, wl, wv, 1);
+    int count = wv.z > su_direction(su, su_views(su) - 1).z ? SU_ROTATED_NEIGHBOURS : 2;
+    for (int k = 2; k < count; ++k) sum = sum + su_rotated_part(su, wl, wv, k);
     return sum;
 }
 
 // Interpolation as it comes: the K nearest views as they are. A view at distance d from wv weighs 1/d - 1/d_K, d_K being the
 // distance of the next nearest one, not yet divided by the sum over the views: it falls to 0 as the view leaves the K nearest,
-// and exceeds all others by far as wv reaches the sample.
+// and exceeds all others by far as wv reaches the sample. It is 1e-5/d_K at least, so that where all K+1 are equally far it is their mean
+// that counts, not what rounding leaves of 0/0.
 SRBF_FN Real su_plain_weight(Su su, SuNearest nearest, Vec3 wv, int neighbours, int k) {
     Vec3 apart = wv - su_direction(su, su_nearest(nearest, k));
     Vec3 leaving = wv - su_direction(su, su_nearest(nearest, neighbours));
-    return max(inversesqrt(max(dot(apart, apart), Real(1.0e-30))) - inversesqrt(max(dot(leaving, leaving), Real(1.0e-30))),
-               Real(0.0));
+    Real of_next = inversesqrt(max(dot(leaving, leaving), Real(1.0e-30)));
+    return max(inversesqrt(max(dot(apart, apart), Real(1.0e-30))) - of_next, Real(1.0e-5) * of_next);
 }
 
 SRBF_FN Vec3 su_plain_value(Su su, SuNearest nearest, Vec3 wl, Vec3 wv, int neighbours) {

@@ -1,0 +1,190 @@
+// Table 7.2 of the source anew: frames a second of a mesh under three directional lights at 640 x 480, drawn off screen, and what
+// shading costs: the work of a frame (ms CPU, of all threads, where the library draws on the CPU; else its own clock's time) less that
+// of the same frame of a constant f_r. The shortest of 60 frames (20 in one pass), the materials in turn. Triangles seen from behind
+// are left out. What else the machine did, the load average tells: of the columns ms CPU minds it least.
+//
+// In two passes each pixel is shaded once; in one pass every triangle that touches a block of 4 x 2 pixels has the whole block shaded, and
+// scans have more triangles than pixels. (There llvmpipe's clock does not see what its threads draw: fps GPU means nothing.)
+//
+// SU by the index texture is bound by its lookups and by K J = 15 exponentials for each light: a texel of neighbours, 4 directions, 30
+// texels of parameters a pixel, read once for the three lights. PM reads its numbers from a uniform buffer; on llvmpipe half of its time
+// is that. General lobes cost twice what axial ones do, which stand for the same function.
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "render/raster.h"
+#include "srbf/fit.h"
+#include "srbf/metrics.h"
+
+namespace srbf {
+namespace {
+
+constexpr int k_width = 640, k_height = 480, k_samples = 4;
+
+using Clock = std::chrono::steady_clock;
+
+/// Milliseconds of a frame: by the graphics library's own clock, by ours, and those that all threads of this process worked.
+struct FrameTime {
+    double gpu = 0, wall = 0, cpu = 0;
+};
+
+double cpu_milliseconds() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    const auto of = [](const timeval& time) { return 1e3 * double(time.tv_sec) + 1e-3 * double(time.tv_usec); };
+    return of(usage.ru_utime) + of(usage.ru_stime);
+}
+
+/// Draws a frame and waits for it; `on_cpu` before its end is marked, as the clock of a library that draws later, on other threads,
+/// would else stop before it begins.
+template <typename Draw> FrameTime timed(const Draw& draw, bool on_cpu) {
+    GLuint query = 0;
+    glGenQueries(1, &query);
+    glFinish();
+    const double cpu_before = cpu_milliseconds();
+    const auto begin = Clock::now();
+    glBeginQuery(GL_TIME_ELAPSED, query);
+    draw();
+    if (on_cpu) glFinish();
+    glEndQuery(GL_TIME_ELAPSED);
+    glFinish();
+    const double wall = 1e3 * std::chrono::duration<double>(Clock::now() - begin).count();
+    const double cpu = cpu_milliseconds() - cpu_before;
+    GLuint64 nanoseconds = 0;
+    glGetQueryObjectui64v(query, GL_QUERY_RESULT, &nanoseconds);
+    glDeleteQueries(1, &query);
+    return {1e-6 * double(nanoseconds), wall, cpu};
+}
+
+double least(const std::vector<double>& of) { return *std::ranges::min_element(of); }
+
+struct NamedMaterial {
+    std::string name;
+    Material material;
+};
+
+/// What is compared, the vinyl film as either model, after a constant f_r.
+std::vector<NamedMaterial> materials() {
+    const Measured film = *load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
+    const Evaluate f = signed_evaluator(film);
+    const Observations observations = *observe(f, {});
+    std::vector<NamedMaterial> all{{"constant f_r", Flat{}}};
+    const auto add_pm = [&](const char* name, PmForm form, bool axial, int lobes, int variates) {
+        FitOptions options;
+        options.form = form, options.lobes = lobes, options.variates = variates;
+        PmModel model = rounded(fit_pm(observations, options)->model);
+        model.axial = axial;  // the same function, evaluated as a general one is
+        all.push_back({name, std::move(model)});
+    };
+    add_pm("PM source    J=6 N=3 axial", PmForm::source, true, 6, 3);
+    add_pm("PM source    J=6 N=3 general", PmForm::source, false, 6, 3);
+    add_pm("PM extended  J=8 N=4 axial", PmForm::extended, true, 8, 4);
+    SuFitOptions options;
+    options.lobes = 5;
+    SuModel su = rounded(fit_su(*tabulate(f), options)->model);
+    su.index = index_texture(su, DirectionMap::cube);
+    su.interpolation = SuInterpolation::plain;
+    all.push_back({"SU index texture  J=5 K=3", su});
+    su.interpolation = SuInterpolation::rotated;
+    all.push_back({"SU rotated        J=5", su});
+    return all;
+}
+
+/// A table of all materials on one mesh: in two passes without several samples, or in one with four.
+Result<Done> compare(const Scene& scene, const std::vector<NamedMaterial>& all, PixelInput input, bool on_cpu) {
+    const bool two_passes = input == PixelInput::surface;
+    const RasterMesh mesh(scene.mesh);
+    const RasterView view{scene.camera, double(k_width) / k_height, scene.lights, 3, false};
+    const auto surface = RasterSurface::make(Dialect::gl_450, k_width, k_height);
+    if (!surface) return surface.error();
+    const auto target = two_passes ? RasterTarget::make_for(*surface, RasterTarget::Format::bytes)
+                                   : RasterTarget::make(k_width, k_height, k_samples, RasterTarget::Format::bytes);
+    if (!target) return target.error();
+    std::vector<RasterMaterial> made;
+    for (const NamedMaterial& of : all) {
+        auto material = RasterMaterial::make(of.material, {.dialect = Dialect::gl_450, .input = input});
+        if (!material) return material.error();
+        made.push_back(*std::move(material));
+    }
+    std::vector<std::vector<double>> gpu(made.size()), wall(made.size()), cpu(made.size());
+    for (int round = -2; round < (two_passes ? 60 : 20);
+         ++round)  // in turn, so that what else the machine does hits all alike
+        for (std::size_t i = 0; i < made.size(); ++i) {
+            const FrameTime time = timed(
+                [&] {
+                    target->begin();
+                    if (two_passes) {
+                        surface->draw(mesh, view);
+                        made[i].draw(*surface, view);
+                    } else {
+                        made[i].draw(mesh, view);
+                    }
+                },
+                on_cpu);
+            if (round < 0) continue;
+            gpu[i].push_back(time.gpu), wall[i].push_back(time.wall), cpu[i].push_back(time.cpu);
+        }
+    // Where the library draws on the CPU, its work is counted there.
+    const auto& work = on_cpu ? cpu : gpu;
+    const auto shading = [&](std::size_t i) { return least(work[i]) - least(work[0]); };
+    fmt::print("{:30}{:>9}{:>10}{:>10}{:>10}{:>12}{:>9}{:>11}\n",
+               two_passes ? "two passes, 1 sample" : "one pass, 4 samples", "fps GPU", "fps wall", "ms wall", "ms CPU",
+               "ms shading", "bytes", "auxiliary");
+    for (std::size_t i = 0; i < made.size(); ++i)
+        fmt::print("  {:28}{:9.1f}{:10.1f}{:10.2f}{:10.2f}{:12.2f}{:9}{:11}\n", all[i].name, 1e3 / least(gpu[i]),
+                   1e3 / least(wall[i]), least(wall[i]), least(cpu[i]), shading(i), made[i].data_bytes(),
+                   made[i].auxiliary_bytes());
+    fmt::print("  shading, SU by the index texture : PM of the source's form = {:.1f} (axial), {:.1f} (general)\n",
+               shading(4) / shading(1), shading(4) / shading(2));
+    return Done{};
+}
+
+Result<Done> run() {
+    const auto context = OffscreenContext::make(Dialect::gl_450);
+    if (!context) return context.error();
+    double load = 0;
+    getloadavg(&load, 1);
+    fmt::print("{}, {} cores, load average before {:.1f}\n", context->renderer(), std::thread::hardware_concurrency(),
+               load);
+    const char* const data = std::getenv("SRBF_DATA");
+    const auto folder =
+        (data ? std::filesystem::path(data) : std::filesystem::path(SRBF_SOURCE_DIR "/../shared/data")) / "meshes";
+    const bool on_cpu = context->renderer().find("llvmpipe") != std::string::npos;
+    const auto all = materials();
+    for (const std::string name : {"bunny.ply", "buddha.obj", "dragon.ply", "knot"}) {
+        const bool is_file = std::filesystem::exists(folder / name);
+        if (!is_file && name != "knot") continue;
+        auto mesh = load_mesh(is_file ? (folder / name).string() : name);
+        if (!mesh) return mesh.error();
+        const Scene scene = scene_of(*std::move(mesh), {.azimuth = 0.4, .z_up = name.starts_with("buddha")},
+                                     double(k_width) / k_height);
+        fmt::print("\n{}: {} vertices, {} triangles\n", name, scene.mesh.positions.size(), scene.mesh.triangles.size());
+        for (const PixelInput input : {PixelInput::surface, PixelInput::triangles})
+            if (const auto done = compare(scene, all, input, on_cpu); !done) return done;
+    }
+    return Done{};
+}
+
+}  // namespace
+}  // namespace srbf
+
+/// `--benchmark_filter=WORD` leaves it out where it does not ask for it, as of the other benchmarks.
+int main(int argc, char** argv) {
+    constexpr std::string_view option = "--benchmark_filter=";
+    for (const std::string_view argument : std::span(argv, std::size_t(argc)))
+        if (argument.starts_with(option) && !std::string_view("raster").starts_with(argument.substr(option.size())))
+            return 0;
+    const auto done = srbf::run();
+    if (!done) fmt::print("{}\n", srbf::message(done.error()));
+}

@@ -1,0 +1,79 @@
+// What kernel.glsl and shading.glsl take of a shader. `fragment_shader` puts before it a material's numbers: PM_LOBES and what belongs to
+// it, or SU_LOBES, MERL_SIZE, FLAT; and LIGHTS, EACH_LIGHT, DEFERRED, SHOWN.
+#define Real float
+#define Vec3 vec3
+#define Bool bool
+#define SRBF_FN
+Real select(Bool condition, Real a, Real b) { return condition ? a : b; }
+
+struct Pm { int unused; };
+#ifdef PM_LOBES
+layout(std140) uniform PmNumbers {
+    vec4 pm_colours[PM_LOBES];      // coefficient, log2 of the scale
+#if PM_FEATURES > 0
+    vec4 pm_exponents[PM_LOBES];    // times log2(e)
+#endif
+    vec4 pm_kernels[PM_KERNELS];    // axial: four sharpnesses; else centre and sharpness
+    vec4 pm_weights[PM_VARIATES];   // a, b
+};
+int pm_lobes(Pm pm) { return PM_LOBES; }
+int pm_variates(Pm pm) { return PM_VARIATES; }
+int pm_features(Pm pm) { return PM_FEATURES; }
+bool pm_axial(Pm pm) { return PM_AXIAL != 0; }
+Real pm_weight_l(Pm pm, int n) { return pm_weights[n].x; }
+Real pm_weight_v(Pm pm, int n) { return pm_weights[n].y; }
+Vec3 pm_coefficient(Pm pm, int j) { return pm_colours[j].rgb; }
+Real pm_log2_scale(Pm pm, int j) { return pm_colours[j].w; }
+#if PM_AXIAL
+const int pm_downs[PM_LOBES] = int[PM_LOBES](PM_DOWNS);  // bit n of a lobe: whether centre n is -z
+Real pm_sharpness(Pm pm, int j, int n) { return pm_kernels[j * ((PM_VARIATES + 3) / 4) + n / 4][n % 4]; }
+bool pm_down(Pm pm, int j, int n) { return (pm_downs[j] >> n & 1) != 0; }
+Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, pm_down(pm, j, n) ? -1.0 : 1.0); }
+#else
+Real pm_sharpness(Pm pm, int j, int n) { return pm_kernels[j * PM_VARIATES + n].w; }
+Vec3 pm_centre(Pm pm, int j, int n) { return pm_kernels[j * PM_VARIATES + n].xyz; }
+bool pm_down(Pm pm, int j, int n) { return false; }
+#endif
+#if PM_FEATURES > 0
+Real pm_exponent(Pm pm, int j, int k) { return pm_exponents[j][k]; }
+#else
+Real pm_exponent(Pm pm, int j, int k) { return 0.0; }
+#endif
+#else
+int pm_lobes(Pm pm) { return 0; }
+int pm_variates(Pm pm) { return 0; }
+int pm_features(Pm pm) { return 0; }
+bool pm_axial(Pm pm) { return true; }
+Real pm_weight_l(Pm pm, int n) { return 0.0; }
+Real pm_weight_v(Pm pm, int n) { return 0.0; }
+Vec3 pm_coefficient(Pm pm, int j) { return Vec3(0.0); }
+Real pm_log2_scale(Pm pm, int j) { return 0.0; }
+Real pm_sharpness(Pm pm, int j, int n) { return 0.0; }
+bool pm_down(Pm pm, int j, int n) { return false; }
+Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0); }
+Real pm_exponent(Pm pm, int j, int k) { return 0.0; }
+#endif
+
+struct Su { int unused; };
+struct SuNearest { uvec4 pairs; };  // a texel of eight 16-bit numbers
+int su_nearest(SuNearest nearest, int k) { return int(nearest.pairs[k / 2] >> uint(16 * (k % 2)) & 0xffffu); }
+#ifdef SU_LOBES
+uniform sampler2D su_numbers;     // halves, a row a view, a lobe's two texels: coefficient, bandwidth; centre - mirrored view
+uniform sampler2D su_directions;  // a row a view
+int su_lobes(Su su) { return SU_LOBES; }
+int su_views(Su su) { return SU_VIEWS; }
+Vec3 su_direction(Su su, int view) { return texelFetch(su_directions, ivec2(0, view), 0).xyz; }
+Vec3 su_centre(Su su, int view, int j) {
+    Vec3 w = su_direction(su, view);
+    return Vec3(-w.x, -w.y, w.z) + texelFetch(su_numbers, ivec2(2 * j + 1, view), 0).xyz;
+}
+Real su_bandwidth(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j, view), 0).w; }
+Vec3 su_coefficient(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j, view), 0).rgb; }
+#else
+int su_lobes(Su su) { return 0; }
+int su_views(Su su) { return 1; }
+Vec3 su_direction(Su su, int view) { return Vec3(0.0, 0.0, 1.0); }
+Vec3 su_centre(Su su, int view, int j) { return Vec3(0.0); }
+Real su_bandwidth(Su su, int view, int j) { return 0.0; }
+Vec3 su_coefficient(Su su, int view, int j) { return Vec3(0.0); }
+#endif

@@ -24,6 +24,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/measured", "include/srbf/convert", "src/measured/"},
     {"include/srbf/su"},
     {"include/srbf/model", "src/model/"},
+    {"include/srbf/sampling", "src/sampling"},
     {"render/image"},
     {"render/preview"},
     {"include/srbf/fit"},

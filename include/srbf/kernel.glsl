@@ -103,6 +103,76 @@ SRBF_FN Vec3 sample_vmf(Vec3 centre, Real bandwidth, Real u1, Real u2) {
     return from_frame(centre, sine * cos(phi), sine * sin(phi), Real(1.0) + below);
 }
 
+// ---- Drawing the light -------------------------------------------------------------------------------------------
+
+// The density max(z, 0) / pi [1/sr], and a direction of it from u1, u2 even in [0,1).
+SRBF_FN Real cosine_pdf(Vec3 wl) { return max(wl.z, Real(0.0)) * Real(2.0 / SRBF_TWO_PI); }
+SRBF_FN Vec3 sample_cosine(Real u1, Real u2) {
+    Real radius = sqrt(u1);
+    Real phi = Real(SRBF_TWO_PI) * u2;
+    return Vec3(radius * cos(phi), radius * sin(phi), sqrt(max(Real(1.0) - u1, Real(0.0))));
+}
+
+// The lobe G(h . z | lambda) of half-way vectors h as far as the viewer sees them, G(h . z | lambda) (h . wv): with the logarithm
+// of h . wv taken as linear about the normal that is again a lobe, the product with G(h . wv | 1 / (n . wv)). Towards
+// grazing its centre ends half-way between the normal and wv.
+SRBF_FN GaussianProduct visible_lobe(Vec3 wv, Real bandwidth) {
+    return gaussian_product(Vec3(Real(0.0), Real(0.0), Real(1.0)), bandwidth, wv,
+                            Real(1.0) / max(wv.z, Real(1.0) / bandwidth));
+}
+
+// The density of the light where h is of the density of that lobe and wl = 2 (h . wv) h - wv: vmf_pdf(h) / (4 h . wl) [1/sr],
+// in which 2 h . wl = |wl + wv|.
+SRBF_FN Real half_way_pdf(Vec3 wl, Vec3 wv, Real bandwidth) {
+    Vec3 sum = wl + wv;
+    Real length = sqrt(max(dot(sum, sum), Real(1.0e-12)));
+    GaussianProduct lobe = visible_lobe(wv, bandwidth);
+    return vmf_pdf((Real(1.0) / length) * sum, lobe.centre, lobe.bandwidth) / (Real(2.0) * length);
+}
+
+// A direction of that density; the zero vector where h . wv <= 0, which has none.
+SRBF_FN Vec3 sample_half_way(Vec3 wv, Real bandwidth, Real u1, Real u2) {
+    GaussianProduct lobe = visible_lobe(wv, bandwidth);
+    Vec3 h = sample_vmf(lobe.centre, lobe.bandwidth, u1, u2);
+    Real along = dot(h, wv);
+    return select(Real(0.0) < along, Real(1.0), Real(0.0)) * (Real(2.0) * along * h - wv);
+}
+
+// What a mixture is made of that follows any BRDF of reflection: component 0 is the cosine; 1 to 4 are lobes about the mirror
+// direction, lambda = 4, 16, 64, 256; 5 to 13 lobes of half-way vectors, lambda = 8, 32, .. 8 4^8. What the lobes send below
+// the horizon is mirrored at it, so that no draw is lost there.
+#define SRBF_PROPOSAL_LOBES 14
+SRBF_FN Real proposal_bandwidth(int k) {
+    Real bandwidth = k < 5 ? Real(1.0) : Real(2.0);
+    for (int i = k < 5 ? 0 : 4; i < k; ++i) bandwidth = Real(4.0) * bandwidth;
+    return bandwidth;
+}
+SRBF_FN Real proposal_lobe_unfolded_pdf(int k, Vec3 wl, Vec3 wv) {
+    return k < 5 ? vmf_pdf(wl, Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k))
+                 : half_way_pdf(wl, wv, proposal_bandwidth(k));
+}
+// The density of component k for wl above the horizon [1/sr].
+SRBF_FN Real proposal_lobe_pdf(int k, Vec3 wl, Vec3 wv) {
+    return k == 0 ? cosine_pdf(wl)
+                  : proposal_lobe_unfolded_pdf(k, wl, wv) +
+                        proposal_lobe_unfolded_pdf(k, Vec3(wl.x, wl.y, -wl.z), wv);
+}
+// A direction of it from u1, u2 even in [0,1); not above the horizon (z = 0) where there is none.
+SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Real u1, Real u2) {
+    Vec3 wl = k == 0  ? sample_cosine(u1, u2)
+              : k < 5 ? sample_vmf(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k), u1, u2)
+                      : sample_half_way(wv, proposal_bandwidth(k), u1, u2);
+    return Vec3(wl.x, wl.y, max(wl.z, -wl.z));
+}
+
+// A lobe of the light times the cosine to the normal, which is 1.17 G(wl . z | 2.133) to .06 (Wang et al. 2009): what a view's lobe
+// contributes to reflected light, and what to draw the light from.
+SRBF_FN GaussianProduct times_cosine(Vec3 centre, Real bandwidth) {
+    GaussianProduct product = gaussian_product(centre, bandwidth, Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(2.133));
+    product.scale = Real(1.17) * product.scale;
+    return product;
+}
+
 // ---- Parameterized multivariate SRBFs ----------------------------------------------------------------------------
 
 // psi = normalize(a wl + b wv): the half-way vector at (1,1), the light at (1,0), the view at (0,1). Where a wl + b wv

@@ -42,5 +42,6 @@ void add_info(CLI::App& app, int& status);
 void add_eval(CLI::App& app, int& status);
 void add_compare(CLI::App& app, int& status);
 void add_convert(CLI::App& app, int& status);
+void add_render(CLI::App& app, int& status);
 
 }  // namespace srbf

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "render/mesh.h"
 #include "srbf/directions.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
@@ -22,13 +23,15 @@ inline void require(bool holds, const char* promise) {
     std::abort();
 }
 
-/// An error is one line of bounded length that names its source; a BRDF keeps the contract of `Brdf`.
+/// An error is one line of bounded length that names its source.
+inline void check_error(const Error& error) {
+    const std::string line = message(error);
+    require(line.starts_with("f: ") && line.size() < 2000 && line.find('\n') == line.npos, "an error is one line");
+}
+
+/// A BRDF keeps the contract of `Brdf`.
 template <typename B> void check_answers(const Result<B>& brdf) {
-    if (!brdf) {
-        const std::string line = message(brdf.error());
-        require(line.starts_with("f: ") && line.size() < 2000 && line.find('\n') == line.npos, "an error is one line");
-        return;
-    }
+    if (!brdf) return check_error(brdf.error());
     std::mt19937_64 random(1);
     std::vector<Vec3f> lights, views;
     const auto direction = [&random] {
@@ -86,6 +89,17 @@ inline void check_model(std::span<const std::byte> bytes) {
     require(again.ok() && write_model(*again) == written, "write(read(written)) = written");
 }
 
+/// A mesh has triangles of its own vertices, finite positions and unit normals.
+inline void check_mesh(const Result<Mesh>& mesh) {
+    if (!mesh) return check_error(mesh.error());
+    require(!mesh->triangles.empty() && mesh->normals.size() == mesh->positions.size(), "triangles and normals");
+    for (const Triangle& t : mesh->triangles)
+        for (const std::uint32_t i : t) require(i < mesh->positions.size(), "indices in range");
+    for (const Vec3f& p : mesh->positions)
+        require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z), "finite positions");
+    for (const Vec3f& n : mesh->normals) require(std::abs(dot(n, n) - 1) < 1e-5f, "unit normals");
+}
+
 struct NamedTarget {
     std::string_view name;
     FuzzTarget check;
@@ -101,6 +115,8 @@ inline const NamedTarget k_targets[] = {
     {"csv", [](auto bytes) { check_answers(read_csv(bytes, "f")); }},
     {"measured", [](auto bytes) { check_answers(read_measured(bytes, "f")); }},
     {"model", check_model},
+    {"ply", [](auto bytes) { check_mesh(read_ply(bytes, "f")); }},
+    {"obj", [](auto bytes) { check_mesh(read_obj(bytes, "f")); }},
 };
 
 }  // namespace srbf

@@ -81,7 +81,8 @@ Rgb Environment::radiance(Vec3f w) const {
 Vec3f Environment::sample(float u1, float u2) const {
     const int width = texels_.width, height = texels_.height;
     const Place row = find(row_, u2);
-    const Place column = find(std::span(column_).subspan(row.index * std::size_t(width + 1), std::size_t(width + 1)), u1);
+    const Place column =
+        find(std::span(column_).subspan(row.index * std::size_t(width + 1), std::size_t(width + 1)), u1);
     const double top = std::cos(k_pi * double(row.index) / height),
                  bottom = std::cos(k_pi * double(row.index + 1) / height);
     const double y = top + double(row.within) * (bottom - top), r = std::sqrt(std::max(0.0, 1 - y * y));
@@ -91,7 +92,8 @@ Vec3f Environment::sample(float u1, float u2) const {
 
 float Environment::pdf(Vec3f w) const {
     const int width = texels_.width, height = texels_.height;
-    const int x = std::clamp(int(column_of(w, width)), 0, width - 1), y = std::clamp(int(row_of(w, height)), 0, height - 1);
+    const int x = std::clamp(int(column_of(w, width)), 0, width - 1),
+              y = std::clamp(int(row_of(w, height)), 0, height - 1);
     const auto at = std::size_t(y) * std::size_t(width + 1) + std::size_t(x);
     const float share = (row_[std::size_t(y) + 1] - row_[std::size_t(y)]) * (column_[at + 1] - column_[at]);
     return share / float(solid_angle(y, width, height));
@@ -122,8 +124,8 @@ bool read_row(Bytes& bytes, std::vector<Rgbe>& row) {
     const std::size_t width = row.size();
     if (!bytes.has(4)) return false;
     const auto is = [&](std::size_t i, unsigned x) { return std::to_integer<unsigned>(bytes.rest[i]) == x; };
-    const bool encoded = width >= 8 && width < 32768 && is(0, 2) && is(1, 2) &&
-                         is(2, unsigned(width >> 8)) && is(3, unsigned(width & 255));
+    const bool encoded = width >= 8 && width < 32768 && is(0, 2) && is(1, 2) && is(2, unsigned(width >> 8)) &&
+                         is(3, unsigned(width & 255));
     if (!encoded) {
         if (!bytes.has(4 * width)) return false;
         for (Rgbe& texel : row)
@@ -149,7 +151,8 @@ Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& sour
         return Error{source, at, std::move(what), std::move(expected), std::move(found)};
     };
     const std::string_view text = as_text(bytes);
-    if (!text.starts_with("#?")) return fail(0, "first bytes", "'#?' of a Radiance file, or OpenEXR", quoted(text.substr(0, 8)));
+    if (!text.starts_with("#?"))
+        return fail(0, "first bytes", "'#?' of a Radiance file, or OpenEXR", quoted(text.substr(0, 8)));
     const auto header_end = text.find("\n\n");
     if (header_end == text.npos || header_end > 65536) return fail(0, "header", "ended by an empty line", "none");
     if (const auto format = text.find("\nFORMAT="); format < header_end)
@@ -171,10 +174,11 @@ Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& sour
         return fail(begin, "resolution", fmt::format("texels that {} bytes can hold", rest.rest.size()),
                     fmt::format("{} x {}", *width, *height));
     Image image(static_cast<int>(*width), static_cast<int>(*height));
-    std::vector<Rgbe> row(std::size_t(*width));
+    std::vector<Rgbe> row(static_cast<std::size_t>(*width));
     for (int y = 0; y < image.height; ++y) {
         const std::size_t at = bytes.size() - rest.rest.size();
-        if (!read_row(rest, row)) return fail(at, fmt::format("row {}", y), fmt::format("{} texels", *width), "fewer, or a longer run");
+        if (!read_row(rest, row))
+            return fail(at, fmt::format("row {}", y), fmt::format("{} texels", *width), "fewer, or a longer run");
         for (int x = 0; x < image.width; ++x) image.at(x, y) = decoded(row[std::size_t(x)]);
     }
     return image;

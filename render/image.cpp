@@ -61,6 +61,20 @@ float automatic_exposure(const Image& image) {
     return float(std::min(k_knee / *at, double(std::numeric_limits<float>::max())));
 }
 
+Image8 shown(const Rendering& rendering, float exposure) {
+    constexpr float background = 0.16f;
+    const Image& radiance = rendering.radiance;
+    assert(rendering.coverage.size() == radiance.pixels.size());
+    Image8 out(radiance.width, radiance.height);
+    for (std::size_t i = 0; i < radiance.pixels.size(); ++i) {
+        const Rgb object = tone_map(radiance.pixels[i], exposure);
+        Rgb colour{background, background, background};
+        for (int c = 0; c < 3; ++c) colour[c] += rendering.coverage[i] * (object[c] - colour[c]);
+        out.pixels[i] = to_srgb8(colour);
+    }
+    return out;
+}
+
 namespace {
 
 /// `text` as the font takes it.
@@ -97,6 +111,38 @@ void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, 
         for (int j = row(stroke[0]); j < row(stroke[2]); ++j)
             for (int i = column(stroke[0]); i < column(stroke[2]); ++i) image.at(i, j) = colour;
     }
+}
+
+namespace {
+
+constexpr Rgb8 k_strip{38, 38, 38}, k_ink{225, 225, 225};
+
+/// A strip with `text` in its middle.
+Image8 caption(int width, int height, const std::string& text) {
+    Image8 out(width, height, k_strip);
+    const int columns = text_width(text), rows = 9;  // the font's twelve rows less those between lines
+    const int scale = std::max(1, std::min(height / 20, width / std::max(1, columns)));
+    draw_text(out, (width - scale * columns) / 2, (height - scale * rows) / 2, text, k_ink, scale);
+    return out;
+}
+
+/// Copies `part` into `image`, its upper left corner at (x, y).
+void paste(const Image8& part, int x, int y, Image8& image) {
+    for (int row = 0; row < part.height; ++row) std::copy_n(&part.at(0, row), part.width, &image.at(x, y + row));
+}
+
+}  // namespace
+
+Image8 side_by_side(std::span<const Image8> images, std::span<const std::string> captions) {
+    assert(!images.empty() && captions.size() == images.size());
+    const int width = images[0].width, height = images[0].height, strip = std::max(12, width / 8);
+    Image8 all(int(images.size()) * width, height + strip);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        assert(images[i].width == width && images[i].height == height);
+        paste(images[i], int(i) * width, 0, all);
+        paste(caption(width, strip, captions[i]), int(i) * width, height, all);
+    }
+    return all;
 }
 
 Result<Done> write_png(const Image8& image, const std::string& path) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,11 +56,23 @@ Rgb8 to_srgb8(Rgb radiance, float exposure);
 float automatic_exposure(const Image& image);
 inline constexpr double k_exposed = 0.9;
 
+/// What a renderer makes: the radiance of what is seen, and how much of a pixel it covers.
+struct Rendering {
+    Image radiance;  ///< the mean over what is covered; 0 where nothing is, NaN where there is none to show
+    std::vector<float> coverage;  ///< of each pixel, 0 to 1
+};
+/// As a screen shows it: tone_map(radiance, exposure) over a neutral grey.
+Image8 shown(const Rendering& rendering, float exposure);
+
 /// Writes one line of text, its upper left corner at (x, y), in a bitmap font of 12 `scale` rows; what lies outside of the
 /// image is left out. A byte that is no printable ASCII shows as '?'. scale ≥ 1.
 void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, int scale = 1);
 /// Columns that `text` takes at scale 1.
 int text_width(std::string_view text);
+
+/// Images of one size side by side, below each a strip of max(12, width/8) rows with its caption as large as fits. As many captions
+/// as images, one at least.
+Image8 side_by_side(std::span<const Image8> images, std::span<const std::string> captions);
 
 /// Writes a PNG of 8-bit RGB. Errors: an empty image, or one of more than 2²⁹ bytes; those of write_file.
 Result<Done> write_png(const Image8& image, const std::string& path);

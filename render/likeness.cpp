@@ -50,8 +50,10 @@ Plane filtered(const Plane& plane, const Filter& across, const Filter& down) {
             for (int x = 0; x < from.width; ++x) {
                 double total = 0;
                 for (int i = -radius; i <= radius; ++i) {
-                    const int u = std::clamp(x + i * dx, 0, from.width - 1), v = std::clamp(y + i * dy, 0, from.height - 1);
-                    total += filter[std::size_t(i + radius)] * from.x[std::size_t(v) * std::size_t(from.width) + std::size_t(u)];
+                    const int u = std::clamp(x + i * dx, 0, from.width - 1),
+                              v = std::clamp(y + i * dy, 0, from.height - 1);
+                    total += filter[std::size_t(i + radius)] *
+                             from.x[std::size_t(v) * std::size_t(from.width) + std::size_t(u)];
                 }
                 to.x[std::size_t(y) * std::size_t(to.width) + std::size_t(x)] = total;
             }
@@ -64,7 +66,8 @@ using Triplet = std::array<double, 3>;
 
 /// CIE XYZ of linear sRGB over those of white.
 Triplet to_relative_xyz(const Triplet& rgb) {
-    constexpr double m[3][3] = {{0.412391, 0.357584, 0.180481}, {0.212639, 0.715169, 0.072192}, {0.019331, 0.119195, 0.950532}};
+    constexpr double m[3][3] = {
+        {0.412391, 0.357584, 0.180481}, {0.212639, 0.715169, 0.072192}, {0.019331, 0.119195, 0.950532}};
     Triplet xyz;
     for (std::size_t i = 0; i < 3; ++i)
         xyz[i] = (m[i][0] * rgb[0] + m[i][1] * rgb[1] + m[i][2] * rgb[2]) / (m[i][0] + m[i][1] + m[i][2]);
@@ -76,8 +79,12 @@ Triplet to_linear_rgb(const Triplet& relative) {
     return {3.240970 * x - 1.537383 * y - 0.498611 * z, -0.969244 * x + 1.875968 * y + 0.041555 * z,
             0.055630 * x - 0.203977 * y + 1.056972 * z};
 }
-double linear(double encoded) { return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4); }
-Triplet linear_rgb(const Rgb& shown) { return {linear(double(shown.r)), linear(double(shown.g)), linear(double(shown.b))}; }
+double linear(double encoded) {
+    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+Triplet linear_rgb(const Rgb8& shown) {
+    return {linear(shown[0] / 255.0), linear(shown[1] / 255.0), linear(shown[2] / 255.0)};
+}
 
 /// CIELAB whose chroma is scaled by L/100 (Hunt's effect).
 Triplet hunt_lab(const Triplet& rgb) {
@@ -98,7 +105,7 @@ double redistributed(double distance) {
 }
 
 /// The opponent colours Y, Cx, Cz of a picture.
-std::array<Plane, 3> opponent(const Image& image) {
+std::array<Plane, 3> opponent(const Image8& image) {
     const Plane blank(image.width, image.height);
     std::array<Plane, 3> planes{blank, blank, blank};
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
@@ -127,7 +134,8 @@ std::vector<Triplet> seen(const std::array<Plane, 3>& planes, double pixels_per_
                 return std::exp(-k_pi * k_pi * x * x / (pixels_per_degree * pixels_per_degree * b));
             });
             const double weight = a * std::sqrt(k_pi / b);
-            total = combined(total, filtered(planes[c], filter, filter), [&](double s, double x) { return s + weight * x; });
+            total = combined(total, filtered(planes[c], filter, filter),
+                             [&](double s, double x) { return s + weight * x; });
             whole += weight * sum(filter) * sum(filter);
         }
         for (double& x : total.x) x /= whole;
@@ -166,11 +174,11 @@ Features features_of(Plane y, double pixels_per_degree) {
             features(y, sigma, [&](double x) { return x * x / (sigma * sigma) - 1; })};
 }
 
-Plane luma(const Image& image) {
+Plane luma(const Image8& image) {
     Plane plane(image.width, image.height);
     for (std::size_t i = 0; i < plane.x.size(); ++i) {
-        const Rgb& p = image.pixels[i];
-        plane.x[i] = 0.299 * double(p.r) + 0.587 * double(p.g) + 0.114 * double(p.b);
+        const Rgb8& p = image.pixels[i];
+        plane.x[i] = (0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2]) / 255;
     }
     return plane;
 }
@@ -183,33 +191,25 @@ double mean(const std::vector<double>& map) {
 
 }  // namespace
 
-Image shown(const Image& radiance, float exposure) {
-    Image out(radiance.width, radiance.height);
-    for (std::size_t i = 0; i < out.pixels.size(); ++i) {
-        const Rgb8 eight = to_srgb8(radiance.pixels[i], exposure);
-        out.pixels[i] = {float(eight[0]) / 255, float(eight[1]) / 255, float(eight[2]) / 255};
-    }
-    return out;
-}
-
-std::vector<double> ssim_map(const Image& reference, const Image& other) {
+std::vector<double> ssim_map(const Image8& reference, const Image8& other) {
     assert(reference.width == other.width && reference.height == other.height);
     const Plane a = luma(reference), b = luma(other);
     const Filter window = gaussian_filter(5, 1.5);
     const auto times = [](double x, double y) { return x * y; };
     const auto mean_of = [&](const Plane& plane) { return filtered(plane, window, window); };
-    const Plane ma = mean_of(a), mb = mean_of(b), aa = mean_of(combined(a, a, times)), bb = mean_of(combined(b, b, times)),
-                ab = mean_of(combined(a, b, times));
+    const Plane ma = mean_of(a), mb = mean_of(b), aa = mean_of(combined(a, a, times)),
+                bb = mean_of(combined(b, b, times)), ab = mean_of(combined(a, b, times));
     constexpr double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
     std::vector<double> map;
     for (std::size_t i = 0; i < a.x.size(); ++i) {
-        const double ua = ma.x[i], ub = mb.x[i], va = aa.x[i] - ua * ua, vb = bb.x[i] - ub * ub, cov = ab.x[i] - ua * ub;
+        const double ua = ma.x[i], ub = mb.x[i], va = aa.x[i] - ua * ua, vb = bb.x[i] - ub * ub,
+                     cov = ab.x[i] - ua * ub;
         map.push_back((2 * ua * ub + c1) * (2 * cov + c2) / ((ua * ua + ub * ub + c1) * (va + vb + c2)));
     }
     return map;
 }
 
-std::vector<double> flip_map(const Image& reference, const Image& other, double pixels_per_degree) {
+std::vector<double> flip_map(const Image8& reference, const Image8& other, double pixels_per_degree) {
     assert(reference.width == other.width && reference.height == other.height);
     const auto a = opponent(reference), b = opponent(other);
     const auto seen_a = seen(a, pixels_per_degree), seen_b = seen(b, pixels_per_degree);
@@ -225,12 +225,12 @@ std::vector<double> flip_map(const Image& reference, const Image& other, double 
     return map;
 }
 
-Likeness likeness(const Image& reference, const Image& other) {
+Likeness likeness(const Image8& reference, const Image8& other) {
     assert(reference.pixels.size() == other.pixels.size() && !reference.pixels.empty());
     double squares = 0;
     for (std::size_t i = 0; i < reference.pixels.size(); ++i)
-        for (int c = 0; c < 3; ++c) {
-            const double apart = double(reference.pixels[i][c]) - double(other.pixels[i][c]);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double apart = (reference.pixels[i][c] - other.pixels[i][c]) / 255.0;
             squares += apart * apart;
         }
     squares /= 3 * double(reference.pixels.size());

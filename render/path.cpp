@@ -6,14 +6,14 @@
 #include <cmath>
 #include <mutex>
 
-#include "parallel.h"
 #include "render/rays.h"
+#include "src/parallel.h"
 
 namespace srbf {
 namespace {
 
-constexpr int k_tile = 16;      // pixels along a side
-constexpr int k_roulette = 3;   // bounces that every path may do
+constexpr int k_tile = 16;     // pixels along a side
+constexpr int k_roulette = 3;  // bounces that every path may do
 
 Rgb operator*(const Rgb& a, const Rgb& b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
 Rgb operator*(float s, const Rgb& a) { return {s * a.r, s * a.g, s * a.b}; }
@@ -57,7 +57,7 @@ struct Surface {
     Vec3f position;
     Vec3f geometric;  ///< normal, to the viewer's side
     Axes axes;        ///< about the shading normal, to the viewer's side as well
-    const Material* material;
+    const SampledBrdf* material;
     Vec3f wv;  ///< in them
 };
 
@@ -73,8 +73,13 @@ struct Found {
 class Tracer {
   public:
     explicit Tracer(const PathScene& scene, const PathOptions& options)
-        : scene_(scene), options_(options), meshes_(meshes_of(scene)), rays_(meshes_), camera_(in_float(frame(scene.camera))) {
-        const Vec3d y = normalize(scene.camera.up), side = normalize(cross(y, frame(scene.camera).z)), z = cross(side, y);
+        : scene_(scene),
+          options_(options),
+          meshes_(meshes_of(scene)),
+          rays_(meshes_),
+          camera_(in_float(frame(scene.camera))) {
+        const Vec3d y = normalize(scene.camera.up), side = normalize(cross(y, frame(scene.camera).z)),
+                    z = cross(side, y);
         environment_axes_ = in_float({side, y, z});
         // A ray begins so far off the surface, of the size of what is to be seen.
         double size = 0;
@@ -191,10 +196,12 @@ class Tracer {
             const Vec3f w = scene_.environment->sample(u1, u2);
             const float density = scene_.environment->pdf(w);
             if (density > 0)
-                add_light(found, throughput, surface, environment_axes_.from(w), k_far, scene_.environment->radiance(w), density);
+                add_light(found, throughput, surface, environment_axes_.from(w), k_far, scene_.environment->radiance(w),
+                          density);
         }
         if (!scene_.area_lights.empty()) {
-            const float which = random.next() * float(scene_.area_lights.size()), u1 = random.next(), u2 = random.next();
+            const float which = random.next() * float(scene_.area_lights.size()), u1 = random.next(),
+                        u2 = random.next();
             const AreaLight& light = scene_.area_lights[std::min(std::size_t(which), scene_.area_lights.size() - 1)];
             const Vec3f to = light.corner + u1 * light.x + u2 * light.y - surface.position;
             const float distance = std::sqrt(dot(to, to));
@@ -243,7 +250,7 @@ class Tracer {
 
 }  // namespace
 
-Material diffuse(Rgb reflectance) {
+SampledBrdf diffuse(Rgb reflectance) {
     const Rgb f = float(1 / k_pi) * reflectance;
     return {[f](Vec3f wl, Vec3f wv) { return wl.z > 0 && wv.z > 0 ? f : Rgb{}; }, CosineProposal{}};
 }
@@ -253,8 +260,8 @@ PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
     const Tracer tracer(scene, options);
     const int width = options.width, height = options.height;
     const auto pixels = std::size_t(width) * std::size_t(height);
-    PathPicture picture{Image(width, height), std::vector<float>(pixels), Image(width, height), Image(width, height),
-                        std::vector<float>(pixels)};
+    const Image black(width, height);
+    PathPicture picture{{black, std::vector<float>(pixels)}, {black, black, std::vector<float>(pixels)}};
     const int columns = (width + k_tile - 1) / k_tile, rows = (height + k_tile - 1) / k_tile;
     std::atomic<std::uint64_t> rays{0};
     std::mutex reporting;
@@ -271,18 +278,20 @@ PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
                     const float dx = random.next(), dy = random.next();
                     const Found found = tracer.path(2 * (float(x) + dx) / float(width) - 1,
                                                     1 - 2 * (float(y) + dy) / float(height), random);
-                    const float brought[] = {found.radiance.r, found.radiance.g, found.radiance.b, found.normal.x,
-                                             found.normal.y,   found.normal.z,   found.albedo.r,   found.albedo.g,
+                    const float brought[] = {found.radiance.r, found.radiance.g, found.radiance.b,     found.normal.x,
+                                             found.normal.y,   found.normal.z,   found.albedo.r,       found.albedo.g,
                                              found.albedo.b,   found.depth,      found.hit ? 1.f : 0.f};
                     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += double(brought[k]);
                     of_tile += found.rays;
                 }
                 const auto mean = [&](std::size_t k) { return float(sum[k] / options.samples); };
-                picture.radiance.pixels[pixel] = {mean(0), mean(1), mean(2)};
-                picture.normal.pixels[pixel] = {mean(3), mean(4), mean(5)};
-                picture.albedo.pixels[pixel] = {mean(6), mean(7), mean(8)};
-                picture.depth[pixel] = mean(9);
-                picture.coverage[pixel] = mean(10);
+                const float coverage = scene.environment ? 1 : mean(10);
+                if (coverage > 0)
+                    picture.rendering.radiance.pixels[pixel] = (1 / coverage) * Rgb{mean(0), mean(1), mean(2)};
+                picture.rendering.coverage[pixel] = coverage;
+                picture.first.normal.pixels[pixel] = {mean(3), mean(4), mean(5)};
+                picture.first.albedo.pixels[pixel] = {mean(6), mean(7), mean(8)};
+                picture.first.depth[pixel] = mean(9);
             }
         rays += of_tile;
         if (!options.progress) return;
@@ -295,8 +304,10 @@ PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
 
 Mesh ground_below(const Mesh& mesh, Vec3d up, double size) {
     const Bounds box = bounds(mesh);
-    const Vec3d least = to_double(box.least), most = to_double(box.most), middle = 0.5 * (least + most), across = most - least;
-    const Vec3d n = normalize(up), x = normalize(cross(std::abs(n.x) < 0.7 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0), n)), y = cross(n, x);
+    const Vec3d least = to_double(box.least), most = to_double(box.most), middle = 0.5 * (least + most),
+                across = most - least;
+    const Vec3d n = normalize(up), x = normalize(cross(std::abs(n.x) < 0.7 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0), n)),
+                y = cross(n, x);
     // The lowest corner of the box along `up`.
     double lowest = 0;
     for (int i = 0; i < 8; ++i) {

@@ -13,16 +13,16 @@
 namespace srbf {
 
 /// A BRDF and how its light is drawn. What was not measured counts as 0.
-struct Material {
+struct SampledBrdf {
     std::function<Rgb(Vec3f wl, Vec3f wv)> value;  ///< f_r [1/sr]; called from several threads at once
     Proposal proposal;
 };
-/// One of `brdf`, which it refers to.
-template <Brdf B> Material material_of(const B& brdf, Proposal proposal) {
+/// `brdf`, which it refers to.
+template <Brdf B> SampledBrdf sampled(const B& brdf, Proposal proposal) {
     return {[&brdf](Vec3f wl, Vec3f wv) { return value(brdf, wl, wv); }, std::move(proposal)};
 }
 /// f = reflectance / π.
-Material diffuse(Rgb reflectance);
+SampledBrdf diffuse(Rgb reflectance);
 
 /// A parallelogram corner + s·x + t·y, s and t in [0, 1], that shines to the side of x × y. It casts no shadow.
 struct AreaLight {
@@ -38,7 +38,7 @@ struct Body {
 
 struct PathScene {
     std::vector<Body> bodies;
-    std::vector<Material> materials;
+    std::vector<SampledBrdf> materials;
     Camera camera;  ///< whose `up` is the environment's +y too
     std::vector<DirectionalLight> lights;
     std::vector<AreaLight> area_lights;
@@ -55,15 +55,16 @@ struct PathOptions {
     std::function<void(double)> progress;
 };
 
-/// What a renderer of paths makes of a scene; each pixel the mean over its paths.
+/// What the paths of a pixel hit first, their means; 0 where they hit nothing.
+struct FirstHits {
+    Image normal;              ///< x, y, z in the camera's frame, towards the viewer
+    Image albedo;              ///< directional albedo of the material, by one draw a path
+    std::vector<float> depth;  ///< distance from the eye
+};
 struct PathPicture {
-    Image radiance;
-    std::vector<float> coverage;  ///< share of the pixel's paths that hit a body
-    // Of what a path hits first, 0 where it hits none:
-    Image normal;                ///< x, y, z in the camera's frame, towards the viewer
-    Image albedo;                ///< directional albedo of the material, by one draw a path
-    std::vector<float> depth;    ///< distance from the eye
-    std::uint64_t rays = 0;      ///< that were traced
+    Rendering rendering;  ///< an environment covers every pixel
+    FirstHits first;
+    std::uint64_t rays = 0;  ///< that were traced
 };
 
 /// Traces paths from the eye: at each hit the light of the environment and of the area lights is sampled, and so is the BRDF, both weighted by

@@ -12,9 +12,6 @@ namespace srbf {
 
 namespace {
 
-constexpr Rgb k_background{0.16f, 0.16f, 0.16f};
-constexpr Rgb8 k_strip{38, 38, 38}, k_ink{225, 225, 225};
-
 /// Calls visit(n) with the sphere's normal at each point of pixel (x, y) that lies on it.
 template <typename Visit> void for_each_normal(int x, int y, const SphereOptions& options, const Visit& visit) {
     const double half = options.size / 2.0, radius = SphereOptions::k_radius * half;
@@ -41,9 +38,9 @@ void render_row(const Evaluate& f, const SphereOptions& options, int y, Image& i
         int hits = 0;
         for_each_normal(x, y, options, [&](Vec3d) { ++hits; });
         for_each_normal(x, y, options, [&](Vec3d n) {
-            const Vec3d t = normalize(Vec3d{n.z, 0, -n.x}), b = cross(n, t);
-            const auto local = [&](Vec3d w) { return Vec3f{float(dot(w, t)), float(dot(w, b)), float(dot(w, n))}; };
-            for (const DirectionalLight& light : k_preview_lights) {
+            const Frame surface = surface_frame(n);
+            const auto local = [&](Vec3d w) { return to_float(surface.to(w)); };
+            for (const DirectionalLight& light : k_three_lights) {
                 const double cosine = dot(n, light.towards);
                 if (cosine <= 0) continue;
                 const Rgb e = light.irradiance;
@@ -66,32 +63,6 @@ Image ten_times_difference(const Image& a, const Image& b) {
     for (std::size_t i = 0; i < out.pixels.size(); ++i)
         for (int c = 0; c < 3; ++c) out.pixels[i][c] = 10 * std::abs(a.pixels[i][c] - b.pixels[i][c]);
     return out;
-}
-
-/// The sphere as shown, over the background.
-Image8 shown(const Image& radiance, const std::vector<float>& coverage, float exposure) {
-    Image8 out(radiance.width, radiance.height);
-    for (std::size_t i = 0; i < radiance.pixels.size(); ++i) {
-        const Rgb sphere = tone_map(radiance.pixels[i], exposure);
-        Rgb colour = k_background;
-        for (int c = 0; c < 3; ++c) colour[c] += coverage[i] * (sphere[c] - colour[c]);
-        out.pixels[i] = to_srgb8(colour);
-    }
-    return out;
-}
-
-/// A strip with `text` in its middle, as large as fits.
-Image8 caption(int width, int height, const std::string& text) {
-    Image8 out(width, height, k_strip);
-    const int columns = text_width(text), rows = 9;  // the font's twelve rows less those between lines
-    const int scale = std::max(1, std::min(height / 20, width / std::max(1, columns)));
-    draw_text(out, (width - scale * columns) / 2, (height - scale * rows) / 2, text, k_ink, scale);
-    return out;
-}
-
-/// Copies `part` into `image`, its upper left corner at (x, y).
-void paste(const Image8& part, int x, int y, Image8& image) {
-    for (int row = 0; row < part.height; ++row) std::copy_n(&part.at(0, row), part.width, &image.at(x, y + row));
 }
 
 }  // namespace
@@ -124,14 +95,10 @@ Image8 preview(const Evaluate& measured, const Evaluate& fit, const PreviewOptio
     const std::vector<float> coverage = sphere_coverage(sphere);
     const float exposure = automatic_exposure(reference);
 
-    const int size = options.size, strip = std::max(12, size / 8);
     const std::array radiance{reference, other, ten_times_difference(reference, other)};
-    Image8 image(3 * size, size + strip);
-    for (int i = 0; i < 3; ++i) {
-        paste(shown(radiance[std::size_t(i)], coverage, exposure), i * size, 0, image);
-        paste(caption(size, strip, options.captions[std::size_t(i)]), i * size, size, image);
-    }
-    return image;
+    std::vector<Image8> images;
+    for (const Image& image : radiance) images.push_back(shown({image, coverage}, exposure));
+    return side_by_side(images, options.captions);
 }
 
 }  // namespace srbf

@@ -5,23 +5,10 @@
 #include <vector>
 
 #include "render/image.h"
+#include "render/scene.h"
 #include "srbf/brdf.h"
 
 namespace srbf {
-
-/// Light from one direction, without fall-off.
-struct DirectionalLight {
-    Vec3d towards;   ///< unit vector to the light, in the picture's frame: x right, y up, z to the viewer
-    Rgb irradiance;  ///< E on a surface that faces the light
-};
-
-/// The lights of every preview, white: a key from the upper left, 50° off the view; one from behind on the right, 115° off
-/// it, that shows grazing angles; a weak fill from below.
-inline constexpr std::array<DirectionalLight, 3> k_preview_lights{{
-    {{-6.0 / 11, 6.0 / 11, 7.0 / 11}, {3, 3, 3}},
-    {{6.0 / 7, 2.0 / 7, -3.0 / 7}, {2, 2, 2}},
-    {{1.0 / 3, -2.0 / 3, 2.0 / 3}, {0.5f, 0.5f, 0.5f}},
-}};
 
 /// A sphere in a square picture, seen from (0,0,1) without perspective.
 struct SphereOptions {
@@ -32,10 +19,9 @@ struct SphereOptions {
 };
 
 /// The radiance of the sphere towards the viewer,
-///   L = Σ_k f(wl_k, wv) max(0, n·l_k) E_k  over `k_preview_lights`,
-/// averaged over those points of a pixel that lie on the sphere; 0 where none does. About the outward normal n = (x, y, z)
-/// the local frame is t = (z, 0, −x)/√(x² + z²), along the circle of latitude; b = n × t; n. It has no seam on the visible
-/// half. A pixel is NaN where f is NaN at one of its lit points (n·l_k > 0).
+///   L = Σ_k f(wl_k, wv) max(0, n·l_k) E_k  over `k_three_lights`, x right, y up, z to the viewer,
+/// averaged over those points of a pixel that lie on the sphere; 0 where none does. The local frame is `surface_frame`, which
+/// has no seam on the visible half. A pixel is NaN where f is NaN at one of its lit points (n·l_k > 0).
 Image render_sphere(const Evaluate& f, const SphereOptions& options);
 /// The share of each pixel's points that lie on the sphere.
 std::vector<float> sphere_coverage(const SphereOptions& options);

@@ -73,9 +73,8 @@ std::optional<Hit> Rays::closest(Vec3f origin, Vec3f direction) const {
     found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     intersect(scene_of(scene_), found);
     if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    return Hit{found.ray.tfar, found.hit.geomID,
-               found.hit.primID, found.hit.u,
-               found.hit.v,      normalize(Vec3f(found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z))};
+    return Hit{found.ray.tfar, found.hit.geomID, found.hit.primID,
+               found.hit.u,    found.hit.v,      normalize(Vec3f(found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z))};
 }
 
 bool Rays::occluded(Vec3f origin, Vec3f direction, float distance) const {

@@ -264,8 +264,8 @@ Rgb value(const Glossy& b, Vec3f wl, Vec3f wv) {
 }
 
 TEST(PreviewLights, AreUnitVectorsThatLightTheWholeVisibleHalf) {
-    for (const auto& light : k_preview_lights) EXPECT_TRUE(near(dot(light.towards, light.towards), 1, 1e-15));
-    const auto& [key, rim, fill] = k_preview_lights;
+    for (const auto& light : k_three_lights) EXPECT_TRUE(near(dot(light.towards, light.towards), 1, 1e-15));
+    const auto& [key, rim, fill] = k_three_lights;
     EXPECT_TRUE(key.towards.x < 0 && key.towards.y > 0 && key.towards.z > 0);
     EXPECT_TRUE(rim.towards.x > 0 && rim.towards.z < 0);
     EXPECT_TRUE(near(std::acos(key.towards.z) / k_degree, 50, 0.5));
@@ -291,7 +291,7 @@ TEST(RenderSphere, OfLambertIsTheClosedForm) {
                     if (nx * nx + ny * ny >= 1) continue;
                     ++hits;
                     const Vec3d n{nx, ny, std::sqrt(1 - nx * nx - ny * ny)};
-                    for (const auto& light : k_preview_lights)
+                    for (const auto& light : k_three_lights)
                         for (int c = 0; c < 3; ++c)
                             sum[c] += float(lambert.albedo[c] / k_pi * std::max(0.0, dot(n, light.towards)) *
                                             light.irradiance[c]);
@@ -307,7 +307,7 @@ TEST(RenderSphere, OfLambertIsTheClosedForm) {
 TEST(RenderSphere, AsksInTheFrameOfTheLatitude) {
     // With one point a pixel, the light of a pixel is told by wl·wv, which no frame changes.
     const SphereOptions options{91, 1, 1};
-    const auto view_cosine = [](int k) { return float(k_preview_lights[std::size_t(k)].towards.z); };
+    const auto view_cosine = [](int k) { return float(k_three_lights[std::size_t(k)].towards.z); };
     std::array<std::atomic<int>, 3> asked{};
     const Evaluate check = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         for (std::size_t i = 0; i < f.size(); ++i) {
@@ -324,7 +324,7 @@ TEST(RenderSphere, AsksInTheFrameOfTheLatitude) {
         const double nx = (2.0 * x + 1 - options.size) / (options.size * SphereOptions::k_radius);
         const Vec3d n{nx, 0, std::sqrt(1 - nx * nx)}, t{n.z, 0, -n.x};
         Rgb sum;
-        for (const auto& [towards, irradiance] : k_preview_lights) {
+        for (const auto& [towards, irradiance] : k_three_lights) {
             const double e = std::max(0.0, dot(n, towards)) * irradiance.g;
             sum.r += float(e * dot(towards, t));
             sum.g += float(e * towards.y);

@@ -28,11 +28,6 @@ Place find(std::span<const float> running, float u) {
     return {index, share > 0 ? std::clamp((u - running[index]) / share, 0.f, 1.f) : 0.5f};
 }
 
-float row_of(Vec3f w, int height) {
-    return float(std::acos(std::clamp(double(w.y), -1.0, 1.0)) / k_pi) * float(height);
-}
-float column_of(Vec3f w, int width) { return (0.5f + std::atan2(w.x, -w.z) * float(0.5 / k_pi)) * float(width); }
-
 /// The solid angle of a texel in that row.
 double solid_angle(int row, int width, int height) {
     return 2 * k_pi / width * (std::cos(k_pi * row / height) - std::cos(k_pi * (row + 1) / height));
@@ -54,6 +49,7 @@ Environment::Environment(Image texels) : texels_(std::move(texels)) {
     };
     const auto along = [&](int x, int y) { return 0.75 * light(x, y) + 0.125 * (light(x - 1, y) + light(x + 1, y)); };
     std::vector<double> of_rows(std::size_t(height) + 1);
+    for (int y = 0; y < height; ++y) solid_angle_.push_back(float(solid_angle(y, width, height)));
     for (int y = 0; y < height; ++y) {
         std::vector<double> running{0};
         for (int x = 0; x < width; ++x)
@@ -65,17 +61,22 @@ Environment::Environment(Image texels) : texels_(std::move(texels)) {
     for (const double sum : of_rows) row_.push_back(of_rows.back() > 0 ? float(sum / of_rows.back()) : 0.f);
 }
 
-Rgb Environment::radiance(Vec3f w) const {
+Environment::Light Environment::at(Vec3f w) const {
     const int width = texels_.width, height = texels_.height;
-    const float x = column_of(w, width) - 0.5f, y = std::clamp(row_of(w, height) - 0.5f, 0.f, float(height - 1));
-    const float x0 = std::floor(x), y0 = std::floor(y), s = x - x0, t = y - y0;
+    const float column = (0.5f + std::atan2(w.x, -w.z) * float(0.5 / k_pi)) * float(width),
+                row = std::acos(std::clamp(w.y, -1.f, 1.f)) * float(1 / k_pi) * float(height);
+    const float x = column - 0.5f, y = std::clamp(row - 0.5f, 0.f, float(height - 1)), x0 = std::floor(x),
+                y0 = std::floor(y), s = x - x0, t = y - y0;
     const int left = (int(x0) + width) % width, right = (left + 1) % width, top = int(y0),
               below = std::min(top + 1, height - 1);
-    Rgb sum;
+    Light light;
     for (int c = 0; c < 3; ++c)
-        sum[c] = (1 - t) * ((1 - s) * texels_.at(left, top)[c] + s * texels_.at(right, top)[c]) +
-                 t * ((1 - s) * texels_.at(left, below)[c] + s * texels_.at(right, below)[c]);
-    return sum;
+        light.radiance[c] = (1 - t) * ((1 - s) * texels_.at(left, top)[c] + s * texels_.at(right, top)[c]) +
+                            t * ((1 - s) * texels_.at(left, below)[c] + s * texels_.at(right, below)[c]);
+    const auto i = std::size_t(std::clamp(int(row), 0, height - 1)),
+               j = std::size_t(std::clamp(int(column), 0, width - 1)), at = i * std::size_t(width + 1) + j;
+    light.pdf = (row_[i + 1] - row_[i]) * (column_[at + 1] - column_[at]) / solid_angle_[i];
+    return light;
 }
 
 Vec3f Environment::sample(float u1, float u2) const {
@@ -88,15 +89,6 @@ Vec3f Environment::sample(float u1, float u2) const {
     const double y = top + double(row.within) * (bottom - top), r = std::sqrt(std::max(0.0, 1 - y * y));
     const double phi = ((double(column.index) + double(column.within)) / width - 0.5) * 2 * k_pi;
     return {float(r * std::sin(phi)), float(y), float(-r * std::cos(phi))};
-}
-
-float Environment::pdf(Vec3f w) const {
-    const int width = texels_.width, height = texels_.height;
-    const int x = std::clamp(int(column_of(w, width)), 0, width - 1),
-              y = std::clamp(int(row_of(w, height)), 0, height - 1);
-    const auto at = std::size_t(y) * std::size_t(width + 1) + std::size_t(x);
-    const float share = (row_[std::size_t(y) + 1] - row_[std::size_t(y)]) * (column_[at + 1] - column_[at]);
-    return share / float(solid_angle(y, width, height));
 }
 
 namespace {

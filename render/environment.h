@@ -19,10 +19,13 @@ class Environment {
     /// one texel.
     explicit Environment(Image texels);
 
-    Rgb radiance(Vec3f w) const;
-    /// A direction from u1, u2 even in [0,1), of the density `pdf`, which is positive where the radiance is.
+    struct Light {
+        Rgb radiance;
+        float pdf;  ///< [1/sr], by which `sample` draws; positive where the radiance is
+    };
+    Light at(Vec3f w) const;
+    /// A direction from u1, u2 even in [0,1).
     Vec3f sample(float u1, float u2) const;
-    float pdf(Vec3f w) const;  ///< [1/sr]
 
     bool is_black() const { return !(row_.back() > 0); }
     const Image& texels() const { return texels_; }
@@ -31,8 +34,9 @@ class Environment {
   private:
     Image texels_;
     std::uint64_t clamped_ = 0;
-    std::vector<float> column_;  ///< height × (width + 1): running shares along each row
-    std::vector<float> row_;     ///< height + 1: running share of the rows; all 0 where everything is black
+    std::vector<float> column_;       ///< height × (width + 1): running shares along each row
+    std::vector<float> row_;          ///< height + 1: running share of the rows; all 0 where everything is black
+    std::vector<float> solid_angle_;  ///< height: of a texel [sr]
 };
 
 /// Reads a Radiance `.hdr` (RGBE, flat or run-length encoded, rows from the top and columns from the left).

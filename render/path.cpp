@@ -194,10 +194,8 @@ class Tracer {
         if (has_environment()) {
             const float u1 = random.next(), u2 = random.next();
             const Vec3f w = scene_.environment->sample(u1, u2);
-            const float density = scene_.environment->pdf(w);
-            if (density > 0)
-                add_light(found, throughput, surface, environment_axes_.from(w), k_far, scene_.environment->radiance(w),
-                          density);
+            if (const auto light = scene_.environment->at(w); light.pdf > 0)
+                add_light(found, throughput, surface, environment_axes_.from(w), k_far, light.radiance, light.pdf);
         }
         if (!scene_.area_lights.empty()) {
             const float which = random.next() * float(scene_.area_lights.size()), u1 = random.next(),
@@ -235,8 +233,8 @@ class Tracer {
             if (const float density = area_pdf(light, direction, at); density > 0) add(light.radiance, density);
         }
         if (distance < k_far || !has_environment()) return;
-        const Vec3f w = environment_axes_.to(direction);
-        add(scene_.environment->radiance(w), scene_.environment->pdf(w));
+        const auto light = scene_.environment->at(environment_axes_.to(direction));
+        add(light.radiance, light.pdf);
     }
 
     const PathScene& scene_;

@@ -26,11 +26,12 @@
 
 // ---- Stable elementary functions ---------------------------------------------------------------------------------
 
-// 1 - exp(-x), x >= 0, without cancellation: relative error 3e-7 in float, 5e-8 in double.
+// 1 - exp(-x), x >= 0, without cancellation: relative error 3e-7 in float, 5e-8 in double. Exponents are cut at -80 here and in
+// vmf_pdf: below float's normal range exp takes many times as long.
 SRBF_FN Real one_minus_exp(Real x) {
     Real small = x * (Real(1.0) - x * Real(0.5) * (Real(1.0) - x * Real(1.0 / 3.0) *
                  (Real(1.0) - x * Real(0.25) * (Real(1.0) - x * Real(0.2)))));
-    return select(x < Real(0.125), small, Real(1.0) - exp(-x));
+    return select(x < Real(0.125), small, Real(1.0) - exp(max(-x, Real(-80.0))));
 }
 
 // The frame about a unit vector n: the vector whose coordinates in it are (x, y, z), n being its third axis
@@ -87,7 +88,7 @@ SRBF_FN GaussianProduct gaussian_product(Vec3 centre1, Real bandwidth1, Vec3 cen
 
 // The density of the von Mises-Fisher distribution, G / integral of G [1/sr].
 SRBF_FN Real vmf_pdf(Vec3 omega, Vec3 centre, Real bandwidth) {
-    return gaussian(omega, centre, bandwidth) / gaussian_integral(bandwidth);
+    return exp(max(gaussian_exponent(omega, centre, bandwidth), Real(-80.0))) / gaussian_integral(bandwidth);
 }
 
 // A direction of that density from u1, u2 even in [0,1): cos(theta) - 1 = ln(1 - (1 - u1)(1 - e^(-2 lambda))) / lambda about

@@ -21,25 +21,45 @@ Rgb& operator+=(Rgb& a, const Rgb& b) { return a = {a.r + b.r, a.g + b.g, a.b + 
 float largest(const Rgb& a) { return std::max({a.r, a.g, a.b}); }
 Vec3f operator-(Vec3f a) { return -1.f * a; }
 
-/// Numbers even in [0,1), a sequence for each path (SplitMix64, Steele, Lea & Flood 2014).
+/// A number of 64 well-mixed bits for each x (SplitMix64, Steele, Lea & Flood 2014).
+constexpr std::uint64_t k_step = 0x9e3779b97f4a7c15;
+std::uint64_t mixed(std::uint64_t x) {
+    x += k_step;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+    return x ^ (x >> 31);
+}
+
+/// Numbers even in [0,1) for one path. The first `k_even` of the paths of a pixel fill their cube evenly: path i has multiples i of powers of 1/g,
+/// g^(k_even+1) = g + 1 (Roberts 2018), from a random point on. The others are independent.
 class Random {
   public:
     Random(std::uint64_t seed, std::uint64_t pixel, std::uint64_t sample)
-        : state_(mixed(mixed(mixed(seed) ^ pixel) ^ sample)) {}
+        : sample_(sample), shift_(mixed(mixed(seed) ^ pixel)), state_(mixed(shift_ ^ sample)) {}
     float next() {
         state_ += k_step;
-        return float(mixed(state_) >> 40) * 0x1p-24f;
+        if (taken_ >= k_even) return in_unit(mixed(state_));
+        const auto d = taken_++;
+        return in_unit(mixed(shift_ + k_step * (d + 1)) + sample_ * steps()[d]);
     }
+    /// Leaves out what is left of the first ones.
+    void independent() { taken_ = k_even; }
 
   private:
-    static constexpr std::uint64_t k_step = 0x9e3779b97f4a7c15;
-    static std::uint64_t mixed(std::uint64_t x) {
-        x += k_step;
-        x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-        x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-        return x ^ (x >> 31);
+    static constexpr std::size_t k_even = 10;
+    static float in_unit(std::uint64_t x) { return float(x >> 40) * 0x1p-24f; }
+    static const std::array<std::uint64_t, k_even>& steps() {
+        static const auto all = [] {
+            double g = 1.5;
+            for (int i = 0; i < 60; ++i) g = std::pow(1 + g, 1.0 / (k_even + 1));
+            std::array<std::uint64_t, k_even> step;
+            for (std::size_t d = 0; d < k_even; ++d) step[d] = std::uint64_t(std::pow(1 / g, double(d + 1)) * 0x1p64);
+            return step;
+        }();
+        return all;
     }
-    std::uint64_t state_;
+    std::uint64_t sample_, shift_, state_;
+    std::size_t taken_ = 0;
 };
 
 /// Three axes in float; shading is in a frame whose z is the normal.
@@ -122,6 +142,7 @@ class Tracer {
             const Rgb weight = (wl.z / drawn_pdf) * f;
             if (bounce == 0) found.albedo = weight;
             throughput = throughput * weight;
+            random.independent();
             direction = surface.axes.from(wl);
             if (!(dot(direction, surface.geometric) > 0)) return found;
             origin = surface.position;

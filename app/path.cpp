@@ -50,6 +50,11 @@ void PathCommand::add_options(CLI::App& sub) {
         ->type_name("N")
         ->check(within(1, 1000))
         ->capture_default_str();
+    sub.add_option("--draw", draw,
+                   "path: a path goes on in a direction drawn by the brdf, or by the cosine, for comparison")
+        ->type_name("BY")
+        ->check(one_of({"brdf", "cosine"}))
+        ->capture_default_str();
     sub.add_flag("!--no-ground", ground, "path: leave the ground below the mesh away");
     sub.add_option("--seed", seed, "path: of the random numbers")->type_name("N")->capture_default_str();
     sub.add_option("--threads", threads, "path: 0: as many as the machine has; the picture does not depend on it")
@@ -78,7 +83,8 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
     ProgressLine line;
     std::vector<PathPicture> pictures;
     for (const Subject& subject : subjects) {
-        paths.materials = {sampled(subject, threads), diffuse(k_ground)};
+        paths.materials = {draw == "cosine" ? sampled(subject, CosineProposal{}) : sampled(subject, threads),
+                           diffuse(k_ground)};
         const auto before = double(pictures.size()), all = double(subjects.size());
         const auto progress = [&](double part) { line.show("tracing paths", (before + part) / all); };
         pictures.push_back(render_paths(paths, {width, height, samples, bounces, seed, threads, progress}));

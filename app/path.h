@@ -11,7 +11,7 @@
 namespace srbf {
 
 struct PathCommand {
-    std::string environment{k_built_in_environment}, lights = "none";
+    std::string environment{k_built_in_environment}, lights = "none", draw = "brdf";
     int samples = 64, bounces = 8, threads = 0;
     std::uint64_t seed = 0;
     bool ground = true;

@@ -6,7 +6,7 @@
 //   usage: noise MESH FILE...
 #include <fmt/format.h>
 
-#include <chrono>
+#include <ctime>
 #include <filesystem>
 
 #include "render/path.h"
@@ -34,9 +34,9 @@ Cost cost(const PathScene& scene, const Image& reference, const std::vector<floa
     Cost sum{0, 0};
     constexpr int repeats = 4;
     for (int repeat = 0; repeat < repeats; ++repeat) {
-        const auto start = std::chrono::steady_clock::now();
+        const std::clock_t start = std::clock();  // of the processor, which others may share
         const Image noisy = picture(scene, k_samples, std::uint64_t(repeat) + 1).rendering.radiance;
-        sum.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / repeats;
+        sum.seconds += double(std::clock() - start) / CLOCKS_PER_SEC / repeats;
         double squares = 0, pixels = 0;
         for (std::size_t i = 0; i < depth.size(); ++i) {
             if (!(depth[i] > 0)) continue;

@@ -297,9 +297,17 @@ PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
                     const float dx = random.next(), dy = random.next();
                     const Found found = tracer.path(2 * (float(x) + dx) / float(width) - 1,
                                                     1 - 2 * (float(y) + dy) / float(height), random);
-                    const float brought[] = {found.radiance.r, found.radiance.g, found.radiance.b,     found.normal.x,
-                                             found.normal.y,   found.normal.z,   found.albedo.r,       found.albedo.g,
-                                             found.albedo.b,   found.depth,      found.hit ? 1.f : 0.f};
+                    const float brought[] = {found.radiance.r,
+                                             found.radiance.g,
+                                             found.radiance.b,
+                                             found.normal.x,
+                                             found.normal.y,
+                                             found.normal.z,
+                                             found.albedo.r,
+                                             found.albedo.g,
+                                             found.albedo.b,
+                                             found.depth,
+                                             found.hit || largest(found.radiance) > 0 ? 1.f : 0.f};
                     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += double(brought[k]);
                     of_tile += found.rays;
                 }

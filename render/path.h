@@ -62,7 +62,7 @@ struct FirstHits {
     std::vector<float> depth;  ///< distance from the eye
 };
 struct PathPicture {
-    Rendering rendering;  ///< an environment covers every pixel
+    Rendering rendering;  ///< an environment covers every pixel, a light what it is seen in
     FirstHits first;
     std::uint64_t rays = 0;  ///< that were traced
 };

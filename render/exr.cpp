@@ -58,6 +58,12 @@ class Sink : public Imf::OStream {
     std::size_t at_ = 0;
 };
 
+/// The first line of what the library says.
+std::string said(const std::exception& error) {
+    const std::string_view all = error.what();
+    return std::string(all.substr(0, std::min(all.find('\n'), std::size_t(200))));
+}
+
 /// Pixels that lie `stride` floats apart, the first at `first`.
 Imf::Slice slice(const float* first, int width, int stride, std::int64_t x0, std::int64_t y0) {
     const auto step = std::int64_t(sizeof(float)) * stride;
@@ -89,7 +95,7 @@ Result<Done> write_exr(int width, int height, std::span<const Channel> channels,
         file.setFrameBuffer(frame);
         file.writePixels(height);
     } catch (const std::exception& error) {
-        return Error{path, {}, "cannot be written as EXR", {}, error.what()};
+        return Error{path, {}, "cannot be written as EXR", {}, said(error)};
     }
     return write_file(path, sink.bytes);
 }
@@ -106,9 +112,10 @@ Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& sour
         const auto window = file.header().dataWindow();
         const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1,
                            height = std::int64_t(window.max.y) - window.min.y + 1;
-        if (width < 1 || height < 1 || width > k_most_texels / height)
-            return Error{
-                source, {}, "pixels", fmt::format("1 to {}", k_most_texels), fmt::format("{} x {}", width, height)};
+        // No compression makes so little of a picture.
+        const std::int64_t most = std::min(k_most_texels, 4096 * std::int64_t(bytes.size()));
+        if (width < 1 || height < 1 || width > most / height)
+            return Error{source, {}, "pixels", fmt::format("1 to {}", most), fmt::format("{} x {}", width, height)};
         for (const char* name : {"R", "G", "B"}) {
             const Imf::Channel* channel = file.header().channels().findChannel(name);
             if (channel && channel->xSampling == 1 && channel->ySampling == 1) continue;
@@ -123,7 +130,7 @@ Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& sour
         file.readPixels(window.min.y, window.max.y);
         return image;
     } catch (const std::exception& error) {
-        return Error{source, {}, "OpenEXR file", "whole", error.what()};
+        return Error{source, {}, "OpenEXR file", "whole", said(error)};
     }
 }
 

@@ -126,18 +126,61 @@ std::vector<float> best_weights(const Points& points, int steps) {
     return kept;
 }
 
-std::vector<float> node_weights(const Evaluate& brdf, int node, int azimuths) {
-    const double x = double(node) / (MixtureProposal::k_nodes - 1), z = std::max(1 - x * x, k_lowest_view);
+/// The frame of the stretch: its x is at that azimuth.
+struct Turn {
+    float cosine, sine;
+    explicit Turn(float azimuth) : cosine(std::cos(azimuth)), sine(std::sin(azimuth)) {}
+    Vec3f into(Vec3f w) const { return K::turned(w, cosine, -sine); }
+    Vec3f back(Vec3f w) const { return K::turned(w, cosine, sine); }
+};
+
+/// The points of views at cosθv = z, `count` of each lobe for each of them.
+Points points_at(const Evaluate& brdf, double z, int azimuths, int count, float stretch, float azimuth) {
+    const Turn turn(azimuth);
     Points points{MixtureProposal::k_lobes, {}, {}};
     for (int i = 0; i < azimuths; ++i) {
-        const Vec3f wv = to_float(spherical(std::acos(z), 2 * k_pi * i / azimuths));
+        const Vec3f wv = to_float(spherical(std::acos(z), 2 * k_pi * i / azimuths)), turned = turn.into(wv);
         const Lobes lobes{
             points.lobes,
-            [&](std::size_t k, float u1, float u2) { return K::sample_proposal_lobe(int(k), wv, u1, u2); },
-            [&](std::size_t k, Vec3f wl) { return K::proposal_lobe_pdf(int(k), wl, wv); }};
-        add_points(brdf, wv, lobes, k_points, points);
+            [&](std::size_t k, float u1, float u2) {
+                return turn.back(K::sample_proposal_lobe(int(k), turned, stretch, u1, u2));
+            },
+            [&](std::size_t k, Vec3f wl) { return K::proposal_lobe_pdf(int(k), turn.into(wl), turned, stretch); }};
+        add_points(brdf, wv, lobes, count, points);
     }
-    return best_weights(points, k_steps);
+    return points;
+}
+
+std::vector<float> node_weights(const Evaluate& brdf, int node, int azimuths, const MixtureProposal& proposal) {
+    const double x = double(node) / (MixtureProposal::k_nodes - 1), z = std::max(1 - x * x, k_lowest_view);
+    return best_weights(points_at(brdf, z, azimuths, k_points, proposal.stretch, proposal.azimuth), k_steps);
+}
+
+/// The second moment of f cosθl / pdf at 45° with the best weights for that stretch, over the square of its mean.
+double moment_stretched(const Evaluate& brdf, float stretch, float azimuth) {
+    constexpr int azimuths = 8, count = 32, steps = 40;
+    const Points points = points_at(brdf, std::sqrt(0.5), azimuths, count, stretch, azimuth);
+    const std::vector<float> weight = best_weights(points, steps);
+    double moment = 0;
+    for (std::size_t i = 0; i < points.weight.size(); ++i) {
+        double pdf = 0;
+        for (std::size_t k = 0; k < points.lobes; ++k) pdf += double(weight[k]) * points.density[i * points.lobes + k];
+        moment += points.weight[i] / pdf;
+    }
+    return moment;
+}
+
+/// Sets the stretch, and where it is along.
+void find_stretch(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
+    constexpr std::size_t azimuths = 12;
+    std::array<double, azimuths * k_stretches.size()> moment;
+    const auto azimuth_of = [](std::size_t i) { return float(k_pi * double(i % azimuths) / azimuths); };
+    parallel_for(moment.size(), threads,
+                 [&](std::size_t i) { moment[i] = moment_stretched(brdf, k_stretches[i / azimuths], azimuth_of(i)); });
+    const auto best = std::size_t(std::min_element(moment.begin(), moment.end()) - moment.begin());
+    if (!(moment[best] < 0.99 * moment[0])) return;
+    proposal.stretch = k_stretches[best / azimuths];
+    proposal.azimuth = azimuth_of(best);
 }
 
 }  // namespace
@@ -147,23 +190,27 @@ float pdf(const CosineProposal&, Vec3f wl, Vec3f) { return K::cosine_pdf(wl); }
 
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec3f u) {
     const Choice choice = choose(weights_at(proposal, wv), u.z);
-    return K::sample_proposal_lobe(choice.k, wv, u.x, u.y);
+    const Turn turn(proposal.azimuth);
+    return turn.back(K::sample_proposal_lobe(choice.k, turn.into(wv), proposal.stretch, u.x, u.y));
 }
 
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return 0;
     const auto weight = weights_at(proposal, wv);
+    const Turn turn(proposal.azimuth);
+    const Vec3f l = turn.into(wl), v = turn.into(wv);
     float sum = 0;
     for (int k = 0; k < MixtureProposal::k_lobes; ++k)
-        if (const float w = weight[std::size_t(k)]; w > 0) sum += w * K::proposal_lobe_pdf(k, wl, wv);
+        if (const float w = weight[std::size_t(k)]; w > 0) sum += w * K::proposal_lobe_pdf(k, l, v, proposal.stretch);
     return sum;
 }
 
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
     assert(brdf && options.azimuths >= 1);
     MixtureProposal proposal;
+    if (options.azimuths > 1) find_stretch(brdf, options.threads, proposal);
     parallel_for(MixtureProposal::k_nodes, options.threads, [&](std::size_t node) {
-        std::ranges::copy(node_weights(brdf, int(node), options.azimuths), proposal.weight[node].begin());
+        std::ranges::copy(node_weights(brdf, int(node), options.azimuths, proposal), proposal.weight[node].begin());
     });
     return proposal;
 }

@@ -222,12 +222,14 @@ TEST_F(Sampling, AreaOfEachWarpTimesItsDensityIsOne) {
     };
     for (int i = 0; i < 300; ++i) {
         const Vec3d wv = random_direction(random, 0.02);
+        const double stretch = i % 2 ? 1 : 1 + 10 * uniform(random);
         check([&](double u1, double u2) { return D::sample_cosine(u1, u2); }, [&](Vec3d w) { return D::cosine_pdf(w); },
               "cosine");
         for (int k = 5; k < SRBF_PROPOSAL_LOBES; ++k)
-            check([&](double u1, double u2) { return D::sample_half_way(wv, D::proposal_bandwidth(k), u1, u2); },
-                  [&](Vec3d w) { return D::half_way_pdf(w, wv, D::proposal_bandwidth(k)); },
-                  "half-way " + std::to_string(k));
+            check(
+                [&](double u1, double u2) { return D::sample_half_way(wv, D::proposal_bandwidth(k), stretch, u1, u2); },
+                [&](Vec3d w) { return D::half_way_pdf(w, wv, D::proposal_bandwidth(k), stretch); },
+                "half-way " + std::to_string(k));
     }
 }
 
@@ -236,12 +238,12 @@ TEST_F(Sampling, LobesAreMirroredAtTheHorizon) {
         const Vec3f wv = to_float(random_direction(random, 0.02)), u = draw3();
         const int k = 1 + i % (SRBF_PROPOSAL_LOBES - 1);
         using K = Kernel<float>;
-        const Vec3f wl = K::sample_proposal_lobe(k, wv, u.x, u.y), below(wl.x, wl.y, -wl.z);
+        const Vec3f wl = K::sample_proposal_lobe(k, wv, 3.f, u.x, u.y), below(wl.x, wl.y, -wl.z);
         EXPECT_GE(wl.z, 0);
-        EXPECT_TRUE(near_relative(
-            double(K::proposal_lobe_pdf(k, wl, wv)),
-            double(K::proposal_lobe_unfolded_pdf(k, wl, wv)) + double(K::proposal_lobe_unfolded_pdf(k, below, wv)),
-            1e-6));
+        EXPECT_TRUE(near_relative(double(K::proposal_lobe_pdf(k, wl, wv, 3.f)),
+                                  double(K::proposal_lobe_unfolded_pdf(k, wl, wv, 3.f)) +
+                                      double(K::proposal_lobe_unfolded_pdf(k, below, wv, 3.f)),
+                                  1e-6));
     }
 }
 
@@ -249,11 +251,61 @@ TEST_F(Sampling, DoubleAndFloatAgree) {
     for (int i = 0; i < 1000; ++i) {
         const Vec3f wv = to_float(random_direction(random, 0.02));
         const int k = i % SRBF_PROPOSAL_LOBES;
-        const Vec3f wl = Kernel<float>::sample_proposal_lobe(k, wv, draw(), draw());
+        const Vec3f wl = Kernel<float>::sample_proposal_lobe(k, wv, 1.f + float(i % 3), draw(), draw());
         if (!(wl.z > 0)) continue;
-        const double exact = Kernel<double>::proposal_lobe_pdf(k, to_double(wl), to_double(wv));
-        EXPECT_TRUE(near_relative(double(Kernel<float>::proposal_lobe_pdf(k, wl, wv)), exact, 2e-3)) << k;
+        const double exact = Kernel<double>::proposal_lobe_pdf(k, to_double(wl), to_double(wv), 1.0 + i % 3);
+        EXPECT_TRUE(near_relative(double(Kernel<float>::proposal_lobe_pdf(k, wl, wv, 1.f + float(i % 3))), exact, 2e-3))
+            << k;
     }
+}
+
+/// A brushed conductor: Trowbridge-Reitz, its roughness 0.3 along azimuth 40° and 0.06 across.
+struct Brushed {};
+Rgb value(const Brushed&, Vec3f wl, Vec3f wv) {
+    if (!(wl.z > 0 && wv.z > 0)) return {};
+    const auto turned = [](Vec3f w) { return Kernel<double>::turned(to_double(w), std::cos(0.7), -std::sin(0.7)); };
+    const Vec3d l = turned(wl), v = turned(wv), h = normalize(l + v);
+    const auto square = [](double x) { return x * x; };
+    const auto wide = [&](Vec3d w) { return square(0.3 * w.x) + square(0.06 * w.y); };
+    const double slope = square(h.x / 0.3) + square(h.y / 0.06) + square(h.z);
+    const auto hidden = [&](Vec3d w) { return 0.5 * (std::sqrt(1 + wide(w) / square(w.z)) - 1); };
+    const float f = float(1 / (k_pi * 0.3 * 0.06 * square(slope)) / (4 * l.z * v.z * (1 + hidden(l) + hidden(v))));
+    return {f, f, f};
+}
+
+TEST_F(Sampling, LobesAreStretchedAlongTheGrain) {
+    const MixtureProposal round = propose(evaluator(Brushed{})), along = propose(evaluator(Brushed{}), {.azimuths = 8});
+    EXPECT_EQ(round.stretch, 1);
+    EXPECT_TRUE(near(double(along.stretch), 5, 1.1));
+    EXPECT_TRUE(near(double(along.azimuth), 0.7, 0.14));
+    const PolarBins bins = half_way_bins();
+    const double significance = sidak(0.01, 6);
+    for (const double theta : {0.0, 45.0, 75.0})
+        for (const double phi : {0.2, 1.5}) {
+            const Vec3f wv = to_float(spherical(theta * k_degree, phi));
+            double sum = 0, squares = 0, of_round = 0;
+            constexpr int count = 20000;
+            for (int i = 0; i < count; ++i) {
+                const double x = double(sample(Brushed{}, along, wv, draw3()).weight.g),
+                             y = double(sample(Brushed{}, round, wv, draw3()).weight.g);
+                sum += x, squares += x * x, of_round += y * y;
+            }
+            EXPECT_LT(squares * count / (sum * sum) - 1, theta > 50 ? 0.5 : 0.15) << theta << ' ' << phi;
+            EXPECT_GT(of_round * count / (sum * sum) - 1, 0.7) << theta << ' ' << phi;
+            // And of the density.
+            const Proposal proposal = along;
+            std::vector<double> expected = bins.masses([&](Vec3d h) { return half_way_density(proposal, h, wv); }, 64),
+                                observed(bins.size() + 1);
+            double within = 0;
+            for (double& mass : expected) within += mass, mass *= count;
+            for (int i = 0; i < count; ++i) {
+                const Vec3f wl = sample(along, wv, draw3());
+                observed[wl.z > 0 ? bins.index(half_way(wl, wv)) : bins.size()] += 1;
+            }
+            EXPECT_TRUE(near(within + observed.back() / count, 1, 2e-3)) << theta << ' ' << phi;
+            expected.push_back(count * std::max(0.0, 1 - within));
+            EXPECT_GT(chi2_p_value(observed, expected), significance) << theta << ' ' << phi;
+        }
 }
 
 /// f = 1/π, as a model.
@@ -338,11 +390,11 @@ TEST_F(Sampling, NothingIsDrawnBelowTheHorizon) {
 }
 
 TEST_F(Sampling, ExtremeModelsAreDrawnFrom) {
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < 8; ++i) {
         const PmModel model = random_model(
             random, {.axial = i % 2 == 0, .log_scale = true, .most_bandwidth = 65504, .form = PmForm::extended});
         const MixtureProposal proposal = propose(evaluator(model), {.azimuths = i % 2 == 0 ? 1 : 4});
-        for (int n = 0; n < 500; ++n) {
+        for (int n = 0; n < 1000; ++n) {
             const Vec3f wv = to_float(random_direction(random, n % 5 == 0 ? 1e-5 : 0.02));
             const Vec3f u = n % 7 == 0 ? Vec3f(0, 0, 0) : n % 7 == 1 ? 0x1.fffffep-1f * Vec3f(1, 1, 1) : draw3();
             const LightSample drawn = sample(model, proposal, wv, u);

@@ -122,47 +122,57 @@ SRBF_FN GaussianProduct visible_lobe(Vec3 wv, Real bandwidth) {
                             Real(1.0) / max(wv.z, Real(1.0) / bandwidth));
 }
 
-// The density of the light where h is of the density of that lobe and wl = 2 (h . wv) h - wv: vmf_pdf(h) / (4 h . wl) [1/sr],
-// in which 2 h . wl = |wl + wv|.
-SRBF_FN Real half_way_pdf(Vec3 wl, Vec3 wv, Real bandwidth) {
+// The direction whose x has grown by the factor `stretch`.
+SRBF_FN Vec3 stretched(Vec3 w, Real stretch) {
+    Vec3 grown = Vec3(stretch * w.x, w.y, w.z);
+    return inversesqrt(max(dot(grown, grown), Real(1.0e-20))) * grown;
+}
+
+// The density of the light where h is of such a lobe, stretched along x, and wl = 2 (h . wv) h - wv [1/sr]:
+// vmf_pdf(g) / (stretch |M h|^3) / (4 h . wl), g = M h / |M h| with M = diag(1 / stretch, 1, 1), the lobe being what a viewer at the
+// stretched wv sees, and 2 h . wl = |wl + wv|. At stretch 1 the lobe is round.
+SRBF_FN Real half_way_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Real stretch) {
     Vec3 sum = wl + wv;
     Real length = sqrt(max(dot(sum, sum), Real(1.0e-12)));
-    GaussianProduct lobe = visible_lobe(wv, bandwidth);
-    return vmf_pdf((Real(1.0) / length) * sum, lobe.centre, lobe.bandwidth) / (Real(2.0) * length);
+    Vec3 back = (Real(1.0) / length) * Vec3(sum.x / stretch, sum.y, sum.z);
+    Real shrunk = sqrt(dot(back, back));
+    GaussianProduct lobe = visible_lobe(stretched(wv, stretch), bandwidth);
+    return vmf_pdf((Real(1.0) / shrunk) * back, lobe.centre, lobe.bandwidth) /
+           (Real(2.0) * length * stretch * shrunk * shrunk * shrunk);
 }
 
 // A direction of that density; the zero vector where h . wv <= 0, which has none.
-SRBF_FN Vec3 sample_half_way(Vec3 wv, Real bandwidth, Real u1, Real u2) {
-    GaussianProduct lobe = visible_lobe(wv, bandwidth);
-    Vec3 h = sample_vmf(lobe.centre, lobe.bandwidth, u1, u2);
+SRBF_FN Vec3 sample_half_way(Vec3 wv, Real bandwidth, Real stretch, Real u1, Real u2) {
+    GaussianProduct lobe = visible_lobe(stretched(wv, stretch), bandwidth);
+    Vec3 h = stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), stretch);
     Real along = dot(h, wv);
     return select(Real(0.0) < along, Real(1.0), Real(0.0)) * (Real(2.0) * along * h - wv);
 }
 
 // What a mixture is made of that follows any BRDF of reflection: component 0 is the cosine; 1 to 4 are lobes about the mirror
-// direction, lambda = 4, 16, 64, 256; 5 to 13 lobes of half-way vectors, lambda = 8, 32, .. 8 4^8. What the lobes send below
-// the horizon is mirrored at it, so that no draw is lost there.
+// direction, lambda = 4, 16, 64, 256; 5 to 13 lobes of half-way vectors, lambda = 8, 32, .. 8 4^8, stretched along x. What the lobes
+// send below the horizon is mirrored at it, so that no draw is lost there.
 #define SRBF_PROPOSAL_LOBES 14
 SRBF_FN Real proposal_bandwidth(int k) {
     Real bandwidth = k < 5 ? Real(1.0) : Real(2.0);
     for (int i = k < 5 ? 0 : 4; i < k; ++i) bandwidth = Real(4.0) * bandwidth;
     return bandwidth;
 }
-SRBF_FN Real proposal_lobe_unfolded_pdf(int k, Vec3 wl, Vec3 wv) {
+SRBF_FN Real proposal_lobe_unfolded_pdf(int k, Vec3 wl, Vec3 wv, Real stretch) {
     return k < 5 ? vmf_pdf(wl, Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k))
-                 : half_way_pdf(wl, wv, proposal_bandwidth(k));
+                 : half_way_pdf(wl, wv, proposal_bandwidth(k), stretch);
 }
 // The density of component k for wl above the horizon [1/sr].
-SRBF_FN Real proposal_lobe_pdf(int k, Vec3 wl, Vec3 wv) {
+SRBF_FN Real proposal_lobe_pdf(int k, Vec3 wl, Vec3 wv, Real stretch) {
     return k == 0 ? cosine_pdf(wl)
-                  : proposal_lobe_unfolded_pdf(k, wl, wv) +
-                        proposal_lobe_unfolded_pdf(k, Vec3(wl.x, wl.y, -wl.z), wv);
+                  : proposal_lobe_unfolded_pdf(k, wl, wv, stretch) +
+                        proposal_lobe_unfolded_pdf(k, Vec3(wl.x, wl.y, -wl.z), wv, stretch);
 }
 // A direction of it from u1, u2 even in [0,1); not above the horizon (z = 0) where there is none.
-SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Real u1, Real u2) {
+SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Real stretch, Real u1, Real u2) {
     Vec3 wl = k == 0  ? sample_cosine(u1, u2)
               : k < 5 ? sample_vmf(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k), u1, u2)
-                      : sample_half_way(wv, proposal_bandwidth(k), u1, u2);
+                      : sample_half_way(wv, proposal_bandwidth(k), stretch, u1, u2);
     return Vec3(wl.x, wl.y, max(wl.z, -wl.z));
 }
 

@@ -65,7 +65,11 @@ Result<Done> print_rows(const std::string& path) {
         fmt::print("| {} | {}° |", std::filesystem::path(path).stem().string(), theta);
         for (const auto& [brdf, proposal] : columns) {
             const Quality q = quality(brdf, proposal, theta * k_degree);
-            fmt::print(" {:#.2g}, {:.1f} % |", q.variance, 100 * q.lost);
+            fmt::print(" {:.{}f}, {:.1f} % |", q.variance,
+                       q.variance < 0.1  ? 4
+                       : q.variance < 10 ? 2
+                                         : 0,
+                       100 * q.lost);
         }
         fmt::print("\n");
     }

@@ -38,10 +38,11 @@ void PathCommand::add_options(CLI::App& sub) {
     sub.add_option("--env", environment, "path: the light from afar, a .hdr or .exr file, or studio or none")
         ->type_name("FILE")
         ->capture_default_str();
-    sub.add_option("--lights", lights, "path: further lights: three (directional), softbox (a square) or none")
+    sub.add_option(
+           "--lights", lights,
+           "path: further lights: three (directional, the default where --env is none), softbox (a square) or none")
         ->type_name("NAME")
-        ->check(one_of({"none", "three", "softbox"}))
-        ->capture_default_str();
+        ->check(one_of({"none", "three", "softbox"}));
     sub.add_option("--spp", samples, "path: paths a pixel, 1 to 1048576")
         ->type_name("S")
         ->check(within(1, 1 << 20))
@@ -55,7 +56,7 @@ void PathCommand::add_options(CLI::App& sub) {
         ->type_name("BY")
         ->check(one_of({"brdf", "cosine"}))
         ->capture_default_str();
-    sub.add_flag("!--no-ground", ground, "path: leave the ground below the mesh away");
+    sub.add_flag("--no-ground", no_ground, "path: leave the ground below the mesh away");
     sub.add_option("--seed", seed, "path: of the random numbers")->type_name("N")->capture_default_str();
     sub.add_option("--threads", threads, "path: 0: as many as the machine has; the picture does not depend on it")
         ->type_name("T")
@@ -76,8 +77,8 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
     }
     const Mesh floor = ground_below(scene.mesh, scene.camera.up);
     PathScene paths{{{&scene.mesh, 0}}, {}, scene.camera, {}, {}, light ? &*light : nullptr};
-    if (ground) paths.bodies.push_back({&floor, 1});
-    if (lights == "three") paths.lights = scene.lights;
+    if (!no_ground) paths.bodies.push_back({&floor, 1});
+    if (lights == "three" || (lights.empty() && !light)) paths.lights = scene.lights;
     if (lights == "softbox") paths.area_lights = {softbox(scene)};
 
     ProgressLine line;

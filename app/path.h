@@ -11,10 +11,11 @@
 namespace srbf {
 
 struct PathCommand {
-    std::string environment{k_built_in_environment}, lights = "none", draw = "brdf";
+    std::string environment{k_built_in_environment}, lights,
+        draw = "brdf";  ///< no lights named: three where `environment` is none
     int samples = 64, bounces = 8, threads = 0;
     std::uint64_t seed = 0;
-    bool ground = true;
+    bool no_ground = false;
 
     void add_options(CLI::App& sub);
     /// The scene in each of the subjects; its lights are those that `lights` names.

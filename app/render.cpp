@@ -240,7 +240,14 @@ void add_render(CLI::App& app, int& status) {
         ->check(size_in_pixels(command->width, command->height));
     sub->add_option("-o,--output", command->output, "The picture to write: .png, or .exr for radiance as it is")
         ->type_name("FILE")
-        ->required();
+        ->required()
+        ->check(CLI::Validator(
+            [](std::string& name) -> std::string {
+                const auto ending = std::filesystem::path(name).extension();
+                if (ending == ".png" || ending == ".exr") return {};
+                return fmt::format("expected a name that ends in .png or .exr, found {}", name);
+            },
+            ""));
     sub->add_flag("--aov", command->aov,
                   "path: normal, albedo and depth as well: channels of an .exr, or further pictures");
     sub->add_option(

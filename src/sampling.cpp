@@ -13,6 +13,10 @@ namespace {
 
 using K = Kernel<float>;
 
+/// The frame of the grain: its x is along it.
+Vec3f into_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w, proposal.cosine, -proposal.sine); }
+Vec3f out_of_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w, proposal.cosine, proposal.sine); }
+
 constexpr int k_steps = 200;
 constexpr int k_points = 128;           // of each lobe
 constexpr double k_lowest_view = 0.02;  // cosθv at which the last node is made, for at 0 nothing is reflected
@@ -126,26 +130,20 @@ std::vector<float> best_weights(const Points& points, int steps) {
     return kept;
 }
 
-/// The frame of the stretch: its x is at that azimuth.
-struct Turn {
-    float cosine, sine;
-    explicit Turn(float azimuth) : cosine(std::cos(azimuth)), sine(std::sin(azimuth)) {}
-    Vec3f into(Vec3f w) const { return K::turned(w, cosine, -sine); }
-    Vec3f back(Vec3f w) const { return K::turned(w, cosine, sine); }
-};
-
 /// The points of views at cosθv = z, `count` of each lobe for each of them.
-Points points_at(const Evaluate& brdf, double z, int azimuths, int count, float stretch, float azimuth) {
-    const Turn turn(azimuth);
+Points points_at(const Evaluate& brdf, double z, int azimuths, int count, const MixtureProposal& proposal) {
     Points points{MixtureProposal::k_lobes, {}, {}};
     for (int i = 0; i < azimuths; ++i) {
-        const Vec3f wv = to_float(spherical(std::acos(z), 2 * k_pi * i / azimuths)), turned = turn.into(wv);
-        const Lobes lobes{
-            points.lobes,
-            [&](std::size_t k, float u1, float u2) {
-                return turn.back(K::sample_proposal_lobe(int(k), turned, stretch, u1, u2));
-            },
-            [&](std::size_t k, Vec3f wl) { return K::proposal_lobe_pdf(int(k), turn.into(wl), turned, stretch); }};
+        const Vec3f wv = to_float(spherical(std::acos(z), 2 * k_pi * i / azimuths)), turned = into_grain(proposal, wv);
+        const Lobes lobes{points.lobes,
+                          [&](std::size_t k, float u1, float u2) {
+                              return out_of_grain(proposal,
+                                                  K::sample_proposal_lobe(int(k), turned, proposal.stretch, u1, u2));
+                          },
+                          [&](std::size_t k, Vec3f wl) {
+                              return K::proposal_lobe_pdf(
+                                  int(k), K::proposal_point(into_grain(proposal, wl), turned, proposal.stretch));
+                          }};
         add_points(brdf, wv, lobes, count, points);
     }
     return points;
@@ -153,13 +151,13 @@ Points points_at(const Evaluate& brdf, double z, int azimuths, int count, float 
 
 std::vector<float> node_weights(const Evaluate& brdf, int node, int azimuths, const MixtureProposal& proposal) {
     const double x = double(node) / (MixtureProposal::k_nodes - 1), z = std::max(1 - x * x, k_lowest_view);
-    return best_weights(points_at(brdf, z, azimuths, k_points, proposal.stretch, proposal.azimuth), k_steps);
+    return best_weights(points_at(brdf, z, azimuths, k_points, proposal), k_steps);
 }
 
-/// The second moment of f cosθl / pdf at 45° with the best weights for that stretch, over the square of its mean.
-double moment_stretched(const Evaluate& brdf, float stretch, float azimuth) {
+/// The second moment of f cosθl / pdf at 45° with the best weights for the proposal's stretch, over the square of its mean.
+double moment_stretched(const Evaluate& brdf, const MixtureProposal& proposal) {
     constexpr int azimuths = 8, count = 32, steps = 40;
-    const Points points = points_at(brdf, std::sqrt(0.5), azimuths, count, stretch, azimuth);
+    const Points points = points_at(brdf, std::sqrt(0.5), azimuths, count, proposal);
     const std::vector<float> weight = best_weights(points, steps);
     double moment = 0;
     for (std::size_t i = 0; i < points.weight.size(); ++i) {
@@ -170,17 +168,19 @@ double moment_stretched(const Evaluate& brdf, float stretch, float azimuth) {
     return moment;
 }
 
-/// Sets the stretch, and where it is along.
+/// Sets the stretch and the grain.
 void find_stretch(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
     constexpr std::size_t azimuths = 12;
-    std::array<double, azimuths * k_stretches.size()> moment;
-    const auto azimuth_of = [](std::size_t i) { return float(k_pi * double(i % azimuths) / azimuths); };
-    parallel_for(moment.size(), threads,
-                 [&](std::size_t i) { moment[i] = moment_stretched(brdf, k_stretches[i / azimuths], azimuth_of(i)); });
+    std::array<MixtureProposal, azimuths * k_stretches.size()> tried;
+    std::array<double, tried.size()> moment;
+    parallel_for(tried.size(), threads, [&](std::size_t i) {
+        const double azimuth = k_pi * double(i % azimuths) / azimuths;
+        tried[i].stretch = k_stretches[i / azimuths];
+        tried[i].cosine = float(std::cos(azimuth)), tried[i].sine = float(std::sin(azimuth));
+        moment[i] = moment_stretched(brdf, tried[i]);
+    });
     const auto best = std::size_t(std::min_element(moment.begin(), moment.end()) - moment.begin());
-    if (!(moment[best] < 0.99 * moment[0])) return;
-    proposal.stretch = k_stretches[best / azimuths];
-    proposal.azimuth = azimuth_of(best);
+    if (moment[best] < 0.99 * moment[0]) proposal = tried[best];
 }
 
 }  // namespace
@@ -190,18 +190,17 @@ float pdf(const CosineProposal&, Vec3f wl, Vec3f) { return K::cosine_pdf(wl); }
 
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec3f u) {
     const Choice choice = choose(weights_at(proposal, wv), u.z);
-    const Turn turn(proposal.azimuth);
-    return turn.back(K::sample_proposal_lobe(choice.k, turn.into(wv), proposal.stretch, u.x, u.y));
+    const Vec3f wl = K::sample_proposal_lobe(choice.k, into_grain(proposal, wv), proposal.stretch, u.x, u.y);
+    return out_of_grain(proposal, wl);
 }
 
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return 0;
     const auto weight = weights_at(proposal, wv);
-    const Turn turn(proposal.azimuth);
-    const Vec3f l = turn.into(wl), v = turn.into(wv);
+    const auto at = K::proposal_point(into_grain(proposal, wl), into_grain(proposal, wv), proposal.stretch);
     float sum = 0;
     for (int k = 0; k < MixtureProposal::k_lobes; ++k)
-        if (const float w = weight[std::size_t(k)]; w > 0) sum += w * K::proposal_lobe_pdf(k, l, v, proposal.stretch);
+        if (const float w = weight[std::size_t(k)]; w > 0) sum += w * K::proposal_lobe_pdf(k, at);
     return sum;
 }
 

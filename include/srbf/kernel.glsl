@@ -128,17 +128,28 @@ SRBF_FN Vec3 stretched(Vec3 w, Real stretch) {
     return inversesqrt(max(dot(grown, grown), Real(1.0e-20))) * grown;
 }
 
-// The density of the light where h is of such a lobe, stretched along x, and wl = 2 (h . wv) h - wv [1/sr]:
-// vmf_pdf(g) / (stretch |M h|^3) / (4 h . wl), g = M h / |M h| with M = diag(1 / stretch, 1, 1), the lobe being what a viewer at the
-// stretched wv sees, and 2 h . wl = |wl + wv|. At stretch 1 the lobe is round.
-SRBF_FN Real half_way_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Real stretch) {
+// The direction M h / |M h| that a half-way vector h comes from where it is of such a lobe stretched along x, M = diag(1 / stretch, 1, 1),
+// and what the lobe's density there is times to be that of wl: 1 / (stretch |M h|^3) / (4 h . wl), 2 h . wl = |wl + wv|.
+struct HalfWay {
+    Vec3 direction;
+    Real factor;
+};
+SRBF_FN HalfWay half_way(Vec3 wl, Vec3 wv, Real stretch) {
     Vec3 sum = wl + wv;
     Real length = sqrt(max(dot(sum, sum), Real(1.0e-12)));
     Vec3 back = (Real(1.0) / length) * Vec3(sum.x / stretch, sum.y, sum.z);
     Real shrunk = sqrt(dot(back, back));
+    HalfWay half_way_;
+    half_way_.direction = (Real(1.0) / shrunk) * back;
+    half_way_.factor = Real(1.0) / (Real(2.0) * length * stretch * shrunk * shrunk * shrunk);
+    return half_way_;
+}
+
+// The density of wl = 2 (h . wv) h - wv where h is of the lobe that a viewer at the stretched wv sees, stretched along x [1/sr].
+SRBF_FN Real half_way_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Real stretch) {
+    HalfWay at = half_way(wl, wv, stretch);
     GaussianProduct lobe = visible_lobe(stretched(wv, stretch), bandwidth);
-    return vmf_pdf((Real(1.0) / shrunk) * back, lobe.centre, lobe.bandwidth) /
-           (Real(2.0) * length * stretch * shrunk * shrunk * shrunk);
+    return vmf_pdf(at.direction, lobe.centre, lobe.bandwidth) * at.factor;
 }
 
 // A direction of that density; the zero vector where h . wv <= 0, which has none.
@@ -158,15 +169,37 @@ SRBF_FN Real proposal_bandwidth(int k) {
     for (int i = k < 5 ? 0 : 4; i < k; ++i) bandwidth = Real(4.0) * bandwidth;
     return bandwidth;
 }
-SRBF_FN Real proposal_lobe_unfolded_pdf(int k, Vec3 wl, Vec3 wv, Real stretch) {
-    return k < 5 ? vmf_pdf(wl, Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k))
-                 : half_way_pdf(wl, wv, proposal_bandwidth(k), stretch);
+// What the components' densities at (wl, wv) are made of: wl above the horizon and mirrored at it, with their half-way vectors.
+struct ProposalPoint {
+    Vec3 wl;
+    Vec3 mirrored;
+    Vec3 specular;
+    Vec3 viewer;
+    HalfWay above;
+    HalfWay below;
+};
+SRBF_FN ProposalPoint proposal_point(Vec3 wl, Vec3 wv, Real stretch) {
+    ProposalPoint at;
+    at.wl = wl;
+    at.mirrored = Vec3(wl.x, wl.y, -wl.z);
+    at.specular = Vec3(-wv.x, -wv.y, wv.z);
+    at.viewer = stretched(wv, stretch);
+    at.above = half_way(wl, wv, stretch);
+    at.below = half_way(at.mirrored, wv, stretch);
+    return at;
 }
-// The density of component k for wl above the horizon [1/sr].
-SRBF_FN Real proposal_lobe_pdf(int k, Vec3 wl, Vec3 wv, Real stretch) {
-    return k == 0 ? cosine_pdf(wl)
-                  : proposal_lobe_unfolded_pdf(k, wl, wv, stretch) +
-                        proposal_lobe_unfolded_pdf(k, Vec3(wl.x, wl.y, -wl.z), wv, stretch);
+// The density of component k there, wl being above the horizon [1/sr].
+SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint at) {
+    Real bandwidth = proposal_bandwidth(k);
+    Real density = cosine_pdf(at.wl);
+    if (k > 0 && k < 5) {
+        density = vmf_pdf(at.wl, at.specular, bandwidth) + vmf_pdf(at.mirrored, at.specular, bandwidth);
+    } else if (k >= 5) {
+        GaussianProduct lobe = visible_lobe(at.viewer, bandwidth);
+        density = vmf_pdf(at.above.direction, lobe.centre, lobe.bandwidth) * at.above.factor +
+                  vmf_pdf(at.below.direction, lobe.centre, lobe.bandwidth) * at.below.factor;
+    }
+    return density;
 }
 // A direction of it from u1, u2 even in [0,1); not above the horizon (z = 0) where there is none.
 SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Real stretch, Real u1, Real u2) {

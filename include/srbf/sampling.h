@@ -30,8 +30,8 @@ float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
 struct MixtureProposal {
     static constexpr int k_nodes = 13, k_lobes = 14;
     std::array<std::array<float, k_lobes>, k_nodes> weight;  ///< node i at √(1 − cosθv) = i / 12; each row sums to 1
-    float stretch = 1;  ///< ≥ 1: half-way lobes are so many times as wide along ..
-    float azimuth = 0;  ///< .. the tangent of this azimuth [rad]
+    float stretch = 1;           ///< ≥ 1: half-way lobes are so many times as wide along the grain
+    float cosine = 1, sine = 0;  ///< of the grain's azimuth
 };
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec3f u);
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv);

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
+#include <span>
 
 #include "parallel.h"
 #include "srbf/kernel.h"
@@ -65,7 +66,7 @@ struct Points {
 struct Lobes {
     std::size_t count;
     std::function<Vec3f(std::size_t k, float u1, float u2)> sample;
-    std::function<float(std::size_t k, Vec3f wl)> pdf;
+    std::function<void(Vec3f wl, std::span<double> density)> pdf;  ///< of each of them
 };
 
 /// Adds to `points` each lobe's own lattice of `count` directions, weighted by the even mixture's density; the albedo (luminance) of the
@@ -79,7 +80,8 @@ double add_points(const Evaluate& brdf, Vec3f wv, const Lobes& lobes, int count,
             const Vec3f w = lobes.sample(k, (float(i) + 0.5f) / float(count), float(std::fmod(i * golden, 1.0)));
             if (!(w.z > 0)) continue;
             wl.push_back(w);
-            for (std::size_t m = 0; m < lobes.count; ++m) density.push_back(double(lobes.pdf(m, w)));
+            density.resize(density.size() + lobes.count);
+            lobes.pdf(w, std::span(density).last(lobes.count));
         }
     std::vector<Rgb> f(wl.size());
     brdf(wl, std::vector<Vec3f>(wl.size(), wv), f);
@@ -140,9 +142,10 @@ Points points_at(const Evaluate& brdf, double z, int azimuths, int count, const 
                               return out_of_grain(proposal,
                                                   K::sample_proposal_lobe(int(k), turned, proposal.stretch, u1, u2));
                           },
-                          [&](std::size_t k, Vec3f wl) {
-                              return K::proposal_lobe_pdf(
-                                  int(k), K::proposal_point(into_grain(proposal, wl), turned, proposal.stretch));
+                          [&](Vec3f wl, std::span<double> density) {
+                              const auto at = K::proposal_point(into_grain(proposal, wl), turned, proposal.stretch);
+                              for (std::size_t k = 0; k < density.size(); ++k)
+                                  density[k] = double(K::proposal_lobe_pdf(int(k), at));
                           }};
         add_points(brdf, wv, lobes, count, points);
     }
@@ -233,13 +236,15 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
         // Where the two cancel any centre does.
         of_view[j] = {lobe.bandwidth > 1e-3f ? lobe.centre : Vec3f(0, 0, 1), lobe.bandwidth, 0};
     }
-    const Lobes lobes{
-        J + 1,
-        [&](std::size_t k, float u1, float u2) {
-            if (k == 0) return K::sample_cosine(u1, u2);
-            return folded(K::sample_vmf(of_view[k - 1].centre, of_view[k - 1].bandwidth, u1, u2));
-        },
-        [&](std::size_t k, Vec3f wl) { return k == 0 ? K::cosine_pdf(wl) : folded_pdf(of_view[k - 1], wl); }};
+    const Lobes lobes{J + 1,
+                      [&](std::size_t k, float u1, float u2) {
+                          if (k == 0) return K::sample_cosine(u1, u2);
+                          return folded(K::sample_vmf(of_view[k - 1].centre, of_view[k - 1].bandwidth, u1, u2));
+                      },
+                      [&](Vec3f wl, std::span<double> density) {
+                          density[0] = double(K::cosine_pdf(wl));
+                          for (std::size_t j = 0; j < J; ++j) density[j + 1] = double(folded_pdf(of_view[j], wl));
+                      }};
     const Evaluate brdf = [&](std::span<const Vec3f> wl, std::span<const Vec3f>, std::span<Rgb> f) {
         for (std::size_t k = 0; k < wl.size(); ++k) {
             const Vec3f value = K::su_view_value(model, int(i), wl[k]);

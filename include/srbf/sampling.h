@@ -40,10 +40,10 @@ struct ProposeOptions {
     int azimuths = 1;  ///< of the view, over which the variance is averaged; with several the lobes may be stretched
     int threads = 0;   ///< 0: as many as the machine has; the result does not depend on it
 };
-/// The mixture for a BRDF: at each node the weights that minimise ∫ (f cosθl)² / pdf dωl, f in luminance, by 200 steps of w_k ← w_k √(∂_k / Σ_i w_i
-/// ∂_i), ∂_k = ∫ (f cosθl / pdf)² pdf_k (Silvey, Titterington & Torgersen 1978), each of which lowers it. The cosine keeps
-/// `k_least_cosine`. The stretch is that of `k_stretches` along one of 12 azimuths with which the variance at the views of 45° is least.
-/// What was not measured counts as 0.
+/// The mixture for a BRDF: at each node the weights that minimise ∫ (f cosθl)² / pdf dωl, f in luminance, by 200 steps of
+///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
+/// each of which lowers it (Silvey, Titterington & Torgersen 1978). The cosine keeps `k_least_cosine`. The stretch is that of
+/// `k_stretches`, along one of 12 azimuths, with which the variance at the views of 45° is least. What was not measured counts as 0.
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});
 inline constexpr float k_least_cosine = 0.02f;
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};

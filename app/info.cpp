@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/report.h"
+#include "srbf/directions.h"
 
 namespace srbf {
 namespace {
@@ -156,6 +157,48 @@ void print_model(const GgxModel& model) {
     }
 }
 
+/// Polar angles at which albedo is told [degrees].
+constexpr std::array<double, 7> k_info_theta{0, 15, 30, 45, 60, 75, 85};
+
+/// Directional albedo, and how far the laws that a BRDF obeys are kept.
+void print_behaviour(const Subject& subject) {
+    const Evaluate brdf = evaluator(subject);
+    fmt::print("\n  {:<18}", "θv");
+    for (const double theta : k_info_theta) fmt::print("{:>9}°", theta);
+    std::array<Rgb, k_info_theta.size()> of_theta;
+    for (std::size_t i = 0; i < of_theta.size(); ++i) of_theta[i] = albedo(brdf, k_info_theta[i] * k_degree, k_pi / 2);
+    for (int c = 0; c < 3; ++c) {
+        fmt::print("\n  {:<18}", fmt::format("albedo {}", "RGB"[c]));
+        for (const Rgb& reflected : of_theta) fmt::print("{:>#10.4g}", reflected[c]);
+    }
+    fmt::print("\n");
+    std::vector<std::string> bright;
+    for (std::size_t i = 0; i < of_theta.size(); ++i)
+        if (std::max({of_theta[i].r, of_theta[i].g, of_theta[i].b}) > 1)
+            bright.push_back(fmt::format("{}°", k_info_theta[i]));
+    if (!bright.empty())
+        print_row("warning",
+                  fmt::format("it reflects more light than it receives at θv = {}", fmt::join(bright, ", ")));
+
+    const Evaluate exchanged[] = {[&](auto wl, auto wv, auto f) { brdf(wv, wl, f); }};
+    constexpr double max_theta = 80;
+    const Measures reciprocity = measure_heldout(brdf, exchanged, {max_theta * k_degree, 0})[0];
+    print_row("reciprocity error", fmt::format("{} of f cosθl, squared, between f(wl, wv) and f(wv, wl), θ ≤ {}°",
+                                               percent(reciprocity.squared_error_ratio_cosine), max_theta));
+    // A measurement before its negative channels are set to 0.
+    const auto* measured = std::get_if<Measured>(&subject.content);
+    const Evaluate as_measured = measured ? signed_evaluator(*measured) : brdf;
+    const std::vector<Vec3f> directions = fibonacci_directions(512, max_theta * k_degree);
+    std::vector<Rgb> f(directions.size());
+    Range range;
+    for (const Vec3f& wv : directions) {
+        as_measured(directions, std::vector<Vec3f>(f.size(), wv), f);
+        for (const Rgb& value : f)
+            for (int c = 0; c < 3; ++c) range.add(value[c]);
+    }
+    print_row("smallest value", fmt::format("{:.4g} 1/sr, θ ≤ {}°", range.least, max_theta));
+}
+
 int run(const std::string& file) {
     const auto subject = load(file);
     if (!subject) return complain(subject.error());
@@ -169,14 +212,7 @@ int run(const std::string& file) {
         if (!model.provenance.empty()) fmt::print("\n");
         for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", key, text);
     }
-    fmt::print("\n  {:<18}", "θv");
-    for (const double theta : k_albedo_theta) fmt::print("{:>10}°", theta);
-    for (int c = 0; c < 3; ++c) {
-        fmt::print("\n  {:<18}", fmt::format("albedo {}", "RGB"[c]));
-        for (const double theta : k_albedo_theta)
-            fmt::print("{:>#11.4g}", albedo(evaluator(*subject), theta * k_degree, k_pi / 2)[c]);
-    }
-    fmt::print("\n");
+    print_behaviour(*subject);
     return k_done;
 }
 

@@ -8,63 +8,200 @@
 
 #include "app/commands.h"
 #include "app/load.h"
+#include "app/path.h"
 #include "app/raster.h"
 #include "app/report.h"
+#include "render/exr.h"
 #include "render/image.h"
+#include "render/likeness.h"
 #include "render/scene.h"
+#include "srbf/file.h"
 
 namespace srbf {
 namespace {
 
 struct RenderCommand {
     std::vector<std::string> files;
-    std::string renderer, mesh = "sphere", up = "y", output;
+    std::string renderer, mesh = "ball", up = "y", output, compare, json;
     int width = 640, height = 480;  ///< of each picture
+    bool aov = false;
+    PathCommand path;
 
     int run() const;
+    /// The output's name with this before its ending.
+    std::string beside(std::string_view what) const {
+        return std::filesystem::path(output).replace_extension(fmt::format("{}.png", what)).string();
+    }
+    bool is_exr() const { return std::filesystem::path(output).extension() == ".exr"; }
 };
+
+/// What a renderer makes of each subject; first hits are those of paths.
+struct Pictures {
+    std::vector<Rendering> renderings;
+    std::vector<FirstHits> first;
+};
+
+Result<Pictures> render_paths(const Scene& scene, std::span<const Subject> subjects, const RenderCommand& options) {
+    auto pictures = options.path.render(scene, subjects, options.width, options.height);
+    if (!pictures) return pictures.error();
+    Pictures all;
+    for (PathPicture& picture : *pictures) {
+        all.renderings.push_back(std::move(picture.rendering));
+        all.first.push_back(std::move(picture.first));
+    }
+    return all;
+}
+
+Result<Pictures> render_raster(const Scene& scene, std::span<const Subject> subjects, const RenderCommand& options) {
+    auto renderings = rasterize(scene, subjects, options.width, options.height);
+    if (!renderings) return renderings.error();
+    return Pictures{*std::move(renderings), {}};
+}
 
 /// A renderer: pictures of the scene, one for each subject.
 struct Renderer {
     std::string_view name;
-    Result<std::vector<Rendering>> (*render)(const Scene& scene, std::span<const Subject> subjects,
-                                             const RenderCommand& options);
+    Result<Pictures> (*render)(const Scene& scene, std::span<const Subject> subjects, const RenderCommand& options);
 };
 
-Result<std::vector<Rendering>> render_raster(const Scene& scene, std::span<const Subject> subjects,
-                                             const RenderCommand& options) {
-    return rasterize(scene, subjects, options.width, options.height);
+/// The first is the default.
+constexpr std::array<Renderer, 2> k_renderers{{{"path", render_paths}, {"raster", render_raster}}};
+
+/// Images of one size side by side, as they are.
+template <typename Pixel> Picture<Pixel> abreast(const std::vector<Picture<Pixel>>& images) {
+    const int width = images[0].width, height = images[0].height;
+    Picture<Pixel> all(width * int(images.size()), height);
+    for (std::size_t i = 0; i < images.size(); ++i)
+        for (int y = 0; y < height; ++y) std::copy_n(&images[i].at(0, y), width, &all.at(int(i) * width, y));
+    return all;
 }
 
-/// The first is the default.
-constexpr std::array<Renderer, 1> k_renderers{{{"raster", render_raster}}};
+Result<Done> write_float(const Pictures& pictures, const RenderCommand& options) {
+    std::vector<Image> radiance, normal, albedo, depth;
+    for (const Rendering& rendering : pictures.renderings) radiance.push_back(rendering.radiance);
+    std::vector<Channel> channels = channels_of(abreast(radiance));
+    const Image all = abreast(radiance);
+    if (options.aov) {
+        for (const FirstHits& first : pictures.first) {
+            normal.push_back(first.normal), albedo.push_back(first.albedo);
+            depth.emplace_back(first.normal.width, first.normal.height);
+            for (std::size_t i = 0; i < first.depth.size(); ++i) depth.back().pixels[i].r = first.depth[i];
+        }
+        for (Channel& channel : channels_of(abreast(normal), "normal.", "XYZ")) channels.push_back(std::move(channel));
+        for (Channel& channel : channels_of(abreast(albedo), "albedo.")) channels.push_back(std::move(channel));
+        channels.push_back({"Z", channels_of(abreast(depth))[0].pixels});
+    }
+    return write_exr(all.width, all.height, channels, options.output);
+}
+
+/// What paths hit first, as pictures: normals from −1 to 1, depths from the nearest, which is white, to the furthest.
+Result<Done> write_first_hits(const Pictures& pictures, const RenderCommand& options) {
+    std::vector<Image8> normal, albedo, depth;
+    for (const FirstHits& first : pictures.first) {
+        for (auto* images : {&normal, &albedo, &depth}) images->emplace_back(options.width, options.height);
+        float nearest = std::numeric_limits<float>::infinity(), furthest = 0;
+        for (const float z : first.depth)
+            if (z > 0) nearest = std::min(nearest, z), furthest = std::max(furthest, z);
+        for (std::size_t i = 0; i < first.depth.size(); ++i) {
+            const Rgb n = first.normal.pixels[i];
+            const float z = first.depth[i],
+                        near = z > 0 && furthest > nearest ? (furthest - z) / (furthest - nearest) : z > 0;
+            const auto byte = [](float x) { return std::uint8_t(255 * std::clamp(x, 0.f, 1.f) + 0.5f); };
+            normal.back().pixels[i] = {byte(0.5f + 0.5f * n.r), byte(0.5f + 0.5f * n.g), byte(0.5f + 0.5f * n.b)};
+            albedo.back().pixels[i] = to_srgb8(first.albedo.pixels[i]);
+            depth.back().pixels[i] = {byte(near), byte(near), byte(near)};
+        }
+    }
+    for (const auto& [what, images] : {std::pair(".normal", &normal), {".albedo", &albedo}, {".depth", &depth}})
+        if (const auto written = write_png(abreast(*images), options.beside(what)); !written) return written.error();
+    return Done{};
+}
+
+/// Says how far each image is from the reference, and writes where.
+Result<Done> compare_pictures(const Image8& reference, std::span<const Image8> images,
+                              std::span<const std::string> captions, const RenderCommand& options) {
+    std::vector<Image8> differences;
+    Json json;
+    const bool quiet = options.json == "-";
+    if (!quiet) fmt::print("{:<40}  {:>8}  {:>8}  {:>8}\n", "against " + options.compare, "PSNR, dB", "SSIM", "FLIP");
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const Likeness of = likeness(reference, images[i]);
+        differences.push_back(in_false_colours(flip_map(reference, images[i]), reference.width, reference.height));
+        if (!quiet) fmt::print("{:<40}  {:>8.2f}  {:>8.4f}  {:>8.4f}\n", captions[i], of.psnr, of.ssim, of.flip);
+        json.push_back({{"file", options.files[i]}, {"psnr", of.psnr}, {"ssim", of.ssim}, {"flip", of.flip}});
+    }
+    if (!options.json.empty())
+        if (const auto written = write_json(json, options.json); !written) return written.error();
+    return write_png(side_by_side(differences, captions), options.beside(".difference"));
+}
 
 int RenderCommand::run() const {
     std::vector<std::string> inputs = files, captions;
     std::vector<Subject> subjects;
-    for (const std::string& file : files) {
+    const auto add = [&](const std::string& file) -> Result<Done> {
         auto subject = load(file);
-        if (!subject) return complain(subject.error());
+        if (!subject) return subject.error();
         subjects.push_back(*std::move(subject));
+        return Done{};
+    };
+    for (const std::string& file : files) {
+        if (const auto added = add(file); !added) return complain(added.error());
         captions.push_back(std::filesystem::path(file).filename().string());
+    }
+    // The reference is a picture, or one more subject.
+    std::optional<Image> reference;
+    if (!compare.empty()) {
+        inputs.push_back(compare);
+        const auto bytes = read_file(compare);
+        if (!bytes) return complain(bytes.error());
+        if (srbf::is_exr(*bytes)) {
+            auto image = read_exr(*bytes, compare);
+            if (!image) return complain(image.error());
+            if (image->width != width || image->height != height)
+                return complain({compare,
+                                 {},
+                                 "size of the reference",
+                                 fmt::format("{}x{}", width, height),
+                                 fmt::format("{}x{}", image->width, image->height)});
+            reference = *std::move(image);
+        } else if (const auto added = add(compare); !added) {
+            return complain(added.error());
+        }
     }
     auto loaded = load_mesh(mesh);
     if (!loaded) return complain(loaded.error());
     inputs.push_back(mesh);
-    if (const auto writable = check_outputs(inputs, {output}); !writable) return complain(writable.error());
+    std::vector<std::string> outputs{output, json == "-" ? "" : json};
+    if (!compare.empty()) outputs.push_back(beside(".difference"));
+    if (aov && !is_exr())
+        for (const char* what : {".normal", ".albedo", ".depth"}) outputs.push_back(beside(what));
+    if (const auto writable = check_outputs(inputs, outputs); !writable) return complain(writable.error());
 
     const Viewpoint viewpoint{.z_up = up == "z"};
     const Scene scene = scene_of(*std::move(loaded), viewpoint, double(width) / height);
     const auto chosen = std::ranges::find(k_renderers, renderer, &Renderer::name);
-    const auto renderings = chosen->render(scene, subjects, *this);
-    if (!renderings) return complain(renderings.error());
+    auto pictures = chosen->render(scene, subjects, *this);
+    if (!pictures) return complain(pictures.error());
+    if (subjects.size() > files.size()) {
+        reference = std::move(pictures->renderings.back().radiance);
+        pictures->renderings.pop_back();
+        if (!pictures->first.empty()) pictures->first.pop_back();
+    }
 
-    // All at the exposure of the first, so that they can be compared.
-    const float exposure = automatic_exposure(renderings->front().radiance);
+    // All at one exposure, so that they can be compared.
+    const float exposure = automatic_exposure(reference ? *reference : pictures->renderings.front().radiance);
     std::vector<Image8> images;
-    for (const Rendering& rendering : *renderings) images.push_back(shown(rendering, exposure));
-    const auto written = write_png(side_by_side(images, captions), output);
-    return written ? k_done : complain(written.error());
+    for (const Rendering& rendering : pictures->renderings) images.push_back(shown(rendering, exposure));
+    const auto written = is_exr() ? write_float(*pictures, *this) : write_png(side_by_side(images, captions), output);
+    if (!written) return complain(written.error());
+    if (aov && !is_exr())
+        if (const auto done = write_first_hits(*pictures, *this); !done) return complain(done.error());
+    if (reference) {
+        const Rendering seen{*reference, pictures->renderings.front().coverage};
+        if (const auto done = compare_pictures(shown(seen, exposure), images, captions, *this); !done)
+            return complain(done.error());
+    }
+    return k_done;
 }
 
 /// "WxH", each from 1 to `k_most_pixels`.
@@ -98,7 +235,8 @@ void add_render(CLI::App& app, int& status) {
         ->type_name("NAME")
         ->check(one_of(names))
         ->capture_default_str();
-    sub->add_option("--mesh", command->mesh, "A .ply or .obj file, or sphere or knot")
+    sub->add_option("--mesh", command->mesh,
+                    fmt::format("A .ply or .obj file, or {}", fmt::join(k_built_in_meshes, " or ")))
         ->type_name("FILE")
         ->capture_default_str();
     sub->add_option("--up", command->up, "The mesh's axis that points upwards, y or z")
@@ -108,11 +246,28 @@ void add_render(CLI::App& app, int& status) {
     sub->add_option("--size", "Pixels of each picture (640x480)")
         ->type_name("WxH")
         ->check(size_in_pixels(command->width, command->height));
-    sub->add_option("-o,--output", command->output, "The PNG to write")
-        ->type_name("FILE.png")
+    sub->add_option("-o,--output", command->output, "The picture to write: .png, or .exr for radiance as it is")
+        ->type_name("FILE")
         ->required()
-        ->check(png_name());
-    sub->footer("Example:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf --mesh knot -o paper.png");
+        ->check(CLI::Validator(
+            [](std::string& name) -> std::string {
+                const auto ending = std::filesystem::path(name).extension();
+                if (ending == ".png" || ending == ".exr") return {};
+                return fmt::format("expected a name that ends in .png or .exr, found {}", name);
+            },
+            ""));
+    sub->add_flag("--aov", command->aov,
+                  "path: normal, albedo and depth as well: channels of an .exr, or further pictures");
+    sub->add_option(
+           "--compare", command->compare,
+           "Print PSNR, SSIM and FLIP against this one, a BRDF that is rendered likewise or an .exr, and write "
+           "OUTPUT.difference.png")
+        ->type_name("REF");
+    sub->add_option("--json", command->json, "Write what --compare prints; - is standard output")->type_name("FILE");
+    command->path.add_options(*sub);
+    sub->footer(
+        "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"
+        "  srbf render film.srbf --compare film.bsdf --env lobby.hdr --mesh bunny.ply --spp 256 -o film.exr");
     sub->callback([command, &status] { status = command->run(); });
 }
 

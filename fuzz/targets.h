@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "render/environment.h"
 #include "render/mesh.h"
 #include "srbf/directions.h"
 #include "srbf/measured.h"
@@ -100,6 +101,20 @@ inline void check_mesh(const Result<Mesh>& mesh) {
     for (const Vec3f& n : mesh->normals) require(std::abs(dot(n, n) - 1) < 1e-5f, "unit normals");
 }
 
+/// An environment has finite light, and draws what is a direction.
+inline void check_environment(const Result<Environment>& environment) {
+    if (!environment) return check_error(environment.error());
+    for (const Rgb& c : environment->texels().pixels)
+        require(is_finite(c) && c.r >= 0 && c.g >= 0 && c.b >= 0, "light is finite and not negative");
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 8; ++i) {
+        const float u1 = float(uniform(random)), u2 = float(uniform(random));
+        const Vec3f w = environment->sample(u1, u2);
+        require(std::abs(dot(w, w) - 1) < 1e-4f, "a direction");
+        require(environment->at(w).pdf >= 0, "a density");
+    }
+}
+
 struct NamedTarget {
     std::string_view name;
     FuzzTarget check;
@@ -117,6 +132,7 @@ inline const NamedTarget k_targets[] = {
     {"model", check_model},
     {"ply", [](auto bytes) { check_mesh(read_ply(bytes, "f")); }},
     {"obj", [](auto bytes) { check_mesh(read_obj(bytes, "f")); }},
+    {"environment", [](auto bytes) { check_environment(read_environment(bytes, "f")); }},
 };
 
 }  // namespace srbf

@@ -40,6 +40,7 @@ Result<Mesh> read_mesh(std::span<const std::byte> bytes, const std::string& sour
 Result<Mesh> load_mesh(const std::string& name) {
     if (name == k_built_in_meshes[0]) return sphere();
     if (name == k_built_in_meshes[1]) return knot();
+    if (name == k_built_in_meshes[2]) return ball();
     const auto bytes = read_file(name);
     if (!bytes) return bytes.error();
     return read_mesh(*bytes, name);
@@ -77,6 +78,25 @@ Mesh sphere(int rings) {
         return ring(t[1]) == ring(t[2]) ? ring(t[1]) == std::uint32_t(rings)
                                         : ring(t[0]) == ring(t[2]) && ring(t[0]) == 0;
     });
+    return mesh;
+}
+
+Mesh ball() {
+    Mesh mesh = sphere();
+    // The foot: a ring of circular section about the y axis.
+    constexpr int along = 192, around = 48;
+    constexpr double ring = 0.66, section = 0.17, height = -0.9;
+    const auto first = std::uint32_t(mesh.positions.size());
+    for (int i = 0; i < along; ++i)
+        for (int j = 0; j < around; ++j) {
+            const double phi = 2 * k_pi * i / along, angle = 2 * k_pi * j / around;
+            const Vec3d out{std::sin(phi), 0, std::cos(phi)},
+                n = std::cos(angle) * out + std::sin(angle) * Vec3d{0, 1, 0};
+            mesh.positions.push_back(to_float(ring * out + Vec3d{0, height, 0} + section * n));
+            mesh.normals.push_back(to_float(n));
+        }
+    for (const Triangle& t : grid(along, around, true))
+        mesh.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
     return mesh;
 }
 

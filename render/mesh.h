@@ -45,10 +45,12 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& sourc
 Result<Mesh> read_mesh(std::span<const std::byte> bytes, const std::string& source);
 /// The mesh in a file, or one of `k_built_in_meshes` by its name.
 Result<Mesh> load_mesh(const std::string& name);
-inline constexpr std::array<std::string_view, 2> k_built_in_meshes{"sphere", "knot"};
+inline constexpr std::array<std::string_view, 3> k_built_in_meshes{"sphere", "knot", "ball"};
 
 /// The unit sphere in rings of quadrilaterals about the y axis; `rings` ≥ 2 from pole to pole, twice as many around.
 Mesh sphere(int rings = 96);
+/// The unit sphere on a foot, a ring below it: what materials are shown by.
+Mesh ball();
 /// A tube of radius 0.32 around the trefoil (sin t + 2 sin 2t, cos t − 2 cos 2t, −sin 3t)/2, t in [0, 2π]: self-occluding, of every
 /// normal. `around` × `along` vertices, each ≥ 3.
 Mesh knot(int along = 480, int around = 64);

@@ -241,10 +241,26 @@ TEST_F(Command, compare_of_a_file_with_itself_is_zero) {
 TEST_F(Command, info_tells_what_a_file_is) {
     const ProgramRun measured = run(*fitted, {"info", k_paper}), model = run(*fitted, {"info", "m.srbf"});
     EXPECT_EQ(measured.status + model.status, 0) << measured.err << model.err;
-    for (const char* word : {"RGL", "658,928 bytes", "masked entries", "albedo R"})
+    for (const char* word :
+         {"RGL", "658,928 bytes", "masked entries", "albedo R", "reciprocity error", "smallest value"})
         EXPECT_NE(measured.out.find(word), std::string::npos) << word;
+    EXPECT_NE(measured.out.find("more light than it receives at θv = 85°\n"),
+              std::string::npos);  // where it is extrapolated
     for (const char* word : {"2 lobes × 2 variates", "paper_white_rgb.bsdf", "objective", "albedo R"})
         EXPECT_NE(model.out.find(word), std::string::npos) << word;
+}
+
+TEST_F(Command, info_warns_of_albedos_above_one) {
+    PmModel model;  // f = 0.4: an albedo of 0.4 pi
+    model.lobes = model.variates = 1;
+    model.coefficient = {{0.1f, 0.4f, 0.2f}};
+    model.log_scale = {0}, model.centre = {{0, 0, 1}}, model.bandwidth = {0}, model.parameterization = {{1, 1}};
+    ASSERT_TRUE(save_model({model, {}}, folder / "bright.srbf").ok());
+    const ProgramRun info = run(folder, {"info", "bright.srbf"});
+    EXPECT_EQ(info.status, 0) << info.err;
+    for (const char* word : {"1.256", "warning", "more light than it receives at θv = 0°, 15°", "reciprocity error 0 %",
+                             "smallest value    0.09998 1/sr"})
+        EXPECT_NE(info.out.find(word), std::string::npos) << word << info.out;
 }
 
 TEST_F(Command, eval_agrees_with_the_reference_values) {

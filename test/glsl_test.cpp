@@ -74,6 +74,10 @@ void main() {
     f *= su_plain_weight(Su(5), nearest, wv, 3, 0) * su_rotated_part(Su(5), wl, wv, 0);
     GgxLobe sharp = GgxLobe(u.x, wl, u.y), broad = GgxLobe(ggx_facets(wl, wv, u.y), wv, schlick_weight(wl, wv));
     f += ggx_value(wl, sharp, broad, wl, wv) + ggx_lobe_value(broad, wl, wv);
+    f += sample_cosine(u.x, u.y) * cosine_pdf(wl) + visible_lobe(wv, 8.0).centre * half_way_pdf(wl, wv, 8.0, 2.0);
+    f += sample_half_way(wv, 8.0, 2.0, u.x, u.y) * proposal_lobe_pdf(5, proposal_point(wl, wv, 2.0)) * proposal_bandwidth(1);
+    f += sample_proposal_lobe(2, stretched(wv, 2.0), 2.0, u.x, u.y) * half_way(wl, wv, 2.0).factor;
+    f += times_cosine(wl, 4.0).centre;
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }
 )";

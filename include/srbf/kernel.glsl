@@ -26,11 +26,12 @@
 
 // ---- Stable elementary functions ---------------------------------------------------------------------------------
 
-// 1 - exp(-x), x >= 0, without cancellation: relative error 3e-7 in float, 5e-8 in double.
+// 1 - exp(-x), x >= 0, without cancellation: relative error 3e-7 in float, 5e-8 in double. Exponents are cut at -80 here and in
+// vmf_pdf: below float's normal range exp takes many times as long.
 SRBF_FN Real one_minus_exp(Real x) {
     Real small = x * (Real(1.0) - x * Real(0.5) * (Real(1.0) - x * Real(1.0 / 3.0) *
                  (Real(1.0) - x * Real(0.25) * (Real(1.0) - x * Real(0.2)))));
-    return select(x < Real(0.125), small, Real(1.0) - exp(-x));
+    return select(x < Real(0.125), small, Real(1.0) - exp(max(-x, Real(-80.0))));
 }
 
 // The frame about a unit vector n: the vector whose coordinates in it are (x, y, z), n being its third axis
@@ -87,7 +88,7 @@ SRBF_FN GaussianProduct gaussian_product(Vec3 centre1, Real bandwidth1, Vec3 cen
 
 // The density of the von Mises-Fisher distribution, G / integral of G [1/sr].
 SRBF_FN Real vmf_pdf(Vec3 omega, Vec3 centre, Real bandwidth) {
-    return gaussian(omega, centre, bandwidth) / gaussian_integral(bandwidth);
+    return exp(max(gaussian_exponent(omega, centre, bandwidth), Real(-80.0))) / gaussian_integral(bandwidth);
 }
 
 // A direction of that density from u1, u2 even in [0,1): cos(theta) - 1 = ln(1 - (1 - u1)(1 - e^(-2 lambda))) / lambda about
@@ -101,6 +102,119 @@ SRBF_FN Vec3 sample_vmf(Vec3 centre, Real bandwidth, Real u1, Real u2) {
     Real sine = sqrt(max(-below * (Real(2.0) + below), Real(0.0)));
     Real phi = Real(SRBF_TWO_PI) * u2;
     return from_frame(centre, sine * cos(phi), sine * sin(phi), Real(1.0) + below);
+}
+
+// ---- Drawing the light -------------------------------------------------------------------------------------------
+
+// The density max(z, 0) / pi [1/sr], and a direction of it from u1, u2 even in [0,1).
+SRBF_FN Real cosine_pdf(Vec3 wl) { return max(wl.z, Real(0.0)) * Real(2.0 / SRBF_TWO_PI); }
+SRBF_FN Vec3 sample_cosine(Real u1, Real u2) {
+    Real radius = sqrt(u1);
+    Real phi = Real(SRBF_TWO_PI) * u2;
+    return Vec3(radius * cos(phi), radius * sin(phi), sqrt(max(Real(1.0) - u1, Real(0.0))));
+}
+
+// The lobe G(h . z | lambda) of half-way vectors h as far as the viewer sees them, G(h . z | lambda) (h . wv): with the logarithm
+// of h . wv taken as linear about the normal that is again a lobe, the product with G(h . wv | 1 / (n . wv)). Towards
+// grazing its centre ends half-way between the normal and wv.
+SRBF_FN GaussianProduct visible_lobe(Vec3 wv, Real bandwidth) {
+    return gaussian_product(Vec3(Real(0.0), Real(0.0), Real(1.0)), bandwidth, wv,
+                            Real(1.0) / max(wv.z, Real(1.0) / bandwidth));
+}
+
+// The direction whose x has grown by the factor `stretch`.
+SRBF_FN Vec3 stretched(Vec3 w, Real stretch) {
+    Vec3 grown = Vec3(stretch * w.x, w.y, w.z);
+    return inversesqrt(max(dot(grown, grown), Real(1.0e-20))) * grown;
+}
+
+// The direction M h / |M h| that a half-way vector h comes from where it is of such a lobe stretched along x, M = diag(1 / stretch, 1, 1),
+// and what the lobe's density there is times to be that of wl: 1 / (stretch |M h|^3) / (4 h . wl), 2 h . wl = |wl + wv|.
+struct HalfWay {
+    Vec3 direction;
+    Real factor;
+};
+SRBF_FN HalfWay half_way(Vec3 wl, Vec3 wv, Real stretch) {
+    Vec3 sum = wl + wv;
+    Real length = sqrt(max(dot(sum, sum), Real(1.0e-12)));
+    Vec3 back = (Real(1.0) / length) * Vec3(sum.x / stretch, sum.y, sum.z);
+    Real shrunk = sqrt(dot(back, back));
+    HalfWay half_way_;
+    half_way_.direction = (Real(1.0) / shrunk) * back;
+    half_way_.factor = Real(1.0) / (Real(2.0) * length * stretch * shrunk * shrunk * shrunk);
+    return half_way_;
+}
+
+// The density of wl = 2 (h . wv) h - wv where h is of the lobe that a viewer at the stretched wv sees, stretched along x [1/sr].
+SRBF_FN Real half_way_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Real stretch) {
+    HalfWay at = half_way(wl, wv, stretch);
+    GaussianProduct lobe = visible_lobe(stretched(wv, stretch), bandwidth);
+    return vmf_pdf(at.direction, lobe.centre, lobe.bandwidth) * at.factor;
+}
+
+// A direction of that density; the zero vector where h . wv <= 0, which has none.
+SRBF_FN Vec3 sample_half_way(Vec3 wv, Real bandwidth, Real stretch, Real u1, Real u2) {
+    GaussianProduct lobe = visible_lobe(stretched(wv, stretch), bandwidth);
+    Vec3 h = stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), stretch);
+    Real along = dot(h, wv);
+    return select(Real(0.0) < along, Real(1.0), Real(0.0)) * (Real(2.0) * along * h - wv);
+}
+
+// What a mixture is made of that follows any BRDF of reflection: component 0 is the cosine; 1 to 4 are lobes about the mirror
+// direction, lambda = 4, 16, 64, 256; 5 to 13 lobes of half-way vectors, lambda = 8, 32, .. 8 4^8, stretched along x. What the lobes
+// send below the horizon is mirrored at it, so that no draw is lost there.
+#define SRBF_PROPOSAL_LOBES 14
+SRBF_FN Real proposal_bandwidth(int k) {
+    Real bandwidth = k < 5 ? Real(1.0) : Real(2.0);
+    for (int i = k < 5 ? 0 : 4; i < k; ++i) bandwidth = Real(4.0) * bandwidth;
+    return bandwidth;
+}
+// What the components' densities at (wl, wv) are made of: wl above the horizon and mirrored at it, with their half-way vectors.
+struct ProposalPoint {
+    Vec3 wl;
+    Vec3 mirrored;
+    Vec3 specular;
+    Vec3 viewer;
+    HalfWay above;
+    HalfWay below;
+};
+SRBF_FN ProposalPoint proposal_point(Vec3 wl, Vec3 wv, Real stretch) {
+    ProposalPoint at;
+    at.wl = wl;
+    at.mirrored = Vec3(wl.x, wl.y, -wl.z);
+    at.specular = Vec3(-wv.x, -wv.y, wv.z);
+    at.viewer = stretched(wv, stretch);
+    at.above = half_way(wl, wv, stretch);
+    at.below = half_way(at.mirrored, wv, stretch);
+    return at;
+}
+// The density of component k there, wl being above the horizon [1/sr].
+SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint at) {
+    Real bandwidth = proposal_bandwidth(k);
+    Real density = cosine_pdf(at.wl);
+    if (k > 0 && k < 5) {
+        density = vmf_pdf(at.wl, at.specular, bandwidth) + vmf_pdf(at.mirrored, at.specular, bandwidth);
+    } else if (k >= 5) {
+        GaussianProduct lobe = visible_lobe(at.viewer, bandwidth);
+        density = vmf_pdf(at.above.direction, lobe.centre, lobe.bandwidth) * at.above.factor +
+                  vmf_pdf(at.below.direction, lobe.centre, lobe.bandwidth) * at.below.factor;
+    }
+    return density;
+}
+// A direction of it from u1, u2 even in [0,1); not above the horizon (z = 0) where there is none.
+SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Real stretch, Real u1, Real u2) {
+    Vec3 wl = k == 0  ? sample_cosine(u1, u2)
+              : k < 5 ? sample_vmf(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k), u1, u2)
+                      : sample_half_way(wv, proposal_bandwidth(k), stretch, u1, u2);
+    return Vec3(wl.x, wl.y, max(wl.z, -wl.z));
+}
+
+// A lobe of the light times the cosine to the normal, which is 1.17 G(wl . z | 2.133) to .06 (Wang et al. 2009): what a view's lobe
+// contributes to reflected light, and what to draw the light from.
+SRBF_FN GaussianProduct times_cosine(Vec3 centre, Real bandwidth) {
+    GaussianProduct product = gaussian_product(centre, bandwidth, Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(2.133));
+    product.scale = Real(1.17) * product.scale;
+    return product;
 }
 
 // ---- Parameterized multivariate SRBFs ----------------------------------------------------------------------------

@@ -1,0 +1,96 @@
+#include "app/path.h"
+
+#include "app/report.h"
+
+namespace srbf {
+namespace {
+
+constexpr Rgb k_ground{0.35f, 0.35f, 0.35f};  // reflectance
+
+/// A square light above the scene, to the left and before it, of the scene's size.
+AreaLight softbox(const Scene& scene) {
+    const Bounds box = bounds(scene.mesh);
+    const Vec3d least = to_double(box.least), most = to_double(box.most), across = most - least;
+    const double size = std::max({across.x, across.y, across.z});
+    const Frame axes = frame(scene.camera);
+    const Vec3d z = normalize(axes.from({0.5, -0.7, -0.5}));  // the way it shines
+    const Vec3d x = normalize(cross(axes.y, z)), y = cross(z, x);
+    const Vec3d corner = 0.5 * (least + most) - (1.6 * size) * z - (0.4 * size) * (x + y);
+    return {to_float(corner), to_float(0.8 * size * x), to_float(0.8 * size * y), {12, 12, 12}};
+}
+
+int azimuths_of(const Subject& subject) {
+    constexpr int several = 8;
+    if (const auto* measured = std::get_if<Measured>(&subject.content)) return is_isotropic(*measured) ? 1 : several;
+    const auto* pm = std::get_if<PmModel>(&std::get<Model>(subject.content).model);
+    return pm && !pm->axial ? several : 1;
+}
+
+}  // namespace
+
+SampledBrdf sampled(const Subject& subject, int threads) {
+    const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
+    const auto* model = std::get_if<Model>(&subject.content);
+    return sampled(subject, model ? propose(*model, options) : Proposal(propose(evaluator(subject), options)));
+}
+
+void PathCommand::add_options(CLI::App& sub) {
+    sub.add_option("--env", environment, "path: the light from afar, a .hdr or .exr file, or studio or none")
+        ->type_name("FILE")
+        ->capture_default_str();
+    sub.add_option(
+           "--lights", lights,
+           "path: further lights: three (directional, the default where --env is none), softbox (a square) or none")
+        ->type_name("NAME")
+        ->check(one_of({"none", "three", "softbox"}));
+    sub.add_option("--spp", samples, "path: paths a pixel, 1 to 1048576")
+        ->type_name("S")
+        ->check(within(1, 1 << 20))
+        ->capture_default_str();
+    sub.add_option("--bounces", bounces, "path: of a path at most, 1 to 1000")
+        ->type_name("N")
+        ->check(within(1, 1000))
+        ->capture_default_str();
+    sub.add_option("--draw", draw,
+                   "path: a path goes on in a direction drawn by the brdf, or by the cosine, for comparison")
+        ->type_name("BY")
+        ->check(one_of({"brdf", "cosine"}))
+        ->capture_default_str();
+    sub.add_flag("--no-ground", no_ground, "path: leave the ground below the mesh away");
+    sub.add_option("--seed", seed, "path: of the random numbers")->type_name("N")->capture_default_str();
+    sub.add_option("--threads", threads, "path: 0: as many as the machine has; the picture does not depend on it")
+        ->type_name("T")
+        ->check(within(0, k_most_threads))
+        ->capture_default_str();
+}
+
+Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::span<const Subject> subjects, int width,
+                                                     int height) const {
+    std::optional<Environment> light;
+    if (environment != "none") {
+        auto loaded = load_environment(environment);
+        if (!loaded) return loaded.error();
+        if (loaded->clamped() > 0)
+            fmt::print(stderr, "srbf: {}: {} texels with channels below 0 or not finite, which count as 0\n",
+                       environment, grouped(loaded->clamped()));
+        light = *std::move(loaded);
+    }
+    const Mesh floor = ground_below(scene.mesh, scene.camera.up);
+    PathScene paths{{{&scene.mesh, 0}}, {}, scene.camera, {}, {}, light ? &*light : nullptr};
+    if (!no_ground) paths.bodies.push_back({&floor, 1});
+    if (lights == "three" || (lights.empty() && !light)) paths.lights = scene.lights;
+    if (lights == "softbox") paths.area_lights = {softbox(scene)};
+
+    ProgressLine line;
+    std::vector<PathPicture> pictures;
+    for (const Subject& subject : subjects) {
+        paths.materials = {draw == "cosine" ? sampled(subject, CosineProposal{}) : sampled(subject, threads),
+                           diffuse(k_ground)};
+        const auto before = double(pictures.size()), all = double(subjects.size());
+        const auto progress = [&](double part) { line.show("tracing paths", (before + part) / all); };
+        pictures.push_back(render_paths(paths, {width, height, samples, bounces, seed, threads, progress}));
+    }
+    return pictures;
+}
+
+}  // namespace srbf

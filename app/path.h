@@ -1,0 +1,29 @@
+// The renderer of paths, as the command line has it.
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/commands.h"
+#include "app/load.h"
+#include "render/path.h"
+
+namespace srbf {
+
+struct PathCommand {
+    std::string environment{k_built_in_environment}, lights,
+        draw = "brdf";  ///< no lights named: three where `environment` is none
+    int samples = 64, bounces = 8, threads = 0;
+    std::uint64_t seed = 0;
+    bool no_ground = false;
+
+    void add_options(CLI::App& sub);
+    /// The scene in each of the subjects; its lights are those that `lights` names.
+    Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Subject> subjects, int width,
+                                            int height) const;
+};
+
+/// The subject, which it refers to, drawn by a mixture made for it.
+SampledBrdf sampled(const Subject& subject, int threads);
+
+}  // namespace srbf

@@ -1,0 +1,137 @@
+// What a picture by path tracing costs: the ball on its ground in the bundled studio, 256 × 192 pixels, 4 paths a pixel of at most 8
+// bounces, on one thread, of the bundled vinyl film: its fit of 208 bytes, the fit view by view, the measurement, and that as a table
+// of MERL's layout. `evaluation` is the share of the time that f takes: what a second evaluation of each f adds; drawing
+// (`pdf` and `sample`) takes another fifth in the first row, as `perf` sees it. Then ns for one
+// draw and one density of the proposals, and making them.
+#include <benchmark/benchmark.h>
+
+#include <ctime>
+
+#include "render/path.h"
+#include "srbf/convert.h"
+#include "srbf/fit.h"
+#include "srbf/measured.h"
+
+namespace srbf {
+namespace {
+
+constexpr int k_width = 256, k_height = 192, k_samples = 4;
+
+const Measured& film() {
+    static const Measured measured = *load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
+    return measured;
+}
+const MerlTable& film_as_merl() {
+    static const MerlTable table = to_merl(evaluator(film()));
+    return table;
+}
+const PmModel& film_pm() {
+    static const PmModel model = fit_pm(*observe(signed_evaluator(film()), {}), {})->model;
+    return model;
+}
+const SuModel& film_su() {
+    static const SuModel model = fit_su(*tabulate(signed_evaluator(film())), {.lobes = 5})->model;
+    return model;
+}
+
+double seconds_of(const PathScene& scene, std::uint64_t& rays) {
+    const std::clock_t start = std::clock();  // of the processor, which others may share
+    PathOptions options;
+    options.width = k_width, options.height = k_height, options.samples = k_samples, options.threads = 1;
+    rays = render_paths(scene, options).rays;
+    return double(std::clock() - start) / CLOCKS_PER_SEC;
+}
+
+template <typename B> void path(benchmark::State& state, const B& brdf, const Proposal& proposal) {
+    static const Environment studio = *load_environment("studio");
+    static const Mesh mesh = ball();
+    const Camera camera = camera_of(mesh, {}, double(k_width) / k_height);
+    const Mesh ground = ground_below(mesh, camera.up);
+    PathScene scene{
+        {{&mesh, 0}, {&ground, 1}}, {sampled(brdf, proposal), diffuse({0.35f, 0.35f, 0.35f})}, camera, {}, {}, &studio};
+    PathScene twice = scene;
+    twice.materials[0].value = [&brdf](Vec3f wl, Vec3f wv) {
+        benchmark::DoNotOptimize(value(brdf, wl, wv));
+        return value(brdf, wl, wv);
+    };
+    std::uint64_t rays = 0;
+    double once_best = 1e30, twice_best = 1e30;
+    for (auto _ : state) {
+        once_best = std::min(once_best, seconds_of(scene, rays));
+        state.PauseTiming();
+        twice_best = std::min(twice_best, seconds_of(twice, rays));
+        state.ResumeTiming();
+    }
+    state.counters["Mrays/s"] = double(rays) / once_best / 1e6;
+    state.counters["Msamples/s"] = double(k_width) * k_height * k_samples / once_best / 1e6;
+    state.counters["evaluation_percent"] = 100 * (twice_best - once_best) / once_best;
+}
+void path_pm(benchmark::State& state) { path(state, film_pm(), propose(evaluator(film_pm()))); }
+void path_pm_by_cosine(benchmark::State& state) { path(state, film_pm(), CosineProposal{}); }
+void path_su(benchmark::State& state) { path(state, film_su(), propose(film_su())); }
+void path_rgl(benchmark::State& state) { path(state, film(), propose(evaluator(film()))); }
+void path_merl(benchmark::State& state) { path(state, film_as_merl(), propose(evaluator(film_as_merl()))); }
+BENCHMARK(path_pm)->Unit(benchmark::kMillisecond)->Iterations(5);
+BENCHMARK(path_pm_by_cosine)->Unit(benchmark::kMillisecond)->Iterations(5);
+BENCHMARK(path_su)->Unit(benchmark::kMillisecond)->Iterations(5);
+BENCHMARK(path_rgl)->Unit(benchmark::kMillisecond)->Iterations(5);
+BENCHMARK(path_merl)->Unit(benchmark::kMillisecond)->Iterations(5);
+
+struct Draws {
+    std::vector<Vec3f> wv, u, wl;
+};
+const Draws& draws() {
+    static const Draws all = [] {
+        std::mt19937_64 random(1);
+        const MirrorMixture cap(80 * k_degree);
+        Draws drawn;
+        const auto number = [&] { return float(uniform(random)); };
+        for (int i = 0; i < 4096; ++i) {
+            const double a = uniform(random), b = uniform(random);
+            drawn.wv.push_back(to_float(cap.sample_cap(a, b)));
+            drawn.wl.push_back(to_float(cap.sample_cap(b, a)));
+            const float x = number(), y = number(), z = number();
+            drawn.u.push_back({x, y, z});
+        }
+        return drawn;
+    }();
+    return all;
+}
+template <typename P> void draw_one(benchmark::State& state, const P& proposal) {
+    std::size_t i = 0;
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(sample(proposal, draws().wv[i], draws().u[i]));
+        i = (i + 1) % draws().u.size();
+    }
+}
+template <typename P> void density_of_one(benchmark::State& state, const P& proposal) {
+    std::size_t i = 0;
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(pdf(proposal, draws().wl[i], draws().wv[i]));
+        i = (i + 1) % draws().u.size();
+    }
+}
+void draw_mixture(benchmark::State& state) { draw_one(state, propose(evaluator(film_pm()))); }
+void density_mixture(benchmark::State& state) { density_of_one(state, propose(evaluator(film_pm()))); }
+void draw_su(benchmark::State& state) { draw_one(state, propose(film_su())); }
+void density_su(benchmark::State& state) { density_of_one(state, propose(film_su())); }
+BENCHMARK(draw_mixture);
+BENCHMARK(density_mixture);
+BENCHMARK(draw_su);
+BENCHMARK(density_su);
+
+void make_mixture_of_pm(benchmark::State& state) {
+    for (auto _ : state) benchmark::DoNotOptimize(propose(evaluator(film_pm())));
+}
+void make_mixture_of_rgl(benchmark::State& state) {
+    for (auto _ : state) benchmark::DoNotOptimize(propose(evaluator(film())));
+}
+void make_proposal_of_su(benchmark::State& state) {
+    for (auto _ : state) benchmark::DoNotOptimize(propose(film_su()));
+}
+BENCHMARK(make_mixture_of_pm)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(make_mixture_of_rgl)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(make_proposal_of_su)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace
+}  // namespace srbf

@@ -1,0 +1,92 @@
+// Drawing the light that a BRDF reflects to the viewer: level 3.
+#pragma once
+#include <array>
+#include <variant>
+#include <vector>
+
+#include "srbf/model.h"
+
+namespace srbf {
+
+/// A drawn direction to the light.
+struct LightSample {
+    Vec3f wl;       ///< above the horizon, wl.z > 0
+    Rgb weight;     ///< f cosθl / pdf: its mean over draws is the directional albedo
+    float pdf = 0;  ///< [1/sr]; 0: the draw has no direction, and counts as a sample of weight 0
+};
+
+// A proposal answers
+//   sample(proposal, wv, u)   a direction from u, three numbers even in [0,1); z ≤ 0 where the draw has none
+//   pdf(proposal, wl, wv)     its density [1/sr]; 0 below the horizon, above it positive wherever f cosθl is
+// for wv.z > 0, with ∫ pdf + P(no direction) = 1.
+
+/// Draws by the cosine, whatever the BRDF.
+struct CosineProposal {};
+Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec3f u);
+float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
+
+/// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine, lobes about the mirror direction, lobes of half-way
+/// vectors. The weights are linear in √(1 − cosθv) between nodes, whose own are those of least variance for the BRDF.
+struct MixtureProposal {
+    static constexpr int k_nodes = 13, k_lobes = 14;
+    std::array<std::array<float, k_lobes>, k_nodes> weight;  ///< node i at √(1 − cosθv) = i / 12; each row sums to 1
+    float stretch = 1;           ///< ≥ 1: half-way lobes are so many times as wide along the grain
+    float cosine = 1, sine = 0;  ///< of the grain's azimuth
+};
+Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec3f u);
+float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv);
+
+struct ProposeOptions {
+    int azimuths = 1;  ///< of the view, over which the variance is averaged; with several the lobes may be stretched
+    int threads = 0;   ///< 0: as many as the machine has; the result does not depend on it
+};
+/// The mixture for a BRDF: at each node the weights that minimise ∫ (f cosθl)² / pdf dωl, f in luminance, by 200 steps of
+///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
+/// each of which lowers it (Silvey, Titterington & Torgersen 1978). The cosine keeps `k_least_cosine`. The stretch is that of
+/// `k_stretches`, along one of 12 azimuths, with which the variance at the views of 45° is least. What was not measured counts as 0.
+MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});
+inline constexpr float k_least_cosine = 0.02f;
+inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};
+
+/// Mixtures for a view-by-view model: for each sampled view its own lobes, each times the cosine and mirrored at the horizon, and the
+/// cosine itself, with weights of least variance; between the sampled views by interpolation weight and albedo. It refers to
+/// the model, whose sampled direction is the view.
+struct ViewProposal {
+    struct Lobe {
+        Vec3f centre;
+        float bandwidth;
+        float weight;
+    };
+    const SuModel* model = nullptr;
+    std::vector<Lobe> lobes;    ///< n × J
+    std::vector<float> cosine;  ///< n: its weight, which sums to 1 with those of the view's lobes
+    std::vector<float> albedo;  ///< n: ∫ f cosθl dωl, luminance
+};
+ViewProposal propose(const SuModel& model, const ProposeOptions& options = {});
+Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec3f u);
+float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv);
+
+/// Any of them.
+using Proposal = std::variant<CosineProposal, MixtureProposal, ViewProposal>;
+Vec3f sample(const Proposal& proposal, Vec3f wv, Vec3f u);
+float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
+
+/// The proposal that a model is best drawn from. It may refer to the model.
+Proposal propose(const Model& model, const ProposeOptions& options = {});
+
+/// Draws the light for `brdf`, of which values that were not measured count as 0.
+template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposal, Vec3f wv, Vec3f u) {
+    LightSample drawn;
+    if (!(wv.z > 0)) return drawn;
+    drawn.wl = sample(proposal, wv, u);
+    if (!(drawn.wl.z > 0)) return drawn;
+    drawn.pdf = pdf(proposal, drawn.wl, wv);
+    if (!(drawn.pdf > 0)) return drawn;
+    const Rgb f = value(brdf, drawn.wl, wv);
+    if (!is_finite(f)) return drawn;
+    const float scale = drawn.wl.z / drawn.pdf;
+    drawn.weight = {scale * f.r, scale * f.g, scale * f.b};
+    return drawn;
+}
+
+}  // namespace srbf

@@ -1,0 +1,193 @@
+#include "render/environment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/exr.h"
+#include "srbf/file.h"
+#include "srbf/text.h"
+
+/// data/studio.hdr, of which studio.S makes a part of the program.
+extern "C" const std::byte srbf_studio_begin[], srbf_studio_end[];
+
+namespace srbf {
+namespace {
+
+/// The texel's number in an interval of [0, 1] that running shares cut, and where within it u lies.
+struct Place {
+    std::size_t index;
+    float within;
+};
+Place find(std::span<const float> running, float u) {
+    const auto after = std::upper_bound(running.begin() + 1, running.end() - 1, u);
+    auto index = std::size_t(after - running.begin()) - 1;
+    while (index > 0 && !(running[index + 1] > running[index])) --index;  // rounding led to an empty one
+    const float share = running[index + 1] - running[index];
+    return {index, share > 0 ? std::clamp((u - running[index]) / share, 0.f, 1.f) : 0.5f};
+}
+
+/// The solid angle of a texel in that row.
+double solid_angle(int row, int width, int height) {
+    return 2 * k_pi / width * (std::cos(k_pi * row / height) - std::cos(k_pi * (row + 1) / height));
+}
+
+}  // namespace
+
+Environment::Environment(Image texels) : texels_(std::move(texels)) {
+    const int width = texels_.width, height = texels_.height;
+    for (Rgb& texel : texels_.pixels) {
+        bool changed = false;
+        for (int c = 0; c < 3; ++c)
+            if (!(texel[c] >= 0 && std::isfinite(texel[c]))) texel[c] = 0, changed = true;
+        clamped_ += changed;
+    }
+    // The mean of the bilinear function over a texel: three quarters its own, an eighth of each neighbour's, along both axes.
+    const auto light = [&](int x, int y) {
+        return luminance(texels_.at((x + width) % width, std::clamp(y, 0, height - 1)));
+    };
+    const auto along = [&](int x, int y) { return 0.75 * light(x, y) + 0.125 * (light(x - 1, y) + light(x + 1, y)); };
+    std::vector<double> of_rows(std::size_t(height) + 1);
+    for (int y = 0; y < height; ++y) solid_angle_.push_back(float(solid_angle(y, width, height)));
+    for (int y = 0; y < height; ++y) {
+        std::vector<double> running{0};
+        for (int x = 0; x < width; ++x)
+            running.push_back(running.back() + 0.75 * along(x, y) + 0.125 * (along(x, y - 1) + along(x, y + 1)));
+        const double whole = running.back();
+        of_rows[std::size_t(y) + 1] = of_rows[std::size_t(y)] + whole * solid_angle(y, width, height);
+        for (const double sum : running) column_.push_back(whole > 0 ? float(sum / whole) : 0.f);
+    }
+    for (const double sum : of_rows) row_.push_back(of_rows.back() > 0 ? float(sum / of_rows.back()) : 0.f);
+}
+
+Environment::Light Environment::at(Vec3f w) const {
+    const int width = texels_.width, height = texels_.height;
+    const float column = (0.5f + std::atan2(w.x, -w.z) * float(0.5 / k_pi)) * float(width),
+                row = std::acos(std::clamp(w.y, -1.f, 1.f)) * float(1 / k_pi) * float(height);
+    const float x = column - 0.5f, y = std::clamp(row - 0.5f, 0.f, float(height - 1)), x0 = std::floor(x),
+                y0 = std::floor(y), s = x - x0, t = y - y0;
+    const int left = (int(x0) + width) % width, right = (left + 1) % width, top = int(y0),
+              below = std::min(top + 1, height - 1);
+    Light light;
+    for (int c = 0; c < 3; ++c)
+        light.radiance[c] = (1 - t) * ((1 - s) * texels_.at(left, top)[c] + s * texels_.at(right, top)[c]) +
+                            t * ((1 - s) * texels_.at(left, below)[c] + s * texels_.at(right, below)[c]);
+    const auto i = std::size_t(std::clamp(int(row), 0, height - 1)),
+               j = std::size_t(std::clamp(int(column), 0, width - 1)), at = i * std::size_t(width + 1) + j;
+    light.pdf = (row_[i + 1] - row_[i]) * (column_[at + 1] - column_[at]) / solid_angle_[i];
+    return light;
+}
+
+Vec3f Environment::sample(float u1, float u2) const {
+    const int width = texels_.width, height = texels_.height;
+    const Place row = find(row_, u2);
+    const Place column =
+        find(std::span(column_).subspan(row.index * std::size_t(width + 1), std::size_t(width + 1)), u1);
+    const double top = std::cos(k_pi * double(row.index) / height),
+                 bottom = std::cos(k_pi * double(row.index + 1) / height);
+    const double y = top + double(row.within) * (bottom - top), r = std::sqrt(std::max(0.0, 1 - y * y));
+    const double phi = ((double(column.index) + double(column.within)) / width - 0.5) * 2 * k_pi;
+    return {float(r * std::sin(phi)), float(y), float(-r * std::cos(phi))};
+}
+
+namespace {
+
+/// Bytes one after the other.
+struct Bytes {
+    std::span<const std::byte> rest;
+    bool has(std::size_t count) const { return rest.size() >= count; }
+    unsigned take() {
+        const auto byte = std::to_integer<unsigned>(rest[0]);
+        rest = rest.subspan(1);
+        return byte;
+    }
+};
+using Rgbe = std::array<unsigned, 4>;
+
+Rgb decoded(const Rgbe& rgbe) {
+    if (rgbe[3] == 0) return {};
+    const auto channel = [&](unsigned mantissa) { return std::ldexp(float(mantissa), int(rgbe[3]) - 136); };
+    return {channel(rgbe[0]), channel(rgbe[1]), channel(rgbe[2])};
+}
+
+/// One row; false where the file ends early or a run is longer than the row.
+bool read_row(Bytes& bytes, std::vector<Rgbe>& row) {
+    const std::size_t width = row.size();
+    if (!bytes.has(4)) return false;
+    const auto is = [&](std::size_t i, unsigned x) { return std::to_integer<unsigned>(bytes.rest[i]) == x; };
+    const bool encoded = width >= 8 && width < 32768 && is(0, 2) && is(1, 2) && is(2, unsigned(width >> 8)) &&
+                         is(3, unsigned(width & 255));
+    if (!encoded) {
+        if (!bytes.has(4 * width)) return false;
+        for (Rgbe& texel : row)
+            for (unsigned& byte : texel) byte = bytes.take();
+        return true;
+    }
+    bytes.rest = bytes.rest.subspan(4);
+    for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t x = 0; x < width;) {
+            if (!bytes.has(2)) return false;
+            const unsigned count = bytes.take(), length = count > 128 ? count - 128 : count;
+            if (length == 0 || length > width - x || !bytes.has(count > 128 ? 1 : length)) return false;
+            const unsigned repeated = count > 128 ? bytes.take() : 0;
+            for (unsigned i = 0; i < length; ++i) row[x++][c] = count > 128 ? repeated : bytes.take();
+        }
+    return true;
+}
+
+}  // namespace
+
+Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& source) {
+    const auto fail = [&](std::uint64_t at, std::string what, std::string expected, std::string found) {
+        return Error{source, at, std::move(what), std::move(expected), std::move(found)};
+    };
+    const std::string_view text = as_text(bytes);
+    if (!text.starts_with("#?"))
+        return fail(0, "first bytes", "'#?' of a Radiance file, or OpenEXR", quoted(text.substr(0, 8)));
+    const auto header_end = text.find("\n\n");
+    if (header_end == text.npos || header_end > 65536) return fail(0, "header", "ended by an empty line", "none");
+    if (const auto format = text.find("\nFORMAT="); format < header_end)
+        if (const auto named = trimmed(text.substr(format + 8, text.find('\n', format + 8) - format - 8));
+            named != "32-bit_rle_rgbe")
+            return fail(format + 1, "FORMAT", "32-bit_rle_rgbe", quoted(named));
+    const auto begin = header_end + 2, end = std::min(text.find('\n', begin), text.size());
+    std::string_view line = text.substr(begin, end - begin);
+    const auto minus_y = next_word(line);
+    const auto height = to_number<std::int64_t>(next_word(line));
+    const auto plus_x = next_word(line);
+    const auto width = to_number<std::int64_t>(next_word(line));
+    if (minus_y != "-Y" || plus_x != "+X" || !height || !width || end == text.size())
+        return fail(begin, "resolution", "'-Y HEIGHT +X WIDTH'", quoted(text.substr(begin, end - begin)));
+    // A run of 127 texels takes two bytes in each of four channels.
+    Bytes rest{bytes.subspan(end + 1)};
+    if (*width < 1 || *height < 1 || *width > k_most_texels / *height ||
+        *width * *height > std::int64_t(rest.rest.size()) * 16)
+        return fail(begin, "resolution", fmt::format("texels that {} bytes can hold", rest.rest.size()),
+                    fmt::format("{} x {}", *width, *height));
+    Image image(static_cast<int>(*width), static_cast<int>(*height));
+    std::vector<Rgbe> row(static_cast<std::size_t>(*width));
+    for (int y = 0; y < image.height; ++y) {
+        const std::size_t at = bytes.size() - rest.rest.size();
+        if (!read_row(rest, row))
+            return fail(at, fmt::format("row {}", y), fmt::format("{} texels", *width), "fewer, or a longer run");
+        for (int x = 0; x < image.width; ++x) image.at(x, y) = decoded(row[std::size_t(x)]);
+    }
+    return image;
+}
+
+Result<Environment> read_environment(std::span<const std::byte> bytes, const std::string& source) {
+    auto image = is_exr(bytes) ? read_exr(bytes, source) : read_hdr(bytes, source);
+    if (!image) return image.error();
+    return Environment(*std::move(image));
+}
+
+Result<Environment> load_environment(const std::string& name) {
+    if (name == k_built_in_environment)
+        return read_environment(std::span(srbf_studio_begin, srbf_studio_end), "studio.hdr");
+    const auto bytes = read_file(name);
+    if (!bytes) return bytes.error();
+    return read_environment(*bytes, name);
+}
+
+}  // namespace srbf

@@ -1,0 +1,262 @@
+#include "render/likeness.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace srbf {
+namespace {
+
+/// A picture of one number a pixel.
+struct Plane {
+    int width, height;
+    std::vector<double> x;
+    Plane(int w, int h) : width(w), height(h), x(std::size_t(w) * std::size_t(h)) {}
+};
+Plane combined(const Plane& a, const Plane& b, const auto& of) {
+    Plane out(a.width, a.height);
+    for (std::size_t i = 0; i < out.x.size(); ++i) out.x[i] = of(a.x[i], b.x[i]);
+    return out;
+}
+
+/// Weights at −r..r.
+using Filter = std::vector<double>;
+
+Filter sampled(int radius, const std::function<double(double)>& of) {
+    Filter filter;
+    for (int i = -radius; i <= radius; ++i) filter.push_back(of(i));
+    return filter;
+}
+double sum(const Filter& filter) {
+    double total = 0;
+    for (const double w : filter) total += w;
+    return total;
+}
+Filter gaussian_filter(int radius, double sigma) {
+    Filter filter = sampled(radius, [&](double x) { return std::exp(-x * x / (2 * sigma * sigma)); });
+    const double whole = sum(filter);
+    for (double& w : filter) w /= whole;
+    return filter;
+}
+
+/// Correlated with `across` along rows and `down` along columns; beyond its border a picture goes on as its last pixel.
+Plane filtered(const Plane& plane, const Filter& across, const Filter& down) {
+    const auto pass = [](const Plane& from, const Filter& filter, int dx, int dy) {
+        const int radius = int(filter.size()) / 2;
+        Plane to(from.width, from.height);
+        for (int y = 0; y < from.height; ++y)
+            for (int x = 0; x < from.width; ++x) {
+                double total = 0;
+                for (int i = -radius; i <= radius; ++i) {
+                    const int u = std::clamp(x + i * dx, 0, from.width - 1),
+                              v = std::clamp(y + i * dy, 0, from.height - 1);
+                    total += filter[std::size_t(i + radius)] *
+                             from.x[std::size_t(v) * std::size_t(from.width) + std::size_t(u)];
+                }
+                to.x[std::size_t(y) * std::size_t(to.width) + std::size_t(x)] = total;
+            }
+        return to;
+    };
+    return pass(pass(plane, across, 1, 0), down, 0, 1);
+}
+
+using Triplet = std::array<double, 3>;
+
+/// CIE XYZ of linear sRGB over those of white.
+Triplet to_relative_xyz(const Triplet& rgb) {
+    constexpr double m[3][3] = {
+        {0.412391, 0.357584, 0.180481}, {0.212639, 0.715169, 0.072192}, {0.019331, 0.119195, 0.950532}};
+    Triplet xyz;
+    for (std::size_t i = 0; i < 3; ++i)
+        xyz[i] = (m[i][0] * rgb[0] + m[i][1] * rgb[1] + m[i][2] * rgb[2]) / (m[i][0] + m[i][1] + m[i][2]);
+    return xyz;
+}
+/// The inverse.
+Triplet to_linear_rgb(const Triplet& relative) {
+    const double x = 0.950456 * relative[0], y = relative[1], z = 1.089058 * relative[2];
+    return {3.240970 * x - 1.537383 * y - 0.498611 * z, -0.969244 * x + 1.875968 * y + 0.041555 * z,
+            0.055630 * x - 0.203977 * y + 1.056972 * z};
+}
+double linear(double encoded) {
+    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+Triplet linear_rgb(const Rgb8& shown) {
+    return {linear(shown[0] / 255.0), linear(shown[1] / 255.0), linear(shown[2] / 255.0)};
+}
+
+/// CIELAB whose chroma is scaled by L/100 (Hunt's effect).
+Triplet hunt_lab(const Triplet& rgb) {
+    Triplet t = to_relative_xyz(rgb);
+    for (double& v : t) v = v > 216.0 / 24389 ? std::cbrt(v) : v * 841 / 108 + 4.0 / 29;
+    const double l = 116 * t[1] - 16;
+    return {l, 0.01 * l * 500 * (t[0] - t[1]), 0.01 * l * 200 * (t[1] - t[2])};
+}
+/// HyAB distance to the power 0.7.
+double colour_distance(const Triplet& a, const Triplet& b) {
+    return std::pow(std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]), 0.7);
+}
+/// That distance in [0, 1]: up to 0.4 of the largest, green to blue, is 0.95 of the range.
+double redistributed(double distance) {
+    static const double largest = colour_distance(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1}));
+    const double knee = 0.4 * largest;
+    return distance < knee ? 0.95 * distance / knee : 0.95 + 0.05 * (distance - knee) / (largest - knee);
+}
+
+/// The opponent colours Y, Cx, Cz of a picture.
+std::array<Plane, 3> opponent(const Image8& image) {
+    const Plane blank(image.width, image.height);
+    std::array<Plane, 3> planes{blank, blank, blank};
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        const Triplet t = to_relative_xyz(linear_rgb(image.pixels[i]));
+        planes[0].x[i] = 116 * t[1] - 16;
+        planes[1].x[i] = 500 * (t[0] - t[1]);
+        planes[2].x[i] = 200 * (t[1] - t[2]);
+    }
+    return planes;
+}
+
+/// What the eye resolves of them: each filtered by its contrast sensitivity, Σ a √(π/b) e^{−π²x²/b}, x in degrees, in the colours
+/// that `colour_distance` compares.
+std::vector<Triplet> seen(const std::array<Plane, 3>& planes, double pixels_per_degree) {
+    struct Term {
+        double a, b;
+    };
+    static const std::vector<Term> sensitivity[3] = {{{1, 0.0047}}, {{1, 0.0053}}, {{34.1, 0.04}, {13.5, 0.025}}};
+    const int radius = int(std::ceil(3 * std::sqrt(0.04 / (2 * k_pi * k_pi)) * pixels_per_degree));
+    std::vector<Plane> resolved;
+    for (std::size_t c = 0; c < 3; ++c) {
+        Plane total(planes[c].width, planes[c].height);
+        double whole = 0;
+        for (const auto& [a, b] : sensitivity[c]) {
+            const Filter filter = sampled(radius, [b = b, pixels_per_degree](double x) {
+                return std::exp(-k_pi * k_pi * x * x / (pixels_per_degree * pixels_per_degree * b));
+            });
+            const double weight = a * std::sqrt(k_pi / b);
+            total = combined(total, filtered(planes[c], filter, filter),
+                             [&](double s, double x) { return s + weight * x; });
+            whole += weight * sum(filter) * sum(filter);
+        }
+        for (double& x : total.x) x /= whole;
+        resolved.push_back(std::move(total));
+    }
+    std::vector<Triplet> colours;
+    for (std::size_t i = 0; i < planes[0].x.size(); ++i) {
+        const double y = (resolved[0].x[i] + 16) / 116;
+        Triplet rgb = to_linear_rgb({y + resolved[1].x[i] / 500, y, y - resolved[2].x[i] / 200});
+        for (double& v : rgb) v = std::clamp(v, 0.0, 1.0);
+        colours.push_back(hunt_lab(rgb));
+    }
+    return colours;
+}
+
+/// Lengths of the gradients of edges or points: `derivative` along one axis, its positive weights and its negative ones each
+/// brought to 1, a Gaussian along the other.
+Plane features(const Plane& luma, double sigma, const std::function<double(double)>& derivative) {
+    const int radius = int(std::ceil(3 * sigma));
+    const Filter gaussian = gaussian_filter(radius, sigma);
+    Filter by = sampled(radius, [&](double x) { return derivative(x) * std::exp(-x * x / (2 * sigma * sigma)); });
+    double positive = 0, negative = 0;
+    for (const double w : by) (w > 0 ? positive : negative) += std::abs(w);
+    for (double& w : by) w /= w > 0 ? positive : negative;
+    return combined(filtered(luma, by, gaussian), filtered(luma, gaussian, by),
+                    [](double dx, double dy) { return std::hypot(dx, dy); });
+}
+
+struct Features {
+    Plane edges, points;
+};
+Features features_of(Plane y, double pixels_per_degree) {
+    for (double& v : y.x) v = (v + 16) / 116;
+    const double sigma = 0.5 * 0.082 * pixels_per_degree;
+    return {features(y, sigma, [](double x) { return -x; }),
+            features(y, sigma, [&](double x) { return x * x / (sigma * sigma) - 1; })};
+}
+
+Plane luma(const Image8& image) {
+    Plane plane(image.width, image.height);
+    for (std::size_t i = 0; i < plane.x.size(); ++i) {
+        const Rgb8& p = image.pixels[i];
+        plane.x[i] = (0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2]) / 255;
+    }
+    return plane;
+}
+
+double mean(const std::vector<double>& map) {
+    double total = 0;
+    for (const double x : map) total += x;
+    return total / double(map.size());
+}
+
+}  // namespace
+
+std::vector<double> ssim_map(const Image8& reference, const Image8& other) {
+    assert(reference.width == other.width && reference.height == other.height);
+    const Plane a = luma(reference), b = luma(other);
+    const Filter window = gaussian_filter(5, 1.5);
+    const auto times = [](double x, double y) { return x * y; };
+    const auto mean_of = [&](const Plane& plane) { return filtered(plane, window, window); };
+    const Plane ma = mean_of(a), mb = mean_of(b), aa = mean_of(combined(a, a, times)),
+                bb = mean_of(combined(b, b, times)), ab = mean_of(combined(a, b, times));
+    constexpr double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
+    std::vector<double> map;
+    for (std::size_t i = 0; i < a.x.size(); ++i) {
+        const double ua = ma.x[i], ub = mb.x[i], va = aa.x[i] - ua * ua, vb = bb.x[i] - ub * ub,
+                     cov = ab.x[i] - ua * ub;
+        map.push_back((2 * ua * ub + c1) * (2 * cov + c2) / ((ua * ua + ub * ub + c1) * (va + vb + c2)));
+    }
+    return map;
+}
+
+std::vector<double> flip_map(const Image8& reference, const Image8& other, double pixels_per_degree) {
+    assert(reference.width == other.width && reference.height == other.height);
+    const auto a = opponent(reference), b = opponent(other);
+    const auto seen_a = seen(a, pixels_per_degree), seen_b = seen(b, pixels_per_degree);
+    const Features fa = features_of(a[0], pixels_per_degree), fb = features_of(b[0], pixels_per_degree);
+    std::vector<double> map;
+    for (std::size_t i = 0; i < seen_a.size(); ++i) {
+        const double colour = redistributed(colour_distance(seen_a[i], seen_b[i]));
+        const double difference =
+            std::max(std::abs(fa.edges.x[i] - fb.edges.x[i]), std::abs(fa.points.x[i] - fb.points.x[i]));
+        const double feature = std::sqrt(std::min(difference / std::sqrt(2.0), 1.0));
+        map.push_back(std::pow(colour, 1 - feature));
+    }
+    return map;
+}
+
+Likeness likeness(const Image8& reference, const Image8& other) {
+    assert(reference.pixels.size() == other.pixels.size() && !reference.pixels.empty());
+    double squares = 0;
+    for (std::size_t i = 0; i < reference.pixels.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double apart = (reference.pixels[i][c] - other.pixels[i][c]) / 255.0;
+            squares += apart * apart;
+        }
+    squares /= 3 * double(reference.pixels.size());
+    return {squares > 0 ? -10 * std::log10(squares) : std::numeric_limits<double>::infinity(),
+            mean(ssim_map(reference, other)), mean(flip_map(reference, other))};
+}
+
+Image8 in_false_colours(const std::vector<double>& map, int width, int height) {
+    assert(map.size() == std::size_t(width) * std::size_t(height));
+    // Even steps of lightness, as in matplotlib's "magma".
+    constexpr std::array<std::array<double, 3>, 6> stops{{{0.0, 0.0, 0.016},
+                                                          {0.232, 0.060, 0.438},
+                                                          {0.550, 0.161, 0.506},
+                                                          {0.869, 0.288, 0.409},
+                                                          {0.995, 0.624, 0.428},
+                                                          {0.987, 0.991, 0.750}}};
+    Image8 image(width, height);
+    for (std::size_t i = 0; i < map.size(); ++i) {
+        const double at = 5 * std::clamp(map[i], 0.0, 1.0);
+        const auto below = std::min(std::size_t(at), std::size_t(4));
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double x = std::lerp(stops[below][c], stops[below + 1][c], at - double(below));
+            image.pixels[i][c] = std::uint8_t(255 * x + 0.5);
+        }
+    }
+    return image;
+}
+
+}  // namespace srbf

@@ -1,0 +1,34 @@
+// Where rays meet meshes: level 5. By Embree, of version 3 or 4, which nothing else knows of.
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "render/mesh.h"
+#include "srbf/vec.h"
+
+namespace srbf {
+
+/// The point origin + distance × direction on a triangle.
+struct Hit {
+    float distance;
+    std::uint32_t mesh, triangle;
+    float u, v;              ///< the point is (1−u−v) p0 + u p1 + v p2
+    Vec3f geometric_normal;  ///< of the triangle, unit vector, to the side from which it is counter-clockwise
+};
+
+/// Meshes to be hit. They are referred to, and must outlive it.
+class Rays {
+  public:
+    explicit Rays(const std::vector<const Mesh*>& meshes);
+
+    /// The first hit along a unit vector.
+    std::optional<Hit> closest(Vec3f origin, Vec3f direction) const;
+    /// Whether anything is nearer than `distance`.
+    bool occluded(Vec3f origin, Vec3f direction, float distance) const;
+
+  private:
+    std::shared_ptr<void> device_, scene_;
+};
+
+}  // namespace srbf

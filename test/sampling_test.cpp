@@ -1,0 +1,414 @@
+// Drawing the light: densities that integrate to one, draws that follow them, albedos that come out of them.
+#include "srbf/sampling.h"
+
+#include <algorithm>
+#include <map>
+
+#include "models.h"
+#include "srbf/fit.h"
+#include "srbf/kernel.h"
+#include "srbf/measured.h"
+#include "srbf/metrics.h"
+#include "statistics.h"
+#include "su_models.h"
+
+namespace srbf {
+namespace {
+
+constexpr double k_thetas[] = {0, 30, 60, 80};
+
+/// A real material, fitted in a hurry, and what each of the three is drawn by.
+struct Material {
+    std::string name;
+    Measured measured;
+    PmModel pm;
+    SuModel su;
+    MixtureProposal of_table, of_pm;
+    ViewProposal of_su;
+    CosineProposal cosine;
+};
+
+/// Calls visit(name, brdf, proposal) with each pairing of a BRDF and a proposal.
+template <typename Visit> void for_each_pairing(const Material& material, const Visit& visit) {
+    visit(material.name + " PM", evaluator(material.pm), Proposal(material.of_pm));
+    visit(material.name + " SU", evaluator(material.su), Proposal(material.of_su));
+    visit(material.name + " table", evaluator(material.measured), Proposal(material.of_table));
+    visit(material.name + " table through PM", evaluator(material.measured), Proposal(material.of_pm));
+}
+
+std::vector<std::filesystem::path> measurements() {
+    std::map<std::string, std::filesystem::path> found;
+    for (const auto& folder : {bundled_data(), shared_data() / "rgl", shared_data() / "cornell"})
+        if (std::filesystem::exists(folder))
+            for (const auto& entry : std::filesystem::directory_iterator(folder))
+                if (const auto ending = entry.path().extension(); ending == ".bsdf" || ending == ".brdf")
+                    found.emplace(entry.path().stem().string(), entry.path());
+    std::vector<std::filesystem::path> paths;
+    for (const auto& [name, path] : found) paths.push_back(path);
+    return paths;
+}
+
+const std::vector<std::unique_ptr<Material>>& materials() {
+    static const auto all = [] {
+        std::vector<std::unique_ptr<Material>> made;
+        for (const auto& path : measurements()) {
+            auto material = std::make_unique<Material>();
+            material->name = path.stem().string();
+            material->measured = *load_measured(path.string());
+            const auto observations = observe(signed_evaluator(material->measured), {.count = 8192});
+            const auto pm = fit_pm(*observations, {.lobes = 5, .variates = 3, .starts = 2, .kicks = 0});
+            const auto matrix = tabulate(signed_evaluator(material->measured), {.directions = 128, .between = 256});
+            const auto su = fit_su(*matrix, {.lobes = 4});
+            EXPECT_TRUE(pm.ok() && su.ok()) << path;
+            material->pm = pm->model;
+            material->su = su->model;
+            material->of_pm = propose(evaluator(material->pm));
+            material->of_su = propose(material->su);
+            material->of_table = propose(evaluator(material->measured));
+            made.push_back(std::move(material));
+        }
+        return made;
+    }();
+    return all;
+}
+
+class Sampling : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        if (materials().size() < 8) std::puts("Only the bundled measurements: set SRBF_DATA for more of them.");
+    }
+    std::mt19937_64 random{5};
+    float draw() { return std::min(float(uniform(random)), 0x1.fffffep-1f); }
+    Vec3f draw3() {
+        const float a = draw(), b = draw(), c = draw();
+        return {a, b, c};
+    }
+};
+
+/// Rings of half-way vectors about the normal, narrow where lobes are.
+PolarBins half_way_bins() {
+    PolarBins bins{{0, 0, 1}, {0}};
+    for (double t = 2e-6; t < 0.02; t *= 4) bins.edge.push_back(t);
+    for (const double t : {0.02, 0.06, 0.12, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 2.0}) bins.edge.push_back(t);
+    return bins;
+}
+/// The density of the half-way vector h of wl and wv, where wl is of density pdf.
+double half_way_density(const Proposal& proposal, Vec3d h, Vec3f wv) {
+    const double along = dot(h, to_double(wv));
+    if (along <= 0) return 0;
+    return 4 * along * double(pdf(proposal, to_float(2 * along * h - to_double(wv)), wv));
+}
+Vec3d half_way(Vec3f wl, Vec3f wv) { return normalize(to_double(wl) + to_double(wv)); }
+
+TEST_F(Sampling, DrawsFollowDensitiesThatIntegrateToOne) {
+    const int tests = int(materials().size()) * 5 * int(std::size(k_thetas));
+    const double significance = sidak(0.01, tests);
+    constexpr int count = 20000;
+    const PolarBins bins = half_way_bins();
+    const auto check = [&](const std::string& name, const Evaluate&, const Proposal& proposal) {
+        for (const double theta : k_thetas) {
+            const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
+            std::vector<double> expected = bins.masses([&](Vec3d h) { return half_way_density(proposal, h, wv); });
+            std::vector<double> observed(bins.size() + 1);
+            for (int i = 0; i < count; ++i) {
+                const Vec3f wl = sample(proposal, wv, draw3());
+                observed[wl.z > 0 ? bins.index(half_way(wl, wv)) : bins.size()] += 1;
+            }
+            double within = 0;
+            for (double& mass : expected) within += mass, mass *= count;
+            const double lost = observed.back() / count;
+            // What is lost is known to its own chance error alone: none at all of most.
+            EXPECT_TRUE(near(within + lost, 1, 1e-3 + 4 * std::sqrt(lost / count))) << name << ' ' << theta;
+            expected.push_back(count * std::max(0.0, 1 - within));
+            EXPECT_GT(chi2_p_value(observed, expected), significance) << name << ' ' << theta;
+        }
+    };
+    for (const auto& material : materials()) {
+        for_each_pairing(*material, check);
+        check(material->name + " cosine", evaluator(material->measured), material->cosine);
+    }
+}
+
+TEST_F(Sampling, LostDrawsAndTheDensityMakeOne) {
+    // Finer, on one material, so that 1e-3 holds of the sum itself.
+    const Material& material = *materials()[0];
+    PolarBins bins = half_way_bins();
+    for (const double theta : k_thetas) {
+        const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
+        const Proposal proposal = material.of_pm;
+        double within = 0;
+        for (const double mass : bins.masses([&](Vec3d h) { return half_way_density(proposal, h, wv); }, 64))
+            within += mass;
+        constexpr int count = 400000;
+        int lost = 0;
+        for (int i = 0; i < count; ++i) lost += !(sample(proposal, wv, draw3()).z > 0);
+        EXPECT_TRUE(near(within + double(lost) / count, 1, 1e-3)) << theta;
+        EXPECT_LT(lost, 0.01 * count) << theta;
+    }
+}
+
+TEST_F(Sampling, DrawsOfAnotherProposalAreToldApart) {
+    const Material& material = *materials()[0];
+    const PolarBins bins = half_way_bins();
+    MixtureProposal other = material.of_pm;
+    for (auto& weight : other.weight) weight[0] += 0.1f, *std::max_element(weight.begin() + 1, weight.end()) -= 0.1f;
+    const Vec3f wv = to_float(spherical(30 * k_degree, 0.7));
+    const auto density = [&](Vec3d h) { return half_way_density(other, h, wv); };
+    const auto drawn = [&] { return half_way(sample(material.of_pm, wv, draw3()), wv); };
+    EXPECT_LT(sampler_p_value(bins, density, 20000, drawn), 1e-6);
+}
+
+TEST_F(Sampling, MeanWeightIsTheAlbedo) {
+    const int tests = int(materials().size()) * 4 * int(std::size(k_thetas));
+    const double significance = sidak(0.01, tests);
+    constexpr int count = 20000;
+    for (const auto& material : materials())
+        for_each_pairing(*material, [&](const std::string& name, const Evaluate& brdf, const Proposal& proposal) {
+            for (const double theta : k_thetas) {
+                const Vec3f wv = to_float(spherical(theta * k_degree, 0.0));
+                std::vector<Vec3f> wl;
+                std::vector<float> scale;
+                for (int i = 0; i < count; ++i) {
+                    const Vec3f w = sample(proposal, wv, draw3());
+                    if (!(w.z > 0)) continue;
+                    wl.push_back(w);
+                    scale.push_back(w.z / pdf(proposal, w, wv));
+                }
+                std::vector<Rgb> f(wl.size());
+                brdf(wl, std::vector<Vec3f>(wl.size(), wv), f);
+                double sum = 0, squares = 0;
+                for (std::size_t i = 0; i < f.size(); ++i) {
+                    const double x = is_finite(f[i]) ? double(scale[i]) * luminance(f[i]) : 0;
+                    sum += x, squares += x * x;
+                }
+                const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
+                const double expected = luminance(albedo(brdf, theta * k_degree, k_pi / 2));
+                // The quadrature itself errs by 1e-4, and by more where a measurement has an edge.
+                const double apart = std::max(0.0, std::abs(mean - expected) - 3e-4 * expected) / deviation;
+                EXPECT_GT(std::erfc(apart / std::sqrt(2.0)), significance)
+                    << name << ' ' << theta << ": " << mean << " +- " << deviation << ", expected " << expected;
+            }
+        });
+}
+
+TEST_F(Sampling, VarianceIsSmall) {
+    for (const auto& material : materials())
+        for_each_pairing(*material, [&](const std::string& name, const Evaluate& brdf, const Proposal& proposal) {
+            const Vec3f wv = to_float(spherical(45 * k_degree, 0.0));
+            const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), 30000);
+            std::vector<Rgb> f(points.w.size());
+            brdf(points.w, std::vector<Vec3f>(f.size(), wv), f);
+            double whole = 0, squared = 0;
+            for (std::size_t i = 0; i < f.size(); ++i) {
+                const double g = is_finite(f[i]) ? luminance(f[i]) * double(points.w[i].z) : 0;
+                whole += points.weight[i] * g;
+                if (g > 0) squared += points.weight[i] * g * g / double(pdf(proposal, points.w[i], wv));
+            }
+            EXPECT_LT(squared / (whole * whole) - 1, material->measured.format == "RGL" ? 0.15 : 0.3) << name;
+        });
+}
+
+TEST_F(Sampling, AreaOfEachWarpTimesItsDensityIsOne) {
+    using D = Kernel<double>;
+    constexpr double h = 1e-6;
+    const auto check = [&](const auto& warp, const auto& density, const std::string& name) {
+        const double u1 = 0.01 + 0.98 * uniform(random), u2 = 0.01 + 0.98 * uniform(random);
+        const Vec3d w = warp(u1, u2);
+        if (dot(w, w) < 0.5) return;
+        const Vec3d by1 = (0.5 / h) * (warp(u1 + h, u2) - warp(u1 - h, u2)),
+                    by2 = (0.5 / h) * (warp(u1, u2 + h) - warp(u1, u2 - h)), area = cross(by1, by2);
+        EXPECT_TRUE(near(std::sqrt(dot(area, area)) * density(w), 1, 2e-4)) << name << ' ' << u1 << ' ' << u2;
+        EXPECT_TRUE(near(dot(w, w), 1, 1e-12)) << name;
+    };
+    for (int i = 0; i < 300; ++i) {
+        const Vec3d wv = random_direction(random, 0.02);
+        const double stretch = i % 2 ? 1 : 1 + 10 * uniform(random);
+        check([&](double u1, double u2) { return D::sample_cosine(u1, u2); }, [&](Vec3d w) { return D::cosine_pdf(w); },
+              "cosine");
+        for (int k = 5; k < SRBF_PROPOSAL_LOBES; ++k)
+            check(
+                [&](double u1, double u2) { return D::sample_half_way(wv, D::proposal_bandwidth(k), stretch, u1, u2); },
+                [&](Vec3d w) { return D::half_way_pdf(w, wv, D::proposal_bandwidth(k), stretch); },
+                "half-way " + std::to_string(k));
+    }
+}
+
+TEST_F(Sampling, LobesAreMirroredAtTheHorizon) {
+    using D = Kernel<double>;
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3d wv = random_direction(random, 0.02), specular(-wv.x, -wv.y, wv.z);
+        const int k = 1 + i % (SRBF_PROPOSAL_LOBES - 1);
+        const Vec3d wl = D::sample_proposal_lobe(k, wv, 3.0, uniform(random), uniform(random));
+        EXPECT_GE(wl.z, 0);
+        if (!(wl.z > 0)) continue;
+        const auto plain = [&](Vec3d w) {
+            const double bandwidth = D::proposal_bandwidth(k);
+            return k < 5 ? D::vmf_pdf(w, specular, bandwidth) : D::half_way_pdf(w, wv, bandwidth, 3.0);
+        };
+        EXPECT_TRUE(near_relative(D::proposal_lobe_pdf(k, D::proposal_point(wl, wv, 3.0)),
+                                  plain(wl) + plain({wl.x, wl.y, -wl.z}), 1e-9));
+    }
+}
+
+TEST_F(Sampling, DoubleAndFloatAgree) {
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3f wv = to_float(random_direction(random, 0.02));
+        const int k = i % SRBF_PROPOSAL_LOBES;
+        const Vec3f wl = Kernel<float>::sample_proposal_lobe(k, wv, 1.f + float(i % 3), draw(), draw());
+        if (!(wl.z > 0)) continue;
+        const auto density = [&]<typename Real>(Vec3<Real> l, Vec3<Real> v) {
+            return double(Kernel<Real>::proposal_lobe_pdf(k, Kernel<Real>::proposal_point(l, v, Real(1 + i % 3))));
+        };
+        EXPECT_TRUE(near_relative(density(wl, wv), density(to_double(wl), to_double(wv)), 2e-3)) << k;
+    }
+}
+
+/// A brushed conductor: Trowbridge-Reitz, its roughness 0.3 along azimuth 40° and 0.06 across.
+struct Brushed {};
+Rgb value(const Brushed&, Vec3f wl, Vec3f wv) {
+    if (!(wl.z > 0 && wv.z > 0)) return {};
+    const auto turned = [](Vec3f w) { return Kernel<double>::turned(to_double(w), std::cos(0.7), -std::sin(0.7)); };
+    const Vec3d l = turned(wl), v = turned(wv), h = normalize(l + v);
+    const auto square = [](double x) { return x * x; };
+    const auto wide = [&](Vec3d w) { return square(0.3 * w.x) + square(0.06 * w.y); };
+    const double slope = square(h.x / 0.3) + square(h.y / 0.06) + square(h.z);
+    const auto hidden = [&](Vec3d w) { return 0.5 * (std::sqrt(1 + wide(w) / square(w.z)) - 1); };
+    const float f = float(1 / (k_pi * 0.3 * 0.06 * square(slope)) / (4 * l.z * v.z * (1 + hidden(l) + hidden(v))));
+    return {f, f, f};
+}
+
+TEST_F(Sampling, LobesAreStretchedAlongTheGrain) {
+    const MixtureProposal round = propose(evaluator(Brushed{})), along = propose(evaluator(Brushed{}), {.azimuths = 8});
+    EXPECT_EQ(round.stretch, 1);
+    EXPECT_TRUE(near(double(along.stretch), 5, 1.1));
+    EXPECT_TRUE(near(std::atan2(double(along.sine), double(along.cosine)), 0.7, 0.14));
+    const PolarBins bins = half_way_bins();
+    const double significance = sidak(0.01, 6);
+    for (const double theta : {0.0, 45.0, 75.0})
+        for (const double phi : {0.2, 1.5}) {
+            const Vec3f wv = to_float(spherical(theta * k_degree, phi));
+            double sum = 0, squares = 0, of_round = 0;
+            constexpr int count = 20000;
+            for (int i = 0; i < count; ++i) {
+                const double x = double(sample(Brushed{}, along, wv, draw3()).weight.g),
+                             y = double(sample(Brushed{}, round, wv, draw3()).weight.g);
+                sum += x, squares += x * x, of_round += y * y;
+            }
+            EXPECT_LT(squares * count / (sum * sum) - 1, theta > 50 ? 0.5 : 0.15) << theta << ' ' << phi;
+            EXPECT_GT(of_round * count / (sum * sum) - 1, 0.7) << theta << ' ' << phi;
+            // And of the density.
+            const Proposal proposal = along;
+            std::vector<double> expected = bins.masses([&](Vec3d h) { return half_way_density(proposal, h, wv); }, 64),
+                                observed(bins.size() + 1);
+            double within = 0;
+            for (double& mass : expected) within += mass, mass *= count;
+            for (int i = 0; i < count; ++i) {
+                const Vec3f wl = sample(along, wv, draw3());
+                observed[wl.z > 0 ? bins.index(half_way(wl, wv)) : bins.size()] += 1;
+            }
+            EXPECT_TRUE(near(within + observed.back() / count, 1, 2e-3)) << theta << ' ' << phi;
+            expected.push_back(count * std::max(0.0, 1 - within));
+            EXPECT_GT(chi2_p_value(observed, expected), significance) << theta << ' ' << phi;
+        }
+}
+
+/// f = 1/π, as a model.
+PmModel white() {
+    PmModel model;
+    model.lobes = model.variates = 1;
+    model.coefficient = {{float(1 / k_pi), float(1 / k_pi), float(1 / k_pi)}};
+    model.log_scale = {0};
+    model.centre = {{0, 0, 1}};
+    model.bandwidth = {0};
+    model.parameterization = {{1, 1}};
+    return model;
+}
+
+TEST_F(Sampling, WhiteReflectsAllThatItReceives) {
+    const PmModel brdf = white();
+    SuModel by_view = isotropic_su(64);
+    std::fill(by_view.coefficient.begin(), by_view.coefficient.end(), Rgb{0.1f, float(0.5 / k_pi), 0.2f});
+    std::fill(by_view.bandwidth.begin(), by_view.bandwidth.end(), 0.f);
+    const Proposal proposals[] = {CosineProposal{}, propose(evaluator(brdf)), propose(by_view)};
+    for (const Proposal& proposal : proposals)
+        for (const double theta : k_thetas) {
+            const Vec3f wv = to_float(spherical(theta * k_degree, 1.0));
+            // Within each cell of a grid: the mean of so many draws is good to 1e-3 where independent ones are to 1e-2.
+            constexpr int n = 64;
+            double sum = 0;
+            for (int i = 0; i < n; ++i)
+                for (int j = 0; j < n; ++j)
+                    for (int k = 0; k < n; ++k) {
+                        const Vec3f cell{float(i), float(j), float(k)};
+                        const Vec3f wl = (1.f / n) * (cell + draw3());
+                        sum += double(sample(brdf, proposal, wv, wl).weight.g);
+                    }
+            EXPECT_TRUE(near(sum / (n * n * n), 1, 1e-3))
+                << proposal.index() << ' ' << theta << ' ' << sum / (n * n * n);
+        }
+}
+
+TEST_F(Sampling, WeightsAreSharesAndTheCosineKeepsSome) {
+    for (const auto& material : materials())
+        for (const auto& weight : material->of_pm.weight) {
+            float sum = 0;
+            for (const float w : weight) sum += w;
+            EXPECT_TRUE(near(double(sum), 1, 1e-5));
+            EXPECT_GE(*std::min_element(weight.begin(), weight.end()), 0);
+            EXPECT_GE(weight[0], 0.9f * k_least_cosine);
+        }
+}
+
+TEST_F(Sampling, NothingDependsOnTheThreads) {
+    const Material& material = *materials()[0];
+    const MixtureProposal one = propose(evaluator(material.pm), {.threads = 1});
+    EXPECT_EQ(one.weight, material.of_pm.weight);
+    EXPECT_EQ(propose(material.su, {.threads = 1}).albedo, material.of_su.albedo);
+}
+
+TEST_F(Sampling, BlackIsDrawnByTheCosine) {
+    PmModel black = white();
+    black.coefficient = {{}};
+    const MixtureProposal proposal = propose(evaluator(black));
+    for (const auto& weight : proposal.weight) EXPECT_EQ(weight[0], 1);
+    SuModel su = isotropic_su(16);
+    std::fill(su.coefficient.begin(), su.coefficient.end(), Rgb{});
+    const ViewProposal by_view = propose(su);
+    for (int i = 0; i < 100; ++i) {
+        const Vec3f wv = to_float(random_direction(random, 0.02)), wl = sample(by_view, wv, draw3());
+        EXPECT_TRUE(near_relative(double(pdf(by_view, wl, wv)), double(wl.z) / k_pi, 1e-4));
+        EXPECT_EQ(sample(su, by_view, wv, draw3()).weight, Rgb{});
+    }
+}
+
+TEST_F(Sampling, NothingIsDrawnBelowTheHorizon) {
+    const Material& material = *materials()[0];
+    for (const Vec3f wv : {Vec3f(0, 0, -1), Vec3f(1, 0, 0)}) {
+        EXPECT_EQ(sample(material.pm, material.of_pm, wv, draw3()).pdf, 0);
+        EXPECT_EQ(pdf(material.of_pm, {0, 0, 1}, wv), 0);
+        EXPECT_EQ(pdf(material.of_su, {0, 0, 1}, wv), 0);
+    }
+    EXPECT_EQ(pdf(material.of_pm, {0, 0, -1}, {0, 0, 1}), 0);
+    EXPECT_EQ(pdf(material.of_su, {0, 0, -1}, {0, 0, 1}), 0);
+    EXPECT_EQ(pdf(material.cosine, {0, 0, -1}, {0, 0, 1}), 0);
+}
+
+TEST_F(Sampling, ExtremeModelsAreDrawnFrom) {
+    for (int i = 0; i < 8; ++i) {
+        const PmModel model = random_model(
+            random, {.axial = i % 2 == 0, .log_scale = true, .most_bandwidth = 65504, .form = PmForm::extended});
+        const MixtureProposal proposal = propose(evaluator(model), {.azimuths = i % 2 == 0 ? 1 : 4});
+        for (int n = 0; n < 1000; ++n) {
+            const Vec3f wv = to_float(random_direction(random, n % 5 == 0 ? 1e-5 : 0.02));
+            const Vec3f u = n % 7 == 0 ? Vec3f(0, 0, 0) : n % 7 == 1 ? 0x1.fffffep-1f * Vec3f(1, 1, 1) : draw3();
+            const LightSample drawn = sample(model, proposal, wv, u);
+            EXPECT_TRUE(std::isfinite(drawn.pdf) && drawn.pdf >= 0 && is_finite(drawn.weight));
+            if (drawn.pdf > 0) {
+                EXPECT_TRUE(near(double(dot(drawn.wl, drawn.wl)), 1, 1e-5));
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace srbf

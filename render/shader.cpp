@@ -72,7 +72,8 @@ ShaderText surface_shader_text(Dialect dialect) {
 }
 
 std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
-    std::array<Float4, 4> numbers{{{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
+    std::array<Float4, 4> numbers{
+        {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
     for (std::size_t i = 0; i < model.lobes.size(); ++i) {
         const GgxModel::Lobe& lobe = model.lobes[i];
         numbers[1 + i] = {lobe.facing.r, lobe.facing.g, lobe.facing.b, lobe.roughness};

@@ -124,10 +124,11 @@ TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
     EXPECT_NE(std::get<PmModel>(a->model), std::get<PmModel>(b->model));
 }
 
-TEST_F(Command, fit_su_takes_scattered_samples) {
+/// `count` samples of a smooth BRDF at random directions, as CSV.
+std::string smooth_samples(int count) {
     std::mt19937_64 random(3);
     std::string csv = "# isotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n";
-    for (int i = 0; i < 600; ++i) {
+    for (int i = 0; i < count; ++i) {
         const auto draw = [&] {
             const double u1 = uniform(random), u2 = uniform(random);
             return spherical(std::acos(1 - 0.8 * u1), 2 * k_pi * u2);
@@ -136,7 +137,57 @@ TEST_F(Command, fit_su_takes_scattered_samples) {
         const double f = 0.2 + 0.3 * dot(l, v) * dot(l, v);
         csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", l.x, l.y, l.z, v.x, v.y, v.z, f, 0.5 * f, 0.2);
     }
-    write(folder / "samples.csv", csv);
+    return csv;
+}
+
+TEST_F(Command, fit_chooses_the_lobes_of_scattered_samples) {
+    write(folder / "samples.csv", smooth_samples(60));
+    const ProgramRun fit = run(folder, {"fit", "samples.csv", "--variates", "1", "--form", "source", "--objective",
+                                        "raw", "--max-theta", "70", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    EXPECT_EQ(json.value("folds", 0), 5);
+    EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.02);
+    EXPECT_GE(json.value("heldout_squared_error_ratio", 0.0), json.value("squared_error_ratio", 1.0));
+    // The path holds the model that was taken: the smallest of those that err hardly more than the best.
+    ASSERT_TRUE(json.contains("path") && json["path"].size() > 1);
+    double least = 1;
+    for (const Json& step : json["path"]) least = std::min(least, step.value("error", 1.0));
+    for (const Json& step : json["path"]) {
+        const bool good = step.value("error", 1.0) <= 1.03 * least;
+        if (step.value("lobes", 0) <= json.value("lobes", 0)) {
+            EXPECT_EQ(good, step.value("lobes", 0) == json.value("lobes", 0)) << step;
+        }
+    }
+    EXPECT_EQ(run(folder, {"compare", "samples.csv", "samples.srbf"}).status, 0);
+}
+
+TEST_F(Command, fit_ggx_is_a_model_as_the_others) {
+    const ProgramRun fit =
+        run(folder, {"fit", k_paper, "--model", "ggx", "--lobes", "2", "-o", "g.srbf", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    EXPECT_EQ(json.value("payload_bytes", 0), 26);
+    EXPECT_EQ(json.value("model", ""), "ggx");
+    EXPECT_LT(json.value("heldout_squared_error_ratio_cosine", 1.0), 0.01);
+    const ProgramRun compare = run(folder, {"compare", k_paper, "g.srbf", "--max-theta", "89", "--json", "-"});
+    ASSERT_EQ(compare.status, 0) << compare.err;
+    EXPECT_EQ(Json::parse(compare.out, nullptr, false).value("heldout_squared_error_ratio_cosine", 1.0),
+              json.value("heldout_squared_error_ratio_cosine", 0.0));
+    EXPECT_NE(run(folder, {"info", "g.srbf"}).out.find("Lambert and GGX"), std::string::npos);
+}
+
+TEST_F(Command, fit_keeps_a_budget) {
+    const ProgramRun fit = run(folder, {"fit", k_paper, "--budget", "20", "-o", "b.srbf", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    EXPECT_LE(json.value("payload_bytes", 99), 20);
+    EXPECT_TRUE(json.value("reached", false));
+    EXPECT_GT(json["path"].size(), 5u);
+}
+
+TEST_F(Command, fit_su_takes_scattered_samples) {
+    write(folder / "samples.csv", smooth_samples(600));
     const ProgramRun fit = run(folder, {"fit", "samples.csv", "--model", "su", "--lobes", "3", "--directions", "96",
                                         "--objective", "raw", "--max-theta", "70", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
@@ -357,6 +408,17 @@ TEST_F(Command, outputs_that_cannot_be_written_leave_nothing_behind) {
     const Arguments eval{"eval", k_paper, "--pairs", bundled_data() / "paper_white_rgb.csv"};
     for (const Arguments& command : {fit, {"info", k_paper}, eval})
         expect_failure(1, command, "standard output", "/dev/full");
+}
+
+TEST_F(Command, usage_errors_of_choices) {
+    expect_failure(2, {"fit", k_paper, "--budget", "160", "--target-error", "0.1"}, "not together with");
+    expect_failure(2, {"fit", k_paper, "--budget", "160", "--lobes", "3"}, "not together with --lobes");
+    expect_failure(2, {"fit", k_paper, "--budget", "4"}, "expected 12 to 1024, found 4");
+    expect_failure(2, {"fit", k_paper, "--target-error", "0"}, "--target-error");
+    expect_failure(2, {"fit", k_paper, "--model", "ggx", "--lobes", "3"}, "of ggx 1 or 2");
+    expect_failure(2, {"fit", k_paper, "--model", "ggx", "--form", "source"}, "only with --model pm");
+    expect_failure(2, {"fit", k_paper, "--model", "su", "--budget", "100"}, "only with --model pm");
+    expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64, found many");
 }
 
 TEST_F(Command, usage_errors_name_what_is_wrong) {

@@ -78,6 +78,21 @@ TEST_F(Choose, ThePathIsInOrderAndEachModelStandsOnce) {
     }
 }
 
+TEST_F(Choose, ACancelledSearchIsAnErrorOrWhatItHad) {
+    const auto judge = [&](const PmModel& model, bool) { return error(model); };
+    for (const Wish& wish : {Wish{.bytes = 40}, Wish{.error = 1e-3}})
+        for (const int calls : {0, 1, 2}) {
+            int called = 0;
+            const auto chosen =
+                choose_pm(observed_, options_, wish, judge, [&](const Progress&) { return called++ < calls; });
+            if (chosen) {
+                EXPECT_GT(chosen->fit.model.lobes, 0);
+            } else {
+                EXPECT_NE(message(chosen.error()).find("cancelled"), std::string::npos);
+            }
+        }
+}
+
 TEST_F(Choose, TooFewBytesAreAnError) { EXPECT_FALSE(choose({.bytes = 8}).ok()); }
 
 }  // namespace

@@ -413,7 +413,7 @@ TEST_F(Command, outputs_that_cannot_be_written_leave_nothing_behind) {
 TEST_F(Command, usage_errors_of_choices) {
     expect_failure(2, {"fit", k_paper, "--budget", "160", "--target-error", "0.1"}, "not together with");
     expect_failure(2, {"fit", k_paper, "--budget", "160", "--lobes", "3"}, "not together with --lobes");
-    expect_failure(2, {"fit", k_paper, "--budget", "4"}, "expected 12 to 1024, found 4");
+    expect_failure(2, {"fit", k_paper, "--budget", "4"}, "expected 12 to 512, found 4");
     expect_failure(2, {"fit", k_paper, "--target-error", "0"}, "--target-error");
     expect_failure(2, {"fit", k_paper, "--model", "ggx", "--lobes", "3"}, "of ggx 1 or 2");
     expect_failure(2, {"fit", k_paper, "--model", "ggx", "--form", "source"}, "only with --model pm");

@@ -34,7 +34,7 @@ struct Chosen {
     std::vector<Step> path;  ///< what was tried, by bytes
     bool reached = true;     ///< false: no model of up to k_most_chosen_bytes is as good as asked for
 };
-inline constexpr std::size_t k_most_chosen_bytes = 1024;
+inline constexpr std::size_t k_most_chosen_bytes = 512;
 
 /// Looks for the model that is wished for among all forms, up to k_most_chosen_variates variates and, where `options.axial` is false, axial and
 /// general lobes. Of each kind models are fitted in short to a part of the observations; those that then look best are fitted whole, with

@@ -19,6 +19,9 @@ constexpr int k_short_starts = 4, k_short_kicks = 4, k_largest_j = k_most_fitted
 constexpr std::size_t k_whole_fits = 6;
 /// A model that in short errs more than this much as asked for is not taken for one that reaches it.
 constexpr double k_short_excess = 2;
+/// On the way to the smallest model so many kinds take part, of which so many are fitted whole; and what counts as just below it.
+constexpr std::size_t k_few_kinds = 4, k_whole_each = 2;
+constexpr double k_just_below = 0.92;
 
 /// A kind of model, of which only J is open.
 struct Kind {
@@ -111,6 +114,14 @@ class Search {
         return tried;
     }
 
+    /// Whether that model was fitted whole.
+    bool has_whole(const Step& step) const {
+        return std::any_of(path_.begin(), path_.end(), [&](const Step& one) {
+            return one.whole && one.form == step.form && one.axial == step.axial && one.variates == step.variates &&
+                   one.lobes == step.lobes;
+        });
+    }
+
     bool report(double fraction) {
         if (progress_ && !cancelled_) cancelled_ = !progress_({"choosing", std::min(fraction, 1.0)});
         return !cancelled_;
@@ -149,6 +160,11 @@ class Search {
 bool by_error(const Step& a, const Step& b) { return a.error < b.error; }
 bool by_bytes(const Step& a, const Step& b) { return a.bytes != b.bytes ? a.bytes < b.bytes : a.error < b.error; }
 
+Result<Search::Tried> found_or_cancelled(std::optional<Search::Tried>& best) {
+    if (!best) return Error{"fit", {}, "models that were tried", "one at least", "none before it was cancelled"};
+    return *std::move(best);
+}
+
 /// The least error within the bytes: of each kind the most lobes, and one fewer.
 Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, std::size_t bytes) {
     std::vector<std::pair<Kind, int>> asked;
@@ -167,57 +183,79 @@ Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, st
         if (!tried) return tried;
         if (tried->step.bytes <= bytes && (!best || by_error(tried->step, best->step))) best = *std::move(tried);
     }
-    return *std::move(best);
+    return found_or_cancelled(best);
 }
 
-/// The fewest bytes at most that error. Of each kind the fewest lobes that reach it in short, or nearly so, by bisection; from the smallest
-/// model on these and their smaller neighbours are fitted whole, until one reaches it.
+/// Of these kinds the best few models that fit into the bytes, as far as short fits tell; the best first.
+Result<std::vector<Step>> best_in_short(Search& search, const FitOptions& options, const std::vector<Kind>& of,
+                                        std::size_t bytes) {
+    std::vector<std::pair<Kind, int>> asked;
+    for (const Kind& kind : of)
+        if (const int most = kind.most_lobes(bytes, options.log_scale); most > 0) asked.emplace_back(kind, most);
+    auto steps = search.in_short(asked);
+    if (steps) std::stable_sort(steps->begin(), steps->end(), by_error);
+    return steps;
+}
+
+/// The fewest bytes at most that error. Doubles the bytes until some model reaches it, then halves the gap to those that were too few. On the
+/// way down only the kinds that looked best take part, and of these two are fitted whole; at last the models just below the smallest
+/// that was found are tried.
 Result<Search::Tried> within_error(Search& search, const FitOptions& options, double error, bool& reached) {
-    struct Bracket {
-        Kind kind;
-        int least, most;  // too few lobes; enough, or the most there are
-    };
-    std::vector<Bracket> brackets;
-    for (const Kind& kind : kinds(options))
-        brackets.push_back({kind, 0, kind.most_lobes(k_most_chosen_bytes, options.log_scale)});
-    std::vector<Step> candidates;
-    for (int round = 0; round < 7; ++round) {
-        std::vector<std::pair<Kind, int>> asked;
-        std::vector<Bracket*> of;
-        for (Bracket& b : brackets)
-            if (b.most - b.least > 1) {
-                // Few lobes first: they are fitted sooner, and often do.
-                const int lobes =
-                    b.least == 0 ? std::min(b.most - 1, 4) : std::min((b.least + b.most) / 2, 2 * b.least);
-                asked.emplace_back(b.kind, lobes), of.push_back(&b);
-            }
-        if (asked.empty()) break;
-        const auto steps = search.in_short(asked);
-        if (!steps) return steps.error();
-        for (std::size_t i = 0; i < asked.size(); ++i) {
-            const bool enough = (*steps)[i].error <= k_short_excess * error;
-            (enough ? of[i]->most : of[i]->least) = asked[i].second;
-        }
-        if (!search.report(0.08 * (round + 1))) break;
-    }
-    for (const Bracket& b : brackets)
-        for (int lobes = std::max(b.most, 1);
-             lobes <= k_largest_j && b.kind.bytes(lobes, options.log_scale) <= k_most_chosen_bytes; ++lobes)
-            candidates.push_back(
-                {b.kind.form, b.kind.axial, lobes, b.kind.variates, b.kind.bytes(lobes, options.log_scale), 0, false});
-    std::stable_sort(candidates.begin(), candidates.end(), by_bytes);
     std::optional<Search::Tried> best;
-    double fraction = 0.5;
-    for (const Step& step : candidates) {
-        if (!search.report(fraction += 0.5 * (1 - fraction) / 10)) break;
+    std::vector<Kind> few;
+    // Whether some model within the bytes reaches the error; it or the nearest one becomes the best.
+    const auto attempt = [&](const std::vector<Kind>& of, std::size_t bytes) -> Result<bool> {
+        const auto steps = best_in_short(search, options, of, bytes);
+        if (!steps) return steps.error();
+        few.clear();
+        for (const Step& step : *steps)
+            if (few.size() < k_few_kinds) few.push_back({step.form, step.axial, step.variates});
+        for (std::size_t i = 0; i < std::min(k_whole_each, steps->size()); ++i) {
+            if ((*steps)[i].error > k_short_excess * error && bytes < k_most_chosen_bytes) continue;
+            auto tried = search.whole((*steps)[i]);
+            if (!tried) return tried.error();
+            const bool enough = tried->step.error <= error, was_enough = best && best->step.error <= error;
+            if (!best || (enough ? !was_enough || by_bytes(tried->step, best->step)
+                                 : !was_enough && by_error(tried->step, best->step)))
+                best = *std::move(tried);
+            if (enough) return true;
+        }
+        return false;
+    };
+
+    std::size_t too_few = 0, enough = 32;
+    for (;; too_few = enough, enough = std::min(2 * enough, k_most_chosen_bytes)) {
+        const auto found = attempt(kinds(options), enough);
+        if (!found) return found.error();
+        reached = *found;
+        if (reached || enough == k_most_chosen_bytes || !search.report(0.1 * std::log2(double(enough) / 16))) break;
+    }
+    if (!reached) return found_or_cancelled(best);
+    const std::vector<Kind> looked_best = few;
+    while (enough - too_few > std::max<std::size_t>(4, enough / 24) && search.report(0.9)) {
+        const std::size_t between = (too_few + enough) / 2;
+        const auto found = attempt(looked_best, between);
+        if (!found) return found.error();
+        (*found ? enough : too_few) = *found ? std::min(between, best->step.bytes) : between;
+    }
+    std::vector<Step> below;
+    for (const Kind& kind : looked_best)
+        for (int lobes = kind.most_lobes(best->step.bytes - 1, options.log_scale);
+             lobes > 0 && double(kind.bytes(lobes, options.log_scale)) > k_just_below * double(best->step.bytes);
+             --lobes)
+            below.push_back(
+                {kind.form, kind.axial, lobes, kind.variates, kind.bytes(lobes, options.log_scale), 0, false});
+    std::stable_sort(below.begin(), below.end(), by_bytes);
+    for (const Step& step : below) {
+        if (search.has_whole(step)) continue;
+        if (!search.report(0.95)) break;
         auto tried = search.whole(step);
         if (!tried) return tried;
-        const bool better = !best || by_error(tried->step, best->step);
-        reached = tried->step.error <= error;
-        if (better || reached) best = *std::move(tried);
-        if (reached) break;
+        if (tried->step.error > error) continue;
+        best = *std::move(tried);
+        break;
     }
-    return *std::move(best);
+    return found_or_cancelled(best);
 }
 
 }  // namespace

@@ -71,8 +71,14 @@ ShaderText surface_shader_text(Dialect dialect) {
     return {version(dialect) + k_surface_text, version(dialect) + k_surface_pixel_text};
 }
 
+ShaderText develop_shader_text(Dialect dialect) {
+    return {version(dialect) + k_whole_text,
+            version(dialect) + k_host_text + k_kernel_text + k_shading_text + k_develop_text};
+}
+
 std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
-    std::array<Float4, 4> numbers{{{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
+    std::array<Float4, 4> numbers{
+        {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
     for (std::size_t i = 0; i < model.lobes.size(); ++i) {
         const GgxModel::Lobe& lobe = model.lobes[i];
         numbers[1 + i] = {lobe.facing.r, lobe.facing.g, lobe.facing.b, lobe.roughness};

@@ -54,6 +54,8 @@ struct ShaderText {
 ShaderText shader_text(const Material& material, const ShaderOptions& options);
 /// The shaders of a `RasterSurface`: positions to colour 0, normals to colour 1.
 ShaderText surface_shader_text(Dialect dialect);
+/// The shaders of a `RasterDevelopment`, as render/develop.glsl.
+ShaderText develop_shader_text(Dialect dialect);
 
 using Float4 = std::array<float, 4>;
 /// The contents of the block `PmNumbers` (std140): colours and log2 scales, exponents, kernels, weights of the parameterization.

@@ -292,7 +292,7 @@ void RasterMaterial::load(const MerlTable& table) {
 }
 
 void RasterMaterial::load(const PmModel& model) {
-    const auto numbers = pm_numbers(model);
+    const auto numbers = pm_numbers(model, is_open_);
     data_bytes_ = numbers.size() * sizeof(Float4);
     numbers_ = buffer_of(GL_UNIFORM_BUFFER, numbers.data(), data_bytes_, GL_DYNAMIC_DRAW);
     glUniformBlockBinding(program_.id(), glGetUniformBlockIndex(program_.id(), "PmNumbers"), 0);
@@ -336,13 +336,14 @@ Result<RasterMaterial> RasterMaterial::make(const Material& material, const Shad
     if (!program) return program.error();
     RasterMaterial made(*std::move(program));
     made.no_array_ = new_array();
+    if (const auto* pm = std::get_if<PmModel>(&material)) made.is_open_ = is_open(*pm, options);
     glUseProgram(made.program_.id());
     std::visit([&](const auto& of) { made.load(of); }, material);
     return made;
 }
 
 void RasterMaterial::update(const PmModel& model) {
-    const auto numbers = pm_numbers(model);
+    const auto numbers = pm_numbers(model, is_open_);
     assert(numbers.size() * sizeof(Float4) == data_bytes_);
     glBindBuffer(GL_UNIFORM_BUFFER, numbers_.id());
     glBufferSubData(GL_UNIFORM_BUFFER, 0, GLsizeiptr(data_bytes_), numbers.data());

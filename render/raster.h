@@ -136,6 +136,7 @@ class RasterMaterial {
     GlObject program_, numbers_, no_array_;
     std::vector<Texture> textures_;  ///< in the order of their units
     std::size_t data_bytes_ = 0, auxiliary_bytes_ = 0;
+    bool is_open_ = false;  ///< of a multivariate model
 };
 
 /// A framebuffer off screen, bound while it is drawn into.

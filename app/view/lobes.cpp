@@ -98,7 +98,7 @@ std::vector<SeenLobe> seen_lobes(const Model& model, Vec3f wl) {
             lobe.relative.push_back(float(here));
         }
         if (!(most > 0)) continue;
-        for (float& x : lobe.relative) x = float(double(x) / most);
+        for (float& x : lobe.relative) x = std::min(1.f, float(double(x) / most));
         for (int ring = 0; ring < k_rings; ++ring) {
             // A ring's nodes stand for the band up to half way to its neighbours.
             const auto edge = [&](double at) {

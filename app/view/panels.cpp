@@ -45,7 +45,7 @@ Result<Done> Panels::set_material(Which which, const std::optional<Material>& ma
     panel.is_stale = true;
     if (!material) return panel.material.reset(), panel.text.clear(), Done{};
     const ShaderOptions options{
-        .dialect = dialect_, .output = PixelOutput::radiance, .input = PixelInput::surface, .lights = 3};
+        .dialect = dialect_, .output = PixelOutput::radiance, .input = PixelInput::surface, .lights = 3, .open = true};
     std::string text = shader_text(*material, options).fragment;
     const auto* pm = std::get_if<PmModel>(&*material);
     if (pm && panel.material && panel.is_pm && panel.text == text) return panel.material->update(*pm), Done{};

@@ -16,8 +16,9 @@ namespace {
 /// A quick fit looks at so many pairs, from so few starts: it is shown while the next one is under way.
 constexpr std::size_t k_quick_pairs = 4096;
 constexpr int k_quick_starts = 3, k_quick_kicks = 0;
-/// The other one: half of `fit_pm`'s own search, which keeps within two seconds on two cores that draw besides.
-constexpr int k_starts = 8, k_kicks = 8;
+/// The other one: less than `fit_pm` takes by itself, which keeps within two seconds on two cores that draw besides.
+constexpr int k_starts = 4, k_kicks = 6;
+constexpr std::size_t k_pairs = 32768;
 
 }  // namespace
 
@@ -131,7 +132,7 @@ class Session::Worker {
         if (!known.isotropic) known.isotropic = srbf::is_isotropic(f, default_max_theta(objective));
         options.axial = *known.isotropic;
         if (!known.observations.contains(objective)) {
-            auto observed = observe(f, {.objective = objective});
+            auto observed = observe(f, {.objective = objective, .count = k_pairs});
             if (!observed) return observed.error();
             known.observations.emplace(objective, *std::move(observed));
         }

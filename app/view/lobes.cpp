@@ -82,14 +82,20 @@ std::vector<Vec3f> view_directions() {
     return all;
 }
 
+bool is_seen_over_lights(const Model& model) {
+    const auto* su = std::get_if<SuModel>(&model.model);
+    return su && su->discretise == Discretise::view;
+}
+
 std::vector<SeenLobe> seen_lobes(const Model& model, Vec3f wl) {
     static const std::vector<Vec3f> views = view_directions();
     const std::vector<Vec3f> lights(views.size(), wl);
     std::vector<Rgb> f(views.size());
     std::vector<SeenLobe> lobes;
+    const bool over_lights = is_seen_over_lights(model);
     double total = 0;
     for (const Model& term : terms_of(model)) {
-        evaluate(term, lights, views, f);
+        over_lights ? evaluate(term, views, lights, f) : evaluate(term, lights, views, f);
         SeenLobe lobe;
         double most = 0, solid_angle = 0;
         for (std::size_t i = 0; i < f.size(); ++i) {
@@ -99,7 +105,7 @@ std::vector<SeenLobe> seen_lobes(const Model& model, Vec3f wl) {
         }
         if (!(most > 0)) continue;
         for (float& x : lobe.relative) x = std::min(1.f, float(double(x) / most));
-        for (int ring = 0; ring < k_rings; ++ring) {
+        for (int ring = 0; ring <= k_rings; ++ring) {
             // A ring's nodes stand for the band up to half way to its neighbours.
             const auto edge = [&](double at) {
                 return std::cos(k_last_ring * std::clamp(at, 0.0, double(k_rings)) / k_rings);

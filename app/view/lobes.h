@@ -23,8 +23,10 @@ struct SeenLobe {
     double share = 0;             ///< of the luminance of ∫ f cosθv dωv, all terms together 1
     std::vector<float> relative;  ///< its luminance over that of its peak, at `view_directions`
 };
-/// Those that reflect anything under that light, by their share, largest first.
+/// Those that reflect anything under that light, by their share, largest first. The lobes of a view-by-view model that samples views are
+/// functions of the light: theirs are over wl, seen from the direction given, and light and view change places in the above.
 std::vector<SeenLobe> seen_lobes(const Model& model, Vec3f wl);
+bool is_seen_over_lights(const Model& model);
 
 /// f_r cosθv in the plane of incidence, light at θl: `angle` from −89° to 89°, positive on the mirror direction's side.
 struct Slice {

@@ -76,7 +76,8 @@ void draw_slices(const Slice* reference, const Slice* fit, double theta_l, bool 
     }
 }
 
-void draw_lobes(const std::vector<SeenLobe>& lobes, double theta_l, double azimuth, double elevation, float width) {
+void draw_lobes(const std::vector<SeenLobe>& lobes, const char* other, double theta_l, double azimuth, double elevation,
+                float width) {
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const float radius = 0.44f * width, height = radius * float(1.12 + std::sin(elevation));
     ImGui::Dummy({width, height});
@@ -151,7 +152,7 @@ void draw_lobes(const std::vector<SeenLobe>& lobes, double theta_l, double azimu
         label(list, {tip.x + 4, tip.y - 14}, text, colour);
     };
     arrow({0, 0, 1}, k_ink, "normal");
-    arrow(to_float(spherical(theta_l, k_pi)), k_light, "light");
+    arrow(to_float(spherical(theta_l, k_pi)), k_light, other);
 }
 
 }  // namespace srbf

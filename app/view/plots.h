@@ -13,8 +13,9 @@ namespace srbf {
 void draw_slices(const Slice* reference, const Slice* fit, double theta_l, bool logarithmic, float width);
 
 /// The hemisphere of view directions, turned by `azimuth` and seen from `elevation` [rad], and on it where each lobe is at least half as large as
-/// at its peak.
-void draw_lobes(const std::vector<SeenLobe>& lobes, double theta_l, double azimuth, double elevation, float width);
+/// at its peak. `other`: what the direction at `theta_l` is called.
+void draw_lobes(const std::vector<SeenLobe>& lobes, const char* other, double theta_l, double azimuth, double elevation,
+                float width);
 
 /// The colour that stands for lobe k, told apart from those before it.
 ImU32 lobe_colour(std::size_t k, float alpha = 1);

@@ -138,7 +138,7 @@ class Window {
     Session& session_;
     Look& look_;
     Panels panels_;
-    std::string mesh_, typed_mesh_ = "bunny.ply", typed_model_;
+    std::string mesh_, typed_mesh_, typed_model_;
     int reference_ = -1;  ///< the subject whose material is on the left
     std::optional<Slice> slice_of_reference_, slice_of_fit_;
     std::vector<SeenLobe> lobes_;
@@ -311,7 +311,9 @@ void Window::draw_controls(ImVec2 at, ImVec2 size) {
         ImGui::EndCombo();
     }
     if (look_.name_mesh) ImGui::SetKeyboardFocusHere(), look_.name_mesh = false;
-    if (ImGui::InputText("mesh file", &typed_mesh_, ImGuiInputTextFlags_EnterReturnsTrue)) look_.mesh = typed_mesh_;
+    if (ImGui::InputTextWithHint("mesh file", ".ply or .obj, Enter", &typed_mesh_,
+                                 ImGuiInputTextFlags_EnterReturnsTrue))
+        look_.mesh = typed_mesh_;
     float stops = std::log2(look_.exposure);
     if (ImGui::SliderFloat("exposure", &stops, -8, 8, "%+.2f stops"))
         look_.exposure = std::exp2(stops), look_.automatic = false;
@@ -468,14 +470,20 @@ void Window::draw_panels(ImVec2 at, ImVec2 size) {
 
 void Window::draw_measures() {
     const auto& fitted = session_.fitted();
-    ImGui::TextColored(
-        k_hint, "%s",
-        fmt::format("Errors against the reference, {:.0f}\xC2\xB0", session_.max_theta() / k_degree).c_str());
+    const Subject* reference = reference_ < 0 ? nullptr : session_.subjects()[std::size_t(reference_)].get();
+    const auto* measured = reference ? std::get_if<Measured>(&reference->content) : nullptr;
+    const bool is_scattered = measured && std::holds_alternative<Scattered>(measured->table);
+    ImGui::TextColored(k_hint, "%s",
+                       fmt::format("Errors within {:.0f}\xC2\xB0, against {}", session_.max_theta() / k_degree,
+                                   is_scattered ? "interpolated samples"
+                                   : measured   ? "measured"
+                                                : "the reference")
+                           .c_str());
     if (!fitted) return ImGui::Text("none yet");
     if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_SizingStretchProp)) {
-        ImGui::TableSetupColumn("measure");
-        ImGui::TableSetupColumn("matrix");
-        ImGui::TableSetupColumn("held out");
+        ImGui::TableSetupColumn("measure", ImGuiTableColumnFlags_WidthStretch);
+        ImGui::TableSetupColumn("matrix", ImGuiTableColumnFlags_WidthFixed, 70);
+        ImGui::TableSetupColumn("held out", ImGuiTableColumnFlags_WidthFixed, 70);
         ImGui::TableHeadersRow();
         for (const MeasureName& measure : k_measures) {
             ImGui::TableNextColumn();
@@ -516,10 +524,12 @@ void Window::draw_below(ImVec2 at, ImVec2 size) {
     ImGui::SameLine(width + 2 * gap);
     ImGui::BeginGroup();
     ImGui::TextColored(k_hint, "Lobes: where each is half its peak or more");
-    ImGui::TextColored(k_dim, "over view directions, under the same light");
+    const bool over_lights = session_.fitted() && is_seen_over_lights(session_.fitted()->model);
+    ImGui::TextColored(
+        k_dim, over_lights ? "over light directions, seen from there" : "over view directions, under the same light");
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const float dome = std::min(width, (size.y - 80) / 0.85f);
-    draw_lobes(lobes_, look_.theta_l, dome_azimuth_, dome_elevation_, dome);
+    draw_lobes(lobes_, over_lights ? "view" : "light", look_.theta_l, dome_azimuth_, dome_elevation_, dome);
     const ImVec2 end = ImGui::GetCursorScreenPos();
     ImGui::SetCursorScreenPos(corner);
     ImGui::InvisibleButton("dome", {dome, std::max(20.f, end.y - corner.y)});
@@ -630,8 +640,7 @@ Image8 Window::read() const {
 void Window::save() {
     look_.save = false;
     std::vector<std::string> inputs;
-    for (const auto& subject : session_.subjects())
-        if (!subject->is_model()) inputs.push_back(subject->path);
+    for (const auto& subject : session_.subjects()) inputs.push_back(subject->path);
     if (const auto writable = check_outputs(inputs, {typed_model_}); !writable)
         session_.complain(writable.error());
     else

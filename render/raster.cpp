@@ -601,7 +601,8 @@ void RasterDevelopment::draw(const RasterTarget& radiance, const RasterTarget& o
     const auto place = [&](const char* uniform) { return glGetUniformLocation(program_.id(), uniform); };
     const auto set = [&](const char* uniform, Rgb c) { glUniform3f(place(uniform), c.r, c.g, c.b); };
     const float grey = srgb_encoded(k_background);
-    set("background", {grey, grey, grey}), set("darker", k_darker), set("equal", k_equal), set("brighter", k_brighter);
+    set("background", {grey, grey, grey}), set("darker", k_darker), set("as_bright", k_equal),
+        set("brighter", k_brighter);
     glUniform1f(place("exposure"), exposure);
     glUniform1f(place("full_scale"), full_scale);
     glUniform1i(place("radiance"), 0), glUniform1i(place("other"), 1);

@@ -18,7 +18,7 @@ constexpr std::size_t k_quick_pairs = 4096;
 constexpr int k_quick_starts = 3, k_quick_kicks = 0;
 /// The other one: less than `fit_pm` takes by itself, which keeps within two seconds on two cores that draw besides.
 constexpr int k_starts = 4, k_kicks = 4;
-constexpr std::size_t k_pairs = 32768;
+constexpr std::size_t k_pairs = 16384;
 
 }  // namespace
 

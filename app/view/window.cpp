@@ -482,8 +482,8 @@ void Window::draw_measures() {
     if (!fitted) return ImGui::Text("none yet");
     if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_SizingStretchProp)) {
         ImGui::TableSetupColumn("measure", ImGuiTableColumnFlags_WidthStretch);
-        ImGui::TableSetupColumn("matrix", ImGuiTableColumnFlags_WidthFixed, 70);
-        ImGui::TableSetupColumn("held out", ImGuiTableColumnFlags_WidthFixed, 70);
+        ImGui::TableSetupColumn("matrix", ImGuiTableColumnFlags_WidthFixed, 60);
+        ImGui::TableSetupColumn("held out", ImGuiTableColumnFlags_WidthFixed, 60);
         ImGui::TableHeadersRow();
         for (const MeasureName& measure : k_measures) {
             ImGui::TableNextColumn();
@@ -508,9 +508,9 @@ void Window::draw_below(ImVec2 at, ImVec2 size) {
     ImGui::SetNextWindowPos(at), ImGui::SetNextWindowSize(size);
     ImGui::Begin("plots", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
     const float gap = ImGui::GetStyle().ItemSpacing.x,
-                width = std::floor((ImGui::GetContentRegionAvail().x - 2 * gap) / 3);
+                width = std::floor((ImGui::GetContentRegionAvail().x - 2 * gap - 40) / 3);
     ImGui::BeginGroup();
-    ImGui::TextColored(k_hint, "Slice: f cos(theta_v) in the plane of the light");
+    ImGui::TextColored(k_hint, "Slice: f cos(theta_v), plane of the light");
     ImGui::SetNextItemWidth(0.45f * width);
     float degrees = float(look_.theta_l / k_degree);
     if (ImGui::SliderFloat("light theta_l", &degrees, 0, 85, "%.0f\xC2\xB0"))

@@ -13,12 +13,12 @@
 namespace srbf {
 namespace {
 
-/// A quick fit looks at so many pairs, from so few starts: it is shown while the next one is under way.
-constexpr std::size_t k_quick_pairs = 4096;
-constexpr int k_quick_starts = 3, k_quick_kicks = 0;
-/// The other one: less than `fit_pm` takes by itself, which keeps within two seconds on two cores that draw besides.
-constexpr int k_starts = 4, k_kicks = 4;
-constexpr std::size_t k_pairs = 16384;
+/// Fits before the one that `srbf fit` makes: shown while the next one is under way, so that one sees at once what a slider does.
+struct Quick {
+    std::size_t pairs;  ///< it looks at
+    int starts, kicks;
+};
+constexpr Quick k_quick[] = {{4096, 3, 0}, {16384, 4, 4}};
 
 }  // namespace
 
@@ -90,7 +90,7 @@ class Session::Worker {
         measure(job, fitted);
     }
 
-    /// Fits the reference twice, telling of the first.
+    /// Fits the reference better and better, telling of each but the last.
     Result<Done> fit(const Job& job, Fitted& fitted) {
         Known& known = known_[job.reference.get()];
         const Objective objective = job.choice.objective;
@@ -98,8 +98,6 @@ class Session::Worker {
         options.form = job.choice.form;
         options.lobes = job.choice.lobes;
         options.variates = job.choice.variates;
-        options.starts = k_starts;
-        options.kicks = k_kicks;
         const ProgressCallback progress = [&](const Progress& now) {
             fraction_ = now.fraction;
             return goes_on(job);
@@ -132,18 +130,19 @@ class Session::Worker {
         if (!known.isotropic) known.isotropic = srbf::is_isotropic(f, default_max_theta(objective));
         options.axial = *known.isotropic;
         if (!known.observations.contains(objective)) {
-            auto observed = observe(f, {.objective = objective, .count = k_pairs});
+            auto observed = observe(f, {.objective = objective});
             if (!observed) return observed.error();
             known.observations.emplace(objective, *std::move(observed));
         }
         if (!goes_on(job)) return Done{};
         const Observations& observations = known.observations.at(objective);
-        FitOptions quick = options;
-        quick.starts = k_quick_starts;
-        quick.kicks = k_quick_kicks;
-        if (const auto first = take(fit_pm(beginning(observations, k_quick_pairs), quick, progress), true); !first)
-            return first;
-        if (!goes_on(job)) return Done{};
+        for (const Quick& quick : k_quick) {
+            FitOptions in_short = options;
+            in_short.starts = quick.starts;
+            in_short.kicks = quick.kicks;
+            const auto done = take(fit_pm(beginning(observations, quick.pairs), in_short, progress), true);
+            if (!done || !goes_on(job)) return done;
+        }
         return take(fit_pm(observations, options, progress), false);
     }
 

@@ -153,8 +153,9 @@ class Window {
     std::string panel_error_;
     // Of the refits that are timed.
     int timed_ = 0, frames_ = 0;
-    bool waits_ = false, was_quick_ = false;
-    double asked_ = 0, quick_after_ = 0, slowest_ = 0, last_frame_ = 0;
+    bool waits_ = false;
+    std::vector<double> swapped_after_;  ///< [s]
+    double swapped_ = 0, asked_ = 0, slowest_ = 0, last_frame_ = 0;
 };
 
 void Window::drop(const std::string& path) {
@@ -655,7 +656,7 @@ void Window::time_refits(int count) {
         FitChoice choice = session_.choice();
         choice.lobes = 6 + (choice.lobes + 1) % 5;
         session_.choose(choice);
-        waits_ = true, was_quick_ = false, frames_ = 0, slowest_ = 0, asked_ = last_frame_ = now;
+        waits_ = true, swapped_after_.clear(), frames_ = 0, slowest_ = 0, asked_ = last_frame_ = now;
         return;
     }
     if (!waits_) return void(look_.quit = timed_ >= count);
@@ -663,14 +664,14 @@ void Window::time_refits(int count) {
     slowest_ = std::max(slowest_, now - last_frame_);
     last_frame_ = now;
     const auto& fitted = session_.fitted();
-    if (session_.stage() == Stage::refining && !was_quick_) was_quick_ = true, quick_after_ = now - asked_;
+    const bool is_new = session_.stage() != Stage::fitting && fitted && fitted->seconds != swapped_;
+    if (is_new) swapped_ = fitted->seconds, swapped_after_.push_back(now - asked_);
     if (session_.stage() != Stage::measuring && session_.stage() != Stage::idle) return;
     waits_ = false;
     ++timed_;
-    fmt::print(
-        "J={}: quick fit on display after {:.2f} s, the finished one after {:.2f} s; {:.1f} frames/s, slowest frame "
-        "{:.0f} ms\n",
-        fitted ? fitted->choice.lobes : 0, quick_after_, now - asked_, frames_ / (now - asked_), 1000 * slowest_);
+    fmt::print("J={}: fits on display after {:.2f} s; {:.1f} frames/s, slowest frame {:.0f} ms\n",
+               fitted ? fitted->choice.lobes : 0, fmt::join(swapped_after_, ", "), frames_ / (now - asked_),
+               1000 * slowest_);
 }
 
 Result<Done> Window::run(const WindowOptions& options) {

@@ -7,7 +7,6 @@
 
 namespace srbf {
 
-#ifdef SRBF_RASTER
 namespace {
 
 /// Gives each cell without a measurement the mean of those of its neighbours that have one.
@@ -42,10 +41,10 @@ MerlTable table_of(const Subject& subject) {
     return table;
 }
 
-/// What OpenGL draws of a subject: a model as it is, a measurement as a table in Rusinkiewicz' angles.
+}  // namespace
+
 Result<Material> material_of(const Subject& subject) {
-    if (const auto* model = std::get_if<Model>(&subject.content))
-        return std::visit([](const auto& of) -> Material { return of; }, model->model);
+    if (const auto* model = std::get_if<Model>(&subject.content)) return material_of(*model);
     const Measured& measured = std::get<Measured>(subject.content);
     if (const auto* table = std::get_if<MerlTable>(&measured.table)) return Material(*table);
     if (!is_isotropic(measured))
@@ -53,8 +52,7 @@ Result<Material> material_of(const Subject& subject) {
     return Material(table_of(subject));
 }
 
-}  // namespace
-
+#ifdef SRBF_RASTER
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Subject> subjects, int width, int height) {
     // What the library has to say of drivers that it tried is no news; what comes of it, the error tells.
     ::setenv("EGL_LOG_LEVEL", "fatal", 0);

@@ -14,19 +14,6 @@
 namespace srbf {
 namespace {
 
-struct Measure {
-    const char* name;
-    const char* title;
-    double Measures::*member;
-    bool is_ratio;  // printed as per cent
-};
-constexpr Measure k_measures[] = {
-    {"squared_error_ratio", "squared error ratio", &Measures::squared_error_ratio, true},
-    {"squared_error_ratio_cosine", "  of f cosθl", &Measures::squared_error_ratio_cosine, true},
-    {"log_rms_cosine", "RMS of log(1 + f cosθl)", &Measures::log_rms_cosine, false},
-    {"cube_root_error_ratio", "cube root error ratio", &Measures::cube_root_error_ratio, true},
-};
-
 namespace fs = std::filesystem;
 
 /// Whether two names are of one file, there or yet to be; a device or a pipe may well be named twice.
@@ -57,6 +44,10 @@ Result<Done> check_output(const std::string& path) {
 
 }  // namespace
 
+std::string text(const MeasureName& name, const Measures& measures) {
+    return name.is_ratio ? percent(measures.*name.member) : fmt::format("{:.4g}", measures.*name.member);
+}
+
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
                                 const MeasureOptions& options, std::span<const Vec3f> directions) {
     const auto matrix = measure_matrix(reference, others, options, directions),
@@ -68,20 +59,17 @@ std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evalu
 }
 
 void add_measures(Json& json, const Measures& measures, std::string_view prefix) {
-    for (const Measure& m : k_measures) json[fmt::format("{}{}", prefix, m.name)] = measures.*m.member;
+    for (const MeasureName& m : k_measures) json[fmt::format("{}{}", prefix, m.name)] = measures.*m.member;
 }
 
 void add_measures(Json& json, const Comparison& comparison, std::string_view prefix) {
     add_measures(json, comparison.matrix, prefix);
-    for (const Measure& m : k_measures)
+    for (const MeasureName& m : k_measures)
         json[fmt::format("{}heldout_{}", prefix, m.name)] = comparison.heldout.*m.member;
     json[fmt::format("{}albedo_error", prefix)] = comparison.albedo_error;
 }
 
 void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons) {
-    const auto text = [](const Measure& m, const Measures& measures) {
-        return m.is_ratio ? percent(measures.*m.member) : fmt::format("{:.4g}", measures.*m.member);
-    };
     if (comparisons.size() > 1) {
         fmt::print("{:<26}", "");
         for (const auto& [title, comparison] : comparisons) fmt::print("{:>26}", title);
@@ -90,7 +78,7 @@ void print_measures(const std::vector<std::pair<std::string, const Comparison*>>
     fmt::print("{:<26}", "measure");
     for (std::size_t k = 0; k < comparisons.size(); ++k) fmt::print("{:>13}{:>13}", "matrix", "held out");
     fmt::print("\n");
-    for (const Measure& m : k_measures) {
+    for (const MeasureName& m : k_measures) {
         fmt::print("{:<26}", m.title);
         for (const auto& [title, comparison] : comparisons)
             fmt::print("{:>13}{:>13}", text(m, comparison->matrix), text(m, comparison->heldout));

@@ -1,5 +1,6 @@
 // What several subcommands print: measures as tables and JSON, progress, durations.
 #pragma once
+#include <array>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -12,6 +13,22 @@
 namespace srbf {
 
 using Json = nlohmann::ordered_json;
+
+/// How a measure is told.
+struct MeasureName {
+    const char* name;   ///< in JSON
+    const char* title;  ///< in tables
+    double Measures::*member;
+    bool is_ratio;  ///< printed as per cent
+};
+inline constexpr std::array<MeasureName, 4> k_measures{{
+    {"squared_error_ratio", "squared error ratio", &Measures::squared_error_ratio, true},
+    {"squared_error_ratio_cosine", "  of f cosθl", &Measures::squared_error_ratio_cosine, true},
+    {"log_rms_cosine", "RMS of log(1 + f cosθl)", &Measures::log_rms_cosine, false},
+    {"cube_root_error_ratio", "cube root error ratio", &Measures::cube_root_error_ratio, true},
+}};
+/// A measure's value as it is printed.
+std::string text(const MeasureName& name, const Measures& measures);
 
 /// The measures of one BRDF against another on both sets, and the albedo's.
 struct Comparison {

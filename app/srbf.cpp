@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
     srbf::add_compare(app, status);
     srbf::add_convert(app, status);
     srbf::add_render(app, status);
+    srbf::add_view(app, status);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& done) {  // --help, --version

@@ -96,7 +96,7 @@ Mesh ball() {
             mesh.normals.push_back(to_float(n));
         }
     for (const Triangle& t : grid(along, around, true))
-        mesh.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
+        mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     return mesh;
 }
 

@@ -292,7 +292,7 @@ void RasterMaterial::load(const MerlTable& table) {
 }
 
 void RasterMaterial::load(const PmModel& model) {
-    const auto numbers = pm_numbers(model);
+    const auto numbers = pm_numbers(model, is_open_);
     data_bytes_ = numbers.size() * sizeof(Float4);
     numbers_ = buffer_of(GL_UNIFORM_BUFFER, numbers.data(), data_bytes_, GL_DYNAMIC_DRAW);
     glUniformBlockBinding(program_.id(), glGetUniformBlockIndex(program_.id(), "PmNumbers"), 0);
@@ -336,13 +336,14 @@ Result<RasterMaterial> RasterMaterial::make(const Material& material, const Shad
     if (!program) return program.error();
     RasterMaterial made(*std::move(program));
     made.no_array_ = new_array();
+    if (const auto* pm = std::get_if<PmModel>(&material)) made.is_open_ = is_open(*pm, options);
     glUseProgram(made.program_.id());
     std::visit([&](const auto& of) { made.load(of); }, material);
     return made;
 }
 
 void RasterMaterial::update(const PmModel& model) {
-    const auto numbers = pm_numbers(model);
+    const auto numbers = pm_numbers(model, is_open_);
     assert(numbers.size() * sizeof(Float4) == data_bytes_);
     glBindBuffer(GL_UNIFORM_BUFFER, numbers_.id());
     glBufferSubData(GL_UNIFORM_BUFFER, 0, GLsizeiptr(data_bytes_), numbers.data());
@@ -408,11 +409,14 @@ GlObject renderbuffer(GLenum format, int width, int height, int samples) {
     return {id, [](unsigned buffer) { glDeleteRenderbuffers(1, &buffer); }};
 }
 
-GlObject framebuffer(const GlObject& colour, const GlObject* depth) {
+GlObject framebuffer(const GlObject& colour, bool is_texture, const GlObject* depth) {
     GLuint id = 0;
     glGenFramebuffers(1, &id);
     glBindFramebuffer(GL_FRAMEBUFFER, id);
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour.id());
+    if (is_texture)
+        glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, colour.id(), 0);
+    else
+        glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour.id());
     if (depth) glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth->id());
     return {id, [](unsigned buffer) { glDeleteFramebuffers(1, &buffer); }};
 }
@@ -473,13 +477,20 @@ Result<RasterTarget> RasterTarget::make(int width, int height, int samples, Form
     RasterTarget target;
     target.width_ = width, target.height_ = height, target.format_ = format;
     target.samples_ = std::clamp(most_samples(of_pixel), 1, samples);
-    target.colour_ = renderbuffer(of_pixel, width, height, target.samples_);
+    const bool is_texture = target.samples_ == 1;
+    if (is_texture) {
+        target.colour_ = new_texture(GL_TEXTURE_2D, GL_LINEAR);
+        glTexImage2D(GL_TEXTURE_2D, 0, GLint(of_pixel), width, height, 0, GL_RGBA,
+                     format == Format::floats ? GL_FLOAT : GL_UNSIGNED_BYTE, nullptr);
+    } else {
+        target.colour_ = renderbuffer(of_pixel, width, height, target.samples_);
+    }
     target.depth_ = renderbuffer(GL_DEPTH_COMPONENT24, width, height, target.samples_);
     if (target.samples_ > 1) {
         target.resolved_colour_ = renderbuffer(of_pixel, width, height, 1);
-        target.resolved_ = framebuffer(target.resolved_colour_, nullptr);
+        target.resolved_ = framebuffer(target.resolved_colour_, false, nullptr);
     }
-    target.framebuffer_ = framebuffer(target.colour_, &target.depth_);
+    target.framebuffer_ = framebuffer(target.colour_, is_texture, &target.depth_);
     if (auto complete = check_framebuffer(width, height); !complete) return complete.error();
     return target;
 }
@@ -490,6 +501,11 @@ void RasterTarget::begin() const {
     const float grey = format_ == Format::bytes ? srgb_encoded(k_background) : 0;
     glClearColor(grey, grey, grey, 0);
     glClear(depth_.id() != 0 ? GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT : GL_COLOR_BUFFER_BIT);
+}
+
+unsigned RasterTarget::texture() const {
+    assert(samples_ == 1);
+    return colour_.id();
 }
 
 void RasterTarget::resolve() const {
@@ -566,6 +582,36 @@ void RasterSurface::draw(const RasterMesh& mesh, const RasterView& view) const {
 std::vector<Float4> RasterSurface::read(unsigned colour) const {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.id());
     return read_colour(GL_COLOR_ATTACHMENT0 + colour, width_, height_);
+}
+
+// ---- Development -------------------------------------------------------------------------------------------------
+
+Result<RasterDevelopment> RasterDevelopment::make(Dialect dialect) {
+    auto program = linked(develop_shader_text(dialect));
+    if (!program) return program.error();
+    RasterDevelopment development;
+    development.program_ = *std::move(program);
+    development.no_array_ = new_array();
+    return development;
+}
+
+void RasterDevelopment::draw(const RasterTarget& radiance, const RasterTarget& other, float exposure,
+                             float full_scale) const {
+    glUseProgram(program_.id());
+    const auto place = [&](const char* uniform) { return glGetUniformLocation(program_.id(), uniform); };
+    const auto set = [&](const char* uniform, Rgb c) { glUniform3f(place(uniform), c.r, c.g, c.b); };
+    const float grey = srgb_encoded(k_background);
+    set("background", {grey, grey, grey}), set("darker", k_darker), set("as_bright", k_equal),
+        set("brighter", k_brighter);
+    glUniform1f(place("exposure"), exposure);
+    glUniform1f(place("full_scale"), full_scale);
+    glUniform1i(place("radiance"), 0), glUniform1i(place("other"), 1);
+    bind_texture(0, GL_TEXTURE_2D, radiance.colour_);
+    bind_texture(1, GL_TEXTURE_2D, other.colour_);
+    glDisable(GL_DEPTH_TEST);
+    glBindVertexArray(no_array_.id());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glBindVertexArray(0);
 }
 
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,

@@ -136,6 +136,7 @@ class RasterMaterial {
     GlObject program_, numbers_, no_array_;
     std::vector<Texture> textures_;  ///< in the order of their units
     std::size_t data_bytes_ = 0, auxiliary_bytes_ = 0;
+    bool is_open_ = false;  ///< of a multivariate model
 };
 
 /// A framebuffer off screen, bound while it is drawn into.
@@ -153,14 +154,38 @@ class RasterTarget {
     std::vector<Float4> read_floats() const;
     Image8 read_bytes() const;
     int samples() const { return samples_; }
+    /// What was drawn as a texture, of one sample a pixel.
+    unsigned texture() const;
 
   private:
+    friend class RasterDevelopment;
     RasterTarget() = default;
     void resolve() const;
     int width_ = 0, height_ = 0, samples_ = 1;
     Format format_{};
     GlObject colour_, depth_, framebuffer_;
     GlObject resolved_colour_, resolved_;  ///< of one sample, where the other has several
+};
+
+/// Shows radiances that were drawn before: exposure, and the scale of a difference, then cost no shading.
+class RasterDevelopment {
+  public:
+    /// How a signed difference shows, sRGB from 0 to 1: where the other is darker, as bright, brighter; in between linear.
+    static constexpr Rgb k_darker{0.13f, 0.40f, 0.67f}, k_equal{0.93f, 0.93f, 0.93f}, k_brighter{0.70f, 0.09f, 0.17f};
+
+    static Result<RasterDevelopment> make(Dialect dialect);
+    /// What a screen shows of a target of floats, into the current framebuffer of its size: as `shown` has it.
+    void draw(const RasterTarget& radiance, float exposure) const { draw(radiance, radiance, exposure, 0); }
+    /// exposure (other − reference), of their luminances; `full_scale` > 0 shows in full colour.
+    void draw_difference(const RasterTarget& reference, const RasterTarget& other, float exposure,
+                         float full_scale) const {
+        draw(reference, other, exposure, full_scale);
+    }
+
+  private:
+    RasterDevelopment() = default;
+    void draw(const RasterTarget& radiance, const RasterTarget& other, float exposure, float full_scale) const;
+    GlObject program_, no_array_;
 };
 
 /// Pictures of the scene, one for each material: linear radiance and coverage, as other renderers give them. Errors: as above.

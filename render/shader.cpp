@@ -27,13 +27,51 @@ std::string shape(const MerlTable& table) {
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h);
 }
 int kernel_texels(const PmModel& model) { return model.axial ? (model.variates + 3) / 4 : model.variates; }
-std::string shape(const PmModel& model) {
+/// The same function in the extended form and with four or eight variates.
+PmModel widened(const PmModel& model) {
+    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
+    PmModel wide = model;
+    wide.form = PmForm::extended;
+    wide.variates = model.variates <= 4 ? 4 : 8;
+    const auto W = std::size_t(wide.variates), E = std::size_t(features(wide.form));
+    wide.parameterization.resize(W);
+    wide.centre.assign(J * W, {0, 0, 1});
+    wide.bandwidth.assign(J * W, 0);
+    wide.exponent.assign(J * E, 0);
+    for (std::size_t j = 0; j < J; ++j) {
+        std::copy_n(model.centre.begin() + std::ptrdiff_t(j * N), N, wide.centre.begin() + std::ptrdiff_t(j * W));
+        std::copy_n(model.bandwidth.begin() + std::ptrdiff_t(j * N), N, wide.bandwidth.begin() + std::ptrdiff_t(j * W));
+        std::copy_n(model.exponent.begin() + std::ptrdiff_t(j * F), F, wide.exponent.begin() + std::ptrdiff_t(j * E));
+    }
+    return wide;
+}
+/// With lobes that add nothing, as many as an open text has room for.
+PmModel filled(PmModel model) {
+    const auto J = std::size_t(k_most_open_lobes), N = std::size_t(model.variates);
+    model.lobes = k_most_open_lobes;
+    model.coefficient.resize(J);
+    model.log_scale.resize(J);
+    model.centre.resize(J * N, {0, 0, 1});
+    model.bandwidth.resize(J * N);
+    model.exponent.resize(J * std::size_t(features(model.form)));
+    return model;
+}
+
+std::string shape(const PmModel& model, bool open) {
+    if (open) {
+        const int variates = widened(model).variates;
+        return fmt::format(
+            "#define PM_LOBES {0}\n#define PM_VARIATES {1}\n#define PM_FEATURES {2}\n#define PM_AXIAL {3:d}\n"
+            "#define PM_KERNELS {4}\n#define PM_OPEN 1\n",
+            k_most_open_lobes, variates, features(PmForm::extended), model.axial,
+            k_most_open_lobes * (model.axial ? variates / 4 : variates));
+    }
     std::vector<int> downs(std::size_t(model.lobes));
     for (int j = 0; j < model.lobes; ++j)
         for (int n = 0; n < model.variates; ++n) downs[std::size_t(j)] |= int(Kernel<float>::pm_down(model, j, n)) << n;
     std::string text = fmt::format(
         "#define PM_LOBES {}\n#define PM_VARIATES {}\n#define PM_FEATURES {}\n#define PM_AXIAL {:d}\n"
-        "#define PM_KERNELS {}\n",
+        "#define PM_KERNELS {}\n#define PM_OPEN 0\n",
         model.lobes, model.variates, features(model.form), model.axial, model.lobes * kernel_texels(model));
     if (model.axial) text += fmt::format("#define PM_DOWNS {}\n", fmt::join(downs, ", "));
     return text;
@@ -49,6 +87,18 @@ std::string shape(const SuModel& model) {
 
 std::string shape(const GgxModel&) { return "#define GGX 1\n"; }
 
+std::string shape_of(const Material& material, const ShaderOptions& options) {
+    if (const auto* pm = std::get_if<PmModel>(&material)) return shape(*pm, is_open(*pm, options));
+    return std::visit(
+        [](const auto& of) -> std::string {
+            if constexpr (std::is_same_v<decltype(of), const PmModel&>)
+                return {};
+            else
+                return shape(of);
+        },
+        material);
+}
+
 }  // namespace
 
 std::string_view name(Dialect dialect) { return dialect == Dialect::gl_450 ? "OpenGL 4.5" : "OpenGL ES 3.0"; }
@@ -63,12 +113,16 @@ ShaderText shader_text(const Material& material, const ShaderOptions& options) {
             first +
                 fmt::format("#define LIGHTS {}\n#define EACH_LIGHT(f){}\n#define DEFERRED {:d}\n#define SHOWN {:d}\n",
                             options.lights, each_light, deferred, options.output == PixelOutput::shown) +
-                std::visit([](const auto& of) { return shape(of); }, material) + k_host_text + k_kernel_text +
-                k_shading_text + k_pixel_text};
+                shape_of(material, options) + k_host_text + k_kernel_text + k_shading_text + k_pixel_text};
 }
 
 ShaderText surface_shader_text(Dialect dialect) {
     return {version(dialect) + k_surface_text, version(dialect) + k_surface_pixel_text};
+}
+
+ShaderText develop_shader_text(Dialect dialect) {
+    return {version(dialect) + k_whole_text,
+            version(dialect) + k_host_text + k_kernel_text + k_shading_text + k_develop_text};
 }
 
 std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
@@ -82,8 +136,9 @@ std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
     return numbers;
 }
 
-std::vector<Float4> pm_numbers(const PmModel& model) {
+std::vector<Float4> pm_numbers(const PmModel& of, bool open) {
     using Formulas = Kernel<float>;
+    const PmModel model = open ? filled(widened(of)) : of;
     const int J = model.lobes, N = model.variates, F = features(model.form);
     std::vector<Float4> numbers;
     for (int j = 0; j < J; ++j) {
@@ -103,9 +158,10 @@ std::vector<Float4> pm_numbers(const PmModel& model) {
                 continue;
             }
             if (n % 4 == 0) numbers.emplace_back();
-            numbers.back()[std::size_t(n % 4)] = sharpness;
+            numbers.back()[std::size_t(n % 4)] = open && Formulas::pm_down(model, j, n) ? -sharpness : sharpness;
         }
-    for (const Parameterization& of : model.parameterization) numbers.push_back({of.a, of.b, 0, 0});
+    for (const Parameterization& weights : model.parameterization)
+        numbers.push_back({weights.a, weights.b, open ? float(of.lobes) : 0, 0});
     return numbers;
 }
 

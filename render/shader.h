@@ -41,7 +41,15 @@ struct ShaderOptions {
     PixelOutput output = PixelOutput::shown;
     PixelInput input = PixelInput::triangles;
     int lights = 3;  ///< directional lights, ≥ 1
+    /// A multivariate model of up to `k_most_open_lobes` lobes in the text of all such models, but for their lobes' being axial and four or
+    /// eight variates: what changes by the second, as under a slider, is not compiled anew, which takes longer than to fit it.
+    bool open = false;
 };
+inline constexpr int k_most_open_lobes = 32;
+/// Whether the options have the model in an open text.
+inline bool is_open(const PmModel& model, const ShaderOptions& options) {
+    return options.open && model.lobes <= k_most_open_lobes;
+}
 
 struct ShaderText {
     std::string vertex, fragment;
@@ -54,10 +62,12 @@ struct ShaderText {
 ShaderText shader_text(const Material& material, const ShaderOptions& options);
 /// The shaders of a `RasterSurface`: positions to colour 0, normals to colour 1.
 ShaderText surface_shader_text(Dialect dialect);
+/// The shaders of a `RasterDevelopment`, as render/develop.glsl.
+ShaderText develop_shader_text(Dialect dialect);
 
 using Float4 = std::array<float, 4>;
 /// The contents of the block `PmNumbers` (std140): colours and log2 scales, exponents, kernels, weights of the parameterization.
-std::vector<Float4> pm_numbers(const PmModel& model);
+std::vector<Float4> pm_numbers(const PmModel& model, bool open = false);
 
 /// The uniform `ggx_numbers`: (kd, F90 of the first lobe), (F0, α) of it, (F0, α) of the second, (0, 0, 0, its F90).
 std::array<Float4, 4> ggx_numbers(const GgxModel& model);

@@ -147,6 +147,7 @@ TEST_F(Glsl, EveryMaterialCompiles) {
             }
         EXPECT_TRUE(compiles(surface_shader_text(dialect).vertex, "vert"));
         EXPECT_TRUE(compiles(surface_shader_text(dialect).fragment));
+        EXPECT_TRUE(compiles(develop_shader_text(dialect).fragment));
     }
 }
 

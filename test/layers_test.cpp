@@ -30,7 +30,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"render/scene", "render/rays"},
     {"render/path"},
     {"render/preview"},
-    {"render/shader", "render/host", "render/pixel", "render/surface", "render/whole"},
+    {"render/shader", "render/host", "render/pixel", "render/surface", "render/whole", "render/develop"},
     {"render/raster"},
     {"include/srbf/fit", "include/srbf/fit_samples", "include/srbf/choose"},
     {"src/fit/gram"},

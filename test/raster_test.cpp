@@ -378,6 +378,41 @@ TEST(Rasterize, GivesRadianceAndCoverage) {
     EXPECT_LT(most, 3.6f * Flat::k_value);
 }
 
+// One program draws models of any number of lobes, forms and centres, after others: as their own programs do.
+TEST_P(Raster, AnOpenTextDrawsAnyModel) {
+    std::mt19937_64 random(7);
+    const Scene scene = scene_of(sphere(), {}, double(k_width) / k_height);
+    const RasterMesh mesh(scene.mesh);
+    const auto target = RasterTarget::make(k_width, k_height, 1, RasterTarget::Format::bytes);
+    ASSERT_TRUE(target);
+    for (const bool axial : {true, false}) {
+        const auto first = random_model(random, {.axial = axial, .lobes = 9, .variates = 4});
+        auto open = RasterMaterial::make(first, {.dialect = GetParam(), .open = true});
+        ASSERT_TRUE(open);
+        for (const PmForm form : k_forms)
+            for (const int lobes : {1, 5, k_most_open_lobes}) {
+                const auto model =
+                    random_model(random, {.axial = axial, .lobes = lobes, .variates = 2 + lobes % 3, .form = form});
+                ASSERT_EQ(shader_text(first, {.dialect = GetParam(), .open = true}).fragment,
+                          shader_text(model, {.dialect = GetParam(), .open = true}).fragment);
+                open->update(model);
+                const auto own = RasterMaterial::make(model, {.dialect = GetParam()});
+                ASSERT_TRUE(own);
+                std::array<Image8, 2> pictures;
+                for (std::size_t i = 0; i < 2; ++i) {
+                    target->begin();
+                    (i == 0 ? *open : *own).draw(mesh, view_of(scene, 0.3f));
+                    pictures[i] = target->read_bytes();
+                }
+                int most = 0;
+                for (std::size_t i = 0; i < pictures[0].pixels.size(); ++i)
+                    for (std::size_t c = 0; c < 3; ++c)
+                        most = std::max(most, std::abs(pictures[0].pixels[i][c] - pictures[1].pixels[i][c]));
+                EXPECT_LE(most, 1) << name(form) << ' ' << lobes;
+            }
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, Raster, testing::Values(Dialect::gl_450, Dialect::es_300),
                          [](const auto& of) { return of.param == Dialect::gl_450 ? "OpenGL" : "OpenGLES"; });
 

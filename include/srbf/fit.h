@@ -50,6 +50,9 @@ struct Observations {
     std::uint64_t clamped = 0;              ///< negative channel values, set to 0
 };
 
+/// The first `count` of them, without checks and albedo: what a fit in short looks at.
+Observations beginning(const Observations& observations, std::size_t count);
+
 /// An error where the observations are no arrays of one length, of finite values and weights of at least 0, one of them above 0; or where
 /// their values are fewer than a model's `parameters`.
 Result<Done> check(const Observations& observations, std::size_t parameters);

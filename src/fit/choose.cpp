@@ -60,25 +60,13 @@ std::vector<Kind> kinds(const FitOptions& options) {
     return all;
 }
 
-/// The observations that a short fit looks at.
-Observations beginning(const Observations& observations) {
-    const std::size_t count = std::min(k_short_rows, observations.f.size() - observations.checks);
-    const auto first = [&](const auto& of) {
-        return std::remove_cvref_t<decltype(of)>(of.begin(), of.begin() + std::ptrdiff_t(count));
-    };
-    Observations some;
-    some.wl = first(observations.wl), some.wv = first(observations.wv);
-    some.f = first(observations.f), some.weight = first(observations.weight);
-    return some;
-}
-
 /// Fits and judges models, each once.
 class Search {
   public:
     Search(const Observations& observations, const FitOptions& options, const JudgeModel& judge,
            const ProgressCallback& progress)
         : observations_(observations),
-          some_(beginning(observations)),
+          some_(beginning(observations, k_short_rows)),
           options_(options),
           judge_(judge),
           progress_(progress) {}

@@ -121,6 +121,17 @@ std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
     return grid;
 }
 
+Observations beginning(const Observations& observations, std::size_t count) {
+    count = std::min(count, observations.f.size() - observations.checks);
+    const auto first = [&](const auto& of) {
+        return std::remove_cvref_t<decltype(of)>(of.begin(), of.begin() + std::ptrdiff_t(count));
+    };
+    Observations some;
+    some.wl = first(observations.wl), some.wv = first(observations.wv);
+    some.f = first(observations.f), some.weight = first(observations.weight);
+    return some;
+}
+
 Result<Done> check(const Observations& observations, std::size_t parameters) {
     const std::size_t count = observations.f.size();
     if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)

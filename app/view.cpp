@@ -1,0 +1,65 @@
+#include <memory>
+
+#include "app/commands.h"
+#include "app/report.h"
+#include "app/view/window.h"
+
+namespace srbf {
+namespace {
+
+struct ViewCommand {
+    std::vector<std::string> files;
+    std::string mesh = "ball";
+    WindowOptions window;
+
+    int run() const;
+};
+
+#ifdef SRBF_WINDOW
+int ViewCommand::run() const {
+    if (const auto writable = check_outputs(files, {window.screenshot}); !writable) return complain(writable.error());
+    Session session;
+    for (const std::string& file : files) session.open(file);
+    for (const Session::Message& message : session.messages())
+        if (message.is_error) fmt::print(stderr, "srbf: {}\n", message.text);
+    if (!files.empty() && session.subjects().empty()) return k_input_error;
+    Look look;
+    look.mesh = mesh;
+    const auto shown = run_window(session, look, window);
+    return shown ? int(k_done) : complain(shown.error());
+}
+#else
+int ViewCommand::run() const {
+    return complain({"srbf view", {}, "this program", "one built with libepoxy, GLFW and Dear ImGui", "one without"});
+}
+#endif
+
+}  // namespace
+
+void add_view(CLI::App& app, int& status) {
+    auto command = std::make_shared<ViewCommand>();
+    CLI::App* sub = app.add_subcommand("view", "Look at a measurement, its fit and their difference in a window");
+    sub->add_option("files", command->files,
+                    "Measurements and models; the first measurement is the reference, the first model is held against "
+                    "it, or it is fitted")
+        ->type_name("FILE");
+    sub->add_option("--mesh", command->mesh, "A .ply or .obj file, or sphere, knot or ball")
+        ->type_name("FILE")
+        ->capture_default_str();
+    sub->add_option("--screenshot", command->window.screenshot,
+                    "Write the window as it is when fit and errors are there, and quit")
+        ->type_name("FILE.png")
+        ->check(png_name());
+    sub->add_option(
+           "--time-refits", command->window.timed_refits,
+           "Ask for so many fits while the picture turns, print how long each took and how often the picture was "
+           "drawn meanwhile, and quit")
+        ->type_name("COUNT")
+        ->check(within(1, 1000));
+    sub->footer(
+        "Press H in the window for its keys. Files may be dropped on it.\n"
+        "Example:\n  srbf view paper_white_rgb.bsdf paper_white_rgb.srbf");
+    sub->callback([command, &status] { status = command->run(); });
+}
+
+}  // namespace srbf

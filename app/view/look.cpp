@@ -1,0 +1,150 @@
+#include "app/view/look.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace srbf {
+
+namespace {
+
+Vec3d towards_eye(const Look& look) {
+    const double c = std::cos(look.elevation);
+    return {c * std::sin(look.azimuth), std::sin(look.elevation), c * std::cos(look.azimuth)};
+}
+
+/// w turned about the unit vector `axis` (Rodrigues).
+Vec3d turned(Vec3d w, Vec3d axis, double angle) {
+    return std::cos(angle) * w + std::sin(angle) * cross(axis, w) + (1 - std::cos(angle)) * dot(axis, w) * axis;
+}
+
+}  // namespace
+
+Look::Look() { lights = lights_of(camera_of(*this, {{-1, -1, -1}, {1, 1, 1}})); }
+
+Camera camera_of(const Look& look, const Bounds& bounds) {
+    const Vec3d least = to_double(bounds.least), most = to_double(bounds.most);
+    Camera camera;
+    camera.target = 0.5 * (least + most);
+    // The ball around the box lies within the picture.
+    const Vec3d diagonal = most - least;
+    const double radius = std::max(0.5 * std::sqrt(dot(diagonal, diagonal)), 1e-6);
+    camera.eye = camera.target + 0.75 * radius / (std::sin(camera.fov / 2) * look.zoom) * towards_eye(look);
+    return camera;
+}
+
+void orbit(Look& look, double right, double up) {
+    look.azimuth = std::remainder(look.azimuth + right, 2 * k_pi);
+    look.elevation = std::clamp(look.elevation + up, -89 * k_degree, 89 * k_degree);
+}
+
+void turn_light(Look& look, int light, double right, double up) {
+    const Frame axes = frame(camera_of(look, {{-1, -1, -1}, {1, 1, 1}}));
+    Vec3d& towards = look.lights[std::size_t(light)].towards;
+    towards = normalize(turned(turned(towards, axes.y, right), axes.x, -up));
+}
+
+void zoom(Look& look, double factor) { look.zoom = std::clamp(look.zoom * factor, 0.2, 20.0); }
+
+void next_mesh(Look& look) {
+    const auto at = std::find(k_built_in_meshes.begin(), k_built_in_meshes.end(), look.mesh);
+    look.mesh = at == k_built_in_meshes.end() || at + 1 == k_built_in_meshes.end() ? k_built_in_meshes[0] : *(at + 1);
+}
+
+namespace {
+
+constexpr double k_turn = 5 * k_degree, k_nearer = 1.1;
+
+void expose(Look& look, float stops) {
+    look.exposure *= std::exp2(stops);
+    look.automatic = false;
+}
+void rescale(Look& look, float factor) {
+    look.full_scale = std::clamp(look.full_scale * factor, k_least_scale, k_most_scale);
+}
+void brighten(Look& look, float factor) {
+    Rgb& irradiance = look.lights[std::size_t(look.light)].irradiance;
+    for (int c = 0; c < 3; ++c) irradiance[c] = std::clamp(irradiance[c] * factor, 0.01f, 100.f);
+}
+template <typename Change> void choose(Session& session, const Change& change) {
+    FitChoice choice = session.choice();
+    change(choice);
+    session.choose(choice);
+}
+/// The next one of three or four enumerators.
+template <typename E> E after(E of, int count) { return E((int(of) + 1) % count); }
+
+void next_reference(Session& session) {
+    const int count = int(session.subjects().size());
+    if (count > 0) session.set_reference((session.reference() + 1) % count);
+}
+void next_model(Session& session) {
+    // From the one shown through the models among the files, then back to fitting.
+    const auto& subjects = session.subjects();
+    std::size_t from = 0;
+    if (session.fitted() && !session.fitted()->from.empty())
+        while (from < subjects.size() && subjects[from++]->path != session.fitted()->from) {
+        }
+    while (from < subjects.size() && (!subjects[from]->is_model() || int(from) == session.reference())) ++from;
+    from < subjects.size() ? session.show_model(int(from)) : session.refit();
+}
+
+constexpr Key k_keys[] = {
+    {"Left", "orbit", [](Look& look, Session&) { orbit(look, -k_turn, 0); }},
+    {"Right", "", [](Look& look, Session&) { orbit(look, k_turn, 0); }},
+    {"Up", "", [](Look& look, Session&) { orbit(look, 0, k_turn); }},
+    {"Down", "", [](Look& look, Session&) { orbit(look, 0, -k_turn); }},
+    {"PageUp", "nearer", [](Look& look, Session&) { zoom(look, k_nearer); }},
+    {"PageDown", "further away", [](Look& look, Session&) { zoom(look, 1 / k_nearer); }},
+    {"1", "choose light 1, 2, 3", [](Look& look, Session&) { look.light = 0; }},
+    {"2", "", [](Look& look, Session&) { look.light = 1; }},
+    {"3", "", [](Look& look, Session&) { look.light = 2; }},
+    {"Shift+Left", "turn the chosen light", [](Look& look, Session&) { turn_light(look, look.light, -k_turn, 0); }},
+    {"Shift+Right", "", [](Look& look, Session&) { turn_light(look, look.light, k_turn, 0); }},
+    {"Shift+Up", "", [](Look& look, Session&) { turn_light(look, look.light, 0, k_turn); }},
+    {"Shift+Down", "", [](Look& look, Session&) { turn_light(look, look.light, 0, -k_turn); }},
+    {"Shift+PageUp", "brighten the chosen light", [](Look& look, Session&) { brighten(look, 1.25f); }},
+    {"Shift+PageDown", "dim it", [](Look& look, Session&) { brighten(look, 0.8f); }},
+    {"E", "longer exposure", [](Look& look, Session&) { expose(look, 0.25f); }},
+    {"Shift+E", "shorter exposure", [](Look& look, Session&) { expose(look, -0.25f); }},
+    {"A", "automatic exposure", [](Look& look, Session&) { look.automatic = true; }},
+    {"D", "show smaller differences", [](Look& look, Session&) { rescale(look, 0.5f); }},
+    {"Shift+D", "show larger differences", [](Look& look, Session&) { rescale(look, 2); }},
+    {"M", "next mesh", [](Look& look, Session&) { next_mesh(look); }},
+    {"Shift+M", "type the name of a mesh file", [](Look& look, Session&) { look.name_mesh = true; }},
+    {"R", "next file as the reference", [](Look&, Session& session) { next_reference(session); }},
+    {"F", "next model among the files; then fit", [](Look&, Session& session) { next_model(session); }},
+    {"J", "one lobe more", [](Look&, Session& s) { choose(s, [](FitChoice& c) { ++c.lobes; }); }},
+    {"Shift+J", "one lobe fewer", [](Look&, Session& s) { choose(s, [](FitChoice& c) { --c.lobes; }); }},
+    {"N", "one variate more", [](Look&, Session& s) { choose(s, [](FitChoice& c) { ++c.variates; }); }},
+    {"Shift+N", "one variate fewer", [](Look&, Session& s) { choose(s, [](FitChoice& c) { --c.variates; }); }},
+    {"K", "next form", [](Look&, Session& s) { choose(s, [](FitChoice& c) { c.form = after(c.form, 3); }); }},
+    {"O", "next objective",
+     [](Look&, Session& s) { choose(s, [](FitChoice& c) { c.objective = after(c.objective, 4); }); }},
+    {"Enter", "fit again", [](Look&, Session& session) { session.refit(); }},
+    {"Escape", "cancel the fit; close the help",
+     [](Look& look, Session& session) { look.help ? void(look.help = false) : session.cancel(); }},
+    {"T", "light of slices and lobes lower by 5\xC2\xB0",
+     [](Look& look, Session&) { look.theta_l = std::min(look.theta_l + k_turn, 85 * k_degree); }},
+    {"Shift+T", "higher by 5\xC2\xB0",
+     [](Look& look, Session&) { look.theta_l = std::max(look.theta_l - k_turn, 0.0); }},
+    {"L", "slices logarithmic or linear", [](Look& look, Session&) { look.logarithmic = !look.logarithmic; }},
+    {"S", "save the model", [](Look& look, Session&) { look.save = true; }},
+    {"Shift+S", "type the model's file name", [](Look& look, Session&) { look.name_model = true; }},
+    {"P", "screenshot", [](Look& look, Session&) { look.screenshot = true; }},
+    {"H", "this help", [](Look& look, Session&) { look.help = !look.help; }},
+    {"F1", "", [](Look& look, Session&) { look.help = !look.help; }},
+    {"Q", "quit", [](Look& look, Session&) { look.quit = true; }},
+};
+
+}  // namespace
+
+std::span<const Key> keys() { return k_keys; }
+
+bool press(std::string_view name, Look& look, Session& session) {
+    const auto key = std::ranges::find(keys(), name, &Key::name);
+    if (key == keys().end()) return false;
+    key->act(look, session);
+    return true;
+}
+
+}  // namespace srbf

@@ -1,0 +1,52 @@
+// The three pictures of the window: reference, fit, and how they differ.
+#pragma once
+#include <array>
+#include <optional>
+#include <string>
+
+#include "app/view/look.h"
+#include "render/raster.h"
+
+namespace srbf {
+
+/// Pictures of one mesh in two materials, from one camera, and of their difference. Works in the current context.
+class Panels {
+  public:
+    enum Which { reference, fit, difference };
+    /// Errors: a graphics library that cannot draw floats.
+    static Result<Panels> make(Dialect dialect);
+
+    void set_mesh(const Mesh& mesh);
+    /// Another material; none: its picture is empty. A multivariate model of the text that is there already costs its numbers alone.
+    Result<Done> set_material(Which which, const std::optional<Material>& material);
+
+    /// Draws what has changed since the last time, each picture of width × height pixels. Exposure, where it is automatic, is found anew with
+    /// `expose` alone: it would flicker with every turn.
+    Result<Done> draw(Look& look, int width, int height, bool expose);
+    /// A picture as a texture, rows from the bottom.
+    unsigned texture(Which which) const { return of(which).shown ? of(which).shown->texture() : 0; }
+    const Bounds& bounds() const { return mesh_->bounds(); }
+    bool has(Which which) const { return of(which).material.has_value(); }
+
+  private:
+    explicit Panels(Dialect dialect) : dialect_(dialect) {}
+    Result<Done> resize(int width, int height);
+    struct Panel {
+        std::optional<RasterMaterial> material;
+        std::string text;  ///< of its shader
+        bool is_pm = false, is_stale = true;
+        std::optional<RasterTarget> radiance, shown;
+    };
+    Panel& of(Which which) { return panels_[which]; }
+    const Panel& of(Which which) const { return panels_[which]; }
+
+    Dialect dialect_;
+    std::array<Panel, 3> panels_;
+    std::optional<RasterMesh> mesh_;
+    std::optional<RasterSurface> surface_;
+    std::optional<RasterDevelopment> development_;
+    int width_ = 0, height_ = 0;
+    std::string drawn_;  ///< camera, lights and mesh of the pictures that are there
+};
+
+}  // namespace srbf

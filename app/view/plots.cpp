@@ -1,0 +1,158 @@
+#include "app/view/plots.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/view/look.h"
+#include "srbf/vec.h"
+
+namespace srbf {
+namespace {
+
+constexpr ImU32 k_line = IM_COL32(255, 255, 255, 60), k_ink = IM_COL32(230, 230, 230, 255),
+                k_light = IM_COL32(255, 220, 90, 255);
+constexpr ImU32 k_channel[3] = {IM_COL32(255, 110, 100, 255), IM_COL32(110, 220, 110, 255),
+                                IM_COL32(120, 160, 255, 255)};
+
+void label(ImDrawList& list, ImVec2 at, const std::string& text, ImU32 colour = k_ink) {
+    list.AddText(at, colour, text.c_str());
+}
+
+}  // namespace
+
+ImU32 lobe_colour(std::size_t k, float alpha) {
+    return ImColor::HSV(std::fmod(0.58f + 0.381966f * float(k), 1.f), 0.75f, 1.f, alpha);
+}
+
+void draw_slices(const Slice* reference, const Slice* fit, double theta_l, bool logarithmic, float width) {
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const float margin = ImGui::GetTextLineHeight(), radius = width / 2 - margin;
+    const ImVec2 centre{corner.x + width / 2, corner.y + radius + margin};
+    ImGui::Dummy({width, radius + 2 * margin});
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const float most = reference ? reference->most() : fit ? fit->most() : 0;
+    if (!(most > 0)) return label(list, corner, "nothing to plot");
+
+    // The light's side is on the left, as the plane is seen from the side.
+    const auto place = [&](double angle, double r) {
+        return ImVec2{centre.x + radius * float(r * std::sin(angle)), centre.y - radius * float(r * std::cos(angle))};
+    };
+    const auto length = [&](float f) {
+        const double share = double(f) / double(most);
+        if (!logarithmic) return std::clamp(share, 0.0, 1.0);
+        return std::clamp(1 + std::log10(std::max(share, 1e-30)) / k_decades, 0.0, 1.0);
+    };
+    const int rings = logarithmic ? int(k_decades) : 4;
+    for (int ring = 1; ring <= rings; ++ring) {
+        const double r = double(ring) / rings;
+        list.PathClear();
+        for (int i = -30; i <= 30; ++i) list.PathLineTo(place(i * 3 * k_degree, r));
+        list.PathStroke(k_line, 0, 1);
+        const double value = double(most) * (logarithmic ? std::pow(10, ring - rings) : r);
+        const ImVec2 at = place(-90 * k_degree, r);
+        if (ring % 2 == 0)
+            label(list, {at.x - 2, at.y + 1}, fmt::format("{:.2g}", value), IM_COL32(255, 255, 255, 150));
+    }
+    for (int degrees = -60; degrees <= 60; degrees += 30) list.AddLine(centre, place(degrees * k_degree, 1), k_line);
+    list.AddLine(place(-90 * k_degree, 1), place(90 * k_degree, 1), k_line);
+    list.AddLine(centre, place(-theta_l, 1.04), k_light, 2);
+    const ImVec2 at_light = place(-theta_l, 1.1);
+    label(list, {at_light.x - 34, at_light.y - 6}, "light", k_light);
+
+    for (int c = 0; c < 3; ++c) {
+        if (fit) {
+            list.PathClear();
+            for (std::size_t i = 0; i < fit->f.size(); ++i)
+                list.PathLineTo(place(double(fit->angle[i]), length(fit->f[i][c])));
+            list.PathStroke(k_channel[c], 0, 1.5f);
+        }
+        if (reference)
+            for (std::size_t i = 0; i < reference->f.size(); i += 4)
+                if (is_finite(reference->f[i]))
+                    list.AddCircleFilled(place(double(reference->angle[i]), length(reference->f[i][c])), 1.9f,
+                                         k_channel[c], 6);
+    }
+}
+
+void draw_lobes(const std::vector<SeenLobe>& lobes, const char* other, double theta_l, double azimuth, double elevation,
+                float width) {
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const float radius = 0.44f * width, height = radius * float(1.12 + std::sin(elevation));
+    ImGui::Dummy({width, height});
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const ImVec2 centre{corner.x + width / 2, corner.y + radius * 1.06f};
+    // Seen from far away: x right, the normal upwards by cos(elevation).
+    struct Point {
+        ImVec2 at;
+        double depth;
+    };
+    const auto place = [&](Vec3f w) {
+        const double x = std::cos(azimuth) * double(w.x) - std::sin(azimuth) * double(w.y),
+                     y = std::sin(azimuth) * double(w.x) + std::cos(azimuth) * double(w.y), z = double(w.z);
+        const double up = std::sin(elevation) * y + std::cos(elevation) * z;
+        return Point{{centre.x + radius * float(x), centre.y - radius * float(up)},
+                     -std::cos(elevation) * y + std::sin(elevation) * z};
+    };
+    const auto curve = [&](const auto& direction, int from, int to, ImU32 colour) {
+        for (int i = from; i < to; ++i) {
+            const Point a = place(direction(i)), b = place(direction(i + 1));
+            const bool behind = a.depth < 0;
+            list.AddLine(a.at, b.at, behind ? (colour & 0x00ffffff) | 0x18000000 : colour, 1);
+        }
+    };
+    for (const double theta : {30.0, 60.0, 90.0})
+        curve([&](int i) { return to_float(spherical(theta * k_degree, i * 5 * k_degree)); }, 0, 72, k_line);
+    for (int meridian = 0; meridian < 6; ++meridian)
+        curve([&](int i) { return to_float(spherical(i * 5 * k_degree, meridian * 30 * k_degree)); }, -18, 18, k_line);
+
+    static const std::vector<Vec3f> views = view_directions();
+    std::vector<Point> places;
+    for (const Vec3f& view : views) places.push_back(place(view));
+    for (std::size_t k = 0; k < lobes.size(); ++k) {
+        const SeenLobe& lobe = lobes[k];
+        if (lobe.share < 0.001) continue;
+        const ImU32 fill = lobe_colour(k, 0.08f + 0.35f * float(lobe.share)), edge = lobe_colour(k);
+        for (int ring = 0; ring < k_rings; ++ring)
+            for (int i = 0; i < k_around; ++i) {
+                const int next = (i + 1) % k_around;
+                const std::size_t corners[4] = {std::size_t(ring * k_around + i), std::size_t(ring * k_around + next),
+                                                std::size_t((ring + 1) * k_around + next),
+                                                std::size_t((ring + 1) * k_around + i)};
+                // Where the edges of the cell are crossed: marching squares.
+                ImVec2 crossed[4];
+                int crossings = 0, above = 0;
+                bool visible = true;
+                for (int e = 0; e < 4; ++e) {
+                    const std::size_t a = corners[e], b = corners[(e + 1) % 4];
+                    const float fa = lobe.relative[a] - 0.5f, fb = lobe.relative[b] - 0.5f;
+                    above += fa >= 0;
+                    visible = visible && places[a].depth > -0.02;
+                    if ((fa >= 0) == (fb >= 0)) continue;
+                    const float t = fa / (fa - fb);
+                    const ImVec2 p = places[a].at, q = places[b].at;
+                    crossed[crossings++] = {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)};
+                }
+                if (above == 4 && visible)
+                    list.AddQuadFilled(places[corners[0]].at, places[corners[1]].at, places[corners[2]].at,
+                                       places[corners[3]].at, fill);
+                if (crossings >= 2) list.AddLine(crossed[0], crossed[1], visible ? edge : lobe_colour(k, 0.25f), 2);
+            }
+    }
+    for (std::size_t k = 0; k < lobes.size(); ++k) {
+        if (lobes[k].share < 0.001) continue;
+        const ImVec2 at = place(lobes[k].centre).at;
+        list.AddCircleFilled(at, 4, lobe_colour(k));
+        list.AddCircle(at, 4, IM_COL32(0, 0, 0, 255));
+    }
+    const auto arrow = [&](Vec3f w, ImU32 colour, const char* text) {
+        const ImVec2 tip = place(w).at;
+        list.AddLine(centre, tip, colour, 2);
+        label(list, {tip.x + 4, tip.y - 14}, text, colour);
+    };
+    arrow({0, 0, 1}, k_ink, "normal");
+    arrow(to_float(spherical(theta_l, k_pi)), k_light, other);
+}
+
+}  // namespace srbf

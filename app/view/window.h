@@ -1,0 +1,20 @@
+// The window: GLFW and Dear ImGui around a session.
+#pragma once
+#include <string>
+
+#include "app/view/look.h"
+#include "app/view/session.h"
+
+namespace srbf {
+
+struct WindowOptions {
+    int width = 1280, height = 800;
+    std::string screenshot;  ///< written when there is nothing left to wait for; then the window closes
+    int timed_refits =
+        0;  ///< so many fits are asked for, one after the other, while the picture turns; then the window closes
+};
+
+/// Shows the session until the window is closed. Errors: no display, no OpenGL; a screenshot that cannot be written.
+Result<Done> run_window(Session& session, Look& look, const WindowOptions& options);
+
+}  // namespace srbf

@@ -2,59 +2,12 @@
 
 #include <cstdlib>
 
+#include "app/material.h"
 #include "render/raster.h"
-#include "srbf/convert.h"
 
 namespace srbf {
 
 #ifdef SRBF_RASTER
-namespace {
-
-/// Gives each cell without a measurement the mean of those of its neighbours that have one.
-void grow(MerlTable& table) {
-    const auto [n_h, n_d, n_p] = table.size;
-    const MerlTable before = table;
-    const auto at = [&](std::size_t h, std::size_t d, std::size_t p) { return p + n_p * (d + n_d * h); };
-    for (std::size_t h = 0; h < n_h; ++h)
-        for (std::size_t d = 0; d < n_d; ++d)
-            for (std::size_t p = 0; p < n_p; ++p) {
-                Rgb& f = table.cells[at(h, d, p)];
-                if (is_finite(f)) continue;
-                Rgb sum;
-                int count = 0;
-                const auto add = [&](std::size_t i, std::size_t j, std::size_t k) {
-                    if (i >= n_h || j >= n_d) return;
-                    const Rgb& of = before.cells[at(i, j, k)];
-                    if (!is_finite(of)) return;
-                    for (int c = 0; c < 3; ++c) sum[c] += of[c];
-                    ++count;
-                };
-                add(h - 1, d, p), add(h + 1, d, p), add(h, d - 1, p), add(h, d + 1, p);
-                add(h, d, (p + n_p - 1) % n_p), add(h, d, (p + 1) % n_p);
-                for (int c = 0; count > 0 && c < 3; ++c) f[c] = sum[c] / float(count);
-            }
-}
-
-/// `subject` as a table. It has no cells beyond 89.7 degrees: there it goes on as before.
-MerlTable table_of(const Subject& subject) {
-    MerlTable table = to_merl(evaluator(subject));
-    for (int layer = 0; layer < 2; ++layer) grow(table);
-    return table;
-}
-
-/// What OpenGL draws of a subject: a model as it is, a measurement as a table in Rusinkiewicz' angles.
-Result<Material> material_of(const Subject& subject) {
-    if (const auto* model = std::get_if<Model>(&subject.content))
-        return std::visit([](const auto& of) -> Material { return of; }, model->model);
-    const Measured& measured = std::get<Measured>(subject.content);
-    if (const auto* table = std::get_if<MerlTable>(&measured.table)) return Material(*table);
-    if (!is_isotropic(measured))
-        return Error{subject.path, {}, "measurement for the renderer raster", "an isotropic one", "an anisotropic one"};
-    return Material(table_of(subject));
-}
-
-}  // namespace
-
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Subject> subjects, int width, int height) {
     // What the library has to say of drivers that it tried is no news; what comes of it, the error tells.
     ::setenv("EGL_LOG_LEVEL", "fatal", 0);

@@ -59,20 +59,21 @@ ShaderText shader_text(const Material& material, const ShaderOptions& options) {
     for (int k = 0; k < options.lights; ++k) each_light += fmt::format(" f({})", k);
     const bool deferred = options.input == PixelInput::surface;
     const std::string first = version(options.dialect);
-    return {first + (deferred ? k_whole_text : k_surface_text),
+    return {first + (deferred ? k_whole_glsl : k_surface_glsl),
             first +
                 fmt::format("#define LIGHTS {}\n#define EACH_LIGHT(f){}\n#define DEFERRED {:d}\n#define SHOWN {:d}\n",
                             options.lights, each_light, deferred, options.output == PixelOutput::shown) +
-                std::visit([](const auto& of) { return shape(of); }, material) + k_host_text + k_kernel_text +
-                k_shading_text + k_pixel_text};
+                std::visit([](const auto& of) { return shape(of); }, material) + k_host_glsl + k_kernel_glsl +
+                k_shading_glsl + k_pixel_glsl};
 }
 
 ShaderText surface_shader_text(Dialect dialect) {
-    return {version(dialect) + k_surface_text, version(dialect) + k_surface_pixel_text};
+    return {version(dialect) + k_surface_glsl, version(dialect) + k_surface_pixel_glsl};
 }
 
 std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
-    std::array<Float4, 4> numbers{{{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
+    std::array<Float4, 4> numbers{
+        {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
     for (std::size_t i = 0; i < model.lobes.size(); ++i) {
         const GgxModel::Lobe& lobe = model.lobes[i];
         numbers[1 + i] = {lobe.facing.r, lobe.facing.g, lobe.facing.b, lobe.roughness};

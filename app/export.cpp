@@ -58,13 +58,20 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
     of.name = "Measured";
     if (is_isotropic(std::get<Measured>(reference.content))) {
         const MerlTable table = table_of(measured, k_page_table);
-        const Evaluate others[] = {evaluator(table)};
-        const double lost = measure_heldout(measured, others, options)[0].squared_error_ratio_cosine;
+        const Evaluate drawn[] = {evaluator(table)}, in_both_orders = [&](auto wl, auto wv, auto f) {
+            std::vector<Rgb> exchanged(f.size());
+            measured(wl, wv, f), measured(wv, wl, exchanged);
+            for (std::size_t i = 0; i < f.size(); ++i)
+                for (int c = 0; c < 3; ++c) f[i][c] = (f[i][c] + exchanged[i][c]) / 2;
+        };
+        const auto lost = [&](const Evaluate& against) {
+            return percent(measure_heldout(against, drawn, options)[0].squared_error_ratio_cosine);
+        };
         page.picture_note = fmt::format(
-            "The measurement is drawn from a table of {} × {} × {} half-precision colours made of it, which keeps this "
-            "page small: a squared "
-            "error of {} (f cosθl, θ ≤ {:g}°) against the file itself. Plots and figures are of the file.",
-            k_page_table[0], k_page_table[1], k_page_table[2], percent(lost), theta);
+            "The picture of the measurement is drawn from a table of {} × {} × {} colours made of the file, so that this page stays small. Its "
+            "squared error (f cosθl, θ ≤ {:g}°) is {} against the file, and {} against the mean of the file's values with light and viewer "
+            "exchanged: such a table takes them to be exchangeable. The plots and the figures below are of the file itself.",
+            k_page_table[0], k_page_table[1], k_page_table[2], theta, lost(measured), lost(in_both_orders));
         of.material = table;
     } else {
         page.picture_note =
@@ -77,19 +84,20 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
 
     page.title = stem(reference.path);
     page.materials.insert(page.materials.begin(), std::move(of));
-    page.table[0].second.insert(page.table[0].second.begin(), grouped(std::get<Measured>(reference.content).bytes));
-    const auto add_row = [&](const char* name, auto&& text_of) {
-        std::vector<std::string> cells{""};
-        for (std::size_t k = 0; k < models.size(); ++k) cells.push_back(text_of(k));
-        page.table.emplace_back(name, std::move(cells));
+    page.table[0].cells.insert(page.table[0].cells.begin(), grouped(std::get<Measured>(reference.content).bytes));
+    const auto add_row = [&](const char* name, const char* meaning, auto&& text_of) {
+        Page::Row& row = page.table.emplace_back(Page::Row{name, meaning, {""}});
+        for (std::size_t k = 0; k < models.size(); ++k) row.cells.push_back(text_of(k));
     };
-    add_row("squared error, f cosθl: what reaches an image",
+    add_row("image error", "what reaches an image: squared error ratio of f cosθl, each view by its cosine",
             [&](std::size_t k) { return percent(errors[k].squared_error_ratio_cosine); });
-    add_row("squared error, f", [&](std::size_t k) { return percent(errors[k].squared_error_ratio); });
-    add_row("squared error, cube root of f: nearer to the eye, which sees the dark parts too",
+    add_row("dark-part error", "nearer to the eye, which sees the dark parts too: the same ratio of the cube root of f",
             [&](std::size_t k) { return percent(errors[k].cube_root_error_ratio); });
-    add_row("RMS of log(1 + f cosθl)", [&](std::size_t k) { return fmt::format("{:.4f}", errors[k].log_rms_cosine); });
-    add_row("largest error of the albedo, the share of light that comes back",
+    add_row("raw error", "the same ratio of f itself, which grazing angles decide",
+            [&](std::size_t k) { return percent(errors[k].squared_error_ratio); });
+    add_row("log error", "root mean square of the differences of log(1 + f cosθl)",
+            [&](std::size_t k) { return fmt::format("{:.4f}", errors[k].log_rms_cosine); });
+    add_row("albedo error", "largest relative error of the share of light that comes back at all, from 0, 30, 60 and 75°",
             [&](std::size_t k) { return percent(albedo_error(measured, others[k], options.max_theta)); });
     page.table_note = fmt::format(
         "Against the measurement, at 200,000 pairs of directions within {:g}° of the normal that no fit has seen: what "
@@ -119,10 +127,10 @@ int ExportCommand::run() const {
     Page page;
     page.title = stem(files[0]);
     page.generator = "Written by srbf " SRBF_VERSION ". This page is one file and asks nothing of the network.";
-    page.table.emplace_back("bytes", std::vector<std::string>());
+    page.table.push_back({"bytes", "", {}});
     for (const Subject& model : models) {
         page.materials.push_back(shown(model));
-        page.table[0].second.push_back(grouped(payload_bytes(std::get<Model>(model.content))));
+        page.table[0].cells.push_back(grouped(payload_bytes(std::get<Model>(model.content))));
     }
     if (measured) add_reference(page, *measured, models);
     const auto written = write_file(output, as_bytes(page_html(page)));

@@ -97,7 +97,7 @@ Mesh ball(int rings) {
             mesh.normals.push_back(to_float(n));
         }
     for (const Triangle& t : grid(std::uint32_t(along), std::uint32_t(around), true))
-        mesh.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
+        mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     return mesh;
 }
 

@@ -100,7 +100,7 @@ Json data_of(const Page& page) {
     data["exposure"] = automatic_exposure(render_sphere(page.materials[0].brdf, {.size = 160, .samples = 2}));
     const double grey = double(srgb_encoded(k_background));
     data["background"] = {grey, grey, grey};
-    for (const DirectionalLight& light : k_three_lights)
+    for (const DirectionalLight& light : lights_of(camera_of(page_mesh("ball"), {}, k_page_aspect)))
         data["lights"].push_back({{"towards", json_of(light.towards)},
                                   {"irradiance", {light.irradiance.r, light.irradiance.g, light.irradiance.b}}});
     for (const std::string_view name : {"ball", "sphere", "knot"})
@@ -159,17 +159,21 @@ std::string slices_of(const Page& page) {
     return html + "</div>";
 }
 std::string table_of(const Page& page) {
-    std::string html = "<table><thead><tr><td></td>";
+    std::string html = "<div class='wide'><table><thead><tr><td></td>";
     for (std::size_t i = 0; i < page.materials.size(); ++i)
         html += fmt::format("<th scope='col'>{}</th>", label_of(page, i));
     html += "</tr></thead><tbody>\n";
-    for (const auto& [name, cells] : page.table) {
-        assert(cells.size() == page.materials.size());
-        html += fmt::format("<tr><th scope='row'>{}</th>", html_escaped(name));
-        for (const std::string& cell : cells) html += fmt::format("<td>{}</td>", html_escaped(cell));
+    std::string meanings;
+    for (const Page::Row& row : page.table) {
+        assert(row.cells.size() == page.materials.size());
+        html += fmt::format("<tr><th scope='row'>{}</th>", html_escaped(row.name));
+        for (const std::string& cell : row.cells) html += fmt::format("<td>{}</td>", html_escaped(cell));
         html += "</tr>\n";
+        if (!row.meaning.empty())
+            meanings += fmt::format("<dt>{}</dt> <dd>{}</dd>\n", html_escaped(row.name), html_escaped(row.meaning));
     }
-    return html + "</tbody></table>";
+    html += "</tbody></table></div>\n";
+    return meanings.empty() ? html : fmt::format("{}<dl>\n{}</dl>", html, meanings);
 }
 std::string copied(std::string_view title, std::string_view id, const std::string& text) {
     return fmt::format(

@@ -1,8 +1,8 @@
 // Materials as a page for a browser, in one file: pictures by WebGL 2, plots, tables: level 7.
 #pragma once
+#include <array>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "render/mesh.h"
@@ -23,10 +23,14 @@ struct PageMaterial {
 struct Page {
     std::string title;
     std::vector<PageMaterial> materials;  ///< one at least; the first is drawn widest in the plots
-    /// What is told of each material: a row's name, then as many cells as materials.
-    std::vector<std::pair<std::string, std::vector<std::string>>> table;
-    std::string table_note, picture_note;  ///< below them
-    std::string generator;                 ///< who wrote the page, and when
+    /// What is told of each material.
+    struct Row {
+        std::string name, meaning;       ///< the latter below the table; empty: it needs none
+        std::vector<std::string> cells;  ///< as many as materials
+    };
+    std::vector<Row> table;
+    std::string table_note, picture_note;  ///< below the table, and below the pictures
+    std::string generator;                 ///< the last line: who wrote the page
 };
 
 /// The page, HTML in UTF-8, without a reference to anything outside of itself. Its shaders are those of `shader_text` in the dialect of OpenGL ES
@@ -40,7 +44,7 @@ Mesh page_mesh(std::string_view name);
 inline constexpr double k_page_aspect = 4.0 / 3;
 /// The polar angles of the light in the page's plots [degrees].
 inline constexpr std::array<double, 4> k_slice_theta{0, 30, 60, 75};
-/// θ_h, θ_d, φ_d: nodes enough for a table's picture; `table_note` should tell what is lost.
-inline constexpr std::array<std::uint32_t, 3> k_page_table{90, 45, 36};
+/// θ_h, θ_d, φ_d: nodes enough for a table's picture; `picture_note` should tell what is lost.
+inline constexpr std::array<std::uint32_t, 3> k_page_table{128, 45, 24};
 
 }  // namespace srbf

@@ -15,7 +15,7 @@ const direction_of = ([azimuth, elevation]) =>
 const clamp = (x, least, most) => Math.min(Math.max(x, least), most);
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
-// Azimuths and elevations of the camera and, in its frame, of the first light.
+// Azimuths and elevations of the camera and of the first light.
 const beginning = () => ({ camera: [0, data.elevation], light: angles_of(data.lights[0].towards), zoom: 1, shown: "all" });
 let view = beginning();
 
@@ -36,7 +36,7 @@ function scene(aspect) {
     eye: mesh.target.map((x, i) => x + distance * Math.max(1, data.aspect / aspect) * frame[2][i]),
     half: [half * aspect, half], frame,
     exposure: data.exposure * 2 ** controls.stops.value,
-    directions: towards.flatMap((w) => [0, 1, 2].map((i) => w[0] * frame[0][i] + w[1] * frame[1][i] + w[2] * frame[2][i])),
+    directions: towards.flat(),
     irradiances: data.lights.flatMap((light, k) => k && !controls.others.checked ? [0, 0, 0] : light.irradiance),
   };
 }
@@ -202,7 +202,7 @@ function redraw() {
   });
 }
 
-// Moves the object or the light by so many pixels on the screen.
+// Turns the view or moves the light by so many pixels on the screen.
 function move(of_light, x, y) {
   const turned = of_light ? view.light : view.camera, sign = of_light ? 1 : -1, step = 0.5 * k_degree;
   turned[0] += sign * step * x;

@@ -68,9 +68,12 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
             return percent(measure_heldout(against, drawn, options)[0].squared_error_ratio_cosine);
         };
         page.picture_note = fmt::format(
-            "The picture of the measurement is drawn from a table of {} × {} × {} colours made of the file, so that this page stays small. Its "
-            "squared error (f cosθl, θ ≤ {:g}°) is {} against the file, and {} against the mean of the file's values with light and viewer "
-            "exchanged: such a table takes them to be exchangeable. The plots and the figures below are of the file itself.",
+            "The picture of the measurement is drawn from a table of {} × {} × {} colours made of the file, so that "
+            "this page stays small. Its "
+            "squared error (f cosθl, θ ≤ {:g}°) is {} against the file, and {} against the mean of the file's values "
+            "with light and viewer "
+            "exchanged: such a table takes them to be exchangeable. The plots and the figures below are of the file "
+            "itself.",
             k_page_table[0], k_page_table[1], k_page_table[2], theta, lost(measured), lost(in_both_orders));
         of.material = table;
     } else {
@@ -97,7 +100,8 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
             [&](std::size_t k) { return percent(errors[k].squared_error_ratio); });
     add_row("log error", "root mean square of the differences of log(1 + f cosθl)",
             [&](std::size_t k) { return fmt::format("{:.4f}", errors[k].log_rms_cosine); });
-    add_row("albedo error", "largest relative error of the share of light that comes back at all, from 0, 30, 60 and 75°",
+    add_row("albedo error",
+            "largest relative error of the share of light that comes back at all, from 0, 30, 60 and 75°",
             [&](std::size_t k) { return percent(albedo_error(measured, others[k], options.max_theta)); });
     page.table_note = fmt::format(
         "Against the measurement, at 200,000 pairs of directions within {:g}° of the normal that no fit has seen: what "

@@ -194,10 +194,11 @@ function redraw() {
     section.querySelector(".pictures").classList.toggle("one", view.shown !== "all");
     for (const button of section.querySelectorAll("[data-show]"))
       button.setAttribute("aria-pressed", button.dataset.show === view.shown);
+    // All of them take their places before the first is drawn, whose size depends on the others.
+    for (const figure of figures) figure.hidden = view.shown !== "all" && view.shown !== figure.dataset.material;
     for (const figure of figures) {
-      const index = figure.dataset.material, canvas = figure.querySelector("canvas");
-      figure.hidden = view.shown !== "all" && view.shown !== index;
-      if (!figure.hidden && canvas && materials[index]) draw(index, canvas);
+      const index = figure.dataset.material;
+      if (!figure.hidden && materials[index]) draw(index, figure.querySelector("canvas"));
     }
   });
 }

@@ -89,7 +89,7 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
     page.materials.insert(page.materials.begin(), std::move(of));
     page.table[0].cells.insert(page.table[0].cells.begin(), grouped(std::get<Measured>(reference.content).bytes));
     const auto add_row = [&](const char* name, const char* meaning, auto&& text_of) {
-        Page::Row& row = page.table.emplace_back(Page::Row{name, meaning, {""}});
+        Page::Row& row = page.table.emplace_back(Page::Row{name, meaning, {"–"}});
         for (std::size_t k = 0; k < models.size(); ++k) row.cells.push_back(text_of(k));
     };
     add_row("image error", "what reaches an image: squared error ratio of f cosθl, each view by its cosine",

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 #include <nlohmann/json.hpp>
 
@@ -97,7 +98,10 @@ Json data_of(const Page& page) {
     data["fov"] = Viewpoint{}.fov;
     data["elevation"] = Viewpoint{}.elevation;
     data["aspect"] = k_page_aspect;
-    data["exposure"] = automatic_exposure(render_sphere(page.materials[0].brdf, {.size = 160, .samples = 2}));
+    const auto pictured =
+        std::ranges::find_if(page.materials, [](const PageMaterial& of) { return of.material.has_value(); });
+    const PageMaterial& exposed = pictured == page.materials.end() ? page.materials[0] : *pictured;
+    data["exposure"] = automatic_exposure(render_sphere(exposed.brdf, {.size = 160, .samples = 2}));
     const double grey = double(srgb_encoded(k_background));
     data["background"] = {grey, grey, grey};
     for (const DirectionalLight& light : lights_of(camera_of(page_mesh("ball"), {}, k_page_aspect)))
@@ -129,6 +133,10 @@ std::string label_of(const Page& page, std::size_t i) {
                        html_escaped(page.materials[i].name));
 }
 
+std::ptrdiff_t count_pictures(const Page& page) {
+    return std::ranges::count_if(page.materials, [](const PageMaterial& of) { return of.material.has_value(); });
+}
+
 std::string pictures_of(const Page& page) {
     std::string html;
     for (std::size_t i = 0; i < page.materials.size(); ++i)
@@ -140,12 +148,16 @@ std::string pictures_of(const Page& page) {
     return html;
 }
 std::string choices_of(const Page& page) {
-    std::string html;
+    std::string buttons;
     for (std::size_t i = 0; i < page.materials.size(); ++i)
         if (page.materials[i].material)
-            html += fmt::format("<button type='button' data-show='{}' aria-pressed='false'>{}</button>\n", i,
-                                html_escaped(page.materials[i].name));
-    return html;
+            buttons += fmt::format("<button type='button' data-show='{}' aria-pressed='false'>{}</button>\n", i,
+                                   html_escaped(page.materials[i].name));
+    if (count_pictures(page) < 2) return {};
+    return fmt::format(
+        "<div class='choices' role='group' aria-label='Which pictures are shown'>\n"
+        "<button type='button' data-show='all' aria-pressed='true'>Side by side</button>\n{}</div>\n",
+        buttons);
 }
 std::string slices_of(const Page& page) {
     std::vector<SliceCurve> curves;
@@ -181,15 +193,31 @@ std::string copied(std::string_view title, std::string_view id, const std::strin
         "id='{}'>{}</pre></details>\n",
         html_escaped(title), id, html_escaped(text));
 }
+/// What a shader is given by name, four numbers a line.
+using NamedNumbers = std::pair<std::string, std::string>;
+NamedNumbers named(std::string name, std::span<const Float4> numbers) {
+    std::string text;
+    for (const Float4& four : numbers) text += fmt::format("{:.9g}\n", fmt::join(four, ", "));
+    return {std::move(name), std::move(text)};
+}
+template <typename M> NamedNumbers shader_numbers(const M&) { return {}; }
+NamedNumbers shader_numbers(const PmModel& model) { return named("uniform block PmNumbers", pm_numbers(model)); }
+NamedNumbers shader_numbers(const GgxModel& model) { return named("uniform ggx_numbers", ggx_numbers(model)); }
+
 std::string texts_of(const Page& page) {
     std::string html;
     for (std::size_t i = 0; i < page.materials.size(); ++i) {
         const PageMaterial& of = page.materials[i];
         if (!of.parameters.empty())
             html += copied(fmt::format("{}: parameters", of.name), fmt::format("parameters-{}", i), of.parameters);
-        if (of.material)
+        if (of.material) {
+            if (const auto [name, text] = std::visit([](const auto& m) { return shader_numbers(m); }, *of.material);
+                !text.empty())
+                html += copied(fmt::format("{}: numbers of the shader's {}", of.name, name),
+                               fmt::format("numbers-{}", i), text);
             html += copied(fmt::format("{}: fragment shader (GLSL ES 3.00)", of.name), fmt::format("glsl-{}", i),
                            text_of(*of.material).fragment);
+        }
     }
     return html;
 }
@@ -225,9 +253,17 @@ std::string page_html(const Page& page) {
     const std::pair<std::string_view, std::string> parts[] = {
         {"title", html_escaped(page.title)},
         {"style", k_page_css},
+        {"pictures_lead", count_pictures(page) > 1
+                              ? "The same object under the same lights, in each of the materials. Drag a picture "
+                                "to turn it; all of them follow."
+                              : "An object of the material. Drag the picture to turn it."},
         {"pictures", pictures_of(page)},
         {"choices", choices_of(page)},
         {"picture_note", note(page.picture_note)},
+        {"slices_lead", page.materials.size() < 2
+                            ? ""
+                            : fmt::format(" Where a thin line leaves the thick black one ({}), that material differs.",
+                                          html_escaped(page.materials[0].name))},
         {"slices", slices_of(page)},
         {"table", table_of(page)},
         {"table_note", note(page.table_note)},

@@ -35,7 +35,7 @@ struct Page {
 
 /// The page, HTML in UTF-8, without a reference to anything outside of itself. Its shaders are those of `shader_text` in the dialect of OpenGL ES
 /// 3.0, read by the page from the text that it shows. It starts with `page_mesh("ball")` seen from `Viewpoint{}` by `k_three_lights`, at
-/// automatic_exposure of the first material's sphere.
+/// automatic_exposure of the sphere of the first that has a picture.
 std::string page_html(const Page& page);
 
 /// One of `k_built_in_meshes` as the page has it, of fewer triangles.

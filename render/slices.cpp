@@ -13,7 +13,7 @@ namespace srbf {
 namespace {
 
 /// The plot's frame within the drawing.
-constexpr double k_width = 360, k_height = 250, k_left = 40, k_right = 350, k_top = 36, k_bottom = 210;
+constexpr double k_width = 360, k_height = 250, k_left = 40, k_right = 344, k_top = 36, k_bottom = 210;
 
 std::vector<double> angles_of(double mirror) {
     std::vector<double> degrees;

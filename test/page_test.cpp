@@ -80,6 +80,14 @@ TEST(Page, HoldsItsShadersAndNothingFromOutside) {
     EXPECT_EQ(count(plots, "<figure"), 0u);
     EXPECT_EQ(count(plots, "<svg"), k_slice_theta.size());
     EXPECT_LT(plots.size(), html.size());
+    // What there is but one of is not to be chosen from, nor does it differ.
+    Page one = page;
+    one.materials.resize(1);
+    one.table[0].cells.resize(1);
+    const std::string single = page_html(one);
+    EXPECT_EQ(count(single, "<canvas"), 1u);
+    EXPECT_EQ(count(single, "<button type='button' data-show"), 0u);
+    EXPECT_EQ(count(single, "material differs"), 0u);
 }
 
 /// The points of the drawing's curves.

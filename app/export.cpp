@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/material.h"
+#include "app/raster.h"
 #include "app/report.h"
 #include "render/page.h"
 #include "srbf/file.h"
@@ -34,7 +34,7 @@ std::string kind_of(const Subject& subject) {
 PageMaterial shown(const Subject& subject) {
     PageMaterial of{stem(subject.path), kind_of(subject), {}, evaluator(subject), {}};
     if (const auto* model = std::get_if<Model>(&subject.content)) {
-        of.material = *material_of(subject);
+        of.material = material_of(*model);
         of.parameters = parameters_text(*model);
         for (const auto& [key, text] : model->provenance) of.parameters += fmt::format("  {:<36}{}\n", key, text);
     }

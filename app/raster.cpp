@@ -2,10 +2,53 @@
 
 #include <cstdlib>
 
-#include "app/material.h"
 #include "render/raster.h"
 
 namespace srbf {
+
+namespace {
+
+/// Gives each cell without a measurement the mean of those of its neighbours that have one.
+void grow(MerlTable& table) {
+    const auto [n_h, n_d, n_p] = table.size;
+    const MerlTable before = table;
+    const auto at = [&](std::size_t h, std::size_t d, std::size_t p) { return p + n_p * (d + n_d * h); };
+    for (std::size_t h = 0; h < n_h; ++h)
+        for (std::size_t d = 0; d < n_d; ++d)
+            for (std::size_t p = 0; p < n_p; ++p) {
+                Rgb& f = table.cells[at(h, d, p)];
+                if (is_finite(f)) continue;
+                Rgb sum;
+                int count = 0;
+                const auto add = [&](std::size_t i, std::size_t j, std::size_t k) {
+                    if (i >= n_h || j >= n_d) return;
+                    const Rgb& of = before.cells[at(i, j, k)];
+                    if (!is_finite(of)) return;
+                    for (int c = 0; c < 3; ++c) sum[c] += of[c];
+                    ++count;
+                };
+                add(h - 1, d, p), add(h + 1, d, p), add(h, d - 1, p), add(h, d + 1, p);
+                add(h, d, (p + n_p - 1) % n_p), add(h, d, (p + 1) % n_p);
+                for (int c = 0; count > 0 && c < 3; ++c) f[c] = sum[c] / float(count);
+            }
+}
+
+}  // namespace
+
+MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size) {
+    MerlTable table = to_merl(brdf, size);
+    for (int layer = 0; layer < 2; ++layer) grow(table);
+    return table;
+}
+
+Result<Material> material_of(const Subject& subject) {
+    if (const auto* model = std::get_if<Model>(&subject.content)) return material_of(*model);
+    const Measured& measured = std::get<Measured>(subject.content);
+    if (const auto* table = std::get_if<MerlTable>(&measured.table)) return Material(*table);
+    if (!is_isotropic(measured))
+        return Error{subject.path, {}, "measurement for the renderer raster", "an isotropic one", "an anisotropic one"};
+    return Material(table_of(evaluator(subject)));
+}
 
 #ifdef SRBF_RASTER
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Subject> subjects, int width, int height) {

@@ -6,10 +6,20 @@
 #include "app/load.h"
 #include "render/image.h"
 #include "render/scene.h"
+#include "render/shader.h"
+#include "srbf/convert.h"
 
 namespace srbf {
 
-/// The scene in each of the subjects, four samples a pixel. Errors: an anisotropic measurement; those of `rasterize`; a program built
+/// An isotropic BRDF as a table in Rusinkiewicz' angles. It has no cells beyond 89.7°: there it goes on as before.
+MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size = k_merl_size);
+/// What OpenGL draws of a subject: a model as it is, a measurement as a table in Rusinkiewicz' angles. Errors: an anisotropic measurement.
+Result<Material> material_of(const Subject& subject);
+inline Material material_of(const Model& model) {
+    return std::visit([](const auto& of) -> Material { return of; }, model.model);
+}
+
+/// The scene in each of the subjects, four samples a pixel. Errors: those of `material_of` and `rasterize`; a program built
 /// without this renderer.
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Subject> subjects, int width, int height);
 

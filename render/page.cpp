@@ -33,7 +33,7 @@ template <typename T> std::string base64_of(const std::vector<T>& numbers) {
     return base64(std::as_bytes(std::span(numbers)));
 }
 
-/// A texture as page.js takes it.
+/// A texture as viewer.js takes it.
 Json texture(const char* sampler, const char* target, const char* format, std::vector<std::uint32_t> size,
              std::string texels) {
     return {{"sampler", sampler},
@@ -92,7 +92,7 @@ Json json_of(const Mesh& mesh) {
 
 ShaderText text_of(const Material& material) { return shader_text(material, {.dialect = Dialect::es_300}); }
 
-/// What page.js works with, but for the shaders.
+/// What viewer.js works with, but for the shaders.
 Json data_of(const Page& page) {
     Json data;
     data["fov"] = Viewpoint{}.fov;
@@ -252,7 +252,7 @@ std::string page_html(const Page& page) {
     };
     const std::pair<std::string_view, std::string> parts[] = {
         {"title", html_escaped(page.title)},
-        {"style", k_page_css},
+        {"style", k_style_text},
         {"pictures_lead", count_pictures(page) > 1
                               ? "The same object under the same lights, in each of the materials. Drag a picture "
                                 "to turn it; all of them follow."
@@ -270,9 +270,9 @@ std::string page_html(const Page& page) {
         {"texts", texts_of(page)},
         {"generator", html_escaped(page.generator)},
         {"data", script_text(data_of(page))},
-        {"script", k_page_js},
+        {"script", k_viewer_text},
     };
-    return filled(k_page_html, parts);
+    return filled(k_page_text, parts);
 }
 
 }  // namespace srbf

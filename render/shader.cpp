@@ -59,16 +59,16 @@ ShaderText shader_text(const Material& material, const ShaderOptions& options) {
     for (int k = 0; k < options.lights; ++k) each_light += fmt::format(" f({})", k);
     const bool deferred = options.input == PixelInput::surface;
     const std::string first = version(options.dialect);
-    return {first + (deferred ? k_whole_glsl : k_surface_glsl),
+    return {first + (deferred ? k_whole_text : k_surface_text),
             first +
                 fmt::format("#define LIGHTS {}\n#define EACH_LIGHT(f){}\n#define DEFERRED {:d}\n#define SHOWN {:d}\n",
                             options.lights, each_light, deferred, options.output == PixelOutput::shown) +
-                std::visit([](const auto& of) { return shape(of); }, material) + k_host_glsl + k_kernel_glsl +
-                k_shading_glsl + k_pixel_glsl};
+                std::visit([](const auto& of) { return shape(of); }, material) + k_host_text + k_kernel_text +
+                k_shading_text + k_pixel_text};
 }
 
 ShaderText surface_shader_text(Dialect dialect) {
-    return {version(dialect) + k_surface_glsl, version(dialect) + k_surface_pixel_glsl};
+    return {version(dialect) + k_surface_text, version(dialect) + k_surface_pixel_text};
 }
 
 std::array<Float4, 4> ggx_numbers(const GgxModel& model) {

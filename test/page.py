@@ -36,7 +36,7 @@ class Visit:
 def with_webgl():
     visit = Visit(WEBGL)
     chromium = visit.chromium
-    chromium.size(1280, 900)
+    chromium.size(1000, 600)
     chromium.open(page)
     if not chromium.run("!!document.createElement('canvas').getContext('webgl2')"):
         print("this Chromium has no WebGL 2")
@@ -71,7 +71,7 @@ def with_webgl():
 
 def without_webgl():
     chromium = Chromium(["--disable-3d-apis"])
-    chromium.size(1280, 900)
+    chromium.size(1000, 600)
     chromium.open(page)
     shown = lambda selector: chromium.run(
         f"[...document.querySelectorAll({selector!r})].filter((e) => e.getBoundingClientRect().height > 0).length")

@@ -17,16 +17,6 @@ struct CompareCommand {
     int run() const;
 };
 
-/// θmax of a model's fit [degrees], if `subject` is one that says so.
-double fitted_theta(const Subject& subject) {
-    if (!subject.is_model()) return 0;
-    const auto& provenance = std::get<Model>(subject.content).provenance;
-    const auto at = provenance.find("max_theta");
-    if (at == provenance.end()) return 0;
-    const double theta = std::atof(at->second.c_str());
-    return theta >= 1 && theta <= 90 ? theta : 0;
-}
-
 int CompareCommand::run() const {
     const auto a = load(reference);
     if (!a) return complain(a.error());

@@ -11,7 +11,14 @@
 namespace srbf {
 namespace {
 
-void print_row(std::string_view name, const std::string& text) { fmt::print("  {:<18}{}\n", name, text); }
+void add_row(std::string& text, std::string_view name, const std::string& what) {
+    fmt::format_to(std::back_inserter(text), "  {:<18}{}\n", name, what);
+}
+void print_row(std::string_view name, const std::string& what) {
+    std::string text;
+    add_row(text, name, what);
+    fmt::print("{}", text);
+}
 
 struct Range {
     float least = std::numeric_limits<float>::infinity(), most = -least;
@@ -23,14 +30,19 @@ struct Range {
     std::string text() const { return least > most ? "none" : fmt::format("{:.4g} to {:.4g}", least, most); }
 };
 
-template <typename Pixels> void print_channel_ranges(std::string_view name, const Pixels& pixels) {
+template <typename Pixels> void add_channel_ranges(std::string& text, std::string_view name, const Pixels& pixels) {
     for (int c = 0; c < 3; ++c) {
         Range range;
         std::uint64_t negative = 0;
         for (const Rgb& f : pixels) range.add(f[c]), negative += f[c] < 0;
-        print_row(fmt::format("{} {}", name, "RGB"[c]),
-                  range.text() + (negative ? fmt::format(", {} negative", grouped(negative)) : ""));
+        add_row(text, fmt::format("{} {}", name, "RGB"[c]),
+                range.text() + (negative ? fmt::format(", {} negative", grouped(negative)) : ""));
     }
+}
+template <typename Pixels> void print_channel_ranges(std::string_view name, const Pixels& pixels) {
+    std::string text;
+    add_channel_ranges(text, name, pixels);
+    fmt::print("{}", text);
 }
 
 void print_wavelengths(const std::vector<float>& nm) {
@@ -81,57 +93,65 @@ void print_table(const Scattered& samples) {
     print_channel_ranges("value [1/sr]", samples.colour);
 }
 
-void print_model(const PmModel& model) {
-    print_row("model", fmt::format("pm: parameterized multivariate SRBFs, form {}, {} centres", name(model.form),
-                                   model.axial ? "axial" : "general"));
-    print_row("size",
-              fmt::format("{} lobes × {} variates, {} bytes", model.lobes, model.variates, payload_bytes(model)));
+void add_model(std::string& text, const PmModel& model) {
+    add_row(text, "model",
+            fmt::format("pm: parameterized multivariate SRBFs, form {}, {} centres", name(model.form),
+                        model.axial ? "axial" : "general"));
+    add_row(text, "size",
+            fmt::format("{} lobes × {} variates, {} bytes", model.lobes, model.variates, payload_bytes(model)));
     for (int n = 0; n < model.variates; ++n) {
         const Parameterization p = model.parameterization[std::size_t(n)];
-        print_row(fmt::format("ψ{}", n + 1), fmt::format("normalize({:.5g} wl + {:.5g} wv)", p.a, p.b));
+        add_row(text, fmt::format("ψ{}", n + 1), fmt::format("normalize({:.5g} wl + {:.5g} wv)", p.a, p.b));
     }
-    fmt::print("\n  {:>4}  {:>31}  {:>10}", "lobe", "coefficient R, G, B", "log scale");
-    for (int n = 0; n < model.variates; ++n) fmt::print("  {:>{}}", fmt::format("λ{}", n + 1), model.axial ? 10 : 26);
+    fmt::format_to(std::back_inserter(text), "\n  {:>4}  {:>31}  {:>10}", "lobe", "coefficient R, G, B", "log scale");
+    for (int n = 0; n < model.variates; ++n)
+        fmt::format_to(std::back_inserter(text), "  {:>{}}", fmt::format("λ{}", n + 1), model.axial ? 10 : 26);
     constexpr const char* exponents[] = {"κ", "μ", "γ", "σ"};
-    for (int k = 0; k < features(model.form); ++k) fmt::print("  {:>9}", exponents[k]);
-    fmt::print("\n");
+    for (int k = 0; k < features(model.form); ++k) fmt::format_to(std::back_inserter(text), "  {:>9}", exponents[k]);
+    fmt::format_to(std::back_inserter(text), "\n");
     for (int j = 0; j < model.lobes; ++j) {
         const Rgb beta = model.coefficient[std::size_t(j)];
-        fmt::print("  {:>4}  {:>9.4g}  {:>9.4g}  {:>9.4g}  {:>10.4g}", j + 1, beta.r, beta.g, beta.b,
-                   model.log_scale[std::size_t(j)]);
+        fmt::format_to(std::back_inserter(text), "  {:>4}  {:>9.4g}  {:>9.4g}  {:>9.4g}  {:>10.4g}", j + 1, beta.r,
+                       beta.g, beta.b, model.log_scale[std::size_t(j)]);
         for (int n = 0; n < model.variates; ++n) {
             const auto i = std::size_t(j * model.variates + n);
             const Vec3f xi = model.centre[i];
             if (model.axial)
-                fmt::print("  {:>10.5g}", xi.z < 0 ? -model.bandwidth[i] : model.bandwidth[i]);
+                fmt::format_to(std::back_inserter(text), "  {:>10.5g}",
+                               xi.z < 0 ? -model.bandwidth[i] : model.bandwidth[i]);
             else
-                fmt::print("  {:>26}",
-                           fmt::format("{:.4g} at ({:.2f}, {:.2f}, {:.2f})", model.bandwidth[i], xi.x, xi.y, xi.z));
+                fmt::format_to(std::back_inserter(text), "  {:>26}",
+                               fmt::format("{:.4g} at ({:.2f}, {:.2f}, {:.2f})", model.bandwidth[i], xi.x, xi.y, xi.z));
         }
         for (int k = 0; k < features(model.form); ++k)
-            fmt::print("  {:>9.4g}", model.exponent[std::size_t(j * features(model.form) + k)]);
-        fmt::print("\n");
+            fmt::format_to(std::back_inserter(text), "  {:>9.4g}",
+                           model.exponent[std::size_t(j * features(model.form) + k)]);
+        fmt::format_to(std::back_inserter(text), "\n");
     }
-    if (model.axial) fmt::print("  A bandwidth λ below 0 is that of a lobe about -z.\n");
-    if (model.form == PmForm::horizon) fmt::print("  A lobe is also multiplied by (cosθl cosθv)^κ.\n");
+    if (model.axial) fmt::format_to(std::back_inserter(text), "  A bandwidth λ below 0 is that of a lobe about -z.\n");
+    if (model.form == PmForm::horizon)
+        fmt::format_to(std::back_inserter(text), "  A lobe is also multiplied by (cosθl cosθv)^κ.\n");
     if (model.form == PmForm::extended)
-        fmt::print("  A lobe is also multiplied by (cosθl cosθv)^κ e^(μ(l·h - 1) - γ|cosθl - cosθv| - σ sinθh).\n");
+        fmt::format_to(std::back_inserter(text),
+                       "  A lobe is also multiplied by (cosθl cosθv)^κ e^(μ(l·h - 1) - γ|cosθl - cosθv| - σ sinθh).\n");
 }
 
-void print_model(const SuModel& model) {
+void add_model(std::string& text, const SuModel& model) {
     const auto J = std::size_t(model.lobes);
     const bool by_view = model.discretise == Discretise::view;
-    print_row("model", "su: scattered univariate SRBFs, a sum of lobes for each sampled direction");
-    print_row("size", fmt::format("{} lobes × {} sampled directions to the {}, {} bytes", J, model.direction.size(),
-                                  by_view ? "viewer" : "light", grouped(payload_bytes(model))));
-    print_row("between samples", model.interpolation == SuInterpolation::rotated
-                                     ? "the two next in elevation, rotated to the azimuth asked for"
-                                     : fmt::format("the {} nearest as they are", model.neighbours));
-    print_row("index texture",
-              fmt::format("{}, {} bytes with the direction table",
-                          model.index ? fmt::format("{} of {} texels a side", name(model.index->map), model.index->size)
-                                      : "built on load, a cube",
-                          grouped(auxiliary_bytes(model))));
+    add_row(text, "model", "su: scattered univariate SRBFs, a sum of lobes for each sampled direction");
+    add_row(text, "size",
+            fmt::format("{} lobes × {} sampled directions to the {}, {} bytes", J, model.direction.size(),
+                        by_view ? "viewer" : "light", grouped(payload_bytes(model))));
+    add_row(text, "between samples",
+            model.interpolation == SuInterpolation::rotated
+                ? "the two next in elevation, rotated to the azimuth asked for"
+                : fmt::format("the {} nearest as they are", model.neighbours));
+    add_row(text, "index texture",
+            fmt::format("{}, {} bytes with the direction table",
+                        model.index ? fmt::format("{} of {} texels a side", name(model.index->map), model.index->size)
+                                    : "built on load, a cube",
+                        grouped(auxiliary_bytes(model))));
     Range bandwidth;
     std::size_t empty = 0;
     for (std::size_t i = 0; i < model.direction.size(); ++i) {
@@ -140,20 +160,22 @@ void print_model(const SuModel& model) {
     }
     for (std::size_t k = 0; k < model.bandwidth.size(); ++k)
         if (!(model.coefficient[k] == Rgb{})) bandwidth.add(model.bandwidth[k]);
-    print_row("empty samples", empty ? grouped(empty) : "none");
-    print_row("bandwidth", bandwidth.text());
-    print_channel_ranges("coefficient", model.coefficient);
+    add_row(text, "empty samples", empty ? grouped(empty) : "none");
+    add_row(text, "bandwidth", bandwidth.text());
+    add_channel_ranges(text, "coefficient", model.coefficient);
 }
 
-void print_model(const GgxModel& model) {
-    print_row("model", "ggx: Lambert and GGX");
-    print_row("size", fmt::format("{} of GGX, {} bytes", model.lobes.size() == 1 ? "one lobe" : "two lobes",
-                                  payload_bytes(model)));
-    print_row("diffuse RGB", fmt::format("{:.4g}  {:.4g}  {:.4g}", model.diffuse.r, model.diffuse.g, model.diffuse.b));
+void add_model(std::string& text, const GgxModel& model) {
+    add_row(text, "model", "ggx: Lambert and GGX");
+    add_row(
+        text, "size",
+        fmt::format("{} of GGX, {} bytes", model.lobes.size() == 1 ? "one lobe" : "two lobes", payload_bytes(model)));
+    add_row(text, "diffuse RGB",
+            fmt::format("{:.4g}  {:.4g}  {:.4g}", model.diffuse.r, model.diffuse.g, model.diffuse.b));
     for (const GgxModel::Lobe& lobe : model.lobes) {
-        print_row("roughness α", fmt::format("{:.4g}", lobe.roughness));
-        print_row("F0 RGB", fmt::format("{:.4g}  {:.4g}  {:.4g}", lobe.facing.r, lobe.facing.g, lobe.facing.b));
-        print_row("F90", fmt::format("{:.4g}", lobe.grazing));
+        add_row(text, "roughness α", fmt::format("{:.4g}", lobe.roughness));
+        add_row(text, "F0 RGB", fmt::format("{:.4g}  {:.4g}  {:.4g}", lobe.facing.r, lobe.facing.g, lobe.facing.b));
+        add_row(text, "F90", fmt::format("{:.4g}", lobe.grazing));
     }
 }
 
@@ -208,7 +230,7 @@ int run(const std::string& file) {
         std::visit([](const auto& table) { print_table(table); }, measured->table);
     } else {
         const auto& model = std::get<Model>(subject->content);
-        std::visit([](const auto& m) { print_model(m); }, model.model);
+        fmt::print("{}", parameters_text(model));
         if (!model.provenance.empty()) fmt::print("\n");
         for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", key, text);
     }
@@ -217,6 +239,12 @@ int run(const std::string& file) {
 }
 
 }  // namespace
+
+std::string parameters_text(const Model& model) {
+    std::string text;
+    std::visit([&](const auto& m) { add_model(text, m); }, model.model);
+    return text;
+}
 
 void add_info(CLI::App& app, int& status) {
     const auto file = std::make_shared<std::string>();

@@ -32,6 +32,15 @@ std::vector<Vec3f> matrix_directions(const Model& model, double theta_max) {
     return fibonacci_directions(k_matrix_directions, theta_max);
 }
 
+double fitted_theta(const Subject& subject) {
+    if (!subject.is_model()) return 0;
+    const auto& provenance = std::get<Model>(subject.content).provenance;
+    const auto at = provenance.find("max_theta");
+    if (at == provenance.end()) return 0;
+    const double theta = std::atof(at->second.c_str());
+    return theta >= 1 && theta <= 90 ? theta : 0;
+}
+
 Result<Subject> load(const std::string& path) {
     const auto bytes = read_file(path);
     if (!bytes) return bytes.error();

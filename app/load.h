@@ -22,6 +22,9 @@ Evaluate evaluator(const Subject& subject);
 /// The directions of the matrix on which a model is measured: a view-by-view model's own, else the source's within θmax.
 std::vector<Vec3f> matrix_directions(const Model& model, double theta_max);
 
+/// θmax of a model's fit [degrees], if `subject` is one that says so; else 0.
+double fitted_theta(const Subject& subject);
+
 Result<Subject> load(const std::string& path);
 
 /// Prints the error's one line on standard error; returns the status of an input error.

@@ -3,7 +3,6 @@
 #include <cstdlib>
 
 #include "render/raster.h"
-#include "srbf/convert.h"
 
 namespace srbf {
 
@@ -34,14 +33,13 @@ void grow(MerlTable& table) {
             }
 }
 
-/// `subject` as a table. It has no cells beyond 89.7 degrees: there it goes on as before.
-MerlTable table_of(const Subject& subject) {
-    MerlTable table = to_merl(evaluator(subject));
+}  // namespace
+
+MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size) {
+    MerlTable table = to_merl(brdf, size);
     for (int layer = 0; layer < 2; ++layer) grow(table);
     return table;
 }
-
-}  // namespace
 
 Result<Material> material_of(const Subject& subject) {
     if (const auto* model = std::get_if<Model>(&subject.content)) return material_of(*model);
@@ -49,7 +47,7 @@ Result<Material> material_of(const Subject& subject) {
     if (const auto* table = std::get_if<MerlTable>(&measured.table)) return Material(*table);
     if (!is_isotropic(measured))
         return Error{subject.path, {}, "measurement for the renderer raster", "an isotropic one", "an anisotropic one"};
-    return Material(table_of(subject));
+    return Material(table_of(evaluator(subject)));
 }
 
 #ifdef SRBF_RASTER

@@ -7,9 +7,12 @@
 #include "render/image.h"
 #include "render/scene.h"
 #include "render/shader.h"
+#include "srbf/convert.h"
 
 namespace srbf {
 
+/// An isotropic BRDF as a table in Rusinkiewicz' angles. It has no cells beyond 89.7°: there it goes on as before.
+MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size = k_merl_size);
 /// What OpenGL draws of a subject: a model as it is, a measurement as a table in Rusinkiewicz' angles. Errors: an anisotropic measurement.
 Result<Material> material_of(const Subject& subject);
 inline Material material_of(const Model& model) {

@@ -49,6 +49,9 @@ void print_measures(const std::vector<std::pair<std::string, const Comparison*>>
 /// Writes `json` to `path`; "-" is standard output, flushed.
 Result<Done> write_json(const Json& json, const std::string& path);
 
+/// What a model is made of, in lines as `srbf info` has them.
+std::string parameters_text(const Model& model);
+
 /// An error where one of `outputs` cannot be written: its folder is missing, it is a folder itself, an input or
 /// the same file as another output. An empty name is no output. Asked before the work, so that an hour is not
 /// lost to a misspelt name; the write itself may still fail.

@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
     CLI::App app(
         "srbf: measured BRDFs as a handful of spherical radial basis functions.\n"
         "Reads measurements (MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA, CSV), fits them, says how far off the\nfit "
-        "is, evaluates, compares, converts and renders BRDFs.");
+        "is, evaluates, compares, converts, renders and exports BRDFs.");
     app.name("srbf");
     app.set_version_flag("--version", "srbf " SRBF_VERSION);
     app.require_subcommand(1);
@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
     srbf::add_convert(app, status);
     srbf::add_render(app, status);
     srbf::add_view(app, status);
+    srbf::add_export(app, status);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& done) {  // --help, --version

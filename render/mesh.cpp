@@ -81,10 +81,11 @@ Mesh sphere(int rings) {
     return mesh;
 }
 
-Mesh ball() {
-    Mesh mesh = sphere();
+Mesh ball(int rings) {
+    assert(rings >= 6 && rings % 2 == 0);
+    Mesh mesh = sphere(rings);
     // The foot: a ring of circular section about the y axis.
-    constexpr int along = 192, around = 48;
+    const int along = 2 * rings, around = rings / 2;
     constexpr double ring = 0.66, section = 0.17, height = -0.9;
     const auto first = std::uint32_t(mesh.positions.size());
     for (int i = 0; i < along; ++i)
@@ -95,7 +96,7 @@ Mesh ball() {
             mesh.positions.push_back(to_float(ring * out + Vec3d{0, height, 0} + section * n));
             mesh.normals.push_back(to_float(n));
         }
-    for (const Triangle& t : grid(along, around, true))
+    for (const Triangle& t : grid(std::uint32_t(along), std::uint32_t(around), true))
         mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     return mesh;
 }

@@ -49,8 +49,8 @@ inline constexpr std::array<std::string_view, 3> k_built_in_meshes{"sphere", "kn
 
 /// The unit sphere in rings of quadrilaterals about the y axis; `rings` ≥ 2 from pole to pole, twice as many around.
 Mesh sphere(int rings = 96);
-/// The unit sphere on a foot, a ring below it: what materials are shown by.
-Mesh ball();
+/// The unit sphere on a foot, a ring below it: what materials are shown by. `rings` ≥ 6, as of the sphere, even.
+Mesh ball(int rings = 96);
 /// A tube of radius 0.32 around the trefoil (sin t + 2 sin 2t, cos t − 2 cos 2t, −sin 3t)/2, t in [0, 2π]: self-occluding, of every
 /// normal. `around` × `along` vertices, each ≥ 3.
 Mesh knot(int along = 480, int around = 64);

@@ -7,6 +7,7 @@
 #include "measured_files.h"
 #include "program.h"
 #include "properties.h"
+#include "srbf/metrics.h"
 #include "srbf/model.h"
 
 namespace srbf {
@@ -122,6 +123,42 @@ TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
     const auto a = load_model(*fitted / "m.srbf"), b = load_model(folder / "seed.srbf");
     ASSERT_TRUE(a && b);
     EXPECT_NE(std::get<PmModel>(a->model), std::get<PmModel>(b->model));
+}
+
+TEST_F(Command, export_writes_a_page_or_nothing) {
+    const Arguments page{"export", *fitted / "m.srbf", "--to", "html"};
+    const ProgramRun alone = run(folder, page + Arguments{"-o", "alone.html"});
+    EXPECT_EQ(alone.status, 0) << alone.err;
+    EXPECT_EQ(alone.err + alone.out, "");
+    const ProgramRun both = run(folder, page + Arguments{"--reference", k_paper, "-o", "both.html"});
+    EXPECT_EQ(both.status, 0) << both.err;
+    const std::string html = contents(folder / "both.html");
+    EXPECT_NE(html.find("<title>paper_white_rgb</title>"), html.npos);
+    // The figures are those that `srbf compare` calls held out.
+    const auto measured = load_measured(k_paper);
+    const auto model = load_model(*fitted / "m.srbf");
+    ASSERT_TRUE(measured && model);
+    const Evaluate others[] = {evaluator(*model)};
+    const double error =
+        measure_heldout(evaluator(*measured), others, {89 * k_degree, 0})[0].squared_error_ratio_cosine;
+    EXPECT_NE(html.find(fmt::format("<td>{:.3g} %</td>", 100 * error)), html.npos);
+    EXPECT_LT(html.size(), 3'000'000u);
+    EXPECT_LT(contents(folder / "alone.html").size(), html.size());
+
+    write(folder / "broken.srbf", contents(*fitted / "m.srbf").substr(0, 300));
+    const Arguments start{"export", *fitted / "m.srbf"}, to{"--to", "html", "-o", "x.html"};
+    expect_failure(1, start + Arguments{"missing.srbf"} + to, "missing.srbf");
+    expect_failure(1, start + Arguments{"broken.srbf"} + to, "broken.srbf");
+    expect_failure(1, start + Arguments{k_paper} + to, "expected a model, found a measurement");
+    expect_failure(1, start + Arguments{"--reference", *fitted / "m.srbf"} + to,
+                   "expected a measurement, found a model");
+    expect_failure(1, start + Arguments{"--reference", "missing.bsdf"} + to, "missing.bsdf");
+    expect_failure(1, start + Arguments{"--to", "html", "-o", "missing/x.html"}, "missing");
+    expect_failure(1, start + Arguments{"--to", "html", "-o", *fitted / "m.srbf"}, "m.srbf");
+    expect_failure(1, page + Arguments{"-o", "/dev/full"}, "/dev/full");
+    expect_failure(2, Arguments{"export"} + to, "MODEL");
+    expect_failure(2, start + Arguments{"--to", "word", "-o", "x"}, "expected html, found word");
+    expect_failure(2, start + Arguments{"--to", "html"}, "--output");
 }
 
 /// `count` samples of a smooth BRDF at random directions, as CSV.

@@ -77,6 +77,17 @@ TEST(Mesh, TheKnotIsAClosedTube) {
     EXPECT_LT(normals_off(mesh), 0.02);
 }
 
+TEST(Mesh, TrianglesFaceAsTheirNormalsDo) {
+    for (const std::string_view name : k_built_in_meshes) {
+        const Mesh mesh = *load_mesh(std::string(name));
+        for (const Triangle& t : mesh.triangles) {
+            const auto at = [&](std::size_t k) { return to_double(mesh.positions[t[k]]); };
+            const Vec3d facing = normalize(cross(at(1) - at(0), at(2) - at(0)));
+            for (const std::uint32_t i : t) ASSERT_GT(dot(facing, to_double(mesh.normals[i])), 0.9) << name;
+        }
+    }
+}
+
 TEST(Mesh, NormalsAreWeightedByArea) {
     // Two triangles at a right angle, of areas 1 and 2, share the edge from 0 to 1.
     const std::vector<Vec3f> p{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 4}, {9, 9, 9}};

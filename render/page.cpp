@@ -1,0 +1,278 @@
+#include "render/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <nlohmann/json.hpp>
+
+#include "render/html.h"
+#include "render/page_text.h"
+#include "render/preview.h"
+#include "render/scene.h"
+#include "render/slices.h"
+#include "srbf/half.h"
+
+namespace srbf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string base64(std::span<const std::byte> bytes) {
+    constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        unsigned bits = 0;
+        for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (i + k < bytes.size() ? unsigned(bytes[i + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : digits[bits >> (18 - 6 * k) & 63];
+    }
+    return text;
+}
+template <typename T> std::string base64_of(const std::vector<T>& numbers) {
+    return base64(std::as_bytes(std::span(numbers)));
+}
+
+/// A texture as viewer.js takes it.
+Json texture(const char* sampler, const char* target, const char* format, std::vector<std::uint32_t> size,
+             std::string texels) {
+    return {{"sampler", sampler},
+            {"target", target},
+            {"format", format},
+            {"size", std::move(size)},
+            {"texels", std::move(texels)}};
+}
+
+/// What a material's shader looks up: "block", the numbers of PmNumbers; "vectors", of the uniform `ggx_numbers`; "textures".
+Json numbers_of(const Flat&) { return Json::object(); }
+Json numbers_of(const PmModel& model) { return {{"block", base64_of(pm_numbers(model))}}; }
+Json numbers_of(const GgxModel& model) {
+    const auto numbers = ggx_numbers(model);
+    return {{"vectors", base64(std::as_bytes(std::span(numbers)))}};
+}
+Json numbers_of(const MerlTable& table) {
+    std::vector<std::array<std::uint16_t, 4>> halves;
+    for (const Float4& texel : merl_texels(table)) {
+        auto& half = halves.emplace_back();
+        for (std::size_t c = 0; c < 4; ++c) half[c] = to_half(std::min(texel[c], k_half_max));
+    }
+    const auto [h, d, p] = table.size;
+    return {{"textures", {texture("merl_table", "3D", "RGBA16F", {p, d, h}, base64_of(halves))}}};
+}
+Json numbers_of(const SuModel& model) {
+    const auto n = std::uint32_t(model.direction.size());
+    const SuTexels texels = su_texels(model);
+    Json textures{
+        texture("su_numbers", "2D", "RGBA16F", {std::uint32_t(2 * model.lobes), n}, base64_of(texels.numbers)),
+        texture("su_directions", "2D", "RGBA32F", {1, n}, base64_of(texels.directions))};
+    if (model.interpolation == SuInterpolation::plain) {
+        const IndexTexture index = model.index ? *model.index : index_texture(model, DirectionMap::cube);
+        const auto size = std::uint32_t(index.size);
+        textures.push_back(texture("su_index", index.map == DirectionMap::cube ? "CUBE_MAP" : "2D", "RGBA32UI",
+                                   {size, size}, base64_of(index.texels)));
+    }
+    return {{"textures", std::move(textures)}};
+}
+
+Json json_of(Vec3d w) { return {w.x, w.y, w.z}; }
+
+Json json_of(const Mesh& mesh) {
+    std::vector<std::array<Vec3f, 2>> vertices;
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) vertices.push_back({mesh.positions[i], mesh.normals[i]});
+    assert(vertices.size() <= 65536);
+    std::vector<std::array<std::uint16_t, 3>> triangles;
+    for (const Triangle& t : mesh.triangles)
+        triangles.push_back({std::uint16_t(t[0]), std::uint16_t(t[1]), std::uint16_t(t[2])});
+    const Camera camera = camera_of(mesh, {}, k_page_aspect);
+    return {{"vertices", base64_of(vertices)},
+            {"triangles", base64_of(triangles)},
+            {"target", json_of(camera.target)},
+            {"distance", std::sqrt(dot(camera.eye - camera.target, camera.eye - camera.target))}};
+}
+
+ShaderText text_of(const Material& material) { return shader_text(material, {.dialect = Dialect::es_300}); }
+
+/// What viewer.js works with, but for the shaders.
+Json data_of(const Page& page) {
+    Json data;
+    data["fov"] = Viewpoint{}.fov;
+    data["elevation"] = Viewpoint{}.elevation;
+    data["aspect"] = k_page_aspect;
+    const auto pictured =
+        std::ranges::find_if(page.materials, [](const PageMaterial& of) { return of.material.has_value(); });
+    const PageMaterial& exposed = pictured == page.materials.end() ? page.materials[0] : *pictured;
+    data["exposure"] = automatic_exposure(render_sphere(exposed.brdf, {.size = 160, .samples = 2}));
+    const double grey = double(srgb_encoded(k_background));
+    data["background"] = {grey, grey, grey};
+    for (const DirectionalLight& light : lights_of(camera_of(page_mesh("ball"), {}, k_page_aspect)))
+        data["lights"].push_back({{"towards", json_of(light.towards)},
+                                  {"irradiance", {light.irradiance.r, light.irradiance.g, light.irradiance.b}}});
+    for (const std::string_view name : {"ball", "sphere", "knot"})
+        data["meshes"][std::string(name)] = json_of(page_mesh(name));
+    data["vertex"] = text_of(Flat{}).vertex;
+    for (const PageMaterial& of : page.materials)
+        data["materials"].push_back(of.material ? std::visit([](const auto& m) { return numbers_of(m); }, *of.material)
+                                                : Json());
+    return data;
+}
+
+/// JSON that no `</script>` ends.
+std::string script_text(const Json& json) {
+    std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    for (std::size_t at = 0; (at = text.find('<', at)) != text.npos;) text.replace(at, 1, "\\u003c");
+    return text;
+}
+
+/// The first is the dark one, the others tell from each other by colour-blind eyes (Okabe & Ito 2008).
+std::string colour_of(std::size_t i) {
+    constexpr std::array<const char*, 6> others{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#b08000"};
+    return i == 0 ? "#222" : others[(i - 1) % others.size()];
+}
+std::string label_of(const Page& page, std::size_t i) {
+    return fmt::format("<span class='mark' style='background:{}'></span>{}", colour_of(i),
+                       html_escaped(page.materials[i].name));
+}
+
+std::ptrdiff_t count_pictures(const Page& page) {
+    return std::ranges::count_if(page.materials, [](const PageMaterial& of) { return of.material.has_value(); });
+}
+
+std::string pictures_of(const Page& page) {
+    std::string html;
+    for (std::size_t i = 0; i < page.materials.size(); ++i)
+        if (page.materials[i].material)
+            html += fmt::format(
+                "<figure data-material='{}'><canvas tabindex='0' aria-label='{}'></canvas>"
+                "<figcaption>{} <small>{}</small></figcaption></figure>\n",
+                i, html_escaped(page.materials[i].name), label_of(page, i), html_escaped(page.materials[i].kind));
+    return html;
+}
+std::string choices_of(const Page& page) {
+    std::string buttons;
+    for (std::size_t i = 0; i < page.materials.size(); ++i)
+        if (page.materials[i].material)
+            buttons += fmt::format("<button type='button' data-show='{}' aria-pressed='false'>{}</button>\n", i,
+                                   html_escaped(page.materials[i].name));
+    if (count_pictures(page) < 2) return {};
+    return fmt::format(
+        "<div class='choices' role='group' aria-label='Which pictures are shown'>\n"
+        "<button type='button' data-show='all' aria-pressed='true'>Side by side</button>\n{}</div>\n",
+        buttons);
+}
+std::string slices_of(const Page& page) {
+    std::vector<SliceCurve> curves;
+    std::string html = "<p class='legend'>";
+    for (std::size_t i = 0; i < page.materials.size(); ++i) {
+        curves.push_back({page.materials[i].name, colour_of(i), page.materials[i].brdf});
+        html += fmt::format("<span>{}</span> ", label_of(page, i));
+    }
+    html += "</p>\n<div class='slices'>\n";
+    for (const double theta : k_slice_theta) html += slice_drawing(curves, theta * k_degree);
+    return html + "</div>";
+}
+std::string table_of(const Page& page) {
+    std::string html = "<div class='wide'><table><thead><tr><td></td>";
+    for (std::size_t i = 0; i < page.materials.size(); ++i)
+        html += fmt::format("<th scope='col'>{}</th>", label_of(page, i));
+    html += "</tr></thead><tbody>\n";
+    std::string meanings;
+    for (const Page::Row& row : page.table) {
+        assert(row.cells.size() == page.materials.size());
+        html += fmt::format("<tr><th scope='row'>{}</th>", html_escaped(row.name));
+        for (const std::string& cell : row.cells) html += fmt::format("<td>{}</td>", html_escaped(cell));
+        html += "</tr>\n";
+        if (!row.meaning.empty())
+            meanings += fmt::format("<dt>{}</dt> <dd>{}</dd>\n", html_escaped(row.name), html_escaped(row.meaning));
+    }
+    html += "</tbody></table></div>\n";
+    return meanings.empty() ? html : fmt::format("{}<dl>\n{}</dl>", html, meanings);
+}
+std::string copied(std::string_view title, std::string_view id, const std::string& text) {
+    return fmt::format(
+        "<details><summary>{}</summary><button type='button' class='copy'>Copy</button><pre "
+        "id='{}'>{}</pre></details>\n",
+        html_escaped(title), id, html_escaped(text));
+}
+/// What a shader is given by name, four numbers a line.
+using NamedNumbers = std::pair<std::string, std::string>;
+NamedNumbers named(std::string name, std::span<const Float4> numbers) {
+    std::string text;
+    for (const Float4& four : numbers) text += fmt::format("{:.9g}\n", fmt::join(four, ", "));
+    return {std::move(name), std::move(text)};
+}
+template <typename M> NamedNumbers shader_numbers(const M&) { return {}; }
+NamedNumbers shader_numbers(const PmModel& model) { return named("uniform block PmNumbers", pm_numbers(model)); }
+NamedNumbers shader_numbers(const GgxModel& model) { return named("uniform ggx_numbers", ggx_numbers(model)); }
+
+std::string texts_of(const Page& page) {
+    std::string html;
+    for (std::size_t i = 0; i < page.materials.size(); ++i) {
+        const PageMaterial& of = page.materials[i];
+        if (!of.parameters.empty())
+            html += copied(fmt::format("{}: parameters", of.name), fmt::format("parameters-{}", i), of.parameters);
+        if (of.material) {
+            if (const auto [name, text] = std::visit([](const auto& m) { return shader_numbers(m); }, *of.material);
+                !text.empty())
+                html += copied(fmt::format("{}: numbers of the shader's {}", of.name, name),
+                               fmt::format("numbers-{}", i), text);
+            html += copied(fmt::format("{}: fragment shader (GLSL ES 3.00)", of.name), fmt::format("glsl-{}", i),
+                           text_of(*of.material).fragment);
+        }
+    }
+    return html;
+}
+
+/// `text` with each {{name}} replaced by what stands beside the name.
+std::string filled(std::string_view text, std::span<const std::pair<std::string_view, std::string>> parts) {
+    std::string html;
+    while (true) {
+        const auto begin = text.find("{{"), end = text.find("}}", begin);
+        html += text.substr(0, begin);
+        if (end == text.npos) return html;
+        const auto part =
+            std::ranges::find(parts, text.substr(begin + 2, end - begin - 2), [](const auto& p) { return p.first; });
+        assert(part != parts.end());
+        html += part->second;
+        text.remove_prefix(end + 2);
+    }
+}
+
+}  // namespace
+
+Mesh page_mesh(std::string_view name) {
+    if (name == "sphere") return sphere(48);
+    if (name == "knot") return knot(200, 32);
+    return ball(48);
+}
+
+std::string page_html(const Page& page) {
+    assert(!page.materials.empty());
+    const auto note = [](const std::string& text) {
+        return text.empty() ? text : fmt::format("<p class='note'>{}</p>", html_escaped(text));
+    };
+    const std::pair<std::string_view, std::string> parts[] = {
+        {"title", html_escaped(page.title)},
+        {"style", k_style_text},
+        {"pictures_lead", count_pictures(page) > 1
+                              ? "The same object under the same lights, in each of the materials. Drag a picture "
+                                "to turn it; all of them follow."
+                              : "An object of the material. Drag the picture to turn it."},
+        {"pictures", pictures_of(page)},
+        {"choices", choices_of(page)},
+        {"picture_note", note(page.picture_note)},
+        {"slices_lead", page.materials.size() < 2
+                            ? ""
+                            : fmt::format(" Where a thin line leaves the thick black one ({}), that material differs.",
+                                          html_escaped(page.materials[0].name))},
+        {"slices", slices_of(page)},
+        {"table", table_of(page)},
+        {"table_note", note(page.table_note)},
+        {"texts", texts_of(page)},
+        {"generator", html_escaped(page.generator)},
+        {"data", script_text(data_of(page))},
+        {"script", k_viewer_text},
+    };
+    return filled(k_page_text, parts);
+}
+
+}  // namespace srbf

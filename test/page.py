@@ -1,0 +1,89 @@
+"""python3 page.py PAGE.html FOLDER: what a user does with the page; its pictures and what it says of them, into FOLDER.
+
+Exit status 77: there is no Chromium, or none with WebGL 2; standard output says which."""
+import base64
+import json
+import os
+import sys
+
+from chromium import WEBGL, Chromium, program
+
+page, folder = sys.argv[1:3]
+
+
+class Visit:
+    def __init__(self, flags):
+        self.chromium, self.pictures = Chromium(flags), []
+
+    def take(self, step):
+        """Keeps the pixels of every picture that is shown, as RGBA, and the scene that the page says it drew."""
+        for of in self.chromium.run("""[...document.querySelectorAll("figure:not([hidden])")].map((figure) => {
+                const canvas = figure.querySelector("canvas"), { width, height } = canvas;
+                const copy = Object.assign(document.createElement("canvas"), { width, height })
+                    .getContext("2d", { willReadFrequently: true });
+                copy.drawImage(canvas, 0, 0);
+                const pixels = copy.getImageData(0, 0, width, height).data;
+                let text = "";
+                for (let i = 0; i < pixels.length; i += 8192) text += String.fromCharCode(...pixels.subarray(i, i + 8192));
+                return { material: Number(figure.dataset.material), width, height, scene: viewer.scene(width / height), pixels: btoa(text) };
+            })"""):
+            name = f"{len(self.pictures)}.rgba"
+            with open(os.path.join(folder, name), "wb") as file:
+                file.write(base64.b64decode(of.pop("pixels")))
+            self.pictures.append({"step": step, "file": name, **of})
+
+
+def with_webgl():
+    visit = Visit(WEBGL)
+    chromium = visit.chromium
+    chromium.size(1000, 600)
+    chromium.open(page)
+    if not chromium.run("!!document.createElement('canvas').getContext('webgl2')"):
+        print("this Chromium has no WebGL 2")
+        sys.exit(77)
+    visit.take("opened")
+    chromium.click("[data-show='1']")
+    visit.take("one")
+    chromium.drag("figure:not([hidden]) canvas", 80, 30)
+    visit.take("turned")
+    chromium.click("[name='drag'][value='light']")
+    chromium.drag("figure:not([hidden]) canvas", 60, 0)
+    visit.take("lit")
+    chromium.click("[data-show='0']")
+    visit.take("other")
+    chromium.click("[name='others']")
+    chromium.run("const f = document.forms[0]; f.mesh.value = 'knot'; f.stops.value = -1; f.mesh.dispatchEvent(new Event('input', {bubbles: true}))")
+    chromium.settle()
+    visit.take("knot")
+    chromium.click("[type='reset']")
+    chromium.settle()
+    visit.take("again")
+    chromium.size(390, 844, mobile=True)
+    chromium.open(page)
+    visit.take("phone")
+    chromium.swipe("canvas", 60, 0)
+    visit.take("swiped")
+    answers = {"pictures": visit.pictures, "problems": chromium.problems, "requests": chromium.requests,
+               "phone": chromium.run("[document.documentElement.scrollWidth, innerWidth]")}
+    chromium.close()
+    return answers
+
+
+def without_webgl():
+    chromium = Chromium(["--disable-3d-apis"])
+    chromium.size(1000, 600)
+    chromium.open(page)
+    shown = lambda selector: chromium.run(
+        f"[...document.querySelectorAll({selector!r})].filter((e) => e.getBoundingClientRect().height > 0).length")
+    answers = {"said": shown("#without"), "viewer": shown("#viewer"), "rows": shown("tbody tr"), "slices": shown("svg.slice"),
+               "problems": [p for p in chromium.problems if "WebGL" not in json.dumps(p)]}
+    chromium.close()
+    return answers
+
+
+if not program():
+    print("no Chromium (Debian: chromium)")
+    sys.exit(77)
+result = {"with": with_webgl(), "without": without_webgl()}
+with open(os.path.join(folder, "result.json"), "w") as file:
+    json.dump(result, file, indent=1)

@@ -1,0 +1,256 @@
+// The page holds what it promises, and a browser draws with it what the desktop's OpenGL draws.
+#include "render/page.h"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+
+#include "models.h"
+#include "render/html.h"
+#include "render/scene.h"
+#include "render/slices.h"
+#include "srbf/convert.h"
+#include "srbf/fit.h"
+#include "su_models.h"
+#include "temporary_folder.h"
+#ifdef SRBF_RASTER
+#include "render/raster.h"
+#endif
+
+namespace srbf {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A measurement and a model of each kind: what each material's shader is tried with.
+Page all_kinds() {
+    static const Measured film = *load_measured(bundled_data() / "cc_ibiza_sunset_rgb.bsdf");
+    static const MerlTable table = to_merl(evaluator(film), k_page_table);
+    std::mt19937_64 random(1);
+    static const PmModel lobes =
+        rounded(fit_pm(*observe(signed_evaluator(film), {}), {.lobes = 4, .variates = 3, .starts = 2})->model);
+    const PmModel general = random_model(random, {.axial = false, .lobes = 4, .most_bandwidth = 60});
+    SuModel by_view = isotropic_su(256), plain = by_view, parabolic = by_view;
+    plain.interpolation = parabolic.interpolation = SuInterpolation::plain;
+    parabolic.index = index_texture(parabolic, DirectionMap::parabolic, 64);
+    plain.index = index_texture(plain, DirectionMap::cube, 32);
+    static const GgxModel ggx{{0.1f, 0.2f, 0.4f}, {{0.1f, {0.1f, 0.05f, 0.02f}, 0.9f}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}};
+    Page page;
+    page.title = "<every> kind";
+    page.generator = "test";
+    for (const Material& material :
+         std::initializer_list<Material>{table, lobes, general, by_view, plain, parabolic, ggx}) {
+        const auto i = page.materials.size();
+        page.materials.push_back(
+            {fmt::format("m{} & <b>", i), "kind", material, evaluator(ggx), i > 0 ? "numbers" : ""});
+    }
+    page.table.push_back({"bytes", "how many", std::vector<std::string>(page.materials.size(), "1")});
+    return page;
+}
+
+std::size_t count(const std::string& text, std::string_view what) {
+    std::size_t n = 0;
+    for (std::size_t at = 0; (at = text.find(what, at)) != text.npos; at += what.size()) ++n;
+    return n;
+}
+
+TEST(Page, HoldsItsShadersAndNothingFromOutside) {
+    const Page page = all_kinds();
+    const std::string html = page_html(page);
+    for (const PageMaterial& of : page.materials)
+        EXPECT_NE(
+            html.find(">" + html_escaped(shader_text(*of.material, {.dialect = Dialect::es_300}).fragment) + "</pre>"),
+            html.npos);
+    for (const char* outside : {"http:", "https:", "src=", "href=", "url(", "import ", "fetch(", "XMLHttp"})
+        EXPECT_EQ(html.find(outside), html.npos) << outside;
+    EXPECT_EQ(html.find("<every>"), html.npos);
+    EXPECT_EQ(html.find("{{"), html.npos);
+    EXPECT_EQ(count(html, "<canvas"), page.materials.size());
+    EXPECT_EQ(count(html, "<svg"), k_slice_theta.size());
+    EXPECT_EQ(count(html, "<script"), 2u);
+    EXPECT_EQ(count(html, "</script>"), 2u);
+    // Without a picture the plots and the table remain.
+    Page blind = page;
+    for (PageMaterial& of : blind.materials) of.material.reset();
+    const std::string plots = page_html(blind);
+    EXPECT_EQ(count(plots, "<figure"), 0u);
+    EXPECT_EQ(count(plots, "<svg"), k_slice_theta.size());
+    EXPECT_LT(plots.size(), html.size());
+    // What there is but one of is not to be chosen from, nor does it differ.
+    Page one = page;
+    one.materials.resize(1);
+    one.table[0].cells.resize(1);
+    const std::string single = page_html(one);
+    EXPECT_EQ(count(single, "<canvas"), 1u);
+    EXPECT_EQ(count(single, "<button type='button' data-show"), 0u);
+    EXPECT_EQ(count(single, "material differs"), 0u);
+}
+
+/// The points of the drawing's curves.
+std::vector<std::vector<std::array<double, 2>>> curves_of(const std::string& svg) {
+    std::vector<std::vector<std::array<double, 2>>> curves;
+    const std::regex curve("class='curve'[^>]* d='([^']*)'"), point("[ML]([-0-9.]+) ([-0-9.]+)");
+    for (std::sregex_iterator at(svg.begin(), svg.end(), curve), end; at != end; ++at) {
+        const std::string path = (*at)[1];
+        auto& points = curves.emplace_back();
+        for (std::sregex_iterator p(path.begin(), path.end(), point); p != end; ++p)
+            points.push_back({std::stod((*p)[1]), std::stod((*p)[2])});
+    }
+    return curves;
+}
+
+TEST(Slices, AreLogarithmicAndPeakAtTheMirrorDirection) {
+    const auto constant = [](float f) -> Evaluate {
+        return [f](auto, auto, std::span<Rgb> out) { std::ranges::fill(out, Rgb{f, f, f}); };
+    };
+    const Evaluate shiny = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            const float f = std::exp(1000 * (dot(mirror(wl[i]), wv[i]) - 1));
+            out[i] = {f, f, f};
+        }
+    };
+    const Evaluate half_known = [](auto, std::span<const Vec3f> wv, std::span<Rgb> out) {
+        for (std::size_t i = 0; i < out.size(); ++i) out[i] = wv[i].x > 0 ? Rgb{1, 1, 1} : Rgb{NAN, NAN, NAN};
+    };
+    const SliceCurve plotted[] = {
+        {"a", "red", constant(10)}, {"b", "red", constant(0.1f)}, {"c", "red", shiny}, {"d", "red", half_known}};
+    const auto curves = curves_of(slice_drawing(plotted, 60 * k_degree));
+    ASSERT_EQ(curves.size(), 4u);
+    const double ten = curves[0][0][1], tenth = curves[1][0][1];
+    for (const auto& [x, y] : curves[0]) EXPECT_EQ(y, ten);
+    for (const auto& [x, y] : curves[1]) EXPECT_EQ(y, tenth);
+    const auto peak = std::ranges::min(curves[2], {}, [](const auto& point) { return point[1]; });
+    EXPECT_TRUE(near(peak[1], (ten + tenth) / 2, 0.11));  // 1 lies half-way
+    // x is linear from −90° to 90°; the curves end at ±89°.
+    const double left = curves[0].front()[0], right = curves[0].back()[0];
+    EXPECT_TRUE(near(peak[0], left + (60 + 89) / 178.0 * (right - left), 0.01 * (right - left)));
+    // On the far side of the normal nothing was measured.
+    EXPECT_LT(std::ranges::max(curves[3], {}, [](const auto& point) { return point[0]; })[0], (left + right) / 2);
+    EXPECT_GT(curves[3].size(), 150u);
+}
+
+#ifdef SRBF_RASTER
+/// PSNR [dB] over the pixels where either picture is not background.
+double psnr(const std::string& rgba, const Image8& other) {
+    EXPECT_EQ(rgba.size(), 4 * other.pixels.size());
+    double squares = 0, seen = 0;
+    const Rgb8 background = other.pixels[0];
+    for (std::size_t i = 0; i < other.pixels.size(); ++i) {
+        double apart = 0;
+        bool covered = false;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto pixel = std::uint8_t(rgba[4 * i + c]);
+            apart += std::pow(double(pixel) - double(other.pixels[i][c]), 2);
+            covered = covered || pixel != background[c] || other.pixels[i][c] != background[c];
+        }
+        if (covered) squares += apart, seen += 3;
+    }
+    EXPECT_GT(seen, 0.1 * 3 * double(other.pixels.size()));
+    return 10 * std::log10(255 * 255 * seen / std::max(squares, 1e-9));
+}
+
+/// What the desktop's library draws of the scene that the page says it drew.
+Image8 desktop_picture(const Json& of, const RasterMaterial& material) {
+    const Json& scene = of.at("scene");
+    const auto vector = [](const Json& numbers, std::size_t first) {
+        return Vec3d{numbers[first], numbers[first + 1], numbers[first + 2]};
+    };
+    const int width = of.at("width"), height = of.at("height");
+    const Camera camera{vector(scene["eye"], 0), vector(scene["target"], 0), {0, 1, 0}, scene["fov"]};
+    std::vector<DirectionalLight> lights;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3f irradiance = to_float(vector(scene["irradiances"], 3 * k));
+        lights.push_back({vector(scene["directions"], 3 * k), {irradiance.x, irradiance.y, irradiance.z}});
+    }
+    const auto target = RasterTarget::make(width, height, 4, RasterTarget::Format::bytes);
+    if (!target) return ADD_FAILURE() << message(target.error()), Image8(width, height);
+    const RasterMesh mesh(page_mesh(std::string(scene["mesh"])));
+    target->begin();
+    material.draw(mesh, {camera, double(width) / height, lights, float(scene["exposure"])});
+    return target->read_bytes();
+}
+
+/// The horizontal middle of what is brightest.
+double middle_of_highlights(const std::string& rgba, int width) {
+    double sum = 0, weight = 0;
+    for (std::size_t i = 0; i < rgba.size() / 4; ++i) {
+        const double bright = std::pow(double(std::uint8_t(rgba[4 * i + 1])) / 255, 8);
+        sum += bright * double(i % std::size_t(width)), weight += bright;
+    }
+    return sum / weight;
+}
+
+TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
+    auto context = OffscreenContext::make();
+    if (!context) GTEST_SKIP() << message(context.error());
+    const Page page = all_kinds();
+    const TemporaryFolder folder;
+    write(folder / "page.html", page_html(page));
+    const std::string script = (std::filesystem::path(SRBF_SOURCE_DIR) / "test" / "page.py").string();
+    const int status =
+        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 timeout 100 python3 '{}' '{}' '{}' > '{}' 2>&1", script,
+                                (folder / "page.html").string(), folder.path.string(), (folder / "said").string())
+                        .c_str());
+    const std::string said = contents(folder / "said");
+    if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;
+    ASSERT_EQ(status, 0) << said;
+    const Json result = Json::parse(contents(folder / "result.json"));
+    const Json &with = result["with"], &without = result["without"];
+    EXPECT_EQ(with["problems"], Json::array());
+    for (const std::string request : with["requests"]) EXPECT_TRUE(request.starts_with("file:")) << request;
+    EXPECT_LE(int(with["phone"][0]), int(with["phone"][1]));
+
+    std::vector<RasterMaterial> materials;
+    for (const PageMaterial& of : page.materials) {
+        auto made = RasterMaterial::make(*of.material, {.dialect = context->dialect()});
+        ASSERT_TRUE(made) << message(made.error());
+        materials.push_back(*std::move(made));
+    }
+    std::map<std::string, Json> of_first;  // of each step the first picture
+    std::map<std::string, std::string> pixels;
+    std::map<std::string, int> count;
+    for (const Json& of : with["pictures"]) {
+        const std::string step = of["step"], rgba = contents(folder / std::string(of["file"]));
+        const std::size_t material = of["material"];
+        const double alike = psnr(rgba, desktop_picture(of, materials[material]));
+        EXPECT_GE(alike, 40) << step << ", material " << material;
+        if (of_first.emplace(step, of).second) pixels[step] = rgba;
+        std::set<std::string> colours;  // there is something to see
+        for (std::size_t i = 0; i < rgba.size(); i += 4) colours.insert(rgba.substr(i, 3));
+        EXPECT_GT(colours.size(), 500u) << step << ", material " << material;
+        ++count[step];
+    }
+    EXPECT_EQ(count["opened"], int(page.materials.size()));
+    for (const char* step : {"one", "turned", "lit", "other", "knot"}) EXPECT_EQ(count[step], 1) << step;
+
+    // What a step changes, and what it does not.
+    EXPECT_EQ(of_first["one"]["material"], 1);
+    EXPECT_EQ(of_first["other"]["material"], 0);
+    EXPECT_EQ(of_first["lit"]["scene"], of_first["other"]["scene"]);
+    EXPECT_TRUE(pixels["lit"] != pixels["other"]);
+    EXPECT_NE(of_first["one"]["scene"]["eye"], of_first["turned"]["scene"]["eye"]);
+    EXPECT_EQ(of_first["one"]["scene"]["directions"], of_first["turned"]["scene"]["directions"]);
+    EXPECT_EQ(of_first["turned"]["scene"]["eye"], of_first["lit"]["scene"]["eye"]);
+    EXPECT_TRUE(pixels["turned"] != pixels["lit"]);
+    EXPECT_GT(middle_of_highlights(pixels["lit"], of_first["lit"]["width"]),
+              middle_of_highlights(pixels["turned"], of_first["lit"]["width"]) + 5);
+    EXPECT_EQ(of_first["knot"]["scene"]["mesh"], "knot");
+    EXPECT_EQ(of_first["knot"]["scene"]["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
+    EXPECT_TRUE(pixels["again"] == pixels["opened"]);
+    EXPECT_NE(of_first["phone"]["scene"]["eye"], of_first["swiped"]["scene"]["eye"]);
+
+    // Where a browser cannot draw.
+    EXPECT_EQ(without["said"], 1);
+    EXPECT_EQ(without["viewer"], 0);
+    EXPECT_EQ(without["rows"], int(page.table.size()));
+    EXPECT_EQ(without["slices"], int(k_slice_theta.size()));
+    EXPECT_EQ(without["problems"], Json::array());
+}
+#endif
+
+}  // namespace
+}  // namespace srbf

@@ -27,7 +27,8 @@ class Chromium:
             a, b = os.dup2(their_in, 100), os.dup2(their_out, 101)
             os.dup2(a, 3), os.dup2(b, 4)
 
-        command = [program(), "--headless=new", "--remote-debugging-pipe", "--no-sandbox", "--no-first-run", "--hide-scrollbars",
+        # Containers have little shared memory, or none.
+        command = [program(), "--headless=new", "--remote-debugging-pipe", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run", "--hide-scrollbars",
                    "--disable-background-networking", "--disable-component-update", "--disable-extensions",
                    "--user-data-dir=" + self.profile.name, *flags, "about:blank"]
         self.process = subprocess.Popen(command, close_fds=False, preexec_fn=as_3_and_4, stdin=subprocess.DEVNULL,

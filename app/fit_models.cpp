@@ -52,15 +52,10 @@ Result<Outcome> fit_pm(const FitRequest& request, const Evaluate& f, const Obser
     const double theta_max = request.theta() * k_degree;
     const FitOptions options =
         pm_options(request, request.axial > 0 || (request.axial == 0 && is_isotropic(f, theta_max)));
-    const Evaluate clamped = [&f](auto wl, auto wv, auto values) {
-        f(wl, wv, values);
-        for (Rgb& value : values)
-            for (int c = 0; c < 3; ++c) value[c] = value[c] < 0 ? 0 : value[c];
-    };
     const auto judge = [&](const PmModel& model, bool in_short) {
         const Evaluate others[] = {evaluator(model)};
         const std::uint64_t pairs = in_short ? k_pairs_in_short : k_heldout_pairs;
-        return error_of(measure_heldout(clamped, others, {theta_max, request.threads}, pairs)[0], request.objective());
+        return error_of(measure_heldout(f, others, {theta_max, request.threads}, pairs)[0], request.objective());
     };
     Outcome outcome;
     if (request.budget == 0 && !(request.target_error > 0)) {
@@ -142,8 +137,8 @@ Result<Outcome> fit_table(const FitRequest& request, const Measured& measured, c
     const auto observations =
         observe(f, {.objective = request.objective(), .max_theta = request.theta() * k_degree, .seed = request.seed});
     if (!observations) return observations.error();
-    auto outcome =
-        request.model == "ggx" ? fit_ggx(request, *observations) : fit_pm(request, f, *observations, progress);
+    auto outcome = request.model == "ggx" ? fit_ggx(request, *observations)
+                                          : fit_pm(request, evaluator(measured), *observations, progress);
     if (!outcome) return outcome;
     outcome->masked = observations->masked;
     outcome->clamped = observations->clamped;
@@ -196,8 +191,7 @@ class SampleFits {
     double error(const Outcome& outcome) const { return error_of(outcome.rounded.heldout, request_.objective()); }
     std::size_t bytes(int lobes) const {
         const FitOptions options = pm_options_of(lobes);
-        const auto J = std::size_t(lobes), N = std::size_t(options.variates);
-        return 2 * (J * (4 + (options.axial ? 1 : 3) * N + std::size_t(features(options.form))) + 2 * N);
+        return payload_bytes(options.form, options.axial, options.log_scale, lobes, options.variates);
     }
     /// Three values of four fifths of the samples are at least twice as many as the numbers to find.
     bool enough_samples(int lobes) const { return bytes(lobes) <= samples_.wl.size() * 12 / 5; }

@@ -9,6 +9,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "srbf/half.h"
+
 namespace srbf {
 namespace {
 
@@ -282,7 +284,7 @@ void RasterMaterial::load(const MerlTable& table) {
     auto texels = merl_texels(table);
     if (!is_fine)
         for (Float4& texel : texels)
-            for (float& x : texel) x = std::min(x, 65504.0f);
+            for (float& x : texel) x = std::min(x, k_half_max);
     Texture texture{new_texture(GL_TEXTURE_3D, GL_LINEAR), GL_TEXTURE_3D};
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_WRAP_S, GL_REPEAT);
     glTexImage3D(GL_TEXTURE_3D, 0, is_fine ? GL_RGBA32F : GL_RGBA16F, GLsizei(p), GLsizei(d), GLsizei(h), 0, GL_RGBA,

@@ -29,7 +29,6 @@ struct Step {
 using JudgeModel = std::function<double(const PmModel& model, bool in_short)>;
 
 struct Chosen {
-    FitOptions options;  ///< of the fit
     PmFit fit;
     std::vector<Step> path;  ///< what was tried, by bytes
     bool reached = true;     ///< false: no model of up to k_most_chosen_bytes is as good as asked for

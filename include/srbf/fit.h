@@ -119,8 +119,8 @@ struct FitOptions {
         false;  ///< f(ωl,ωv) = f(ωv,ωl) up to rounding: variates in pairs (a, b) and (b, a) of one centre and bandwidth
     int lobes = 8;     ///< J, 1..64
     int variates = 4;  ///< N, 1..8, even for a reciprocal model
-    double finest =
-        0;  ///< bound on bandwidths, 1/finest², and on what is no bandwidth, 1/finest [1/rad]; 0: what halves hold
+    /// Bound on bandwidths, 1/finest², and on what is no bandwidth, 1/finest [1/rad]; 0: what halves hold.
+    double finest = 0;
     bool log_scale = true;   ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
     int starts = 16;         ///< independent growths; the best six are improved, three of these polished, two finished
     int kicks = 25;          ///< attempts for each of the six to replace the lobe that matters least

@@ -79,8 +79,12 @@ std::size_t auxiliary_bytes(const Model& model);
 bool is_reciprocal(const PmModel& model);
 /// Whether a log scale is stored: the form has further features, or some s_j is not 0 as a half.
 bool has_log_scale(const PmModel& model);
-/// Bytes of the model's numbers as stored, two each.
+/// Bytes of a model's numbers as stored, two each, and of one of such a kind.
 std::size_t payload_bytes(const PmModel& model);
+constexpr std::size_t payload_bytes(PmForm form, bool axial, bool log_scale, int lobes, int variates) {
+    const int of_lobe = 3 + (axial ? 1 : 3) * variates + int(log_scale) + features(form);
+    return 2 * std::size_t(lobes * of_lobe + 2 * variates);
+}
 constexpr std::size_t auxiliary_bytes(const PmModel&) { return 0; }
 /// `model` with every number rounded to what a file holds: read_model(write_model(model)).
 PmModel rounded(const PmModel& model);

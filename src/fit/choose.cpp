@@ -14,7 +14,7 @@ namespace srbf {
 namespace {
 
 constexpr std::size_t k_short_rows = 8192;
-constexpr int k_short_starts = 4, k_short_kicks = 4, k_largest_j = k_most_fitted_lobes;
+constexpr int k_short_starts = 4, k_short_kicks = 4;
 /// So many of those that look best in short are fitted whole.
 constexpr std::size_t k_whole_fits = 6;
 /// A model that in short errs more than this much as asked for is not taken for one that reaches it.
@@ -38,13 +38,12 @@ struct Kind {
         return options;
     }
     std::size_t bytes(int lobes, bool log_scale) const {
-        const int of_lobe = 3 + (axial ? 1 : 3) * variates + features(form) + int(log_scale || form != PmForm::source);
-        return 2 * std::size_t(lobes * of_lobe + 2 * variates);
+        return payload_bytes(form, axial, log_scale || form != PmForm::source, lobes, variates);
     }
     /// The most lobes within so many bytes, maybe 0.
     int most_lobes(std::size_t within, bool log_scale) const {
         int lobes = 0;
-        while (lobes < k_largest_j && bytes(lobes + 1, log_scale) <= within) ++lobes;
+        while (lobes < k_most_fitted_lobes && bytes(lobes + 1, log_scale) <= within) ++lobes;
         return lobes;
     }
 };
@@ -73,7 +72,6 @@ class Search {
 
     struct Tried {
         Step step;
-        FitOptions options;
         PmFit fit;
     };
 
@@ -133,7 +131,7 @@ class Search {
         const double error = judge_(fit->model, in_short);
         const Step step{options.form, options.axial, options.lobes, options.variates, payload_bytes(fit->model),
                         error,        !in_short};
-        return Tried{step, options, *std::move(fit)};
+        return Tried{step, *std::move(fit)};
     }
 
     const Observations& observations_;
@@ -153,17 +151,24 @@ Result<Search::Tried> found_or_cancelled(std::optional<Search::Tried>& best) {
     return *std::move(best);
 }
 
-/// The least error within the bytes: of each kind the most lobes, and one fewer.
-Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, std::size_t bytes) {
+/// Of these kinds the models of the most lobes that fit into the bytes, and of up to so many fewer; those first that look best in short.
+Result<std::vector<Step>> best_in_short(Search& search, const FitOptions& options, const std::vector<Kind>& of,
+                                        std::size_t bytes, int fewer) {
     std::vector<std::pair<Kind, int>> asked;
-    for (const Kind& kind : kinds(options)) {
+    for (const Kind& kind : of) {
         const int most = kind.most_lobes(bytes, options.log_scale);
-        for (int lobes = std::max(most - 1, 1); lobes <= most; ++lobes) asked.emplace_back(kind, lobes);
+        for (int lobes = std::max(most - fewer, 1); lobes <= most; ++lobes) asked.emplace_back(kind, lobes);
     }
-    if (asked.empty()) return Error{"fit", {}, "bytes", "enough for one lobe, 12", fmt::format("{}", bytes)};
     auto steps = search.in_short(asked);
+    if (steps) std::stable_sort(steps->begin(), steps->end(), by_error);
+    return steps;
+}
+
+/// The least error within the bytes.
+Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, std::size_t bytes) {
+    const auto steps = best_in_short(search, options, kinds(options), bytes, 1);
     if (!steps) return steps.error();
-    std::stable_sort(steps->begin(), steps->end(), by_error);
+    if (steps->empty()) return Error{"fit", {}, "bytes", "enough for one lobe, 12", fmt::format("{}", bytes)};
     std::optional<Search::Tried> best;
     const std::size_t count = std::min(k_whole_fits, steps->size());
     for (std::size_t i = 0; i < count && search.report(0.3 + 0.7 * double(i) / double(count)); ++i) {
@@ -174,17 +179,6 @@ Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, st
     return found_or_cancelled(best);
 }
 
-/// Of these kinds the best few models that fit into the bytes, as far as short fits tell; the best first.
-Result<std::vector<Step>> best_in_short(Search& search, const FitOptions& options, const std::vector<Kind>& of,
-                                        std::size_t bytes) {
-    std::vector<std::pair<Kind, int>> asked;
-    for (const Kind& kind : of)
-        if (const int most = kind.most_lobes(bytes, options.log_scale); most > 0) asked.emplace_back(kind, most);
-    auto steps = search.in_short(asked);
-    if (steps) std::stable_sort(steps->begin(), steps->end(), by_error);
-    return steps;
-}
-
 /// The fewest bytes at most that error. Doubles the bytes until some model reaches it, then halves the gap to those that were too few. On the
 /// way down only the kinds that looked best take part, and of these two are fitted whole; at last the models just below the smallest
 /// that was found are tried.
@@ -193,7 +187,7 @@ Result<Search::Tried> within_error(Search& search, const FitOptions& options, do
     std::vector<Kind> few;
     // Whether some model within the bytes reaches the error; it or the nearest one becomes the best.
     const auto attempt = [&](const std::vector<Kind>& of, std::size_t bytes) -> Result<bool> {
-        const auto steps = best_in_short(search, options, of, bytes);
+        const auto steps = best_in_short(search, options, of, bytes, 0);
         if (!steps) return steps.error();
         few.clear();
         for (const Step& step : *steps)
@@ -255,7 +249,6 @@ Result<Chosen> choose_pm(const Observations& observations, const FitOptions& opt
     auto found = wish.bytes > 0 ? within_bytes(search, options, wish.bytes)
                                 : within_error(search, options, wish.error, chosen.reached);
     if (!found) return found.error();
-    chosen.options = found->options;
     chosen.fit = std::move(found->fit);
     chosen.path = search.path();
     return chosen;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "fit/gram.h"
+#include "srbf/half.h"
 #include "srbf/model.h"
 
 namespace srbf {
@@ -41,9 +42,10 @@ struct Interval {
     double least, most;
 };
 inline Interval weight_range(int n, const LobeShape& shape) {
-    const double k_half = 65504,
-                 most_bandwidth = shape.finest > 0 ? std::min(k_half, std::pow(shape.finest, -2)) : k_half;
-    const double most_slope = shape.finest > 0 ? std::min(k_half, 1 / shape.finest) : k_half;
+    const auto most = [&](double by_spacing) {
+        return shape.finest > 0 ? std::min(double(k_half_max), by_spacing) : double(k_half_max);
+    };
+    const double most_bandwidth = most(std::pow(shape.finest, -2)), most_slope = most(1 / shape.finest);
     const double component = shape.axial ? most_bandwidth : most_bandwidth / std::sqrt(3.0);
     const int further = n - shape.directional();
     if (further < 0) return {-component, component};  // |p| is a bandwidth, which a half holds

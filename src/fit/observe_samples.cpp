@@ -120,7 +120,7 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
     normalise(observed.samples, 0);
 
     // How well a sample is interpolated from the others.
-    const auto fold = draw_folds(samples, theta_max, options.seed);
+    const auto fold = draw_folds(samples, places, theta_max, options.seed);
     if (!fold) return fold.error();
     std::vector<Rgb> interpolated(samples.wl.size());
     for (int left_out = 0; left_out < k_folds; ++left_out) {

@@ -4,22 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
 #include <numeric>
 #include <optional>
 
-#include "srbf/fit_samples.h"
+#include "k_d_tree.h"
 
 namespace srbf {
 namespace {
-
-struct Cloud {
-    std::vector<Place> at;
-    std::size_t kdtree_get_point_count() const { return at.size(); }
-    double kdtree_get_pt(std::size_t i, std::size_t dimension) const { return at[i][dimension]; }
-    template <typename Box> bool kdtree_get_bbox(Box&) const { return false; }
-};
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 6, std::uint32_t>;
 
 /// Sets that grow together.
 class Sets {
@@ -35,9 +26,9 @@ class Sets {
     std::vector<std::size_t> parent_;
 };
 
-}  // namespace
-
-Place place_of(Vec3f l, Vec3f v, bool isotropic) {
+/// A point for each pair, such that distances between points are, to first order, √(|Δωl|² + |Δωv|²), of isotropic samples the least over
+/// all turns about the normal and mirrored ones.
+std::array<double, 6> place_of(Vec3f l, Vec3f v, bool isotropic) {
     const Vec3d wl = to_double(l), wv = to_double(v);
     if (!isotropic) return {wl.x, wl.y, wl.z, wv.x, wv.y, wv.z};
     const double rl = std::hypot(wl.x, wl.y), rv = std::hypot(wv.x, wv.y), both = std::max(std::hypot(rl, rv), 1e-30);
@@ -46,15 +37,17 @@ Place place_of(Vec3f l, Vec3f v, bool isotropic) {
     return {rl, wl.z, rv, wv.z, along, across};
 }
 
+}  // namespace
+
 Places find_places(const Scattered& samples) {
     // Sample i is point 2i, exchanged it is point 2i + 1.
     const std::size_t n = samples.wl.size();
-    Cloud cloud;
+    PointCloud<double, 6> cloud;
     for (std::size_t i = 0; i < n; ++i) {
         cloud.at.push_back(place_of(samples.wl[i], samples.wv[i], samples.isotropic));
         cloud.at.push_back(place_of(samples.wv[i], samples.wl[i], samples.isotropic));
     }
-    Tree tree(6, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+    KdTree<double, 6> tree(6, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
     tree.buildIndex();
 
     Sets sets(n);
@@ -96,7 +89,11 @@ Places find_places(const Scattered& samples) {
 double spacing(const Scattered& samples) { return find_places(samples).spacing; }
 
 Result<std::vector<int>> draw_folds(const Scattered& samples, double max_theta, std::uint64_t seed) {
-    const Places places = find_places(samples);
+    return draw_folds(samples, find_places(samples), max_theta, seed);
+}
+
+Result<std::vector<int>> draw_folds(const Scattered& samples, const Places& places, double max_theta,
+                                    std::uint64_t seed) {
     if (places.count < k_folds)
         return Error{"samples",
                      {},

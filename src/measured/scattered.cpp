@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
-#include <nanoflann.hpp>
 
+#include "k_d_tree.h"
 #include "measured/angles.h"
 #include "measured/samples.h"
 
@@ -29,15 +29,8 @@ Point place_of(Vec3f wl, Vec3f wv, bool isotropic) {
             theta_v * std::sin(phi_v)};
 }
 
-/// As nanoflann asks for points.
-struct Points {
-    std::vector<Point> at;
-    std::size_t kdtree_get_point_count() const { return at.size(); }
-    float kdtree_get_pt(std::size_t i, std::size_t dimension) const { return at[i][dimension]; }
-    template <typename Box> bool kdtree_get_bbox(Box&) const { return false; }
-};
-
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Points>, Points, 5, std::uint32_t>;
+using Points = PointCloud<float, 5>;
+using Tree = KdTree<float, 5>;
 
 }  // namespace
 

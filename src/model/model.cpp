@@ -186,10 +186,7 @@ std::size_t auxiliary_bytes(const Model& model) {
 }
 
 std::size_t payload_bytes(const PmModel& model) {
-    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates);
-    return 2 * (J * (3 + (model.axial ? N : 3 * N) + std::size_t(has_log_scale(model)) +
-                     std::size_t(features(model.form))) +
-                2 * N);
+    return payload_bytes(model.form, model.axial, has_log_scale(model), model.lobes, model.variates);
 }
 
 PmModel rounded(const PmModel& model) {

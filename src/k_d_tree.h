@@ -1,0 +1,24 @@
+// Points by their nearness: level 1.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <nanoflann.hpp>
+#include <vector>
+
+namespace srbf {
+
+/// Points of `dimensions` coordinates, as nanoflann asks for them.
+template <typename Real, std::size_t dimensions> struct PointCloud {
+    std::vector<std::array<Real, dimensions>> at;
+    std::size_t kdtree_get_point_count() const { return at.size(); }
+    Real kdtree_get_pt(std::size_t i, std::size_t dimension) const { return at[i][dimension]; }
+    template <typename Box> bool kdtree_get_bbox(Box&) const { return false; }
+};
+
+/// A tree over such points, of 32-bit numbers, by Euclidean distance. It refers to them.
+template <typename Real, std::size_t dimensions>
+using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<Real, PointCloud<Real, dimensions>>,
+                                                   PointCloud<Real, dimensions>, int(dimensions), std::uint32_t>;
+
+}  // namespace srbf

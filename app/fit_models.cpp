@@ -23,7 +23,7 @@ constexpr int k_first_tried = 6;
 /// Of models that err no more than this times the least the smallest is taken.
 constexpr double k_as_good = 1.03;
 /// A few thousand samples need a shorter search than a table, and are searched a dozen times.
-constexpr int k_sample_starts = 6, k_sample_kicks = 8;
+constexpr int k_sample_starts = 6, k_sample_kicks = 14;
 constexpr std::uint64_t k_pairs_in_short = 20000;
 
 FitOptions pm_options(const FitRequest& request, bool axial) {

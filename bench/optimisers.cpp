@@ -104,11 +104,8 @@ void replaced(const Rows& rows, const FitOptions& options, Race& race, int attem
     Reporter quiet(k_no_callback, 1);
     Candidate candidate = grow(rows, options, k_log_peak_limit, attempt, quiet);
     race.take(candidate.loss);
-    FitOptions one = options;
-    one.kicks = 1;
-    for (int kick = 0; kick < options.kicks && !race.expired(); ++kick) {
-        one.seed = options.seed + std::uint64_t(kick);
-        improve(rows, one, k_log_peak_limit, candidate, quiet);
+    for (int kick = 1; kick <= options.kicks && !race.expired(); ++kick) {
+        improve(rows, options, k_log_peak_limit, kick, candidate, quiet);
         race.take(candidate.loss);
     }
 }

@@ -18,7 +18,7 @@ struct Quick {
     std::size_t pairs;  ///< it looks at
     int starts, kicks;
 };
-constexpr Quick k_quick[] = {{4096, 3, 0}, {16384, 4, 4}};
+constexpr Quick k_quick[] = {{4096, 3, 0}, {16384, 4, 8}};
 
 }  // namespace
 

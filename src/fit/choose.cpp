@@ -14,7 +14,7 @@ namespace srbf {
 namespace {
 
 constexpr std::size_t k_short_rows = 8192;
-constexpr int k_short_starts = 4, k_short_kicks = 4;
+constexpr int k_short_starts = 4, k_short_kicks = 8;
 /// So many of those that look best in short are fitted whole.
 constexpr std::size_t k_whole_fits = 6;
 /// A model that in short errs more than this much as asked for is not taken for one that reaches it.

@@ -12,8 +12,14 @@
 namespace srbf {
 namespace {
 
-// Of the starts so many go on to the next stage.
-constexpr int k_kicked = 6;
+/// A tournament: of the starts this share goes on, until this share of its kicks has been done.
+struct Round {
+    double starts, kicks;
+};
+constexpr Round k_rounds[] = {{1, 0.2}, {0.5, 0.5}, {0.25, 1}};
+/// How many of the best are left after `share` of them; one at least.
+int part(double share, int of) { return std::max(int(std::lround(share * of)), 1); }
+// Of these so many go on to the next stage.
 constexpr std::size_t k_polished = 3, k_finished = 2;
 constexpr int k_check_rounds = 12;
 /// Bound on the log of the coefficient of a lobe whose peak is 1. Peaks lie where no pair of directions
@@ -30,6 +36,9 @@ constexpr double k_excess_weight = 0.005;
 /// Every albedo off by 10 % costs as much as the fit's loss without regard to albedo, but no more than 0.004: a fit that cannot
 /// follow the data gains nothing from an albedo that is right by chance.
 constexpr double k_albedo_error = 0.1, k_most_albedo_loss = 0.004;
+
+/// Where rounding at once raises the loss by more than this factor, numbers are rounded in turn.
+constexpr double k_costly_rounding = 1.003;
 
 /// Where `model` exceeds the checks by far they become observations, and those that had become so weigh more;
 /// returns how many. `first` is where the checks began.
@@ -100,8 +109,15 @@ PmFit finish(Lobes lobes, const Observations& observations, double albedo_import
         fit.unrounded = to_model(problem, lobes, options.log_scale);
 
         // The nonlinear numbers are rounded, then the coefficients solved again.
-        const Lobes halves = to_lobes(to_halves(fit.unrounded, lobes), lobes.shape);
+        Lobes halves = to_lobes(to_halves(fit.unrounded, lobes), lobes.shape);
         fit.loss = problem.loss(LobeProblem::pack(halves));
+        if (fit.loss > k_costly_rounding * fit.unrounded_loss) {
+            const Lobes in_turn = rounded_in_turn(problem, lobes);
+            if (const double loss = problem.loss(LobeProblem::pack(in_turn)); loss < fit.loss)
+                halves = in_turn, fit.loss = loss;
+            else
+                problem.loss(LobeProblem::pack(halves));
+        }
         fit.model = to_halves(to_model(problem, halves, options.log_scale), halves);
         if (round == k_check_rounds || reporter.cancelled()) return fit;
         if (take_exceeded(all, first_check, fit.model, fit.loss) == 0) return fit;
@@ -127,9 +143,13 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
     if (const auto valid = check(observations, options); !valid) return valid.error();
     const double log_peak_limit = options.log_scale ? k_log_peak_limit : std::log(double(k_half_max));
     // Work is counted in lobes grown and kicks.
-    const int kicked = std::min(options.starts, k_kicked);
-    const double polish_work = 0.2 * kicked * options.kicks + 1;
-    Reporter reporter(progress, options.starts * options.lobes + kicked * options.kicks + 2 * polish_work);
+    double kicks = 0, done_before = 0;
+    for (const Round& round : k_rounds) {
+        kicks += part(round.starts, options.starts) * (round.kicks - done_before) * options.kicks;
+        done_before = round.kicks;
+    }
+    const double polish_work = 0.2 * kicks + 1;
+    Reporter reporter(progress, options.starts * options.lobes + kicks + 2 * polish_work);
 
     PmFit fit;
     arena_of(options.threads).execute([&] {
@@ -140,12 +160,15 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
             found[start] = grow(sample, options, log_peak_limit, int(start), reporter);
         });
         std::stable_sort(found.begin(), found.end(), by_loss);
-        found.resize(std::size_t(kicked));
 
-        tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
-            if (!reporter.cancelled()) improve(sample, options, log_peak_limit, found[i], reporter);
-        });
-        std::stable_sort(found.begin(), found.end(), by_loss);
+        for (const Round& round : k_rounds) {
+            found.resize(std::size_t(part(round.starts, options.starts)));
+            const int until = int(std::lround(round.kicks * options.kicks));
+            tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
+                if (!reporter.cancelled()) improve(sample, options, log_peak_limit, until, found[i], reporter);
+            });
+            std::stable_sort(found.begin(), found.end(), by_loss);
+        }
         found.resize(std::min(found.size(), k_polished));
 
         tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {

@@ -23,7 +23,7 @@ constexpr std::size_t k_most_between_samples = 4096;
 constexpr double k_guard_share = 0.1;
 constexpr double k_guard_theta = 89.9 * k_degree;
 // The short fit: what its error is, is asked for to a factor of two or so.
-constexpr int k_short_starts = 4, k_short_kicks = 5;
+constexpr int k_short_starts = 4, k_short_kicks = 10;
 
 void add(Observations& to, Vec3f wl, Vec3f wv, const Rgb& f, double weight) {
     to.wl.push_back(wl);

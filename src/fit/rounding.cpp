@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "least_squares.h"
 #include "srbf/half.h"
 
 namespace srbf {
@@ -101,6 +103,76 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
         for (std::size_t i = j * F; i < (j + 1) * F; ++i) lobes.weight.push_back(double(model.exponent[i]));
     }
     return lobes;
+}
+
+namespace {
+
+constexpr int k_turns = 4, k_steps_a_turn = 3;
+
+/// A problem of which only some of the variables may change.
+struct PartlyHeld {
+    LobeProblem& problem;
+    const std::vector<bool>& held;
+
+    double loss(const Eigen::VectorXd& x) { return problem.loss(x); }
+    void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) { problem.linearise(x, H, g); }
+    Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return with_held(problem.lower(x), x); }
+    Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return with_held(problem.upper(x), x); }
+    Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const { return problem.longest_step(x); }
+
+  private:
+    Eigen::VectorXd with_held(Eigen::VectorXd bound, const Eigen::VectorXd& x) const {
+        for (Eigen::Index i = 0; i < x.size(); ++i)
+            if (held[std::size_t(i)]) bound[i] = x[i];
+        return bound;
+    }
+};
+
+/// What rounding each variable by itself costs, up to a factor: halves err relatively. Angles come first of all; the components of a centre
+/// are stored as one.
+std::vector<double> cost_of_rounding(const Eigen::VectorXd& x, const Eigen::MatrixXd& H, const LobeShape& shape) {
+    const Eigen::Index N = shape.variates, W = shape.width(), C = shape.components();
+    const Eigen::VectorXd of_each = x.cwiseAbs2().cwiseProduct(H.diagonal());
+    std::vector<double> cost(std::size_t(x.size()), std::numeric_limits<double>::infinity());
+    for (Eigen::Index i = N; i < x.size(); ++i) {
+        const Eigen::Index weight = (i - N) % W;
+        const bool of_centre = weight < shape.directional();
+        cost[std::size_t(i)] = of_centre ? of_each.segment(i - weight % C, C).sum() : of_each[i];
+    }
+    return cost;
+}
+
+}  // namespace
+
+Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes) {
+    Eigen::VectorXd x = LobeProblem::pack(lobes), g;
+    Eigen::MatrixXd H;
+    problem.loss(x);
+    problem.linearise(x, H, g);
+    const std::vector<double> cost = cost_of_rounding(x, H, lobes.shape);
+    std::vector<std::size_t> order(cost.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return cost[a] > cost[b]; });
+
+    std::vector<bool> held(cost.size(), false);
+    PartlyHeld rest{problem, held};
+    LevenbergMarquardtOptions steps;
+    steps.max_iterations = k_steps_a_turn;
+    std::size_t first = 0;
+    for (int turn = 0; turn < k_turns; ++turn) {
+        const std::size_t left = order.size() - first;
+        std::size_t end = first + (turn == 0 ? lobes.angle.size() : turn + 1 < k_turns ? left / 2 : left);
+        while (end > first && end < order.size() && cost[order[end]] == cost[order[end - 1]]) ++end;  // of one centre
+        const Lobes now = problem.unpack(x);
+        const Eigen::VectorXd halves =
+            LobeProblem::pack(to_lobes(to_halves(to_model(problem, now, true), now), lobes.shape));
+        for (; first < end; ++first) {
+            x[Eigen::Index(order[first])] = halves[Eigen::Index(order[first])];
+            held[order[first]] = true;
+        }
+        if (first < order.size()) levenberg_marquardt(rest, x, steps);
+    }
+    return problem.unpack(x);
 }
 
 }  // namespace srbf

@@ -20,4 +20,8 @@ PmModel to_halves(PmModel model, const Lobes& lobes);
 /// The lobes of such a model, of which they have the shape.
 Lobes to_lobes(const PmModel& model, const LobeShape& shape);
 
+/// `lobes`, which minimise the problem's loss, with every number a half. They are not rounded at once but in turn, first the angles, then those weights
+/// of which rounding costs most, half of what is left and again half of it; after each turn what has not been rounded follows what has.
+Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes);
+
 }  // namespace srbf

@@ -115,10 +115,11 @@ Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limi
     return best;
 }
 
-void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& best, Reporter& reporter) {
-    std::mt19937_64 random = generator(options.seed, best.start, 1);
+void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, int until, Candidate& best,
+             Reporter& reporter) {
     LobeProblem problem(rows, k_search_blocks, shape_of(options), false, log_peak_limit);
-    for (int kick = 0; kick < options.kicks; ++kick) {
+    while (best.kicks < until) {
+        std::mt19937_64 random = generator(options.seed, best.start, 2 + best.kicks++);
         problem.loss(LobeProblem::pack(best.lobes));
         replace_least(problem, best, random);
         if (!reporter.advance("replacing lobes", 1)) break;
@@ -126,7 +127,7 @@ void improve(const Rows& rows, const FitOptions& options, double log_peak_limit,
 }
 
 void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate) {
-    std::mt19937_64 random = generator(options.seed, candidate.start, 2);
+    std::mt19937_64 random = generator(options.seed, candidate.start, 1);
     LobeProblem problem(rows, k_polish_blocks, shape_of(options), false, log_peak_limit);
     candidate.loss = optimise(problem, candidate.lobes, 25);
     // On more rows than it was found on, a lobe may turn out to be good for nothing.

@@ -55,13 +55,14 @@ struct Candidate {
     int start = 0;  ///< which of the starts it grew from; chooses its random numbers, beside the seed
     Lobes lobes;
     double loss = std::numeric_limits<double>::infinity();  ///< the one last known
+    int kicks = 0;                                          ///< attempts to replace a lobe so far
 };
 
 /// Grows J lobes one by one.
 Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter);
 
-/// Again and again drops the lobe that costs least, adds another, and keeps what is better.
-void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate,
+/// Again and again drops the lobe that costs least, adds another, and keeps what is better, until the candidate has had so many kicks.
+void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, int until, Candidate& candidate,
              Reporter& reporter);
 
 /// Goes on with more rows; lobes that turn out to be of no use are replaced.

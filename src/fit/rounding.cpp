@@ -28,7 +28,8 @@ namespace {
 Parameterization swapped(Parameterization p) { return {p.b, p.a}; }
 }  // namespace
 
-PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale) {
+PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale,
+                 const std::vector<float>& wavelengths) {
     PmModel model;
     const LobeShape& shape = lobes.shape;
     model.form = shape.form;
@@ -57,9 +58,9 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale)
             log_scale && out_of_range && any ? double(round_to_half(float(log_peak[std::size_t(j)]))) : 0.0;
         // β / largest × e^(log peak − scale): neither factor overflows.
         const double factor = any ? std::exp(std::min(log_peak[std::size_t(j)] - scale, 80.0)) / largest : 0.0;
-        Rgb coefficient;
-        for (int c = 0; c < 3; ++c) coefficient[c] = float(problem.beta()(j, c) * factor);
-        model.coefficient.push_back(coefficient);
+        const auto coefficient = [&](Eigen::Index c) { return float(problem.beta()(j, c) * factor); };
+        if (wavelengths.empty()) model.coefficient.push_back({coefficient(0), coefficient(1), coefficient(2)});
+        for (std::size_t c = 0; c < wavelengths.size(); ++c) model.spectrum.push_back(coefficient(Eigen::Index(c)));
         model.log_scale.push_back(float(scale));
         for (const double kappa : lobes.of(j).subspan(std::size_t(shape.directional())))
             model.exponent.push_back(float(kappa));
@@ -70,6 +71,8 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale)
             model.bandwidth.push_back(float(bandwidth));
         }
     }
+    if (!wavelengths.empty()) model.coefficient = colours(model.spectrum, wavelengths);
+    model.wavelength = wavelengths;
     return model;
 }
 

@@ -66,19 +66,30 @@ Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
     return pairs;
 }
 
-int run(const std::string& file, const std::string& pairs_file) {
+int run(const std::string& file, const std::string& pairs_file, const std::string& asked) {
     const auto subject = load(file);
     if (!subject) return complain(subject.error());
+    if (asked == "spectral" && wavelengths(*subject).empty())
+        return complain({file, {}, "spectral channels", "a measurement or a model at wavelengths", "one of colours"});
     const auto bytes = read_file(pairs_file);
     if (!bytes) return complain(bytes.error());
     const auto pairs = read_pairs(as_text(*bytes), pairs_file);
     if (!pairs) return complain(pairs.error());
 
-    std::vector<Rgb> f(pairs->wl.size());
-    evaluator (*subject)(pairs->wl, pairs->wv, f);
-    std::string out = fmt::format("{},r,g,b\n", fmt::join(k_columns, ","));
-    for (std::size_t i = 0; i < f.size(); ++i)
-        out += fmt::format("{},{:.9g},{:.9g},{:.9g}\n", fmt::join(pairs->text[i], ","), f[i].r, f[i].g, f[i].b);
+    const bool spectral = asked == "spectral" || (asked.empty() && subject->is_model());
+    const Channels brdf = spectral ? channels(*subject) : rgb_channels(evaluator(*subject));
+    const std::size_t C = brdf.count();
+    std::vector<float> f(C * pairs->wl.size());
+    brdf.evaluate(pairs->wl, pairs->wv, f);
+    std::string out = fmt::format("{}", fmt::join(k_columns, ","));
+    if (brdf.wavelengths.empty()) out += ",r,g,b";
+    for (const float nm : brdf.wavelengths) out += fmt::format(",{}nm", nm);
+    out += '\n';
+    for (std::size_t i = 0; i < pairs->wl.size(); ++i) {
+        out += fmt::format("{}", fmt::join(pairs->text[i], ","));
+        for (std::size_t c = 0; c < C; ++c) out += fmt::format(",{:.9g}", f[i * C + c]);
+        out += '\n';
+    }
     fmt::print("{}", out);
     return k_done;
 }
@@ -87,7 +98,7 @@ int run(const std::string& file, const std::string& pairs_file) {
 
 void add_eval(CLI::App& app, int& status) {
     struct Names {
-        std::string file, pairs;
+        std::string file, pairs, channels;
     };
     const auto names = std::make_shared<Names>();
     CLI::App* sub = app.add_subcommand("eval", "The BRDF's values at given pairs of directions, as CSV");
@@ -98,11 +109,16 @@ void add_eval(CLI::App& app, int& status) {
                     "other columns are ignored")
         ->type_name("FILE")
         ->required();
+    sub->add_option("--channels", names->channels,
+                    "rgb: columns r,g,b; spectral: a column for each wavelength, as 450nm;\n"
+                    "default: spectral of a spectral model, else rgb")
+        ->type_name("NAME")
+        ->check(one_of({"rgb", "spectral"}));
     sub->footer(
-        "Writes the directions and r,g,b [1/sr], without the cosine: 0 below the horizon,\n"
+        "Writes the directions and f_r [1/sr] of each channel, without the cosine: 0 below the horizon,\n"
         "nan where nothing was measured.\n\n"
         "Example:\n  srbf eval paper_white_rgb.srbf --pairs pairs.csv > values.csv");
-    sub->callback([names, &status] { status = run(names->file, names->pairs); });
+    sub->callback([names, &status] { status = run(names->file, names->pairs, names->channels); });
 }
 
 }  // namespace srbf

@@ -167,6 +167,12 @@ void add_fit(CLI::App& app, int& status) {
                                        "su: store the texture that names the samples nearest to each direction")
                            ->type_name("cube|parabolic")
                            ->check(one_of({"cube", "parabolic"}));
+    auto* channels = sub->add_option("--channels", command->channels,
+                                     "rgb: colours; spectral: a coefficient for each wavelength of the measurement,\n"
+                                     "of lobes that they share")
+                         ->type_name("NAME")
+                         ->check(one_of({"rgb", "spectral"}))
+                         ->capture_default_str();
     auto* target_error =
         sub->add_option("--target-error", command->target_error,
                         "pm: the smallest model whose error held out is at most this, of all forms and sizes;\n"
@@ -207,6 +213,9 @@ void add_fit(CLI::App& app, int& status) {
         if (command->no_scale && command->form != name(PmForm::source))
             fail(no_scale, "only with --form source; other forms always store log scales");
         if (target_error->count() > 0 && budget->count() > 0) fail(budget, "not together with --target-error");
+        if (command->spectral() && command->model != "pm") fail(channels, "spectral only with --model pm");
+        for (const CLI::Option* option : {target_error, budget})
+            if (option->count() > 0 && command->spectral()) fail(option, "only with --channels rgb");
         for (const CLI::Option* option : {target_error, budget})
             if (option->count() > 0 && lobes->count() > 0 && !command->lobes_auto)
                 fail(option, "chooses the number of lobes; not together with --lobes");

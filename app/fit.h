@@ -20,6 +20,7 @@ struct FitRequest {
     std::string model = "pm", form = std::string(name(FitOptions{}.form)), objective_name = "cosine";
     std::string discretise = std::string(name(Discretise{})), interpolation = std::string(name(SuInterpolation{})),
                 with_index;
+    std::string channels = "rgb";
     int axial = 0;  // 1: axial lobes, -1: general ones, 0: as the measurement asks for
     bool no_scale = false, reciprocal = false;
     double max_theta = 0;  // [degrees], 0: the objective's default
@@ -32,6 +33,7 @@ struct FitRequest {
     double target_error = 0;  // 0: none
     std::size_t budget = 0;   // 0: none
 
+    bool spectral() const { return channels == "spectral"; }
     Objective objective() const { return *objective_named(objective_name); }
     double theta() const { return max_theta > 0 ? max_theta : default_max_theta(objective()) / k_degree; }  // [degrees]
 };

@@ -13,8 +13,15 @@
 namespace srbf {
 namespace {
 
-/// Bytes of f at all pairs of n directions, RGB in floats.
-constexpr std::uint64_t raw_bytes(std::uint64_t n) { return n * n * 3 * sizeof(float); }
+/// Bytes of f at all pairs of n directions in floats.
+constexpr std::uint64_t raw_bytes(std::uint64_t n, std::uint64_t channels = 3) {
+    return n * n * channels * sizeof(float);
+}
+
+/// What is fitted of a measurement, and measured against.
+Channels channels_of(const FitRequest& request, const Measured& measured) {
+    return request.spectral() ? spectra(measured) : rgb_channels(evaluator(measured));
+}
 
 /// Lobes that cross-validation chooses from.
 constexpr int k_tried_lobes[] = {2, 3, 4, 6, 9, 12};
@@ -47,13 +54,14 @@ template <typename Fit> void take(Outcome& outcome, Fit&& fit) {
 
 // ---- Tables ----
 
-Result<Outcome> fit_pm(const FitRequest& request, const Evaluate& f, const Observations& observations,
+Result<Outcome> fit_pm(const FitRequest& request, const Measured& measured, const Observations& observations,
                        const ProgressCallback& progress) {
     const double theta_max = request.theta() * k_degree;
     const FitOptions options =
-        pm_options(request, request.axial > 0 || (request.axial == 0 && is_isotropic(f, theta_max)));
+        pm_options(request, request.axial > 0 || (request.axial == 0 && is_isotropic(evaluator(measured), theta_max)));
+    const Channels f = channels_of(request, measured);
     const auto judge = [&](const PmModel& model, bool in_short) {
-        const Evaluate others[] = {evaluator(model)};
+        const Channels others[] = {request.spectral() ? spectra(model) : rgb_channels(evaluator(model))};
         const std::uint64_t pairs = in_short ? k_pairs_in_short : k_heldout_pairs;
         return error_of(measure_heldout(f, others, {theta_max, request.threads}, pairs)[0], request.objective());
     };
@@ -134,24 +142,27 @@ Result<Outcome> fit_ggx(const FitRequest& request, const Observations& observati
 Result<Outcome> fit_table(const FitRequest& request, const Measured& measured, const ProgressCallback& progress) {
     const Evaluate f = signed_evaluator(measured);
     if (request.model == "su") return fit_su(request, f, progress);
-    const auto observations =
+    auto observations =
         observe(f, {.objective = request.objective(), .max_theta = request.theta() * k_degree, .seed = request.seed});
     if (!observations) return observations.error();
-    auto outcome = request.model == "ggx" ? fit_ggx(request, *observations)
-                                          : fit_pm(request, evaluator(measured), *observations, progress);
+    if (request.spectral()) observe_spectra(*observations, signed_spectra(measured));
+    auto outcome =
+        request.model == "ggx" ? fit_ggx(request, *observations) : fit_pm(request, measured, *observations, progress);
     if (!outcome) return outcome;
     outcome->masked = observations->masked;
     outcome->clamped = observations->clamped;
-    outcome->raw_bytes = raw_bytes(k_matrix_directions);
+    outcome->raw_bytes = raw_bytes(k_matrix_directions, channels(outcome->model).count());
     return outcome;
 }
 
 void judge_table(const FitRequest& request, const Measured& measured, Outcome& outcome) {
-    const Evaluate others[] = {evaluator(outcome.model), evaluator(outcome.unrounded)};
-    const auto comparisons = compare(evaluator(measured), others, {request.theta() * k_degree, request.threads},
-                                     matrix_directions(outcome.model, request.theta() * k_degree));
-    outcome.rounded = comparisons[0];
-    outcome.unrounded_too = comparisons[1];
+    const Channels f = channels_of(request, measured);
+    const Channels others[] = {channels(outcome.model), channels(outcome.unrounded)};
+    const MeasureOptions options{request.theta() * k_degree, request.threads};
+    const auto matrix = measure_matrix(f, others, options, matrix_directions(outcome.model, options.max_theta)),
+               heldout = measure_heldout(f, others, options);
+    outcome.rounded = {matrix[0], heldout[0], 0};
+    outcome.unrounded_too = {matrix[1], heldout[1], 0};
 }
 
 // ---- Samples ----
@@ -209,7 +220,8 @@ class SampleFits {
             return fit_su(request_, signed_evaluator(measured), {});
         }
         const auto observations =
-            observe(samples, ObserveSamplesOptions{request_.objective(), request_.theta() * k_degree, request_.seed});
+            observe(samples, ObserveSamplesOptions{request_.objective(), request_.theta() * k_degree, request_.seed,
+                                                   request_.spectral()});
         if (!observations) return observations.error();
         Outcome outcome;
         if (request_.model == "ggx") {
@@ -241,18 +253,26 @@ class SampleFits {
                 return std::vector<Model>{std::move(of_fold->model), std::move(of_fold->unrounded)};
             });
         if (!predicted) return predicted.error();
-        const double theta_max = request_.theta() * k_degree;
-        const auto at_samples = [&](const auto& other) {
-            return measure_samples(samples_.wl, samples_.wv, samples_.colour, other, theta_max);
+        const auto measured_with = [&](const Model& model, std::span<const float> heldout) {
+            const Channels fitted = channels(model);
+            std::vector<float> f(heldout.size());
+            fitted.evaluate(samples_.wl, samples_.wv, f);
+            return Comparison{measured_against(f), measured_against(heldout), 0};
         };
-        outcome->rounded = {at_samples(evaluator(outcome->model)), at_samples(std::span<const Rgb>((*predicted)[0])),
-                            0};
-        outcome->unrounded_too = {at_samples(evaluator(outcome->unrounded)),
-                                  at_samples(std::span<const Rgb>((*predicted)[1])), 0};
+        outcome->rounded = measured_with(outcome->model, (*predicted)[0]);
+        outcome->unrounded_too = measured_with(outcome->unrounded, (*predicted)[1]);
         outcome->samples = outcome->rounded.matrix.pairs;
-        outcome->raw_bytes = samples_.wl.size() * 3 * sizeof(float);
+        outcome->raw_bytes = (*predicted)[0].size() * sizeof(float);
         done_ += 1;
         return outcome;
+    }
+
+    Measures measured_against(std::span<const float> f) const {
+        const double theta_max = request_.theta() * k_degree;
+        if (request_.spectral()) return measure_samples(samples_.wl, samples_.wv, samples_.spectrum, f, theta_max);
+        std::vector<float> colours;
+        for (const Rgb& c : samples_.colour) colours.insert(colours.end(), {c.r, c.g, c.b});
+        return measure_samples(samples_.wl, samples_.wv, colours, f, theta_max);
     }
 
     Result<Outcome> chosen(std::vector<Outcome>& all) const {
@@ -297,6 +317,8 @@ Result<Outcome> fit_samples(const FitRequest& request, const Measured& measured,
 }  // namespace
 
 Result<Outcome> fit(const FitRequest& request, const Measured& measured) {
+    if (request.spectral() && wavelengths(measured).empty())
+        return Error{"fit", {}, "spectral channels", "a measurement at wavelengths", "one of colours"};
     ProgressLine line;
     std::mutex one_at_a_time;
     const Stopwatch fitting;
@@ -315,12 +337,9 @@ Result<Outcome> fit(const FitRequest& request, const Measured& measured) {
     const auto albedo_error_of = [&](const Model& model) {
         return albedo_error(evaluator(measured), evaluator(model), request.theta() * k_degree);
     };
-    if (of_samples) {
-        outcome->rounded.albedo_error = albedo_error_of(outcome->model);
-        outcome->unrounded_too.albedo_error = albedo_error_of(outcome->unrounded);
-    } else {
-        judge_table(request, measured, *outcome);
-    }
+    if (!of_samples) judge_table(request, measured, *outcome);
+    outcome->rounded.albedo_error = albedo_error_of(outcome->model);
+    outcome->unrounded_too.albedo_error = albedo_error_of(outcome->unrounded);
 
     if (!request.preview.empty()) {
         line.show("drawing", 0.95);

@@ -33,8 +33,9 @@ void describe(Json& json, const GgxModel& model) {
     json["axial"] = true;
 }
 std::string words(const PmModel& model) {
-    return fmt::format("pm, form {}, {} lobes, {} variates, {}", name(model.form), model.lobes, model.variates,
-                       model.axial ? "axial" : "general");
+    return fmt::format("pm, form {}, {} lobes, {} variates, {}{}", name(model.form), model.lobes, model.variates,
+                       model.axial ? "axial" : "general",
+                       model.wavelength.empty() ? "" : fmt::format(", {} wavelengths", model.wavelength.size()));
 }
 std::string words(const SuModel& model) {
     return fmt::format("su, {} lobes for each of {} directions to the {}, interpolation {}", model.lobes,
@@ -74,7 +75,7 @@ Json report_of(const FitRequest& request, const Measured& measured, const Outcom
     };
     std::visit([&](const auto& model) { describe(json, model); }, outcome.model.model);
     json.update(Json{
-        {"channels", 3},
+        {"channels", channels(outcome.model).count()},
         {"objective", request.objective_name},
         {"max_theta", outcome.max_theta},
         {"raw_bytes", outcome.raw_bytes},

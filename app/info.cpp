@@ -45,8 +45,8 @@ template <typename Pixels> void print_channel_ranges(std::string_view name, cons
     fmt::print("{}", text);
 }
 
-void print_wavelengths(const std::vector<float>& nm) {
-    print_row("wavelengths", fmt::format("{}, {:g} to {:g} nm", nm.size(), nm.front(), nm.back()));
+std::string wavelengths_text(const std::vector<float>& nm) {
+    return fmt::format("{}, {:g} to {:g} nm", nm.size(), nm.front(), nm.back());
 }
 
 void print_table(const MerlTable& table) {
@@ -61,7 +61,7 @@ void print_table(const RglTable& table) {
               fmt::format("{}{} θl × {} × {}, microfacet distribution {}, area {}",
                           table.phi_l.empty() ? "" : fmt::format("{} φl × ", table.phi_l.size()), table.theta_l.size(),
                           table.colour.width, table.colour.height, table.ndf.width, table.sigma.width));
-    if (!table.wavelengths.empty()) print_wavelengths(table.wavelengths);
+    if (!table.wavelengths.empty()) print_row("wavelengths", wavelengths_text(table.wavelengths));
     if (!table.theta_l.empty())
         print_row("θl", fmt::format("{:.2f}° to {:.2f}°", double(table.theta_l.front()) / k_degree,
                                     double(table.theta_l.back()) / k_degree));
@@ -80,7 +80,7 @@ void print_table(const Scattered& samples) {
     if (!samples.description.empty()) print_row("description", samples.description);
     print_row("samples", fmt::format("{} pairs of directions, {}", grouped(samples.wl.size()),
                                      samples.isotropic ? "isotropic" : "anisotropic"));
-    if (!samples.wavelengths.empty()) print_wavelengths(samples.wavelengths);
+    if (!samples.wavelengths.empty()) print_row("wavelengths", wavelengths_text(samples.wavelengths));
     Range theta_l, theta_v, spectrum;
     for (const Vec3f& w : samples.wl) theta_l.add(float(std::acos(double(w.z)) / k_degree));
     for (const Vec3f& w : samples.wv) theta_v.add(float(std::acos(double(w.z)) / k_degree));
@@ -99,6 +99,7 @@ void add_model(std::string& text, const PmModel& model) {
                         model.axial ? "axial" : "general"));
     add_row(text, "size",
             fmt::format("{} lobes × {} variates, {} bytes", model.lobes, model.variates, payload_bytes(model)));
+    if (!model.wavelength.empty()) add_row(text, "wavelengths", wavelengths_text(model.wavelength));
     for (int n = 0; n < model.variates; ++n) {
         const Parameterization p = model.parameterization[std::size_t(n)];
         add_row(text, fmt::format("ψ{}", n + 1), fmt::format("normalize({:.5g} wl + {:.5g} wv)", p.a, p.b));

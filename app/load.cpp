@@ -27,6 +27,16 @@ Evaluate evaluator(const Subject& subject) {
     return std::visit([](const auto& brdf) { return evaluator(brdf); }, subject.content);
 }
 
+std::span<const float> wavelengths(const Subject& subject) {
+    return std::visit([](const auto& of) { return wavelengths(of); }, subject.content);
+}
+
+Channels channels(const Subject& subject) {
+    if (wavelengths(subject).empty()) return rgb_channels(evaluator(subject));
+    const auto* measured = std::get_if<Measured>(&subject.content);
+    return measured ? spectra(*measured) : channels(std::get<Model>(subject.content));
+}
+
 std::vector<Vec3f> matrix_directions(const Model& model, double theta_max) {
     if (const auto* su = std::get_if<SuModel>(&model.model)) return su->direction;
     return fibonacci_directions(k_matrix_directions, theta_max);

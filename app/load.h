@@ -19,6 +19,11 @@ Rgb value(const Subject& subject, Vec3f wl, Vec3f wv);
 /// The subject on arrays of pairs. It refers to `subject`.
 Evaluate evaluator(const Subject& subject);
 
+/// The wavelengths [nm] of a spectral measurement or model; else empty.
+std::span<const float> wavelengths(const Subject& subject);
+/// Its wavelengths if it has any, else R, G, B. It refers to `subject`.
+Channels channels(const Subject& subject);
+
 /// The directions of the matrix on which a model is measured: a view-by-view model's own, else the source's within θmax.
 std::vector<Vec3f> matrix_directions(const Model& model, double theta_max);
 

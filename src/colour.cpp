@@ -217,6 +217,15 @@ std::vector<Rgb> rgb_weights(std::span<const float> wavelengths) {
     return weights;
 }
 
+bool are_wavelengths(std::span<const float> wavelengths) {
+    float last = 99.999f;
+    for (const float nm : wavelengths) {
+        if (!(nm > last && nm <= 1e5f)) return false;
+        last = nm;
+    }
+    return !wavelengths.empty();
+}
+
 Rgb to_rgb(std::span<const float> spectrum, std::span<const Rgb> weights) {
     assert(spectrum.size() == weights.size());
     double sum[3] = {0, 0, 0};

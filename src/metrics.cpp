@@ -1,6 +1,7 @@
 #include "srbf/metrics.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -16,8 +17,10 @@ struct Sums {
            root_whole = 0;
     std::uint64_t pairs = 0, masked = 0;
 
-    void add(const Rgb& f, const Rgb& g, Vec3f wl, Vec3f wv, double weight) {
-        const auto is_nan = [](const Rgb& x) { return std::isnan(x.r) || std::isnan(x.g) || std::isnan(x.b); };
+    void add(std::span<const float> f, std::span<const float> g, Vec3f wl, Vec3f wv, double weight) {
+        const auto is_nan = [](std::span<const float> x) {
+            return std::ranges::any_of(x, [](float channel) { return std::isnan(channel); });
+        };
         if (is_nan(f) || is_nan(g)) {
             ++masked;
             return;
@@ -25,7 +28,7 @@ struct Sums {
         ++pairs;
         const auto square = [](double x) { return x * x; };
         const double cos_l = double(wl.z), seen = weight * double(wv.z);
-        for (int c = 0; c < 3; ++c) {
+        for (std::size_t c = 0; c < f.size(); ++c) {
             const double a = double(f[c]), b = double(g[c]);
             squared += weight * square(a - b);
             squared_whole += weight * square(a);
@@ -61,19 +64,21 @@ struct Sums {
 
 /// Sums over blocks of pairs, each filled by `fill(block, wl, wv, weight)`, added up in the blocks' order.
 template <typename Fill>
-std::vector<Measures> measure(const Evaluate& reference, std::span<const Evaluate> others, std::size_t blocks,
+std::vector<Measures> measure(const Channels& reference, std::span<const Channels> others, std::size_t blocks,
                               std::size_t block_size, int threads, const Fill& fill) {
     std::vector<std::vector<Sums>> parts(blocks, std::vector<Sums>(others.size()));
     parallel_for(blocks, threads, [&](std::size_t block) {
         std::vector<Vec3f> wl(block_size), wv(block_size);
         std::vector<double> weight(block_size);
         fill(block, wl, wv, weight);
-        std::vector<Rgb> f(block_size), g(block_size);
-        reference(wl, wv, f);
+        const std::size_t C = reference.count();
+        std::vector<float> f(C * block_size), g(f.size());
+        reference.evaluate(wl, wv, f);
         for (std::size_t k = 0; k < others.size(); ++k) {
-            others[k](wl, wv, g);
+            assert(others[k].count() == C);
+            others[k].evaluate(wl, wv, g);
             for (std::size_t i = 0; i < block_size; ++i)
-                if (weight[i] > 0) parts[block][k].add(f[i], g[i], wl[i], wv[i], weight[i]);
+                if (weight[i] > 0) parts[block][k].add({&f[i * C], C}, {&g[i * C], C}, wl[i], wv[i], weight[i]);
         }
     });
     std::vector<Measures> measures;
@@ -85,11 +90,28 @@ std::vector<Measures> measure(const Evaluate& reference, std::span<const Evaluat
     return measures;
 }
 
+std::vector<Channels> rgb_channels(std::span<const Evaluate> brdfs) {
+    std::vector<Channels> all;
+    for (const Evaluate& brdf : brdfs) all.push_back(srbf::rgb_channels(brdf));
+    return all;
+}
+
+std::vector<float> flat(std::span<const Rgb> colours) {
+    std::vector<float> numbers;
+    for (const Rgb& c : colours) numbers.insert(numbers.end(), {c.r, c.g, c.b});
+    return numbers;
+}
+
 constexpr int k_albedo_points = 1 << 16;
 
 }  // namespace
 
 std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
+                                     const MeasureOptions& options, std::span<const Vec3f> directions) {
+    return measure_matrix(rgb_channels(reference), rgb_channels(others), options, directions);
+}
+
+std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,
                                      const MeasureOptions& options, std::span<const Vec3f> directions) {
     std::vector<Vec3f> within;
     const auto cos_max = float(std::cos(options.max_theta));
@@ -109,6 +131,11 @@ std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const 
 }
 
 std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const Evaluate> others,
+                                      const MeasureOptions& options, std::uint64_t count, std::uint64_t seed) {
+    return measure_heldout(rgb_channels(reference), rgb_channels(others), options, count, seed);
+}
+
+std::vector<Measures> measure_heldout(const Channels& reference, std::span<const Channels> others,
                                       const MeasureOptions& options, std::uint64_t count, std::uint64_t seed) {
     constexpr std::size_t block_size = 1000;
     const MirrorMixture mixture(options.max_theta);
@@ -130,14 +157,24 @@ std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const
                    });
 }
 
+Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
+                         std::span<const float> g, double max_theta) {
+    const float cos_max = sample_cap(max_theta);
+    const std::size_t C = wl.empty() ? 0 : f.size() / wl.size();
+    assert(f.size() == C * wl.size() && g.size() == f.size());
+    std::vector<float> clamped(C);
+    Sums sums;
+    for (std::size_t i = 0; i < wl.size(); ++i) {
+        if (std::min(wl[i].z, wv[i].z) < cos_max) continue;
+        for (std::size_t c = 0; c < C; ++c) clamped[c] = std::max(f[i * C + c], 0.f);
+        sums.add(clamped, g.subspan(i * C, C), wl[i], wv[i], 1);
+    }
+    return sums.measures();
+}
+
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                          std::span<const Rgb> g, double max_theta) {
-    const float cos_max = sample_cap(max_theta);
-    Sums sums;
-    for (std::size_t i = 0; i < f.size(); ++i)
-        if (std::min(wl[i].z, wv[i].z) >= cos_max)
-            sums.add({std::max(f[i].r, 0.f), std::max(f[i].g, 0.f), std::max(f[i].b, 0.f)}, g[i], wl[i], wv[i], 1);
-    return sums.measures();
+    return measure_samples(wl, wv, flat(f), flat(g), max_theta);
 }
 
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,

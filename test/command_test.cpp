@@ -7,6 +7,8 @@
 #include "measured_files.h"
 #include "program.h"
 #include "properties.h"
+#include "srbf/file.h"
+#include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
 
@@ -212,6 +214,68 @@ TEST_F(Command, fit_ggx_is_a_model_as_the_others) {
     EXPECT_EQ(Json::parse(compare.out, nullptr, false).value("heldout_squared_error_ratio_cosine", 1.0),
               json.value("heldout_squared_error_ratio_cosine", 0.0));
     EXPECT_NE(run(folder, {"info", "g.srbf"}).out.find("Lambert and GGX"), std::string::npos);
+}
+
+/// Smooth samples at five wavelengths, as Cornell's files have them.
+std::string smooth_spectra() {
+    std::string text = "5\n400 450.5 500 600 700\n";
+    for (int l = 0; l <= 70; l += 10)
+        for (int v = 5; v <= 75; v += 10)
+            for (int p = 0; p <= 180; p += 30) {
+                text += fmt::format("{} 0 {} {}", l * k_degree, v * k_degree, p * k_degree);
+                const Vec3d h = normalize(spherical(l * k_degree, 0.0) + spherical(v * k_degree, p * k_degree));
+                const double gloss = std::exp(-12 * (1 - h.z));
+                for (int c = 0; c < 5; ++c) text += fmt::format(" {:.6f}", 0.02 * (c + 1) + 0.3 * gloss);
+                text += '\n';
+            }
+    return text;
+}
+
+TEST_F(Command, fit_takes_spectra) {
+    write(folder / "s.brdf", smooth_spectra());
+    const ProgramRun fit = run(folder, {"fit", "s.brdf", "--channels", "spectral", "--lobes", "2", "--variates", "2",
+                                        "--objective", "raw", "--max-theta", "75", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    EXPECT_EQ(json.value("channels", 0), 5);
+    EXPECT_EQ(json.value("payload_bytes", 0), 2 * (2 * (5 + 2 + 1 + 4) + 4));
+    EXPECT_EQ(json.value("raw_bytes", 0), 8 * 8 * 7 * 5 * 4);
+    EXPECT_LT(json.value("squared_error_ratio", 1.0), 0.02);
+    EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.03);
+    EXPECT_NE(run(folder, {"info", "s.srbf"}).out.find("5, 400 to 700 nm"), std::string::npos);
+
+    // Spectra of the model unless colours are asked for, of the measurement where they are.
+    write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0.6,0,0.8\n0.6,0,0.8,-0.6,0,0.8\n");
+    const std::string directions = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", nm = ",400nm,450.5nm,500nm,600nm,700nm\n";
+    for (const Arguments& arguments :
+         {Arguments{"s.srbf"}, {"s.srbf", "--channels", "spectral"}, {"s.brdf", "--channels", "spectral"}}) {
+        const ProgramRun eval = run(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
+        ASSERT_EQ(eval.status, 0) << eval.err;
+        EXPECT_TRUE(eval.out.starts_with(directions + nm)) << eval.out;
+        // What is written is a measurement at wavelengths again.
+        const auto samples = read_csv(as_bytes(eval.out), "e");
+        ASSERT_TRUE(samples.ok());
+        ASSERT_EQ(samples->spectrum.size(), 10u);
+        for (std::size_t c = 0; c < 5; ++c)
+            EXPECT_PRED3(near, samples->spectrum[5 + c], 0.02 * double(c + 1) + 0.3, 0.06) << c;
+    }
+    for (const Arguments& arguments : {Arguments{"s.brdf"}, {"s.srbf", "--channels", "rgb"}}) {
+        const ProgramRun eval = run(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
+        EXPECT_TRUE(eval.out.starts_with(directions + ",r,g,b\n")) << eval.out;
+    }
+}
+
+TEST_F(Command, spectra_of_colours_are_refused) {
+    write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
+    write(folder / "c.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,0,1,1\n");
+    for (const std::string& file : {k_paper, std::string("c.csv")}) {
+        expect_failure(1, {"fit", file, "--channels", "spectral"}, "expected a measurement at wavelengths");
+        expect_failure(1, {"eval", file, "--pairs", "p.csv", "--channels", "spectral"}, "found one of colours");
+    }
+    for (const char* model : {"su", "ggx"})
+        expect_failure(2, {"fit", k_paper, "--channels", "spectral", "--model", model},
+                       "spectral only with --model pm");
+    expect_failure(2, {"fit", k_paper, "--channels", "spectral", "--budget", "160"}, "only with --channels rgb");
 }
 
 TEST_F(Command, fit_keeps_a_budget) {

@@ -3,6 +3,7 @@
 
 #include "models.h"
 #include "one_target.h"
+#include "srbf/colour.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
@@ -73,6 +74,39 @@ TEST_P(EvaluateOn, AgreesWithDouble) {
             for (int variates = 1; variates <= k_most_variates; ++variates)
                 for (const int lobes : {1, 6})
                     expect_exact(random_model(random_, {axial, variates % 2 == 0, lobes, variates, 3000, form}), pairs);
+}
+
+TEST_P(EvaluateOn, SpectraAgreeWithDoubleAndHaveTheColour) {
+    Pairs pairs;
+    for (int i = 0; i < 300; ++i) pairs.add(random_direction(random_, -0.2), random_direction(random_, -0.2));
+    for (const PmForm form : k_forms)
+        for (const bool axial : {true, false})
+            for (const int count : {1, 2, 7, 31}) {
+                const PmModel model =
+                    spectral_model(random_, {.axial = axial, .lobes = 4, .variates = 3, .form = form}, count);
+                const auto C = std::size_t(count);
+                std::vector<float> f(C * pairs.wl.size());
+                spectra(model).evaluate(pairs.wl, pairs.wv, f);
+                for (std::size_t c = 0; c < C; ++c) {
+                    PmModel grey = model;
+                    for (std::size_t j = 0; j < 4; ++j) grey.coefficient[j].r = model.spectrum[j * C + c];
+                    const std::vector<Vec3d> expected = exact(grey, pairs);
+                    double peak = 0;
+                    for (const Vec3d& e : expected) peak = std::max(peak, e.x);
+                    for (std::size_t i = 0; i < expected.size(); ++i)
+                        EXPECT_TRUE(near(f[i * C + c], expected[i].x, 1e-4 * expected[i].x + 1e-6 * peak));
+                }
+                // A lobe's colour may have a negative channel, a value has none.
+                expect_exact(model, pairs);
+                const std::vector<Rgb> weights = rgb_weights(model.wavelength), rgb = evaluated(model, pairs);
+                for (std::size_t i = 0; i < rgb.size(); ++i) {
+                    const Rgb colour = to_rgb(std::span(f).subspan(i * C, C), weights);
+                    for (int k = 0; k < 3; ++k) {
+                        EXPECT_GE(rgb[i][k], 0);
+                        EXPECT_TRUE(near(rgb[i][k], std::max(colour[k], 0.f), 1e-3 * double(luminance(rgb[i])) + 1e-6));
+                    }
+                }
+            }
 }
 
 TEST_P(EvaluateOn, KeepsTheDigitsOfTheSharpestPeaks) {

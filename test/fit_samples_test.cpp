@@ -130,8 +130,9 @@ TEST(FitToSamples, NoiseIsNotFittedAndNoLobeIsSharperThanTheSpacing) {
     ASSERT_TRUE(fold.ok());
     const auto predicted = cross_validate(samples, *fold, fit);
     ASSERT_TRUE(predicted.ok());
-    const double error =
-        measure_samples(samples.wl, samples.wv, samples.colour, (*predicted)[0], k_cap).squared_error_ratio;
+    std::vector<float> measured;
+    for (const Rgb& f : samples.colour) measured.insert(measured.end(), {f.r, f.g, f.b});
+    const double error = measure_samples(samples.wl, samples.wv, measured, (*predicted)[0], k_cap).squared_error_ratio;
     EXPECT_LT(error, 2 * noise * noise);    // of samples that are noisy themselves
     EXPECT_GT(error, 0.7 * noise * noise);  // less would tell that they were seen
     const auto whole = fit(samples);
@@ -197,6 +198,39 @@ TEST(FitToSamples, SamplesOfOnePlaneAreFittedAndStayBounded) {
             EXPECT_TRUE(std::isfinite(f) && f <= 2 * peak) << f << ' ' << peak;
         }
     }
+}
+
+/// The fit of a paint's spectra, as colours, is as good as the fit of its colours, and nearly the same.
+TEST(FitToSamples, SpectraOfARealPaintHaveTheColoursOfItsFit) {
+    const auto path = shared_data() / "cornell" / "krylon_blue.brdf";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+    const Measured paint = *load_measured(path.string());
+    const auto& samples = std::get<Scattered>(paint.table);
+    SampleFitOptions how;
+    how.pm.lobes = 4;
+    how.pm.starts = 6, how.pm.kicks = 8;
+    const auto fit = [&](bool spectral) {
+        return fit_pm(*observe(samples, ObserveSamplesOptions{Objective::raw, 80 * k_degree, 0, spectral}), how);
+    };
+    const auto rgb = fit(false), spectral = fit(true);
+    ASSERT_TRUE(rgb && spectral);
+    EXPECT_EQ(spectral->model.wavelength, samples.wavelengths);
+    EXPECT_EQ(payload_bytes(spectral->model), payload_bytes(rgb->model) + 2 * 4 * (31 - 3));
+    const auto off = [&](const PmModel& model) {
+        return measure_samples(samples.wl, samples.wv, samples.colour, evaluator(model), 80 * k_degree)
+            .squared_error_ratio;
+    };
+    std::vector<float> f(samples.spectrum.size());
+    spectra(spectral->model).evaluate(samples.wl, samples.wv, f);
+    const double of_spectra =
+        measure_samples(samples.wl, samples.wv, samples.spectrum, f, 80 * k_degree).squared_error_ratio;
+    std::vector<Rgb> of_rgb(samples.wl.size());
+    evaluate(rgb->model, samples.wl, samples.wv, of_rgb);
+    const double apart =
+        measure_samples(samples.wl, samples.wv, of_rgb, evaluator(spectral->model), 80 * k_degree).squared_error_ratio;
+    EXPECT_LT(off(spectral->model), 1.5 * off(rgb->model));
+    EXPECT_LT(of_spectra, 1.5 * off(rgb->model));
+    EXPECT_LT(apart, off(rgb->model));
 }
 
 TEST(FitToSamples, WhatCannotBeFittedIsAnError) {

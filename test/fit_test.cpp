@@ -57,6 +57,30 @@ TEST(Fit, RecoversTheModelThatMadeTheData) {
         }
 }
 
+TEST(Fit, RecoversTheSpectraThatMadeTheData) {
+    std::mt19937_64 random(12);
+    PmModel model = model_of(3, 3, random);
+    for (int c = 0; c < 9; ++c) model.wavelength.push_back(400 + 35.5f * float(c));
+    for (std::size_t j = 0; j < 3; ++j)
+        for (int c = 0; c < 9; ++c) model.spectrum.push_back(float(0.5 + 0.4 * std::sin(c + 2.0 * double(j))));
+    model.coefficient = colours(model.spectrum, model.wavelength);
+    Observations observations = observed(evaluator(model));
+    observe_spectra(observations, spectra(model));
+    FitOptions options;
+    options.form = PmForm::source;
+    options.lobes = options.variates = 3;
+    const auto fit = fit_pm(observations, options);
+    ASSERT_TRUE(fit);
+    EXPECT_EQ(fit->model.wavelength, model.wavelength);
+    const Channels others[] = {spectra(fit->unrounded), spectra(fit->model)};
+    const auto error = measure_heldout(spectra(model), others, {80 * k_degree, 0});
+    EXPECT_LE(error[0].squared_error_ratio, 1e-8);
+    EXPECT_LE(error[1].squared_error_ratio, 1e-5);
+    EXPECT_EQ(fit->model, rounded(fit->model));
+    observations.spectrum.pop_back();
+    EXPECT_FALSE(fit_pm(observations, options));
+}
+
 TEST(Fit, OfScaledDataIsTheScaledFit) {
     const Measured& paper = bundled("paper_white_rgb");
     const Evaluate once = signed_evaluator(paper), fourfold = [&](auto wl, auto wv, auto f) {

@@ -70,23 +70,28 @@ TEST(Formats, NumpyReadsModels) {
                              wv.back().y, wv.back().z);
     }
     write(folder / "pairs.csv", pairs);
+    // Axial models of each form, of colours and of spectra.
     for (const PmForm form : k_forms)
-        for (const bool log_scale : {false, true}) {
-            if (!log_scale && form != PmForm::source) continue;
-            const PmModel model = rounded(random_model(random, {true, log_scale, 4, 3, 300, form}));
-            ASSERT_TRUE(save_model({model, {}}, folder / "m.srbf").ok());
+        for (const int wavelengths : {0, 5}) {
+            const RandomModelOptions options{true, form != PmForm::source || wavelengths > 0, 4, 3, 300, form};
+            const Model model{
+                rounded(wavelengths > 0 ? spectral_model(random, options, wavelengths) : random_model(random, options)),
+                {}};
+            ASSERT_TRUE(save_model(model, folder / "m.srbf").ok());
             const std::string command =
                 fmt::format("cd '{}' && {} model.py m.srbf pairs.csv > out.csv", folder.path.string(), python);
             ASSERT_EQ(std::system(command.c_str()), 0);
+            const Channels expected = channels(model);
+            std::vector<float> f(expected.count() * wl.size());
+            expected.evaluate(wl, wv, f);
             std::istringstream out(contents(folder / "out.csv"));
-            for (std::size_t i = 0; i < wl.size(); ++i) {
-                const Rgb f = value(model, wl[i], wv[i]);
-                for (int c = 0; c < 3; ++c) {
-                    std::string number;
-                    std::getline(out, number, c < 2 ? ',' : '\n');
-                    EXPECT_PRED3(near, std::atof(number.c_str()), f[c], 1e-3 * double(f[c]) + 1e-9);
-                }
+            for (std::size_t i = 0; i < f.size(); ++i) {
+                std::string number;
+                std::getline(out, number, (i + 1) % expected.count() > 0 ? ',' : '\n');
+                EXPECT_PRED3(near, std::atof(number.c_str()), f[i], 1e-3 * double(f[i]) + 1e-9);
             }
+            std::string rest;
+            EXPECT_FALSE(std::getline(out, rest));
         }
 }
 

@@ -58,6 +58,31 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
     }
 }
 
+TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
+    Observations o = observations(2048);
+    Channels five{{400, 450, 500, 600, 700}, [](auto wl, auto wv, auto f) {
+                      for (std::size_t i = 0; i < wl.size(); ++i) {
+                          const Vec3f h = Kernel<float>::psi(wl[i], wv[i], 1, 1);
+                          const float g = Kernel<float>::gaussian(h, {0, 0, 1}, 80), b = wl[i].z * wv[i].z;
+                          for (std::size_t c = 0; c < 5; ++c)
+                              f[5 * i + c] = 0.1f * float(c + 1) + g / float(c + 1) + float(c % 2) * b * b;
+                      }
+                  }};
+    observe_spectra(o, five);
+    const Rows spectral(o, 0, true), with_albedo(o, 0.01, true);
+    EXPECT_EQ(spectral.y.size(), 5u);
+    LobeProblem problem(spectral, spectral.whole_blocks, {PmForm::source, 3}, false),
+        and_albedo(with_albedo, with_albedo.whole_blocks, {PmForm::source, 3}, false);
+    const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
+    check_gradient(problem, x);
+    check_gradient(and_albedo, x);
+    problem.loss(x);
+    EXPECT_EQ(problem.beta().cols(), 5);
+    const PmModel model = to_model(problem, some_lobes(), true, o.wavelengths);
+    EXPECT_EQ(model.spectrum.size(), 15u);
+    EXPECT_EQ(model.coefficient, colours(model.spectrum, o.wavelengths));
+}
+
 TEST(Lobes, GradientIsThatOfTheLoss) {
     const Lobes horizon{{PmForm::horizon, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, -1.5, 1}},
         extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};

@@ -138,6 +138,41 @@ TEST(Metrics, HeldOutPairsAreOfTheSeedAndTheCount) {
     EXPECT_NE(with(1234, 1).squared_error_ratio, with(1234, 2).squared_error_ratio);
 }
 
+/// Channel c of C is c + 1 times cosθl, and the other's off by a tenth of it.
+Channels ramp(std::size_t C, float factor) {
+    Channels channels;
+    for (std::size_t c = 0; c < C; ++c) channels.wavelengths.push_back(400 + float(c));
+    channels.evaluate = [C, factor](auto wl, auto, auto f) {
+        for (std::size_t i = 0; i < f.size(); ++i) f[i] = factor * float(i % C + 1) * wl[i / C].z;
+    };
+    return channels;
+}
+
+TEST(Metrics, TakeAnyNumberOfChannels) {
+    for (const std::size_t C : {1u, 4u, 31u}) {
+        const Channels others[] = {ramp(C, 0.9f), ramp(C, 0)};
+        const auto directions = fibonacci_directions(64, 80 * k_degree);
+        for (const auto& measures : {measure_matrix(ramp(C, 1), others, {80 * k_degree, 1}, directions),
+                                     measure_heldout(ramp(C, 1), others, {80 * k_degree, 1}, 5000)}) {
+            EXPECT_TRUE(near(measures[0].squared_error_ratio, 0.01, 1e-6));
+            EXPECT_TRUE(near(measures[0].squared_error_ratio_cosine, 0.01, 1e-6));
+            EXPECT_TRUE(near(measures[0].cube_root_error_ratio, std::pow(1 - std::cbrt(0.9), 2), 1e-6));
+            EXPECT_TRUE(near(measures[1].squared_error_ratio, 1, 1e-9));
+            EXPECT_EQ(measures[0].masked, 0u);
+        }
+    }
+    // Three channels count as R, G, B do.
+    const Evaluate f = [](auto wl, auto wv, auto out) {
+        for (std::size_t i = 0; i < out.size(); ++i) out[i] = {wl[i].z, wv[i].z, 0.1f};
+    };
+    const Evaluate g[] = {[&](auto wl, auto wv, auto out) { f(wv, wl, out); }};
+    const Channels same[] = {rgb_channels(g[0])};
+    const Measures a = measure_heldout(f, g, {80 * k_degree, 1}, 5000)[0],
+                   b = measure_heldout(rgb_channels(f), same, {80 * k_degree, 1}, 5000)[0];
+    EXPECT_EQ(a.squared_error_ratio, b.squared_error_ratio);
+    EXPECT_EQ(a.log_rms_cosine, b.log_rms_cosine);
+}
+
 TEST(Albedo, OfALambertianIsItsColourTimesTheCap) {
     const Lambert lambert{{0.2f, 0.5f, 0.9f}};
     for (const double theta : k_albedo_theta)

@@ -301,6 +301,53 @@ TEST(ModelFile, MetadataThatTellNothingKnown) {
     EXPECT_TRUE(names(spoilt([](File& f) { f.header["__metadata__"] = 3; }), "metadata"));
 }
 
+// ---- Spectral ----
+
+TEST(ModelFile, SpectralOnesKeepTheirWavelengths) {
+    std::mt19937_64 random(5);
+    for (const int count : {1, 2, 3, 4, 31})
+        for (const bool log_scale : {false, true}) {
+            const PmModel model =
+                rounded(spectral_model(random, {.log_scale = log_scale, .lobes = 3, .variates = 2}, count));
+            const Bytes whole = write_model({model, {{"source", "a.brdf"}}});
+            const auto again = read_model(whole, "x");
+            ASSERT_TRUE(again.ok()) << message(again.error());
+            EXPECT_EQ(std::get<PmModel>(again->model), model);
+            EXPECT_EQ(again->provenance, (std::map<std::string, std::string>{{"source", "a.brdf"}}));
+            EXPECT_EQ(payload_bytes(model), 2u * unsigned(3 * (count + 2 + log_scale) + 4));
+            EXPECT_TRUE(std::ranges::equal(srbf::wavelengths(*again), model.wavelength));
+        }
+}
+
+TEST(ModelFile, EveryTruncationOfASpectralOneIsAnErrorAndEveryFlipOneOrAModel) {
+    std::mt19937_64 random(6);
+    EXPECT_GT(expect_errors_or_models(
+                  write_model({spectral_model(random, {.axial = false, .lobes = 2, .variates = 1}, 4), {}})),
+              0);
+}
+
+TEST(ModelFile, WavelengthsThatAreNone) {
+    const auto with = [](const char* wavelengths, std::size_t count) {
+        return spoilt([&](File& f) {
+            f.header["__metadata__"]["wavelengths"] = wavelengths;
+            f.header["coefficient"]["shape"] = {2, count};
+            f.header["coefficient"]["data_offsets"] = {0, 4 * count};
+            f.header["bandwidth"]["data_offsets"] = {4 * count, 4 * count + 4};
+            f.header["parameterization"]["data_offsets"] = {4 * count + 4, 4 * count + 8};
+            f.data.assign(2 * count + 4, 0x3c00);
+        });
+    };
+    EXPECT_EQ(with("450 550", 2), "");
+    EXPECT_EQ(with(" 400.5  500 600 700 ", 4), "");
+    EXPECT_TRUE(names(with("450 550", 3), "tensor 'coefficient': shape: expected [2, 2], found [2, 3]"));
+    for (const char* text :
+         {"", " ", "550 450", "450 450", "450 x", "450,550", "nan 450", "99 450", "450 1e6", "-450 450"})
+        EXPECT_TRUE(names(with(text, 2), "metadata 'wavelengths'")) << text;
+    std::string many;
+    for (std::size_t i = 0; i <= k_most_wavelengths; ++i) many += std::to_string(400 + i) + " ";
+    EXPECT_TRUE(names(with(many.c_str(), k_most_wavelengths + 1), "1 to 4096 increasing ones"));
+}
+
 // ---- View by view ----
 
 SuModel small_su(int index) {

@@ -39,6 +39,15 @@ inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& o
     return model;
 }
 
+/// The same with coefficients at so many wavelengths.
+inline PmModel spectral_model(std::mt19937_64& random, const RandomModelOptions& options, int wavelengths) {
+    PmModel model = random_model(random, options);
+    for (int c = 0; c < wavelengths; ++c) model.wavelength.push_back(400 + 10.25f * float(c));
+    for (int i = 0; i < wavelengths * model.lobes; ++i) model.spectrum.push_back(float(uniform(random)));
+    model.coefficient = colours(model.spectrum, model.wavelength);
+    return model;
+}
+
 inline constexpr PmForm k_forms[] = {PmForm::source, PmForm::horizon, PmForm::extended};
 
 }  // namespace srbf

@@ -99,7 +99,21 @@ TEST(Rgl, SpectraBecomeColours) {
         const std::vector<float> spectrum{at.r, at.g, at.b};
         const Rgb expected = to_rgb(spectrum, weights);
         for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, f[c], expected[c], 1e-4 * (1 + std::abs(double(expected[c]))));
+        std::vector<float> looked_up(3);
+        signed_spectrum(*spectral, wl, wv, looked_up);
+        for (std::size_t c = 0; c < 3; ++c)
+            EXPECT_PRED3(near, looked_up[c], spectrum[c], 1e-4 * (1 + std::abs(double(spectrum[c]))));
     }
+    const Measured measured{"", "", 0, *spectral};
+    const Vec3f below{0.6f, 0, -0.8f}, above{0.6f, 0, 0.8f}, mirrored = mirror(above);
+    std::vector<float> f(3, -1.0f);
+    spectra(measured).evaluate({&above, 1}, {&below, 1}, f);
+    EXPECT_EQ(f, (std::vector<float>{0, 0, 0}));
+    signed_spectra(measured).evaluate({&above, 1}, {&mirrored, 1}, f);
+    EXPECT_LT(f[2], -0.1f);
+    spectra(measured).evaluate({&above, 1}, {&mirrored, 1}, f);
+    EXPECT_EQ(f[2], 0);
+    EXPECT_TRUE(wavelengths(Measured{"", "", 0, *rgb}).empty());
 }
 
 /// Synthetic: no anisotropic file is at hand. The formula of `anisotropic_rgl`, in double.

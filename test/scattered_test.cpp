@@ -315,6 +315,33 @@ TEST(Scattered, KeepsTheContract) {
     }
 }
 
+TEST(Scattered, SpectraBetweenSamplesHaveTheirColour) {
+    std::mt19937_64 random(21);
+    Scattered samples;
+    samples.wavelengths = {450, 500, 600, 650};
+    const auto weights = rgb_weights(samples.wavelengths);
+    for (int i = 0; i < 200; ++i) {
+        samples.wl.push_back(to_float(random_direction(random, 0.1)));
+        samples.wv.push_back(to_float(random_direction(random, 0.1)));
+        const std::vector<float> f{float(uniform(random)), 0.3f, float(uniform(random)), samples.wl.back().z};
+        samples.spectrum.insert(samples.spectrum.end(), f.begin(), f.end());
+        samples.colour.push_back(to_rgb(f, weights));
+    }
+    make_index(samples);
+    std::vector<float> f(4);
+    for (int i = 0; i < 500; ++i) {
+        const Vec3f wl = i < 200 ? samples.wl[std::size_t(i)] : to_float(random_direction(random, -0.1)),
+                    wv = i < 200 ? samples.wv[std::size_t(i)] : to_float(random_direction(random, -0.1));
+        signed_spectrum(samples, wl, wv, f);
+        const Rgb expected = to_rgb(f, weights), colour = signed_value(samples, wl, wv);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_PRED3(near, colour[c], expected[c], 1e-4 * (std::abs(double(expected[c])) + double(f[1])));
+        if (i < 200) {
+            EXPECT_PRED3(near, f[1], 0.3, 1e-6);
+        }
+    }
+}
+
 TEST(Scattered, RealMeasurements) {
     const auto folder = shared_data();
     if (!std::filesystem::exists(folder / "cornell")) GTEST_SKIP() << folder << " is not here";

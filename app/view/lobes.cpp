@@ -30,11 +30,12 @@ std::vector<Model> terms(const PmModel& model, std::size_t most) {
         PmModel one = model;
         one.lobes = 1;
         one.coefficient = of(model.coefficient, 1);
+        one.wavelength.clear(), one.spectrum.clear();
         one.log_scale = of(model.log_scale, 1);
         one.centre = of(model.centre, N);
         one.bandwidth = of(model.bandwidth, N);
         one.exponent = of(model.exponent, F);
-        all.push_back({std::move(one), {}});
+        all.emplace_back().model = std::move(one);
     }
     return all;
 }
@@ -45,7 +46,7 @@ std::vector<Model> terms(const SuModel& model, std::size_t most) {
         SuModel one = model;
         for (std::size_t i = 0; i < one.coefficient.size(); ++i)
             if (int(i % std::size_t(model.lobes)) != j) one.coefficient[i] = {};
-        all.push_back({std::move(one), {}});
+        all.emplace_back().model = std::move(one);
     }
     return all;
 }

@@ -3,6 +3,8 @@
 #include <concepts>
 #include <functional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "srbf/vec.h"
 
@@ -25,6 +27,23 @@ template <Brdf B> Evaluate evaluator(const B& brdf) {
     return [&brdf](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         for (std::size_t i = 0; i < wl.size(); ++i) f[i] = value(brdf, wl[i], wv[i]);
     };
+}
+
+/// A BRDF of C channels on arrays of pairs: f[i C + c] = f_r(wl[i], wv[i]) [1/sr] of channel c, those of a pair side by side. The channels
+/// are wavelengths, or R, G, B. It may be called from several threads at once.
+struct Channels {
+    std::vector<float> wavelengths;  ///< [nm], increasing; empty: the channels are R, G, B
+    std::function<void(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<float> f)> evaluate;
+    std::size_t count() const { return wavelengths.empty() ? 3 : wavelengths.size(); }
+};
+
+/// R, G and B of such a function.
+inline Channels rgb_channels(Evaluate brdf) {
+    return {{}, [brdf = std::move(brdf)](auto wl, auto wv, auto f) {
+                std::vector<Rgb> colour(wl.size());
+                brdf(wl, wv, colour);
+                for (std::size_t i = 0; i < f.size(); ++i) f[i] = colour[i / 3][int(i % 3)];
+            }};
 }
 
 }  // namespace srbf

@@ -27,6 +27,9 @@ Rgb to_rgb(const Xyz& colour);
 /// sums at 5 nm give colours within 1e-3 of these on smooth spectra.
 std::vector<Rgb> rgb_weights(std::span<const float> wavelengths);
 
+/// Whether these are wavelengths [nm] as a spectrum needs them: one at least, increasing, between 100 and 100,000.
+bool are_wavelengths(std::span<const float> wavelengths);
+
 /// Σ_i spectrum_i weight_i, as linear in the spectrum as it stands: a saturated colour may have a negative channel.
 Rgb to_rgb(std::span<const float> spectrum, std::span<const Rgb> weights);
 

@@ -34,8 +34,9 @@ double default_max_theta(Objective objective);
 struct AlbedoObservation {
     Vec3f wv;
     std::vector<Vec3f> wl;
-    std::vector<Rgb> f;          ///< [1/sr], ≥ 0
-    std::vector<double> weight;  ///< solid angle times cosθl [sr]
+    std::vector<Rgb> f;           ///< [1/sr], ≥ 0
+    std::vector<double> weight;   ///< solid angle times cosθl [sr]
+    std::vector<float> spectrum;  ///< of spectral observations: f at each wavelength, ≥ 0
 };
 
 /// Weighted samples of a BRDF, in an order of which every beginning is a sample of the whole.
@@ -48,6 +49,8 @@ struct Observations {
     std::vector<AlbedoObservation> albedo;  ///< what the last steps of a fit keep as well
     std::uint64_t masked = 0;               ///< pairs drawn where nothing was measured
     std::uint64_t clamped = 0;              ///< negative channel values, set to 0
+    std::vector<float> wavelengths;         ///< C [nm] of spectral observations; else empty
+    std::vector<float> spectrum;            ///< f at each of them: observations × C [1/sr], ≥ 0
 };
 
 /// The first `count` of them, without checks and albedo: what a fit in short looks at.
@@ -71,6 +74,10 @@ struct ObserveOptions {
 /// direction. Albedo is observed at 0, 15, 30, 45, 60, 70, 75, 80 and 85° as far as they are within θmax. `f` may be
 /// negative (see signed_value) or NaN. Errors: no pair has a value; all values are 0.
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options);
+
+/// Makes `observations` spectral: adds the spectra of which they have the colours, negative values set to 0, which `clamped` then counts in place
+/// of those of colours.
+void observe_spectra(Observations& observations, const Channels& spectra);
 
 /// Whether f(Rωl, Rωv) = f(ωl, ωv) for rotations R about the normal, up to rounding or noise, over θ ≤ max_theta [rad]: the mean square of what any
 /// rotation changes in f cosθl cosθv is at most 1e-6 of that of f cosθl cosθv itself; or 2 % of it, and no more than 2.5 times what 15° change.
@@ -149,6 +156,7 @@ struct PmFit {
 /// Fits parameterized multivariate SRBFs by separable least squares: for any centres,
 /// bandwidths and parameterizations the coefficients follow from a non-negative linear problem; the others by
 /// Levenberg-Marquardt on what remains (Kaufman 1975), from lobes grown one by one. Docs: docs/fitting.md.
+/// Of spectral observations the search looks at the colours; its best lobes are polished with a coefficient for each wavelength.
 /// Errors: options out of range, fewer observations than parameters, values that are not finite.
 Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options,
                      const ProgressCallback& progress = {});

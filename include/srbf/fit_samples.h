@@ -29,6 +29,7 @@ struct ObserveSamplesOptions {
     Objective objective = Objective::cosine;
     double max_theta = 0;  ///< [rad], in (0, π/2); 0: the objective's default
     std::uint64_t seed = 0;
+    bool spectral = false;  ///< the spectra of spectral samples as well, not their colours alone
 };
 
 /// Samples made ready for fits. Each counts once as it is and once with light and viewer exchanged.
@@ -40,7 +41,7 @@ struct SampleObservations {
     double finest = 0;       ///< a lobe may not be narrower [rad]: the samples' spacing
     std::size_t places = 0;  ///< within θmax where samples are
 };
-/// Errors: no sample within θmax, all of them 0; fewer than k_folds places.
+/// Errors: no sample within θmax, all of them 0; fewer than k_folds places; spectra asked of samples without.
 Result<SampleObservations> observe(const Scattered& samples, const ObserveSamplesOptions& options);
 
 struct SampleFitOptions {
@@ -58,8 +59,8 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
 
 /// Models fitted to samples, as many each time; it may be called from several threads at once.
 using FitToSamples = std::function<Result<std::vector<Model>>(const Scattered& training)>;
-/// f̂ of each of the models at every sample, fitted to the other folds: [model][sample].
-Result<std::vector<std::vector<Rgb>>> cross_validate(const Scattered& samples, std::span<const int> fold,
-                                                     const FitToSamples& fit);
+/// f̂ of each of the models at every sample, fitted to the other folds: [model][sample C + c], of the models' `channels`.
+Result<std::vector<std::vector<float>>> cross_validate(const Scattered& samples, std::span<const int> fold,
+                                                       const FitToSamples& fit);
 
 }  // namespace srbf

@@ -272,7 +272,7 @@ SRBF_FN Real squared_distance_from_pole(Vec3 d, Real reciprocal, Real pole) {
 // rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr], for R, G, B, with
 // x_k the further features. A lobe is taken as a power of two, of the exponent
 //     s_j log2(e) - sum_n (lambda_jn log2(e) / 2) |psi_n - xi_jn|^2 + sum_k (kappa_jk log2(e)) x_k,
-// cut at 100, which keeps every sum of lobes of a stored model finite in float.
+// cut at 100, which keeps every sum of lobes of a stored model finite in float. What is below 0 counts as 0.
 SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
     Vec3 variate[SRBF_MAX_VARIATES];
     Real up[SRBF_MAX_VARIATES];  // squared distances from +z and -z, all that axial lobes need
@@ -310,7 +310,8 @@ SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
                        Real(pm_exponent(pm, j, 3)) * features.half_way;
         sum = sum + exp2(min(exponent, Real(100.0))) * pm_coefficient(pm, j);
     }
-    return sum;
+    // The colour of a spectral model's lobe may have a negative channel.
+    return Vec3(max(sum.x, Real(0.0)), max(sum.y, Real(0.0)), max(sum.z, Real(0.0)));
 }
 
 // ---- Scattered univariate SRBFs ----------------------------------------------------------------------------------

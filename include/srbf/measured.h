@@ -63,7 +63,8 @@ struct RglTable {
     };
     std::string description;
     std::vector<float> wavelengths;  ///< [nm], of a spectral file, whose colours these are; else empty
-    std::vector<float> phi_l;        ///< [rad], increasing, slices for each; empty: isotropic
+    std::vector<float> spectra;  ///< likewise, as the file has them: slices × wavelengths × height × width of `colour`
+    std::vector<float> phi_l;    ///< [rad], increasing, slices for each; empty: isotropic
     /// How often the azimuths that were measured fit around: 1, 2 (the other half turned by π), 4 (mirrored at both axes).
     int symmetry = 1;
     bool jacobian = true;
@@ -144,6 +145,16 @@ void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span
 Evaluate signed_evaluator(const Measured& measured);
 /// `value` likewise.
 Evaluate evaluator(const Measured& measured);
+
+/// The wavelengths [nm] of a spectral measurement; else empty.
+std::span<const float> wavelengths(const Measured& measured);
+/// f[c] = f_r at wavelength c of a spectral measurement, looked up as its colours are: their colour is `signed_value`.
+void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float> f);
+void signed_spectrum(const Scattered& samples, Vec3f wl, Vec3f wv, std::span<float> f);
+/// The same on arrays of pairs. It refers to `measured`.
+Channels signed_spectra(const Measured& measured);
+/// The same, negative values clamped to 0.
+Channels spectra(const Measured& measured);
 
 /// Reads the bytes of a MERL `.binary`: int32 dimensions, then three planes (R, G, B) of n_h n_d n_p doubles;
 /// a channel is scaled by 1/1500, 1.15/1500, 1.66/1500. Negative or not finite: not measured. `source` is for

@@ -10,7 +10,7 @@
 
 namespace srbf {
 
-/// Errors of f̂ against f over pairs of directions and channels. Pairs where either is NaN (not measured) are
+/// Errors of f̂ against f over pairs of directions and channels, R, G, B or any number of them. Pairs where either is NaN (not measured) are
 /// left out and counted. A ratio is 0 where both of its sums are 0, and infinite where only the lower one is.
 struct Measures {
     /// Σ(f−f̂)² / Σf² (Tsai 2009).
@@ -39,11 +39,17 @@ std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const 
 std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
                                      const MeasureOptions& options, std::span<const Vec3f> directions);
 
+std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,
+                                     const MeasureOptions& options, std::span<const Vec3f> directions);
+
 /// The same over `count` independent pairs: wv even over the cap, wl from a mixture around the mirror
 /// direction, weighted back to even solid angle. Fibonacci pairs undersample sharp lobes; these do not.
 inline constexpr std::uint64_t k_heldout_pairs = 200000;
 inline constexpr std::uint64_t k_heldout_seed = 0x5eed'0f'4e1d'0047;
 std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const Evaluate> others,
+                                      const MeasureOptions& options, std::uint64_t count = k_heldout_pairs,
+                                      std::uint64_t seed = k_heldout_seed);
+std::vector<Measures> measure_heldout(const Channels& reference, std::span<const Channels> others,
                                       const MeasureOptions& options, std::uint64_t count = k_heldout_pairs,
                                       std::uint64_t seed = k_heldout_seed);
 
@@ -53,6 +59,9 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
                          std::span<const Rgb> g, double max_theta);
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                          const Evaluate& other, double max_theta);
+/// Of as many channels as f and g have for each sample.
+Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
+                         std::span<const float> g, double max_theta);
 /// cos(θmax + 0.01°): angles of samples are rounded in their files.
 inline float sample_cap(double max_theta) { return float(std::cos(max_theta + 0.01 * k_degree)); }
 

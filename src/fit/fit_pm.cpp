@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/objective.h"
 #include "fit/rounding.h"
 #include "fit/search.h"
 #include "least_squares.h"
@@ -57,9 +58,7 @@ std::size_t take_exceeded(Observations& observations, std::size_t first, const P
             observations.weight[i] *= 4;
             continue;
         }
-        std::swap(observations.wl[i], observations.wl[to]);
-        std::swap(observations.wv[i], observations.wv[to]);
-        std::swap(observations.f[i], observations.f[to]);
+        exchange(observations, i, to);
         observations.weight[to] = k_excess_weight * loss * area(to) * area(to) / (peak * peak);
         --observations.checks;
     }
@@ -90,23 +89,38 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
     return check(observations, parameter_count(options));
 }
 
-/// Goes on with all observations; checks that the fit exceeds become some of them, until there are none; rounds.
+/// Weights of which Σ w |f|² over the wavelengths is what it was over R, G, B.
+void weigh_for_spectra(Observations& observations) {
+    const std::size_t count = observations.f.size() - observations.checks, C = observations.wavelengths.size();
+    double of_colours = 0, of_spectra = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        of_colours += observations.weight[i] * square_of(observations.f[i]);
+        for (std::size_t c = 0; c < C; ++c)
+            of_spectra += observations.weight[i] * std::pow(double(observations.spectrum[i * C + c]), 2);
+    }
+    if (!(of_spectra > 0)) return;
+    for (double& weight : observations.weight) weight *= of_colours / of_spectra;
+}
+
+/// Goes on with all observations, of spectral ones with the spectra; checks that the fit exceeds become some of them, until there are none; rounds.
 PmFit finish(Lobes lobes, const Observations& observations, double albedo_importance, const FitOptions& options,
              double log_peak_limit, const Reporter& reporter) {
     PmFit fit;
     Observations all = observations;
+    const bool spectral = !all.wavelengths.empty();
+    if (spectral) weigh_for_spectra(all);
     const std::size_t first_check = all.f.size() - all.checks;
     LevenbergMarquardtOptions steps;
     steps.max_iterations = reporter.cancelled() ? 0 : 40;
     for (int round = 0;; ++round) {
-        const Rows rows(all, albedo_importance);
+        const Rows rows(all, albedo_importance, spectral);
         LobeProblem problem(rows, rows.whole_blocks, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = LobeProblem::pack(lobes);
         const auto summary = levenberg_marquardt(problem, x, steps);
         lobes = problem.unpack(x);
         fit.unrounded_loss = summary.loss;
         fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
-        fit.unrounded = to_model(problem, lobes, options.log_scale);
+        fit.unrounded = to_model(problem, lobes, options.log_scale, all.wavelengths);
 
         // The nonlinear numbers are rounded, then the coefficients solved again.
         Lobes halves = to_lobes(to_halves(fit.unrounded, lobes), lobes.shape);
@@ -118,7 +132,7 @@ PmFit finish(Lobes lobes, const Observations& observations, double albedo_import
             else
                 problem.loss(LobeProblem::pack(halves));
         }
-        fit.model = to_halves(to_model(problem, halves, options.log_scale), halves);
+        fit.model = to_halves(to_model(problem, halves, options.log_scale, all.wavelengths), halves);
         if (round == k_check_rounds || reporter.cancelled()) return fit;
         if (take_exceeded(all, first_check, fit.model, fit.loss) == 0) return fit;
         steps.max_iterations = 12;
@@ -180,7 +194,9 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
 
         LobeProblem whole(sample, sample.blocks, shape_of(options), true, log_peak_limit);
         const double loss = whole.loss(LobeProblem::pack(found[0].lobes));
-        const double albedo_importance = std::min(loss, k_most_albedo_loss) / (3 * k_albedo_error * k_albedo_error);
+        const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
+        const double albedo_importance =
+            std::min(loss, k_most_albedo_loss) / (channels * k_albedo_error * k_albedo_error);
         std::vector<PmFit> finished(found.size());
         tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
             finished[i] = finish(found[i].lobes, observations, albedo_importance, options, log_peak_limit, reporter);

@@ -176,24 +176,36 @@ double residual(const float* y, std::span<const float> beta, std::span<const flo
 double sum(const float* column) { return HWY_DYNAMIC_DISPATCH(sum)(column); }
 void add_gram(std::span<const float* const> columns, double* G) { HWY_DYNAMIC_DISPATCH(add_gram)(columns, G); }
 
-Rows::Rows(const Observations& observations, double albedo_importance) {
+template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f) {
+    wl[0][i] = l.x, wl[1][i] = l.y, wl[2][i] = l.z;
+    wv[0][i] = v.x, wv[1][i] = v.y, wv[2][i] = v.z;
+    root_weight[i] = float(factor * scale);
+    for (std::size_t c = 0; c < y.size(); ++c) y[c][i] = float(factor * double(f(c)));
+}
+
+Rows::Rows(const Observations& observations, double albedo_importance, bool spectra) {
     const auto whole_chunks = [](std::size_t rows) { return (rows + k_chunk * k_block - 1) / (k_chunk * k_block); };
     const std::size_t count = observations.f.size() - observations.checks;
     const bool with_albedo = albedo_importance > 0;
     blocks = with_albedo ? k_chunk * whole_chunks(count) : (count + k_block - 1) / k_block;
     whole_blocks = blocks + (with_albedo ? k_chunk * observations.albedo.size() : 0);
     // Rows that fill up: any direction will do, their weight is 0.
-    for (int k = 0; k < 3; ++k) {
-        wl[std::size_t(k)].assign(whole_blocks * k_block, k == 2 ? 1.f : 0.f);
-        wv[std::size_t(k)].assign(whole_blocks * k_block, k == 2 ? 1.f : 0.f);
-        y[std::size_t(k)].assign(whole_blocks * k_block, 0.f);
+    for (std::size_t k = 0; k < 3; ++k) {
+        wl[k].assign(whole_blocks * k_block, k == 2 ? 1.f : 0.f);
+        wv[k].assign(whole_blocks * k_block, k == 2 ? 1.f : 0.f);
     }
+    const std::size_t C = spectra ? observations.wavelengths.size() : 3;
+    y.assign(C, Aligned<float>(whole_blocks * k_block, 0.f));
+    // Channel c of an observation or of an albedo's light.
+    const auto value_of = [&](const auto& of, std::size_t i) {
+        return [&of, i, C, spectra](std::size_t c) { return spectra ? of.spectrum[i * C + c] : of.f[i][int(c)]; };
+    };
     root_weight.assign(whole_blocks * k_block, 0.f);
     double sum = 0;
     for (std::size_t i = 0; i < count; ++i) sum += observations.weight[i];
     if (sum > 0) scale = 1 / std::sqrt(sum);
     for (std::size_t i = 0; i < count; ++i)
-        set(i, observations.wl[i], observations.wv[i], observations.f[i], std::sqrt(observations.weight[i]));
+        set(i, observations.wl[i], observations.wv[i], std::sqrt(observations.weight[i]), value_of(observations, i));
     if (!with_albedo) return;
     for (std::size_t k = 0; k < observations.albedo.size(); ++k) {
         const AlbedoObservation& albedo = observations.albedo[k];
@@ -203,15 +215,9 @@ Rows::Rows(const Observations& observations, double albedo_importance) {
         if (!(whole > 0)) continue;
         const double factor = std::sqrt(albedo_importance / double(observations.albedo.size())) / whole;
         for (std::size_t i = 0; i < albedo.wl.size(); ++i)
-            set((blocks + k * k_chunk) * k_block + i, albedo.wl[i], albedo.wv, albedo.f[i], factor * albedo.weight[i]);
+            set((blocks + k * k_chunk) * k_block + i, albedo.wl[i], albedo.wv, factor * albedo.weight[i],
+                value_of(albedo, i));
     }
-}
-
-void Rows::set(std::size_t i, Vec3f l, Vec3f v, Rgb f, double factor) {
-    wl[0][i] = l.x, wl[1][i] = l.y, wl[2][i] = l.z;
-    wv[0][i] = v.x, wv[1][i] = v.y, wv[2][i] = v.z;
-    root_weight[i] = float(factor * scale);
-    for (int c = 0; c < 3; ++c) y[std::size_t(c)][i] = float(factor * double(f[c]));
 }
 
 }  // namespace srbf

@@ -21,19 +21,19 @@ template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocato
 /// 0. First those of pairs, of which the sum of squares is asked for; then chunks each of which observes one albedo: of such a chunk the
 /// square of the sum is asked for.
 struct Rows {
-    /// All but the checks. `albedo_importance`: what the sum rises by where every albedo is off by its luminance in one channel; 0: no
-    /// such chunks.
-    explicit Rows(const Observations& observations, double albedo_importance = 0);
+    /// All but the checks; the colours of spectral ones, or their spectra. `albedo_importance`: what the sum rises by where every albedo is
+    /// off by its luminance in one channel; 0: no such chunks.
+    explicit Rows(const Observations& observations, double albedo_importance = 0, bool spectra = false);
     std::size_t blocks = 0;        ///< of pairs
     std::size_t whole_blocks = 0;  ///< those of albedo as well
     std::array<Aligned<float>, 3> wl, wv;
-    double scale = 1;                 ///< values are counted in multiples of it, whatever the data's unit: 1 / √Σw
-    Aligned<float> root_weight;       ///< √w × scale, so that its squares sum to 1 over pairs
-    std::array<Aligned<float>, 3> y;  ///< √w f for each channel
+    double scale = 1;               ///< values are counted in multiples of it, whatever the data's unit: 1 / √Σw
+    Aligned<float> root_weight;     ///< √w × scale, so that its squares sum to 1 over pairs
+    std::vector<Aligned<float>> y;  ///< √w f for each channel
 
   private:
-    /// Row i for these directions: `factor` is √w, or what stands in its place in a sum.
-    void set(std::size_t i, Vec3f l, Vec3f v, Rgb f, double factor);
+    /// Row i for these directions: `factor` is √w, or what stands in its place in a sum; f(c) the value of channel c.
+    template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
 };
 
 // Every array below holds k_block numbers and is aligned for vectors.

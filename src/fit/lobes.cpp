@@ -24,7 +24,7 @@ LobeProblem::LobeProblem(const Rows& rows, std::size_t blocks, const LobeShape& 
       parallel_(parallel),
       log_peak_limit_(log_peak_limit),
       feature_(blocks_ * std::size_t(shape.width() + shape.directional()) * k_block),
-      rest_(blocks_ * 3 * k_block) {
+      rest_(blocks_ * rows.y.size() * k_block) {
     if (features(shape.form) == 0) return;
     for (std::size_t block = 0; block < blocks_; ++block)
         further_features(rows_, block, features(shape.form), feature(block, shape.directional()));
@@ -139,9 +139,10 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
             for (int j = 0; j < lobes_; ++j) exponentiate(rows_, block, float(offset_[std::size_t(j)]), lobe(block, j));
     });
 
-    const Eigen::MatrixXd G = gram(J + 3, 0, [&](std::size_t block, float*, std::vector<const float*>& columns) {
+    const std::size_t C = channels();
+    const Eigen::MatrixXd G = gram(J + C, 0, [&](std::size_t block, float*, std::vector<const float*>& columns) {
         for (int j = 0; j < lobes_; ++j) columns.push_back(lobe_.data() + (block * J + std::size_t(j)) * k_block);
-        for (std::size_t c = 0; c < 3; ++c) columns.push_back(&rows_.y[c][block * k_block]);
+        for (const auto& y : rows_.y) columns.push_back(&y[block * k_block]);
     });
     gram_ = G.topLeftCorner(lobes_, lobes_);
     beta_limit_.resize(lobes_);
@@ -150,23 +151,22 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
         const double factor = log_peak_factor(of_lobe, shape_, offset_[std::size_t(j)]);
         beta_limit_[j] = std::exp(std::min(log_peak_limit_ - std::log(rows_.scale) - factor, 700.0));
     }
-    beta_.resize(lobes_, 3);
-    for (int c = 0; c < 3; ++c)
+    beta_.resize(lobes_, Eigen::Index(C));
+    for (Eigen::Index c = 0; c < beta_.cols(); ++c)
         beta_.col(c) = bounded_least_squares(gram_, G.block(0, lobes_ + c, lobes_, 1), beta_limit_);
 
     std::vector<double> sums(chunks, 0.0);
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::vector<float> beta(J);
         std::vector<const float*> columns(J);
-        std::array<double, 3> albedo{};
+        std::vector<double> albedo(C, 0.0);
         for (std::size_t block = begin; block < end; ++block) {
             for (int j = 0; j < lobes_; ++j) columns[std::size_t(j)] = lobe(block, j);
-            for (int c = 0; c < 3; ++c) {
-                for (int j = 0; j < lobes_; ++j) beta[std::size_t(j)] = float(beta_(j, c));
-                const double squares =
-                    residual(&rows_.y[std::size_t(c)][block * k_block], beta, columns, rest(block, c));
+            for (std::size_t c = 0; c < C; ++c) {
+                for (int j = 0; j < lobes_; ++j) beta[std::size_t(j)] = float(beta_(j, Eigen::Index(c)));
+                const double squares = residual(&rows_.y[c][block * k_block], beta, columns, rest(block, c));
                 if (observes_albedo(block))
-                    albedo[std::size_t(c)] += sum(rest(block, c));
+                    albedo[c] += sum(rest(block, c));
                 else
                     sums[chunk] += squares;
             }
@@ -184,7 +184,7 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
 // exp(p·(ψ − ẑ)) is exp(|p| − p_z).
 void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
     const Eigen::Index J = lobes_, N = shape_.variates, C = shape_.components(), W = shape_.width(), of_lobe = W + N;
-    const Eigen::Index first_e = of_lobe * J, columns_d = first_e + J, total = columns_d + 3;
+    const Eigen::Index first_e = of_lobe * J, columns_d = first_e + J, total = columns_d + beta_.cols();
     std::vector<float> weight(std::size_t(J * W));
     for (Eigen::Index i = 0; i < J * W; ++i) weight[std::size_t(i)] = float(x[N + i]);
     const auto fill = [&](std::size_t block, float* scratch, std::vector<const float*>& columns) {
@@ -203,14 +203,14 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
             }
         }
         for (int j = 0; j < J; ++j) columns.push_back(lobe(block, j));
-        for (int c = 0; c < 3; ++c) columns.push_back(rest(block, c));
+        for (std::size_t c = 0; c < channels(); ++c) columns.push_back(rest(block, c));
     };
     const Eigen::MatrixXd G = gram(std::size_t(total), std::size_t(first_e), fill);
     const auto DD = G.topLeftCorner(columns_d, columns_d);
 
     H = Eigen::MatrixXd::Zero(x.size(), x.size());
     g = Eigen::VectorXd::Zero(x.size());
-    for (Eigen::Index c = 0; c < 3; ++c) {
+    for (Eigen::Index c = 0; c < beta_.cols(); ++c) {
         std::vector<Eigen::Triplet<double>> entries;
         std::vector<Eigen::Index> passive;
         for (Eigen::Index j = 0; j < J; ++j) {
@@ -267,7 +267,7 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
         for (std::size_t k = 0; k < count; ++k)
             for (std::size_t block = 0; block < blocks_; ++block)
                 offset[k] = std::max(offset[k], exponent_of(k, block, unused.data()));
-        const Eigen::MatrixXd G = gram(count + std::size_t(lobes_) + 3, count,
+        const Eigen::MatrixXd G = gram(count + std::size_t(lobes_) + channels(), count,
                                        [&](std::size_t block, float* scratch, std::vector<const float*>& columns) {
                                            for (std::size_t k = 0; k < count; ++k, scratch += k_block) {
                                                exponent_of(k, block, scratch);
@@ -275,7 +275,8 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
                                                columns.push_back(scratch);
                                            }
                                            for (int j = 0; j < lobes_; ++j) columns.push_back(lobe(block, j));
-                                           for (int c = 0; c < 3; ++c) columns.push_back(rest(block, c));
+                                           for (std::size_t c = 0; c < channels(); ++c)
+                                               columns.push_back(rest(block, c));
                                        });
         for (std::size_t k = 0; k < count; ++k) {
             const auto at = Eigen::Index(k);
@@ -288,7 +289,7 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
             }
             across = std::max(across, 1e-4 * whole);
             double gain = 0;
-            for (Eigen::Index c = 0; c < 3; ++c) {
+            for (Eigen::Index c = 0; c < beta_.cols(); ++c) {
                 const double along = std::max(0.0, G(at, Eigen::Index(count) + lobes_ + c));
                 gain += along * along / across;
             }

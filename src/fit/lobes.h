@@ -54,7 +54,7 @@ inline Interval weight_range(int n, const LobeShape& shape) {
     return {-std::min(1000.0, most_slope), most_slope};  // that of sinθh
 }
 
-/// Σ w |f − Σ_j β_j E_j|² over the first rows of `rows`, and over chunks that observe an albedo the square of the sum, β eliminated by
+/// Σ w |f − Σ_j β_j E_j|², of C channels, over the first rows of `rows`, and over chunks that observe an albedo the square of the sum, β eliminated by
 /// non-negative least squares per channel. Variables are x = (angles, weights).
 class LobeProblem {
   public:
@@ -72,7 +72,7 @@ class LobeProblem {
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
     // Of the last call of `loss`:
-    const Eigen::MatrixXd& beta() const { return beta_; }  ///< J × 3, in multiples of `scale`
+    const Eigen::MatrixXd& beta() const { return beta_; }  ///< J × C, in multiples of `scale`
     double scale() const { return rows_.scale; }
     const std::vector<double>& offset() const { return offset_; }  ///< o_j
 
@@ -90,7 +90,8 @@ class LobeProblem {
     float* feature(std::size_t block, int n) {
         return &feature_[(block * std::size_t(shape_.width() + shape_.directional()) + std::size_t(n)) * k_block];
     }
-    float* rest(std::size_t block, int c) { return &rest_[(block * 3 + std::size_t(c)) * k_block]; }
+    std::size_t channels() const { return rows_.y.size(); }
+    float* rest(std::size_t block, std::size_t c) { return &rest_[(block * channels() + c) * k_block]; }
     bool observes_albedo(std::size_t block) const { return block >= rows_.blocks; }
     template <typename Body> void for_chunks(const Body& body) const;
     /// Σ over blocks of products of columns; `columns(block, scratch)` appends n pointers.
@@ -104,9 +105,9 @@ class LobeProblem {
     bool parallel_;
     double log_peak_limit_;
     Aligned<float> lobe_, feature_,
-        rest_;  ///< blocks × (J, NC+F+NC, 3) × k_block: E_j; what weights multiply, d(ψ−ẑ)/dangle; residuals
+        rest_;  ///< blocks × (J, width + directional, C) × k_block: E_j; what weights multiply, d(ψ−ẑ)/dangle; residuals
     std::vector<double> offset_;
-    Eigen::MatrixXd beta_, gram_;  ///< J × 3; E·E
+    Eigen::MatrixXd beta_, gram_;  ///< J × C; E·E
     Eigen::VectorXd beta_limit_;   ///< J: bound on β by that on the peaks
 };
 

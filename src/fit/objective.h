@@ -2,6 +2,8 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "srbf/fit.h"
 
@@ -31,6 +33,28 @@ inline int clamp_negative(Rgb& f) {
         f[c] = std::max(f[c], 0.f);
     }
     return clamped;
+}
+
+inline int clamp_negative(std::span<float> f) {
+    int clamped = 0;
+    for (float& x : f) {
+        clamped += x < 0;
+        x = std::max(x, 0.f);
+    }
+    return clamped;
+}
+
+/// Two observations in each other's place.
+inline void exchange(Observations& observations, std::size_t i, std::size_t k) {
+    if (i == k) return;
+    std::swap(observations.wl[i], observations.wl[k]);
+    std::swap(observations.wv[i], observations.wv[k]);
+    std::swap(observations.f[i], observations.f[k]);
+    std::swap(observations.weight[i], observations.weight[k]);
+    const std::size_t C = observations.wavelengths.size();
+    const auto spectrum = observations.spectrum.begin();
+    std::swap_ranges(spectrum + std::ptrdiff_t(i * C), spectrum + std::ptrdiff_t((i + 1) * C),
+                     spectrum + std::ptrdiff_t(k * C));
 }
 
 inline double square_of(const Rgb& f) { return double(f.r) * f.r + double(f.g) * f.g + double(f.b) * f.b; }

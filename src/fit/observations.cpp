@@ -6,6 +6,7 @@
 #include "evenly.h"
 #include "fit/check_grid.h"
 #include "fit/objective.h"
+#include "srbf/colour.h"
 #include "srbf/directions.h"
 #include "srbf/fit.h"
 
@@ -51,7 +52,7 @@ std::vector<AlbedoObservation> observe_albedo(const Evaluate& f, double theta_ma
         // Of isotropic data any azimuth will do; of others these are spread.
         const Vec3d wv = spherical(theta * k_degree, 2.4 * double(all.size()));
         Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_albedo_points);
-        AlbedoObservation albedo{to_float(wv), std::move(points.w), {}, std::move(points.weight)};
+        AlbedoObservation albedo{to_float(wv), std::move(points.w), {}, std::move(points.weight), {}};
         albedo.f.resize(albedo.wl.size());
         f(albedo.wl, std::vector<Vec3f>(albedo.wl.size(), albedo.wv), albedo.f);
         for (std::size_t i = 0; i < albedo.f.size(); ++i) {
@@ -127,6 +128,9 @@ Observations beginning(const Observations& observations, std::size_t count) {
         return std::remove_cvref_t<decltype(of)>(of.begin(), of.begin() + std::ptrdiff_t(count));
     };
     Observations some;
+    some.wavelengths = observations.wavelengths;
+    const std::size_t C = observations.wavelengths.size();
+    some.spectrum.assign(observations.spectrum.begin(), observations.spectrum.begin() + std::ptrdiff_t(count * C));
     some.wl = first(observations.wl), some.wv = first(observations.wv);
     some.f = first(observations.f), some.weight = first(observations.weight);
     return some;
@@ -136,6 +140,14 @@ Result<Done> check(const Observations& observations, std::size_t parameters) {
     const std::size_t count = observations.f.size();
     if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)
         return Error{"fit", {}, "observations", "arrays of one length", "different lengths"};
+    const std::size_t C = observations.wavelengths.size();
+    bool has_spectra = observations.spectrum.size() == C * count;
+    for (const AlbedoObservation& albedo : observations.albedo)
+        has_spectra = has_spectra && albedo.spectrum.size() == C * albedo.f.size();
+    if (!has_spectra || (C > 0 && !are_wavelengths(observations.wavelengths)))
+        return Error{"fit", {}, "observations", "spectra at all of them, at increasing wavelengths", "others"};
+    if (!std::ranges::all_of(observations.spectrum, [](float f) { return std::isfinite(f); }))
+        return Error{"fit", {}, "observations", "finite spectra", "others"};
     if (observations.checks > count)
         return Error{"fit", {}, "checks", fmt::format("at most {}", count), fmt::format("{}", observations.checks)};
     const std::size_t values = 3 * (count - observations.checks);
@@ -259,6 +271,19 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
     if (options.objective == Objective::cube_root) kept.root_mean = mean;
     kept.albedo = observe_albedo(f, theta_max);
     return kept;
+}
+
+void observe_spectra(Observations& observations, const Channels& spectra) {
+    observations.wavelengths = spectra.wavelengths;
+    const std::size_t C = spectra.count();
+    observations.spectrum.resize(C * observations.f.size());
+    spectra.evaluate(observations.wl, observations.wv, observations.spectrum);
+    observations.clamped = std::uint64_t(clamp_negative(observations.spectrum));
+    for (AlbedoObservation& albedo : observations.albedo) {
+        albedo.spectrum.resize(C * albedo.wl.size());
+        spectra.evaluate(albedo.wl, std::vector<Vec3f>(albedo.wl.size(), albedo.wv), albedo.spectrum);
+        clamp_negative(albedo.spectrum);
+    }
 }
 
 }  // namespace srbf

@@ -25,11 +25,16 @@ constexpr double k_guard_theta = 89.9 * k_degree;
 // The short fit: what its error is, is asked for to a factor of two or so.
 constexpr int k_short_starts = 4, k_short_kicks = 10;
 
-void add(Observations& to, Vec3f wl, Vec3f wv, const Rgb& f, double weight) {
+void add(Observations& to, Vec3f wl, Vec3f wv, const Rgb& f, double weight, std::span<const float> spectrum) {
     to.wl.push_back(wl);
     to.wv.push_back(wv);
     to.f.push_back(f);
     to.weight.push_back(weight);
+    to.spectrum.insert(to.spectrum.end(), spectrum.begin(), spectrum.end());
+}
+std::span<const float> spectrum_of(const Observations& observations, std::size_t i) {
+    const std::size_t C = observations.wavelengths.size();
+    return std::span(observations.spectrum).subspan(i * C, C);
 }
 
 /// w of the observations from..end so that Σ w |f|² = 1.
@@ -43,10 +48,7 @@ void normalise(Observations& observations, std::size_t from) {
 void shuffle(Observations& observations, std::mt19937_64& random) {
     for (std::size_t i = observations.f.size(); i-- > 1;) {
         const auto k = std::size_t(uniform(random) * double(i + 1));
-        std::swap(observations.wl[i], observations.wl[k]);
-        std::swap(observations.wv[i], observations.wv[k]);
-        std::swap(observations.f[i], observations.f[k]);
-        std::swap(observations.weight[i], observations.weight[k]);
+        exchange(observations, i, k);
     }
 }
 
@@ -55,13 +57,15 @@ Observations together(const SampleObservations& from, double weight_between, std
     const Observations &samples = from.samples, &between = from.between;
     const std::size_t fitted = samples.f.size() - samples.checks;
     Observations all;
-    for (std::size_t i = 0; i < fitted; ++i) add(all, samples.wl[i], samples.wv[i], samples.f[i], samples.weight[i]);
-    for (std::size_t i = 0; i < between.f.size() && weight_between > 0; ++i)
-        add(all, between.wl[i], between.wv[i], between.f[i], weight_between * between.weight[i]);
+    all.wavelengths = samples.wavelengths;
+    const auto add_from = [&](const Observations& some, std::size_t i, double importance) {
+        add(all, some.wl[i], some.wv[i], some.f[i], importance * some.weight[i], spectrum_of(some, i));
+    };
+    for (std::size_t i = 0; i < fitted; ++i) add_from(samples, i, 1);
+    for (std::size_t i = 0; i < between.f.size() && weight_between > 0; ++i) add_from(between, i, weight_between);
     std::mt19937_64 random(seed);
     shuffle(all, random);
-    for (std::size_t i = fitted; i < samples.f.size(); ++i)
-        add(all, samples.wl[i], samples.wv[i], samples.f[i], samples.weight[i]);
+    for (std::size_t i = fitted; i < samples.f.size(); ++i) add_from(samples, i, 1);
     all.checks = samples.checks;
     return all;
 }
@@ -88,13 +92,20 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
     const Places places = find_places(samples);
     observed.finest = places.spacing;
 
+    const std::size_t C = options.spectral ? samples.wavelengths.size() : 0;
+    if (options.spectral && C == 0) return Error{"samples", {}, "spectral samples", "wavelengths", "none"};
+    if (options.spectral) observed.samples.wavelengths = observed.between.wavelengths = samples.wavelengths;
+    std::vector<float> spectrum(C);
+
     double mean = 0, peak = 0;
     std::vector<std::size_t> within;
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
         if (std::min(samples.wl[i].z, samples.wv[i].z) < cos_max) continue;
         within.push_back(i);
         Rgb f = samples.colour[i];
-        observed.samples.clamped += std::uint64_t(clamp_negative(f));
+        for (std::size_t c = 0; c < C; ++c) observed.samples.clamped += samples.spectrum[i * C + c] < 0;
+        const int clamped = clamp_negative(f);
+        if (C == 0) observed.samples.clamped += std::uint64_t(clamped);
         mean += mean_of(f);
         peak = std::max(peak, square_of(f) * std::pow(double(samples.wl[i].z) * double(samples.wv[i].z), 2));
     }
@@ -114,8 +125,10 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
     for (const std::size_t i : within) {
         Rgb f = samples.colour[i];
         clamp_negative(f);
-        add(observed.samples, samples.wl[i], samples.wv[i], f, weight(samples.wl[i], samples.wv[i], f));
-        add(observed.samples, samples.wv[i], samples.wl[i], f, weight(samples.wv[i], samples.wl[i], f));
+        std::copy_n(samples.spectrum.begin() + std::ptrdiff_t(i * C), C, spectrum.begin());
+        clamp_negative(spectrum);
+        add(observed.samples, samples.wl[i], samples.wv[i], f, weight(samples.wl[i], samples.wv[i], f), spectrum);
+        add(observed.samples, samples.wv[i], samples.wl[i], f, weight(samples.wv[i], samples.wl[i], f), spectrum);
     }
     normalise(observed.samples, 0);
 
@@ -130,6 +143,12 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
     }
     observed.interpolation = measure_samples(samples.wl, samples.wv, samples.colour, interpolated, theta_max);
 
+    // What the samples foretell of a pair: the colour, and the spectrum if it is asked for.
+    const auto foretold = [&](Vec3f wl, Vec3f wv) {
+        if (C > 0) signed_spectrum(samples, wl, wv, spectrum);
+        clamp_negative(spectrum);
+        return value(samples, wl, wv);
+    };
     // Between the samples, beyond them, and where the fit is to be checked.
     std::mt19937_64 random(options.seed);
     const auto grid = check_grid();
@@ -140,24 +159,27 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
             beyond.emplace_back(wl, wv);
             continue;
         }
-        const Rgb f = value(samples, wl, wv);
-        add(observed.between, wl, wv, f, weight(wl, wv, f));
+        const Rgb f = foretold(wl, wv);
+        add(observed.between, wl, wv, f, weight(wl, wv, f), spectrum);
     }
     shuffle(observed.between, random);
     Observations& between = observed.between;
     const std::size_t kept = std::min(between.f.size(), k_most_between_samples);
     between.wl.resize(kept), between.wv.resize(kept), between.f.resize(kept), between.weight.resize(kept);
+    between.spectrum.resize(kept * C);
     normalise(between, 0);
     for (const auto& [wl, wv] : beyond) {
         const double area = double(wl.z) * double(wv.z);
-        add(observed.samples, wl, wv, value(samples, wl, wv),
-            k_guard_share * k_guard_importance * area * area / (double(beyond.size()) * peak));
+        const Rgb f = foretold(wl, wv);
+        add(observed.samples, wl, wv, f,
+            k_guard_share * k_guard_importance * area * area / (double(beyond.size()) * peak), spectrum);
     }
     shuffle(observed.samples, random);
     const std::size_t fitted = observed.samples.f.size();
     for (const auto& [l, v] : grid) {
         const Vec3f wl = to_float(l), wv = to_float(v);
-        add(observed.samples, wl, wv, value(samples, wl, wv), 0);
+        const Rgb f = foretold(wl, wv);
+        add(observed.samples, wl, wv, f, 0, spectrum);
     }
     const MirrorMixture lights(k_guard_theta);
     std::array<double, 6> first;
@@ -167,7 +189,8 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
         const Vec3d v = lights.sample_cap(u[1], u[2]), l = lights.sample(v, u[3], u[4], u[5]);
         if (!lights.contains(l)) continue;
         const Vec3f wl = to_float(l), wv = to_float(v);
-        add(observed.samples, wl, wv, value(samples, wl, wv), 0);
+        const Rgb f = foretold(wl, wv);
+        add(observed.samples, wl, wv, f, 0, spectrum);
     }
     observed.samples.checks = observed.samples.f.size() - fitted;
     observed.samples.masked = samples.masked;
@@ -176,7 +199,7 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
 
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
                      const ProgressCallback& progress) {
-    const auto& [objective, max_theta, seed] = observations.options;
+    const auto& [objective, max_theta, seed, spectral] = observations.options;
     FitOptions bounded = options.pm;
     bounded.finest = std::max(bounded.finest, observations.finest);
     const std::size_t parameters = parameter_count(bounded), values = 3 * observations.places;

@@ -148,19 +148,26 @@ Scattered without_fold(const Scattered& samples, std::span<const int> fold, int 
     return rest;
 }
 
-Result<std::vector<std::vector<Rgb>>> cross_validate(const Scattered& samples, std::span<const int> fold,
-                                                     const FitToSamples& fit) {
+Result<std::vector<std::vector<float>>> cross_validate(const Scattered& samples, std::span<const int> fold,
+                                                       const FitToSamples& fit) {
     std::array<std::optional<Result<std::vector<Model>>>, k_folds> models;
     tbb::parallel_for(
         0, k_folds, [&](int left_out) { models[std::size_t(left_out)] = fit(without_fold(samples, fold, left_out)); });
-    std::vector<std::vector<Rgb>> predicted;
-    for (const auto& of_fold : models) {
-        if (!*of_fold) return of_fold->error();
-        predicted.resize((*of_fold)->size(), std::vector<Rgb>(samples.wl.size()));
+    std::vector<std::vector<float>> predicted;
+    for (int left_out = 0; left_out < k_folds; ++left_out) {
+        const auto& of_fold = *models[std::size_t(left_out)];
+        if (!of_fold) return of_fold.error();
+        predicted.resize(of_fold->size());
+        for (std::size_t k = 0; k < predicted.size(); ++k) {
+            const Channels model = channels((*of_fold)[k]);
+            const std::size_t C = model.count();
+            std::vector<float> f(C * samples.wl.size());
+            model.evaluate(samples.wl, samples.wv, f);
+            predicted[k].resize(f.size());
+            for (std::size_t i = 0; i < fold.size(); ++i)
+                if (fold[i] == left_out) std::copy_n(&f[i * C], C, &predicted[k][i * C]);
+        }
     }
-    for (std::size_t i = 0; i < fold.size(); ++i)
-        for (std::size_t k = 0; k < predicted.size(); ++k)
-            predicted[k][i] = value((**models[std::size_t(fold[i])])[k], samples.wl[i], samples.wv[i]);
     return predicted;
 }
 

@@ -28,9 +28,9 @@ Parameterization rounded_direction(double angle) {
 
 namespace {
 Parameterization swapped(Parameterization p) { return {p.b, p.a}; }
-}  // namespace
 
-PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale) {
+/// Their model, black.
+PmModel without_coefficients(const Lobes& lobes) {
     PmModel model;
     const LobeShape& shape = lobes.shape;
     model.form = shape.form;
@@ -42,6 +42,26 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale)
         const Parameterization p{float(std::cos(angle)), float(std::sin(angle))};
         model.parameterization.push_back(n < shape.variates ? p : swapped(p));
     }
+    for (int j = 0; j < model.lobes; ++j) {
+        for (const double kappa : lobes.of(j).subspan(std::size_t(shape.directional())))
+            model.exponent.push_back(float(kappa));
+        for (int n = 0; n < model.variates; ++n) {
+            const Vec3d p = vector_of(lobes.of(j), shape, n % shape.variates);
+            const double bandwidth = std::hypot(p.x, p.y, p.z);
+            model.centre.push_back(bandwidth > 0 ? to_float((1 / bandwidth) * p) : Vec3f(0, 0, 1));
+            model.bandwidth.push_back(float(bandwidth));
+        }
+    }
+    model.coefficient.resize(std::size_t(model.lobes));
+    model.log_scale.resize(std::size_t(model.lobes));
+    return model;
+}
+}  // namespace
+
+PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale,
+                 const std::vector<float>& wavelengths) {
+    PmModel model = without_coefficients(lobes);
+    const LobeShape& shape = lobes.shape;
     std::vector<double> log_peak;                  // of the largest channel
     bool out_of_range = features(shape.form) > 0;  // those forms always have log scales
     for (int j = 0; j < model.lobes; ++j) {
@@ -59,19 +79,13 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale)
             log_scale && out_of_range && any ? double(round_to_half(float(log_peak[std::size_t(j)]))) : 0.0;
         // β / largest × e^(log peak − scale): neither factor overflows.
         const double factor = any ? std::exp(std::min(log_peak[std::size_t(j)] - scale, 80.0)) / largest : 0.0;
-        Rgb coefficient;
-        for (int c = 0; c < 3; ++c) coefficient[c] = float(problem.beta()(j, c) * factor);
-        model.coefficient.push_back(coefficient);
-        model.log_scale.push_back(float(scale));
-        for (const double kappa : lobes.of(j).subspan(std::size_t(shape.directional())))
-            model.exponent.push_back(float(kappa));
-        for (int n = 0; n < model.variates; ++n) {
-            const Vec3d p = vector_of(lobes.of(j), shape, n % shape.variates);
-            const double bandwidth = std::hypot(p.x, p.y, p.z);
-            model.centre.push_back(bandwidth > 0 ? to_float((1 / bandwidth) * p) : Vec3f(0, 0, 1));
-            model.bandwidth.push_back(float(bandwidth));
-        }
+        const auto coefficient = [&](Eigen::Index c) { return float(problem.beta()(j, c) * factor); };
+        if (wavelengths.empty()) model.coefficient[std::size_t(j)] = {coefficient(0), coefficient(1), coefficient(2)};
+        for (std::size_t c = 0; c < wavelengths.size(); ++c) model.spectrum.push_back(coefficient(Eigen::Index(c)));
+        model.log_scale[std::size_t(j)] = float(scale);
     }
+    if (!wavelengths.empty()) model.coefficient = colours(model.spectrum, wavelengths);
+    model.wavelength = wavelengths;
     return model;
 }
 
@@ -165,7 +179,7 @@ Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes) {
         while (end > first && end < order.size() && cost[order[end]] == cost[order[end - 1]]) ++end;  // of one centre
         const Lobes now = problem.unpack(x);
         const Eigen::VectorXd halves =
-            LobeProblem::pack(to_lobes(to_halves(to_model(problem, now, true), now), lobes.shape));
+            LobeProblem::pack(to_lobes(to_halves(without_coefficients(now), now), lobes.shape));
         for (; first < end; ++first) {
             x[Eigen::Index(order[first])] = halves[Eigen::Index(order[first])];
             held[order[first]] = true;

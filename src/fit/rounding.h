@@ -11,8 +11,9 @@ Parameterization rounded_direction(double angle);
 
 /// The model of these lobes with the coefficients of the problem's last call of `loss`. Where a coefficient
 /// of a lobe whose peak is 1 leaves the range in which halves have all their digits, and `log_scale`, the
-/// lobes get log scales.
-PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale);
+/// lobes get log scales. `wavelengths`: of the problem's channels; empty: R, G, B.
+PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale,
+                 const std::vector<float>& wavelengths = {});
 
 /// `model`, that of these lobes, with every number rounded to a half.
 PmModel to_halves(PmModel model, const Lobes& lobes);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 
 #include "measured/bytes.h"
 #include "measured/samples.h"
@@ -76,6 +77,34 @@ Evaluate evaluator(const Measured& measured) {
         for (Rgb& c : f)
             for (int k = 0; k < 3; ++k) c[k] = c[k] < 0 ? 0 : c[k];  // a NaN stays
     };
+}
+
+std::span<const float> wavelengths(const Measured& measured) {
+    if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return rgl->wavelengths;
+    if (const auto* samples = std::get_if<Scattered>(&measured.table)) return samples->wavelengths;
+    return {};
+}
+
+Channels signed_spectra(const Measured& measured) {
+    const auto nm = wavelengths(measured);
+    assert(!nm.empty());
+    return {{nm.begin(), nm.end()}, [&measured, C = nm.size()](auto wl, auto wv, auto f) {
+                const auto each = [&](const auto& table) {
+                    for (std::size_t i = 0; i < wl.size(); ++i)
+                        signed_spectrum(table, wl[i], wv[i], f.subspan(i * C, C));
+                };
+                if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return each(*rgl);
+                each(std::get<Scattered>(measured.table));
+            }};
+}
+
+Channels spectra(const Measured& measured) {
+    Channels channels = signed_spectra(measured);
+    channels.evaluate = [of = std::move(channels.evaluate)](auto wl, auto wv, auto f) {
+        of(wl, wv, f);
+        for (float& x : f) x = std::max(x, 0.0f);
+    };
+    return channels;
 }
 
 }  // namespace srbf

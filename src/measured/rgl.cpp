@@ -149,8 +149,7 @@ Result<std::vector<float>> read_wavelengths(const TensorFile& file, const std::s
     auto wavelengths = find_floats(file, source, {"wavelengths", TensorType::f32, {0}});
     if (!wavelengths) return wavelengths.error();
     const std::vector<float>& nm = wavelengths->values;
-    if (nm.size() > 4096 || nm.front() < 100 || nm.back() > 1e5f ||
-        std::ranges::adjacent_find(nm, std::greater_equal()) != nm.end())
+    if (nm.size() > 4096 || !are_wavelengths(nm))
         return wrong(source, "wavelengths", wavelengths->field, "increasing ones in nm, from 100 up",
                      fmt::format("{} from {} to {}", nm.size(), nm.front(), nm.back()));
     return std::move(wavelengths->values);
@@ -165,11 +164,14 @@ Result<RglTable::Colours> read_rgb(const TensorFile& file, const std::string& so
 }
 
 Result<RglTable::Colours> read_spectra(const TensorFile& file, const std::string& source, const Azimuths& azimuths,
-                                       std::uint64_t polar, std::span<const float> wavelengths) {
-    const auto spectra = read_slices(
-        file, source, {"spectra", TensorType::f32, {azimuths.in_file, polar, wavelengths.size(), 0, 0}}, azimuths);
+                                       std::uint64_t polar, RglTable& table) {
+    auto spectra =
+        read_slices(file, source,
+                    {"spectra", TensorType::f32, {azimuths.in_file, polar, table.wavelengths.size(), 0, 0}}, azimuths);
     if (!spectra) return spectra.error();
-    return coloured(*spectra, rgb_weights(wavelengths));
+    RglTable::Colours colour = coloured(*spectra, rgb_weights(table.wavelengths));
+    table.spectra = std::move(spectra->values);
+    return colour;
 }
 
 /// The azimuths of the light: one or two mean an isotropic material.
@@ -205,28 +207,36 @@ template <typename AnySlices> Rgb at(const RglTable::Colours& colour, const AnyS
     return {f[0], f[1], f[2]};
 }
 
+/// The same at the wavelengths.
+template <typename AnySlices>
+void spectrum_at(const RglTable& table, const AnySlices& slices, const Warped& w, std::span<float> f) {
+    const std::size_t width = table.colour.width, height = table.colour.height;
+    const auto [column, x] = between_nodes(w.x, width);
+    const auto [row, y] = between_nodes(w.y, height);
+    for (std::size_t c = 0; c < f.size(); ++c)
+        f[c] = slices.blend([&, column = column, row = row, x = x, y = y](std::size_t slice) {
+            const float* const node = &table.spectra[((slice * f.size() + c) * height + row) * width + column];
+            return mix(mix(node[0], node[1], x), mix(node[width], node[width + 1], x), y);
+        });
+}
+
 /// An azimuth in [−π, π] as a place on [0, 1].
 float turn(float phi) { return (phi + float(k_pi)) * float(0.5 / k_pi); }
 
-/// The colour times its factor ndf / 4 sigma, which is f_r cosθ_v.
-struct Seen {
-    Rgb colour;
-    double factor;
-};
-
-Seen seen_isotropic(const RglTable& table, Vec3f wl, Vec3f wv) {
+/// Looks a pair of directions up: calls `look(slices, w)` with the place of the colour; returns what f_r cosθ_v is in multiples of it,
+/// ndf / 4 sigma.
+template <typename Look> double look_up_isotropic(const RglTable& table, Vec3f wl, Vec3f wv, const Look& look) {
     const Vec3f h = wl + wv;
     const float u_h = to_unit(polar_angle(h)), theta_l = polar_angle(wl);
     // Of near opposite azimuths h.x and h.y are exact, so the azimuth of h from ωl keeps its digits in this
     // form.
     const float phi = azimuth(wl.x * h.y - wl.y * h.x, wl.x * h.x + wl.y * h.y);
     const Slices slices = slices_at(table.theta_l, theta_l);
-    const Warped w = unwarp(table.visible, slices, u_h, turn(phi));
-    return {at(table.colour, slices, w),
-            table.jacobian ? double(at(table.ndf, u_h)) / (4 * double(at(table.sigma, to_unit(theta_l)))) : 1};
+    look(slices, unwarp(table.visible, slices, u_h, turn(phi)));
+    return table.jacobian ? double(at(table.ndf, u_h)) / (4 * double(at(table.sigma, to_unit(theta_l)))) : 1;
 }
 
-Seen seen_anisotropic(const RglTable& table, Vec3f wl, Vec3f wv) {
+template <typename Look> double look_up_anisotropic(const RglTable& table, Vec3f wl, Vec3f wv, const Look& look) {
     // Into the azimuths that were measured, −π to 0 or to −π/2: turned by π, or mirrored at both axes.
     const bool above = wl.y > 0, right = wl.x > 0;
     const float flip_y = table.symmetry > 1 && above ? -1.0f : 1.0f;
@@ -237,12 +247,17 @@ Seen seen_anisotropic(const RglTable& table, Vec3f wl, Vec3f wv) {
     const float theta_l = polar_angle(wl), phi_l = azimuth(wl.y, wl.x);
     const float u_h = to_unit(polar_angle(h)), turn_h = turn(azimuth(h.y, h.x));
     const TurnedSlices slices{slices_at(table.phi_l, phi_l), slices_at(table.theta_l, theta_l), table.theta_l.size()};
-    const Warped w = unwarp(table.visible, slices, u_h, turn_h);
-    const auto factor = [&] {
-        return double(at(table.ndf, u_h, turn_h)) / (4 * double(at(table.sigma, to_unit(theta_l), turn(phi_l))));
-    };
-    return {at(table.colour, slices, w), table.jacobian ? factor() : 1};
+    look(slices, unwarp(table.visible, slices, u_h, turn_h));
+    if (!table.jacobian) return 1;
+    return double(at(table.ndf, u_h, turn_h)) / (4 * double(at(table.sigma, to_unit(theta_l), turn(phi_l))));
 }
+
+template <typename Look> double look_up(const RglTable& table, Vec3f wl, Vec3f wv, const Look& look) {
+    return table.phi_l.empty() ? look_up_isotropic(table, wl, wv, look) : look_up_anisotropic(table, wl, wv, look);
+}
+
+/// At the very horizon the quotient may leave the range of float; a value stays finite.
+float finite(double x) { return float(std::clamp(x, -k_max, k_max)); }
 
 }  // namespace
 
@@ -290,7 +305,7 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& s
         if (!wavelengths) return wavelengths.error();
         table.wavelengths = *std::move(wavelengths);
     }
-    auto colour = is_spectral ? read_spectra(file, source, *azimuths, table.theta_l.size(), table.wavelengths)
+    auto colour = is_spectral ? read_spectra(file, source, *azimuths, table.theta_l.size(), table)
                               : read_rgb(file, source, *azimuths, table.theta_l.size());
     if (!colour) return colour.error();
     table.colour = *std::move(colour);
@@ -299,11 +314,21 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& s
 
 Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return {};
-    const Seen seen = table.phi_l.empty() ? seen_isotropic(table, wl, wv) : seen_anisotropic(table, wl, wv);
-    // At the very horizon the quotient may leave the range of float; a value stays finite.
-    const double scale = seen.factor / double(wv.z);
-    const auto finite = [scale](float x) { return float(std::clamp(scale * double(x), -k_max, k_max)); };
-    return {finite(seen.colour.r), finite(seen.colour.g), finite(seen.colour.b)};
+    Rgb colour;
+    const double factor =
+        look_up(table, wl, wv, [&](const auto& slices, const Warped& w) { colour = at(table.colour, slices, w); });
+    const double scale = factor / double(wv.z);
+    const auto times_scale = [scale](float x) { return finite(scale * double(x)); };
+    return {times_scale(colour.r), times_scale(colour.g), times_scale(colour.b)};
+}
+
+void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float> f) {
+    std::ranges::fill(f, 0.0f);
+    if (!(wl.z > 0 && wv.z > 0)) return;
+    const double factor =
+        look_up(table, wl, wv, [&](const auto& slices, const Warped& w) { spectrum_at(table, slices, w, f); });
+    const double scale = factor / double(wv.z);
+    for (float& x : f) x = finite(scale * double(x));
 }
 
 Rgb value(const RglTable& table, Vec3f wl, Vec3f wv) {

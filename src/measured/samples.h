@@ -34,9 +34,6 @@ class SampleBuilder {
     Scattered samples_;
 };
 
-/// Wavelengths [nm] as a spectrum needs them: increasing, between 100 and 100,000.
-bool are_wavelengths(std::span<const float> wavelengths);
-
 /// Whether `bytes` are text, as far as their first kilobytes tell.
 bool is_text(std::span<const std::byte> bytes);
 /// The formats told apart by their first lines.

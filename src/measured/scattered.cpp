@@ -68,41 +68,69 @@ void make_index(Scattered& samples) {
     samples.index = std::make_shared<const SampleIndex>(std::move(points));
 }
 
-Rgb signed_value(const Scattered& samples, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+namespace {
+
+/// What f_r between samples is: scale Σ_k weight_k f of sample_k.
+struct Blend {
+    std::uint32_t count = 0;
+    std::array<std::size_t, k_neighbours> sample;
+    std::array<double, k_neighbours> weight;
+    double scale = 0;
+
+    /// Σ of these numbers, brought to the range of float: at the very horizon the quotient may leave it; a value stays finite.
+    template <typename Of> float of(const Of& number) const {
+        constexpr double most = std::numeric_limits<float>::max();
+        double sum = 0;
+        for (std::uint32_t k = 0; k < count; ++k) sum += weight[k] * double(number(sample[k]));
+        return float(std::clamp(sum * scale, -most, most));
+    }
+};
+
+Blend blend(const Scattered& samples, Vec3f wl, Vec3f wv) {
     assert(samples.index);
     const auto near = samples.index->nearest(place_of(wl, wv, samples.isotropic));
     // Distances below rounding are none: the sample itself.
     const double own = 1e-6, reach = std::sqrt(double(near.distance2[near.count - 1]));
-    const std::uint32_t used = near.count > k_neighbours ? k_neighbours : near.count;
-    double sum[3] = {0, 0, 0}, weights = 0;
     const bool is_sample = double(near.distance2[0]) <= own * own;
-    for (std::uint32_t k = 0; k < used; ++k) {
+    Blend blend;
+    blend.count = near.count > k_neighbours ? k_neighbours : near.count;
+    double weights = 0;
+    for (std::uint32_t k = 0; k < blend.count; ++k) {
         const double d = std::sqrt(double(near.distance2[k]));
         double w = 1 / std::max(d, own);
         if (is_sample)
             w = d <= own;
         else if (near.count > k_neighbours)
             w = w - 1 / reach;  // (R − d) / (R d)
-        const std::size_t i = near.sample[k];
-        w *= w;
-        weights += w;
-        w *= double(samples.wl[i].z) * double(samples.wv[i].z);
-        for (int c = 0; c < 3; ++c) sum[c] += w * double(samples.colour[i][c]);
+        blend.sample[k] = near.sample[k];
+        blend.weight[k] = w * w;
+        weights += w * w;
     }
     if (!(weights > 0)) {  // all of them lie at one distance
-        for (std::uint32_t k = 0; k < used; ++k) {
-            const std::size_t i = near.sample[k];
-            for (int c = 0; c < 3; ++c)
-                sum[c] += double(samples.wl[i].z) * double(samples.wv[i].z) * double(samples.colour[i][c]);
-        }
-        weights = used;
+        blend.weight.fill(1);
+        weights = blend.count;
     }
-    // At the very horizon the quotient may leave the range of float; a value stays finite.
-    constexpr double most = std::numeric_limits<float>::max();
-    const double scale = 1 / (weights * double(wl.z) * double(wv.z));
-    const auto finite = [&](double x) { return float(std::clamp(x * scale, -most, most)); };
-    return {finite(sum[0]), finite(sum[1]), finite(sum[2])};
+    for (std::uint32_t k = 0; k < blend.count; ++k)
+        blend.weight[k] *= double(samples.wl[blend.sample[k]].z) * double(samples.wv[blend.sample[k]].z);
+    blend.scale = 1 / (weights * double(wl.z) * double(wv.z));
+    return blend;
+}
+
+}  // namespace
+
+Rgb signed_value(const Scattered& samples, Vec3f wl, Vec3f wv) {
+    if (!(wl.z > 0 && wv.z > 0)) return {};
+    const Blend between = blend(samples, wl, wv);
+    const auto channel = [&](int c) { return between.of([&](std::size_t i) { return samples.colour[i][c]; }); };
+    return {channel(0), channel(1), channel(2)};
+}
+
+void signed_spectrum(const Scattered& samples, Vec3f wl, Vec3f wv, std::span<float> f) {
+    std::ranges::fill(f, 0.0f);
+    if (!(wl.z > 0 && wv.z > 0)) return;
+    const Blend between = blend(samples, wl, wv);
+    for (std::size_t c = 0; c < f.size(); ++c)
+        f[c] = between.of([&](std::size_t i) { return samples.spectrum[i * f.size() + c]; });
 }
 
 Rgb value(const Scattered& samples, Vec3f wl, Vec3f wv) {
@@ -159,15 +187,6 @@ Result<Scattered> SampleBuilder::finish(const std::string& source, std::string d
     samples_.isotropic = isotropic;
     make_index(samples_);
     return std::move(samples_);
-}
-
-bool are_wavelengths(std::span<const float> wavelengths) {
-    float last = 99.999f;
-    for (const float nm : wavelengths) {
-        if (!(nm > last && nm <= 1e5f)) return false;
-        last = nm;
-    }
-    return !wavelengths.empty();
 }
 
 bool is_text(std::span<const std::byte> bytes) {

@@ -150,6 +150,23 @@ Evaluate evaluator(const PmModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
 
+Channels spectra(const PmModel& model) {
+    return {model.wavelength, [&model](auto wl, auto wv, auto f) {
+                const std::size_t C = model.wavelength.size();
+                PmModel three = model;  // of whose wavelengths R, G, B are three
+                std::vector<Rgb> rgb(wl.size());
+                for (std::size_t first = 0; first < C; first += 3) {
+                    const std::size_t count = std::min<std::size_t>(3, C - first);
+                    for (std::size_t j = 0; j < three.coefficient.size(); ++j)
+                        for (std::size_t c = 0; c < count; ++c)
+                            three.coefficient[j][int(c)] = model.spectrum[j * C + first + c];
+                    evaluate(three, wl, wv, rgb);
+                    for (std::size_t i = 0; i < rgb.size(); ++i)
+                        for (std::size_t c = 0; c < count; ++c) f[i * C + first + c] = rgb[i][int(c)];
+                }
+            }};
+}
+
 Evaluate evaluator(const Model& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }

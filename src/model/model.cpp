@@ -7,9 +7,11 @@
 #include "model/ggx_file.h"
 #include "model/safetensors.h"
 #include "model/su_file.h"
+#include "srbf/colour.h"
 #include "srbf/file.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
+#include "srbf/text.h"
 
 namespace srbf {
 namespace {
@@ -21,9 +23,13 @@ std::map<std::string, Tensor16> encode(const PmModel& model) {
     const auto J = std::uint64_t(model.lobes), N = std::uint64_t(model.variates);
     std::map<std::string, Tensor16> tensors;
 
-    Tensor16& coefficient = tensors["coefficient"] = {Type16::half, {J, 3}, {}};
-    for (const Rgb& beta : model.coefficient)
-        for (int c = 0; c < 3; ++c) coefficient.data.push_back(to_half(std::min(beta[c], k_half_max)));
+    const std::uint64_t C = model.wavelength.empty() ? 3 : model.wavelength.size();
+    Tensor16& coefficient = tensors["coefficient"] = {Type16::half, {J, C}, {}};
+    const auto add_coefficient = [&](float beta) { coefficient.data.push_back(to_half(std::min(beta, k_half_max))); };
+    if (model.wavelength.empty())
+        for (const Rgb& beta : model.coefficient)
+            for (int c = 0; c < 3; ++c) add_coefficient(beta[c]);
+    for (const float beta : model.spectrum) add_coefficient(beta);
 
     if (has_log_scale(model)) {
         Tensor16& log_scale = tensors["log_scale"] = {Type16::half, {J}, {}};
@@ -64,7 +70,7 @@ std::map<std::string, Tensor16> encode(const PmModel& model) {
 
 /// The model of these tensors, or what is wrong with them.
 Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm form, bool axial,
-                       const std::string& source) {
+                       std::vector<float> wavelength, const std::string& source) {
     const auto fail = [&](std::string what, std::string expected, std::string found) {
         return Error{source, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
@@ -76,7 +82,9 @@ Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm fo
                     shape_text(extent));
     const std::uint64_t J = extent[0], N = extent[1];
 
-    std::map<std::string, TensorShape> expected{{"coefficient", {Type16::half, {J, 3}}},
+    const std::uint64_t C = wavelength.empty() ? 3 : wavelength.size();
+
+    std::map<std::string, TensorShape> expected{{"coefficient", {Type16::half, {J, C}}},
                                                 {"bandwidth", {Type16::half, {J, N}}},
                                                 {"parameterization", {Type16::half, {N, 2}}}};
     if (!axial) expected["centre"] = {Type16::half, {J, N, 2}};
@@ -91,15 +99,18 @@ Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm fo
     model.axial = axial;
     model.lobes = int(J);
     model.variates = int(N);
-    for (std::size_t j = 0; j < J; ++j) {
-        const Rgb beta{number("coefficient", 3 * j), number("coefficient", 3 * j + 1),
-                       number("coefficient", 3 * j + 2)};
-        if (std::min({beta.r, beta.g, beta.b}) < 0)
-            return fail("tensor 'coefficient'", "numbers of at least 0",
-                        fmt::format("{}", std::min({beta.r, beta.g, beta.b})));
-        model.coefficient.push_back(beta);
-        model.log_scale.push_back(tensors.contains("log_scale") ? number("log_scale", j) : 0.f);
+    for (std::size_t i = 0; i < J * C; ++i) {
+        const float beta = number("coefficient", i);
+        if (beta < 0) return fail("tensor 'coefficient'", "numbers of at least 0", fmt::format("{}", beta));
+        if (!wavelength.empty())
+            model.spectrum.push_back(beta);
+        else if (i % 3 == 2)
+            model.coefficient.push_back({number("coefficient", i - 2), number("coefficient", i - 1), beta});
     }
+    if (!wavelength.empty()) model.coefficient = colours(model.spectrum, wavelength);
+    model.wavelength = std::move(wavelength);
+    for (std::size_t j = 0; j < J; ++j)
+        model.log_scale.push_back(tensors.contains("log_scale") ? number("log_scale", j) : 0.f);
     for (std::size_t i = 0; i < J * N; ++i) {
         const float lambda = number("bandwidth", i);
         if (axial) {
@@ -123,6 +134,19 @@ Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm fo
         model.parameterization.push_back(p);
     }
     return model;
+}
+
+/// Wavelengths as a file's metadata spell them: parted by blanks.
+Result<std::vector<float>> wavelengths_of(std::string_view text, const std::string& source) {
+    std::vector<float> wavelengths;
+    for (std::string_view rest = text; wavelengths.size() <= k_most_wavelengths;) {
+        const std::string_view word = next_word(rest);
+        if (word.empty()) break;
+        wavelengths.push_back(to_number<float>(word).value_or(0));
+    }
+    if (are_wavelengths(wavelengths) && wavelengths.size() <= k_most_wavelengths) return wavelengths;
+    return Error{source, 8, "metadata 'wavelengths'",
+                 fmt::format("1 to {} increasing ones in nm, from 100 up", k_most_wavelengths), quoted(text)};
 }
 
 }  // namespace
@@ -186,11 +210,30 @@ std::size_t auxiliary_bytes(const Model& model) {
 }
 
 std::size_t payload_bytes(const PmModel& model) {
-    return payload_bytes(model.form, model.axial, has_log_scale(model), model.lobes, model.variates);
+    return payload_bytes(model.form, model.axial, has_log_scale(model), model.lobes, model.variates,
+                         model.wavelength.empty() ? 3 : int(model.wavelength.size()));
+}
+
+std::vector<Rgb> colours(std::span<const float> spectra, std::span<const float> wavelengths) {
+    const std::vector<Rgb> weights = rgb_weights(wavelengths);
+    std::vector<Rgb> colours;
+    for (; !spectra.empty(); spectra = spectra.subspan(weights.size()))
+        colours.push_back(to_rgb(spectra.first(weights.size()), weights));
+    return colours;
+}
+
+std::span<const float> wavelengths(const Model& model) {
+    if (const auto* pm = std::get_if<PmModel>(&model.model)) return pm->wavelength;
+    return {};
+}
+
+Channels channels(const Model& model) {
+    if (wavelengths(model).empty()) return rgb_channels(evaluator(model));
+    return spectra(std::get<PmModel>(model.model));
 }
 
 PmModel rounded(const PmModel& model) {
-    Result<PmModel> decoded = decode(encode(model), model.form, model.axial, "");
+    Result<PmModel> decoded = decode(encode(model), model.form, model.axial, model.wavelength, "");
     assert(decoded.ok());  // a valid model has no number that its encoding could not hold
     return *std::move(decoded);
 }
@@ -204,6 +247,7 @@ std::vector<std::byte> write_model(const Model& model) {
         metadata["model"] = "pm";
         metadata["form"] = name(pm->form);
         metadata["axial"] = pm->axial ? "true" : "false";
+        if (!pm->wavelength.empty()) metadata["wavelengths"] = fmt::format("{}", fmt::join(pm->wavelength, " "));
     } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
         content.tensors = encode_su(*su);
         metadata["model"] = "su";
@@ -257,7 +301,14 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& so
     const auto form = take("form", {name(PmForm::source), name(PmForm::horizon), name(PmForm::extended)}),
                axial = take("axial", {"true", "false"});
     if (error) return *error;
-    Result<PmModel> pm = decode(content->tensors, *form_named(form), axial == "true", source);
+    std::vector<float> wavelength;
+    if (const auto at = metadata.find("wavelengths"); at != metadata.end()) {
+        auto known = wavelengths_of(at->second, source);
+        if (!known) return known.error();
+        wavelength = *std::move(known);
+        metadata.erase(at);
+    }
+    Result<PmModel> pm = decode(content->tensors, *form_named(form), axial == "true", std::move(wavelength), source);
     if (!pm) return pm.error();
     return Model{*std::move(pm), std::move(metadata)};
 }

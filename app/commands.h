@@ -61,5 +61,6 @@ void add_convert(CLI::App& app, int& status);
 void add_render(CLI::App& app, int& status);
 void add_view(CLI::App& app, int& status);
 void add_export(CLI::App& app, int& status);
+void add_report(CLI::App& app, int& status);
 
 }  // namespace srbf

@@ -42,7 +42,9 @@ struct Pictures {
 };
 
 Result<Pictures> render_paths(const Scene& scene, std::span<const Subject> subjects, const RenderCommand& options) {
-    auto pictures = options.path.render(scene, subjects, options.width, options.height);
+    ProgressLine line;
+    auto pictures = options.path.render(scene, subjects, options.width, options.height,
+                                        [&](double part) { line.show("tracing paths", part); });
     if (!pictures) return pictures.error();
     Pictures all;
     for (PathPicture& picture : *pictures) {

@@ -118,7 +118,7 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
 }
 
 std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, LobeScale scale) {
-    constexpr double radius = 140, x0 = 180, y0 = 176, outside = 1.04, least_step = 0.8, counted = 85;
+    constexpr double radius = 140, x0 = 180, y0 = 190, outside = 1.04, least_step = 0.8, counted = 85;
     const double light = theta_l / k_degree;
     std::vector<LuminanceSlice> slices;
     for (const SliceCurve& curve : curves) slices.push_back(luminance_slice(curve.brdf, theta_l));
@@ -134,7 +134,7 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
     const auto y_of = [&](double r, double degrees) { return y0 - r * std::cos(degrees * k_degree); };
 
     std::string svg = fmt::format(
-        "<svg class='slice lobes' viewBox='0 0 360 204' role='img' aria-label='Lobes for light at {:g}° from the "
+        "<svg class='slice lobes' viewBox='0 0 360 218' role='img' aria-label='Lobes for light at {:g}° from the "
         "normal'>",
         light);
     svg += svg_text(4, 14, "start",

@@ -46,7 +46,7 @@ Result<Done> time_study(Study& study, const StudyOptions& options) {
     ::setenv("EGL_LOG_LEVEL", "fatal", 0);
     const auto context = OffscreenContext::make(Dialect::gl_450);
     if (!context) return context.error();
-    const FrameOptions how{.frames = options.quick ? 20 : 60};
+    const FrameOptions how{.frames = options.sweep == Sweep::whole ? 60 : options.sweep == Sweep::quick ? 20 : 1};
     auto mesh = load_mesh(options.mesh);
     if (!mesh) return mesh.error();
     const Scene scene =

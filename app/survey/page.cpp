@@ -49,6 +49,8 @@ std::string title_of(const Json& fit) {
     if (model == "ggx") return "GGX and Lambert";
     return "multivariate, " + fit["form"].get<std::string>();
 }
+/// What is drawn, in this order.
+constexpr const char* k_drawn[] = {"measured", "pm", "pm2", "su", "ggx"};
 std::string role_title(const std::string& role) {
     if (role == "measured") return "measured";
     if (role == "pm") return "multivariate";
@@ -141,8 +143,8 @@ std::string lead_of(const View& view, const std::string& note) {
         return number(rows_with(view.tables.summary, "what", what)[0], "materials", Shown::whole);
     };
     html +=
-        fmt::format("<p class='lead'>{} materials. The pictures of {} fits look {}, of {} {}, of {} one {}.",
-                    count("done"), count("alike"), word(0), count("close"), word(k_close), count("differs"), word(1));
+        fmt::format("<p class='lead'>Of {} measured materials the fit looks {} for {}, {} for {}, and {} for {}.",
+                    count("done"), word(0), count("alike"), word(k_close), count("close"), word(1), count("differs"));
     // Of the default fits of tables, which are of one size.
     const auto statistics = rows_with(view.tables.statistics, "id", "pm-extended-8x4-cosine");
     if (const Json* of = row_with(statistics, "measure", "heldout_squared_error_ratio_cosine")) {
@@ -182,11 +184,25 @@ std::string card_of(const View& view, const Json& material) {
     return html;
 }
 
+/// A column, or several of a common name.
+struct Head {
+    std::string name;
+    std::vector<std::string> of;
+};
 /// A table whose first column is a name.
-std::string table(const std::vector<std::string>& heads, const std::string& rows) {
-    std::string html = "<div class='wide'><table><thead><tr>";
-    for (std::size_t i = 0; i < heads.size(); ++i)
-        html += fmt::format("<th scope='col'{}>{}</th>", i == 0 ? " class='name'" : "", heads[i]);
+std::string table(const std::vector<Head>& heads, const std::string& rows) {
+    const bool is_grouped = std::ranges::any_of(heads, [](const Head& head) { return !head.of.empty(); });
+    std::string html = "<div class='wide'><table><thead><tr>", second;
+    for (std::size_t i = 0; i < heads.size(); ++i) {
+        const std::size_t columns = heads[i].of.size();
+        html += fmt::format("<th scope='col{}'{}{}>{}</th>", columns > 0 ? "group" : "", i == 0 ? " class='name'" : "",
+                            columns > 0  ? fmt::format(" colspan='{}'", columns)
+                            : is_grouped ? " rowspan='2'"
+                                         : "",
+                            heads[i].name);
+        for (const std::string& name : heads[i].of) second += fmt::format("<th scope='col'>{}</th>", name);
+    }
+    if (is_grouped) html += "</tr><tr>" + second;
     return html + "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
 }
 std::string row(const std::string& head, const std::vector<std::string>& cells, const char* kind = "") {
@@ -198,32 +214,32 @@ std::string group(const std::string& text, std::size_t columns) {
     return fmt::format("<tr class='group'><th colspan='{}'>{}</th></tr>\n", columns, text);
 }
 
+/// The three models that are compared throughout.
+constexpr const char* k_compared[] = {"pm", "su", "ggx"};
+const std::vector<std::string> k_compared_names{"multi­variate", "view by view", "GGX"};
+
 std::string all_of(const View& view) {
     std::string rows;
     for (const Json* material : view.by_likeness()) {
-        const Json *pm = view.drawn(*material, "pm"), *su = view.drawn(*material, "su"),
-                   *ggx = view.drawn(*material, "ggx");
-        const auto errors = [&](const char* column) {
-            return std::vector<std::string>{number(pm, column, Shown::percent), number(su, column, Shown::percent),
-                                            number(ggx, column, Shown::percent)};
-        };
-        std::vector<std::string> cells{number(view.ball(*material, "pm"), "flip", Shown::plain),
-                                       number(view.ball(*material, "su"), "flip", Shown::plain),
-                                       number(view.ball(*material, "ggx"), "flip", Shown::plain)};
+        std::vector<std::string> cells;
+        for (const char* role : k_compared) cells.push_back(number(view.ball(*material, role), "flip", Shown::plain));
         for (const char* column : {"heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio"})
-            for (std::string& cell : errors(column)) cells.push_back(std::move(cell));
-        cells.push_back(number(pm, "albedo_error", Shown::percent));
-        for (const Json* fit : {pm, su, ggx}) cells.push_back(number(fit, "payload_bytes", Shown::whole));
-        cells.push_back(number(pm, "fit_seconds", Shown::seconds));
-        cells.push_back(number(su, "fit_seconds", Shown::seconds));
+            for (const char* role : k_compared)
+                cells.push_back(number(view.drawn(*material, role), column, Shown::percent));
+        const Json* fit = view.drawn(*material, "pm");
+        cells.push_back(number(fit, "albedo_error", Shown::percent));
+        cells.push_back(number(fit, "payload_bytes", Shown::whole));
+        cells.push_back(number(fit, "fit_seconds", Shown::seconds));
         cells.push_back(number(material, "masked_samples", Shown::whole));
         cells.push_back(number(material, "clamped_samples", Shown::whole));
         rows += row(link_to(*material) + label_of(*material), cells);
     }
-    return table({"material", "ꟻLIP, multi­variate", "ꟻLIP, view by view", "ꟻLIP, GGX", "image error, multi­variate",
-                  "view by view", "GGX", "dark-part error, multi­variate", "view by view", "GGX",
-                  "albedo error, multi­variate", "bytes, multi­variate", "view by view", "GGX",
-                  "seconds, multi­variate", "view by view", "masked", "clamped"},
+    return table({{"material", {}},
+                  {"ꟻLIP", k_compared_names},
+                  {"image error", k_compared_names},
+                  {"dark-part error", k_compared_names},
+                  {"multivariate", {"albedo error", "bytes", "seconds"}},
+                  {"samples", {"masked", "clamped"}}},
                  rows) +
            "<p class='note'>masked: pairs of directions that a fit looked at and that were not measured, left out; "
            "clamped: "
@@ -239,47 +255,79 @@ bool is_of_table(const Json& fit) {
     return true;
 }
 
+/// What is told of a measure's values over materials.
+constexpr const char* k_spread[] = {"mean", "median", "percentile_95", "worst"};
+const std::vector<std::string> k_spread_names{"mean", "median", "95 % below", "worst"};
+
+const char* input_title(const std::string& input) { return input == "table" ? "Tables" : "Scattered samples"; }
+
+/// The statistics of the fits with that id, a row for each measure.
+Rows statistics_of(const View& view, const std::string& input, const std::string& id) {
+    Rows rows = rows_with(view.tables.statistics, "id", id);
+    std::erase_if(rows, [&](const Json* row) { return row->at("input") != input || row->at("materials") < 2; });
+    return rows;
+}
+
+/// The models that are compared, over all materials of a kind: each measure a row.
+std::string spread_of_compared(const View& view, const std::string& input) {
+    std::vector<Rows> models;
+    for (const char* role : k_compared) {
+        const Json* fit = row_with(rows_with(view.tables.fits, "input", input), "role", role);
+        models.push_back(fit == nullptr ? Rows() : statistics_of(view, input, fit->at("id")));
+    }
+    std::string rows;
+    for (const MeasureText& measure : k_measure_texts) {
+        std::vector<std::string> cells;
+        for (const Rows& model : models)
+            for (const char* what : k_spread)
+                cells.push_back(number(row_with(model, "measure", measure.column), what, shown_as(measure)));
+        rows += row(measure.title, cells);
+    }
+    if (models[0].empty()) return {};
+    std::vector<Head> heads{{"error", {}}};
+    for (const std::string& name : k_compared_names) heads.push_back({name, k_spread_names});
+    return fmt::format("<h3>{}: {} materials</h3>\n", input_title(input),
+                       number(models[0][0], "materials", Shown::whole)) +
+           table(heads, rows);
+}
+
+/// Fits of all kinds of one objective over all materials of a kind.
+std::string spread_of_all(const View& view, const std::string& input, const std::string& objective) {
+    std::vector<std::string> ids;
+    for (const Json& of : view.tables.statistics.rows)
+        if (of["input"] == input && of["objective"] == objective && is_of_table(of) &&
+            std::ranges::find(ids, of["id"].get<std::string>()) == ids.end())
+            ids.push_back(of["id"]);
+    std::string rows, theta;
+    for (const std::string& id : ids) {
+        const Rows statistics = statistics_of(view, input, id);
+        if (statistics.empty()) continue;
+        std::vector<std::string> cells{number(statistics[0], "lobes", Shown::whole),
+                                       number(statistics[0], "variates", Shown::whole),
+                                       number(statistics[0], "payload_bytes", Shown::whole)};
+        for (const MeasureText& measure : k_measure_texts)
+            for (const char* what : k_spread) {
+                const std::string cell =
+                    number(row_with(statistics, "measure", measure.column), what, shown_as(measure));
+                cells.push_back(measure.column == measure_of(objective) ? "<b>" + cell + "</b>" : cell);
+            }
+        theta = number(statistics[0], "max_theta", Shown::plain);
+        rows += row(html_escaped(title_of(*row_with(rows_with(view.tables.fits, "input", input), "id", id))), cells);
+    }
+    if (rows.empty()) return rows;
+    std::vector<Head> heads{{"model", {}}, {"J", {}}, {"N", {}}, {"bytes", {}}};
+    for (const MeasureText& measure : k_measure_texts) heads.push_back({measure.title, k_spread_names});
+    return fmt::format(
+        "<details><summary>{}: all models fitted with the objective {}, directions within {}°</summary>{}</details>\n",
+        input_title(input), objective, theta, table(heads, rows));
+}
+
 std::string spread_of(const View& view) {
     std::string html;
-    for (const char* input : {"table", "samples"})
-        for (const char* objective : {"raw", "cosine", "cube-root"}) {
-            std::string rows;
-            Json theta;
-            std::vector<std::string> ids;
-            for (const Json& of : view.tables.statistics.rows)
-                if (of["input"] == input && of["objective"] == objective && is_of_table(of) && of["materials"] > 1 &&
-                    std::ranges::find(ids, of["id"].get<std::string>()) == ids.end())
-                    ids.push_back(of["id"]);
-            for (const std::string& id : ids) {
-                std::vector<std::string> cells;
-                const Json* first = nullptr;
-                Rows of_id = rows_with(view.tables.statistics, "id", id);
-                std::erase_if(of_id, [&](const Json* row) { return row->at("input") != input; });
-                for (const MeasureText& measure : k_measure_texts) {
-                    const Json* of = row_with(of_id, "measure", measure.column);
-                    if (first == nullptr) first = of;
-                    for (const char* column : {"mean", "median", "percentile_95", "worst"}) {
-                        const std::string cell = number(of, column, shown_as(measure));
-                        cells.push_back(measure.column == measure_of(objective) ? "<b>" + cell + "</b>" : cell);
-                    }
-                }
-                if (first == nullptr) continue;
-                theta = first->at("max_theta");
-                cells.insert(cells.begin(),
-                             {number(first, "lobes", Shown::whole), number(first, "variates", Shown::whole),
-                              number(first, "payload_bytes", Shown::whole), number(first, "materials", Shown::whole)});
-                rows += row(html_escaped(title_of(*row_with(rows_with(view.tables.fits, "id", id), "id", id))), cells);
-            }
-            if (rows.empty()) continue;
-            std::vector<std::string> heads{"model", "J", "N", "bytes", "materials"};
-            for (const MeasureText& measure : k_measure_texts)
-                for (const char* what : {"mean", "median", "95 % below", "worst"})
-                    heads.push_back(fmt::format("{}, {}", measure.title, what));
-            html += fmt::format("<h3>{}, objective {}, directions within {}°</h3>\n",
-                                std::string_view(input) == "table" ? "Tables" : "Scattered samples", objective,
-                                number(theta, Shown::plain)) +
-                    table(heads, rows);
-        }
+    for (const char* input : {"table", "samples"}) {
+        html += spread_of_compared(view, input);
+        for (const char* objective : {"raw", "cosine", "cube-root"}) html += spread_of_all(view, input, objective);
+    }
     return html.empty() ? "<p>There is but one material of a kind.</p>" : html;
 }
 
@@ -309,27 +357,30 @@ std::string measures_of() {
 std::string pictures_of(const View& view, const Json& material) {
     std::string html;
     for (const auto& [object, what] : {std::pair("ball", "Ball"), {"mesh", "Mesh"}}) {
-        std::string pictures, differences;
-        for (const Json* of : view.pictures(material, object)) {
-            const std::string role = of->at("role");
+        std::string figures;
+        for (const char* role : k_drawn) {
+            const Json* of = row_with(view.pictures(material, object), "role", role);
+            if (of == nullptr) continue;
             const Json* fit = view.drawn(material, role);
-            const std::string caption = fit == nullptr ? "measured"
-                                                       : fmt::format("{}, {} bytes", html_escaped(role_title(role)),
-                                                                     number(fit, "payload_bytes", Shown::whole));
-            pictures += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
-                                    picture(view.album, material, field(of->at("picture")), role_title(role)), caption);
-            if (!of->contains("difference")) continue;
-            differences += fmt::format(
-                "<figure>{}<figcaption>{}: ꟻLIP {}, PSNR {} dB, SSIM {}</figcaption></figure>\n",
-                picture(view.album, material, field(of->at("difference")), role_title(role) + ", difference"),
-                html_escaped(role_title(role)), number(of, "flip", Shown::plain), number(of, "psnr", Shown::plain),
-                number(of, "ssim", Shown::plain));
+            figures += fmt::format(
+                "<figure>{}<figcaption><b>{}</b>{}</figcaption>",
+                picture(view.album, material, field(of->at("picture")), role_title(role)),
+                html_escaped(role_title(role)),
+                fit == nullptr ? "" : fmt::format(", {} bytes", number(fit, "payload_bytes", Shown::whole)));
+            if (of->contains("difference"))
+                figures += fmt::format(
+                    "{}<figcaption>ꟻLIP {}, PSNR {} dB, SSIM {}</figcaption>",
+                    picture(view.album, material, field(of->at("difference")), role_title(role) + ", difference"),
+                    number(of, "flip", Shown::plain), number(of, "psnr", Shown::plain),
+                    number(of, "ssim", Shown::plain));
+            figures += "</figure>\n";
         }
-        html += fmt::format("<h3>{}</h3>\n<div class='row'>\n{}</div>\n<div class='row'>\n{}</div>\n", what, pictures,
-                            differences);
+        html += fmt::format("<h3>{}</h3>\n<div class='row'>\n{}</div>\n", what, figures);
     }
     return html +
-           "<p class='note'>Below: where each fit differs visibly (ꟻLIP), from black, not at all, to yellow.</p>\n";
+           "<p class='note'>Under each fit: where it differs visibly from the measured picture (ꟻLIP), from black, not "
+           "at all, to "
+           "pale yellow.</p>\n";
 }
 
 std::vector<std::string> fit_cells(const Json& fit) {
@@ -344,8 +395,8 @@ std::vector<std::string> fit_cells(const Json& fit) {
     return cells;
 }
 
-/// The source's rows of its own material.
-std::string source_rows(const View& view, const Json& material) {
+/// The source's rows of its own material, after a line that says what was minimised.
+std::string source_rows(const View& view, const Json& material, std::size_t columns) {
     std::string html;
     for (const Json* of : rows_with(view.tables.source, "material", material["source_material"])) {
         std::vector<std::string> cells{number(of, "lobes", Shown::whole), number(of, "variates", Shown::whole),
@@ -358,17 +409,18 @@ std::string source_rows(const View& view, const Json& material) {
                                     number(of, "most_minutes", Shown::whole)));
         html += row(of->at("model") == "su" ? "Tsai 2009, view by view" : "Tsai 2009, multivariate", cells, "tsai");
     }
-    return html;
+    return html.empty() ? html : group("the source: objective raw, its own matrix of this material", columns) + html;
 }
 
 std::string errors_of(const View& view, const Json& material, bool whole) {
-    std::vector<std::string> heads{"model", "J", "N", "bytes"};
-    for (const MeasureText& measure : k_measure_texts)
-        heads.push_back(std::string_view(measure.column) == "squared_error_ratio" && material["input"] == "samples"
-                            ? "raw error, at the samples"
-                            : measure.title);
-    heads.emplace_back("seconds");
-    std::string rows;
+    std::vector<Head> heads{{"model", {}}, {"J", {}}, {"N", {}}, {"bytes", {}}};
+    for (const MeasureText& measure : k_measure_texts) {
+        const bool at_samples =
+            std::string_view(measure.column) == "squared_error_ratio" && material["input"] == "samples";
+        heads.push_back({at_samples ? "raw error, at the samples" : measure.title, {}});
+    }
+    heads.push_back({"seconds", {}});
+    std::string rows = whole ? "" : source_rows(view, material, heads.size());
     for (const char* objective : {"raw", "cosine", "cube-root"}) {
         std::string of_objective;
         Json theta;
@@ -380,7 +432,6 @@ std::string errors_of(const View& view, const Json& material, bool whole) {
         if (of_objective.empty()) continue;
         rows += group(fmt::format("objective {}, directions within {}°", objective, number(theta, Shown::plain)),
                       heads.size());
-        if (!whole && std::string_view(objective) == "raw") rows += source_rows(view, material);
         rows += of_objective;
     }
     return table(heads, rows);
@@ -421,7 +472,7 @@ std::string charts_of(const View& view, const Json& material) {
     const char* title = is_table ? "Raw error, held out" : "Dark-part error, held out";
     Chart over_lobes{fmt::format("{}, over the number of lobes J", title), "J", {1, 2, 3, 4, 6, 8, 12, 16}, {}},
         over_bytes{fmt::format("{}, over bytes", title), "bytes", {}, {}};
-    double most_lobes = 0;
+    double least_lobes = k_most_view_lobes, most_lobes = 0;
     std::string legend;
     const auto add = [&](const std::string& name, const char* colour, const char* dash, const Rows& rows) {
         const std::string css = fmt::format("var({})", colour);
@@ -432,7 +483,7 @@ std::string charts_of(const View& view, const Json& material) {
             const std::string text = fmt::format("{}: {}", field(fit->at("id")), field(fit->at(measure)));
             lobes.points.push_back({j, error, text});
             bytes.points.push_back({size, error, text});
-            if (fit->at("model") != "ggx") most_lobes = std::max(most_lobes, j);
+            if (fit->at("model") != "ggx") least_lobes = std::min(least_lobes, j), most_lobes = std::max(most_lobes, j);
         }
         if (lobes.points.empty()) return;
         legend += fmt::format(
@@ -444,7 +495,7 @@ std::string charts_of(const View& view, const Json& material) {
     };
     for (const Line& line : k_lines) add(line.name, line.colour, line.dash, of_line(view, material, line, objective));
     add("GGX and Lambert", "--ggx", "", of_line(view, material, {"", "ggx", "", "", "", 1}, objective));
-    std::erase_if(over_lobes.x_ticks, [&](double tick) { return tick > most_lobes; });
+    std::erase_if(over_lobes.x_ticks, [&](double tick) { return tick < least_lobes || tick > most_lobes; });
     return fmt::format("<p class='legend'>{}</p>\n<div class='charts'>{}{}</div>\n", legend, chart_drawing(over_lobes),
                        chart_drawing(over_bytes));
 }
@@ -473,7 +524,14 @@ std::string frames_of(const View& view, const Json& material) {
                                  number(of, "most_frames_per_second", Shown::whole))},
                     "tsai");
     const Json& first = *rows[0];
-    return table({"model", "J", "N", "bytes looked up", "auxiliary bytes", "bytes in all", "frames a second"}, html) +
+    return table({{"model", {}},
+                  {"J", {}},
+                  {"N", {}},
+                  {"bytes looked up", {}},
+                  {"auxiliary bytes", {}},
+                  {"bytes in all", {}},
+                  {"frames a second", {}}},
+                 html) +
            fmt::format(
                "<p class='note'>The fastest of {} frames of {} × {} pixels, three directional lights, the mesh {} ({} "
                "triangles), by {}.</p>\n",
@@ -484,8 +542,8 @@ std::string frames_of(const View& view, const Json& material) {
 
 std::string lobes_of(const View& view, const Json& material, const Study& study) {
     std::string linear, logarithmic, legend;
-    for (const Json* of : view.pictures(material, "ball")) {
-        const std::string role = of->at("role");
+    for (const char* role : k_drawn) {
+        if (view.ball(material, role) == nullptr) continue;
         legend += fmt::format(
             "<span><svg class='key' viewBox='0 0 24 8'><path d='M0 4H24' stroke-width='3' "
             "style='stroke:var(--{})'/></svg>{}</span> ",

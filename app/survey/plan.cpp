@@ -18,8 +18,9 @@ class Plan {
         add(request, fmt::format("pm-{}-{}x{}-{}", request.form, lobes, variates, request.objective_name),
             std::move(role));
     }
-    void su(int lobes, Objective objective, std::string role = {}) {
-        const FitRequest request = asked("su", lobes, objective);
+    void su(int lobes, Objective objective, std::string role = {}, int directions = TabulateOptions{}.directions) {
+        FitRequest request = asked("su", lobes, objective);
+        request.directions = directions;
         add(request, fmt::format("su-{}-{}", lobes, request.objective_name), std::move(role));
     }
     /// As the source draws it: the nearest samples by an index texture.
@@ -112,14 +113,26 @@ void plan_samples(Plan& plan, bool quick) {
     }
 }
 
+void plan_least(Plan& plan) {
+    plan.pm(PmForm::source, 2, 2, Objective::raw, "pm");
+    plan.su(1, Objective::raw, "su", 16);
+    plan.ggx(1, Objective::cosine, "ggx");
+}
+
 }  // namespace
 
-std::vector<PlannedFit> plan(const Measured& measured, bool quick, int threads) {
+std::string_view name(Sweep sweep) {
+    return sweep == Sweep::whole ? "whole" : sweep == Sweep::quick ? "quick" : "least";
+}
+
+std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads) {
     Plan all(threads);
-    if (std::holds_alternative<Scattered>(measured.table))
-        plan_samples(all, quick);
+    if (sweep == Sweep::least)
+        plan_least(all);
+    else if (std::holds_alternative<Scattered>(measured.table))
+        plan_samples(all, sweep == Sweep::quick);
     else
-        plan_table(all, quick);
+        plan_table(all, sweep == Sweep::quick);
     return std::move(all.fits);
 }
 

@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "app/path.h"
-#include "app/survey/plan.h"
 #include "render/likeness.h"
 #include "render/slices.h"
 #include "srbf/file.h"
@@ -21,6 +20,11 @@ namespace fs = std::filesystem;
 constexpr int k_edition = 1;
 /// Light of the lobes [degrees].
 constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};
+/// Pixels along a side and paths for each of them, of each sweep.
+struct PictureSize {
+    int pixels, paths;
+};
+constexpr std::array<PictureSize, 3> k_pictures_of{{{240, 256}, {200, 64}, {16, 1}}};
 /// What a page takes of pictures, and of differences.
 constexpr int k_quality = 85, k_quality_of_differences = 70;
 
@@ -74,7 +78,7 @@ class Maker {
                           {"isotropic", is_isotropic(*measured)},
                           {"source_bytes", measured->bytes},
                           {"version", SRBF_VERSION},
-                          {"quick", options_.quick}};
+                          {"sweep", name(options_.sweep)}};
         drawn_.subjects.push_back({file, *std::move(measured)});
         drawn_.roles.emplace_back("measured"), drawn_.ids.emplace_back("measured");
         const auto written = [&]() -> Result<Done> {
@@ -95,8 +99,8 @@ class Maker {
     static constexpr double k_fits = 0.75, k_pictures = 1 - k_fits;
 
     Result<Done> fit(Study& study) {
-        const Measured measured = std::get<Measured>(drawn_.subjects[0].content);
-        const std::vector<PlannedFit> all = plan(measured, options_.quick, options_.threads);
+        const auto measured = [&]() -> const Measured& { return std::get<Measured>(drawn_.subjects[0].content); };
+        const std::vector<PlannedFit> all = plan(measured(), options_.sweep, options_.threads);
         Json rows = Json::array(), failures = Json::array(), seconds = Json::object();
         std::optional<Error> first;
         for (std::size_t i = 0; i < all.size(); ++i) {
@@ -104,7 +108,7 @@ class Maker {
             FitRequest request = all[i].request;
             request.input = study.material["file"];
             request.output = all[i].id + ".srbf";
-            const auto outcome = srbf::fit(request, measured);
+            const auto outcome = srbf::fit(request, measured());
             if (!outcome) {
                 Error error = outcome.error();
                 error.source = request.input;
@@ -113,7 +117,7 @@ class Maker {
                 continue;
             }
             Json row{{"id", all[i].id}, {"role", all[i].role}};
-            row.update(report_of(request, measured, *outcome));
+            row.update(report_of(request, measured(), *outcome));
             for (const char* other : {"fit_seconds", "load_seconds", "threads", "path"}) row.erase(other);
             rows.push_back(std::move(row));
             seconds[all[i].id] = outcome->fit_seconds;
@@ -152,9 +156,9 @@ class Maker {
     }
 
     Result<Done> draw_pictures(Study& study) {
-        const int size = options_.quick ? 200 : 240;
+        const auto [size, paths] = k_pictures_of[std::size_t(options_.sweep)];
         PathCommand command;
-        command.samples = options_.quick ? 64 : 256;
+        command.samples = paths;
         command.threads = options_.threads;
         study.material["pixels"] = size;
         study.material["paths"] = command.samples;
@@ -219,7 +223,7 @@ Result<std::string> study_name(const std::string& file, const StudyOptions& opti
     if (!bytes) return bytes.error();
     Hash hash;
     hash.add(*bytes);
-    hash.add(as_bytes(fmt::format("{} {} {} {} {} {}", SRBF_VERSION, k_edition, options.quick, options.mesh,
+    hash.add(as_bytes(fmt::format("{} {} {} {} {} {}", SRBF_VERSION, k_edition, name(options.sweep), options.mesh,
                                   options.z_up, bytes->size())));
     if (std::ranges::find(k_built_in_meshes, options.mesh) == k_built_in_meshes.end()) {
         const auto mesh = read_file(options.mesh);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/report.h"
+#include "app/survey/plan.h"
 #include "render/scene.h"
 #include "srbf/result.h"
 
@@ -13,7 +14,7 @@ namespace srbf {
 
 /// How materials are studied; but for the threads a part of a study's key.
 struct StudyOptions {
-    bool quick = false;
+    Sweep sweep = Sweep::whole;
     std::string mesh = "knot";  ///< of the second picture, as `load_mesh` takes it
     bool z_up = false;
     int threads = 1;  ///< of each fit and picture

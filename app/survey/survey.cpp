@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 struct ReportCommand {
     std::vector<std::string> files, labels;
     std::string folder, note, mesh = StudyOptions{}.mesh, up = "y";
-    bool quick = false;
+    Sweep sweep = Sweep::whole;
     int threads = 0, jobs = 0;
 
     int run() const;
@@ -166,7 +166,7 @@ int ReportCommand::run() const {
     if (const auto loaded = load_mesh(mesh); !loaded) return complain(loaded.error());
 
     const int cores = threads > 0 ? threads : int(std::max(std::thread::hardware_concurrency(), 1u));
-    StudyOptions options{quick, mesh, up == "z", cores, 1};
+    StudyOptions options{sweep, mesh, up == "z", cores, 1};
     options.jobs = jobs > 0 ? std::min(jobs, int(files.size())) : jobs_for(cores, files.size());
     options.threads = std::max(cores / options.jobs, 1);
     std::vector<std::string> folders;
@@ -194,8 +194,11 @@ void add_report(CLI::App& app, int& status) {
                     "The folder to write. Materials that are finished there are not done again")
         ->type_name("DIR")
         ->required();
-    sub->add_flag("--quick", command->quick,
-                  "Fewer sizes, coarser pictures: less than a minute a material on two cores");
+    sub->add_flag_callback(
+        "--quick", [command] { command->sweep = Sweep::quick; },
+        "Fewer sizes, coarser pictures: less than a minute a material on two cores");
+    // For tests, and no reader's: of each kind one small fit.
+    sub->add_flag_callback("--least", [command] { command->sweep = Sweep::least; })->group("");
     sub->add_option(
            "--mesh", command->mesh,
            fmt::format("Of the second picture: a .ply or .obj file, or {}", fmt::join(k_built_in_meshes, " or ")))

@@ -112,7 +112,7 @@ void add_material(Tables& tables, const Surveyed& of) {
         return;
     }
     const Study& study = *of.study;
-    for (const char* key : {"format", "input", "isotropic", "source_bytes", "quick", "version", "pixels", "paths"})
+    for (const char* key : {"format", "input", "isotropic", "source_bytes", "sweep", "version", "pixels", "paths"})
         row[key] = study.material.at(key);
     row["folder"] = std::filesystem::path(study.folder).filename().string();
     row["status"] = "done";
@@ -198,7 +198,7 @@ Tables tables_of(const std::vector<Surveyed>& materials) {
         {"material",        "label",        "likeness",    "file",         "format",          "input",
          "isotropic",       "source_bytes", "status",      "error",        "source_material", "masked_samples",
          "clamped_samples", "fits",         "failed_fits", "pixels",       "paths",           "load_seconds",
-         "study_seconds",   "threads",      "jobs",        "frames_error", "quick",           "version",
+         "study_seconds",   "threads",      "jobs",        "frames_error", "sweep",           "version",
          "folder"},
         {}};
     tables.fits = {"fits",
@@ -226,6 +226,7 @@ Tables tables_of(const std::vector<Surveyed>& materials) {
                     "empty_directions",
                     "samples",
                     "folds",
+                    "directions",
                     "seed"},
                    {}};
     for (const char* prefix : {"", "unrounded_"})

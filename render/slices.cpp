@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <vector>
 
@@ -43,6 +44,9 @@ std::string drawn(const SliceCurve& curve, const Outline& outline, bool is_first
     return fmt::format("<path class='curve' style='stroke:{}' stroke-width='{}' d='{}'><title>{}</title></path>",
                        curve.colour, is_first ? 3 : 1.5, outline.path, html_escaped(curve.name));
 }
+
+/// "0.52", "1100".
+std::string two_digits(double x) { return fmt::format("{:g}", std::strtod(fmt::format("{:.2g}", x).c_str(), nullptr)); }
 
 /// The powers of ten about positive values, `decades` of them at most.
 struct Decades {
@@ -127,9 +131,14 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
         if (const double y = slices[0].luminance[i]; std::abs(slices[0].degrees[i]) <= counted && y > 0)
             most = std::max(most, y), least = std::min(least, y);
     if (most == 0) most = least = 1;
-    const Decades decades(least, most, k_lobe_decades);
+    // Logarithms from the centre to the outermost ring, which is the largest value.
+    const double highest = std::log10(most),
+                 lowest = std::max(std::min(std::log10(least), highest - 1), highest - k_lobe_decades);
     const bool is_linear = scale == LobeScale::linear;
-    const auto r_of = [&](double y) { return radius * std::max(is_linear ? y / most : decades.share(y), 0.0); };
+    const auto r_of = [&](double y) {
+        const double share = is_linear ? y / most : (std::log10(std::max(y, 1e-300)) - lowest) / (highest - lowest);
+        return radius * std::max(share, 0.0);
+    };
     const auto x_of = [&](double r, double degrees) { return x0 + r * std::sin(degrees * k_degree); };
     const auto y_of = [&](double r, double degrees) { return y0 - r * std::cos(degrees * k_degree); };
 
@@ -146,9 +155,9 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
         svg += svg_text(x0 + r, y0 + 13, "middle", label);
     };
     if (is_linear)
-        ring(radius / 2, fmt::format("{:.2g}", most / 2)), ring(radius, fmt::format("{:.2g}", most));
+        ring(radius / 2, two_digits(most / 2)), ring(radius, two_digits(most));
     else
-        for (int exponent = decades.lowest + 1; exponent <= decades.highest; ++exponent)
+        for (int exponent = int(std::floor(lowest)) + 1; exponent <= highest; ++exponent)
             ring(r_of(std::pow(10.0, exponent)), power_of_ten(exponent));
     svg += svg_line("axis", x0 - radius, y0, x0 + radius, y0) + svg_line("axis", x0, y0, x0, y0 - radius);
     const double far = 1.1 * radius;

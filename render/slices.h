@@ -32,7 +32,7 @@ inline constexpr int k_slice_decades = 6;
 
 enum class LobeScale { linear, logarithmic };
 /// The same in polar coordinates: lobes as far from the point of incidence as the surface is bright from there. The first curve's values
-/// within 85° set the scale, of logarithmic ones `k_lobe_decades` at most; larger ones of others are drawn just outside of it.
+/// within 85° set the scale, of logarithmic ones `k_lobe_decades` at most; larger ones are drawn just outside of it.
 std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, LobeScale scale);
 inline constexpr int k_lobe_decades = 4;
 

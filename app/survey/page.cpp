@@ -47,7 +47,7 @@ std::string title_of(const Json& fit) {
     if (model == "su")
         return fit.value("interpolation", "") == "plain" ? "view by view, nearest samples" : "view by view";
     if (model == "ggx") return "GGX and Lambert";
-    return "multivariate, " + fit["form"].get<std::string>();
+    return "multivariate, " + fit["form"].get<std::string>() + (fit["axial"] == true ? "" : ", general lobes");
 }
 /// What is drawn, in this order.
 constexpr const char* k_drawn[] = {"measured", "pm", "pm2", "su", "ggx"};
@@ -172,16 +172,17 @@ std::string card_of(const View& view, const Json& material) {
     const Json *measured = view.ball(material, "measured"), *ball = view.ball(material, "pm"),
                *other = view.ball(material, "pm2"), *fit = view.drawn(material, "pm");
     if (measured == nullptr || ball == nullptr || fit == nullptr) return {};
-    std::string html = "<article class='card'><div class='pair'>";
-    html += picture(view.album, material, field(measured->at("picture")), field(material["material"]) + ", measured");
-    html += picture(view.album, material, field(ball->at("picture")), field(material["material"]) + ", fitted");
-    html += fmt::format("</div><p>{}{}</p>\n", link_to(material), label_of(material));
-    html +=
-        fmt::format("<p>{}, ꟻLIP {}{}</p>\n", word(view.flip(material)), number(ball, "flip", Shown::plain),
-                    other == nullptr ? "" : fmt::format(" ({} with cube-root)", number(other, "flip", Shown::plain)));
-    html += fmt::format("<p>{} bytes, image error {}</p></article>\n", number(fit, "payload_bytes", Shown::whole),
-                        number(fit, "heldout_squared_error_ratio_cosine", Shown::percent));
-    return html;
+    const std::string name = field(material["material"]);
+    return fmt::format(
+        "<article class='card'><div class='pair'>{}{}<small>measured</small><small>{} "
+        "bytes</small></div>\n<p>{}{}</p>\n"
+        "<p>{}, ꟻLIP {}{}</p>\n<p>image error {}</p></article>\n",
+        picture(view.album, material, field(measured->at("picture")), name + ", measured"),
+        picture(view.album, material, field(ball->at("picture")), name + ", fitted"),
+        number(fit, "payload_bytes", Shown::whole), link_to(material), label_of(material), word(view.flip(material)),
+        number(ball, "flip", Shown::plain),
+        other == nullptr ? "" : fmt::format("; {} by cube-root", number(other, "flip", Shown::plain)),
+        number(fit, "heldout_squared_error_ratio_cosine", Shown::percent));
 }
 
 /// A column, or several of a common name.
@@ -629,7 +630,7 @@ std::string survey_html(const std::vector<Surveyed>& materials, const Tables& ta
         sections += material_of(view, *material, *of->study);
     }
     const std::string title =
-        materials.size() == 1 ? materials[0].name + ": measured and fitted" : "How well materials are fitted";
+        materials.size() == 1 ? materials[0].name + ": measured and fitted" : "Measured materials and their fits";
     const std::pair<std::string_view, std::string> parts[] = {
         {"title", html_escaped(title)},
         {"style", k_style_text},

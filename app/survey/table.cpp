@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 
 namespace srbf {
@@ -170,8 +171,10 @@ void add_statistics(Tables& tables) {
             std::ranges::stable_sort(values, {}, [](const auto& one) { return one.first; });
             double sum = 0;
             for (const auto& [value, fit] : values) sum += value;
-            const auto ranked = [&](double quantile) {
-                return values[std::size_t(quantile * double(values.size() - 1) + 0.5)].first;
+            const auto ranked = [&](double quantile) {  // linear between the values
+                const double at = quantile * double(values.size() - 1), part = at - std::floor(at);
+                const double below = values[std::size_t(at)].first;
+                return part > 0 ? below + part * (values[std::size_t(at) + 1].first - below) : below;
             };
             Json row;
             for (const char* key :

@@ -13,7 +13,7 @@ namespace srbf {
 namespace {
 
 /// The plot's frame within the drawing.
-constexpr double k_width = 440, k_height = 300, k_left = 52, k_right = 430, k_top = 30, k_bottom = 258;
+constexpr double k_width = 440, k_height = 300, k_left = 52, k_right = 416, k_top = 30, k_bottom = 258;
 
 bool is_shown(const ChartSeries::Point& point) {
     return point.x > 0 && point.y > 0 && std::isfinite(point.x) && std::isfinite(point.y);

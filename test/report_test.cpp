@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 #include <thread>
@@ -100,6 +101,25 @@ TEST_F(Report, NeedsNothingButItself) {
     for (std::sregex_iterator at(html.begin(), html.end(), inner), end; at != end; ++at)
         EXPECT_TRUE(std::regex_search(html, std::regex(fmt::format("id=['\"]{}['\"]", std::string((*at)[1])))))
             << (*at)[1];
+}
+
+TEST_F(Report, IsShownByABrowser) {
+    const std::string script = (fs::path(SRBF_SOURCE_DIR) / "test" / "report_page.py").string();
+    const int status =
+        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 timeout 100 python3 '{}' '{}' > '{}' 2>&1", script,
+                                (*folder / "whole" / "index.html").string(), (*folder / "said").string())
+                        .c_str());
+    const std::string said = contents(*folder / "said");
+    if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;
+    ASSERT_EQ(status, 0) << said;
+    const auto answers = nlohmann::json::parse(said);
+    EXPECT_EQ(answers["problems"], nlohmann::json::array());
+    for (const std::string request : answers["requests"])
+        EXPECT_TRUE(request.starts_with("file:") || request.starts_with("data:")) << request;
+    for (const int pixels : answers["too_wide"]) EXPECT_LE(pixels, 0);
+    EXPECT_GT(answers["images"], 20);
+    EXPECT_EQ(answers["blank"], 0);
+    EXPECT_EQ(answers["plots"], 3 * (2 + 6));
 }
 
 /// All fields of all tables of a report.

@@ -142,9 +142,13 @@ std::string lead_of(const View& view, const std::string& note) {
     const auto count = [&](const char* what) {
         return number(rows_with(view.tables.summary, "what", what)[0], "materials", Shown::whole);
     };
-    html +=
-        fmt::format("<p class='lead'>Of {} measured materials the fit looks {} for {}, {} for {}, and {} for {}.",
-                    count("done"), word(0), count("alike"), word(k_close), count("close"), word(1), count("differs"));
+    const Rows done = view.done();
+    html += "<p class='lead'>";
+    if (done.size() == 1)
+        html += fmt::format("The fit looks {}.", word(view.flip(*done[0])));
+    else
+        html += fmt::format("{} materials; the fit looks {} for {}, {} for {} and {} for {}.", count("done"), word(0),
+                            count("alike"), word(k_close), count("close"), word(1), count("differs"));
     // Of the default fits of tables, which are of one size.
     const auto statistics = rows_with(view.tables.statistics, "id", "pm-extended-8x4-cosine");
     if (const Json* of = row_with(statistics, "measure", "heldout_squared_error_ratio_cosine")) {
@@ -173,16 +177,18 @@ std::string card_of(const View& view, const Json& material) {
                *other = view.ball(material, "pm2"), *fit = view.drawn(material, "pm");
     if (measured == nullptr || ball == nullptr || fit == nullptr) return {};
     const std::string name = field(material["material"]);
+    const auto minimised = std::ranges::find(k_measure_texts, measure_of(fit->at("objective")),
+                                             [](const MeasureText& measure) { return std::string(measure.column); });
     return fmt::format(
         "<article class='card'><div class='pair'>{}{}<small>measured</small><small>{} "
         "bytes</small></div>\n<p>{}{}</p>\n"
-        "<p>{}, ꟻLIP {}{}</p>\n<p>image error {}</p></article>\n",
+        "<p>{}, ꟻLIP {}{}</p>\n<p>{} {}</p></article>\n",
         picture(view.album, material, field(measured->at("picture")), name + ", measured"),
         picture(view.album, material, field(ball->at("picture")), name + ", fitted"),
         number(fit, "payload_bytes", Shown::whole), link_to(material), label_of(material), word(view.flip(material)),
         number(ball, "flip", Shown::plain),
-        other == nullptr ? "" : fmt::format("; {} by cube-root", number(other, "flip", Shown::plain)),
-        number(fit, "heldout_squared_error_ratio_cosine", Shown::percent));
+        other == nullptr ? "" : fmt::format("; {} by cube-root", number(other, "flip", Shown::plain)), minimised->title,
+        number(fit, minimised->column, shown_as(*minimised)));
 }
 
 /// A column, or several of a common name.
@@ -445,14 +451,14 @@ struct Line {
 };
 constexpr Line k_lines[] = {
     {"view by view", "su", "source", "--su", "", 1},
-    {"multivariate, source's form, N = 2", "pm", "source", "--source", "1 3", 2},
-    {"N = 3", "pm", "source", "--source", "5 3", 3},
-    {"N = 4", "pm", "source", "--source", "", 4},
+    {"source's form, N = 2", "pm", "source", "--source", "1 3", 2},
+    {"source's form, N = 3", "pm", "source", "--source", "5 3", 3},
+    {"source's form, N = 4", "pm", "source", "--source", "", 4},
     {"horizon, N = 2", "pm", "horizon", "--horizon", "1 3", 2},
-    {"N = 3", "pm", "horizon", "--horizon", "5 3", 3},
+    {"horizon, N = 3", "pm", "horizon", "--horizon", "5 3", 3},
     {"horizon, N = 4", "pm", "horizon", "--horizon", "", 4},
     {"extended, N = 2", "pm", "extended", "--extended", "1 3", 2},
-    {"N = 3", "pm", "extended", "--extended", "5 3", 3},
+    {"extended, N = 3", "pm", "extended", "--extended", "5 3", 3},
     {"extended, N = 4", "pm", "extended", "--extended", "", 4},
 };
 
@@ -564,12 +570,12 @@ std::string material_of(const View& view, const Json& material, const Study& stu
                                    text_of(material, "folder"), text_of(material, "material"), label_of(material));
     const Json* fit = view.fits(material)[0];
     html += fmt::format(
-        "<p>{}, {} bytes{}; the source's raw data would be {} bytes. {} fits in all; masked {}, clamped {}. Models, "
-        "pictures and the lobes' numbers are in <a href='{}/'>{}</a>.</p>\n",
+        "<p>{}, a file of {} bytes; {}, {} bytes. {} fits; masked {}, clamped {}. Models, pictures and the lobes' "
+        "numbers are "
+        "in <a href='{}/'>{}</a>.</p>\n",
         text_of(material, "format"), number(&material, "source_bytes", Shown::whole),
-        fit->contains("samples") && fit->at("samples").is_number()
-            ? fmt::format(", {} samples", number(fit, "samples", Shown::whole))
-            : "",
+        material["input"] == "samples" ? number(fit, "samples", Shown::whole) + " samples as RGB floats"
+                                       : "the source's raw data, 1536 × 1536 pairs of directions as RGB floats",
         number(fit, "raw_bytes", Shown::whole), number(&material, "fits", Shown::whole),
         number(&material, "masked_samples", Shown::whole), number(&material, "clamped_samples", Shown::whole),
         text_of(material, "folder"), text_of(material, "folder"));
@@ -598,8 +604,8 @@ std::string made_of(const View& view) {
     if (!done.empty()) {
         const Json& of = *done[0];
         html += fmt::format(
-            "<p>Seconds are wall-clock time of one fit on {} threads, reading the file not included, while {} "
-            "materials were at work at a time. "
+            "<p>Seconds are wall-clock time of one fit on {} threads, reading the file not included, of scattered "
+            "samples with all the fits of cross-validation; materials at work at a time: {}. "
             "Pictures are path-traced, {} × {} pixels, {} paths each, under the bundled studio light, all of one "
             "material at one exposure and "
             "with one seed; frames were timed after all fits, one material at a time.</p>\n",

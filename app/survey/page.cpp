@@ -109,7 +109,8 @@ std::string all_of(const View& view) {
                  rows) +
            "<p class='note'>masked: pairs of directions that a fit looked at and that were not measured, left out; "
            "clamped: "
-           "negative values of saturated colours, set to 0.</p>";
+           "negative values of saturated colours, set to 0. Scattered samples: what is held out may be decided by one "
+           "bright sample that the others do not foretell.</p>";
 }
 
 /// What is told of a measure's values over materials.

@@ -29,7 +29,8 @@ struct ReportCommand {
     int run() const;
 };
 
-/// A fit in parallel keeps four cores busy and hardly more; one material takes less than half a GiB.
+/// The last steps of a fit have two and three candidates to work on at a time, so that more than four cores mostly wait for them. One material of
+/// MERL's size takes less than half a GiB.
 constexpr int k_cores_of_a_job = 4;
 constexpr std::uint64_t k_memory_of_a_job = std::uint64_t(1) << 29;
 
@@ -199,15 +200,7 @@ void add_report(CLI::App& app, int& status) {
         "Fewer sizes, coarser pictures: less than a minute a material on two cores");
     // For tests, and no reader's: of each kind one small fit.
     sub->add_flag_callback("--least", [command] { command->sweep = Sweep::least; })->group("");
-    sub->add_option(
-           "--mesh", command->mesh,
-           fmt::format("Of the second picture: a .ply or .obj file, or {}", fmt::join(k_built_in_meshes, " or ")))
-        ->type_name("FILE")
-        ->capture_default_str();
-    sub->add_option("--up", command->up, "The mesh's axis that points upwards, y or z")
-        ->type_name("AXIS")
-        ->check(one_of({"y", "z"}))
-        ->capture_default_str();
+    add_mesh_options(*sub, command->mesh, command->up);
     sub->add_option("--label", command->labels,
                     "What to say beside a material's name, as in nickel=stand-in; may be given several times")
         ->type_name("NAME=TEXT")

@@ -209,8 +209,9 @@ std::string lobes_of(const View& view, const Json& material, const Study& study)
         linear += of["linear"].get<std::string>(), logarithmic += of["logarithmic"].get<std::string>();
     return fmt::format(
         "<p>How bright the surface is from each side, as the distance from the point that the light falls on; the "
-        "thick line is "
-        "measured.</p><p class='legend'>{}</p>\n<div class='polar'>{}</div>\n<div class='polar'>{}</div>\n",
+        "thick "
+        "line is measured. Beyond the angle that its objective is fitted to, a model is only held to the order of "
+        "magnitude.</p><p class='legend'>{}</p>\n<div class='polar'>{}</div>\n<div class='polar'>{}</div>\n",
         legend, linear, logarithmic);
 }
 

@@ -183,6 +183,24 @@ std::set<fs::path> finished(const fs::path& report) {
     return all;
 }
 
+TEST_F(Report, SaysWhereNoFramesCanBeTimed) {
+    const TemporaryFolder blind;
+    fs::copy(*folder / "matt.binary", blind / "matt.binary");
+    for (const fs::path& done : finished(folder->path / "whole"))
+        if (done.filename().string().starts_with("matt-")) {
+            fs::create_directory(blind / "a");
+            fs::copy(done, blind.path / "a" / done.filename(), fs::copy_options::recursive);
+            fs::remove(blind.path / "a" / done.filename() / "frames.json");
+        }
+    ::setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/dev/null", 1);  // no library that draws
+    const ProgramRun done = run(blind, {"report", "matt.binary", "-o", "a", "--least"});
+    ::unsetenv("__EGL_VENDOR_LIBRARY_FILENAMES");
+    EXPECT_EQ(done.status, 0) << done.err;
+    const std::string page = contents(blind / "a" / "index.html");
+    EXPECT_NE(page.find("No frames were timed: "), page.npos);
+    EXPECT_NE(page.find("Sizes, errors, seconds"), page.npos);
+}
+
 TEST_F(Report, NamesTheSourcesRowsBesideItsOwnMaterials) {
     EXPECT_NE(html.find("Tsai 2009, multivariate"), html.npos);
     const auto of = [&](const char* name) {
@@ -203,7 +221,7 @@ TEST_F(Report, NamesTheSourcesRowsBesideItsOwnMaterials) {
     EXPECT_EQ(run(metal, again).status, 0);
     EXPECT_NE(contents(metal / "a" / "index.html").find("<data value='0.0044'>0.44 %</data>"), html.npos);
     Arguments labelled = again;
-    labelled.insert(labelled.end(), {"--label", "nickel=stand-in"});
+    labelled.insert(labelled.begin() + 1, {"--label", "nickel=stand-in"});
     EXPECT_EQ(run(metal, labelled).status, 0);
     EXPECT_EQ(contents(metal / "a" / "index.html").find("Tsai 2009, "), html.npos);
 }

@@ -204,6 +204,7 @@ void add_report(CLI::App& app, int& status) {
     sub->add_option("--label", command->labels,
                     "What to say beside a material's name, as in nickel=stand-in; may be given several times")
         ->type_name("NAME=TEXT")
+        ->allow_extra_args(false)  // what follows the text is a file
         ->check(CLI::Validator(
             [](std::string& text) -> std::string {
                 const auto at = text.find('=');

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Changes where folders of another program version are not to be taken for ours.
+/// Counts up where what a folder holds changes, but not the program's version.
 constexpr int k_edition = 1;
 /// Light of the lobes [degrees].
 constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};

@@ -249,12 +249,18 @@ std::string survey_html(const std::vector<Surveyed>& materials, const Tables& ta
     }
     const std::string title =
         materials.size() == 1 ? materials[0].name + ": measured and fitted" : "Measured materials and their fits";
+    const auto constant = [&](const char* name, Shown how) {
+        return number(rows_with(tables.constants, "name", name)[0], "value", how);
+    };
     const std::pair<std::string_view, std::string> parts[] = {
         {"title", html_escaped(title)},
         {"style", k_style_text},
         {"report_style", k_report_style_text},
         {"lead", lead_of(view, note)},
         {"failed", failed_of(view)},
+        {"alike", constant("alike", Shown::plain)},
+        {"close", constant("close", Shown::plain)},
+        {"directions", constant("matrix_directions", Shown::whole)},
         {"default_fit", "the default fit (of scattered samples: six lobes, objective cube-root)"},
         {"cards", cards},
         {"links", links},

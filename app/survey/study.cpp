@@ -18,8 +18,6 @@ namespace fs = std::filesystem;
 
 /// Counts up where what a folder holds changes, but not the program's version.
 constexpr int k_edition = 1;
-/// Light of the lobes [degrees].
-constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};
 /// Pixels along a side and paths for each of them, of each sweep.
 struct PictureSize {
     int pixels, paths;

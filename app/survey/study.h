@@ -1,5 +1,6 @@
 // One material of a report: all that is found out about it, kept in a folder of its own.
 #pragma once
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,6 +12,9 @@
 #include "srbf/result.h"
 
 namespace srbf {
+
+/// Light of the lobes that are drawn [degrees].
+inline constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};
 
 /// How materials are studied; but for the threads a part of a study's key.
 struct StudyOptions {

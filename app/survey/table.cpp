@@ -8,6 +8,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "srbf/fit_samples.h"
+#include "srbf/metrics.h"
+
 namespace srbf {
 
 const std::vector<MeasureText> k_measure_texts{
@@ -195,6 +198,16 @@ void add_statistics(Tables& tables) {
 
 Tables tables_of(const std::vector<Surveyed>& materials) {
     Tables tables;
+    tables.constants = {"constants",
+                        {"name", "value"},
+                        {{{"name", "matrix_directions"}, {"value", k_matrix_directions}},
+                         {{"name", "heldout_pairs"}, {"value", k_heldout_pairs}},
+                         {{"name", "folds"}, {"value", k_folds}},
+                         {{"name", "alike"}, {"value", k_alike}},
+                         {{"name", "close"}, {"value", k_close}}}};
+    for (const double theta : k_albedo_theta)
+        tables.constants.rows.push_back({{"name", "albedo_theta"}, {"value", theta}});
+    for (const double theta : k_lobe_theta) tables.constants.rows.push_back({{"name", "lobe_theta"}, {"value", theta}});
     tables.summary = {"summary", {"what", "materials"}, {}};
     tables.materials = {
         "materials",

@@ -29,6 +29,7 @@ struct Surveyed {
 };
 
 struct Tables {
+    Table constants;  ///< what the page's words name: directions, pairs, folds, angles, limits
     Table summary;    ///< how many materials there are, failed, and look alike, close and different
     Table materials;  ///< each file: its origin, what was masked and clamped, what failed
     Table fits;       ///< each fit: what it is, its bytes, seconds and errors
@@ -39,7 +40,7 @@ struct Tables {
     Table frames;    ///< frames a second, and what is looked up for them
     Table source;    ///< Tsai 2009, Tables 7.1 and 7.2
     std::vector<const Table*> all() const {
-        return {&summary, &materials, &fits, &failures, &statistics, &pictures, &frames, &source};
+        return {&constants, &summary, &materials, &fits, &failures, &statistics, &pictures, &frames, &source};
     }
 };
 Tables tables_of(const std::vector<Surveyed>& materials);

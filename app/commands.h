@@ -51,6 +51,9 @@ inline CLI::Validator png_name() {
             ""};
 }
 
+/// The mesh that pictures are of, and its axis that points upwards.
+void add_mesh_options(CLI::App& sub, std::string& mesh, std::string& up);
+
 // Each adds its subcommand; when it is the one chosen, parsing runs it and leaves its exit status in
 // `status`.
 void add_fit(CLI::App& app, int& status);
@@ -61,5 +64,6 @@ void add_convert(CLI::App& app, int& status);
 void add_render(CLI::App& app, int& status);
 void add_view(CLI::App& app, int& status);
 void add_export(CLI::App& app, int& status);
+void add_report(CLI::App& app, int& status);
 
 }  // namespace srbf

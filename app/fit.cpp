@@ -37,6 +37,12 @@ Result<Done> write(const FitRequest& request, const Measured& measured, const Ou
     return Done{};
 }
 
+/// The fit, with a line that tells how far it is.
+Result<Outcome> fitted(const FitRequest& request, const Measured& measured) {
+    ProgressLine line;
+    return fit(request, measured, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+}
+
 int run(FitRequest& request) {
     const Stopwatch loading;
     const auto subject = load(request.input);
@@ -50,7 +56,7 @@ int run(FitRequest& request) {
         check_outputs({request.input}, {request.output, request.preview, request.json == "-" ? "" : request.json});
     if (!writable) return complain(writable.error());
 
-    auto outcome = fit(request, *measured);
+    auto outcome = fitted(request, *measured);
     if (!outcome) {
         Error error = outcome.error();
         error.source = request.input;

@@ -53,8 +53,8 @@ struct Outcome {
     Image8 picture;  // empty: none was asked for
 };
 
-/// Fits, judges, draws.
-Result<Outcome> fit(const FitRequest& request, const Measured& measured);
+/// Fits, judges, draws. `progress` counts all of that; returning false cancels a fit of a table.
+Result<Outcome> fit(const FitRequest& request, const Measured& measured, const ProgressCallback& progress = {});
 
 Json report_of(const FitRequest& request, const Measured& measured, const Outcome& outcome);
 /// The story that travels with the model: nothing in it depends on the machine or the time.

@@ -316,24 +316,24 @@ Result<Outcome> fit_samples(const FitRequest& request, const Measured& measured,
 
 }  // namespace
 
-Result<Outcome> fit(const FitRequest& request, const Measured& measured) {
+Result<Outcome> fit(const FitRequest& request, const Measured& measured, const ProgressCallback& whole) {
     if (request.spectral() && wavelengths(measured).empty())
         return Error{"fit", {}, "spectral channels", "a measurement at wavelengths", "one of colours"};
-    ProgressLine line;
     std::mutex one_at_a_time;
     const Stopwatch fitting;
     const bool of_samples = std::holds_alternative<Scattered>(measured.table);
-    const ProgressCallback progress = [&](const Progress& now) {
+    const double fitted = of_samples ? 0.95 : 0.7;  // measuring takes the rest
+    const auto show = [&](std::string_view stage, double fraction) {
         const std::scoped_lock lock(one_at_a_time);
-        line.show(now.stage, (of_samples ? 0.95 : 0.7) * now.fraction);  // measuring takes the rest
-        return true;
+        return !whole || whole({stage, fraction});
     };
+    const ProgressCallback progress = [&](const Progress& now) { return show(now.stage, fitted * now.fraction); };
     auto outcome = of_samples ? fit_samples(request, measured, progress) : fit_table(request, measured, progress);
     if (!outcome) return outcome;
     outcome->fit_seconds = fitting.seconds();
     outcome->max_theta = request.theta();
 
-    line.show("measuring the error", of_samples ? 0.95 : 0.7);
+    show("measuring the error", fitted);
     const auto albedo_error_of = [&](const Model& model) {
         return albedo_error(evaluator(measured), evaluator(model), request.theta() * k_degree);
     };
@@ -342,7 +342,7 @@ Result<Outcome> fit(const FitRequest& request, const Measured& measured) {
     outcome->unrounded_too.albedo_error = albedo_error_of(outcome->unrounded);
 
     if (!request.preview.empty()) {
-        line.show("drawing", 0.95);
+        show("drawing", 0.95);
         PreviewOptions picture;
         picture.threads = request.threads;
         picture.captions[1] = fmt::format("fit, {} bytes", payload_bytes(outcome->model));

@@ -65,7 +65,7 @@ void PathCommand::add_options(CLI::App& sub) {
 }
 
 Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::span<const Subject> subjects, int width,
-                                                     int height) const {
+                                                     int height, const std::function<void(double)>& progress) const {
     std::optional<Environment> light;
     if (environment != "none") {
         auto loaded = load_environment(environment);
@@ -81,14 +81,15 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
     if (lights == "three" || (lights.empty() && !light)) paths.lights = scene.lights;
     if (lights == "softbox") paths.area_lights = {softbox(scene)};
 
-    ProgressLine line;
     std::vector<PathPicture> pictures;
     for (const Subject& subject : subjects) {
         paths.materials = {draw == "cosine" ? sampled(subject, CosineProposal{}) : sampled(subject, threads),
                            diffuse(k_ground)};
         const auto before = double(pictures.size()), all = double(subjects.size());
-        const auto progress = [&](double part) { line.show("tracing paths", (before + part) / all); };
-        pictures.push_back(render_paths(paths, {width, height, samples, bounces, seed, threads, progress}));
+        const auto of_all = [&](double part) {
+            if (progress) progress((before + part) / all);
+        };
+        pictures.push_back(render_paths(paths, {width, height, samples, bounces, seed, threads, of_all}));
     }
     return pictures;
 }

@@ -18,9 +18,9 @@ struct PathCommand {
     bool no_ground = false;
 
     void add_options(CLI::App& sub);
-    /// The scene in each of the subjects; its lights are those that `lights` names.
+    /// The scene in each of the subjects; its lights are those that `lights` names. `progress` is told the part of all that is done.
     Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Subject> subjects, int width,
-                                            int height) const;
+                                            int height, const std::function<void(double)>& progress = {}) const;
 };
 
 /// The subject, which it refers to, drawn by a mixture made for it.

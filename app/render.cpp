@@ -42,7 +42,9 @@ struct Pictures {
 };
 
 Result<Pictures> render_paths(const Scene& scene, std::span<const Subject> subjects, const RenderCommand& options) {
-    auto pictures = options.path.render(scene, subjects, options.width, options.height);
+    ProgressLine line;
+    auto pictures = options.path.render(scene, subjects, options.width, options.height,
+                                        [&](double part) { line.show("tracing paths", part); });
     if (!pictures) return pictures.error();
     Pictures all;
     for (PathPicture& picture : *pictures) {
@@ -224,6 +226,16 @@ CLI::Validator size_in_pixels(int& width, int& height) {
 
 }  // namespace
 
+void add_mesh_options(CLI::App& sub, std::string& mesh, std::string& up) {
+    sub.add_option("--mesh", mesh, fmt::format("A .ply or .obj file, or {}", fmt::join(k_built_in_meshes, " or ")))
+        ->type_name("FILE")
+        ->capture_default_str();
+    sub.add_option("--up", up, "The mesh's axis that points upwards, y or z")
+        ->type_name("AXIS")
+        ->check(one_of({"y", "z"}))
+        ->capture_default_str();
+}
+
 void add_render(CLI::App& app, int& status) {
     const auto command = std::make_shared<RenderCommand>();
     std::vector<std::string> names;
@@ -235,14 +247,7 @@ void add_render(CLI::App& app, int& status) {
         ->type_name("NAME")
         ->check(one_of(names))
         ->capture_default_str();
-    sub->add_option("--mesh", command->mesh,
-                    fmt::format("A .ply or .obj file, or {}", fmt::join(k_built_in_meshes, " or ")))
-        ->type_name("FILE")
-        ->capture_default_str();
-    sub->add_option("--up", command->up, "The mesh's axis that points upwards, y or z")
-        ->type_name("AXIS")
-        ->check(one_of({"y", "z"}))
-        ->capture_default_str();
+    add_mesh_options(*sub, command->mesh, command->up);
     sub->add_option("--size", "Pixels of each picture (640x480)")
         ->type_name("WxH")
         ->check(size_in_pixels(command->width, command->height));

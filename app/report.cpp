@@ -129,7 +129,9 @@ void ProgressLine::show(std::string_view stage, double fraction) {
     stage_ = stage;
     visible_ = true;
     const double left = fraction > 0.01 ? now * (1 - fraction) / fraction : std::nan("");
-    const std::string time = std::isfinite(left) ? fmt::format(", {:.0f} s left", std::ceil(left)) : "";
+    const std::string time = !std::isfinite(left) ? ""
+                             : left < 100         ? fmt::format(", {:.0f} s left", std::ceil(left))
+                                                  : fmt::format(", {:.0f} min left", std::ceil(left / 60));
     fmt::print(stderr, "\r\033[K\033[?7l{:3.0f} %  {}{}\033[?7h", 100 * fraction, stage, time);  // ?7: wrapping
 }
 

@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
     srbf::add_render(app, status);
     srbf::add_view(app, status);
     srbf::add_export(app, status);
+    srbf::add_report(app, status);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& done) {  // --help, --version

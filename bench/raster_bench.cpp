@@ -9,12 +9,8 @@
 // SU by the index texture is bound by its lookups and by K J = 15 exponentials for each light: a texel of neighbours, 4 directions, 30
 // texels of parameters a pixel, read once for the three lights. PM reads its numbers from a uniform buffer; on llvmpipe half of its time
 // is that. General lobes cost twice what axial ones do, which stand for the same function.
-#include <epoxy/gl.h>
 #include <fmt/format.h>
-#include <sys/resource.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <span>
@@ -23,51 +19,12 @@
 #include <thread>
 #include <vector>
 
-#include "render/raster.h"
+#include "render/frames.h"
 #include "srbf/fit.h"
 #include "srbf/metrics.h"
 
 namespace srbf {
 namespace {
-
-constexpr int k_width = 640, k_height = 480, k_samples = 4;
-
-using Clock = std::chrono::steady_clock;
-
-/// Milliseconds of a frame: by the graphics library's own clock, by ours, and those that all threads of this process worked.
-struct FrameTime {
-    double gpu = 0, wall = 0, cpu = 0;
-};
-
-double cpu_milliseconds() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    const auto of = [](const timeval& time) { return 1e3 * double(time.tv_sec) + 1e-3 * double(time.tv_usec); };
-    return of(usage.ru_utime) + of(usage.ru_stime);
-}
-
-/// Draws a frame and waits for it; `on_cpu` before its end is marked, as the clock of a library that draws later, on other threads,
-/// would else stop before it begins.
-template <typename Draw> FrameTime timed(const Draw& draw, bool on_cpu) {
-    GLuint query = 0;
-    glGenQueries(1, &query);
-    glFinish();
-    const double cpu_before = cpu_milliseconds();
-    const auto begin = Clock::now();
-    glBeginQuery(GL_TIME_ELAPSED, query);
-    draw();
-    if (on_cpu) glFinish();
-    glEndQuery(GL_TIME_ELAPSED);
-    glFinish();
-    const double wall = 1e3 * std::chrono::duration<double>(Clock::now() - begin).count();
-    const double cpu = cpu_milliseconds() - cpu_before;
-    GLuint64 nanoseconds = 0;
-    glGetQueryObjectui64v(query, GL_QUERY_RESULT, &nanoseconds);
-    glDeleteQueries(1, &query);
-    return {1e-6 * double(nanoseconds), wall, cpu};
-}
-
-double least(const std::vector<double>& of) { return *std::ranges::min_element(of); }
 
 struct NamedMaterial {
     std::string name;
@@ -102,49 +59,26 @@ std::vector<NamedMaterial> materials() {
 }
 
 /// A table of all materials on one mesh: in two passes without several samples, or in one with four.
-Result<Done> compare(const Scene& scene, const std::vector<NamedMaterial>& all, PixelInput input, bool on_cpu) {
+Result<Done> compare(const OffscreenContext& context, const Scene& scene, const std::vector<NamedMaterial>& all,
+                     PixelInput input) {
     const bool two_passes = input == PixelInput::surface;
-    const RasterMesh mesh(scene.mesh);
-    const RasterView view{scene.camera, double(k_width) / k_height, scene.lights, 3, false};
-    const auto surface = RasterSurface::make(Dialect::gl_450, k_width, k_height);
-    if (!surface) return surface.error();
-    const auto target = two_passes ? RasterTarget::make_for(*surface, RasterTarget::Format::bytes)
-                                   : RasterTarget::make(k_width, k_height, k_samples, RasterTarget::Format::bytes);
-    if (!target) return target.error();
-    std::vector<RasterMaterial> made;
-    for (const NamedMaterial& of : all) {
-        auto material = RasterMaterial::make(of.material, {.dialect = Dialect::gl_450, .input = input});
-        if (!material) return material.error();
-        made.push_back(*std::move(material));
-    }
-    std::vector<std::vector<double>> gpu(made.size()), wall(made.size()), cpu(made.size());
-    for (int round = -2; round < (two_passes ? 60 : 20);
-         ++round)  // in turn, so that what else the machine does hits all alike
-        for (std::size_t i = 0; i < made.size(); ++i) {
-            const FrameTime time = timed(
-                [&] {
-                    target->begin();
-                    if (two_passes) {
-                        surface->draw(mesh, view);
-                        made[i].draw(*surface, view);
-                    } else {
-                        made[i].draw(mesh, view);
-                    }
-                },
-                on_cpu);
-            if (round < 0) continue;
-            gpu[i].push_back(time.gpu), wall[i].push_back(time.wall), cpu[i].push_back(time.cpu);
-        }
+    std::vector<Material> materials;
+    for (const NamedMaterial& of : all) materials.push_back(of.material);
+    const auto costs = time_frames(context, scene, materials, {.input = input, .frames = two_passes ? 60 : 20});
+    if (!costs) return costs.error();
     // Where the library draws on the CPU, its work is counted there.
-    const auto& work = on_cpu ? cpu : gpu;
-    const auto shading = [&](std::size_t i) { return least(work[i]) - least(work[0]); };
+    const auto work = [&](std::size_t i) {
+        return draws_on_cpu(context) ? (*costs)[i].least.cpu : (*costs)[i].least.gpu;
+    };
+    const auto shading = [&](std::size_t i) { return work(i) - work(0); };
     fmt::print("{:30}{:>9}{:>10}{:>10}{:>10}{:>12}{:>9}{:>11}\n",
                two_passes ? "two passes, 1 sample" : "one pass, 4 samples", "fps GPU", "fps wall", "ms wall", "ms CPU",
                "ms shading", "bytes", "auxiliary");
-    for (std::size_t i = 0; i < made.size(); ++i)
-        fmt::print("  {:28}{:9.1f}{:10.1f}{:10.2f}{:10.2f}{:12.2f}{:9}{:11}\n", all[i].name, 1e3 / least(gpu[i]),
-                   1e3 / least(wall[i]), least(wall[i]), least(cpu[i]), shading(i), made[i].data_bytes(),
-                   made[i].auxiliary_bytes());
+    for (std::size_t i = 0; i < costs->size(); ++i) {
+        const auto& [least, data_bytes, auxiliary_bytes] = (*costs)[i];
+        fmt::print("  {:28}{:9.1f}{:10.1f}{:10.2f}{:10.2f}{:12.2f}{:9}{:11}\n", all[i].name, 1e3 / least.gpu,
+                   1e3 / least.wall, least.wall, least.cpu, shading(i), data_bytes, auxiliary_bytes);
+    }
     fmt::print("  shading, SU by the index texture : PM of the source's form = {:.1f} (axial), {:.1f} (general)\n",
                shading(4) / shading(1), shading(4) / shading(2));
     return Done{};
@@ -160,18 +94,16 @@ Result<Done> run() {
     const char* const data = std::getenv("SRBF_DATA");
     const auto folder =
         (data ? std::filesystem::path(data) : std::filesystem::path(SRBF_SOURCE_DIR "/../shared/data")) / "meshes";
-    const bool on_cpu = context->renderer().find("llvmpipe") != std::string::npos;
     const auto all = materials();
     for (const std::string name : {"bunny.ply", "buddha.obj", "dragon.ply", "knot"}) {
         const bool is_file = std::filesystem::exists(folder / name);
         if (!is_file && name != "knot") continue;
         auto mesh = load_mesh(is_file ? (folder / name).string() : name);
         if (!mesh) return mesh.error();
-        const Scene scene = scene_of(*std::move(mesh), {.azimuth = 0.4, .z_up = name.starts_with("buddha")},
-                                     double(k_width) / k_height);
+        const Scene scene = scene_of(*std::move(mesh), {.azimuth = 0.4, .z_up = name.starts_with("buddha")}, 4.0 / 3);
         fmt::print("\n{}: {} vertices, {} triangles\n", name, scene.mesh.positions.size(), scene.mesh.triangles.size());
         for (const PixelInput input : {PixelInput::surface, PixelInput::triangles})
-            if (const auto done = compare(scene, all, input, on_cpu); !done) return done;
+            if (const auto done = compare(*context, scene, all, input); !done) return done;
     }
     return Done{};
 }

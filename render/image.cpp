@@ -143,6 +143,16 @@ Image8 side_by_side(std::span<const Image8> images, std::span<const std::string>
     return all;
 }
 
+namespace {
+
+/// Where stb puts bytes: a vector of them is its `context`.
+void append(void* context, void* data, int size) {
+    auto& all = *static_cast<std::vector<std::byte>*>(context);
+    all.insert(all.end(), static_cast<std::byte*>(data), static_cast<std::byte*>(data) + size);
+}
+
+}  // namespace
+
 Result<Done> write_png(const Image8& image, const std::string& path) {
     assert(image.pixels.size() == std::size_t(image.width) * std::size_t(image.height));
     constexpr std::int64_t largest = std::int64_t(1) << 29;  // stb counts bytes in an int, and doubles its buffers
@@ -153,13 +163,16 @@ Result<Done> write_png(const Image8& image, const std::string& path) {
                      fmt::format("1 to {} bytes", largest),
                      fmt::format("{} x {} pixels", image.width, image.height)};
     std::vector<std::byte> bytes;
-    const auto append = [](void* context, void* data, int size) {
-        auto& all = *static_cast<std::vector<std::byte>*>(context);
-        all.insert(all.end(), static_cast<std::byte*>(data), static_cast<std::byte*>(data) + size);
-    };
     if (stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.pixels.data(), 3 * image.width) == 0)
         return Error{path, {}, "cannot be written", "memory for a PNG", ""};
     return write_file(path, bytes);
+}
+
+std::vector<std::byte> jpeg(const Image8& image, int quality) {
+    assert(!image.pixels.empty() && image.width <= k_largest_jpeg && image.height <= k_largest_jpeg);
+    std::vector<std::byte> bytes;
+    stbi_write_jpg_to_func(append, &bytes, image.width, image.height, 3, image.pixels.data(), quality);
+    return bytes;
 }
 
 }  // namespace srbf

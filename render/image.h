@@ -78,5 +78,8 @@ Image8 side_by_side(std::span<const Image8> images, std::span<const std::string>
 
 /// Writes a PNG of 8-bit RGB. Errors: an empty image, or one of more than 2²⁹ bytes; those of write_file.
 Result<Done> write_png(const Image8& image, const std::string& path);
+/// The image as a JPEG of `quality` 1..100, not larger than k_largest_jpeg a side: what a page takes of a picture.
+std::vector<std::byte> jpeg(const Image8& image, int quality);
+inline constexpr int k_largest_jpeg = 65535;
 
 }  // namespace srbf

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <vector>
 
+#include "render/drawing.h"
 #include "render/html.h"
 
 namespace srbf {
@@ -23,80 +25,152 @@ std::vector<double> angles_of(double mirror) {
     return degrees;
 }
 
-std::vector<double> luminances(const Evaluate& brdf, double theta_l, std::span<const double> degrees) {
-    const std::vector<Vec3f> wl(degrees.size(), {float(std::sin(theta_l)), 0, float(std::cos(theta_l))});
-    std::vector<Vec3f> wv;
-    for (const double at : degrees) wv.push_back({float(-std::sin(at * k_degree)), 0, float(std::cos(at * k_degree))});
-    std::vector<Rgb> f(wv.size());
-    brdf(wl, wv, f);
-    std::vector<double> y;
-    for (const Rgb& value : f) y.push_back(luminance(value));
-    return y;
+/// The points of a curve as a path: broken where `y` is not finite, without those that are next to the one before.
+struct Outline {
+    std::string path;
+    double x = 0, y = 0;
+    bool is_drawing = false;
+    void add(double to_x, double to_y, double least_step) {
+        if (!std::isfinite(to_y)) {
+            is_drawing = false;
+            return;
+        }
+        if (is_drawing && std::hypot(to_x - x, to_y - y) < least_step) return;
+        path += fmt::format("{}{:.1f} {:.1f}", is_drawing ? 'L' : 'M', to_x, to_y);
+        x = to_x, y = to_y, is_drawing = true;
+    }
+};
+std::string drawn(const SliceCurve& curve, const Outline& outline, bool is_first) {
+    return fmt::format("<path class='curve' style='stroke:{}' stroke-width='{}' d='{}'><title>{}</title></path>",
+                       curve.colour, is_first ? 3 : 1.5, outline.path, html_escaped(curve.name));
 }
 
-std::string text(double x, double y, std::string_view anchor, std::string_view content) {
-    return fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='{}'>{}</text>", x, y, anchor, content);
-}
-std::string line(std::string_view kind, double x0, double y0, double x1, double y1) {
-    return fmt::format("<path class='{}' d='M{:.1f} {:.1f}L{:.1f} {:.1f}'/>", kind, x0, y0, x1, y1);
-}
-std::string power_of_ten(int exponent) {
-    if (exponent >= -2 && exponent <= 3) return fmt::format("{:g}", std::pow(10.0, exponent));
-    return fmt::format("10<tspan dy='-4' font-size='8'>{}</tspan>", exponent);
-}
+/// "0.52", "1100".
+std::string two_digits(double x) { return fmt::format("{:g}", std::strtod(fmt::format("{:.2g}", x).c_str(), nullptr)); }
+
+/// The powers of ten about positive values, `decades` of them at most.
+struct Decades {
+    int lowest = -1, highest = 0;
+    Decades(double least, double most, int decades) {
+        if (!(most > 0)) return;
+        highest = std::max(int(std::ceil(std::log10(most))), int(std::floor(std::log10(least))) + 1);
+        lowest = std::max(int(std::floor(std::log10(least))), highest - decades);
+    }
+    /// 0 at the lowest, 1 at the highest; a NaN stays one.
+    double share(double value) const {
+        return std::isnan(value) ? value : (std::log10(std::max(value, 1e-300)) - lowest) / (highest - lowest);
+    }
+};
 
 }  // namespace
 
+LuminanceSlice luminance_slice(const Evaluate& brdf, double theta_l) {
+    LuminanceSlice of{angles_of(theta_l / k_degree), {}};
+    const std::vector<Vec3f> wl(of.degrees.size(), {float(std::sin(theta_l)), 0, float(std::cos(theta_l))});
+    std::vector<Vec3f> wv;
+    for (const double at : of.degrees)
+        wv.push_back({float(-std::sin(at * k_degree)), 0, float(std::cos(at * k_degree))});
+    std::vector<Rgb> f(wv.size());
+    brdf(wl, wv, f);
+    for (const Rgb& value : f) of.luminance.push_back(luminance(value));
+    return of;
+}
+
 std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
     const double light = theta_l / k_degree;
-    const std::vector<double> degrees = angles_of(light);
-    std::vector<std::vector<double>> values;
+    std::vector<LuminanceSlice> slices;
     double most = 0, least = std::numeric_limits<double>::infinity();
     for (const SliceCurve& curve : curves) {
-        values.push_back(luminances(curve.brdf, theta_l, degrees));
-        for (const double y : values.back())
+        slices.push_back(luminance_slice(curve.brdf, theta_l));
+        for (const double y : slices.back().luminance)
             if (y > 0 && std::isfinite(y)) most = std::max(most, y), least = std::min(least, y);
     }
-    if (most == 0) most = least = 1;
-    const int highest = std::max(int(std::ceil(std::log10(most))), int(std::floor(std::log10(least))) + 1);
-    const int lowest = std::max(int(std::floor(std::log10(least))), highest - k_slice_decades);
+    const Decades decades(least, most, k_slice_decades);
     const auto x_of = [&](double at) { return k_left + (at + 90) / 180 * (k_right - k_left); };
     const auto y_of = [&](double y) {
-        const double decades = std::clamp(std::log10(y) - lowest, 0.0, double(highest - lowest));
-        return k_bottom - decades / (highest - lowest) * (k_bottom - k_top);
+        const double share = decades.share(y);
+        return std::isnan(share) ? share : k_bottom - std::clamp(share, 0.0, 1.0) * (k_bottom - k_top);
     };
 
     std::string svg = fmt::format(
         "<svg class='slice' viewBox='0 0 {} {}' role='img' aria-label='Reflectance for light at {:g}° from the "
         "normal'>",
         k_width, k_height, light);
-    svg += text(k_left, 14, "start", fmt::format("<tspan font-weight='bold'>light at {:g}°</tspan>", light));
-    for (int exponent = lowest; exponent <= highest; ++exponent) {
+    svg += svg_text(k_left, 14, "start", fmt::format("<tspan font-weight='bold'>light at {:g}°</tspan>", light));
+    for (int exponent = decades.lowest; exponent <= decades.highest; ++exponent) {
         const double y = y_of(std::pow(10.0, exponent));
-        svg += line("grid", k_left, y, k_right, y) + text(k_left - 5, y + 4, "end", power_of_ten(exponent));
+        svg += svg_line("grid", k_left, y, k_right, y) + svg_text(k_left - 5, y + 4, "end", power_of_ten(exponent));
     }
     for (int at = -90; at <= 90; at += 30)
-        svg += line("grid", x_of(at), k_bottom, x_of(at), k_bottom + 4) +
-               text(x_of(at), k_bottom + 16, "middle", fmt::format("{}°", std::abs(at)));
-    svg += line("axis", x_of(0), k_top, x_of(0), k_bottom);
+        svg += svg_line("grid", x_of(at), k_bottom, x_of(at), k_bottom + 4) +
+               svg_text(x_of(at), k_bottom + 16, "middle", fmt::format("{}°", std::abs(at)));
+    svg += svg_line("axis", x_of(0), k_top, x_of(0), k_bottom);
     if (light > 0) {
-        svg += line("mark", x_of(light), k_top, x_of(light), k_bottom) +
-               line("mark", x_of(-light), k_top, x_of(-light), k_bottom);
-        svg += text(x_of(-light), k_top - 4, "middle", "light") + text(x_of(light), k_top - 4, "middle", "mirror");
+        svg += svg_line("mark", x_of(light), k_top, x_of(light), k_bottom) +
+               svg_line("mark", x_of(-light), k_top, x_of(-light), k_bottom);
+        svg +=
+            svg_text(x_of(-light), k_top - 4, "middle", "light") + svg_text(x_of(light), k_top - 4, "middle", "mirror");
     }
-    svg += text((k_left + k_right) / 2, k_height - 8, "middle", "seen from this angle; light comes from the left");
+    svg += svg_text((k_left + k_right) / 2, k_height - 8, "middle", "seen from this angle; light comes from the left");
     for (std::size_t c = 0; c < curves.size(); ++c) {
-        std::string path;
-        bool is_drawing = false;
-        for (std::size_t i = 0; i < degrees.size(); ++i) {
-            const double y = values[c][i];
-            if (!std::isnan(y))
-                path +=
-                    fmt::format("{}{:.1f} {:.1f}", is_drawing ? 'L' : 'M', x_of(degrees[i]), y_of(std::max(y, 1e-300)));
-            is_drawing = !std::isnan(y);
+        Outline outline;
+        for (std::size_t i = 0; i < slices[c].degrees.size(); ++i)
+            outline.add(x_of(slices[c].degrees[i]), y_of(slices[c].luminance[i]), 0);
+        svg += drawn(curves[c], outline, c == 0);
+    }
+    return svg + "</svg>\n";
+}
+
+std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, LobeScale scale) {
+    constexpr double radius = 140, x0 = 180, y0 = 190, outside = 1.04, least_step = 0.8, counted = 85;
+    const double light = theta_l / k_degree;
+    std::vector<LuminanceSlice> slices;
+    for (const SliceCurve& curve : curves) slices.push_back(luminance_slice(curve.brdf, theta_l));
+    double most = 0, least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < slices[0].degrees.size(); ++i)
+        if (const double y = slices[0].luminance[i]; std::abs(slices[0].degrees[i]) <= counted && y > 0)
+            most = std::max(most, y), least = std::min(least, y);
+    if (most == 0) most = least = 1;
+    // Logarithms from the centre to the outermost ring, which is the largest value.
+    const double highest = std::log10(most),
+                 lowest = std::max(std::min(std::log10(least), highest - 1), highest - k_lobe_decades);
+    const bool is_linear = scale == LobeScale::linear;
+    const auto r_of = [&](double y) {
+        const double share = is_linear ? y / most : (std::log10(std::max(y, 1e-300)) - lowest) / (highest - lowest);
+        return radius * std::max(share, 0.0);
+    };
+    const auto x_of = [&](double r, double degrees) { return x0 + r * std::sin(degrees * k_degree); };
+    const auto y_of = [&](double r, double degrees) { return y0 - r * std::cos(degrees * k_degree); };
+
+    std::string svg = fmt::format(
+        "<svg class='slice lobes' viewBox='0 0 360 218' role='img' aria-label='Lobes for light at {:g}° from the "
+        "normal'>",
+        light);
+    svg += svg_text(4, 14, "start",
+                    fmt::format("<tspan font-weight='bold'>light at {:g}°</tspan>, {}", light,
+                                is_linear ? "linear" : "every ring ten times the one within"));
+    const auto ring = [&](double r, const std::string& label) {
+        svg += fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 1 {:.1f} {}'/>", x0 - r, y0,
+                           r, r, x0 + r, y0);
+        svg += svg_text(x0 + r, y0 + 13, "middle", label);
+    };
+    if (is_linear)
+        ring(radius / 2, two_digits(most / 2)), ring(radius, two_digits(most));
+    else
+        for (int exponent = int(std::floor(lowest)) + 1; exponent <= highest; ++exponent)
+            ring(r_of(std::pow(10.0, exponent)), power_of_ten(exponent));
+    svg += svg_line("axis", x0 - radius, y0, x0 + radius, y0) + svg_line("axis", x0, y0, x0, y0 - radius);
+    const double far = 1.1 * radius;
+    svg += svg_line("mark", x0, y0, x_of(far, -light), y_of(far, -light));
+    svg += svg_text(x_of(far, -light), y_of(far, -light) - 3, "middle", "light");
+    for (std::size_t c = 0; c < curves.size(); ++c) {
+        Outline outline;
+        for (std::size_t i = 0; i < slices[c].degrees.size(); ++i) {
+            const double y = slices[c].luminance[i], at = slices[c].degrees[i];
+            const double r = std::isnan(y) ? y : std::min(r_of(y), outside * radius);
+            outline.add(x_of(r, at), y_of(r, at), least_step);
         }
-        svg += fmt::format("<path class='curve' stroke='{}' stroke-width='{}' d='{}'><title>{}</title></path>",
-                           curves[c].colour, c == 0 ? 3 : 1.5, path, html_escaped(curves[c].name));
+        svg += drawn(curves[c], outline, c == 0);
     }
     return svg + "</svg>\n";
 }

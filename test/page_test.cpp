@@ -10,6 +10,7 @@
 #include <set>
 
 #include "models.h"
+#include "render/chart.h"
 #include "render/html.h"
 #include "render/scene.h"
 #include "render/slices.h"
@@ -131,6 +132,69 @@ TEST(Slices, AreLogarithmicAndPeakAtTheMirrorDirection) {
     // On the far side of the normal nothing was measured.
     EXPECT_LT(std::ranges::max(curves[3], {}, [](const auto& point) { return point[0]; })[0], (left + right) / 2);
     EXPECT_GT(curves[3].size(), 150u);
+}
+
+TEST(Slices, LobesReachAsFarAsTheyAreBright) {
+    const auto constant = [](float f) -> Evaluate {
+        return [f](auto, auto, std::span<Rgb> out) { std::ranges::fill(out, Rgb{f, f, f}); };
+    };
+    const SliceCurve plotted[] = {{"a", "red", constant(10)},
+                                  {"b", "red", constant(5)},
+                                  {"c", "red", constant(0.1f)},
+                                  {"d", "red", constant(99)}};
+    const double x0 = 180, y0 = 190;
+    const auto radii = [&](LobeScale scale) {
+        std::vector<double> all;
+        for (const auto& curve : curves_of(lobe_drawing(plotted, 0.5, scale))) {
+            const double r = std::hypot(curve[0][0] - x0, curve[0][1] - y0);
+            for (const auto& [x, y] : curve) EXPECT_PRED3(near, std::hypot(x - x0, y - y0), r, 0.15);  // half-circles
+            EXPECT_TRUE(r < 1 ||
+                        (curve.front()[0] < x0 && curve.back()[0] > x0));  // from the light's side to the mirror's
+            all.push_back(r);
+        }
+        return all;
+    };
+    const auto linear = radii(LobeScale::linear), logarithmic = radii(LobeScale::logarithmic);
+    ASSERT_EQ(linear.size(), 4u);
+    EXPECT_PRED3(near, linear[1], linear[0] / 2, 0.2);
+    EXPECT_PRED3(near, linear[2], linear[0] / 100, 0.2);
+    EXPECT_GT(linear[3], linear[0]);  // beyond the scale, but not far
+    EXPECT_LT(linear[3], 1.1 * linear[0]);
+    // The first curve sets the scale, a decade at least.
+    EXPECT_PRED3(near, logarithmic[0], linear[0], 0.2);
+    EXPECT_PRED3(near, logarithmic[1], (1 - std::log10(2)) * linear[0], 0.2);
+    EXPECT_PRED3(near, logarithmic[2], 0, 0.2);
+}
+
+TEST(Charts, AreLogarithmicInBothDirections) {
+    const Chart chart{"<a> title",
+                      "J",
+                      {1, 4, 16},
+                      {{"a", "red", "", true, {{16, 0.001, "x & y"}, {1, 0.1, ""}, {4, 0.01, ""}}},
+                       {"b", "red", "", false, {{4, 0.02, ""}, {2, 0, ""}, {2, NAN, ""}}}}};
+    const std::string svg = chart_drawing(chart);
+    EXPECT_EQ(svg.find("<a>"), svg.npos);
+    EXPECT_NE(svg.find("x &amp; y"), svg.npos);
+    const auto curves = curves_of(svg);
+    ASSERT_EQ(curves.size(), 1u);  // one of them is joined: in the order of x
+    ASSERT_EQ(curves[0].size(), 3u);
+    for (const int axis : {0, 1})
+        EXPECT_PRED3(near, curves[0][1][std::size_t(axis)],
+                     (curves[0][0][std::size_t(axis)] + curves[0][2][std::size_t(axis)]) / 2, 0.11);
+    EXPECT_LT(curves[0][0][0], curves[0][2][0]);
+    EXPECT_LT(curves[0][0][1], curves[0][2][1]);  // y goes downwards
+    EXPECT_EQ(count(svg, "<circle"), 4u);         // of the second, what can be shown
+    for (const char* label : {">0.1 %<", ">1 %<", ">10 %<", ">16<"}) EXPECT_NE(svg.find(label), svg.npos) << label;
+}
+
+TEST(Html, Base64AndFilledTexts) {
+    const auto encoded = [](std::string_view text) { return base64(std::as_bytes(std::span(text))); };
+    EXPECT_EQ(encoded(""), "");  // RFC 4648
+    EXPECT_EQ(encoded("f"), "Zg==");
+    EXPECT_EQ(encoded("fo"), "Zm8=");
+    EXPECT_EQ(encoded("foobar"), "Zm9vYmFy");
+    const std::pair<std::string_view, std::string> parts[] = {{"a", "{{b}}"}, {"b", "2"}};
+    EXPECT_EQ(filled("x {{a}} {{b}}", parts), "x {{b}} 2");
 }
 
 #ifdef SRBF_RASTER

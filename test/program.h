@@ -18,11 +18,10 @@ struct ProgramRun {
     std::string out, err;
 };
 
-/// Runs the program with `arguments` in `folder`. Standard output is captured, or goes to the device `out`.
-inline ProgramRun run(const TemporaryFolder& folder, const std::vector<std::string>& arguments, std::string out = {}) {
-    const TemporaryFolder captured;
-    if (out.empty()) out = captured / "out";
-    const std::string program = SRBF_PROGRAM, err = captured / "err";
+/// Starts the program with `arguments` in `folder`, its standard output and error in these files; 0: it did not start.
+inline pid_t start(const TemporaryFolder& folder, const std::vector<std::string>& arguments, const std::string& out,
+                   const std::string& err) {
+    const std::string program = SRBF_PROGRAM;
     std::vector<char*> argv{const_cast<char*>(program.c_str())};
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
@@ -34,11 +33,20 @@ inline ProgramRun run(const TemporaryFolder& folder, const std::vector<std::stri
     ::posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT, 0600);
     ::posix_spawn_file_actions_addopen(&actions, 2, err.c_str(), O_WRONLY | O_CREAT, 0600);
     pid_t process = 0;
-    int status = 0;
     const int failure = ::posix_spawn(&process, program.c_str(), &actions, nullptr, argv.data(), environ);
     ::posix_spawn_file_actions_destroy(&actions);
     EXPECT_EQ(failure, 0) << program;
-    if (failure != 0) return {failure, {}, {}};
+    return failure == 0 ? process : 0;
+}
+
+/// Runs the program with `arguments` in `folder`. Standard output is captured, or goes to the device `out`.
+inline ProgramRun run(const TemporaryFolder& folder, const std::vector<std::string>& arguments, std::string out = {}) {
+    const TemporaryFolder captured;
+    if (out.empty()) out = captured / "out";
+    const std::string err = captured / "err";
+    const pid_t process = start(folder, arguments, out, err);
+    if (process == 0) return {-1, {}, {}};
+    int status = 0;
     EXPECT_EQ(::waitpid(process, &status, 0), process);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status),
             std::filesystem::is_regular_file(out) ? contents(out) : "", contents(err)};

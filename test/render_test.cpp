@@ -2,6 +2,7 @@
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image.h>
@@ -16,6 +17,7 @@
 
 #include "properties.h"
 #include "render/preview.h"
+#include "srbf/file.h"
 #include "srbf/measured.h"
 
 namespace srbf {
@@ -225,6 +227,29 @@ TEST(WritePng, DecodesToTheSamePixels) {
                                        : Rgb8{std::uint8_t(random()), std::uint8_t(random()), 0};
         ASSERT_TRUE(write_png(image, folder / "a.png").ok());
         EXPECT_EQ(decoded(folder / "a.png"), image);
+    }
+}
+
+TEST(Jpeg, IsTheImageUpToItsQuality) {
+    const Folder folder("jpeg");
+    Image8 image(50, 30);
+    for (int y = 0; y < 30; ++y)
+        for (int x = 0; x < 50; ++x)
+            image.at(x, y) = {std::uint8_t(5 * x), std::uint8_t(8 * y), std::uint8_t(255 - 5 * x)};
+    std::size_t bytes_before = 0;
+    for (const auto& [quality, furthest] : {std::pair(50, 20), {95, 6}}) {
+        const std::vector<std::byte> bytes = jpeg(image, quality);
+        EXPECT_GT(bytes.size(), bytes_before);
+        bytes_before = bytes.size();
+        ASSERT_TRUE(write_file(folder / "a.jpg", bytes).ok());
+        const Image8 back = decoded(folder / "a.jpg");
+        ASSERT_EQ(std::pair(back.width, back.height), std::pair(50, 30));
+        int most = 0;
+        for (std::size_t i = 0; i < image.pixels.size(); ++i)
+            for (std::size_t c = 0; c < 3; ++c)
+                most = std::max(most, std::abs(int(back.pixels[i][c]) - int(image.pixels[i][c])));
+        EXPECT_LE(most, furthest) << quality;
+        EXPECT_GT(most, 0) << quality;
     }
 }
 

@@ -1,0 +1,139 @@
+#include "app/survey/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace srbf {
+namespace {
+
+/// The list, each fit once.
+class Plan {
+  public:
+    explicit Plan(int threads) : threads_(threads) {}
+
+    void pm(PmForm form, int lobes, int variates, Objective objective, std::string role = {}) {
+        FitRequest request = asked("pm", lobes, objective);
+        request.form = name(form), request.variates = variates;
+        add(request, fmt::format("pm-{}-{}x{}-{}", request.form, lobes, variates, request.objective_name),
+            std::move(role));
+    }
+    void su(int lobes, Objective objective, std::string role = {}, int directions = TabulateOptions{}.directions) {
+        FitRequest request = asked("su", lobes, objective);
+        request.directions = directions;
+        add(request, fmt::format("su-{}-{}", lobes, request.objective_name), std::move(role));
+    }
+    /// As the source draws it: the nearest samples by an index texture.
+    void su_by_texture(int lobes, Objective objective) {
+        FitRequest request = asked("su", lobes, objective);
+        request.interpolation = name(SuInterpolation::plain), request.with_index = name(DirectionMap::cube);
+        add(request, fmt::format("su-{}-{}-plain", lobes, request.objective_name), {});
+    }
+    void ggx(int lobes, Objective objective, std::string role = {}) {
+        const FitRequest request = asked("ggx", lobes, objective);
+        add(request, fmt::format("ggx-{}-{}", lobes, request.objective_name), std::move(role));
+    }
+    std::vector<PlannedFit> fits;
+
+  private:
+    FitRequest asked(const char* model, int lobes, Objective objective) const {
+        FitRequest request;
+        request.model = model, request.lobes = lobes, request.objective_name = name(objective);
+        request.threads = threads_;
+        return request;
+    }
+    void add(const FitRequest& request, std::string id, std::string role) {
+        const auto same = std::ranges::find(fits, id, &PlannedFit::id);
+        if (same == fits.end())
+            fits.push_back({request, std::move(id), std::move(role)});
+        else if (!role.empty())
+            same->role = std::move(role);
+    }
+    int threads_;
+};
+
+constexpr PmForm k_forms[] = {PmForm::source, PmForm::horizon, PmForm::extended};
+
+void plan_table(Plan& plan, bool quick) {
+    using enum Objective;
+    // The sizes that the source names, those of this project's tables, and the default.
+    plan.pm(PmForm::source, 6, 3, raw);
+    for (const Objective objective : {raw, cosine}) {
+        plan.pm(PmForm::source, 8, 4, objective);
+        plan.pm(PmForm::horizon, 8, 4, objective);
+        plan.pm(PmForm::extended, 6, 4, objective);
+        plan.pm(PmForm::extended, 8, 4, objective, objective == cosine ? "pm" : "");
+        plan.su(5, objective, objective == cosine ? "su" : "");
+        plan.ggx(1, objective);
+        plan.ggx(2, objective, objective == cosine ? "ggx" : "");
+    }
+    plan.pm(PmForm::extended, 8, 4, cube_root, "pm2");
+    plan.ggx(2, cube_root);
+    plan.su_by_texture(5, raw);
+    // The error over the number of lobes.
+    if (quick) {
+        for (const int lobes : {2, 4, 8}) {
+            for (const int variates : {2, 3, 4}) plan.pm(PmForm::source, lobes, variates, raw);
+            plan.pm(PmForm::extended, lobes, 4, raw);
+            plan.su(lobes, raw);
+        }
+        return;
+    }
+    for (const int lobes : {1, 2, 3, 4, 6, 8, 12, 16})
+        for (const PmForm form : k_forms) {
+            for (const int variates : {2, 3, 4}) plan.pm(form, lobes, variates, raw);
+            plan.pm(form, lobes, 4, cosine);
+        }
+    for (int lobes = 1; lobes <= 8; ++lobes) plan.su(lobes, raw), plan.su(lobes, cosine);
+    plan.su(5, cube_root);
+}
+
+void plan_samples(Plan& plan, bool quick) {
+    using enum Objective;
+    plan.pm(PmForm::source, 8, 4, raw);  // Krylon Blue's size in the source
+    plan.su(4, raw);                     // likewise
+    plan.pm(PmForm::source, 8, 4, cube_root);
+    plan.pm(PmForm::extended, 6, 4, cube_root, "pm");
+    plan.su(4, cube_root, "su");
+    for (const Objective objective : {raw, cube_root}) {
+        plan.ggx(1, objective);
+        plan.ggx(2, objective, objective == cube_root ? "ggx" : "");
+    }
+    if (quick) {
+        plan.pm(PmForm::extended, 3, 4, cube_root);
+        return;
+    }
+    for (const Objective objective : {raw, cube_root}) {
+        plan.pm(PmForm::horizon, 8, 4, objective);
+        for (const int lobes : {1, 2, 3, 4, 6, 8, 12}) {
+            plan.pm(PmForm::source, lobes, 4, objective);
+            plan.pm(PmForm::extended, lobes, 4, objective);
+        }
+        for (const int lobes : {2, 4, 8}) plan.su(lobes, objective);
+    }
+}
+
+void plan_least(Plan& plan) {
+    plan.pm(PmForm::source, 2, 2, Objective::raw, "pm");
+    plan.su(1, Objective::raw, "su", 16);
+    plan.ggx(1, Objective::cosine, "ggx");
+}
+
+}  // namespace
+
+std::string_view name(Sweep sweep) {
+    return sweep == Sweep::whole ? "whole" : sweep == Sweep::quick ? "quick" : "least";
+}
+
+std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads) {
+    Plan all(threads);
+    if (sweep == Sweep::least)
+        plan_least(all);
+    else if (std::holds_alternative<Scattered>(measured.table))
+        plan_samples(all, sweep == Sweep::quick);
+    else
+        plan_table(all, sweep == Sweep::quick);
+    return std::move(all.fits);
+}
+
+}  // namespace srbf

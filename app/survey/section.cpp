@@ -1,0 +1,253 @@
+// One material of the page.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/survey/parts.h"
+#include "render/chart.h"
+#include "render/html.h"
+
+namespace srbf {
+namespace {
+
+std::string pictures_of(const View& view, const Json& material) {
+    std::string html;
+    for (const auto& [object, what] : {std::pair("ball", "Ball"), {"mesh", "Mesh"}}) {
+        std::string figures;
+        for (const char* role : k_drawn) {
+            const Json* of = row_with(view.pictures(material, object), "role", role);
+            if (of == nullptr) continue;
+            const Json* fit = view.drawn(material, role);
+            figures += fmt::format(
+                "<figure>{}<figcaption><b>{}</b>{}</figcaption>",
+                picture(view.album, material, field(of->at("picture")), role_title(role)),
+                html_escaped(role_title(role)),
+                fit == nullptr ? "" : fmt::format(", {} bytes", number(fit, "payload_bytes", Shown::whole)));
+            if (of->contains("difference"))
+                figures += fmt::format(
+                    "{}<figcaption>ꟻLIP {}, PSNR {} dB, SSIM {}</figcaption>",
+                    picture(view.album, material, field(of->at("difference")), role_title(role) + ", difference"),
+                    number(of, "flip", Shown::plain), number(of, "psnr", Shown::plain),
+                    number(of, "ssim", Shown::plain));
+            figures += "</figure>\n";
+        }
+        html += fmt::format("<h3>{}</h3>\n<div class='row'>\n{}</div>\n", what, figures);
+    }
+    return html +
+           "<p class='note'>Under each fit: where it differs visibly from the measured picture (ꟻLIP), from black, not "
+           "at all, to "
+           "pale yellow.</p>\n";
+}
+
+std::vector<std::string> fit_cells(const Json& fit) {
+    std::vector<std::string> cells{number(&fit, "lobes", Shown::whole), number(&fit, "variates", Shown::whole),
+                                   number(&fit, "payload_bytes", Shown::whole)};
+    const std::string minimised = measure_of(fit["objective"]);
+    for (const MeasureText& measure : k_measure_texts) {
+        const std::string cell = number(&fit, measure.column, shown_as(measure));
+        cells.push_back(measure.column == minimised ? "<b>" + cell + "</b>" : cell);
+    }
+    cells.push_back(number(&fit, "fit_seconds", Shown::seconds));
+    return cells;
+}
+
+/// The source's rows of its own material, after a line that says what was minimised.
+std::string source_rows(const View& view, const Json& material, std::size_t columns) {
+    std::string html;
+    for (const Json* of : rows_with(view.tables.source, "material", material["source_material"])) {
+        std::vector<std::string> cells{number(of, "lobes", Shown::whole), number(of, "variates", Shown::whole),
+                                       number(of, "payload_bytes", Shown::whole)};
+        for (const MeasureText& measure : k_measure_texts)
+            cells.push_back(std::string_view(measure.column) == "squared_error_ratio"
+                                ? number(of, measure.column, Shown::percent)
+                                : "–");
+        cells.push_back(fmt::format("{} to {} min", number(of, "least_minutes", Shown::whole),
+                                    number(of, "most_minutes", Shown::whole)));
+        html += row(of->at("model") == "su" ? "Tsai 2009, view by view" : "Tsai 2009, multivariate", cells, "tsai");
+    }
+    return html.empty() ? html : group("the source: objective raw, its own matrix of this material", columns) + html;
+}
+
+std::string errors_of(const View& view, const Json& material, bool whole) {
+    std::vector<Head> heads{{"model", {}}, {"J", {}}, {"N", {}}, {"bytes", {}}};
+    for (const MeasureText& measure : k_measure_texts) {
+        const bool at_samples =
+            std::string_view(measure.column) == "squared_error_ratio" && material["input"] == "samples";
+        heads.push_back({at_samples ? "raw error, at the samples" : measure.title, {}});
+    }
+    heads.push_back({"seconds", {}});
+    std::string rows = whole ? "" : source_rows(view, material, heads.size());
+    for (const char* objective : {"raw", "cosine", "cube-root"}) {
+        std::string of_objective;
+        Json theta;
+        for (const Json* fit : view.fits(material)) {
+            if (fit->at("objective") != objective || !(whole || is_of_table(*fit))) continue;
+            theta = fit->at("max_theta");
+            of_objective += row(html_escaped(title_of(*fit)), fit_cells(*fit));
+        }
+        if (of_objective.empty()) continue;
+        rows += group(fmt::format("objective {}, directions within {}°", objective, number(theta, Shown::plain)),
+                      heads.size());
+        rows += of_objective;
+    }
+    return table(heads, rows);
+}
+
+/// What a chart's lines are: a model, a form, a number of variates.
+struct Line {
+    const char *name, *model, *form, *colour, *dash;
+    int variates;
+};
+constexpr Line k_lines[] = {
+    {"view by view", "su", "source", "--su", "", 1},
+    {"source's form, N = 2", "pm", "source", "--source", "1 3", 2},
+    {"source's form, N = 3", "pm", "source", "--source", "5 3", 3},
+    {"source's form, N = 4", "pm", "source", "--source", "", 4},
+    {"horizon, N = 2", "pm", "horizon", "--horizon", "1 3", 2},
+    {"horizon, N = 3", "pm", "horizon", "--horizon", "5 3", 3},
+    {"horizon, N = 4", "pm", "horizon", "--horizon", "", 4},
+    {"extended, N = 2", "pm", "extended", "--extended", "1 3", 2},
+    {"extended, N = 3", "pm", "extended", "--extended", "5 3", 3},
+    {"extended, N = 4", "pm", "extended", "--extended", "", 4},
+};
+
+/// The fits of a line, with the objective that the charts are of.
+Rows of_line(const View& view, const Json& material, const Line& line, const std::string& objective) {
+    Rows rows = view.fits(material);
+    std::erase_if(rows, [&](const Json* fit) {
+        return fit->at("model") != line.model || fit->at("objective") != objective ||
+               fit->at("variates") != line.variates || (fit->at("model") == "pm" && fit->at("form") != line.form) ||
+               fit->value("interpolation", "") == "plain";
+    });
+    return rows;
+}
+
+std::string charts_of(const View& view, const Json& material) {
+    const bool is_table = material["input"] == "table";
+    const std::string objective = is_table ? "raw" : "cube-root", measure = measure_of(objective);
+    const char* title = is_table ? "Raw error, held out" : "Dark-part error, held out";
+    Chart over_lobes{fmt::format("{}, over the number of lobes J", title), "J", {1, 2, 3, 4, 6, 8, 12, 16}, {}},
+        over_bytes{fmt::format("{}, over bytes", title), "bytes", {}, {}};
+    double least_lobes = k_most_view_lobes, most_lobes = 0;
+    std::string legend;
+    const auto add = [&](const std::string& name, const char* colour, const char* dash, const Rows& rows) {
+        const std::string css = fmt::format("var({})", colour);
+        ChartSeries lobes{name, css, dash, true, {}}, bytes{name, css, dash, true, {}};
+        for (const Json* fit : rows) {
+            if (!fit->at(measure).is_number()) continue;
+            const double error = fit->at(measure), j = fit->at("lobes"), size = fit->at("payload_bytes");
+            const std::string text = fmt::format("{}: {}", field(fit->at("id")), field(fit->at(measure)));
+            lobes.points.push_back({j, error, text});
+            bytes.points.push_back({size, error, text});
+            if (fit->at("model") != "ggx") least_lobes = std::min(least_lobes, j), most_lobes = std::max(most_lobes, j);
+        }
+        if (lobes.points.empty()) return;
+        legend += fmt::format(
+            "<span><svg class='key' viewBox='0 0 24 8'><path d='M0 4H24' stroke-width='2.5' "
+            "style='stroke:{}' stroke-dasharray='{}'/></svg>{}</span> ",
+            css, std::string_view(dash).empty() ? "none" : dash, html_escaped(name));
+        if (rows[0]->at("model") != "ggx") over_lobes.series.push_back(std::move(lobes));
+        over_bytes.series.push_back(std::move(bytes));
+    };
+    for (const Line& line : k_lines) add(line.name, line.colour, line.dash, of_line(view, material, line, objective));
+    add("GGX and Lambert", "--ggx", "", of_line(view, material, {"", "ggx", "", "", "", 1}, objective));
+    std::erase_if(over_lobes.x_ticks, [&](double tick) { return tick < least_lobes || tick > most_lobes; });
+    return fmt::format("<p class='legend'>{}</p>\n<div class='charts'>{}{}</div>\n", legend, chart_drawing(over_lobes),
+                       chart_drawing(over_bytes));
+}
+
+std::string frames_of(const View& view, const Json& material) {
+    const Rows rows = rows_with(view.tables.frames, "material", material["material"]);
+    if (rows.empty()) return fmt::format("<p>No frames were timed: {}</p>\n", text_of(material, "frames_error"));
+    std::string html;
+    const Rows fits = view.fits(material);
+    for (const Json* of : rows) {
+        const Json* fit = row_with(fits, "id", of->at("id"));
+        const std::string name =
+            fit == nullptr ? "a constant, for comparison"
+                           : title_of(*fit) + (of->at("drawn") == "by index texture" ? ", by index texture" : "");
+        html += row(html_escaped(name),
+                    {number(fit, "lobes", Shown::whole), number(fit, "variates", Shown::whole),
+                     number(of, "data_bytes", Shown::whole), number(of, "auxiliary_bytes", Shown::whole),
+                     number(of, "total_bytes", Shown::whole), number(of, "frames_per_second", Shown::plain)});
+    }
+    for (const Json* of : rows_with(view.tables.source, "material", material["source_material"]))
+        html += row(fmt::format("Tsai 2009, {}, {}", of->at("model") == "su" ? "view by view" : "multivariate",
+                                text_of(*of, "renderer")),
+                    {number(of, "lobes", Shown::whole), number(of, "variates", Shown::whole),
+                     number(of, "payload_bytes", Shown::whole), number(of, "auxiliary_bytes", Shown::whole), "–",
+                     fmt::format("{} to {}", number(of, "least_frames_per_second", Shown::whole),
+                                 number(of, "most_frames_per_second", Shown::whole))},
+                    "tsai");
+    const Json& first = *rows[0];
+    return table({{"model", {}},
+                  {"J", {}},
+                  {"N", {}},
+                  {"bytes looked up", {}},
+                  {"auxiliary bytes", {}},
+                  {"bytes in all", {}},
+                  {"frames a second", {}}},
+                 html) +
+           fmt::format(
+               "<p class='note'>The fastest of {} frames of {} × {} pixels, three directional lights, the mesh {} ({} "
+               "triangles), by {}.</p>\n",
+               number(&first, "frames", Shown::whole), number(&first, "width", Shown::whole),
+               number(&first, "height", Shown::whole), text_of(first, "mesh"),
+               number(&first, "triangles", Shown::whole), text_of(first, "renderer"));
+}
+
+std::string lobes_of(const View& view, const Json& material, const Study& study) {
+    std::string linear, logarithmic, legend;
+    for (const char* role : k_drawn) {
+        if (view.ball(material, role) == nullptr) continue;
+        legend += fmt::format(
+            "<span><svg class='key' viewBox='0 0 24 8'><path d='M0 4H24' stroke-width='3' "
+            "style='stroke:var(--{})'/></svg>{}</span> ",
+            role, html_escaped(role_title(role)));
+    }
+    for (const Json& of : study.material.at("lobes"))
+        linear += of["linear"].get<std::string>(), logarithmic += of["logarithmic"].get<std::string>();
+    return fmt::format(
+        "<p>How bright the surface is from each side, as the distance from the point that the light falls on; the "
+        "thick "
+        "line is measured. Beyond the angle that its objective is fitted to, a model is only held to the order of "
+        "magnitude.</p><p class='legend'>{}</p>\n<div class='polar'>{}</div>\n<div class='polar'>{}</div>\n",
+        legend, linear, logarithmic);
+}
+
+}  // namespace
+
+std::string material_section(const View& view, const Json& material, const Study& study) {
+    std::string html = fmt::format("<section id='{}'>\n<h2>{}{} <a class='back' href='#contents'>contents</a></h2>\n",
+                                   text_of(material, "folder"), text_of(material, "material"), label_of(material));
+    const Json* fit = view.fits(material)[0];
+    html += fmt::format(
+        "<p>{}, a file of {} bytes; {}, {} bytes. {} fits; masked {}, clamped {}. Models, pictures and the lobes' "
+        "numbers are "
+        "in <a href='{}/'>{}</a>.</p>\n",
+        text_of(material, "format"), number(&material, "source_bytes", Shown::whole),
+        material["input"] == "samples" ? number(fit, "samples", Shown::whole) + " samples as RGB floats"
+                                       : "the source's raw data, 1536 × 1536 pairs of directions as RGB floats",
+        number(fit, "raw_bytes", Shown::whole), number(&material, "fits", Shown::whole),
+        number(&material, "masked_samples", Shown::whole), number(&material, "clamped_samples", Shown::whole),
+        text_of(material, "folder"), text_of(material, "folder"));
+    for (const Json* failure : rows_with(view.tables.failures, "material", material["material"]))
+        html +=
+            fmt::format("<p class='wrong'>{} failed: {}</p>\n", text_of(*failure, "id"), text_of(*failure, "error"));
+    html += pictures_of(view, material);
+    html += "<h3>Sizes, errors, seconds</h3>\n" + errors_of(view, material, false);
+    if (!field(material["source_material"]).empty())
+        html += material["input"] == "samples"
+                    ? "<p class='note'>Tsai 2009 resampled the samples to a matrix of 1536 × 1536 pairs; its error is "
+                      "against that "
+                      "interpolation. Ours are at the samples themselves, and held out.</p>\n"
+                    : "<p class='note'>Tsai 2009 fitted the same material, resampled in its own way.</p>\n";
+    html += "<h3>Error over lobes and bytes</h3>\n" + charts_of(view, material);
+    html += "<h3>Lobes</h3>\n" + lobes_of(view, material, study);
+    html += "<h3>Bytes and frames a second</h3>\n" + frames_of(view, material);
+    html += fmt::format("<details><summary>All {} fits</summary>{}</details>\n",
+                        number(&material, "fits", Shown::whole), errors_of(view, material, true));
+    return html + "</section>\n";
+}
+
+}  // namespace srbf

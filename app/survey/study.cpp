@@ -1,0 +1,262 @@
+#include "app/survey/study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include "app/path.h"
+#include "render/likeness.h"
+#include "render/slices.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Counts up where what a folder holds changes, but not the program's version.
+constexpr int k_edition = 1;
+/// Pixels along a side and paths for each of them, of each sweep.
+struct PictureSize {
+    int pixels, paths;
+};
+constexpr std::array<PictureSize, 3> k_pictures_of{{{240, 256}, {200, 64}, {16, 1}}};
+/// What a page takes of pictures, and of differences.
+constexpr int k_quality = 85, k_quality_of_differences = 70;
+
+/// FNV-1a, 64 bits.
+class Hash {
+  public:
+    void add(std::span<const std::byte> bytes) {
+        for (const std::byte byte : bytes) state_ = (state_ ^ std::uint64_t(byte)) * 0x100000001b3;
+    }
+    std::string text() const { return fmt::format("{:016x}", state_); }
+
+  private:
+    std::uint64_t state_ = 0xcbf29ce484222325;
+};
+
+/// The parts of a folder name that any file system takes.
+std::string plain(std::string text) {
+    for (char& c : text)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
+    return text;
+}
+
+/// The colour of what has that role, as the page's style names it.
+std::string colour_of(const std::string& role) { return fmt::format("var(--{})", role); }
+
+/// What is drawn: the measurement first, then fits.
+struct Drawn {
+    std::vector<Subject> subjects;
+    std::vector<std::string> roles, ids;
+};
+
+/// A study on its way into a folder.
+class Maker {
+  public:
+    Maker(std::string folder, const StudyOptions& options,
+          const std::function<void(const std::string&, double)>& progress)
+        : folder_(std::move(folder)), options_(options), progress_(progress) {}
+
+    Result<Study> run(const std::string& file) {
+        const Stopwatch watch;
+        auto measured = load_measured(file);
+        if (!measured) return measured.error();
+        Study study{folder_, {}, {}, {}};
+        study.times["threads"] = options_.threads;
+        study.times["jobs"] = options_.jobs;
+        study.times["load_seconds"] = watch.seconds();
+        const bool of_samples = std::holds_alternative<Scattered>(measured->table);
+        study.material = {{"file", fs::path(file).filename().string()},
+                          {"format", measured->format},
+                          {"input", of_samples ? "samples" : "table"},
+                          {"isotropic", is_isotropic(*measured)},
+                          {"source_bytes", measured->bytes},
+                          {"version", SRBF_VERSION},
+                          {"sweep", name(options_.sweep)}};
+        drawn_.subjects.push_back({file, *std::move(measured)});
+        drawn_.roles.emplace_back("measured"), drawn_.ids.emplace_back("measured");
+        const auto written = [&]() -> Result<Done> {
+            if (const auto done = fit(study); !done) return done.error();
+            if (const auto done = draw_lobes(study); !done) return done.error();
+            return draw_pictures(study);
+        }();
+        if (!written) return written.error();
+        study.times["study_seconds"] = watch.seconds();
+        for (const auto& [name, json] : {std::pair("times.json", &study.times), {"material.json", &study.material}})
+            if (const auto done = write_json(*json, path(name)); !done) return done.error();
+        return study;
+    }
+
+  private:
+    std::string path(const std::string& name) const { return (fs::path(folder_) / name).string(); }
+    /// How the parts of the work compare.
+    static constexpr double k_fits = 0.75, k_pictures = 1 - k_fits;
+
+    Result<Done> fit(Study& study) {
+        const auto measured = [&]() -> const Measured& { return std::get<Measured>(drawn_.subjects[0].content); };
+        const std::vector<PlannedFit> all = plan(measured(), options_.sweep, options_.threads);
+        Json rows = Json::array(), failures = Json::array(), seconds = Json::object();
+        std::optional<Error> first;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            progress_(all[i].id, k_fits * double(i) / double(all.size()));
+            FitRequest request = all[i].request;
+            request.input = study.material["file"];
+            request.output = all[i].id + ".srbf";
+            const auto outcome = srbf::fit(request, measured());
+            if (!outcome) {
+                Error error = outcome.error();
+                error.source = request.input;
+                failures.push_back({{"id", all[i].id}, {"error", message(error)}});
+                if (!first) first = error;
+                continue;
+            }
+            Json row{{"id", all[i].id}, {"role", all[i].role}};
+            row.update(report_of(request, measured(), *outcome));
+            for (const char* other : {"fit_seconds", "load_seconds", "threads", "path"}) row.erase(other);
+            rows.push_back(std::move(row));
+            seconds[all[i].id] = outcome->fit_seconds;
+            Model model{outcome->model.model, provenance_of(request, *outcome)};
+            if (const auto saved = save_model(model, path(request.output)); !saved) return saved.error();
+            if (all[i].role.empty()) continue;
+            drawn_.subjects.push_back({request.output, std::move(model)});
+            drawn_.roles.push_back(all[i].role), drawn_.ids.push_back(all[i].id);
+        }
+        if (rows.empty() && first) return *first;
+        study.material["fits"] = std::move(rows), study.material["failures"] = std::move(failures);
+        study.times["fit_seconds"] = std::move(seconds);
+        return Done{};
+    }
+
+    Result<Done> draw_lobes(Study& study) {
+        std::vector<SliceCurve> curves;
+        for (std::size_t i = 0; i < drawn_.subjects.size(); ++i)
+            curves.push_back({drawn_.ids[i], colour_of(drawn_.roles[i]), evaluator(drawn_.subjects[i])});
+        std::string csv = "id,theta_l,theta_v,luminance\n";
+        for (const double theta : k_lobe_theta) {
+            study.material["lobes"].push_back(
+                {{"theta_l", theta},
+                 {"linear", lobe_drawing(curves, theta * k_degree, LobeScale::linear)},
+                 {"logarithmic", lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic)}});
+            for (const SliceCurve& curve : curves) {
+                const LuminanceSlice of = luminance_slice(curve.brdf, theta * k_degree);
+                for (std::size_t i = 0; i < of.degrees.size(); ++i)
+                    csv +=
+                        std::isfinite(of.luminance[i])
+                            ? fmt::format("{},{:g},{:.4g},{:.6g}\n", curve.name, theta, of.degrees[i], of.luminance[i])
+                            : fmt::format("{},{:g},{:.4g},\n", curve.name, theta, of.degrees[i]);
+            }
+        }
+        return write_file(path("lobes.csv"), as_bytes(csv));
+    }
+
+    Result<Done> draw_pictures(Study& study) {
+        const auto [size, paths] = k_pictures_of[std::size_t(options_.sweep)];
+        PathCommand command;
+        command.samples = paths;
+        command.threads = options_.threads;
+        study.material["pixels"] = size;
+        study.material["paths"] = command.samples;
+        const std::array<std::pair<const char*, std::string>, 2> objects{{{"ball", "ball"}, {"mesh", options_.mesh}}};
+        for (std::size_t object = 0; object < objects.size(); ++object) {
+            auto mesh = load_mesh(objects[object].second);
+            if (!mesh) return mesh.error();
+            const Viewpoint viewpoint{.z_up = object > 0 && options_.z_up};
+            const Scene scene = scene_of(*std::move(mesh), viewpoint, 1);
+            const auto pictures = command.render(scene, drawn_.subjects, size, size, [&](double part) {
+                progress_("pictures", k_fits + k_pictures * (double(object) + part) / double(objects.size()));
+            });
+            if (!pictures) return pictures.error();
+            const float exposure = automatic_exposure(pictures->front().rendering.radiance);
+            const Image8 measured = shown(pictures->front().rendering, exposure);
+            for (std::size_t i = 0; i < pictures->size(); ++i) {
+                const Image8 image = shown((*pictures)[i].rendering, exposure);
+                const std::string name = fmt::format("{}-{}", objects[object].first, drawn_.ids[i]);
+                if (const auto done = write(image, name, k_quality); !done) return done.error();
+                Json row{{"object", objects[object].first},
+                         {"id", drawn_.ids[i]},
+                         {"role", drawn_.roles[i]},
+                         {"picture", name}};
+                if (i > 0) {
+                    const Likeness of = likeness(measured, image);
+                    const std::string difference = name + ".difference";
+                    const Image8 map = in_false_colours(flip_map(measured, image), size, size);
+                    if (const auto done = write(map, difference, k_quality_of_differences); !done) return done.error();
+                    row.update({{"difference", difference}, {"psnr", of.psnr}, {"ssim", of.ssim}, {"flip", of.flip}});
+                }
+                study.material["pictures"].push_back(std::move(row));
+            }
+        }
+        return Done{};
+    }
+
+    /// As a PNG, and as a page takes it.
+    Result<Done> write(const Image8& image, const std::string& name, int quality) const {
+        if (const auto done = write_png(image, path(name + ".png")); !done) return done.error();
+        return write_file(path(name + ".jpg"), jpeg(image, quality));
+    }
+
+    std::string folder_;
+    const StudyOptions& options_;
+    const std::function<void(const std::string&, double)>& progress_;
+    Drawn drawn_;
+};
+
+std::optional<Json> read_json(const fs::path& path) {
+    const auto bytes = read_file(path.string());
+    if (!bytes) return {};
+    const auto* text = reinterpret_cast<const char*>(bytes->data());
+    Json json = Json::parse(text, text + bytes->size(), nullptr, false);
+    if (json.is_discarded()) return {};
+    return json;
+}
+
+}  // namespace
+
+Result<std::string> study_name(const std::string& file, const StudyOptions& options) {
+    const auto bytes = read_file(file);
+    if (!bytes) return bytes.error();
+    Hash hash;
+    hash.add(*bytes);
+    hash.add(as_bytes(fmt::format("{} {} {} {} {} {}", SRBF_VERSION, k_edition, name(options.sweep), options.mesh,
+                                  options.z_up, bytes->size())));
+    if (std::ranges::find(k_built_in_meshes, options.mesh) == k_built_in_meshes.end()) {
+        const auto mesh = read_file(options.mesh);
+        if (!mesh) return mesh.error();
+        hash.add(*mesh);
+    }
+    return fmt::format("{}-{}", plain(fs::path(file).stem().string()), hash.text());
+}
+
+std::optional<Study> load_study(const std::string& folder) {
+    auto material = read_json(fs::path(folder) / "material.json"), times = read_json(fs::path(folder) / "times.json");
+    if (!material || !times) return {};
+    return Study{folder, *std::move(material), *std::move(times),
+                 read_json(fs::path(folder) / "frames.json").value_or(Json())};
+}
+
+Result<Study> make_study(const std::string& file, const std::string& folder, const StudyOptions& options,
+                         const std::function<void(const std::string&, double)>& progress) {
+    const fs::path whole = folder, unfinished = whole.parent_path() / ("." + whole.filename().string());
+    std::error_code code;
+    fs::remove_all(unfinished, code);  // what a run that was ended left behind
+    fs::remove_all(whole, code);
+    if (fs::create_directory(unfinished, code); code)
+        return Error{unfinished.string(), {}, "cannot be made", "a folder", code.message()};
+    auto study = Maker(unfinished.string(), options, progress).run(file);
+    if (!study) {
+        fs::remove_all(unfinished, code);
+        return study;
+    }
+    if (fs::rename(unfinished, whole, code); code)
+        return Error{whole.string(), {}, "cannot be written", "a folder", code.message()};
+    // As it will be read by a later run: what is told of a study does not depend on which run made it.
+    auto kept = load_study(folder);
+    if (!kept) return Error{whole.string(), {}, "cannot be read", "the study that was written", "none"};
+    return *std::move(kept);
+}
+
+}  // namespace srbf

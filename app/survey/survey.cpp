@@ -1,0 +1,228 @@
+// `srbf report`.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "app/commands.h"
+#include "app/survey/page.h"
+#include "render/mesh.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportCommand {
+    std::vector<std::string> files, labels;
+    std::string folder, note, mesh = StudyOptions{}.mesh, up = "y";
+    Sweep sweep = Sweep::whole;
+    int threads = 0, jobs = 0;
+
+    int run() const;
+};
+
+/// The last steps of a fit have two and three candidates to work on at a time, so that more than four cores mostly wait for them. One material of
+/// MERL's size takes less than half a GiB.
+constexpr int k_cores_of_a_job = 4;
+constexpr std::uint64_t k_memory_of_a_job = std::uint64_t(1) << 29;
+
+int jobs_for(int cores, std::size_t materials) {
+    const long pages = ::sysconf(_SC_AVPHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
+    const std::uint64_t memory = pages > 0 && page > 0 ? std::uint64_t(pages) * std::uint64_t(page) : 0;
+    const auto fit =
+        std::min({std::uint64_t(cores / k_cores_of_a_job), memory / k_memory_of_a_job, std::uint64_t(materials)});
+    return int(std::max<std::uint64_t>(fit, 1));
+}
+
+/// Of the materials that are at work, one line.
+class Board {
+  public:
+    Board(std::size_t todo, ProgressLine& line) : fraction_(todo), line_(line) {}
+    void show(std::size_t i, const std::string& what, double fraction) {
+        const std::scoped_lock lock(one_at_a_time_);
+        fraction_[i] = fraction;
+        double sum = 0;
+        for (const double of : fraction_) sum += of;
+        line_.show(what, sum / double(fraction_.size()));
+    }
+
+  private:
+    std::mutex one_at_a_time_;
+    std::vector<double> fraction_;
+    ProgressLine& line_;
+};
+
+/// Fills in what is not there yet. Which materials are at work at a time decides nothing but the seconds.
+void study_all(std::vector<Surveyed>& materials, const std::vector<std::string>& folders, const StudyOptions& options) {
+    std::vector<std::size_t> todo;
+    for (std::size_t i = 0; i < materials.size(); ++i)
+        if (materials[i].error.empty() && !(materials[i].study = load_study(folders[i]))) todo.push_back(i);
+    ProgressLine line;
+    Board board(std::max<std::size_t>(todo.size(), 1), line);
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&] {
+        for (std::size_t at; (at = next++) < todo.size();) {
+            Surveyed& of = materials[todo[at]];
+            auto study = make_study(of.file, folders[todo[at]], options, [&](const std::string& what, double part) {
+                board.show(at, fmt::format("{} of {}, {}: {}", at + 1, todo.size(), of.name, what), part);
+            });
+            if (study)
+                of.study = *std::move(study);
+            else
+                of.error = message(study.error());
+            board.show(at, of.name, 1);
+        }
+    };
+    std::vector<std::thread> workers;
+    for (int i = 1; i < options.jobs; ++i) workers.emplace_back(work);
+    work();
+    for (std::thread& worker : workers) worker.join();
+
+    // While nothing else runs.
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+        if (!materials[i].study || !materials[i].study->frames.is_null()) continue;
+        line.show("frames of " + materials[i].name, double(i) / double(materials.size()));
+        if (const auto timed = time_study(*materials[i].study, options); !timed)
+            materials[i].frame_error = message(timed.error());
+        else
+            materials[i].study = load_study(materials[i].study->folder);  // as a later run will read it
+    }
+}
+
+/// The materials by name, and the folder of each; those that cannot be read say so.
+std::vector<Surveyed> materials_of(const ReportCommand& command, const StudyOptions& options,
+                                   std::vector<std::string>& folders) {
+    std::map<std::string, std::string> label_of;
+    for (const std::string& label : command.labels)
+        label_of[label.substr(0, label.find('='))] = label.substr(label.find('=') + 1);
+    std::map<std::string, int> count;
+    std::vector<Surveyed> materials;
+    for (const std::string& file : command.files) {
+        Surveyed of;
+        of.file = file;
+        const std::string stem = fs::path(file).stem().string();
+        const int same = ++count[stem];
+        of.name = same > 1 ? fmt::format("{} ({})", stem, same) : stem;
+        for (const std::string& key : {stem, fs::path(file).filename().string(), file})
+            if (const auto label = label_of.find(key); label != label_of.end()) of.label = label->second;
+        const auto name = study_name(file, options);
+        std::string folder = name ? (fs::path(command.folder) / *name).string() : "";
+        if (!name)
+            of.error = message(name.error());
+        else if (std::ranges::find(folders, folder) != folders.end())
+            of.error = message({file, {}, "input", "another material", "one that is in the report already"});
+        folders.push_back(of.error.empty() ? std::move(folder) : "");
+        materials.push_back(std::move(of));
+    }
+    return materials;
+}
+
+Result<Done> write_all(const ReportCommand& command, const std::vector<Surveyed>& materials) {
+    const Tables tables = tables_of(materials);
+    std::vector<std::pair<std::string, std::string>> texts;
+    for (const Table* table : tables.all()) texts.emplace_back(table->name + ".csv", csv(*table));
+    texts.emplace_back("accuracy.md", survey_markdown(tables));
+    texts.emplace_back("index.html", survey_html(materials, tables, command.note));
+    for (const auto& [name, text] : texts)
+        if (const auto written = write_file((fs::path(command.folder) / name).string(), as_bytes(text)); !written)
+            return written.error();
+    return Done{};
+}
+
+void print_summary(const ReportCommand& command, const std::vector<Surveyed>& materials) {
+    fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10}\n", "material", "bytes", "image error", "raw error", "FLIP");
+    for (const Surveyed& of : materials) {
+        if (!of.study) continue;
+        const Json &fits = of.study->material["fits"], &pictures = of.study->material["pictures"];
+        const auto fit = std::ranges::find_if(fits, [](const Json& one) { return one["role"] == "pm"; });
+        const auto ball = std::ranges::find_if(
+            pictures, [](const Json& one) { return one["role"] == "pm" && one["object"] == "ball"; });
+        if (fit == fits.end() || ball == pictures.end()) continue;
+        const auto ratio = [&](const char* measure) {
+            const Json& value = (*fit)[measure];
+            return value.is_number() ? percent(value) : std::string("-");
+        };
+        fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10.3f}\n", of.name, (*fit)["payload_bytes"].get<int>(),
+                   ratio("heldout_squared_error_ratio_cosine"), ratio("heldout_squared_error_ratio"),
+                   (*ball)["flip"].get<double>());
+    }
+    fmt::print("\n  page      {}\n", (fs::path(command.folder) / "index.html").string());
+}
+
+int ReportCommand::run() const {
+    std::error_code code;
+    fs::create_directories(folder, code);
+    if (!fs::is_directory(folder, code))
+        return complain({folder, {}, "output", "a folder, or none yet", "something else"});
+    if (::access(folder.c_str(), W_OK) != 0)
+        return complain({folder, {}, "output", "a folder that may be written", "one that may not"});
+    if (const auto loaded = load_mesh(mesh); !loaded) return complain(loaded.error());
+
+    const int cores = threads > 0 ? threads : int(std::max(std::thread::hardware_concurrency(), 1u));
+    StudyOptions options{sweep, mesh, up == "z", cores, 1};
+    options.jobs = jobs > 0 ? std::min(jobs, int(files.size())) : jobs_for(cores, files.size());
+    options.threads = std::max(cores / options.jobs, 1);
+    std::vector<std::string> folders;
+    std::vector<Surveyed> materials = materials_of(*this, options, folders);
+    study_all(materials, folders, options);
+    if (const auto written = write_all(*this, materials); !written) return complain(written.error());
+    print_summary(*this, materials);
+    int status = k_done;
+    for (const Surveyed& of : materials)
+        if (!of.study) {
+            fmt::print(stderr, "srbf: {}\n", of.error);
+            status = k_input_error;
+        }
+    return status;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, int& status) {
+    const auto command = std::make_shared<ReportCommand>();
+    CLI::App* sub = app.add_subcommand(
+        "report", "How good all models are for your materials: one page, tables, pictures, the models");
+    sub->add_option("FILE", command->files, "Measurements")->type_name("")->required();
+    sub->add_option("-o,--output", command->folder,
+                    "The folder to write. Materials that are finished there are not done again")
+        ->type_name("DIR")
+        ->required();
+    sub->add_flag_callback(
+        "--quick", [command] { command->sweep = Sweep::quick; },
+        "Fewer sizes, coarser pictures: less than a minute a material on two cores");
+    // For tests, and no reader's: of each kind one small fit.
+    sub->add_flag_callback("--least", [command] { command->sweep = Sweep::least; })->group("");
+    add_mesh_options(*sub, command->mesh, command->up);
+    sub->add_option("--label", command->labels,
+                    "What to say beside a material's name, as in nickel=stand-in; may be given several times")
+        ->type_name("NAME=TEXT")
+        ->allow_extra_args(false)  // what follows the text is a file
+        ->check(CLI::Validator(
+            [](std::string& text) -> std::string {
+                const auto at = text.find('=');
+                return at == 0 || at == text.npos ? fmt::format("expected NAME=TEXT, found {}", text) : "";
+            },
+            ""));
+    sub->add_option("--note", command->note, "What to say on top of the page")->type_name("TEXT");
+    sub->add_option("--threads", command->threads, "In all; 0: as many as the machine has")
+        ->type_name("T")
+        ->check(within(0, k_most_threads))
+        ->capture_default_str();
+    sub->add_option("--jobs", command->jobs,
+                    "Materials at a time, among which the threads are shared out; 0: one for every four cores")
+        ->type_name("N")
+        ->check(within(0, k_most_threads))
+        ->capture_default_str();
+    sub->footer("Example:\n  srbf report materials/*.binary -o report --quick");
+    sub->callback([command, &status] { status = command->run(); });
+}
+
+}  // namespace srbf

@@ -1,0 +1,281 @@
+// `srbf report`: what it tells is in its tables, and what it has finished it does not do again.
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <thread>
+
+#include "measured_files.h"
+#include "program.h"
+#include "properties.h"
+#include "srbf/text.h"
+
+namespace srbf {
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+using Files = std::map<fs::path, std::string>;
+
+std::string text_of(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+/// Three small materials, whose names have no digits, and a file that is none.
+void write_materials(const TemporaryFolder& folder) {
+    for (const double gloss : {1.0, 4.0, 9.0})
+        write(folder / (gloss == 1   ? "matt.binary"
+                        : gloss == 4 ? "satin.binary"
+                                     : "krylon_blue.binary"),
+              text_of(merl_file({9, 6, 8}, [&](int h, int d, int, int c) {
+                  return 0.1 + gloss * std::exp(-h * gloss) * (1 + c) + 0.01 * d;
+              })));
+    write(folder / "broken.binary", "no measurement");
+}
+
+/// All files of a report, by their path in it.
+Files files_of(const fs::path& report) {
+    Files all;
+    for (const auto& entry : fs::recursive_directory_iterator(report))
+        if (entry.is_regular_file()) all[fs::relative(entry.path(), report)] = contents(entry.path());
+    return all;
+}
+/// What a clock has decided: in the folder of a material times.json and frames.json, beside it all that tells of them.
+bool is_of_clocks(const fs::path& file) {
+    return file.filename() == "times.json" || file.filename() == "frames.json" || !file.has_parent_path();
+}
+
+Arguments arguments(const std::string& output) {
+    return {"report", "matt.binary", "broken.binary", "krylon_blue.binary",       "satin.binary", "-o",
+            output,   "--least",     "--label",       "satin=stand-in & <so on>", "--note",       "Not <real>"};
+}
+
+class Report : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        folder = std::make_unique<TemporaryFolder>();
+        write_materials(*folder);
+        first = run(*folder, arguments("whole"));
+        html = contents(*folder / "whole" / "index.html");
+    }
+    static void TearDownTestSuite() { folder.reset(); }
+
+    static std::unique_ptr<TemporaryFolder> folder;
+    static ProgramRun first;
+    static std::string html;
+};
+std::unique_ptr<TemporaryFolder> Report::folder;
+ProgramRun Report::first;
+std::string Report::html;
+
+TEST_F(Report, OneMaterialThatFailsDoesNotStopTheOthers) {
+    EXPECT_EQ(first.status, 1);
+    EXPECT_TRUE(first.err.starts_with("srbf: broken.binary: ")) << first.err;
+    EXPECT_EQ(first.err.find('\n'), first.err.size() - 1) << first.err;
+    for (const char* name : {"matt", "satin", "krylon_blue"})
+        EXPECT_NE(html.find(fmt::format("'>{}</a>", name)), html.npos) << name;
+    EXPECT_NE(html.find("<b>broken</b>: broken.binary: "), html.npos);
+    EXPECT_NE(contents(*folder / "whole" / "materials.csv").find("broken,,,broken.binary"), html.npos);
+
+    const ProgramRun none = run(*folder, {"report", "broken.binary", "missing.binary", "-o", "none", "--least"});
+    EXPECT_EQ(none.status, 1);
+    EXPECT_NE(none.err.find("missing.binary"), html.npos);
+    EXPECT_NE(contents(*folder / "none" / "index.html").find("<b>missing</b>"), html.npos);
+}
+
+TEST_F(Report, NeedsNothingButItself) {
+    for (const char* outside : {"<script", "http:", "https:", "<link", "url(", "{{", "Not <real>", "<so on>"})
+        EXPECT_EQ(html.find(outside), html.npos) << outside;
+    for (std::size_t at = 0; (at = html.find(" src=", at)) != html.npos; ++at)
+        EXPECT_EQ(html.compare(at, 16, " src='data:image"), 0) << html.substr(at, 40);
+    // What is linked to is there.
+    const std::regex link("href='([^'#][^']*)'");
+    int links = 0;
+    for (std::sregex_iterator at(html.begin(), html.end(), link), end; at != end; ++at, ++links)
+        EXPECT_TRUE(fs::exists(folder->path / "whole" / std::string((*at)[1]))) << (*at)[1];
+    EXPECT_GT(links, 20);
+    const std::regex inner("href='#([^']*)'");
+    for (std::sregex_iterator at(html.begin(), html.end(), inner), end; at != end; ++at)
+        EXPECT_TRUE(std::regex_search(html, std::regex(fmt::format("id=['\"]{}['\"]", std::string((*at)[1])))))
+            << (*at)[1];
+}
+
+TEST_F(Report, IsShownByABrowser) {
+    const std::string script = (fs::path(SRBF_SOURCE_DIR) / "test" / "report_page.py").string();
+    const int status =
+        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 timeout 100 python3 '{}' '{}' > '{}' 2>&1", script,
+                                (*folder / "whole" / "index.html").string(), (*folder / "said").string())
+                        .c_str());
+    const std::string said = contents(*folder / "said");
+    if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;
+    ASSERT_EQ(status, 0) << said;
+    const auto answers = nlohmann::json::parse(said);
+    EXPECT_EQ(answers["problems"], nlohmann::json::array());
+    for (const std::string request : answers["requests"])
+        EXPECT_TRUE(request.starts_with("file:") || request.starts_with("data:")) << request;
+    for (const int pixels : answers["too_wide"]) EXPECT_LE(pixels, 0);
+    EXPECT_GT(answers["images"], 20);
+    EXPECT_EQ(answers["blank"], 0);
+    EXPECT_EQ(answers["plots"], 3 * (2 + 6));
+}
+
+/// All fields of all tables of a report.
+std::set<std::string> fields_of(const fs::path& report) {
+    std::set<std::string> all;
+    for (const auto& entry : fs::directory_iterator(report)) {
+        if (entry.path().extension() != ".csv") continue;
+        const std::string text = contents(entry.path());
+        std::vector<std::string_view> fields;
+        Lines lines(text);
+        std::size_t columns = 0;
+        while (const auto line = lines.next()) {
+            split_fields(*line, fields);
+            if (columns == 0) columns = fields.size();
+            EXPECT_EQ(fields.size(), columns) << entry.path() << ": " << *line;
+            for (const std::string_view field : fields) all.emplace(field);
+        }
+        EXPECT_GT(columns, 0u) << entry.path();
+    }
+    return all;
+}
+
+TEST_F(Report, EveryNumberIsInTheTables) {
+    const std::set<std::string> fields = fields_of(folder->path / "whole");
+    // Each number carries the field that it was rounded from.
+    const std::regex number("<data value='([^']*)'>([^<]*)</data>");
+    int numbers = 0;
+    for (std::sregex_iterator at(html.begin(), html.end(), number), end; at != end; ++at, ++numbers) {
+        const std::string exact = (*at)[1];
+        std::string shown = (*at)[2];
+        EXPECT_TRUE(fields.contains(exact)) << exact;
+        const bool is_percent = shown.ends_with('%');
+        std::erase_if(shown, [](char c) { return c == ',' || c == ' ' || c == '%' || c == 's'; });
+        const auto value = to_number<double>(shown), field = to_number<double>(exact);
+        ASSERT_TRUE(value && field) << (*at)[0];
+        EXPECT_PRED3(near, *value, (is_percent ? 100 : 1) * *field, 0.006 * std::abs(*value) + 0.005) << (*at)[0];
+    }
+    EXPECT_GT(numbers, 300);
+    // So does each point of a plot.
+    const std::regex point("<circle[^>]*><title>[^:<]*: ([^<]*)</title>");
+    int points = 0;
+    for (std::sregex_iterator at(html.begin(), html.end(), point), end; at != end; ++at, ++points)
+        EXPECT_TRUE(fields.contains((*at)[1])) << (*at)[1];
+    EXPECT_GE(points, 3);
+    // Nor is there a digit in a table, caption or card but in these, and in names.
+    const std::string rest =
+        std::regex_replace(html, std::regex("<data [^>]*>[^<]*</data>|<img[^>]*>|<a [^>]*>[^<]*</a>"), "");
+    const std::regex place("<(td|figcaption|article|p class='lead')[^>]*>([^]*?)</(td|figcaption|article|p)>");
+    for (std::sregex_iterator at(rest.begin(), rest.end(), place), end; at != end; ++at) {
+        const std::string text = std::regex_replace(std::string((*at)[2]), std::regex("<[^>]*>"), "");
+        EXPECT_EQ(text.find_first_of("0123456789"), text.npos) << text;
+    }
+}
+
+/// The folders of finished materials.
+std::set<fs::path> finished(const fs::path& report) {
+    std::set<fs::path> all;
+    std::error_code none_yet;
+    for (const auto& entry : fs::directory_iterator(report, none_yet))
+        if (entry.is_directory() && !entry.path().filename().string().starts_with('.')) all.insert(entry.path());
+    return all;
+}
+
+TEST_F(Report, SaysWhereNoFramesCanBeTimed) {
+    const TemporaryFolder blind;
+    fs::copy(*folder / "matt.binary", blind / "matt.binary");
+    for (const fs::path& done : finished(folder->path / "whole"))
+        if (done.filename().string().starts_with("matt-")) {
+            fs::create_directory(blind / "a");
+            fs::copy(done, blind.path / "a" / done.filename(), fs::copy_options::recursive);
+            fs::remove(blind.path / "a" / done.filename() / "frames.json");
+        }
+    ::setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/dev/null", 1);  // no library that draws
+    const ProgramRun done = run(blind, {"report", "matt.binary", "-o", "a", "--least"});
+    ::unsetenv("__EGL_VENDOR_LIBRARY_FILENAMES");
+    EXPECT_EQ(done.status, 0) << done.err;
+    const std::string page = contents(blind / "a" / "index.html");
+    EXPECT_NE(page.find("No frames were timed: "), page.npos);
+    EXPECT_NE(page.find("Sizes, errors, seconds"), page.npos);
+}
+
+TEST_F(Report, NamesTheSourcesRowsBesideItsOwnMaterials) {
+    EXPECT_NE(html.find("Tsai 2009, multivariate"), html.npos);
+    const auto of = [&](const char* name) {
+        const auto begin = html.find(fmt::format("<section id='{}-", name));
+        return html.substr(begin, html.find("</section>", begin) - begin);
+    };
+    EXPECT_NE(of("krylon_blue").find("<data value='0.0102'>1.02 %</data>"), html.npos);
+    EXPECT_EQ(of("matt").find("Tsai 2009, "), html.npos);
+    // A file that says by its name that it is a material of the source is taken at its word, a labelled one is not. Its bytes are those of
+    // a material that is finished.
+    const TemporaryFolder metal;
+    fs::copy(*folder / "matt.binary", metal / "nickel.binary");
+    for (const fs::path& done : finished(folder->path / "whole"))
+        if (const std::string name = done.filename().string(); name.starts_with("matt-"))
+            fs::create_directory(metal / "a"),
+                fs::copy(done, metal.path / "a" / ("nickel-" + name.substr(5)), fs::copy_options::recursive);
+    const Arguments again{"report", "nickel.binary", "-o", "a", "--least"};
+    EXPECT_EQ(run(metal, again).status, 0);
+    EXPECT_NE(contents(metal / "a" / "index.html").find("<data value='0.0044'>0.44 %</data>"), html.npos);
+    Arguments labelled = again;
+    labelled.insert(labelled.begin() + 1, {"--label", "nickel=stand-in"});
+    EXPECT_EQ(run(metal, labelled).status, 0);
+    EXPECT_EQ(contents(metal / "a" / "index.html").find("Tsai 2009, "), html.npos);
+}
+
+TEST_F(Report, GoesOnWhereItWasKilled) {
+    const pid_t process = start(*folder, arguments("killed"), *folder / "out", *folder / "err");
+    ASSERT_GT(process, 0);
+    const fs::path report = folder->path / "killed";
+    for (int i = 0; i < 6000 && finished(report).empty(); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ::kill(process, SIGKILL);
+    int status = 0;
+    ASSERT_EQ(::waitpid(process, &status, 0), process);
+    ASSERT_TRUE(WIFSIGNALED(status)) << "it was done before it was killed";
+    const auto kept = finished(report);
+    ASSERT_GE(kept.size(), 1u);
+    ASSERT_LT(kept.size(), 3u);
+    EXPECT_FALSE(fs::exists(report / "index.html"));
+    const Files before = files_of(*kept.begin());
+
+    // The others may come side by side: that changes nothing either.
+    Arguments side_by_side = arguments("killed");
+    side_by_side.insert(side_by_side.end(), {"--jobs", "2"});
+    EXPECT_EQ(run(*folder, side_by_side).status, first.status);
+    // What was finished was not done again, times and all.
+    Files after = files_of(*kept.begin());
+    for (const auto& [file, content] : before) EXPECT_TRUE(after[file] == content) << file;
+    // But for what clocks say, all is as if it had not been killed.
+    const Files whole = files_of(folder->path / "whole");
+    Files resumed = files_of(report);
+    EXPECT_EQ(resumed.size(), whole.size());
+    for (const auto& [file, content] : whole) EXPECT_TRUE(is_of_clocks(file) || resumed[file] == content) << file;
+    // And with the same times the page and the tables are the same bytes.
+    for (const auto& [file, content] : whole)
+        if (is_of_clocks(file) && file.has_parent_path()) write(report / file, content);
+    EXPECT_EQ(run(*folder, arguments("killed")).status, first.status);
+    resumed = files_of(report);
+    for (const auto& [file, content] : whole) EXPECT_TRUE(resumed[file] == content) << file;
+}
+
+TEST_F(Report, RefusesWhatItCannotUse) {
+    const auto refused = [&](Arguments more, int status, const char* named) {
+        more.insert(more.begin(), "report");
+        const ProgramRun run = srbf::run(*folder, more);
+        EXPECT_EQ(run.status, status) << run.err;
+        EXPECT_NE(run.err.find(named), run.err.npos) << run.err;
+    };
+    refused({"matt.binary"}, 2, "--output");
+    refused({"-o", "x"}, 2, "FILE");
+    refused({"matt.binary", "-o", "matt.binary"}, 1, "matt.binary");
+    refused({"matt.binary", "-o", "x", "--mesh", "missing.ply"}, 1, "missing.ply");
+    refused({"matt.binary", "-o", "x", "--label", "no sign of equality"}, 2, "NAME=TEXT");
+    EXPECT_FALSE(fs::exists(folder->path / "x" / "index.html"));
+}
+
+}  // namespace
+}  // namespace srbf

@@ -52,14 +52,14 @@ double fitted_theta(const Subject& subject) {
 }
 
 Result<Subject> load(const std::string& path) {
-    const auto bytes = read_file(path);
+    auto bytes = read_file(path);
     if (!bytes) return bytes.error();
     if (is_model(*bytes)) {
         auto model = read_model(*bytes, path);
         if (!model) return model.error();
         return Subject{path, *std::move(model)};
     }
-    auto measured = read_measured(*bytes, path);
+    auto measured = read_measured(*std::move(bytes), path);
     if (!measured) return measured.error();
     return Subject{path, *std::move(measured)};
 }

@@ -182,6 +182,8 @@ Result<Scattered> read_csv(std::span<const std::byte> bytes, const std::string& 
 
 /// Reads a measurement of any known format, told by its content.
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& source);
+/// The same of bytes that are let go before samples are indexed.
+Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& source);
 Result<Measured> load_measured(const std::string& path);
 
 }  // namespace srbf

@@ -159,7 +159,10 @@ Result<std::vector<std::vector<float>>> cross_validate(const Scattered& samples,
         if (!of_fold) return of_fold.error();
         predicted.resize(of_fold->size());
         for (std::size_t k = 0; k < predicted.size(); ++k) {
-            const Channels model = channels((*of_fold)[k]);
+            // Colours by `value`, which is the same on any machine.
+            const Model& fitted = (*of_fold)[k];
+            const Channels model =
+                wavelengths(fitted).empty() ? rgb_channels(evaluator<Model>(fitted)) : channels(fitted);
             const std::size_t C = model.count();
             std::vector<float> f(C * samples.wl.size());
             model.evaluate(samples.wl, samples.wv, f);

@@ -159,7 +159,7 @@ bool is_alta(std::string_view text) {
     return false;
 }
 
-Result<Scattered> read_alta(std::span<const std::byte> bytes, const std::string& source) {
+Result<Scattered> read_alta_samples(std::span<const std::byte> bytes, const std::string& source) {
     Lines lines(as_text(bytes));
     Header header;
     std::optional<SampleBuilder> builder;
@@ -186,7 +186,7 @@ Result<Scattered> read_alta(std::span<const std::byte> bytes, const std::string&
             builder.emplace(*header.outputs == 1           ? Values::grey
                             : header.output == "XYZ_COLOR" ? Values::xyz
                                                            : Values::rgb,
-                            std::vector<float>(), bytes.size(), *header.inputs + *header.outputs);
+                            std::vector<float>(), bytes.size(), lines_of(bytes));
             row.resize(*header.inputs + *header.outputs);
             f.resize(*header.outputs);
         }
@@ -205,6 +205,10 @@ Result<Scattered> read_alta(std::span<const std::byte> bytes, const std::string&
     }
     if (!builder) return at_line(source, lines.number(), "samples", "at least one", "the end of the file");
     return std::move(*builder).finish(source, header.description, header.parameterization->isotropic);
+}
+
+Result<Scattered> read_alta(std::span<const std::byte> bytes, const std::string& source) {
+    return indexed(read_alta_samples(bytes, source));
 }
 
 }  // namespace srbf

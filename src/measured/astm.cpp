@@ -78,7 +78,7 @@ bool is_astm(std::string_view text) {
     return false;
 }
 
-Result<Scattered> read_astm(std::span<const std::byte> bytes, const std::string& source) {
+Result<Scattered> read_astm_samples(std::span<const std::byte> bytes, const std::string& source) {
     Lines lines(as_text(bytes));
     std::string description;
     std::optional<std::uint64_t> points;
@@ -101,7 +101,7 @@ Result<Scattered> read_astm(std::span<const std::byte> bytes, const std::string&
         }
     }
 
-    SampleBuilder builder(columns->values, {}, bytes.size(), columns->count);
+    SampleBuilder builder(columns->values, {}, bytes.size(), lines_of(bytes));
     std::vector<std::string_view> fields;
     std::vector<float> f(builder.width());
     std::uint64_t rows = 0;
@@ -140,6 +140,10 @@ Result<Scattered> read_astm(std::span<const std::byte> bytes, const std::string&
     if (points && *points != rows)
         return Error{source, {}, "samples", fmt::format("{} (NUM_POINTS)", *points), fmt::format("{}", rows)};
     return std::move(builder).finish(source, std::move(description), !turned);
+}
+
+Result<Scattered> read_astm(std::span<const std::byte> bytes, const std::string& source) {
+    return indexed(read_astm_samples(bytes, source));
 }
 
 }  // namespace srbf

@@ -50,7 +50,7 @@ bool is_cornell(std::string_view text) {
     return false;
 }
 
-Result<Scattered> read_cornell(std::span<const std::byte> bytes, const std::string& source) {
+Result<Scattered> read_cornell_samples(std::span<const std::byte> bytes, const std::string& source) {
     const std::string_view text = as_text(bytes);
     Words words(text);
     std::string_view word = words.next();
@@ -72,7 +72,8 @@ Result<Scattered> read_cornell(std::span<const std::byte> bytes, const std::stri
                        fmt::format("{} to {}", wavelengths.front(), wavelengths.back()));
 
     std::vector<float> row(4 + wavelengths.size());
-    SampleBuilder builder(Values::spectrum, std::move(wavelengths), bytes.size(), row.size());
+    // A row may stand on several lines, or several on one: by its words it takes two bytes for each.
+    SampleBuilder builder(Values::spectrum, std::move(wavelengths), bytes.size(), bytes.size() / (2 * row.size()) + 1);
     bool turned = false;
     for (;;) {
         for (std::size_t i = 0; i < row.size(); ++i) {
@@ -88,6 +89,10 @@ Result<Scattered> read_cornell(std::span<const std::byte> bytes, const std::stri
         builder.add(spherical(double(row[0]), double(row[1])), spherical(double(row[2]), double(row[3])),
                     std::span(row).subspan(4));
     }
+}
+
+Result<Scattered> read_cornell(std::span<const std::byte> bytes, const std::string& source) {
+    return indexed(read_cornell_samples(bytes, source));
 }
 
 }  // namespace srbf

@@ -111,7 +111,7 @@ bool is_csv(std::string_view text) {
     return false;
 }
 
-Result<Scattered> read_csv(std::span<const std::byte> bytes, const std::string& source) {
+Result<Scattered> read_csv_samples(std::span<const std::byte> bytes, const std::string& source) {
     Lines lines(as_text(bytes));
     std::vector<std::string_view> fields;
     std::optional<Columns> columns;
@@ -128,7 +128,7 @@ Result<Scattered> read_csv(std::span<const std::byte> bytes, const std::string& 
             const auto named = columns_of(fields, source, lines.number());
             if (!named) return named.error();
             columns = *named;
-            builder.emplace(columns->values, columns->wavelengths, bytes.size(), columns->count);
+            builder.emplace(columns->values, columns->wavelengths, bytes.size(), lines_of(bytes));
             f.resize(builder->width());
             continue;
         }
@@ -172,6 +172,10 @@ Result<Scattered> read_csv(std::span<const std::byte> bytes, const std::string& 
         return at_line(source, std::max<std::uint64_t>(lines.number(), 1), "header", "names of columns",
                        "an empty file");
     return std::move(*builder).finish(source, {}, is_isotropic || !turned);
+}
+
+Result<Scattered> read_csv(std::span<const std::byte> bytes, const std::string& source) {
+    return indexed(read_csv_samples(bytes, source));
 }
 
 }  // namespace srbf

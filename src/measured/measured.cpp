@@ -28,26 +28,43 @@ Result<Measured> labelled(Result<Table> table, const std::string& source, std::s
     return Measured{source, std::move(format), bytes, *std::move(table)};
 }
 
-}  // namespace
-
-Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& source) {
+/// A measurement of any format, but for the index of samples.
+Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::string& source) {
     if (is_rgl(bytes)) return labelled(read_rgl(bytes, source), source, "RGL", bytes.size());
     if (is_merl(bytes)) return labelled(read_merl(bytes, source), source, "MERL", bytes.size());
     if (is_text(bytes)) {
         const std::string_view text = as_text(bytes);
-        if (is_alta(text)) return labelled(read_alta(bytes, source), source, "ALTA", bytes.size());
-        if (is_astm(text)) return labelled(read_astm(bytes, source), source, "ASTM E1392", bytes.size());
-        if (is_csv(text)) return labelled(read_csv(bytes, source), source, "CSV", bytes.size());
-        if (is_cornell(text)) return labelled(read_cornell(bytes, source), source, "Cornell", bytes.size());
+        if (is_alta(text)) return labelled(read_alta_samples(bytes, source), source, "ALTA", bytes.size());
+        if (is_astm(text)) return labelled(read_astm_samples(bytes, source), source, "ASTM E1392", bytes.size());
+        if (is_csv(text)) return labelled(read_csv_samples(bytes, source), source, "CSV", bytes.size());
+        if (is_cornell(text)) return labelled(read_cornell_samples(bytes, source), source, "Cornell", bytes.size());
     }
     if (is_utia(bytes)) return labelled(read_utia(bytes, source), source, "UTIA", bytes.size());
     return Error{source, {}, "unknown format", "MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA or CSV", opening(bytes)};
 }
 
+Result<Measured> indexed(Result<Measured> measured) {
+    if (!measured) return measured;
+    if (auto* samples = std::get_if<Scattered>(&measured->table)) make_index(*samples);
+    return measured;
+}
+
+}  // namespace
+
+Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& source) {
+    return indexed(read_unindexed(bytes, source));
+}
+
+Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& source) {
+    auto measured = read_unindexed(bytes, source);
+    std::vector<std::byte>().swap(bytes);
+    return indexed(std::move(measured));
+}
+
 Result<Measured> load_measured(const std::string& path) {
-    const auto bytes = read_file(path);
+    auto bytes = read_file(path);
     if (!bytes) return bytes.error();
-    return read_measured(*bytes, path);
+    return read_measured(*std::move(bytes), path);
 }
 
 bool is_isotropic(const Measured& measured) {

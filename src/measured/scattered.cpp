@@ -32,6 +32,22 @@ Point place_of(Vec3f wl, Vec3f wv, bool isotropic) {
 using Points = PointCloud<float, 5>;
 using Tree = KdTree<float, 5>;
 
+/// The nearest points, as nanoflann gathers them. Of millions of samples at one distance any will do: after so many questions that
+/// found nothing nearer, the search is over.
+class Nearest : public nanoflann::KNNResultSet<float, std::uint32_t> {
+  public:
+    using KNNResultSet::KNNResultSet;
+    bool addPoint(float distance2, std::uint32_t sample) {
+        asked_ = distance2 < KNNResultSet::worstDist() ? 0 : asked_;
+        return KNNResultSet::addPoint(distance2, sample);
+    }
+    float worstDist() const { return full() && ++asked_ > k_patience ? -1 : KNNResultSet::worstDist(); }
+
+  private:
+    static constexpr int k_patience = 2000;  // 108 is the most on the measurements at hand
+    mutable int asked_ = 0;
+};
+
 }  // namespace
 
 /// A k-d tree over the places of the samples. It refers to no sample: a copy of the measurement may share it.
@@ -50,8 +66,10 @@ class SampleIndex {
     /// The samples nearest to `place`, as far as there are that many, nearest first.
     Neighbours nearest(const Point& place) const {
         Neighbours found;
-        const std::size_t wanted = std::min<std::size_t>(k_neighbours + 1, points_.at.size());
-        found.count = std::uint32_t(tree_.knnSearch(place.data(), wanted, found.sample.data(), found.distance2.data()));
+        Nearest result(std::min<std::size_t>(k_neighbours + 1, points_.at.size()));
+        result.init(found.sample.data(), found.distance2.data());
+        tree_.findNeighbors(result, place.data(), nanoflann::SearchParams());
+        found.count = std::uint32_t(result.size());
         return found;
     }
 
@@ -138,11 +156,15 @@ Rgb value(const Scattered& samples, Vec3f wl, Vec3f wv) {
     return {std::max(f.r, 0.0f), std::max(f.g, 0.0f), std::max(f.b, 0.0f)};
 }
 
-SampleBuilder::SampleBuilder(Values values, std::vector<float> wavelengths, std::size_t bytes, std::size_t columns)
-    : values_(values) {
+SampleBuilder::SampleBuilder(Values values, std::vector<float> wavelengths, std::size_t bytes, std::size_t rows)
+    : values_(values), bytes_(bytes) {
     if (values == Values::spectrum) weights_ = rgb_weights(wavelengths);
     samples_.wavelengths = std::move(wavelengths);
-    const std::size_t most = bytes / (2 * std::max<std::size_t>(columns, 1)) + 1;
+    // The text and the samples are in memory together, then the samples and their index.
+    constexpr std::size_t slack = 32 << 20, index = 32;
+    const std::size_t sample = 2 * sizeof(Vec3f) + sizeof(Rgb) + sizeof(float) * weights_.size();
+    most_ = std::min((3 * bytes + slack) / sample, (4 * bytes + slack) / (sample + index));
+    const std::size_t most = std::min(rows, most_);
     samples_.wl.reserve(most);
     samples_.wv.reserve(most);
     samples_.colour.reserve(most);
@@ -155,6 +177,10 @@ void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f) {
     const auto is_direction = [](Vec3d w) { return w.z > 1e-6 && std::abs(dot(w, w) - 1) < 1e-3; };
     if (!is_direction(wl) || !is_direction(wv) || !std::ranges::all_of(f, is_value)) {
         ++samples_.masked;
+        return;
+    }
+    if (samples_.wl.size() == most_) {
+        too_many_ = true;
         return;
     }
     samples_.wl.push_back(to_float(wl));
@@ -183,10 +209,16 @@ Result<Scattered> SampleBuilder::finish(const std::string& source, std::string d
                      "samples",
                      "at least one that is finite and above the horizon",
                      samples_.masked == 0 ? "none" : fmt::format("{} that are not", samples_.masked)};
+    if (too_many_)
+        return Error{source, {}, "samples", fmt::format("at most {} in a file of {} bytes", most_, bytes_), "more"};
     samples_.description = std::move(description);
     samples_.isotropic = isotropic;
-    make_index(samples_);
     return std::move(samples_);
+}
+
+Result<Scattered> indexed(Result<Scattered> samples) {
+    if (samples) make_index(*samples);
+    return samples;
 }
 
 bool is_text(std::span<const std::byte> bytes) {

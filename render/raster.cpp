@@ -201,9 +201,9 @@ GlObject new_texture(GLenum target, GLenum filter) {
     GLuint id = 0;
     glGenTextures(1, &id);
     glBindTexture(target, id);
-    for (const GLenum side : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    for (const GLenum side : {GLenum(GL_TEXTURE_MIN_FILTER), GLenum(GL_TEXTURE_MAG_FILTER)})
         glTexParameteri(target, side, GLint(filter));
-    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+    for (const GLenum axis : {GLenum(GL_TEXTURE_WRAP_S), GLenum(GL_TEXTURE_WRAP_T), GLenum(GL_TEXTURE_WRAP_R)})
         glTexParameteri(target, axis, GL_CLAMP_TO_EDGE);
     glTexParameteri(target, GL_TEXTURE_MAX_LEVEL, 0);
     return {id, [](unsigned texture) { glDeleteTextures(1, &texture); }};

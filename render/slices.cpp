@@ -122,7 +122,7 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
 }
 
 std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, LobeScale scale) {
-    constexpr double radius = 140, x0 = 180, y0 = 190, outside = 1.04, least_step = 0.8, counted = 85;
+    constexpr double radius = 140, x0 = 180, y0 = 190, outside = 1.04, least_step = 1.5, counted = 85;
     const double light = theta_l / k_degree;
     std::vector<LuminanceSlice> slices;
     for (const SliceCurve& curve : curves) slices.push_back(luminance_slice(curve.brdf, theta_l));

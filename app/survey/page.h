@@ -11,7 +11,7 @@ namespace srbf {
 /// and captions is `<data value='V'>`, V a field of one of the tables. Pictures are embedded as far as `k_most_picture_bytes` go, those of
 /// the ball first.
 std::string survey_html(const std::vector<Surveyed>& materials, const Tables& tables, const std::string& note);
-inline constexpr std::size_t k_most_picture_bytes = 2600000;
+inline constexpr std::size_t k_most_picture_bytes = 2200000;
 
 /// Tables for a document: each form over all materials, each material, the baseline, view by view over J.
 std::string survey_markdown(const Tables& tables);

@@ -68,6 +68,9 @@ std::string source_rows(const View& view, const Json& material, std::size_t colu
     return html.empty() ? html : group("the source: objective raw, its own matrix of this material", columns) + html;
 }
 
+/// Fits of a material that the page lists; of a whole sweep they would make half of it.
+constexpr int k_most_listed = 40;
+
 std::string errors_of(const View& view, const Json& material, bool whole) {
     std::vector<Head> heads{{"model", {}}, {"J", {}}, {"N", {}}, {"bytes", {}}};
     for (const MeasureText& measure : k_measure_texts) {
@@ -245,8 +248,11 @@ std::string material_section(const View& view, const Json& material, const Study
     html += "<h3>Error over lobes and bytes</h3>\n" + charts_of(view, material);
     html += "<h3>Lobes</h3>\n" + lobes_of(view, material, study);
     html += "<h3>Bytes and frames a second</h3>\n" + frames_of(view, material);
-    html += fmt::format("<details><summary>All {} fits</summary>{}</details>\n",
-                        number(&material, "fits", Shown::whole), errors_of(view, material, true));
+    const std::string fits = number(&material, "fits", Shown::whole);
+    html += material["fits"] > k_most_listed
+                ? fmt::format("<p>All {} fits are in <a href='fits.csv'>fits.csv</a>.</p>\n", fits)
+                : fmt::format("<details><summary>All {} fits</summary>{}</details>\n", fits,
+                              errors_of(view, material, true));
     return html + "</section>\n";
 }
 

@@ -17,12 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Counts up where what a folder holds changes, but not the program's version.
-constexpr int k_edition = 1;
+constexpr int k_edition = 2;
 /// Pixels along a side and paths for each of them, of each sweep.
 struct PictureSize {
     int pixels, paths;
 };
-constexpr std::array<PictureSize, 3> k_pictures_of{{{240, 256}, {200, 64}, {16, 1}}};
+constexpr std::array<PictureSize, 3> k_pictures_of{{{240, 256}, {176, 48}, {16, 1}}};
 /// What a page takes of pictures, and of differences.
 constexpr int k_quality = 85, k_quality_of_differences = 70;
 

@@ -23,7 +23,7 @@ namespace {
 const ImVec4 k_red{1, 0.45f, 0.4f, 1}, k_dim{0.65f, 0.65f, 0.65f, 1}, k_hint{1, 0.86f, 0.35f, 1};
 constexpr float k_controls = 262, k_messages = 58;  // pixels
 /// While a fit runs the picture leaves it the processor: a frame every so many seconds.
-constexpr double k_frame_beside_fit = 0.07;
+constexpr double k_frame_beside_fit = 0.05;
 /// A moving picture that takes longer than this is drawn smaller until it rests.
 constexpr double k_slow_frame = 0.04, k_rest = 0.25;
 

@@ -16,12 +16,12 @@ namespace {
 /// A tournament: of the starts this share goes on, until this share of its kicks has been done.
 struct Round {
     double starts, kicks;
+    int candidates(const FitOptions& options) const { return std::max(int(std::lround(starts * options.starts)), 1); }
+    int kicks_until(const FitOptions& options) const { return int(std::lround(kicks * options.kicks)); }
 };
 constexpr Round k_rounds[] = {{1, 0.2}, {0.5, 0.5}, {0.25, 1}};
-/// How many of the best are left after `share` of them; one at least.
-int part(double share, int of) { return std::max(int(std::lround(share * of)), 1); }
 // Of these so many go on to the next stage.
-constexpr std::size_t k_polished = 3, k_finished = 2;
+constexpr std::size_t k_polished = 4, k_finished = 2;
 constexpr int k_check_rounds = 12;
 /// Bound on the log of the coefficient of a lobe whose peak is 1. Peaks lie where no pair of directions
 /// leads, but lobes made of ever larger opposing bandwidths gain nothing (less than 1 % in the measured
@@ -157,10 +157,11 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
     if (const auto valid = check(observations, options); !valid) return valid.error();
     const double log_peak_limit = options.log_scale ? k_log_peak_limit : std::log(double(k_half_max));
     // Work is counted in lobes grown and kicks.
-    double kicks = 0, done_before = 0;
+    int kicks = 0, before = 0;
     for (const Round& round : k_rounds) {
-        kicks += part(round.starts, options.starts) * (round.kicks - done_before) * options.kicks;
-        done_before = round.kicks;
+        const int until = round.kicks_until(options);
+        kicks += round.candidates(options) * (until - before);
+        before = until;
     }
     const double polish_work = 0.2 * kicks + 1;
     Reporter reporter(progress, options.starts * options.lobes + kicks + 2 * polish_work);
@@ -176,8 +177,8 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
         std::stable_sort(found.begin(), found.end(), by_loss);
 
         for (const Round& round : k_rounds) {
-            found.resize(std::size_t(part(round.starts, options.starts)));
-            const int until = int(std::lround(round.kicks * options.kicks));
+            found.resize(std::size_t(round.candidates(options)));
+            const int until = round.kicks_until(options);
             tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
                 if (!reporter.cancelled()) improve(sample, options, log_peak_limit, until, found[i], reporter);
             });
@@ -189,11 +190,12 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
             if (!reporter.cancelled()) polish(sample, options, log_peak_limit, found[i]);
             reporter.advance("polishing", polish_work / double(found.size()));
         });
+        // By all observations: some region that the search has not seen may be where a lobe shoots up.
+        LobeProblem whole(sample, sample.blocks, shape_of(options), true, log_peak_limit);
+        for (Candidate& candidate : found) candidate.loss = whole.loss(LobeProblem::pack(candidate.lobes));
         std::stable_sort(found.begin(), found.end(), by_loss);
         found.resize(std::min(found.size(), k_finished));
-
-        LobeProblem whole(sample, sample.blocks, shape_of(options), true, log_peak_limit);
-        const double loss = whole.loss(LobeProblem::pack(found[0].lobes));
+        const double loss = found[0].loss;
         const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
         const double albedo_importance =
             std::min(loss, k_most_albedo_loss) / (channels * k_albedo_error * k_albedo_error);

@@ -121,7 +121,7 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
 
 namespace {
 
-constexpr int k_turns = 4, k_steps_a_turn = 3;
+constexpr int k_turns = 4, k_steps_a_turn = 2;
 
 /// A problem of which only some of the variables may change.
 struct PartlyHeld {

@@ -18,7 +18,7 @@ struct PlannedFit {
 /// How much is fitted and drawn.
 enum class Sweep {
     whole,
-    quick,  ///< about a third of the fits, coarser pictures: less than a minute a material on two cores
+    quick,  ///< about a third of the fits, coarser pictures: about a minute a material on two cores
     least,  ///< one small fit of each kind, hardly a picture: seconds, to try a report
 };
 std::string_view name(Sweep sweep);

@@ -197,7 +197,7 @@ void add_report(CLI::App& app, int& status) {
         ->required();
     sub->add_flag_callback(
         "--quick", [command] { command->sweep = Sweep::quick; },
-        "Fewer sizes, coarser pictures: less than a minute a material on two cores");
+        "Fewer sizes, coarser pictures: about a minute a material on two cores");
     // For tests, and no reader's: of each kind one small fit.
     sub->add_flag_callback("--least", [command] { command->sweep = Sweep::least; })->group("");
     add_mesh_options(*sub, command->mesh, command->up);

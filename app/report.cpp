@@ -44,6 +44,10 @@ Result<Done> check_output(const std::string& path) {
 
 }  // namespace
 
+const MeasureName& measure_named_for(Objective objective) {
+    return *std::ranges::find(k_measures, measure_of(objective), &MeasureName::member);
+}
+
 std::string text(const MeasureName& name, const Measures& measures) {
     return name.is_ratio ? percent(measures.*name.member) : fmt::format("{:.4g}", measures.*name.member);
 }

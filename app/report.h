@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/load.h"
+#include "srbf/fit.h"
 #include "srbf/metrics.h"
 
 namespace srbf {
@@ -27,6 +28,8 @@ inline constexpr std::array<MeasureName, 4> k_measures{{
     {"log_rms_cosine", "RMS of log(1 + f cosθl)", &Measures::log_rms_cosine, false},
     {"cube_root_error_ratio", "cube root error ratio", &Measures::cube_root_error_ratio, true},
 }};
+/// Of these the one that an objective is judged by.
+const MeasureName& measure_named_for(Objective objective);
 /// A measure's value as it is printed.
 std::string text(const MeasureName& name, const Measures& measures);
 

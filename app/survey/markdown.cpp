@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "app/survey/page.h"
+#include "app/survey/parts.h"
 
 namespace srbf {
 namespace {
@@ -109,12 +110,11 @@ std::string over_lobes(const Tables& tables) {
 std::string pictures(const Tables& tables) {
     std::string text =
         "\n| measurement | multivariate | multivariate, cube root | view by view | 2 GGX |\n|---|---|---|---|---|\n";
-    for (const Json* material : rows_with(tables.materials, "status", "done")) {
-        auto rows = rows_with(tables.pictures, "material", material->at("material"));
-        std::erase_if(rows, [](const Json* row) { return row->at("object") != "ball"; });
+    const View view{tables, {}};
+    for (const Json* material : view.done()) {
         text += fmt::format("| {} |", field(material->at("material")));
         for (const char* role : {"pm", "pm2", "su", "ggx"}) {
-            const Json* of = row_with(rows, "role", role);
+            const Json* of = view.ball(*material, role);
             text += of == nullptr || !of->at("psnr").is_number()
                         ? std::string(" – |")
                         : fmt::format(" {:.1f}, {:.3f}, {:.3f} |", of->at("psnr").get<double>(),

@@ -66,7 +66,7 @@ std::string card_of(const View& view, const Json& material) {
                *other = view.ball(material, "pm2"), *fit = view.drawn(material, "pm");
     if (measured == nullptr || ball == nullptr || fit == nullptr) return {};
     const std::string name = field(material["material"]);
-    const auto minimised = std::ranges::find(k_measure_texts, measure_of(fit->at("objective")),
+    const auto minimised = std::ranges::find(k_measure_texts, measure_column(fit->at("objective")),
                                              [](const MeasureText& measure) { return std::string(measure.column); });
     return fmt::format(
         "<article class='card'><div class='pair'>{}{}<small>measured</small><small>{} "
@@ -167,7 +167,7 @@ std::string spread_of_all(const View& view, const std::string& input, const std:
             for (const char* what : k_spread) {
                 const std::string cell =
                     number(row_with(statistics, "measure", measure.column), what, shown_as(measure));
-                cells.push_back(measure.column == measure_of(objective) ? "<b>" + cell + "</b>" : cell);
+                cells.push_back(measure.column == measure_column(objective) ? "<b>" + cell + "</b>" : cell);
             }
         theta = number(statistics[0], "max_theta", Shown::plain);
         rows += row(html_escaped(title_of(*row_with(rows_with(view.tables.fits, "input", input), "id", id))), cells);

@@ -42,10 +42,8 @@ std::string role_title(const std::string& role) {
     if (role == "pm2") return "multivariate, cube-root";
     return role == "su" ? "view by view" : "GGX";
 }
-std::string measure_of(const std::string& objective) {
-    if (objective == "raw") return "heldout_squared_error_ratio";
-    if (objective == "cube-root") return "heldout_cube_root_error_ratio";
-    return objective == "log" ? "heldout_log_rms_cosine" : "heldout_squared_error_ratio_cosine";
+std::string measure_column(const std::string& objective) {
+    return fmt::format("heldout_{}", measure_named_for(*objective_named(objective)).name);
 }
 std::string link_to(const Json& material) {
     return fmt::format("<a href='#{}'>{}</a>", text_of(material, "folder"), text_of(material, "material"));

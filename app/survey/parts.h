@@ -26,7 +26,7 @@ std::string title_of(const Json& fit);
 inline constexpr const char* k_drawn[] = {"measured", "pm", "pm2", "su", "ggx"};
 std::string role_title(const std::string& role);
 /// The measure that an objective minimises.
-std::string measure_of(const std::string& objective);
+std::string measure_column(const std::string& objective);
 /// Whether a fit stands in the source's Table 7.1 anew, beside all that the sweep has.
 bool is_of_table(const Json& fit);
 /// The word for a likeness, in its colour.

@@ -12,6 +12,7 @@
 
 #include "app/commands.h"
 #include "app/survey/page.h"
+#include "app/survey/parts.h"
 #include "render/mesh.h"
 #include "srbf/file.h"
 
@@ -125,8 +126,7 @@ std::vector<Surveyed> materials_of(const ReportCommand& command, const StudyOpti
     return materials;
 }
 
-Result<Done> write_all(const ReportCommand& command, const std::vector<Surveyed>& materials) {
-    const Tables tables = tables_of(materials);
+Result<Done> write_all(const ReportCommand& command, const std::vector<Surveyed>& materials, const Tables& tables) {
     std::vector<std::pair<std::string, std::string>> texts;
     for (const Table* table : tables.all()) texts.emplace_back(table->name + ".csv", csv(*table));
     texts.emplace_back("accuracy.md", survey_markdown(tables));
@@ -137,22 +137,19 @@ Result<Done> write_all(const ReportCommand& command, const std::vector<Surveyed>
     return Done{};
 }
 
-void print_summary(const ReportCommand& command, const std::vector<Surveyed>& materials) {
+void print_summary(const ReportCommand& command, const Tables& tables) {
+    const View view{tables, {}};
     fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10}\n", "material", "bytes", "image error", "raw error", "FLIP");
-    for (const Surveyed& of : materials) {
-        if (!of.study) continue;
-        const Json &fits = of.study->material["fits"], &pictures = of.study->material["pictures"];
-        const auto fit = std::ranges::find_if(fits, [](const Json& one) { return one["role"] == "pm"; });
-        const auto ball = std::ranges::find_if(
-            pictures, [](const Json& one) { return one["role"] == "pm" && one["object"] == "ball"; });
-        if (fit == fits.end() || ball == pictures.end()) continue;
+    for (const Json* material : view.done()) {
+        const Json *fit = view.drawn(*material, "pm"), *ball = view.ball(*material, "pm");
+        if (fit == nullptr || ball == nullptr) continue;
         const auto ratio = [&](const char* measure) {
-            const Json& value = (*fit)[measure];
+            const Json& value = fit->at(measure);
             return value.is_number() ? percent(value) : std::string("-");
         };
-        fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10.3f}\n", of.name, (*fit)["payload_bytes"].get<int>(),
-                   ratio("heldout_squared_error_ratio_cosine"), ratio("heldout_squared_error_ratio"),
-                   (*ball)["flip"].get<double>());
+        fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10.3f}\n", field(material->at("material")),
+                   fit->at("payload_bytes").get<int>(), ratio("heldout_squared_error_ratio_cosine"),
+                   ratio("heldout_squared_error_ratio"), ball->at("flip").get<double>());
     }
     fmt::print("\n  page      {}\n", (fs::path(command.folder) / "index.html").string());
 }
@@ -173,8 +170,9 @@ int ReportCommand::run() const {
     std::vector<std::string> folders;
     std::vector<Surveyed> materials = materials_of(*this, options, folders);
     study_all(materials, folders, options);
-    if (const auto written = write_all(*this, materials); !written) return complain(written.error());
-    print_summary(*this, materials);
+    const Tables tables = tables_of(materials);
+    if (const auto written = write_all(*this, materials, tables); !written) return complain(written.error());
+    print_summary(*this, tables);
     int status = k_done;
     for (const Surveyed& of : materials)
         if (!of.study) {

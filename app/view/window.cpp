@@ -488,8 +488,7 @@ void Window::draw_measures() {
         ImGui::TableHeadersRow();
         for (const MeasureName& measure : k_measures) {
             ImGui::TableNextColumn();
-            const bool is_followed =
-                fitted->from.empty() && &measure == &k_measures[std::size_t(fitted->choice.objective)];
+            const bool is_followed = fitted->from.empty() && &measure == &measure_named_for(fitted->choice.objective);
             ImGui::TextColored(is_followed ? k_hint : ImVec4{1, 1, 1, 1}, "%s", latin(measure.title).c_str());
             for (const auto* of : {&fitted->matrix, &fitted->heldout}) {
                 ImGui::TableNextColumn();

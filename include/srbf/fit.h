@@ -24,9 +24,9 @@ enum class Objective {
 };
 std::string_view name(Objective objective);
 std::optional<Objective> objective_named(std::string_view text);
-/// Of `measures` the one that an objective is judged by: squared_error_ratio, squared_error_ratio_cosine, log_rms_cosine or
-/// cube_root_error_ratio.
-double error_of(const Measures& measures, Objective objective);
+/// The measure that an objective is judged by: squared_error_ratio, squared_error_ratio_cosine, log_rms_cosine or cube_root_error_ratio.
+double Measures::*measure_of(Objective objective);
+inline double error_of(const Measures& measures, Objective objective) { return measures.*measure_of(objective); }
 /// The cap of the fit and of its measures where none is asked for [rad]: 80° for raw and cube-root, 89° for cosine and log.
 double default_max_theta(Objective objective);
 

@@ -88,18 +88,18 @@ std::optional<Objective> objective_named(std::string_view text) {
     return std::nullopt;
 }
 
-double error_of(const Measures& measures, Objective objective) {
+double Measures::*measure_of(Objective objective) {
     switch (objective) {
         case Objective::raw:
-            return measures.squared_error_ratio;
+            return &Measures::squared_error_ratio;
         case Objective::cosine:
-            return measures.squared_error_ratio_cosine;
+            return &Measures::squared_error_ratio_cosine;
         case Objective::log:
-            return measures.log_rms_cosine;
+            return &Measures::log_rms_cosine;
         case Objective::cube_root:
-            return measures.cube_root_error_ratio;
+            return &Measures::cube_root_error_ratio;
     }
-    return 0;
+    return nullptr;
 }
 
 double default_max_theta(Objective objective) {

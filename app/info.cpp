@@ -134,7 +134,8 @@ void add_model(std::string& text, const PmModel& model) {
         fmt::format_to(std::back_inserter(text), "  A lobe is also multiplied by (cosθl cosθv)^κ.\n");
     if (model.form == PmForm::extended)
         fmt::format_to(std::back_inserter(text),
-                       "  A lobe is also multiplied by (cosθl cosθv)^κ e^(μ(l·h - 1) - γ|cosθl - cosθv| - σ sinθh).\n");
+                       "  A lobe is also multiplied by (cosθl cosθv)^κ e^(μ(l·h - 1) - γδ - σ sinθh),\n"
+                       "  δ = √((cosθl - cosθv)² + sin²θh/16 + 1/400) - 1/20.\n");
 }
 
 void add_model(std::string& text, const SuModel& model) {

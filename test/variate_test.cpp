@@ -73,9 +73,11 @@ Vec3d written_value(const PmModel& model, Vec3d wl, Vec3d wv) {
             for (int k = 0; k < 3; ++k) square += (l[k] + v[k]) * (l[k] + v[k]);
             const long double half_way = (l[2] + v[2]) * (l[2] + v[2]) / square;  // cos²θh
             product *= std::pow(area, (long double)(kappa[0]));
+            const long double across = std::max(1 - half_way, 0.0L), apart = l[2] - v[2];
             if (F > 1)
-                product *= std::exp(kappa[1] * (std::sqrt(square) / 2 - 1) - kappa[2] * std::abs(l[2] - v[2]) -
-                                    kappa[3] * std::sqrt(std::max(1 - half_way, 0.0L)));
+                product *= std::exp(kappa[1] * (std::sqrt(square) / 2 - 1) +
+                                    kappa[2] * (1 / 20.0L - std::sqrt(apart * apart + across / 16 + 1 / 400.0L)) -
+                                    kappa[3] * std::sqrt(across));
         }
         for (int c = 0; c < 3; ++c) sum[c] += product * (long double)(model.coefficient[std::size_t(j)][c]);
     }

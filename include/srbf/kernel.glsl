@@ -244,9 +244,10 @@ struct PmFeatures {
 
 // What a lobe's exponent is linear in beside its variates, each at most 0 on the open hemispheres. With cl, cv the cosines of wl, wv to
 // the normal, h their half-way vector:
-//   F = 1: log(cl cv);   F = 4: and wl . h - 1, -|cl - cv|, -sin(theta_h).
-// Only the first is unbounded: an exponent >= 0 of it bounds the lobe at the horizon. The last two have an edge at the mirror direction: the peaks of
-// measurements are pointed, and of one width in the plane of incidence, of another across it. Cosines below 1e-6 count as 1e-6.
+//   F = 1: log(cl cv);   F = 4: and wl . h - 1, 1/20 - sqrt((cl - cv)^2 + sin^2(theta_h)/16 + 1/400), -sin(theta_h).
+// Only the first is unbounded: an exponent >= 0 of it bounds the lobe at the horizon. The last two are for the mirror direction: the peaks of
+// measurements are pointed, and of one width in the plane of incidence, of another across it. The third is nearly -|cl - cv|, without the crease at cl = cv
+// that one would see in a highlight. Cosines below 1e-6 count as 1e-6.
 SRBF_FN PmFeatures pm_further_features(int count, Vec3 wl, Vec3 wv) {
     PmFeatures x;
     x.horizon = log(max(wl.z, Real(1.0e-6)) * max(wv.z, Real(1.0e-6)));
@@ -257,8 +258,10 @@ SRBF_FN PmFeatures pm_further_features(int count, Vec3 wl, Vec3 wv) {
         Vec3 sum = wl + wv;
         Real squared = max(dot(sum, sum), Real(1.0e-12));
         x.difference = Real(0.5) * sqrt(squared) - Real(1.0);
-        x.elevation = min(wl.z - wv.z, wv.z - wl.z);
-        x.half_way = -sqrt((sum.x * sum.x + sum.y * sum.y) / squared);
+        Real across = (sum.x * sum.x + sum.y * sum.y) / squared;
+        Real apart = wl.z - wv.z;
+        x.elevation = Real(0.05) - sqrt(apart * apart + Real(0.0625) * across + Real(0.0025));
+        x.half_way = -sqrt(across);
     }
     return x;
 }

@@ -20,7 +20,7 @@ namespace srbf {
 enum class PmForm {
     source,    ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
     horizon,   ///< and (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N
-    extended,  ///< and e^{μ(l·h−1)} e^{−γ|cosθl−cosθv|} e^{−σ sinθh} besides: axial J(3+N+5)+2N
+    extended,  ///< and e^{μ(l·h−1) − γδ − σ sinθh} besides, δ = √((cosθl−cosθv)² + sin²θh/16 + 1/400) − 1/20: axial J(3+N+5)+2N
 };
 /// F: how many exponents a lobe of that form has beside its bandwidths.
 constexpr int features(PmForm form) { return form == PmForm::source ? 0 : form == PmForm::horizon ? 1 : 4; }

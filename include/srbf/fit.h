@@ -129,7 +129,7 @@ struct FitOptions {
     /// Bound on bandwidths, 1/finest², and on what is no bandwidth, 1/finest [1/rad]; 0: what halves hold.
     double finest = 0;
     bool log_scale = true;  ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
-    int starts = 16;        ///< independent growths; the best four are polished, two finished
+    int starts = 20;        ///< independent growths; the best four are polished, two finished
     int kicks = 16;  ///< attempts of the best to replace the lobe that matters least: a fifth of all starts, three
                      ///< tenths of the better half of them, the other half of the best quarter
     std::uint64_t seed = 0;  ///< of the random lobes

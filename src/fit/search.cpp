@@ -12,7 +12,11 @@ Lobes without_lobes(const LobeShape& shape, int start, std::mt19937_64& random) 
     Lobes lobes{shape, {k_pi / 4, 0, k_pi / 2, k_pi / 4}, {}};
     lobes.angle.resize(std::size_t(shape.variates));
     for (std::size_t n = 4; n < lobes.angle.size(); ++n) lobes.angle[n] = k_pi * uniform(random);
-    if (shape.variates == 3 && start % 2 == 1) lobes.angle[2] = k_pi / 4;
+    if (start % 2 == 1) {
+        for (std::size_t n = 1; n < std::min<std::size_t>(lobes.angle.size(), 3); ++n)
+            lobes.angle[n] += 2 * uniform(random) - 1;
+        if (shape.variates == 3) lobes.angle[2] = k_pi / 4;
+    }
     return lobes;
 }
 

@@ -43,7 +43,8 @@ inline std::size_t parameter_count(const FitOptions& options) {
 std::mt19937_64 generator(std::uint64_t seed, int start, int stage);
 
 /// The parameterizations to start from: half-way vector, light, view (Tsai 2009), the half-way vector once more, since a peak
-/// sharper than a half's largest bandwidth takes two, further ones at random; of three the last is so in every other start.
+/// sharper than a half's largest bandwidth takes two, further ones at random. In every other start those of light and view are turned by up to a
+/// radian, since some optima lie far from both, and of three the last is the half-way vector.
 Lobes without_lobes(const LobeShape& shape, int start, std::mt19937_64& random);
 
 /// A lobe drawn at random: weights of either sign, even in the logarithm, some of them 0; or one of `lobes`

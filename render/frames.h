@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "render/offscreen.h"
 #include "render/raster.h"
 
 namespace srbf {

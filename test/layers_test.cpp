@@ -32,6 +32,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"render/path"},
     {"render/preview"},
     {"render/shader", "render/host", "render/pixel", "render/surface", "render/whole", "render/develop"},
+    {"render/offscreen"},
     {"render/raster"},
     {"render/frames"},
     {"render/html", "render/drawing"},

@@ -19,6 +19,7 @@
 #include "su_models.h"
 #include "temporary_folder.h"
 #ifdef SRBF_RASTER
+#include "render/offscreen.h"
 #include "render/raster.h"
 #endif
 

@@ -1,5 +1,6 @@
 // What a graphics library draws is what the CPU makes of the same text, the same normals and positions.
 #include "render/raster.h"
+#include "render/offscreen.h"
 
 #include <map>
 

@@ -23,6 +23,10 @@ constexpr Round k_rounds[] = {{1, 0.2}, {0.5, 0.5}, {0.25, 1}};
 // Of these so many go on to the next stage.
 constexpr std::size_t k_polished = 4, k_finished = 2;
 constexpr int k_check_rounds = 12;
+/// The last steps come by twenties, as long as one lowers the loss by more than this: most fits need two of them, one whose sharp lobes
+/// have an albedo to mend needs ten.
+constexpr int k_last_steps = 20, k_most_twenties = 13;
+constexpr double k_least_gain = 0.015;
 /// Bound on the log of the coefficient of a lobe whose peak is 1. Peaks lie where no pair of directions
 /// leads, but lobes made of ever larger opposing bandwidths gain nothing (less than 1 % in the measured
 /// materials) and cost digits in float.
@@ -102,6 +106,18 @@ void weigh_for_spectra(Observations& observations) {
     for (double& weight : observations.weight) weight *= of_colours / of_spectra;
 }
 
+LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, const Reporter& reporter) {
+    LevenbergMarquardtOptions steps;
+    steps.max_iterations = reporter.cancelled() ? 0 : k_last_steps;
+    auto summary = levenberg_marquardt(problem, x, steps);
+    for (int i = 1; i < k_most_twenties && summary.stop == Stop::iterations && !reporter.cancelled(); ++i) {
+        const double before = summary.loss;
+        summary = levenberg_marquardt(problem, x, steps);
+        if (summary.loss > (1 - k_least_gain) * before) break;
+    }
+    return summary;
+}
+
 /// Goes on with all observations, of spectral ones with the spectra; checks that the fit exceeds become some of them, until there are none; rounds.
 PmFit finish(Lobes lobes, const Observations& observations, double albedo_importance, const FitOptions& options,
              double log_peak_limit, const Reporter& reporter) {
@@ -110,13 +126,11 @@ PmFit finish(Lobes lobes, const Observations& observations, double albedo_import
     const bool spectral = !all.wavelengths.empty();
     if (spectral) weigh_for_spectra(all);
     const std::size_t first_check = all.f.size() - all.checks;
-    LevenbergMarquardtOptions steps;
-    steps.max_iterations = reporter.cancelled() ? 0 : 40;
     for (int round = 0;; ++round) {
         const Rows rows(all, albedo_importance, spectral);
         LobeProblem problem(rows, rows.whole_blocks, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = LobeProblem::pack(lobes);
-        const auto summary = levenberg_marquardt(problem, x, steps);
+        const auto summary = last_steps(problem, x, reporter);
         lobes = problem.unpack(x);
         fit.unrounded_loss = summary.loss;
         fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
@@ -135,7 +149,6 @@ PmFit finish(Lobes lobes, const Observations& observations, double albedo_import
         fit.model = to_halves(to_model(problem, halves, options.log_scale, all.wavelengths), halves);
         if (round == k_check_rounds || reporter.cancelled()) return fit;
         if (take_exceeded(all, first_check, fit.model, fit.loss) == 0) return fit;
-        steps.max_iterations = 12;
     }
 }
 

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 

@@ -43,7 +43,7 @@ std::string role_title(const std::string& role) {
     return role == "su" ? "view by view" : "GGX";
 }
 std::string measure_column(const std::string& objective) {
-    return fmt::format("heldout_{}", measure_named_for(*objective_named(objective)).name);
+    return fmt::format("heldout_{}", measure_named_for(objective_named(objective).value_or(Objective::cosine)).name);
 }
 std::string link_to(const Json& material) {
     return fmt::format("<a href='#{}'>{}</a>", text_of(material, "folder"), text_of(material, "material"));

@@ -25,7 +25,7 @@ std::string title_of(const Json& fit);
 /// What is drawn, in this order, and how it is called.
 inline constexpr const char* k_drawn[] = {"measured", "pm", "pm2", "su", "ggx"};
 std::string role_title(const std::string& role);
-/// The measure that an objective minimises.
+/// The column of the measure that an objective is judged by, held out; of a name that none has, cosine's.
 std::string measure_column(const std::string& objective);
 /// Whether a fit stands in the source's Table 7.1 anew, beside all that the sweep has.
 bool is_of_table(const Json& fit);

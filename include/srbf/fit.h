@@ -138,9 +138,9 @@ struct FitOptions {
 inline constexpr int k_most_fitted_lobes = 64;
 
 enum class StopReason {
-    converged,   ///< the last polish predicted a relative decrease below 1e-7, or found no step that lowers
+    converged,   ///< the last steps predicted a relative decrease below 1e-7, or found none that lowers
                  ///< the sum
-    iterations,  ///< the last polish did all its iterations
+    iterations,  ///< they still lowered it when they ended, maybe by less than pays
     cancelled,   ///< the progress callback returned false
 };
 std::string_view name(StopReason reason);

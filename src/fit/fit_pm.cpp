@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "fit/objective.h"
 #include "fit/rounding.h"
@@ -106,14 +107,17 @@ void weigh_for_spectra(Observations& observations) {
     for (double& weight : observations.weight) weight *= of_colours / of_spectra;
 }
 
+/// Steps from x as long as they pay.
 LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, const Reporter& reporter) {
     LevenbergMarquardtOptions steps;
     steps.max_iterations = reporter.cancelled() ? 0 : k_last_steps;
-    auto summary = levenberg_marquardt(problem, x, steps);
-    for (int i = 1; i < k_most_twenties && summary.stop == Stop::iterations && !reporter.cancelled(); ++i) {
-        const double before = summary.loss;
+    LevenbergMarquardtSummary summary;
+    double before = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < k_most_twenties; ++i) {
         summary = levenberg_marquardt(problem, x, steps);
-        if (summary.loss > (1 - k_least_gain) * before) break;
+        const bool pays = summary.loss <= (1 - k_least_gain) * before;
+        if (!pays || summary.stop != Stop::iterations || reporter.cancelled()) break;
+        before = summary.loss;
     }
     return summary;
 }

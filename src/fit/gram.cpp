@@ -84,9 +84,23 @@ void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
         Batch(Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, Batch(0.0)))).store(x + i);
 }
 
+void combine(std::span<const float> weight, std::span<const float* const> s, float* x) {
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+        Batch sum(0.0);
+        for (std::size_t n = 0; n < weight.size(); ++n)
+            sum = multiply_add(Batch(double(weight[n])), Batch::load(s[n] + i), sum);
+        sum.store(x + i);
+    }
+}
+
 void multiply(const float* a, const float* b, float* out) {
     for (std::size_t i = 0; i < k_block; i += Batch::size())
         Batch(Batch::load(a + i) * Batch::load(b + i)).store(out + i);
+}
+
+void add_product(const float* a, const float* b, float* out) {
+    for (std::size_t i = 0; i < k_block; i += Batch::size())
+        multiply_add(Batch::load(a + i), Batch::load(b + i), Batch::load(out + i)).store(out + i);
 }
 
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
@@ -107,16 +121,26 @@ double sum(const float* column) {
     return double(sum.sum());
 }
 
-// Tiles of 4 × 3 columns: 12 sums and 7 operands fit the 16 registers of AVX2.
-void add_gram(std::span<const float* const> columns, double* G) {
-    const std::size_t n = columns.size();
-    for (std::size_t row = 0; row < n; row += 4) {
-        const std::size_t last = n - 1;
+double sum_of_squares(const float* column) {
+    Batch sum(0.0);
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+        const Batch x = Batch::load(column + i);
+        sum = multiply_add(x, x, sum);
+    }
+    return double(sum.sum());
+}
+
+// Products by tiles of 4 rows and 3 columns: 12 sums and 7 operands fit the 16 registers of AVX2. Of row i `columns_of(i)` are asked for.
+template <typename ColumnsOf>
+HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
+                          const ColumnsOf& columns_of) {
+    const std::size_t m = rows.size(), n = columns.size();
+    for (std::size_t row = 0; row < m; row += 4) {
         const float* a[4];
-        for (std::size_t t = 0; t < 4; ++t) a[t] = columns[std::min(row + t, last)];
-        for (std::size_t column = 0; column < std::min(row + 4, n); column += 3) {
+        for (std::size_t t = 0; t < 4; ++t) a[t] = rows[std::min(row + t, m - 1)];
+        for (std::size_t column = 0; column < columns_of(std::min(row + 3, m - 1)); column += 3) {
             const float* b[3];
-            for (std::size_t t = 0; t < 3; ++t) b[t] = columns[std::min(column + t, last)];
+            for (std::size_t t = 0; t < 3; ++t) b[t] = columns[std::min(column + t, n - 1)];
             Batch sum[4][3];
             for (auto& of_row : sum)
                 for (Batch& x : of_row) x = Batch(0.0);
@@ -129,11 +153,19 @@ void add_gram(std::span<const float* const> columns, double* G) {
                     sum[t][2] = multiply_add(at, b2, sum[t][2]);
                 }
             }
-            for (std::size_t t = 0; t < 4 && row + t < n; ++t)
-                for (std::size_t u = 0; u < 3 && column + u <= row + t; ++u)
+            for (std::size_t t = 0; t < 4 && row + t < m; ++t)
+                for (std::size_t u = 0; u < 3 && column + u < columns_of(row + t); ++u)
                     G[(row + t) * n + column + u] += double(sum[t][u].sum());
         }
     }
+}
+
+void add_gram(std::span<const float* const> columns, double* G) {
+    add_tiles(columns, columns, G, [](std::size_t row) { return row + 1; });
+}
+
+void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G) {
+    add_tiles(rows, columns, G, [&](std::size_t) { return columns.size(); });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -148,10 +180,14 @@ HWY_EXPORT(general_features);
 HWY_EXPORT(further_features);
 HWY_EXPORT(exponent);
 HWY_EXPORT(exponentiate);
+HWY_EXPORT(combine);
 HWY_EXPORT(multiply);
+HWY_EXPORT(add_product);
 HWY_EXPORT(residual);
 HWY_EXPORT(sum);
+HWY_EXPORT(sum_of_squares);
 HWY_EXPORT(add_gram);
+HWY_EXPORT(add_products);
 
 void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
     HWY_DYNAMIC_DISPATCH(axial_feature)(rows, block, a, b, s, s_by_angle);
@@ -169,12 +205,20 @@ float exponent(const Rows& rows, std::size_t block, std::span<const float> weigh
 void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
     HWY_DYNAMIC_DISPATCH(exponentiate)(rows, block, offset, x);
 }
+void combine(std::span<const float> weight, std::span<const float* const> s, float* x) {
+    HWY_DYNAMIC_DISPATCH(combine)(weight, s, x);
+}
 void multiply(const float* a, const float* b, float* out) { HWY_DYNAMIC_DISPATCH(multiply)(a, b, out); }
+void add_product(const float* a, const float* b, float* out) { HWY_DYNAMIC_DISPATCH(add_product)(a, b, out); }
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
     return HWY_DYNAMIC_DISPATCH(residual)(y, beta, columns, r);
 }
 double sum(const float* column) { return HWY_DYNAMIC_DISPATCH(sum)(column); }
+double sum_of_squares(const float* column) { return HWY_DYNAMIC_DISPATCH(sum_of_squares)(column); }
 void add_gram(std::span<const float* const> columns, double* G) { HWY_DYNAMIC_DISPATCH(add_gram)(columns, G); }
+void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G) {
+    HWY_DYNAMIC_DISPATCH(add_products)(rows, columns, G);
+}
 
 template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f) {
     wl[0][i] = l.x, wl[1][i] = l.y, wl[2][i] = l.z;

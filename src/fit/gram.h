@@ -49,13 +49,20 @@ float exponent(const Rows& rows, std::size_t block, std::span<const float> weigh
                float* x);
 /// x ← √w exp(x − offset), for x ≤ offset; rows of weight 0 may exceed it and become 0.
 void exponentiate(const Rows& rows, std::size_t block, float offset, float* x);
+/// x = Σ_n weight[n] s[n].
+void combine(std::span<const float> weight, std::span<const float* const> s, float* x);
 /// out = a b.
 void multiply(const float* a, const float* b, float* out);
+/// out += a b.
+void add_product(const float* a, const float* b, float* out);
 /// r = y − Σ_j beta[j] columns[j]; returns Σ r².
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r);
-/// Σ of the column.
+/// Σ of the column, and of its squares.
 double sum(const float* column);
+double sum_of_squares(const float* column);
 /// G[i × n + k] += columns[i] · columns[k] for k ≤ i, n the number of columns.
 void add_gram(std::span<const float* const> columns, double* G);
+/// G[i × n + k] += rows[i] · columns[k], n the number of columns.
+void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G);
 
 }  // namespace srbf

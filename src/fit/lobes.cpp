@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "least_squares.h"
 
@@ -178,34 +179,46 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     return whole;
 }
 
-// With D the columns E_j s_i (s_i what weight i multiplies), E_j p_jn·∂ψ_n/∂angle and E_j, the derivative of channel c's residual is
-// −D B_c, B_c made of β. A coefficient between its bounds follows the others, so that of D only the part across those lobes
-// counts (Kaufman's approximation). One at its upper bound follows the bound: β_j E_j is then a lobe of a given peak, and that of
-// exp(p·(ψ − ẑ)) is exp(|p| − p_z).
+// With D the columns E_j s_i (s_i what weight i multiplies), those of the angles and E_j, the derivative of channel c's residual is
+// −D B_c, B_c made of β. By angle n it is −Σ_j β_jc E_j p_jn·∂ψ_n/∂angle, and columns for it are either these sums, C of them for each
+// angle, or their terms without β, J of them, whichever are fewer. A coefficient between its bounds follows the others, so that of D only
+// the part across those lobes counts (Kaufman's approximation). One at its upper bound follows the bound: β_j E_j is then a lobe of a
+// given peak, and that of exp(p·(ψ − ẑ)) is exp(|p| − p_z).
 void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    const Eigen::Index J = lobes_, N = shape_.variates, C = shape_.components(), W = shape_.width(), of_lobe = W + N;
-    const Eigen::Index first_e = of_lobe * J, columns_d = first_e + J, total = columns_d + beta_.cols();
-    std::vector<float> weight(std::size_t(J * W));
-    for (Eigen::Index i = 0; i < J * W; ++i) weight[std::size_t(i)] = float(x[N + i]);
+    const Eigen::Index J = lobes_, N = shape_.variates, C = shape_.components(), W = shape_.width();
+    // βᵀ = in_channel × of_lobe, by way of the smaller number of sums.
+    const Eigen::Index sums = std::min(beta_.cols(), J);
+    Eigen::MatrixXd in_channel = beta_.transpose(), of_lobe = in_channel;
+    (beta_.cols() < J ? in_channel : of_lobe).setIdentity(sums, sums);
+    const Eigen::Index first_angle = W * J, first_e = first_angle + N * sums, columns_d = first_e + J;
     const auto fill = [&](std::size_t block, float* scratch, std::vector<const float*>& columns) {
-        for (int j = 0; j < J; ++j) {
-            for (int i = 0; i < W; ++i, scratch += k_block) {
-                multiply(lobe(block, j), feature(block, i), scratch);
-                columns.push_back(scratch);
+        const auto next = [&] {
+            columns.push_back(scratch);
+            return std::exchange(scratch, scratch + k_block);
+        };
+        for (int j = 0; j < J; ++j)
+            for (int i = 0; i < W; ++i) multiply(lobe(block, j), feature(block, i), next());
+        float* const sum = scratch + N * sums * Eigen::Index(k_block);
+        std::vector<float> weight;
+        std::vector<const float*> lobes;
+        for (Eigen::Index s = 0; s < sums; ++s)
+            for (int n = 0; n < N; ++n) {
+                float* const column = next();
+                std::fill_n(column, k_block, 0.f);
+                for (int k = 0; k < C; ++k) {
+                    weight.clear(), lobes.clear();
+                    for (int j = 0; j < J; ++j) {
+                        const double factor = of_lobe(s, j) * x[N + j * W + n * C + k];
+                        if (factor != 0) weight.push_back(float(factor)), lobes.push_back(lobe(block, j));
+                    }
+                    combine(weight, lobes, sum);
+                    add_product(sum, feature(block, int(W + n * C) + k), column);
+                }
             }
-            for (int n = 0; n < N; ++n, scratch += k_block) {
-                std::vector<const float*> by_angle;
-                for (int k = 0; k < C; ++k) by_angle.push_back(feature(block, int(W + n * C) + k));
-                const std::span<const float> p(&weight[std::size_t(j * W + n * C)], std::size_t(C));
-                exponent(rows_, block, p, by_angle, scratch);
-                multiply(lobe(block, j), scratch, scratch);
-                columns.push_back(scratch);
-            }
-        }
         for (int j = 0; j < J; ++j) columns.push_back(lobe(block, j));
         for (std::size_t c = 0; c < channels(); ++c) columns.push_back(rest(block, c));
     };
-    const Eigen::MatrixXd G = gram(std::size_t(total), std::size_t(first_e), fill);
+    const Eigen::MatrixXd G = gram(std::size_t(columns_d) + channels(), std::size_t(first_e) + 1, fill);
     const auto DD = G.topLeftCorner(columns_d, columns_d);
 
     H = Eigen::MatrixXd::Zero(x.size(), x.size());
@@ -213,11 +226,12 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
     for (Eigen::Index c = 0; c < beta_.cols(); ++c) {
         std::vector<Eigen::Triplet<double>> entries;
         std::vector<Eigen::Index> passive;
+        for (Eigen::Index s = 0; s < sums; ++s)
+            for (Eigen::Index n = 0; n < N; ++n) entries.emplace_back(first_angle + s * N + n, n, in_channel(c, s));
         for (Eigen::Index j = 0; j < J; ++j) {
             const double beta = beta_(j, c);
             if (!(beta > 0)) continue;
-            for (Eigen::Index i = 0; i < W; ++i) entries.emplace_back(j * of_lobe + i, N + j * W + i, beta);
-            for (Eigen::Index n = 0; n < N; ++n) entries.emplace_back(j * of_lobe + W + n, n, beta);
+            for (Eigen::Index i = 0; i < W; ++i) entries.emplace_back(j * W + i, N + j * W + i, beta);
             if (beta < beta_limit_[j]) {
                 passive.push_back(first_e + j);
                 continue;
@@ -250,49 +264,46 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
 std::vector<double> LobeProblem::cost_of_dropping() const { return srbf::cost_of_dropping(gram_, beta_); }
 
 std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<double>>& candidates) {
+    // What a group of candidates is on all blocks stays in the cache.
     constexpr std::size_t group = 16;
+    Aligned<float> added(group * blocks_ * k_block);
+    const auto of = [&](std::size_t k, std::size_t block) { return &added[(k * blocks_ + block) * k_block]; };
+    const std::size_t J = std::size_t(lobes_), C = channels();
+    const Eigen::LDLT<Eigen::MatrixXd> factor(ridged(gram_));
     std::vector<double> best;
     double best_gain = -1;
-    const Eigen::LDLT<Eigen::MatrixXd> factor(ridged(gram_));
     for (std::size_t first = 0; first < candidates.size(); first += group) {
         const std::size_t count = std::min(group, candidates.size() - first);
-        const auto exponent_of = [&](std::size_t k, std::size_t block, float* x) {
-            std::vector<const float*> s;
-            for (int n = 0; n < shape_.width(); ++n) s.push_back(feature(block, n));
-            const std::vector<float> weight(candidates[first + k].begin(), candidates[first + k].end());
-            return exponent(rows_, block, weight, s, x);
-        };
-        std::vector<float> offset(count, k_nothing);
-        Aligned<float> unused(k_block);
-        for (std::size_t k = 0; k < count; ++k)
-            for (std::size_t block = 0; block < blocks_; ++block)
-                offset[k] = std::max(offset[k], exponent_of(k, block, unused.data()));
-        const Eigen::MatrixXd G = gram(count + std::size_t(lobes_) + channels(), count,
-                                       [&](std::size_t block, float* scratch, std::vector<const float*>& columns) {
-                                           for (std::size_t k = 0; k < count; ++k, scratch += k_block) {
-                                               exponent_of(k, block, scratch);
-                                               exponentiate(rows_, block, offset[k], scratch);
-                                               columns.push_back(scratch);
-                                           }
-                                           for (int j = 0; j < lobes_; ++j) columns.push_back(lobe(block, j));
-                                           for (std::size_t c = 0; c < channels(); ++c)
-                                               columns.push_back(rest(block, c));
-                                       });
+        std::vector<double> whole(count, 0.0);  // a candidate's product with itself
         for (std::size_t k = 0; k < count; ++k) {
-            const auto at = Eigen::Index(k);
-            double across = G(at, at);
-            if (!(across > 1e-60)) continue;
-            const double whole = across;
-            if (lobes_ > 0) {
-                const Eigen::VectorXd shared = G.block(Eigen::Index(count), at, lobes_, 1);
-                across -= shared.dot(factor.solve(shared));
+            const std::vector<float> weight(candidates[first + k].begin(), candidates[first + k].end());
+            float offset = k_nothing;
+            for (std::size_t block = 0; block < blocks_; ++block) {
+                std::vector<const float*> s;
+                for (int n = 0; n < shape_.width(); ++n) s.push_back(feature(block, n));
+                offset = std::max(offset, exponent(rows_, block, weight, s, of(k, block)));
             }
-            across = std::max(across, 1e-4 * whole);
-            double gain = 0;
-            for (Eigen::Index c = 0; c < beta_.cols(); ++c) {
-                const double along = std::max(0.0, G(at, Eigen::Index(count) + lobes_ + c));
-                gain += along * along / across;
+            for (std::size_t block = 0; block < blocks_; ++block) {
+                exponentiate(rows_, block, offset, of(k, block));
+                whole[k] += sum_of_squares(of(k, block));
             }
+        }
+        // With the lobes there are, and with the residuals; row-major, read as columns of candidates.
+        Eigen::MatrixXd products = Eigen::MatrixXd::Zero(Eigen::Index(J + C), Eigen::Index(count));
+        for (std::size_t block = 0; block < blocks_; ++block) {
+            std::vector<const float*> rows, columns;
+            for (std::size_t k = 0; k < count; ++k) rows.push_back(of(k, block));
+            for (int j = 0; j < lobes_; ++j) columns.push_back(lobe(block, j));
+            for (std::size_t c = 0; c < C; ++c) columns.push_back(rest(block, c));
+            add_products(rows, columns, products.data());
+        }
+        for (std::size_t k = 0; k < count; ++k) {
+            if (!(whole[k] > 1e-60)) continue;
+            const auto shared = products.col(Eigen::Index(k)).head(lobes_);
+            double across = whole[k];
+            if (lobes_ > 0) across -= shared.dot(factor.solve(shared));
+            across = std::max(across, 1e-4 * whole[k]);
+            const double gain = products.col(Eigen::Index(k)).tail(Eigen::Index(C)).cwiseMax(0.0).squaredNorm() / across;
             if (gain > best_gain) best_gain = gain, best = candidates[first + k];
         }
     }

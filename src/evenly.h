@@ -15,6 +15,12 @@ template <std::size_t D> class Evenly {
         for (int i = 0; i < 60; ++i) g = std::pow(1 + g, 1.0 / (D + 1));
         for (std::size_t d = 0; d < D; ++d) step_[d] = std::pow(1 / g, double(d + 1));
     }
+    /// Point i of those to come, from 0 on.
+    std::array<double, D> at(std::size_t i) const {
+        std::array<double, D> point;
+        for (std::size_t d = 0; d < D; ++d) point[d] = std::fmod(at_[d] + double(i + 1) * step_[d], 1.0);
+        return point;
+    }
     const std::array<double, D>& next() {
         for (std::size_t d = 0; d < D; ++d) at_[d] = std::fmod(at_[d] + step_[d], 1.0);
         return at_;

@@ -230,6 +230,43 @@ TEST_P(Gram, MultiplyAndResidual) {
     }
 }
 
+TEST_P(Gram, SumsAndProductsOfColumns) {
+    const auto a = column(random_, -1, 1), b = column(random_, -1, 1), before = column(random_, -1, 1);
+    auto c = before;
+    add_product(a.data(), b.data(), c.data());
+    Aligned<float> x(k_block);
+    const float* const columns[] = {a.data(), b.data()};
+    combine(std::vector{2.f, -3.f}, columns, x.data());
+    double sum_of = 0, squares = 0, size = 0;
+    for (std::size_t i = 0; i < k_block; ++i) {
+        EXPECT_TRUE(near(c[i], double(before[i]) + double(a[i]) * double(b[i]), 3e-7));
+        EXPECT_TRUE(near(x[i], 2 * double(a[i]) - 3 * double(b[i]), 6e-7));
+        sum_of += double(a[i]), size += std::abs(double(a[i])), squares += double(a[i]) * double(a[i]);
+    }
+    EXPECT_TRUE(near(sum(a.data()), sum_of, 3e-6 * size));
+    EXPECT_TRUE(near_relative(sum_of_squares(a.data()), squares, 1e-5));
+}
+
+TEST_P(Gram, AddProductsAddsThoseOfRowsAndColumns) {
+    for (const std::size_t m : {1u, 4u, 7u})
+        for (const std::size_t n : {1u, 3u, 8u}) {
+            std::vector<Aligned<float>> rows, columns;
+            for (std::size_t i = 0; i < m; ++i) rows.push_back(column(random_, -0.5, 1));
+            for (std::size_t k = 0; k < n; ++k) columns.push_back(column(random_, -0.5, 1));
+            std::vector<double> G(m * n, 0.5);
+            add_products(pointers(rows), pointers(columns), G.data());
+            for (std::size_t i = 0; i < m; ++i)
+                for (std::size_t k = 0; k < n; ++k) {
+                    double sum = 0.5, size = 0;
+                    for (std::size_t l = 0; l < k_block; ++l) {
+                        sum += double(rows[i][l]) * double(columns[k][l]);
+                        size += std::abs(double(rows[i][l]) * double(columns[k][l]));
+                    }
+                    EXPECT_TRUE(near(G[i * n + k], sum, 3e-6 * size));
+                }
+        }
+}
+
 TEST_P(Gram, AddGramAddsTheProductsBelowTheDiagonal) {
     for (std::size_t n = 1; n <= 30; ++n) {
         std::vector<Aligned<float>> columns;

@@ -32,6 +32,12 @@ Lobes reciprocal(Lobes lobes) {
     return lobes;
 }
 
+/// More lobes than channels.
+Lobes twice(Lobes lobes) {
+    for (const double weight : std::vector(lobes.weight)) lobes.weight.push_back(0.7 * weight);
+    return lobes;
+}
+
 const Rows& rows() {
     static const Rows all(observations());
     return all;
@@ -69,10 +75,9 @@ TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
                       }
                   }};
     observe_spectra(o, five);
-    const Rows spectral(o, 0, true), with_albedo(o, 0.01, true);
+    const Rows spectral(o, {.spectra = true}), with_albedo(o, {.albedo_importance = 0.01, .spectra = true});
     EXPECT_EQ(spectral.y.size(), 5u);
-    LobeProblem problem(spectral, spectral.whole_blocks, {PmForm::source, 3}, false),
-        and_albedo(with_albedo, with_albedo.whole_blocks, {PmForm::source, 3}, false);
+    LobeProblem problem(spectral, {PmForm::source, 3}, false), and_albedo(with_albedo, {PmForm::source, 3}, false);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     check_gradient(problem, x);
     check_gradient(and_albedo, x);
@@ -87,23 +92,24 @@ TEST(Lobes, GradientIsThatOfTheLoss) {
     const Lobes horizon{{PmForm::horizon, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, -1.5, 1}},
         extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
     for (const Lobes& lobes :
-         {some_lobes(), horizon, extended, general_lobes(), reciprocal(some_lobes()), reciprocal(general_lobes())}) {
-        LobeProblem problem(rows(), 8, lobes.shape, false);
+         {some_lobes(), horizon, extended, general_lobes(), reciprocal(some_lobes()), reciprocal(general_lobes()),
+          twice(some_lobes()), twice(general_lobes()), twice(reciprocal(general_lobes()))}) {
+        LobeProblem problem(rows(), lobes.shape, false);
         check_gradient(problem, LobeProblem::pack(lobes));
     }
 }
 
 TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
-    LobeProblem problem(rows(), 8, {PmForm::source, 3}, false, -3.0);
+    LobeProblem problem(rows(), {PmForm::source, 3}, false, -3.0);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     const double bounded = problem.loss(x);
-    LobeProblem free(rows(), 8, {PmForm::source, 3}, false);
+    LobeProblem free(rows(), {PmForm::source, 3}, false);
     ASSERT_GT(bounded, 1.05 * free.loss(x));  // the bound is felt
     check_gradient(problem, x);
 
-    LobeProblem general(rows(), 8, {PmForm::extended, 2, false}, false, 0.0);
+    LobeProblem general(rows(), {PmForm::extended, 2, false}, false, 0.0);
     const Eigen::VectorXd y = LobeProblem::pack(general_lobes());
-    LobeProblem general_free(rows(), 8, {PmForm::extended, 2, false}, false);
+    LobeProblem general_free(rows(), {PmForm::extended, 2, false}, false);
     ASSERT_GT(general.loss(y), 1.05 * general_free.loss(y));
     check_gradient(general, y);
 }
@@ -112,9 +118,9 @@ TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
 TEST(Lobes, LossCountsAlbedo) {
     const Observations o = observations();
     const double importance = 0.3;
-    const Rows with(o, importance);
+    const Rows with(o, {.albedo_importance = importance});
     for (const Lobes& lobes : {some_lobes(), general_lobes(), reciprocal(general_lobes())}) {
-        LobeProblem problem(with, with.whole_blocks, lobes.shape, false);
+        LobeProblem problem(with, lobes.shape, false);
         const Eigen::VectorXd x = LobeProblem::pack(lobes);
         const double loss = problem.loss(x);
         check_gradient(problem, x);
@@ -140,7 +146,7 @@ TEST(Lobes, LossCountsAlbedo) {
 }
 
 TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
-    LobeProblem problem(rows(), 8, {PmForm::source, 3}, false);
+    LobeProblem problem(rows(), {PmForm::source, 3}, false);
     const Lobes lobes = some_lobes();
     const Eigen::VectorXd x = LobeProblem::pack(lobes);
     const double loss = problem.loss(x);
@@ -179,8 +185,7 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
 
 TEST(Lobes, AreTheSameInParallel) {
     const Rows many(observations(1 << 16));
-    LobeProblem serial(many, many.blocks, {PmForm::source, 3}, false),
-        parallel(many, many.blocks, {PmForm::source, 3}, true);
+    LobeProblem serial(many, {PmForm::source, 3}, false), parallel(many, {PmForm::source, 3}, true);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     EXPECT_EQ(serial.loss(x), parallel.loss(x));
     Eigen::MatrixXd H1, H2;
@@ -192,7 +197,7 @@ TEST(Lobes, AreTheSameInParallel) {
 }
 
 TEST(Lobes, DroppingCostsWhatItSays) {
-    LobeProblem problem(rows(), 8, {PmForm::source, 3}, false);
+    LobeProblem problem(rows(), {PmForm::source, 3}, false);
     const Lobes lobes{{PmForm::source, 3}, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
     const double loss = problem.loss(LobeProblem::pack(lobes));
     const std::vector<double> cost = problem.cost_of_dropping();
@@ -207,7 +212,7 @@ TEST(Lobes, DroppingCostsWhatItSays) {
 }
 
 TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
-    LobeProblem problem(rows(), 8, {PmForm::source, 3}, false);
+    LobeProblem problem(rows(), {PmForm::source, 3}, false);
     Lobes lobes = some_lobes();
     lobes.weight.resize(6);
     std::mt19937_64 random(5);
@@ -247,7 +252,7 @@ TEST(Rounding, KeepsDirections) {
 }
 
 TEST(Rounding, ModelOfLobesEvaluatesToThem) {
-    LobeProblem problem(rows(), 8, {PmForm::source, 3}, false);
+    LobeProblem problem(rows(), {PmForm::source, 3}, false);
     const Lobes lobes = some_lobes();
     problem.loss(LobeProblem::pack(lobes));
     const PmModel model = to_model(problem, lobes, true);

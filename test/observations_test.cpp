@@ -3,6 +3,7 @@
 
 #include "properties.h"
 #include "srbf/fit.h"
+#include "srbf/kernel.h"
 
 namespace srbf {
 namespace {
@@ -53,6 +54,32 @@ TEST(Observations, EveryBeginningIsASampleOfTheWhole) {
     EXPECT_LT(guards, 4096u / 8 + 1);
 }
 
+// A highlight of half a degree holds nearly all of Σ w |f|²: were pairs drawn from the mixture alone, a few dozen of 4096 would carry it.
+TEST(Observations, AreManyWhereTheEnergyIs) {
+    const auto o = observe(
+        [](auto wl, auto wv, auto f) {
+            for (std::size_t i = 0; i < f.size(); ++i) {
+                const float g = Kernel<float>::gaussian(Kernel<float>::psi(wl[i], wv[i], 1, 1), {0, 0, 1}, 20000);
+                f[i] = {0.01f + 300 * g, 0.01f + 300 * g, 0.01f + 300 * g};
+            }
+        },
+        {Objective::raw, 0, 1 << 16, 2});
+    ASSERT_TRUE(o);
+    const auto energy = [&](std::size_t i) { return o->weight[i] * 3 * double(o->f[i].r) * double(o->f[i].r); };
+    double all = 0, sum = 0, squares = 0;
+    for (std::size_t i = 0; i < fitted(*o); ++i) all += energy(i);
+    for (std::size_t i = 0; i < 4096; ++i) sum += energy(i), squares += energy(i) * energy(i);
+    EXPECT_TRUE(near(all, 1, 0.01));
+    EXPECT_TRUE(near_relative(sum, 4096.0 / double(fitted(*o)), 0.1));
+    EXPECT_GT(sum * sum / squares, 600);
+
+    // A beginning is scaled like the whole.
+    const Observations few = beginning(*o, 4096);
+    double of_few = 0;
+    for (std::size_t i = 0; i < 4096; ++i) of_few += few.weight[i] * 3 * double(few.f[i].r) * double(few.f[i].r);
+    EXPECT_TRUE(near(of_few, 1, 1e-6));
+}
+
 TEST(Observations, ReachTheHorizonAndItsCorners) {
     const auto o = observe(constant({1, 1, 1}), {Objective::cosine, 0, 4096, 0});
     ASSERT_TRUE(o);
@@ -76,7 +103,7 @@ TEST(Observations, LeaveOutWhatWasNotMeasuredAndClampTheNegative) {
         {Objective::raw, 0, 4096, 0});
     ASSERT_TRUE(o);
     EXPECT_GT(o->masked, 1000u);
-    EXPECT_EQ(o->clamped, o->f.size());
+    EXPECT_GE(o->clamped, o->f.size());  // one channel of each, and of those drawn that were not chosen
     for (const Rgb& f : o->f) ASSERT_EQ(f, (Rgb{0, 1, 2}));
     for (const double w : o->weight) ASSERT_TRUE(std::isfinite(w) && w >= 0);
 }
@@ -84,6 +111,8 @@ TEST(Observations, LeaveOutWhatWasNotMeasuredAndClampTheNegative) {
 TEST(Observations, AreOfTheSeed) {
     const auto with = [](std::uint64_t seed) { return *observe(constant({1, 1, 1}), {Objective::raw, 0, 4096, seed}); };
     EXPECT_EQ(with(1).weight, with(1).weight);
+    EXPECT_EQ(with(1).weight,
+              observe(constant({1, 1, 1}), {Objective::raw, 0, 4096, 1, 1})->weight);  // whatever the threads
     EXPECT_NE(with(1).weight, with(2).weight);
 }
 

@@ -48,7 +48,7 @@ struct Observations {
     double root_mean = 0;        ///< the mean f that cube-root weights are relative to; 0: they are another objective's
     std::vector<AlbedoObservation> albedo;  ///< what the last steps of a fit keep as well
     std::uint64_t masked = 0;               ///< pairs drawn where nothing was measured
-    std::uint64_t clamped = 0;              ///< negative channel values, set to 0
+    std::uint64_t clamped = 0;              ///< negative channel values of those drawn, set to 0
     std::vector<float> wavelengths;         ///< C [nm] of spectral observations; else empty
     std::vector<float> spectrum;            ///< f at each of them: observations × C [1/sr], ≥ 0
 };
@@ -63,12 +63,14 @@ Result<Done> check(const Observations& observations, std::size_t parameters);
 struct ObserveOptions {
     Objective objective = Objective::cosine;
     double max_theta = 0;       ///< [rad], in (0, π/2); 0: the objective's default
-    std::size_t count = 65536;  ///< pairs, 1024..2^24; an eighth of them are guards
+    std::size_t count = 65536;  ///< pairs at most, 1024..2^24; an eighth of them are guards
     std::uint64_t seed = 0;
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
-/// Draws pairs from a mixture that finds a BRDF's features, weighted so that sums over them estimate the
-/// objective's integrals over both caps. An eighth are guards between θmax and 89.9°, weighted little and by
+/// Draws pairs from a mixture that finds a BRDF's features, eight times as many as are asked for, and of these chooses half by their share of
+/// Σ w |f|², half alike, weighted so that sums over them estimate the objective's integrals over both caps; one that is chosen several
+/// times is one observation. An eighth are guards between θmax and 89.9°, weighted little and by
 /// f cosθl cosθv, which hold the fit to the measurement's order of magnitude where it is not asked to follow
 /// it. Behind them stand the checks: a grid over the whole hemisphere to 89.9° with its edges, and 32,768 pairs about the mirror
 /// direction. Albedo is observed at 0, 15, 30, 45, 60, 70, 75, 80 and 85° as far as they are within θmax. `f` may be
@@ -129,9 +131,11 @@ struct FitOptions {
     /// Bound on bandwidths, 1/finest², and on what is no bandwidth, 1/finest [1/rad]; 0: what halves hold.
     double finest = 0;
     bool log_scale = true;  ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
-    int starts = 20;        ///< independent growths; the best four are polished, two finished
-    int kicks = 16;  ///< attempts of the best to replace the lobe that matters least: a fifth of all starts, three
-                     ///< tenths of the better half of them, the other half of the best quarter
+    /// Independent growths; the best four are polished, two finished. Without a number 20, fewer for more than 6 lobes.
+    std::optional<int> starts = {};
+    /// Attempts of the best to replace the lobe that matters least: a fifth of all starts, three tenths of the better half of them, the
+    /// other half of the best quarter. Without a number 24, fewer for more than 6 lobes.
+    std::optional<int> kicks = {};
     std::uint64_t seed = 0;  ///< of the random lobes
     int threads = 0;         ///< 0: as many as the machine has; the result does not depend on it
 };

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "fit/search.h"
 #include "parallel.h"
 
 namespace srbf {
@@ -80,8 +81,8 @@ class Search {
         std::vector<Result<Tried>> tried(asked.size(), Error{});
         parallel_for(asked.size(), options_.threads, [&](std::size_t i) {
             FitOptions options = asked[i].first.with_lobes(options_, asked[i].second);
-            options.starts = std::min(options.starts, k_short_starts);
-            options.kicks = std::min(options.kicks, k_short_kicks);
+            options.starts = std::min(starts_of(options), k_short_starts);
+            options.kicks = std::min(kicks_of(options), k_short_kicks);
             tried[i] = attempt(some_, options, true);
         });
         std::vector<Step> steps;

@@ -4,9 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "fit/excess.h"
 #include "fit/objective.h"
 #include "fit/rounding.h"
-#include "fit/search.h"
+#include "fit/sample.h"
 #include "least_squares.h"
 #include "parallel.h"
 #include "srbf/half.h"
@@ -17,8 +18,10 @@ namespace {
 /// A tournament: of the starts this share goes on, until this share of its kicks has been done.
 struct Round {
     double starts, kicks;
-    int candidates(const FitOptions& options) const { return std::max(int(std::lround(starts * options.starts)), 1); }
-    int kicks_until(const FitOptions& options) const { return int(std::lround(kicks * options.kicks)); }
+    int candidates(const FitOptions& options) const {
+        return std::max(int(std::lround(starts * starts_of(options))), 1);
+    }
+    int kicks_until(const FitOptions& options) const { return int(std::lround(kicks * kicks_of(options))); }
 };
 constexpr Round k_rounds[] = {{1, 0.2}, {0.5, 0.5}, {0.25, 1}};
 // Of these so many go on to the next stage.
@@ -33,53 +36,19 @@ constexpr double k_least_gain = 0.015;
 /// materials) and cost digits in float.
 constexpr double k_log_peak_limit = 300;
 
-/// The fitted f cosθl cosθv may reach this multiple of the largest measured one at a check (twice it is what
-/// we promise).
-constexpr double k_most_excess = 1.6;
-/// What exceeding it by the largest measured value costs at first, relative to the loss.
-constexpr double k_excess_weight = 0.005;
-
-/// Every albedo off by 10 % costs as much as the fit's loss without regard to albedo, but no more than 0.004: a fit that cannot
-/// follow the data gains nothing from an albedo that is right by chance.
-constexpr double k_albedo_error = 0.1, k_most_albedo_loss = 0.004;
-
 /// Where rounding at once raises the loss by more than this factor, numbers are rounded in turn.
 constexpr double k_costly_rounding = 1.003;
-
-/// Where `model` exceeds the checks by far they become observations, and those that had become so weigh more;
-/// returns how many. `first` is where the checks began.
-std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss) {
-    const auto largest = [](const Rgb& f) { return double(std::max({f.r, f.g, f.b})); };
-    const auto area = [&](std::size_t i) { return double(observations.wl[i].z) * double(observations.wv[i].z); };
-    double peak = 0;
-    for (std::size_t i = 0; i < observations.f.size(); ++i) peak = std::max(peak, largest(observations.f[i]) * area(i));
-    std::size_t exceeded = 0;
-    for (std::size_t i = first; i < observations.f.size(); ++i) {
-        const double f = largest(value(model, observations.wl[i], observations.wv[i])) * area(i);
-        if (f <= k_most_excess * peak) continue;
-        ++exceeded;
-        const std::size_t to = observations.f.size() - observations.checks;
-        if (i < to) {
-            observations.weight[i] *= 4;
-            continue;
-        }
-        exchange(observations, i, to);
-        observations.weight[to] = k_excess_weight * loss * area(to) * area(to) / (peak * peak);
-        --observations.checks;
-    }
-    return exceeded;
-}
 
 Result<Done> check(const Observations& observations, const FitOptions& options) {
     const auto in_range = [](const char* what, int x, int least, int most) -> Result<Done> {
         if (x >= least && x <= most) return Done{};
         return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x)};
     };
-    for (const auto& result :
-         {in_range("number of lobes", options.lobes, 1, k_most_fitted_lobes),
-          in_range("number of variates", options.variates, 1, k_most_variates),
-          in_range("number of starts", options.starts, 1, 1000), in_range("number of kicks", options.kicks, 0, 100000),
-          in_range("number of threads", options.threads, 0, 1024)})
+    for (const auto& result : {in_range("number of lobes", options.lobes, 1, k_most_fitted_lobes),
+                               in_range("number of variates", options.variates, 1, k_most_variates),
+                               in_range("number of starts", starts_of(options), 1, 1000),
+                               in_range("number of kicks", kicks_of(options), 0, 100000),
+                               in_range("number of threads", options.threads, 0, 1024)})
         if (!result) return result.error();
     if (!(options.finest >= 0 && options.finest < 1))
         return Error{"fit", {}, "finest width", "0 to 1 radian", fmt::format("{}", options.finest)};
@@ -131,8 +100,8 @@ PmFit finish(Lobes lobes, const Observations& observations, double albedo_import
     if (spectral) weigh_for_spectra(all);
     const std::size_t first_check = all.f.size() - all.checks;
     for (int round = 0;; ++round) {
-        const Rows rows(all, albedo_importance, spectral);
-        LobeProblem problem(rows, rows.whole_blocks, lobes.shape, true, log_peak_limit);
+        const Rows rows(all, {.albedo_importance = albedo_importance, .spectra = spectral});
+        LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = LobeProblem::pack(lobes);
         const auto summary = last_steps(problem, x, reporter);
         lobes = problem.unpack(x);
@@ -181,41 +150,46 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
         before = until;
     }
     const double polish_work = 0.2 * kicks + 1;
-    Reporter reporter(progress, options.starts * options.lobes + kicks + 2 * polish_work);
+    Reporter reporter(progress, starts_of(options) * options.lobes + kicks + 2 * polish_work);
 
     PmFit fit;
+    std::vector<Candidate> found(std::size_t(starts_of(options)));
     arena_of(options.threads).execute([&] {
-        const Rows sample(observations);
+        Sample sample(observations);
         const auto by_loss = [](const Candidate& a, const Candidate& b) { return a.loss < b.loss; };
-        std::vector<Candidate> found(std::size_t(options.starts));
-        tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t start) {
-            found[start] = grow(sample, options, log_peak_limit, int(start), reporter);
-        });
+        const auto each = [&](const auto& body) { tbb::parallel_for(std::size_t(0), found.size(), body); };
+        const Rows to_grow_on = sample.to_grow_on();
+        each(
+            [&](std::size_t start) { found[start] = grow(to_grow_on, options, log_peak_limit, int(start), reporter); });
         std::stable_sort(found.begin(), found.end(), by_loss);
 
         for (const Round& round : k_rounds) {
+            sample.look_about(found, options, log_peak_limit);
             found.resize(std::size_t(round.candidates(options)));
+            const Rows rows = sample.to_search();
             const int until = round.kicks_until(options);
-            tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
-                if (!reporter.cancelled()) improve(sample, options, log_peak_limit, until, found[i], reporter);
+            each([&](std::size_t i) {
+                if (!reporter.cancelled()) improve(rows, options, log_peak_limit, until, found[i], reporter);
             });
             std::stable_sort(found.begin(), found.end(), by_loss);
         }
         found.resize(std::min(found.size(), k_polished));
 
-        tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
-            if (!reporter.cancelled()) polish(sample, options, log_peak_limit, found[i]);
+        sample.look_about(found, options, log_peak_limit);
+        const Rows to_polish = sample.to_polish();
+        each([&](std::size_t i) {
+            if (!reporter.cancelled()) polish(to_polish, options, log_peak_limit, found[i]);
             reporter.advance("polishing", polish_work / double(found.size()));
         });
-        // By all observations: some region that the search has not seen may be where a lobe shoots up.
-        LobeProblem whole(sample, sample.blocks, shape_of(options), true, log_peak_limit);
+
+        // By all observations those that go on are chosen.
+        const Rows all(observations, {.albedo_importance = sample.albedo_importance()});
+        LobeProblem whole(all, shape_of(options), true, log_peak_limit);
         for (Candidate& candidate : found) candidate.loss = whole.loss(LobeProblem::pack(candidate.lobes));
         std::stable_sort(found.begin(), found.end(), by_loss);
         found.resize(std::min(found.size(), k_finished));
-        const double loss = found[0].loss;
         const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
-        const double albedo_importance =
-            std::min(loss, k_most_albedo_loss) / (channels * k_albedo_error * k_albedo_error);
+        const double albedo_importance = sample.albedo_importance() * 3 / channels;
         std::vector<PmFit> finished(found.size());
         tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
             finished[i] = finish(found[i].lobes, observations, albedo_importance, options, log_peak_limit, reporter);

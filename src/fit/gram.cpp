@@ -1,7 +1,6 @@
 #include "fit/gram.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -227,40 +226,43 @@ template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double
     for (std::size_t c = 0; c < y.size(); ++c) y[c][i] = float(factor * double(f(c)));
 }
 
-Rows::Rows(const Observations& observations, double albedo_importance, bool spectra) {
-    const auto whole_chunks = [](std::size_t rows) { return (rows + k_chunk * k_block - 1) / (k_chunk * k_block); };
+Rows::Rows(const Observations& observations, const Extent& extent) {
+    const auto blocks_for = [](std::size_t rows) { return (rows + k_block - 1) / k_block; };
     const std::size_t count = observations.f.size() - observations.checks;
-    const bool with_albedo = albedo_importance > 0;
-    blocks = with_albedo ? k_chunk * whole_chunks(count) : (count + k_block - 1) / k_block;
-    whole_blocks = blocks + (with_albedo ? k_chunk * observations.albedo.size() : 0);
+    blocks = blocks_for(count);
+    const std::size_t every = extent.roughly ? 2 : 1, step = extent.roughly ? 9 : 1;
+    if (extent.albedo_importance > 0) albedos = (observations.albedo.size() + every - 1) / every;
+    for (std::size_t k = 0; k < albedos; ++k)
+        albedo_blocks =
+            std::max(albedo_blocks, blocks_for((observations.albedo[k * every].wl.size() + step - 1) / step));
     // Rows that fill up: any direction will do, their weight is 0.
+    const std::size_t rows = whole_blocks() * k_block;
     for (std::size_t k = 0; k < 3; ++k) {
-        wl[k].assign(whole_blocks * k_block, k == 2 ? 1.f : 0.f);
-        wv[k].assign(whole_blocks * k_block, k == 2 ? 1.f : 0.f);
+        wl[k].assign(rows, k == 2 ? 1.f : 0.f);
+        wv[k].assign(rows, k == 2 ? 1.f : 0.f);
     }
-    const std::size_t C = spectra ? observations.wavelengths.size() : 3;
-    y.assign(C, Aligned<float>(whole_blocks * k_block, 0.f));
+    const std::size_t C = extent.spectra ? observations.wavelengths.size() : 3;
+    y.assign(C, Aligned<float>(rows, 0.f));
     // Channel c of an observation or of an albedo's light.
-    const auto value_of = [&](const auto& of, std::size_t i) {
+    const auto value_of = [C, spectra = extent.spectra](const auto& of, std::size_t i) {
         return [&of, i, C, spectra](std::size_t c) { return spectra ? of.spectrum[i * C + c] : of.f[i][int(c)]; };
     };
-    root_weight.assign(whole_blocks * k_block, 0.f);
+    root_weight.assign(rows, 0.f);
     double sum = 0;
     for (std::size_t i = 0; i < count; ++i) sum += observations.weight[i];
     if (sum > 0) scale = 1 / std::sqrt(sum);
     for (std::size_t i = 0; i < count; ++i)
         set(i, observations.wl[i], observations.wv[i], std::sqrt(observations.weight[i]), value_of(observations, i));
-    if (!with_albedo) return;
-    for (std::size_t k = 0; k < observations.albedo.size(); ++k) {
-        const AlbedoObservation& albedo = observations.albedo[k];
-        assert(albedo.wl.size() <= k_chunk * k_block);
+    for (std::size_t k = 0; k < albedos; ++k) {
+        const AlbedoObservation& albedo = observations.albedo[k * every];
         double whole = 0;
-        for (std::size_t i = 0; i < albedo.wl.size(); ++i) whole += albedo.weight[i] * double(luminance(albedo.f[i]));
+        for (std::size_t i = 0; i < albedo.wl.size(); i += step)
+            whole += albedo.weight[i] * double(luminance(albedo.f[i]));
         if (!(whole > 0)) continue;
-        const double factor = std::sqrt(albedo_importance / double(observations.albedo.size())) / whole;
-        for (std::size_t i = 0; i < albedo.wl.size(); ++i)
-            set((blocks + k * k_chunk) * k_block + i, albedo.wl[i], albedo.wv, factor * albedo.weight[i],
-                value_of(albedo, i));
+        const double factor = std::sqrt(extent.albedo_importance / double(albedos)) / whole;
+        std::size_t row = (blocks + k * albedo_blocks) * k_block;
+        for (std::size_t i = 0; i < albedo.wl.size(); i += step)
+            set(row++, albedo.wl[i], albedo.wv, factor * albedo.weight[i], value_of(albedo, i));
     }
 }
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -17,19 +18,28 @@ inline constexpr std::size_t k_chunk = 8;    ///< blocks in a chunk: what is sum
 
 template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
 
-/// Observations as the loops take them: an array a component, filled up to whole chunks with rows of weight
-/// 0. First those of pairs, of which the sum of squares is asked for; then chunks each of which observes one albedo: of such a chunk the
+/// What of the observations Rows hold.
+struct Extent {
+    double albedo_importance =
+        0;  ///< what the sum rises by where every albedo is off by its luminance in one channel; 0: no albedo
+    bool roughly = false;  ///< every other albedo, of each every ninth direction
+    bool spectra = false;  ///< the spectra of spectral observations in place of their colours
+};
+
+/// Observations as the loops take them: an array a component, filled up to whole blocks with rows of weight
+/// 0. First those of pairs, of which the sum of squares is asked for; then as many blocks for each albedo, of which the
 /// square of the sum is asked for.
 struct Rows {
-    /// All but the checks; the colours of spectral ones, or their spectra. `albedo_importance`: what the sum rises by where every albedo is
-    /// off by its luminance in one channel; 0: no such chunks.
-    explicit Rows(const Observations& observations, double albedo_importance = 0, bool spectra = false);
-    std::size_t blocks = 0;        ///< of pairs
-    std::size_t whole_blocks = 0;  ///< those of albedo as well
+    /// All but the checks.
+    explicit Rows(const Observations& observations, const Extent& extent = {});
+    std::size_t blocks = 0;                      ///< of pairs
+    std::size_t albedos = 0, albedo_blocks = 0;  ///< how many, and of each so many blocks
     std::array<Aligned<float>, 3> wl, wv;
     double scale = 1;               ///< values are counted in multiples of it, whatever the data's unit: 1 / √Σw
     Aligned<float> root_weight;     ///< √w × scale, so that its squares sum to 1 over pairs
     std::vector<Aligned<float>> y;  ///< √w f for each channel
+
+    std::size_t whole_blocks() const { return blocks + albedos * albedo_blocks; }
 
   private:
     /// Row i for these directions: `factor` is √w, or what stands in its place in a sum; f(c) the value of channel c.

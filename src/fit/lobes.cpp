@@ -17,10 +17,9 @@ constexpr float k_nothing = -std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-LobeProblem::LobeProblem(const Rows& rows, std::size_t blocks, const LobeShape& shape, bool parallel,
-                         double log_peak_limit)
+LobeProblem::LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel, double log_peak_limit)
     : rows_(rows),
-      blocks_(std::min(blocks, rows.whole_blocks)),
+      blocks_(rows.whole_blocks()),
       shape_(shape),
       parallel_(parallel),
       log_peak_limit_(log_peak_limit),
@@ -59,37 +58,44 @@ Lobes LobeProblem::unpack(const Eigen::VectorXd& x) const {
 }
 
 template <typename Body> void LobeProblem::for_chunks(const Body& body) const {
-    const std::size_t chunks = (blocks_ + k_chunk - 1) / k_chunk;
-    const auto run = [&](std::size_t chunk) { body(chunk, chunk * k_chunk, std::min((chunk + 1) * k_chunk, blocks_)); };
+    const auto run = [&](std::size_t chunk) {
+        if (chunk < chunks_of_pairs())
+            return body(chunk, chunk * k_chunk, std::min((chunk + 1) * k_chunk, rows_.blocks));
+        const std::size_t begin = rows_.blocks + (chunk - chunks_of_pairs()) * rows_.albedo_blocks;
+        body(chunk, begin, begin + rows_.albedo_blocks);
+    };
     if (parallel_)
-        tbb::parallel_for(std::size_t(0), chunks, run);
+        tbb::parallel_for(std::size_t(0), chunks(), run);
     else
-        for (std::size_t chunk = 0; chunk < chunks; ++chunk) run(chunk);
+        for (std::size_t chunk = 0; chunk < chunks(); ++chunk) run(chunk);
 }
 
 template <typename Columns>
 Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, const Columns& columns) const {
-    std::vector<std::vector<double>> parts((blocks_ + k_chunk - 1) / k_chunk);
+    std::vector<std::vector<double>> parts(chunks());  // of pairs products, of an albedo the columns' sums
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
         Aligned<float> scratch(scratch_columns * k_block);
         std::vector<const float*> pointers;
         std::vector<double>& part = parts[chunk];
-        part.assign(n * n, 0.0);
-        std::vector<double> sums(n, 0.0);
+        part.assign(observes_albedo(begin) ? n : n * n, 0.0);
         for (std::size_t block = begin; block < end; ++block) {
             pointers.clear();
             columns(block, scratch.data(), pointers);
             if (observes_albedo(block))
-                for (std::size_t i = 0; i < n; ++i) sums[i] += sum(pointers[i]);
+                for (std::size_t i = 0; i < n; ++i) part[i] += sum(pointers[i]);
             else
                 add_gram(pointers, part.data());
         }
-        if (observes_albedo(begin))
-            for (std::size_t i = 0; i < n; ++i)
-                for (std::size_t k = 0; k <= i; ++k) part[i * n + k] = sums[i] * sums[k];
     });
     Eigen::MatrixXd G = Eigen::MatrixXd::Zero(Eigen::Index(n), Eigen::Index(n));
-    for (const auto& part : parts) G += Eigen::Map<const Eigen::MatrixXd>(part.data(), G.rows(), G.cols());
+    for (const auto& part : parts) {
+        if (part.size() == n * n) {
+            G += Eigen::Map<const Eigen::MatrixXd>(part.data(), G.rows(), G.cols());
+            continue;
+        }
+        const Eigen::Map<const Eigen::VectorXd> sums(part.data(), G.rows());
+        G.selfadjointView<Eigen::Upper>().rankUpdate(sums);
+    }
     // Row-major lower triangles read as column-major upper ones.
     return G.selfadjointView<Eigen::Upper>();
 }
@@ -102,8 +108,7 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     std::vector<float> weight(J * W);
     for (std::size_t i = 0; i < J * W; ++i) weight[i] = float(x[Eigen::Index(N + i)]);
 
-    const std::size_t chunks = (blocks_ + k_chunk - 1) / k_chunk;
-    std::vector<std::vector<float>> largest(chunks, std::vector<float>(J, k_nothing));
+    std::vector<std::vector<float>> largest(chunks(), std::vector<float>(J, k_nothing));
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
         Aligned<float> swapped(shape_.reciprocal ? std::size_t(shape_.components()) * k_block : 0),
             swapped_by_angle(swapped.size());
@@ -156,7 +161,7 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     for (Eigen::Index c = 0; c < beta_.cols(); ++c)
         beta_.col(c) = bounded_least_squares(gram_, G.block(0, lobes_ + c, lobes_, 1), beta_limit_);
 
-    std::vector<double> sums(chunks, 0.0);
+    std::vector<double> sums(chunks(), 0.0);
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::vector<float> beta(J);
         std::vector<const float*> columns(J);
@@ -266,9 +271,9 @@ std::vector<double> LobeProblem::cost_of_dropping() const { return srbf::cost_of
 std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<double>>& candidates) {
     // What a group of candidates is on all blocks stays in the cache.
     constexpr std::size_t group = 16;
-    Aligned<float> added(group * blocks_ * k_block);
-    const auto of = [&](std::size_t k, std::size_t block) { return &added[(k * blocks_ + block) * k_block]; };
-    const std::size_t J = std::size_t(lobes_), C = channels();
+    const std::size_t blocks = rows_.blocks, J = std::size_t(lobes_), C = channels();
+    Aligned<float> added(group * blocks * k_block);
+    const auto of = [&](std::size_t k, std::size_t block) { return &added[(k * blocks + block) * k_block]; };
     const Eigen::LDLT<Eigen::MatrixXd> factor(ridged(gram_));
     std::vector<double> best;
     double best_gain = -1;
@@ -278,19 +283,19 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
         for (std::size_t k = 0; k < count; ++k) {
             const std::vector<float> weight(candidates[first + k].begin(), candidates[first + k].end());
             float offset = k_nothing;
-            for (std::size_t block = 0; block < blocks_; ++block) {
+            for (std::size_t block = 0; block < blocks; ++block) {
                 std::vector<const float*> s;
                 for (int n = 0; n < shape_.width(); ++n) s.push_back(feature(block, n));
                 offset = std::max(offset, exponent(rows_, block, weight, s, of(k, block)));
             }
-            for (std::size_t block = 0; block < blocks_; ++block) {
+            for (std::size_t block = 0; block < blocks; ++block) {
                 exponentiate(rows_, block, offset, of(k, block));
                 whole[k] += sum_of_squares(of(k, block));
             }
         }
         // With the lobes there are, and with the residuals; row-major, read as columns of candidates.
         Eigen::MatrixXd products = Eigen::MatrixXd::Zero(Eigen::Index(J + C), Eigen::Index(count));
-        for (std::size_t block = 0; block < blocks_; ++block) {
+        for (std::size_t block = 0; block < blocks; ++block) {
             std::vector<const float*> rows, columns;
             for (std::size_t k = 0; k < count; ++k) rows.push_back(of(k, block));
             for (int j = 0; j < lobes_; ++j) columns.push_back(lobe(block, j));
@@ -303,7 +308,8 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
             double across = whole[k];
             if (lobes_ > 0) across -= shared.dot(factor.solve(shared));
             across = std::max(across, 1e-4 * whole[k]);
-            const double gain = products.col(Eigen::Index(k)).tail(Eigen::Index(C)).cwiseMax(0.0).squaredNorm() / across;
+            const double gain =
+                products.col(Eigen::Index(k)).tail(Eigen::Index(C)).cwiseMax(0.0).squaredNorm() / across;
             if (gain > best_gain) best_gain = gain, best = candidates[first + k];
         }
     }

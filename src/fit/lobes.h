@@ -54,13 +54,13 @@ inline Interval weight_range(int n, const LobeShape& shape) {
     return {-std::min(1000.0, most_slope), most_slope};  // that of sinθh
 }
 
-/// Σ w |f − Σ_j β_j E_j|², of C channels, over the first rows of `rows`, and over chunks that observe an albedo the square of the sum, β eliminated by
+/// Σ w |f − Σ_j β_j E_j|², of C channels, over the rows of pairs, and over those of an albedo the square of the sum, β eliminated by
 /// non-negative least squares per channel. Variables are x = (angles, weights).
 class LobeProblem {
   public:
     /// `parallel`: the loops run over the rows on several threads; the result does not depend on it.
     /// `log_peak_limit`: bound on the log of a coefficient of a lobe whose peak is 1.
-    LobeProblem(const Rows& rows, std::size_t blocks, const LobeShape& shape, bool parallel,
+    LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel,
                 double log_peak_limit = std::numeric_limits<double>::infinity());
 
     double loss(const Eigen::VectorXd& x);
@@ -93,6 +93,9 @@ class LobeProblem {
     std::size_t channels() const { return rows_.y.size(); }
     float* rest(std::size_t block, std::size_t c) { return &rest_[(block * channels() + c) * k_block]; }
     bool observes_albedo(std::size_t block) const { return block >= rows_.blocks; }
+    /// Chunks are of k_chunk blocks of pairs, or of those of an albedo.
+    std::size_t chunks_of_pairs() const { return (rows_.blocks + k_chunk - 1) / k_chunk; }
+    std::size_t chunks() const { return chunks_of_pairs() + rows_.albedos; }
     template <typename Body> void for_chunks(const Body& body) const;
     /// Σ over blocks of products of columns; `columns(block, scratch)` appends n pointers.
     template <typename Columns>

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "evenly.h"
 #include "fit/check_grid.h"
 #include "fit/objective.h"
+#include "parallel.h"
 #include "srbf/colour.h"
 #include "srbf/directions.h"
 #include "srbf/fit.h"
@@ -13,8 +15,12 @@
 namespace srbf {
 namespace {
 
-const double k_guard_share = 1.0 / 8;
+constexpr std::size_t k_pairs_a_guard = 7;
 constexpr std::size_t k_mirror_checks = 32768;
+/// Of so many times the pairs, but no more than k_most_pairs, those that are observed are chosen.
+constexpr std::size_t k_pool = 8, k_most_pairs = std::size_t(1) << 20;
+/// This part of them by what they add to Σ w |f|², the others alike.
+constexpr double k_by_energy = 0.5;
 constexpr double k_guard_theta = 89.9 * k_degree;
 
 /// Directions of view: even over the cap, a quarter of them even in log cosθ, so that grazing ones are not
@@ -44,6 +50,77 @@ struct Draw {
     Vec3d wl, wv;
     double weight = 0;  // 1 / density within the caps, 0 for a guard
 };
+
+/// Pairs, and what was measured there.
+struct Drawn {
+    std::vector<Vec3f> wl, wv;
+    std::vector<Rgb> f;          // ≥ 0
+    std::vector<double> weight;  // of a draw
+    std::uint64_t masked = 0, clamped = 0;
+    std::size_t size() const { return f.size(); }
+};
+
+/// `draw(i)`, i < count, those that exist and that have a value, in their order.
+template <typename DrawAt> Drawn measured(const Evaluate& f, std::size_t count, int threads, const DrawAt& draw) {
+    constexpr std::size_t k_part = 4096;
+    std::vector<Drawn> parts((count + k_part - 1) / k_part);
+    parallel_for(parts.size(), threads, [&](std::size_t p) {
+        Drawn part;
+        for (std::size_t i = p * k_part; i < std::min(count, (p + 1) * k_part); ++i) {
+            const std::optional<Draw> one = draw(i);
+            if (!one) continue;
+            part.wl.push_back(to_float(one->wl)), part.wv.push_back(to_float(one->wv));
+            part.weight.push_back(one->weight);
+        }
+        part.f.resize(part.wl.size());
+        f(part.wl, part.wv, part.f);
+        Drawn& kept = parts[p];
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            if (!is_finite(part.f[i])) {
+                ++kept.masked;
+                continue;
+            }
+            kept.clamped += std::uint64_t(clamp_negative(part.f[i]));
+            kept.wl.push_back(part.wl[i]), kept.wv.push_back(part.wv[i]);
+            kept.f.push_back(part.f[i]), kept.weight.push_back(part.weight[i]);
+        }
+    });
+    Drawn all;
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    for (const Drawn& part : parts) {
+        append(all.wl, part.wl), append(all.wv, part.wv), append(all.f, part.f), append(all.weight, part.weight);
+        all.masked += part.masked, all.clamped += part.clamped;
+    }
+    return all;
+}
+
+struct Chosen {
+    std::size_t index;
+    double weight;
+};
+
+/// About `count` of the pairs, in their order: half of them by their share of Σ w |f|², half alike. One that is chosen more often than
+/// another weighs as much less, so that sums over what is chosen estimate those over all; one that is chosen several times is one.
+std::vector<Chosen> choose(const Drawn& pool, std::span<const double> weight, std::size_t count) {
+    double energy = 0;
+    for (std::size_t i = 0; i < pool.size(); ++i) energy += weight[i] * square_of(pool.f[i]);
+    std::vector<Chosen> chosen;
+    double sum = 0.5;
+    for (std::size_t i = 0; i < pool.size(); ++i) {
+        const double by_energy = weight[i] * square_of(pool.f[i]) / energy, alike = 1 / double(pool.size());
+        const double expected = double(count) * (k_by_energy * by_energy + (1 - k_by_energy) * alike);
+        const double times = std::floor(sum + expected) - std::floor(sum);
+        sum += expected;
+        if (times > 0) chosen.push_back({i, weight[i] * times / expected});
+    }
+    return chosen;
+}
+
+/// Adds pair i, with this weight.
+void append(Observations& observations, const Drawn& drawn, std::size_t i, double weight) {
+    observations.wl.push_back(drawn.wl[i]), observations.wv.push_back(drawn.wv[i]);
+    observations.f.push_back(drawn.f[i]), observations.weight.push_back(weight);
+}
 
 std::vector<AlbedoObservation> observe_albedo(const Evaluate& f, double theta_max) {
     std::vector<AlbedoObservation> all;
@@ -133,6 +210,10 @@ Observations beginning(const Observations& observations, std::size_t count) {
     some.spectrum.assign(observations.spectrum.begin(), observations.spectrum.begin() + std::ptrdiff_t(count * C));
     some.wl = first(observations.wl), some.wv = first(observations.wv);
     some.f = first(observations.f), some.weight = first(observations.weight);
+    double energy = 0;
+    for (std::size_t i = 0; i < count; ++i) energy += some.weight[i] * square_of(some.f[i]);
+    if (energy > 0)
+        for (double& weight : some.weight) weight /= energy;
     return some;
 }
 
@@ -176,101 +257,86 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
         for (double& x : point) x = uniform(random);
         return point;
     };
-    Evenly<6> pairs(random_point()), guard_pairs(random_point());
+    const Evenly<6> pair_points(random_point()), guard_points(random_point()), check_points(random_point());
     const double cos_max = std::cos(theta_max), cos_guard = std::cos(k_guard_theta);
     const ViewMixture views(cos_max);
     const MirrorMixture lights(theta_max), guard_lights(k_guard_theta);
 
     // A pair within the caps.
-    const auto draw_pair = [&]() -> Draw {
-        for (;;) {
-            const auto u = pairs.next();
-            const Vec3d wv = views.sample(u[0], u[1], u[2]), wl = lights.sample(wv, u[3], u[4], u[5]);
-            if (lights.contains(wl)) return {wl, wv, 1 / (views.pdf(wv) * lights.pdf(wl, wv))};
-        }
+    const auto draw_pair = [&](std::size_t i) -> std::optional<Draw> {
+        const auto u = pair_points.at(i);
+        const Vec3d wv = views.sample(u[0], u[1], u[2]), wl = lights.sample(wv, u[3], u[4], u[5]);
+        if (!lights.contains(wl)) return std::nullopt;
+        return Draw{wl, wv, 1 / (views.pdf(wv) * lights.pdf(wl, wv))};
     };
     // Half of the guards have at least one direction between θmax and 89.9°, the others are nodes of the grid
     // of checks.
     const auto grid = check_grid();
-    const auto draw_guard = [&]() -> Draw {
-        for (;;) {
-            const auto u = guard_pairs.next();
-            if (u[0] < 0.5) {
-                const auto& [wl, wv] = grid[std::size_t(2 * u[0] * double(grid.size()))];
-                return {wl, wv, 0};
-            }
-            const double z = cos_guard + u[1] * (cos_max - cos_guard), r = std::sqrt(1 - z * z);
-            const Vec3d edge{r * std::cos(2 * k_pi * u[2]), r * std::sin(2 * k_pi * u[2]), z};
-            const Vec3d other = guard_lights.sample(edge, u[3], u[4], u[5]);
-            if (other.z < cos_guard) continue;
-            return u[0] < 0.75 ? Draw{edge, other, 0} : Draw{other, edge, 0};
+    const auto draw_guard = [&](std::size_t i) -> std::optional<Draw> {
+        const auto u = guard_points.at(i);
+        if (u[0] < 0.5) {
+            const auto& [wl, wv] = grid[std::size_t(2 * u[0] * double(grid.size()))];
+            return Draw{wl, wv};
         }
+        const double z = cos_guard + u[1] * (cos_max - cos_guard), r = std::sqrt(1 - z * z);
+        const Vec3d edge{r * std::cos(2 * k_pi * u[2]), r * std::sin(2 * k_pi * u[2]), z};
+        const Vec3d other = guard_lights.sample(edge, u[3], u[4], u[5]);
+        if (other.z < cos_guard) return std::nullopt;
+        return u[0] < 0.75 ? Draw{edge, other} : Draw{other, edge};
+    };
+    // The checks: the grid, and as many pairs about the mirror direction as may find a lobe between its nodes.
+    const auto draw_check = [&](std::size_t i) -> std::optional<Draw> {
+        if (i < grid.size()) return Draw{grid[i].first, grid[i].second};
+        const auto u = check_points.at(i - grid.size());
+        const Vec3d wv = guard_lights.sample_cap(u[1], u[2]), wl = guard_lights.sample(wv, u[3], u[4], u[5]);
+        if (wl.z < cos_guard) return std::nullopt;
+        return Draw{wl, wv};
     };
 
-    std::vector<Draw> draws;
-    draws.reserve(options.count);
-    for (std::size_t i = 0; i < options.count; ++i) {
-        const bool guard = std::fmod(double(i) * k_guard_share, 1.0) + k_guard_share >= 1;
-        draws.push_back(guard ? draw_guard() : draw_pair());
-    }
+    const std::size_t guard_count = options.count / (k_pairs_a_guard + 1), pair_count = options.count - guard_count;
+    const auto drawn = [&](std::size_t count, const auto& draw) { return measured(f, count, options.threads, draw); };
+    const Drawn pool = drawn(std::max(pair_count, std::min(k_pool * pair_count, k_most_pairs)), draw_pair);
+    const Drawn guards = drawn(2 * guard_count, draw_guard), checks = drawn(grid.size() + k_mirror_checks, draw_check);
 
-    // The checks: the grid, and as many pairs about the mirror direction as may find a lobe between its nodes.
-    for (const auto& [wl, wv] : grid) draws.push_back({wl, wv, 0});
-    while (draws.size() < options.count + grid.size() + k_mirror_checks) {
-        const auto u = guard_pairs.next();
-        const Vec3d wv = guard_lights.sample_cap(u[1], u[2]), wl = guard_lights.sample(wv, u[3], u[4], u[5]);
-        if (wl.z >= cos_guard) draws.push_back({wl, wv, 0});
+    Observations observations;
+    observations.masked = pool.masked + guards.masked + checks.masked;
+    observations.clamped = pool.clamped + guards.clamped + checks.clamped;
+    if (pool.size() + guards.size() == 0) return Error{"observe", {}, "pairs with a measurement", "some", "none"};
+    double mean = 0, solid_angle = 0;
+    for (std::size_t i = 0; i < pool.size(); ++i) {
+        mean += pool.weight[i] * mean_of(pool.f[i]);
+        solid_angle += pool.weight[i];
     }
-
-    Observations drawn;
-    for (const Draw& draw : draws) {
-        drawn.wl.push_back(to_float(draw.wl));
-        drawn.wv.push_back(to_float(draw.wv));
-    }
-    drawn.f.resize(draws.size());
-    f(drawn.wl, drawn.wv, drawn.f);
-
-    // Drop what was not measured, clamp what is negative.
-    Observations kept;
-    double mean = 0, solid_angle = 0, peak = 0, guards = 0;
-    std::vector<bool> is_guard;
-    for (std::size_t i = 0; i < draws.size(); ++i) {
-        if (!is_finite(drawn.f[i])) {
-            ++kept.masked;
-            continue;
-        }
-        Rgb value = drawn.f[i];
-        kept.clamped += std::uint64_t(clamp_negative(value));
-        const double cos_l = draws[i].wl.z, cos_v = draws[i].wv.z;
-        kept.wl.push_back(drawn.wl[i]);
-        kept.wv.push_back(drawn.wv[i]);
-        kept.f.push_back(value);
-        kept.weight.push_back(draws[i].weight);
-        kept.checks += i >= options.count;
-        is_guard.push_back(draws[i].weight == 0);
-        guards += draws[i].weight == 0 && i < options.count;
-        mean += draws[i].weight * mean_of(value);
-        solid_angle += draws[i].weight;
-        peak = std::max(peak, square_of(value) * cos_l * cos_l * cos_v * cos_v);
-    }
-    if (kept.f.size() == kept.checks) return Error{"observe", {}, "pairs with a measurement", "some", "none"};
     if (!(mean > 0)) return Error{"observe", {}, "values", "some above 0", "none"};
     mean /= solid_angle;
+    if (options.objective == Objective::cube_root) observations.root_mean = mean;
 
-    double energy = 0;
-    for (std::size_t i = 0; i < kept.f.size(); ++i) {
-        const Rgb value = kept.f[i];
-        const double cos_l = double(kept.wl[i].z), cos_v = double(kept.wv[i].z);
-        kept.weight[i] *= objective_weight(options.objective, mean_of(value), mean, cos_l, cos_v);
-        energy += kept.weight[i] * square_of(value);
+    std::vector<double> weight(pool.size());
+    for (std::size_t i = 0; i < pool.size(); ++i) {
+        const double cos_l = double(pool.wl[i].z), cos_v = double(pool.wv[i].z);
+        weight[i] = pool.weight[i] * objective_weight(options.objective, mean_of(pool.f[i]), mean, cos_l, cos_v);
     }
-    for (std::size_t i = 0; i < kept.f.size(); ++i) {
-        const double area = double(kept.wl[i].z) * double(kept.wv[i].z);
-        kept.weight[i] = is_guard[i] ? k_guard_importance * area * area / (guards * peak) : kept.weight[i] / energy;
+    double peak = 0;
+    for (const Drawn* some : {&pool, &guards, &checks})
+        for (std::size_t i = 0; i < some->size(); ++i)
+            peak = std::max(peak, square_of(some->f[i]) * std::pow(double(some->wl[i].z) * double(some->wv[i].z), 2));
+
+    const std::vector<Chosen> chosen = choose(pool, weight, pair_count);
+    double chosen_energy = 0;
+    for (const Chosen& pair : chosen) chosen_energy += pair.weight * square_of(pool.f[pair.index]);
+    // After every seventh of them a guard.
+    const std::size_t guarded = std::min(guards.size(), chosen.size() / k_pairs_a_guard);
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+        append(observations, pool, chosen[k].index, chosen[k].weight / chosen_energy);
+        const std::size_t g = k / k_pairs_a_guard;
+        if (k % k_pairs_a_guard + 1 < k_pairs_a_guard || g >= guarded) continue;
+        const double area = double(guards.wl[g].z) * double(guards.wv[g].z);
+        append(observations, guards, g, k_guard_importance * area * area / (double(guarded) * peak));
     }
-    if (options.objective == Objective::cube_root) kept.root_mean = mean;
-    kept.albedo = observe_albedo(f, theta_max);
-    return kept;
+    for (std::size_t i = 0; i < checks.size(); ++i) append(observations, checks, i, 0);
+    observations.checks = checks.size();
+    observations.albedo = observe_albedo(f, theta_max);
+    return observations;
 }
 
 void observe_spectra(Observations& observations, const Channels& spectra) {

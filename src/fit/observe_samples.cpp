@@ -208,8 +208,8 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
     if (!options.fill) return fit_pm(together(observations, 0, seed), bounded, progress);
 
     FitOptions in_short = bounded;
-    in_short.starts = std::min(bounded.starts, k_short_starts);
-    in_short.kicks = std::min(bounded.kicks, k_short_kicks);
+    in_short.starts = std::min(starts_of(bounded), k_short_starts);
+    in_short.kicks = std::min(kicks_of(bounded), k_short_kicks);
     const Observations alone = together(observations, 0, seed);
     const auto first = fit_pm(alone, in_short, [&](const Progress& now) {
         return !progress || progress({now.stage, 0.3 * now.fraction});

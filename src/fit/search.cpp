@@ -67,8 +67,6 @@ std::mt19937_64 generator(std::uint64_t seed, int start, int stage) {
 
 namespace {
 
-// The search looks at the first 4096 rows, the polish at 16384.
-constexpr std::size_t k_search_blocks = 4096 / k_block, k_polish_blocks = 16384 / k_block;
 constexpr int k_candidates = 256;
 
 /// Adds the best of many random lobes to those of the problem's last call of `loss`.
@@ -108,7 +106,7 @@ void replace_least(LobeProblem& problem, Candidate& best, std::mt19937_64& rando
 
 Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter) {
     std::mt19937_64 random = generator(options.seed, start, 0);
-    LobeProblem problem(rows, k_search_blocks, shape_of(options), false, log_peak_limit);
+    LobeProblem problem(rows, shape_of(options), false, log_peak_limit);
     Candidate best{start, without_lobes(shape_of(options), start, random)};
     for (int j = 0; j < options.lobes; ++j) {
         problem.loss(LobeProblem::pack(best.lobes));
@@ -121,10 +119,11 @@ Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limi
 
 void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, int until, Candidate& best,
              Reporter& reporter) {
-    LobeProblem problem(rows, k_search_blocks, shape_of(options), false, log_peak_limit);
+    LobeProblem problem(rows, shape_of(options), false, log_peak_limit);
+    if (best.kicks < until) best.loss = optimise(problem, best.lobes, 6);
     while (best.kicks < until) {
         std::mt19937_64 random = generator(options.seed, best.start, 2 + best.kicks++);
-        problem.loss(LobeProblem::pack(best.lobes));
+        best.loss = problem.loss(LobeProblem::pack(best.lobes));
         replace_least(problem, best, random);
         if (!reporter.advance("replacing lobes", 1)) break;
     }
@@ -132,7 +131,7 @@ void improve(const Rows& rows, const FitOptions& options, double log_peak_limit,
 
 void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate) {
     std::mt19937_64 random = generator(options.seed, candidate.start, 1);
-    LobeProblem problem(rows, k_polish_blocks, shape_of(options), false, log_peak_limit);
+    LobeProblem problem(rows, shape_of(options), false, log_peak_limit);
     candidate.loss = optimise(problem, candidate.lobes, 25);
     // On more rows than it was found on, a lobe may turn out to be good for nothing.
     for (int attempt = 0; attempt < 3; ++attempt) {

@@ -34,6 +34,14 @@ inline LobeShape shape_of(const FitOptions& options) {
             options.finest};
 }
 
+/// Starts and kicks where none are asked for: fewer of more lobes, of which each takes longer and matters less.
+inline int starts_of(const FitOptions& options) {
+    return options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 12, 20));
+}
+inline int kicks_of(const FitOptions& options) {
+    return options.kicks.value_or(std::clamp(144 / std::max(options.lobes, 1), 16, 24));
+}
+
 /// Numbers that a fit is free to choose.
 inline std::size_t parameter_count(const FitOptions& options) {
     return std::size_t(options.lobes * (3 + shape_of(options).width()) + 2 * options.variates);
@@ -62,7 +70,7 @@ struct Candidate {
 /// Grows J lobes one by one.
 Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter);
 
-/// Again and again drops the lobe that costs least, adds another, and keeps what is better, until the candidate has had so many kicks.
+/// Goes on from where it was, maybe with other rows; then again and again drops the lobe that costs least, adds another, and keeps what is better, until the candidate has had so many kicks.
 void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, int until, Candidate& candidate,
              Reporter& reporter);
 

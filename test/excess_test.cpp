@@ -1,0 +1,90 @@
+// Fits that exceed the measurement between the rows that they have seen.
+#include "fit/excess.h"
+
+#include "fit/sample.h"
+#include "properties.h"
+#include "srbf/directions.h"
+
+namespace srbf {
+namespace {
+
+Observations grey() {
+    return *observe(
+        [](auto, auto, auto f) {
+            std::fill(f.begin(), f.end(), Rgb{0.3f, 0.3f, 0.3f});
+        },
+        {Objective::cosine, 0, 1 << 16, 4});
+}
+
+/// A constant; and what rises to 1e6 where light and view are near the horizon, side by side.
+PmModel with_spike() {
+    PmModel model;
+    model.form = PmForm::source;
+    model.axial = false;
+    model.lobes = model.variates = 2;
+    model.parameterization = {{1, 0}, {0, 1}};
+    model.centre = {{0, 0, 1}, {0, 0, 1}, {1, 0, 0}, {1, 0, 0}};
+    model.bandwidth = {0, 0, 30, 30};
+    model.coefficient = {{0.3f, 0.3f, 0.3f}, {1e6f, 1e6f, 1e6f}};
+    model.log_scale = {0, 0};
+    return model;
+}
+
+TEST(Excess, IsFoundWhereItIs) {
+    const Observations o = grey();
+    const double largest = largest_measured(o);
+    EXPECT_TRUE(near(largest, 0.3, 1e-3));  // at the normal
+    const std::vector<std::size_t> where = exceeded(o, 4096, with_spike(), largest);
+    ASSERT_FALSE(where.empty());
+    std::size_t next = 0, expected = 0;
+    for (std::size_t i = 4096; i < o.f.size(); ++i) {
+        const double f = double(value(with_spike(), o.wl[i], o.wv[i]).r) * double(o.wl[i].z) * double(o.wv[i].z);
+        if (std::abs(f / (1.6 * largest) - 1) < 1e-3) continue;  // either will do
+        expected += f > 1.6 * largest;
+        if (f > 1.6 * largest) {
+            while (next < where.size() && where[next] < i) ++next;
+            ASSERT_LT(next, where.size());
+            EXPECT_EQ(where[next], i);
+        }
+    }
+    EXPECT_GE(where.size(), expected);
+}
+
+TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
+    Observations o = grey();
+    const std::size_t first = o.f.size() - o.checks, checks = o.checks;
+    const std::size_t taken = take_exceeded(o, first, with_spike(), 0.01);
+    ASSERT_GT(taken, 0u);
+    EXPECT_EQ(o.checks, checks - taken);
+    const double largest = largest_measured(o);
+    std::vector<double> weight;
+    for (std::size_t i = first; i < first + taken; ++i) {
+        EXPECT_GT(double(value(with_spike(), o.wl[i], o.wv[i]).r) * double(o.wl[i].z) * double(o.wv[i].z),
+                  1.6 * largest * (1 - 1e-5));
+        EXPECT_TRUE(near_relative(o.weight[i], check_weight(o, i, 0.01, largest), 1e-12));
+        weight.push_back(o.weight[i]);
+    }
+    EXPECT_EQ(take_exceeded(o, first, with_spike(), 0.01), taken);
+    EXPECT_EQ(o.checks, checks - taken);
+    for (std::size_t i = 0; i < taken; ++i) EXPECT_EQ(o.weight[first + i], 4 * weight[i]);
+}
+
+// What the search looks at grows by places where a candidate shoots up, and by those alone.
+TEST(Sample, TakesInWhereCandidatesExceedTheMeasurement) {
+    const Observations o = grey();
+    const FitOptions options{.form = PmForm::source, .axial = false, .lobes = 1, .variates = 1};
+    Sample sample(o);
+    const std::size_t before = sample.to_grow_on().wl[0].size();
+    const auto look_at = [&](Vec3d p) {
+        sample.look_about({{0, {shape_of(options), {0}, {p.x, p.y, p.z}}, 1, 0}}, options, 300);
+        return sample.to_grow_on().wl[0].size();
+    };
+    EXPECT_EQ(look_at({0, 0, 0}), before);                   // the constant
+    EXPECT_TRUE(near(sample.albedo_importance(), 0, 1e-6));  // which leaves no loss
+    // A lobe of a quarter of a degree, as large as the constant where it is seen first, a degree from its centre.
+    EXPECT_GT(look_at(60000.0 * spherical(0.7, 1.3)), before);
+    EXPECT_TRUE(near(sample.albedo_importance(), 0.004 / 0.03, 1e-6));  // no more than a loss of 0.004 counts
+}
+
+}  // namespace
+}  // namespace srbf

@@ -208,7 +208,7 @@ TEST(FitToSamples, SpectraOfARealPaintHaveTheColoursOfItsFit) {
     const auto& samples = std::get<Scattered>(paint.table);
     SampleFitOptions how;
     how.pm.lobes = 4;
-    how.pm.starts = 6, how.pm.kicks = 8;
+    how.pm.starts = 12, how.pm.kicks = 24;
     const auto fit = [&](bool spectral) {
         return fit_pm(*observe(samples, ObserveSamplesOptions{Objective::raw, 80 * k_degree, 0, spectral}), how);
     };

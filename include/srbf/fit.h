@@ -134,7 +134,7 @@ struct FitOptions {
     /// Independent growths; the best four are polished, two finished. Without a number 20, fewer for more than 6 lobes.
     std::optional<int> starts = {};
     /// Attempts of the best to replace the lobe that matters least: a fifth of all starts, three tenths of the better half of them, the
-    /// other half of the best quarter. Without a number 24, fewer for more than 6 lobes.
+    /// other half of the best quarter. Without a number 32, fewer for more than 6 lobes.
     std::optional<int> kicks = {};
     std::uint64_t seed = 0;  ///< of the random lobes
     int threads = 0;         ///< 0: as many as the machine has; the result does not depend on it

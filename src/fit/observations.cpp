@@ -187,14 +187,16 @@ std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
     std::vector<double> theta{0, 2, 5};
     for (double t = 10; t < 80; t += 5) theta.push_back(t);
     for (const double t : {79.0, 82.0, 85.0, 87.0, 88.0, 89.0, 89.5, 89.9}) theta.push_back(t);
-    std::vector<double> phi{0,   1,   3,   6,   10,  15,  20,  30,  40,  50,  60,  75, 90,
+    // Light and view are never quite the same: there ψ of (1, −1) has no direction, and that of its neighbours another one than a little aside.
+    std::vector<double> phi{0.5, 1,   3,   6,   10,  15,  20,  30,  40,  50,  60,  75, 90,
                             105, 120, 130, 140, 150, 160, 165, 170, 174, 177, 179, 180};
     std::vector<std::pair<Vec3d, Vec3d>> grid;
     for (const double l : theta)
         for (const double v : theta)
             for (const double p : phi) {
                 const double turn = 2.4 * double(grid.size());  // of isotropic data any will do
-                grid.emplace_back(spherical(l * k_degree, p * k_degree + turn), spherical(v * k_degree, turn));
+                const double of_view = l == 0 && v == 0 ? 0.25 : v;
+                grid.emplace_back(spherical(l * k_degree, p * k_degree + turn), spherical(of_view * k_degree, turn));
             }
     return grid;
 }

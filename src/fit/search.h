@@ -39,7 +39,7 @@ inline int starts_of(const FitOptions& options) {
     return options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 12, 20));
 }
 inline int kicks_of(const FitOptions& options) {
-    return options.kicks.value_or(std::clamp(144 / std::max(options.lobes, 1), 16, 24));
+    return options.kicks.value_or(std::clamp(1152 / std::max(options.lobes * options.lobes, 1), 16, 32));
 }
 
 /// Numbers that a fit is free to choose.

@@ -131,10 +131,10 @@ struct FitOptions {
     /// Bound on bandwidths, 1/finest², and on what is no bandwidth, 1/finest [1/rad]; 0: what halves hold.
     double finest = 0;
     bool log_scale = true;  ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
-    /// Independent growths; the best four are polished, two finished. Without a number 20, fewer for more than 6 lobes.
+    /// Independent growths; the best four are polished, two finished. Without a number 20, 16 for 8 lobes and more.
     std::optional<int> starts = {};
     /// Attempts of the best to replace the lobe that matters least: a fifth of all starts, three tenths of the better half of them, the
-    /// other half of the best quarter. Without a number 32, fewer for more than 6 lobes.
+    /// other half of the best quarter. Without a number 32, 18 for 8 lobes and more.
     std::optional<int> kicks = {};
     std::uint64_t seed = 0;  ///< of the random lobes
     int threads = 0;         ///< 0: as many as the machine has; the result does not depend on it

@@ -36,10 +36,10 @@ inline LobeShape shape_of(const FitOptions& options) {
 
 /// Starts and kicks where none are asked for: fewer of more lobes, of which each takes longer and matters less.
 inline int starts_of(const FitOptions& options) {
-    return options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 12, 20));
+    return options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 16, 20));
 }
 inline int kicks_of(const FitOptions& options) {
-    return options.kicks.value_or(std::clamp(1152 / std::max(options.lobes * options.lobes, 1), 16, 32));
+    return options.kicks.value_or(std::clamp(1152 / std::max(options.lobes * options.lobes, 1), 18, 32));
 }
 
 /// Numbers that a fit is free to choose.

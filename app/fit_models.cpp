@@ -142,8 +142,10 @@ Result<Outcome> fit_ggx(const FitRequest& request, const Observations& observati
 Result<Outcome> fit_table(const FitRequest& request, const Measured& measured, const ProgressCallback& progress) {
     const Evaluate f = signed_evaluator(measured);
     if (request.model == "su") return fit_su(request, f, progress);
-    auto observations =
-        observe(f, {.objective = request.objective(), .max_theta = request.theta() * k_degree, .seed = request.seed});
+    auto observations = observe(f, {.objective = request.objective(),
+                                    .max_theta = request.theta() * k_degree,
+                                    .seed = request.seed,
+                                    .threads = request.threads});
     if (!observations) return observations.error();
     if (request.spectral()) observe_spectra(*observations, signed_spectra(measured));
     auto outcome =

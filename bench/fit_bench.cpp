@@ -21,7 +21,7 @@ void fit(benchmark::State& state, const std::string& name) {
     options.variates = int(state.range(2));
     options.axial = state.range(3) != 0;
     options.threads = int(state.range(4));
-    const ObserveOptions observing{.objective = Objective::raw};
+    const ObserveOptions observing{.objective = Objective::raw, .threads = options.threads};
     PmModel model;
     std::map<std::string, double> milliseconds;  // of the stage that ends when progress is told
     for (auto _ : state) {

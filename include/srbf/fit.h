@@ -46,7 +46,7 @@ struct Observations {
     std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
     std::size_t checks = 0;      ///< the last so many are no part of Σ: a fit that exceeds them by far takes them in
     double root_mean = 0;        ///< the mean f that cube-root weights are relative to; 0: they are another objective's
-    std::vector<AlbedoObservation> albedo;  ///< what the last steps of a fit keep as well
+    std::vector<AlbedoObservation> albedo;  ///< what a fit keeps as well, from its first kick on
     std::uint64_t masked = 0;               ///< pairs drawn where nothing was measured
     std::uint64_t clamped = 0;              ///< negative channel values of those drawn, set to 0
     std::vector<float> wavelengths;         ///< C [nm] of spectral observations; else empty

@@ -61,15 +61,21 @@ void further_features(const Rows& rows, std::size_t block, int count, float* fea
     }
 }
 
+// Σ_n weight[n] s[n] of the rows from i on.
+HWY_INLINE Batch weighted_sum(std::span<const float> weight, std::span<const float* const> s, std::size_t i) {
+    Batch sum(0.0);
+    for (std::size_t n = 0; n < weight.size(); ++n)
+        sum = multiply_add(Batch(double(weight[n])), Batch::load(s[n] + i), sum);
+    return sum;
+}
+
 float exponent(const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
                float* x) {
     const float* root_weight = &rows.root_weight[block * k_block];
     const Batch lowest(-std::numeric_limits<float>::max());
     Batch largest = lowest;
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        Batch sum(0.0);
-        for (std::size_t n = 0; n < weight.size(); ++n)
-            sum = multiply_add(Batch(double(weight[n])), Batch::load(s[n] + i), sum);
+        const Batch sum = weighted_sum(weight, s, i);
         sum.store(x + i);
         largest = max(largest, select(Batch(0.0) < Batch::load(root_weight + i), sum, lowest));
     }
@@ -84,12 +90,7 @@ void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
 }
 
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x) {
-    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        Batch sum(0.0);
-        for (std::size_t n = 0; n < weight.size(); ++n)
-            sum = multiply_add(Batch(double(weight[n])), Batch::load(s[n] + i), sum);
-        sum.store(x + i);
-    }
+    for (std::size_t i = 0; i < k_block; i += Batch::size()) weighted_sum(weight, s, i).store(x + i);
 }
 
 void multiply(const float* a, const float* b, float* out) {

@@ -19,14 +19,13 @@ constexpr float k_nothing = -std::numeric_limits<float>::infinity();
 
 LobeProblem::LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel, double log_peak_limit)
     : rows_(rows),
-      blocks_(rows.whole_blocks()),
       shape_(shape),
       parallel_(parallel),
       log_peak_limit_(log_peak_limit),
-      feature_(blocks_ * std::size_t(shape.width() + shape.directional()) * k_block),
-      rest_(blocks_ * rows.y.size() * k_block) {
+      feature_(rows.whole_blocks() * std::size_t(shape.width() + shape.directional()) * k_block),
+      rest_(rows.whole_blocks() * rows.y.size() * k_block) {
     if (features(shape.form) == 0) return;
-    for (std::size_t block = 0; block < blocks_; ++block)
+    for (std::size_t block = 0; block < rows_.whole_blocks(); ++block)
         further_features(rows_, block, features(shape.form), feature(block, shape.directional()));
 }
 
@@ -103,7 +102,7 @@ Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, co
 double LobeProblem::loss(const Eigen::VectorXd& x) {
     lobes_ = (int(x.size()) - shape_.variates) / shape_.width();
     const std::size_t J = std::size_t(lobes_), N = std::size_t(shape_.variates), W = std::size_t(shape_.width());
-    lobe_.resize(blocks_ * J * k_block);
+    lobe_.resize(rows_.whole_blocks() * J * k_block);
     offset_.assign(J, 0.0);
     std::vector<float> weight(J * W);
     for (std::size_t i = 0; i < J * W; ++i) weight[i] = float(x[Eigen::Index(N + i)]);

@@ -102,7 +102,6 @@ class LobeProblem {
     Eigen::MatrixXd gram(std::size_t n, std::size_t scratch_columns, const Columns& columns) const;
 
     const Rows& rows_;
-    std::size_t blocks_;
     LobeShape shape_;
     int lobes_ = 0;
     bool parallel_;

@@ -80,10 +80,8 @@ class Search {
     Result<std::vector<Step>> in_short(const std::vector<std::pair<Kind, int>>& asked) {
         std::vector<Result<Tried>> tried(asked.size(), Error{});
         parallel_for(asked.size(), options_.threads, [&](std::size_t i) {
-            FitOptions options = asked[i].first.with_lobes(options_, asked[i].second);
-            options.starts = std::min(starts_of(options), k_short_starts);
-            options.kicks = std::min(kicks_of(options), k_short_kicks);
-            tried[i] = attempt(some_, options, true);
+            const FitOptions options = asked[i].first.with_lobes(options_, asked[i].second);
+            tried[i] = attempt(some_, srbf::in_short(options, k_short_starts, k_short_kicks), true);
         });
         std::vector<Step> steps;
         for (const auto& one : tried) {

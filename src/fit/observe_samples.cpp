@@ -207,11 +207,8 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
         return Error{"fit", {}, "samples", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
     if (!options.fill) return fit_pm(together(observations, 0, seed), bounded, progress);
 
-    FitOptions in_short = bounded;
-    in_short.starts = std::min(starts_of(bounded), k_short_starts);
-    in_short.kicks = std::min(kicks_of(bounded), k_short_kicks);
     const Observations alone = together(observations, 0, seed);
-    const auto first = fit_pm(alone, in_short, [&](const Progress& now) {
+    const auto first = fit_pm(alone, in_short(bounded, k_short_starts, k_short_kicks), [&](const Progress& now) {
         return !progress || progress({now.stage, 0.3 * now.fraction});
     });
     if (!first) return first;

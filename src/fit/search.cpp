@@ -13,9 +13,10 @@ Lobes without_lobes(const LobeShape& shape, int start, std::mt19937_64& random) 
     lobes.angle.resize(std::size_t(shape.variates));
     for (std::size_t n = 4; n < lobes.angle.size(); ++n) lobes.angle[n] = k_pi * uniform(random);
     if (start % 2 == 1) {
-        for (std::size_t n = 1; n < std::min<std::size_t>(lobes.angle.size(), 3); ++n)
-            lobes.angle[n] += 2 * uniform(random) - 1;
         if (shape.variates == 3) lobes.angle[2] = k_pi / 4;
+        const std::size_t turned = shape.variates == 3 ? 2 : 3;
+        for (std::size_t n = 1; n < std::min(lobes.angle.size(), turned); ++n)
+            lobes.angle[n] += 2 * uniform(random) - 1;
     }
     return lobes;
 }
@@ -68,6 +69,9 @@ std::mt19937_64 generator(std::uint64_t seed, int start, int stage) {
 namespace {
 
 constexpr int k_candidates = 256;
+constexpr int k_kick_steps = 12;
+/// So many kicks are of lobes for one of a variate.
+constexpr int k_lobe_kicks = 3;
 
 /// Adds the best of many random lobes to those of the problem's last call of `loss`.
 void add_lobe(LobeProblem& problem, Lobes& lobes, std::mt19937_64& random) {
@@ -89,8 +93,19 @@ double optimise(LobeProblem& problem, Lobes& lobes, int iterations) {
     return summary.loss;
 }
 
+void keep_better(Candidate& best, Candidate next) {
+    if (next.loss < best.loss) best = std::move(next);
+}
+
+/// The lobes with the weights of variate n 0.
+Lobes without_variate(Lobes lobes, int n) {
+    const int C = lobes.shape.components();
+    for (int j = 0; j < lobes.count(); ++j) std::fill_n(lobes.weight.begin() + j * lobes.shape.width() + n * C, C, 0.0);
+    return lobes;
+}
+
 /// Drops the lobe that costs least and adds another, after the problem's call of `loss` for `best`; keeps what is better.
-void replace_least(LobeProblem& problem, Candidate& best, std::mt19937_64& random) {
+void replace_lobe(LobeProblem& problem, Candidate& best, std::mt19937_64& random) {
     const std::vector<double> cost = problem.cost_of_dropping();
     const auto least = std::min_element(cost.begin(), cost.end()) - cost.begin();
     Candidate next = best;
@@ -98,8 +113,24 @@ void replace_least(LobeProblem& problem, Candidate& best, std::mt19937_64& rando
     next.lobes.weight.erase(at, at + best.lobes.shape.width());
     problem.loss(LobeProblem::pack(next.lobes));
     add_lobe(problem, next.lobes, random);
-    next.loss = optimise(problem, next.lobes, 12);
-    if (next.loss < best.loss) best = std::move(next);
+    next.loss = optimise(problem, next.lobes, k_kick_steps);
+    keep_better(best, std::move(next));
+}
+
+/// The same of the variate that costs least: all weights of it become 0, and the other has a parameterization drawn at random. Steps alone seldom
+/// turn one far, since on the way no lobe fits.
+void replace_variate(LobeProblem& problem, Candidate& best, std::mt19937_64& random) {
+    Candidate next = best;
+    int least = 0;
+    next.loss = std::numeric_limits<double>::infinity();
+    for (int n = 0; n < best.lobes.shape.variates; ++n) {
+        Lobes without = without_variate(best.lobes, n);
+        const double loss = problem.loss(LobeProblem::pack(without));
+        if (loss < next.loss) next.lobes = std::move(without), next.loss = loss, least = n;
+    }
+    next.lobes.angle[std::size_t(least)] = k_pi * uniform(random);
+    next.loss = optimise(problem, next.lobes, k_kick_steps);
+    keep_better(best, std::move(next));
 }
 
 }  // namespace
@@ -124,7 +155,10 @@ void improve(const Rows& rows, const FitOptions& options, double log_peak_limit,
     while (best.kicks < until) {
         std::mt19937_64 random = generator(options.seed, best.start, 2 + best.kicks++);
         best.loss = problem.loss(LobeProblem::pack(best.lobes));
-        replace_least(problem, best, random);
+        if (best.kicks % (k_lobe_kicks + 1) == 0)
+            replace_variate(problem, best, random);
+        else
+            replace_lobe(problem, best, random);
         if (!reporter.advance("replacing lobes", 1)) break;
     }
 }
@@ -137,7 +171,7 @@ void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, 
     for (int attempt = 0; attempt < 3; ++attempt) {
         const std::vector<double> cost = problem.cost_of_dropping();
         if (*std::min_element(cost.begin(), cost.end()) > 1e-4 * candidate.loss) break;
-        replace_least(problem, candidate, random);
+        replace_lobe(problem, candidate, random);
         problem.loss(LobeProblem::pack(candidate.lobes));
     }
 }

@@ -42,6 +42,13 @@ inline int kicks_of(const FitOptions& options) {
     return options.kicks.value_or(std::clamp(1152 / std::max(options.lobes * options.lobes, 1), 18, 32));
 }
 
+/// The same fit with no more starts and kicks than these: for a look at what it will come to.
+inline FitOptions in_short(FitOptions options, int starts, int kicks) {
+    options.starts = std::min(starts_of(options), starts);
+    options.kicks = std::min(kicks_of(options), kicks);
+    return options;
+}
+
 /// Numbers that a fit is free to choose.
 inline std::size_t parameter_count(const FitOptions& options) {
     return std::size_t(options.lobes * (3 + shape_of(options).width()) + 2 * options.variates);
@@ -64,13 +71,14 @@ struct Candidate {
     int start = 0;  ///< which of the starts it grew from; chooses its random numbers, beside the seed
     Lobes lobes;
     double loss = std::numeric_limits<double>::infinity();  ///< the one last known
-    int kicks = 0;                                          ///< attempts to replace a lobe so far
+    int kicks = 0;                                          ///< attempts to replace a lobe or a variate so far
 };
 
 /// Grows J lobes one by one.
 Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter);
 
 /// Goes on from where it was, maybe with other rows; then again and again drops the lobe that costs least, adds another, and keeps what is better, until the candidate has had so many kicks.
+/// Every fourth is of a variate instead.
 void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, int until, Candidate& candidate,
              Reporter& reporter);
 

@@ -1,0 +1,81 @@
+// The search for lobes: growth, kicks, and what they get a candidate out of.
+#include "fit/search.h"
+
+#include "models.h"
+#include "properties.h"
+
+namespace srbf {
+namespace {
+
+constexpr double k_no_peak_limit = std::numeric_limits<double>::infinity();
+
+/// A broad lobe and one with an edge where ψ of a parameterization far from half-way vector, light and view has it.
+PmModel tilted() {
+    PmModel model;
+    model.lobes = model.variates = 2;
+    for (const double angle : {k_pi / 4, 0.68 * k_pi})
+        model.parameterization.push_back({float(std::cos(angle)), float(std::sin(angle))});
+    model.coefficient = {{1, 0.5f, 0.2f}, {0.1f, 0.3f, 0.4f}};
+    model.log_scale = {0, 0};
+    model.centre = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, -1}};
+    model.bandwidth = {60, 3, 2, 300};
+    return model;
+}
+
+const Rows& rows() {
+    static const Rows all(*observe(evaluator(tilted()), {Objective::raw, 0, 4096, 7}));
+    return all;
+}
+
+FitOptions options_of(std::uint64_t seed) {
+    FitOptions options;
+    options.form = PmForm::source;
+    options.lobes = options.variates = 2;
+    options.seed = seed;
+    return options;
+}
+
+const ProgressCallback k_nobody;
+
+Candidate improved(Candidate candidate, const FitOptions& options, int kicks) {
+    Reporter reporter(k_nobody, 1);
+    improve(rows(), options, k_no_peak_limit, kicks, candidate, reporter);
+    return candidate;
+}
+
+TEST(Search, KicksFindAParameterizationThatStepsDoNotReach) {
+    const Candidate beside{0, {{PmForm::source, 2}, {k_pi / 4, 0.1}, {60, 3, 2, -300}}};
+    int found = 0;
+    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+        const Candidate before = improved(beside, options_of(seed), 3), after = improved(before, options_of(seed), 32);
+        EXPECT_EQ(after.kicks, 32);
+        EXPECT_LE(after.loss, before.loss * (1 + 1e-6));
+        EXPECT_GE(before.loss, 0.01) << "kicks of lobes alone";
+        found += after.loss <= 1e-6;
+    }
+    EXPECT_GE(found, 8);
+}
+
+TEST(Search, GrowsWhatMadeTheData) {
+    int found = 0;
+    for (int start = 0; start < 10; ++start) {
+        Reporter reporter(k_nobody, 1);
+        const Candidate candidate = grow(rows(), options_of(3), k_no_peak_limit, start, reporter);
+        EXPECT_EQ(candidate.start, start);
+        EXPECT_EQ(candidate.lobes.count(), 2);
+        found += improved(candidate, options_of(3), 16).loss <= 1e-6;
+    }
+    EXPECT_GE(found, 8);
+}
+
+TEST(Search, InShortTakesNoMoreThanAskedFor) {
+    FitOptions options = options_of(0);
+    EXPECT_EQ(starts_of(in_short(options, 4, 8)), 4);
+    EXPECT_EQ(kicks_of(in_short(options, 4, 8)), 8);
+    options.starts = 2, options.kicks = 0;
+    EXPECT_EQ(starts_of(in_short(options, 4, 8)), 2);
+    EXPECT_EQ(kicks_of(in_short(options, 4, 8)), 0);
+}
+
+}  // namespace
+}  // namespace srbf

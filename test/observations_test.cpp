@@ -80,6 +80,28 @@ TEST(Observations, AreManyWhereTheEnergyIs) {
     EXPECT_TRUE(near(of_few, 1, 1e-6));
 }
 
+TEST(Observations, OfTheCosineAskForTheBodyUnderAHighlight) {
+    const Evaluate glossy = [](auto wl, auto wv, auto f) {
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            const float x =
+                0.1f + 1000 * Kernel<float>::gaussian(Kernel<float>::psi(wl[i], wv[i], 1, 1), {0, 0, 1}, 3000);
+            f[i] = {x, x, x};
+        }
+    };
+    // What Σ w |f|² holds of the body: next to nothing, and most of the hundredth.
+    const auto share_of_body = [&](Objective objective) {
+        const auto o = observe(glossy, {objective, 80 * k_degree, 1 << 16, 0});
+        double share = 0;
+        for (std::size_t i = 0; i < fitted(*o); ++i)
+            if (within(*o, i, 80 * k_degree) && o->f[i].r < 0.2f)
+                share += 3 * o->weight[i] * double(o->f[i].r) * double(o->f[i].r);
+        return share;
+    };
+    EXPECT_LE(share_of_body(Objective::raw), 1e-4);
+    EXPECT_GE(share_of_body(Objective::cosine), 0.002);
+    EXPECT_LE(share_of_body(Objective::cosine), 0.01);
+}
+
 TEST(Observations, ReachTheHorizonAndItsCorners) {
     const auto o = observe(constant({1, 1, 1}), {Objective::cosine, 0, 4096, 0});
     ASSERT_TRUE(o);

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Counts up where what a folder holds changes, but not the program's version.
-constexpr int k_edition = 5;
+constexpr int k_edition = 6;
 /// Pixels along a side and paths for each of them, of each sweep.
 struct PictureSize {
     int pixels, paths;

@@ -313,11 +313,8 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
     mean /= solid_angle;
     if (options.objective == Objective::cube_root) observations.root_mean = mean;
 
-    std::vector<double> weight(pool.size());
-    for (std::size_t i = 0; i < pool.size(); ++i) {
-        const double cos_l = double(pool.wl[i].z), cos_v = double(pool.wv[i].z);
-        weight[i] = pool.weight[i] * objective_weight(options.objective, mean_of(pool.f[i]), mean, cos_l, cos_v);
-    }
+    std::vector<double> weight = pool.weight;
+    weigh(options.objective, mean, pool.wl, pool.wv, pool.f, weight);
     double peak = 0;
     for (const Drawn* some : {&pool, &guards, &checks})
         for (std::size_t i = 0; i < some->size(); ++i)

@@ -37,12 +37,13 @@ std::span<const float> spectrum_of(const Observations& observations, std::size_t
     return std::span(observations.spectrum).subspan(i * C, C);
 }
 
-/// w of the observations from..end so that Σ w |f|² = 1.
-void normalise(Observations& observations, std::size_t from) {
+/// w so that Σ w |f|² = 1.
+void normalise(Observations& observations) {
     double energy = 0;
-    for (std::size_t i = from; i < observations.f.size(); ++i)
+    for (std::size_t i = 0; i < observations.f.size(); ++i)
         energy += observations.weight[i] * square_of(observations.f[i]);
-    for (std::size_t i = from; i < observations.f.size() && energy > 0; ++i) observations.weight[i] /= energy;
+    if (energy > 0)
+        for (double& weight : observations.weight) weight /= energy;
 }
 
 void shuffle(Observations& observations, std::mt19937_64& random) {
@@ -119,18 +120,19 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
         observed.places += !seen[place];
         seen[place] = true;
     }
-    const auto weight = [&](Vec3f wl, Vec3f wv, const Rgb& f) {
-        return objective_weight(options.objective, mean_of(f), mean, double(wl.z), double(wv.z));
+    const auto weigh_all = [&](Observations& of) {
+        weigh(options.objective, mean, of.wl, of.wv, of.f, of.weight);
+        normalise(of);
     };
     for (const std::size_t i : within) {
         Rgb f = samples.colour[i];
         clamp_negative(f);
         std::copy_n(samples.spectrum.begin() + std::ptrdiff_t(i * C), C, spectrum.begin());
         clamp_negative(spectrum);
-        add(observed.samples, samples.wl[i], samples.wv[i], f, weight(samples.wl[i], samples.wv[i], f), spectrum);
-        add(observed.samples, samples.wv[i], samples.wl[i], f, weight(samples.wv[i], samples.wl[i], f), spectrum);
+        add(observed.samples, samples.wl[i], samples.wv[i], f, 1, spectrum);
+        add(observed.samples, samples.wv[i], samples.wl[i], f, 1, spectrum);
     }
-    normalise(observed.samples, 0);
+    weigh_all(observed.samples);
 
     // How well a sample is interpolated from the others.
     const auto fold = draw_folds(samples, places, theta_max, options.seed);
@@ -160,14 +162,14 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
             continue;
         }
         const Rgb f = foretold(wl, wv);
-        add(observed.between, wl, wv, f, weight(wl, wv, f), spectrum);
+        add(observed.between, wl, wv, f, 1, spectrum);
     }
     shuffle(observed.between, random);
     Observations& between = observed.between;
     const std::size_t kept = std::min(between.f.size(), k_most_between_samples);
     between.wl.resize(kept), between.wv.resize(kept), between.f.resize(kept), between.weight.resize(kept);
     between.spectrum.resize(kept * C);
-    normalise(between, 0);
+    weigh_all(between);
     for (const auto& [wl, wv] : beyond) {
         const double area = double(wl.z) * double(wv.z);
         const Rgb f = foretold(wl, wv);

@@ -31,17 +31,9 @@ inline std::string small_merl() {
     return text_of(merl_file({9, 6, 8}, [](int h, int, int, int c) { return 0.1 + std::exp(-h) * (1 + c); }));
 }
 
-/// One small fit of bundled data that several tests look at.
-class Command : public testing::Test {
+/// The command line in a folder of its own.
+class CommandLine : public testing::Test {
   protected:
-    static void SetUpTestSuite() {
-        fitted = std::make_unique<TemporaryFolder>();
-        first = run(*fitted, {"fit", k_paper, "-o", "m.srbf", "--lobes", "2", "--variates", "2", "--threads", "1",
-                              "--preview", "p.png", "--json", "r.json"});
-    }
-    static void TearDownTestSuite() { fitted.reset(); }
-    static Json report() { return Json::parse(contents(*fitted / "r.json"), nullptr, false); }
-
     /// Runs in `folder`, expects `status`, one line on standard error that holds `named`, and nothing else.
     void expect_failure(int status, const Arguments& arguments, const std::string& named, std::string out = {}) {
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
@@ -56,6 +48,19 @@ class Command : public testing::Test {
     }
 
     TemporaryFolder folder;
+};
+
+/// One small fit of bundled data that several tests look at.
+class Command : public CommandLine {
+  protected:
+    static void SetUpTestSuite() {
+        fitted = std::make_unique<TemporaryFolder>();
+        first = run(*fitted, {"fit", k_paper, "-o", "m.srbf", "--lobes", "2", "--variates", "2", "--threads", "1",
+                              "--preview", "p.png", "--json", "r.json"});
+    }
+    static void TearDownTestSuite() { fitted.reset(); }
+    static Json report() { return Json::parse(contents(*fitted / "r.json"), nullptr, false); }
+
     inline static std::unique_ptr<TemporaryFolder> fitted;
     inline static ProgramRun first;
 };

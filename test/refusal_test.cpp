@@ -1,10 +1,11 @@
 // What the command line refuses, in one line that names it, leaving nothing behind.
 #include "command.h"
+#include "models.h"
 
 namespace srbf {
 namespace {
 
-TEST_F(Command, spectra_of_colours_are_refused) {
+TEST_F(CommandLine, spectra_of_colours_are_refused) {
     write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
     write(folder / "c.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,0,1,1\n");
     for (const std::string& file : {k_paper, std::string("c.csv")}) {
@@ -17,7 +18,7 @@ TEST_F(Command, spectra_of_colours_are_refused) {
     expect_failure(2, {"fit", k_paper, "--channels", "spectral", "--budget", "160"}, "only with --channels rgb");
 }
 
-TEST_F(Command, bad_input_leaves_nothing_behind) {
+TEST_F(CommandLine, bad_input_leaves_nothing_behind) {
     const std::string paper = contents(k_paper), merl = small_merl();
     write(folder / "empty", "");
     write(folder / "truncated.bsdf", paper.substr(0, paper.size() / 2));
@@ -25,7 +26,9 @@ TEST_F(Command, bad_input_leaves_nothing_behind) {
     write(folder / "size.binary", merl + "x");
     write(folder / "truncated.binary", merl.substr(0, merl.size() - 1));
     write(folder / "nan.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return std::nan(""); })));
-    write(folder / "truncated.srbf", contents(*fitted / "m.srbf").substr(0, 40));
+    std::mt19937_64 random(1);
+    ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
+    write(folder / "truncated.srbf", contents(folder / "m.srbf").substr(0, 40));
     write(folder / "kept.srbf", "kept");
     std::filesystem::create_directory(folder / "a folder");
     for (const std::string name : {"missing", "empty", "truncated.bsdf", "magic.bsdf", "size.binary",
@@ -34,12 +37,12 @@ TEST_F(Command, bad_input_leaves_nothing_behind) {
         expect_failure(1, {"info", name}, name);
         expect_failure(1, {"compare", k_paper, name, "--json", "r.json"}, name);
     }
-    expect_failure(1, {"fit", *fitted / "m.srbf"}, "m.srbf: input: expected a measurement, found a fitted model");
+    expect_failure(1, {"fit", "m.srbf"}, "m.srbf: input: expected a measurement, found a fitted model");
     write(folder / "zero.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return 0; })));
     expect_failure(1, {"fit", "zero.binary"}, "zero.binary: ");
 }
 
-TEST_F(Command, outputs_that_cannot_be_written_leave_nothing_behind) {
+TEST_F(CommandLine, outputs_that_cannot_be_written_leave_nothing_behind) {
     write(folder / "small.binary", small_merl());
     std::filesystem::create_directory(folder / "a folder");
     std::filesystem::create_symlink("small.binary", folder / "link");
@@ -58,7 +61,7 @@ TEST_F(Command, outputs_that_cannot_be_written_leave_nothing_behind) {
         expect_failure(1, command, "standard output", "/dev/full");
 }
 
-TEST_F(Command, usage_errors_of_choices) {
+TEST_F(CommandLine, usage_errors_of_choices) {
     expect_failure(2, {"fit", k_paper, "--budget", "160", "--target-error", "0.1"}, "not together with");
     expect_failure(2, {"fit", k_paper, "--budget", "160", "--lobes", "3"}, "not together with --lobes");
     expect_failure(2, {"fit", k_paper, "--budget", "4"}, "expected 12 to 512, found 4");
@@ -69,7 +72,7 @@ TEST_F(Command, usage_errors_of_choices) {
     expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64, found many");
 }
 
-TEST_F(Command, usage_errors_name_what_is_wrong) {
+TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
     const std::pair<Arguments, std::string> bad[] = {
         {{}, "subcommand"},
         {{"bogus"}, "bogus"},
@@ -96,7 +99,7 @@ TEST_F(Command, usage_errors_name_what_is_wrong) {
         expect_failure(2, {"fit", k_paper, "--max-theta", theta}, "--max-theta");
 }
 
-TEST_F(Command, convert_refuses) {
+TEST_F(CommandLine, convert_refuses) {
     write(folder / "m.binary", small_merl());
     write(folder / "a.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n");
     expect_failure(2, {"convert", "m.binary", "-o", "m.exr"}, "ends in .binary, .bsdf or .csv");
@@ -109,7 +112,7 @@ TEST_F(Command, convert_refuses) {
     expect_failure(1, {"fit", "a.csv"}, "samples at different directions: expected at least 5, found 1");
 }
 
-TEST_F(Command, render_refuses) {
+TEST_F(CommandLine, render_refuses) {
     write(folder / "m.binary", small_merl());
     write(folder / "no_faces.obj", "v 0 0 0\n");
     write(folder / "nan.obj", "v 0 nan 0\nf 1 1 1\n");

@@ -59,7 +59,7 @@ void Pictures::take_mesh(Session& session, Look& look) {
     }
     mesh_ = look.mesh;
     panels_.set_mesh(*mesh);
-    expose();
+    is_exposed_ = false;
 }
 
 void Pictures::set_material(Session& session, Panels::Which which, const Result<Material>& material) {
@@ -74,7 +74,7 @@ void Pictures::take(Session& session, Look& look, bool swapped) {
     if (reference_ != session.reference()) {
         reference_ = session.reference();
         set_material(session, Panels::reference, material_of(*session.subjects()[std::size_t(reference_)]));
-        expose();
+        is_exposed_ = false;
         swapped = true;
     }
     if (session.fitted() && swapped) set_material(session, Panels::fit, material_of(session.fitted()->model));
@@ -94,7 +94,8 @@ void Pictures::draw_panels(Session& session, Look& look, float width, float heig
     const double took = watch.seconds();
     if (is_moving && took > k_slow_frame) reduction_ = std::max(0.35f, reduction_ * 0.8f);
     if (is_moving && took < k_slow_frame / 3) reduction_ = std::min(1.f, reduction_ * 1.1f);
-    if (expose) is_exposed_ = true;
+    is_exposed_ = look.automatic && (is_exposed_ || expose);
+    is_whole_ = share == 1;
     if (!drawn && error_ != message(drawn.error())) session.complain(drawn.error()), error_ = message(drawn.error());
 }
 

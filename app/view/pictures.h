@@ -17,11 +17,11 @@ class Pictures {
     /// drawn becomes a message.
     void take(Session& session, Look& look, bool swapped);
     void draw(Session& session, Look& look, ImVec2 at, ImVec2 size);
-    /// Exposure, where it is automatic, is found anew.
-    void expose() { is_exposed_ = false; }
     /// Something moves, or may: for a quarter of a second `moves`, and pictures that take too long are drawn smaller.
     void touch() { touched_ = {}; }
     bool moves() const;
+    /// Whether the pictures that were drawn last are as fine as their places.
+    bool is_whole() const { return is_whole_; }
 
   private:
     void take_mesh(Session& session, Look& look);
@@ -32,9 +32,10 @@ class Pictures {
     void drag(Look& look, float height);
 
     Panels panels_;
-    std::string mesh_;    ///< the name of the one that is drawn
-    int reference_ = -1;  ///< the subject whose material is on the left
-    bool is_exposed_ = false;
+    std::string mesh_;         ///< the name of the one that is drawn
+    int reference_ = -1;       ///< the subject whose material is on the left
+    bool is_exposed_ = false;  ///< automatic exposure has been found
+    bool is_whole_ = false;
     int dragged_light_ = -1;
     std::string shown_key_;  ///< camera and lights of the last pictures
     Stopwatch touched_;      ///< since something moved

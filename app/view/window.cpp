@@ -114,9 +114,7 @@ Result<Done> run_window(Session& session, Look& look, const WindowOptions& optio
         screen.begin_frame();
         const ImVec2 all = ImGui::GetIO().DisplaySize;
         const float right = all.x - k_controls, high = std::floor((all.y - k_messages) * 0.55f);
-        const bool was_automatic = look.automatic;
         controls.draw(session, look, {0, 0}, {k_controls, all.y});
-        if (look.automatic && !was_automatic) pictures.expose();
         pictures.draw(session, look, {k_controls, 0}, {right, high});
         readings.draw(session, look, {k_controls, high}, {right, all.y - k_messages - high});
         draw_messages(session, {k_controls, all.y - k_messages}, {right, k_messages});
@@ -125,9 +123,9 @@ Result<Done> run_window(Session& session, Look& look, const WindowOptions& optio
         screen.end_frame();
 
         // With what it is waited for on display, some frames until everything has its place.
-        settled = session.stage() == Stage::idle ? settled + 1 : 0;
+        settled = session.stage() == Stage::idle && pictures.is_whole() ? settled + 1 : 0;
         if (!options.screenshot.empty() && settled == 5) return write_png(screen.read(), options.screenshot);
-        if (look.screenshot) write_screenshot(screen, session), look.screenshot = false;
+        if (look.screenshot && pictures.is_whole()) write_screenshot(screen, session), look.screenshot = false;
         screen.show();
         if (const double left = k_frame_beside_fit - frame.seconds(); is_busy && left > 0) screen.wait(left);
     }

@@ -1,4 +1,4 @@
-// The window: GLFW and Dear ImGui around a session.
+// The window around a session: its parts in their places, frame by frame.
 #pragma once
 #include <string>
 
@@ -10,8 +10,7 @@ namespace srbf {
 struct WindowOptions {
     int width = 1280, height = 800;
     std::string screenshot;  ///< written when there is nothing left to wait for; then the window closes
-    int timed_refits =
-        0;  ///< so many fits are asked for, one after the other, while the picture turns; then the window closes
+    int timed_refits = 0;    ///< asks for so many fits while the picture turns (`Refits`); then the window closes
 };
 
 /// Shows the session until the window is closed. Errors: no display, no OpenGL; a screenshot that cannot be written.

@@ -1,0 +1,15 @@
+// The colours in which the window is written.
+#pragma once
+#include <imgui.h>
+
+#include "srbf/vec.h"
+
+namespace srbf {
+
+inline const ImVec4 k_white{1, 1, 1, 1}, k_red{1, 0.45f, 0.4f, 1}, k_dim{0.65f, 0.65f, 0.65f, 1},
+    k_hint{1, 0.86f, 0.35f, 1};
+
+/// A colour, already encoded for display, as Dear ImGui's lists take it.
+inline ImU32 colour_of(Rgb c) { return ImColor(c.r, c.g, c.b); }
+
+}  // namespace srbf

@@ -1,0 +1,207 @@
+#include "app/view/pictures.h"
+
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "app/raster.h"
+#include "app/view/ink.h"
+
+namespace srbf {
+namespace {
+
+/// A moving picture that takes longer than this is drawn smaller until it rests.
+constexpr double k_slow_frame = 0.04, k_rest = 0.25;
+
+std::string name_of_fit(const Session& session) {
+    const auto& fitted = session.fitted();
+    if (!fitted) return session.stage() == Stage::idle ? "no fit" : "fitting ...";
+    std::string text = fitted->from.empty() ? "fit" : std::filesystem::path(fitted->from).filename().string();
+    text += fmt::format(", {} bytes", payload_bytes(fitted->model));
+    if (fitted->quick) text += session.stage() == Stage::idle ? " (quick)" : " (quick, refining ...)";
+    return text;
+}
+
+/// The colours of differences, darker to brighter.
+void draw_scale(float full_scale, float width) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const float height = 12, middle = at.x + width / 2;
+    using D = RasterDevelopment;
+    list.AddRectFilledMultiColor(at, {middle, at.y + height}, colour_of(D::k_darker), colour_of(D::k_equal),
+                                 colour_of(D::k_equal), colour_of(D::k_darker));
+    list.AddRectFilledMultiColor({middle, at.y}, {at.x + width, at.y + height}, colour_of(D::k_equal),
+                                 colour_of(D::k_brighter), colour_of(D::k_brighter), colour_of(D::k_equal));
+    const ImU32 ink = IM_COL32(230, 230, 230, 255);
+    const std::string most = fmt::format("+{:.3g}", full_scale), least = fmt::format("-{:.3g}", full_scale);
+    list.AddText({at.x, at.y + height}, ink, (least + " fit darker").c_str());
+    list.AddText({middle - 3, at.y + height}, ink, "0");
+    const std::string right = "fit brighter " + most;
+    list.AddText({at.x + width - ImGui::CalcTextSize(right.c_str()).x, at.y + height}, ink, right.c_str());
+    ImGui::Dummy({width, height + ImGui::GetTextLineHeight()});
+}
+
+}  // namespace
+
+bool Pictures::moves() const { return touched_.seconds() < k_rest; }
+
+void Pictures::take_mesh(Session& session, Look& look) {
+    if (mesh_ == look.mesh) return;
+    auto mesh = load_mesh(look.mesh);
+    if (!mesh) {
+        session.complain(mesh.error());
+        look.mesh = mesh_.empty() ? "ball" : mesh_;
+        if (!mesh_.empty()) return;
+        mesh = ball();
+    }
+    mesh_ = look.mesh;
+    panels_.set_mesh(*mesh);
+    is_exposed_ = false;
+}
+
+void Pictures::set_material(Session& session, Panels::Which which, const Result<Material>& material) {
+    const auto done = material ? panels_.set_material(which, *material) : Result<Done>(material.error());
+    if (done) return;
+    session.complain(done.error());
+    (void)panels_.set_material(which, {});
+}
+
+void Pictures::take(Session& session, Look& look, bool swapped) {
+    take_mesh(session, look);
+    if (reference_ != session.reference()) {
+        reference_ = session.reference();
+        set_material(session, Panels::reference, material_of(*session.subjects()[std::size_t(reference_)]));
+        is_exposed_ = false;
+        swapped = true;
+    }
+    if (session.fitted() && swapped) set_material(session, Panels::fit, material_of(session.fitted()->model));
+    if (!session.fitted() && panels_.has(Panels::fit)) (void)panels_.set_material(Panels::fit, {});
+}
+
+void Pictures::draw_panels(Session& session, Look& look, float width, float height) {
+    std::string key = fmt::format("{} {} {}", look.azimuth, look.elevation, look.zoom);
+    for (const auto& light : look.lights) key += fmt::format(" {} {}", light.towards.x, light.towards.y);
+    if (key != shown_key_) touch(), shown_key_ = key;
+    const bool is_moving = moves();
+    const float share = is_moving ? reduction_ : 1;
+    const bool expose = !is_exposed_ && (panels_.has(Panels::reference) || panels_.has(Panels::fit));
+    const Stopwatch watch;
+    const auto drawn = panels_.draw(look, std::max(16, int(width * share)), std::max(16, int(height * share)), expose);
+    glFinish();
+    const double took = watch.seconds();
+    if (is_moving && took > k_slow_frame) reduction_ = std::max(0.35f, reduction_ * 0.8f);
+    if (is_moving && took < k_slow_frame / 3) reduction_ = std::min(1.f, reduction_ * 1.1f);
+    is_exposed_ = look.automatic && (is_exposed_ || expose);
+    is_whole_ = share == 1;
+    if (!drawn && error_ != message(drawn.error())) session.complain(drawn.error()), error_ = message(drawn.error());
+}
+
+void Pictures::draw_lights(Look& look, ImVec2 corner, float width, float height, bool can_drag) {
+    const Camera camera = camera_of(look, panels_.bounds());
+    const Frame axes = frame(camera);
+    const Vec3d diagonal = to_double(panels_.bounds().most) - to_double(panels_.bounds().least);
+    const double radius = 0.5 * std::sqrt(dot(diagonal, diagonal)) / look.zoom, half = std::tan(camera.fov / 2);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    for (int k = 0; k < 3; ++k) {
+        const Vec3d p = camera.target + 0.72 * radius * look.lights[std::size_t(k)].towards - camera.eye;
+        const double depth = -dot(p, axes.z);
+        if (!(depth > 0)) continue;
+        const ImVec2 at{corner.x + width / 2 + float(dot(p, axes.x) / (depth * half) * height / 2),
+                        corner.y + height / 2 - float(dot(p, axes.y) / (depth * half) * height / 2)};
+        const bool behind = dot(look.lights[std::size_t(k)].towards, axes.z) < 0;
+        const ImU32 colour = IM_COL32(255, 220, 90, behind ? 130 : 255);
+        if (behind)
+            list.AddCircle(at, 6, colour, 0, 2);
+        else
+            list.AddCircleFilled(at, 6, colour);
+        list.AddCircle(at, 7, IM_COL32(0, 0, 0, 160));
+        if (k == look.light) list.AddCircle(at, 10, colour, 0, 1.5f);
+        list.AddText({at.x + 9, at.y - 14}, colour, fmt::format("{}", k + 1).c_str());
+        const ImVec2 mouse = ImGui::GetMousePos();
+        if (can_drag && ImGui::IsMouseClicked(0) && std::hypot(mouse.x - at.x, mouse.y - at.y) < 10)
+            dragged_light_ = look.light = k;
+    }
+}
+
+/// Turns what is held: a light, or the camera.
+void Pictures::drag(Look& look, float height) {
+    const ImVec2 delta = ImGui::GetIO().MouseDelta;
+    if (delta.x == 0 && delta.y == 0) return;
+    const double right = double(delta.x) / double(height) * k_pi, up = double(-delta.y) / double(height) * k_pi;
+    if (dragged_light_ >= 0 || ImGui::IsMouseDown(1))
+        turn_light(look, dragged_light_ >= 0 ? dragged_light_ : look.light, right, up);
+    else
+        orbit(look, -right, -up);
+}
+
+void Pictures::draw_picture(const Session& session, Look& look, Panels::Which which, float width, float height) {
+    const bool is_measured = reference_ >= 0 && !session.subjects()[std::size_t(reference_)]->is_model();
+    const auto caption = [&]() -> std::string {
+        if (which == Panels::fit) return name_of_fit(session);
+        if (which == Panels::difference)
+            return "difference: fit - " + std::string(is_measured ? "measured" : "reference");
+        return (is_measured ? "measured: " : "reference: ") +
+               (reference_ < 0
+                    ? "no reference"
+                    : std::filesystem::path(session.subjects()[std::size_t(reference_)]->path).filename().string());
+    };
+    const bool is_late = which == Panels::fit && session.fitted() && session.fitted()->quick;
+    ImGui::PushClipRect(ImGui::GetCursorScreenPos(), {ImGui::GetCursorScreenPos().x + width, 1e4f}, true);
+    ImGui::TextColored(is_late ? k_hint : k_white, "%s", caption().c_str());
+    ImGui::PopClipRect();
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    ImGui::PushID(which);
+    ImGui::InvisibleButton("picture", {width, height},
+                           ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
+    ImGui::PopID();
+    const bool hovered = ImGui::IsItemHovered(), active = ImGui::IsItemActive();
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddImage(ImTextureID(std::uintptr_t(panels_.texture(which))), corner, {corner.x + width, corner.y + height},
+                  {0, 1}, {1, 0});
+    ImGui::PushClipRect(corner, {corner.x + width, corner.y + height}, true);
+    if (which != Panels::difference && !panels_.has(which)) {
+        const bool refused = which == Panels::reference && reference_ >= 0;
+        const char* const why = refused          ? "cannot be drawn here:\nsee the message below"
+                                : reference_ < 0 ? "Drop a measurement or\na model on this window."
+                                                 : "fitting ...";
+        list.AddText({corner.x + width / 2 - 70, corner.y + height / 2 - 12}, IM_COL32(255, 255, 255, 200), why);
+    } else if (which != Panels::difference) {
+        draw_lights(look, corner, width, height, hovered);
+    }
+    ImGui::PopClipRect();
+    if (active) drag(look, height);
+    if (const float wheel = ImGui::GetIO().MouseWheel; hovered && wheel != 0) zoom(look, std::pow(1.1, double(wheel)));
+    if (which == Panels::difference)
+        draw_scale(look.full_scale, width);
+    else if (which == Panels::reference)
+        ImGui::TextColored(k_dim, "drag: orbit   wheel: zoom   yellow dots: lights");
+    else
+        ImGui::TextColored(
+            k_dim, "%s",
+            fmt::format("exposure {:+.2f} stops{}", std::log2(look.exposure), look.automatic ? ", automatic" : "")
+                .c_str());
+}
+
+void Pictures::draw(Session& session, Look& look, ImVec2 at, ImVec2 size) {
+    ImGui::SetNextWindowPos(at), ImGui::SetNextWindowSize(size);
+    ImGui::Begin("pictures", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoScrollWithMouse);
+    const float gap = ImGui::GetStyle().ItemSpacing.x, below = 34;
+    const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * gap) / 3);
+    const float height =
+        std::max(40.f, ImGui::GetContentRegionAvail().y - below - ImGui::GetTextLineHeightWithSpacing());
+    draw_panels(session, look, width, height);
+    for (const auto which : {Panels::reference, Panels::fit, Panels::difference}) {
+        if (which > 0) ImGui::SameLine();
+        ImGui::BeginGroup();
+        draw_picture(session, look, which, width, height);
+        ImGui::EndGroup();
+    }
+    if (!ImGui::IsMouseDown(0)) dragged_light_ = -1;
+    ImGui::End();
+}
+
+}  // namespace srbf

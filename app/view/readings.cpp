@@ -1,0 +1,149 @@
+#include "app/view/readings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/view/ink.h"
+#include "app/view/plots.h"
+#include "render/image.h"
+
+namespace srbf {
+namespace {
+
+/// The default font has no Greek.
+std::string latin(std::string text) {
+    const std::string theta = "\xCE\xB8";
+    for (std::size_t at; (at = text.find(theta)) != std::string::npos;) text.replace(at, theta.size(), " theta_");
+    return text;
+}
+
+}  // namespace
+
+void Readings::take(const Session& session, double theta_l, bool swapped) {
+    const bool is_gone = !session.fitted() && slice_of_fit_;
+    if (!swapped && !is_gone && reference_ == session.reference() && theta_l_ == theta_l) return;
+    reference_ = session.reference();
+    theta_l_ = theta_l;
+    if (reference_ >= 0) slice_of_reference_ = slice(evaluator(*session.subjects()[std::size_t(reference_)]), theta_l);
+    slice_of_fit_.reset();
+    lobes_.clear();
+    if (const auto& fitted = session.fitted()) {
+        slice_of_fit_ = slice(evaluator(fitted->model), theta_l);
+        lobes_ = seen_lobes(fitted->model, to_float(spherical(theta_l, k_pi)));
+    }
+}
+
+void Readings::draw_slice(Look& look, float width, float height) const {
+    ImGui::TextColored(k_hint, "Slice: f cos(theta_v), plane of the light");
+    ImGui::SetNextItemWidth(0.45f * width);
+    float degrees = float(look.theta_l / k_degree);
+    if (ImGui::SliderFloat("light theta_l", &degrees, 0, 85, "%.0f\xC2\xB0")) look.theta_l = double(degrees) * k_degree;
+    ImGui::SameLine();
+    ImGui::Checkbox("log", &look.logarithmic);
+    draw_slices(slice_of_reference_ ? &*slice_of_reference_ : nullptr, slice_of_fit_ ? &*slice_of_fit_ : nullptr,
+                look.theta_l, look.logarithmic, std::min(width, 1.7f * (height - 110)));
+    ImGui::TextColored(k_dim, "dots: reference, lines: fit; red, green, blue");
+}
+
+void Readings::draw_dome(const Session& session, double theta_l, float width, float height) {
+    ImGui::TextColored(k_hint, "Lobes: where each is half its peak or more");
+    const bool over_lights = session.fitted() && is_seen_over_lights(session.fitted()->model);
+    ImGui::TextColored(
+        k_dim, over_lights ? "over light directions, seen from there" : "over view directions, under the same light");
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const float dome = std::min(width, (height - 80) / 0.85f);
+    draw_lobes(lobes_, over_lights ? "view" : "light", theta_l, dome_azimuth_, dome_elevation_, dome);
+    const ImVec2 end = ImGui::GetCursorScreenPos();
+    ImGui::SetCursorScreenPos(corner);
+    ImGui::InvisibleButton("dome", {dome, std::max(20.f, end.y - corner.y)});
+    if (ImGui::IsItemActive()) {
+        dome_azimuth_ -= double(ImGui::GetIO().MouseDelta.x) * 0.01;
+        dome_elevation_ = std::clamp(dome_elevation_ + double(ImGui::GetIO().MouseDelta.y) * 0.01, 0.1, k_pi / 2);
+    }
+}
+
+void Readings::draw_measures(const Session& session) const {
+    const auto& fitted = session.fitted();
+    const Subject* reference = reference_ < 0 ? nullptr : session.subjects()[std::size_t(reference_)].get();
+    const auto* measured = reference ? std::get_if<Measured>(&reference->content) : nullptr;
+    const bool is_scattered = measured && std::holds_alternative<Scattered>(measured->table);
+    ImGui::TextColored(k_hint, "%s",
+                       fmt::format("Errors within {:.0f}\xC2\xB0, against {}", session.max_theta() / k_degree,
+                                   is_scattered ? "interpolated samples"
+                                   : measured   ? "measured"
+                                                : "the reference")
+                           .c_str());
+    if (!fitted) return ImGui::Text("none yet");
+    if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_SizingStretchProp)) {
+        ImGui::TableSetupColumn("measure", ImGuiTableColumnFlags_WidthStretch);
+        ImGui::TableSetupColumn("matrix", ImGuiTableColumnFlags_WidthFixed, 60);
+        ImGui::TableSetupColumn("held out", ImGuiTableColumnFlags_WidthFixed, 60);
+        ImGui::TableHeadersRow();
+        for (const MeasureName& measure : k_measures) {
+            ImGui::TableNextColumn();
+            const bool is_followed = fitted->from.empty() && &measure == &measure_named_for(fitted->choice.objective);
+            ImGui::TextColored(is_followed ? k_hint : k_white, "%s", latin(measure.title).c_str());
+            for (const auto* of : {&fitted->matrix, &fitted->heldout}) {
+                ImGui::TableNextColumn();
+                ImGui::Text("%s", *of ? text(measure, **of).c_str() : "...");
+            }
+        }
+        ImGui::TableNextColumn();
+        ImGui::Text("albedo error");
+        ImGui::TableNextColumn();
+        ImGui::Text("%s", fitted->albedo_error ? percent(*fitted->albedo_error).c_str() : "...");
+        ImGui::EndTable();
+    }
+    ImGui::TextColored(k_dim, "Yellow: what the objective follows.");
+}
+
+void Readings::draw_lobe_table() const {
+    if (lobes_.empty() || !ImGui::BeginTable("lobes", 4, ImGuiTableFlags_SizingStretchProp)) return;
+    ImGui::TableSetupColumn("lobe");
+    ImGui::TableSetupColumn("energy");
+    ImGui::TableSetupColumn("centre");
+    ImGui::TableSetupColumn("width");
+    ImGui::TableHeadersRow();
+    for (std::size_t k = 0; k < lobes_.size(); ++k) {
+        const SeenLobe& lobe = lobes_[k];
+        const auto at_peak = angles(to_double(lobe.centre));
+        ImGui::TableNextColumn();
+        const ImVec2 place = ImGui::GetCursorScreenPos();
+        ImDrawList& list = *ImGui::GetWindowDrawList();
+        list.AddRectFilled({place.x, place.y + 2}, {place.x + 10, place.y + 12}, lobe_colour(k));
+        const float most = std::max({lobe.peak.r, lobe.peak.g, lobe.peak.b, 1e-30f});
+        const auto shown = [&](float x) { return srgb_encoded(std::clamp(x / most, 0.f, 1.f)); };
+        list.AddRectFilled({place.x + 13, place.y + 2}, {place.x + 23, place.y + 12},
+                           colour_of({shown(lobe.peak.r), shown(lobe.peak.g), shown(lobe.peak.b)}));
+        ImGui::Dummy({24, 12});
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("in the plot | its own colour");
+        ImGui::TableNextColumn(), ImGui::Text("%s", fmt::format("{:.1f} %", 100 * lobe.share).c_str());
+        ImGui::TableNextColumn(), ImGui::Text("%s", fmt::format("{:.0f}\xC2\xB0", at_peak.theta / k_degree).c_str());
+        ImGui::TableNextColumn(), ImGui::Text("%s", fmt::format("{:.1f}\xC2\xB0", lobe.width / k_degree).c_str());
+    }
+    ImGui::EndTable();
+}
+
+void Readings::draw(const Session& session, Look& look, ImVec2 at, ImVec2 size) {
+    ImGui::SetNextWindowPos(at), ImGui::SetNextWindowSize(size);
+    ImGui::Begin("plots", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
+    const float gap = ImGui::GetStyle().ItemSpacing.x,
+                width = std::floor((ImGui::GetContentRegionAvail().x - 2 * gap - 40) / 3);
+    ImGui::BeginGroup();
+    draw_slice(look, width, size.y);
+    ImGui::EndGroup();
+    ImGui::SameLine(width + 2 * gap);
+    ImGui::BeginGroup();
+    draw_dome(session, look.theta_l, width, size.y);
+    ImGui::EndGroup();
+    ImGui::SameLine(2 * (width + gap) + gap);
+    ImGui::BeginGroup();
+    draw_measures(session);
+    draw_lobe_table();
+    ImGui::EndGroup();
+    ImGui::End();
+}
+
+}  // namespace srbf

@@ -1,0 +1,34 @@
+// What is read off the two materials, below their pictures: slices, lobes, errors.
+#pragma once
+#include <imgui.h>
+
+#include <optional>
+#include <vector>
+
+#include "app/view/lobes.h"
+#include "app/view/look.h"
+#include "app/view/session.h"
+
+namespace srbf {
+
+/// Plots and tables of the session's reference and fit, under light from the look's `theta_l`.
+class Readings {
+  public:
+    /// Computes anew what has changed; `swapped`: the fit is another one since the last time.
+    void take(const Session& session, double theta_l, bool swapped);
+    void draw(const Session& session, Look& look, ImVec2 at, ImVec2 size);
+
+  private:
+    void draw_slice(Look& look, float width, float height) const;
+    void draw_dome(const Session& session, double theta_l, float width, float height);
+    void draw_measures(const Session& session) const;
+    void draw_lobe_table() const;
+
+    int reference_ = -1;  ///< the subject that was sliced
+    double theta_l_ = -1;
+    std::optional<Slice> slice_of_reference_, slice_of_fit_;
+    std::vector<SeenLobe> lobes_;
+    double dome_azimuth_ = 0, dome_elevation_ = 50 * k_degree;  ///< whence the lobes are seen
+};
+
+}  // namespace srbf

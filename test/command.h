@@ -1,0 +1,68 @@
+// What tests of the command line share: one small fit to look at, small input, and what a failure is.
+#pragma once
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "measured_files.h"
+#include "program.h"
+#include "properties.h"
+
+namespace srbf {
+
+using Json = nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+inline const std::string k_paper = bundled_data() / "paper_white_rgb.bsdf";
+inline const Arguments k_measures{"squared_error_ratio", "squared_error_ratio_cosine", "log_rms_cosine",
+                                  "cube_root_error_ratio"};
+
+inline Arguments operator+(Arguments a, const Arguments& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+inline std::string text_of(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+/// A MERL file of a smooth glossy material.
+inline std::string small_merl() {
+    return text_of(merl_file({9, 6, 8}, [](int h, int, int, int c) { return 0.1 + std::exp(-h) * (1 + c); }));
+}
+
+/// The command line in a folder of its own.
+class CommandLine : public testing::Test {
+  protected:
+    /// Runs in `folder`, expects `status`, one line on standard error that holds `named`, and nothing else.
+    void expect_failure(int status, const Arguments& arguments, const std::string& named, std::string out = {}) {
+        SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
+        const auto before = folder.files();
+        const ProgramRun failed = run(folder, arguments, std::move(out));
+        EXPECT_EQ(failed.status, status);
+        EXPECT_EQ(failed.out, "");
+        EXPECT_TRUE(failed.err.starts_with("srbf: ")) << failed.err;
+        EXPECT_EQ(failed.err.find('\n'), failed.err.size() - 1) << failed.err;
+        EXPECT_NE(failed.err.find(named), std::string::npos) << failed.err;
+        EXPECT_EQ(folder.files(), before);
+    }
+
+    TemporaryFolder folder;
+};
+
+/// One small fit of bundled data that several tests look at.
+class Command : public CommandLine {
+  protected:
+    static void SetUpTestSuite() {
+        fitted = std::make_unique<TemporaryFolder>();
+        first = run(*fitted, {"fit", k_paper, "-o", "m.srbf", "--lobes", "2", "--variates", "2", "--threads", "1",
+                              "--preview", "p.png", "--json", "r.json"});
+    }
+    static void TearDownTestSuite() { fitted.reset(); }
+    static Json report() { return Json::parse(contents(*fitted / "r.json"), nullptr, false); }
+
+    inline static std::unique_ptr<TemporaryFolder> fitted;
+    inline static ProgramRun first;
+};
+
+}  // namespace srbf

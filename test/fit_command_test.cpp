@@ -1,0 +1,264 @@
+// `srbf fit`: what it writes of each kind of model and measurement, and what that depends on.
+#include "command.h"
+#include "srbf/file.h"
+#include "srbf/measured.h"
+#include "srbf/metrics.h"
+#include "srbf/model.h"
+
+namespace srbf {
+namespace {
+
+TEST_F(Command, fit_writes_model_picture_and_report) {
+    ASSERT_EQ(first.status, 0) << first.err;
+    EXPECT_EQ(first.err, "");  // progress is for a terminal
+    EXPECT_EQ(fitted->files().size(), 3u);
+    EXPECT_TRUE(contents(*fitted / "p.png").starts_with("\x89PNG\r\n\x1a\n"));
+    const auto model = load_model(*fitted / "m.srbf");
+    ASSERT_TRUE(model) << message(model.error());
+    const PmModel& pm = std::get<PmModel>(model->model);
+
+    const Json json = report();
+    ASSERT_TRUE(json.is_object());
+    const Json expected = Json::parse(R"({"model": "pm", "form": "extended", "lobes": 2, "variates": 2, "axial": true,
+        "channels": 3, "objective": "cosine", "max_theta": 89.0, "raw_bytes": 28311552, "auxiliary_bytes": 0, "seed": 0,
+        "threads": 1, "masked_samples": 0, "clamped_samples": 0})");
+    EXPECT_EQ(json.value("payload_bytes", std::size_t(0)), payload_bytes(pm));
+    for (const auto& [key, value] : expected.items()) EXPECT_EQ(json.value(key, Json()), value) << key;
+    EXPECT_GT(json.value("fit_seconds", 0.0), 0.0);
+    EXPECT_GT(json.value("load_seconds", 0.0), 0.0);
+    EXPECT_NE(json.value("stop_reason", ""), "");
+    for (const std::string prefix : {"", "unrounded_"}) {
+        Arguments names{"albedo_error"};
+        for (const std::string& name : k_measures) names = names + Arguments{name, "heldout_" + name};
+        for (const std::string& name : names) {
+            const double error = json.value(prefix + name, -1.0);
+            EXPECT_TRUE(std::isfinite(error) && error > 0 && error < 0.5) << prefix << name << ' ' << error;
+        }
+    }
+}
+
+TEST_F(Command, fit_stores_eight_lobes_of_four_variates_by_default) {
+    write(folder / "small.binary", small_merl());
+    const ProgramRun fit = run(folder, {"fit", "small.binary", "--form", "source", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    EXPECT_EQ(json.value("lobes", 0), 8);
+    EXPECT_EQ(json.value("variates", 0), 4);
+    const auto model = load_model(folder / "small.srbf");
+    ASSERT_TRUE(model);
+    EXPECT_EQ(json.value("payload_bytes", 0), has_log_scale(std::get<PmModel>(model->model)) ? 144 : 128);
+}
+
+TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
+    write(folder / "paper_white_rgb.srbf", "what was here before");
+    const Arguments fit{"fit", k_paper, "--lobes", "2", "--variates", "2"};
+    const ProgramRun second = run(folder, fit + Arguments{"--threads", "2", "--json", "-"});
+    ASSERT_EQ(second.status, 0) << second.err;
+    EXPECT_EQ(second.err, "");
+    const auto files = folder.files();
+    EXPECT_EQ(files.size(), 1u);  // the default name, in the working directory
+    EXPECT_EQ(files.begin()->second, contents(*fitted / "m.srbf"));
+
+    Json ours = Json::parse(second.out, nullptr, false), theirs = report();  // standard output is JSON and nothing else
+    ASSERT_TRUE(ours.is_object());
+    for (const char* key : {"threads", "output", "fit_seconds", "load_seconds"}) ours.erase(key), theirs.erase(key);
+    EXPECT_EQ(ours, theirs);
+
+    ASSERT_EQ(run(folder, fit + Arguments{"--seed", "1", "-o", "seed.srbf"}).status, 0);
+    const auto a = load_model(*fitted / "m.srbf"), b = load_model(folder / "seed.srbf");
+    ASSERT_TRUE(a && b);
+    EXPECT_NE(std::get<PmModel>(a->model), std::get<PmModel>(b->model));
+}
+
+/// `count` samples of a smooth BRDF at random directions, as CSV.
+std::string smooth_samples(int count) {
+    std::mt19937_64 random(3);
+    std::string csv = "# isotropic\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n";
+    for (int i = 0; i < count; ++i) {
+        const auto draw = [&] {
+            const double u1 = uniform(random), u2 = uniform(random);
+            return spherical(std::acos(1 - 0.8 * u1), 2 * k_pi * u2);
+        };
+        const Vec3d l = draw(), v = draw();
+        const double f = 0.2 + 0.3 * dot(l, v) * dot(l, v);
+        csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", l.x, l.y, l.z, v.x, v.y, v.z, f, 0.5 * f, 0.2);
+    }
+    return csv;
+}
+
+TEST_F(Command, fit_chooses_the_lobes_of_scattered_samples) {
+    write(folder / "samples.csv", smooth_samples(60));
+    const ProgramRun fit = run(folder, {"fit", "samples.csv", "--variates", "1", "--form", "source", "--objective",
+                                        "raw", "--max-theta", "70", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    EXPECT_EQ(json.value("folds", 0), 5);
+    EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.1);
+    EXPECT_GE(json.value("heldout_squared_error_ratio", 0.0), json.value("squared_error_ratio", 1.0));
+    // The path holds the model that was taken: the smallest of those that err hardly more than the best.
+    ASSERT_TRUE(json.contains("path") && json["path"].size() > 1);
+    double least = 1;
+    for (const Json& step : json["path"]) least = std::min(least, step.value("error", 1.0));
+    for (const Json& step : json["path"]) {
+        const bool good = step.value("error", 1.0) <= 1.03 * least;
+        if (step.value("lobes", 0) <= json.value("lobes", 0)) {
+            EXPECT_EQ(good, step.value("lobes", 0) == json.value("lobes", 0)) << step;
+        }
+    }
+    EXPECT_EQ(run(folder, {"compare", "samples.csv", "samples.srbf"}).status, 0);
+}
+
+TEST_F(Command, fit_ggx_is_a_model_as_the_others) {
+    const ProgramRun fit =
+        run(folder, {"fit", k_paper, "--model", "ggx", "--lobes", "2", "-o", "g.srbf", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    EXPECT_EQ(json.value("payload_bytes", 0), 26);
+    EXPECT_EQ(json.value("model", ""), "ggx");
+    EXPECT_LT(json.value("heldout_squared_error_ratio_cosine", 1.0), 0.01);
+    const ProgramRun compare = run(folder, {"compare", k_paper, "g.srbf", "--max-theta", "89", "--json", "-"});
+    ASSERT_EQ(compare.status, 0) << compare.err;
+    EXPECT_EQ(Json::parse(compare.out, nullptr, false).value("heldout_squared_error_ratio_cosine", 1.0),
+              json.value("heldout_squared_error_ratio_cosine", 0.0));
+    EXPECT_NE(run(folder, {"info", "g.srbf"}).out.find("Lambert and GGX"), std::string::npos);
+}
+
+/// Smooth samples at five wavelengths, as Cornell's files have them.
+std::string smooth_spectra() {
+    std::string text = "5\n400 450.5 500 600 700\n";
+    for (int l = 0; l <= 70; l += 10)
+        for (int v = 5; v <= 75; v += 10)
+            for (int p = 0; p <= 180; p += 30) {
+                text += fmt::format("{} 0 {} {}", l * k_degree, v * k_degree, p * k_degree);
+                const Vec3d h = normalize(spherical(l * k_degree, 0.0) + spherical(v * k_degree, p * k_degree));
+                const double gloss = std::exp(-12 * (1 - h.z));
+                for (int c = 0; c < 5; ++c) text += fmt::format(" {:.6f}", 0.02 * (c + 1) + 0.3 * gloss);
+                text += '\n';
+            }
+    return text;
+}
+
+TEST_F(Command, fit_takes_spectra) {
+    write(folder / "s.brdf", smooth_spectra());
+    const ProgramRun fit = run(folder, {"fit", "s.brdf", "--channels", "spectral", "--lobes", "2", "--variates", "2",
+                                        "--objective", "raw", "--max-theta", "75", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    EXPECT_EQ(json.value("channels", 0), 5);
+    EXPECT_EQ(json.value("payload_bytes", 0), 2 * (2 * (5 + 2 + 1 + 4) + 4));
+    EXPECT_EQ(json.value("raw_bytes", 0), 8 * 8 * 7 * 5 * 4);
+    EXPECT_LT(json.value("squared_error_ratio", 1.0), 0.02);
+    EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.03);
+    EXPECT_NE(run(folder, {"info", "s.srbf"}).out.find("5, 400 to 700 nm"), std::string::npos);
+
+    // Spectra of the model unless colours are asked for, of the measurement where they are.
+    write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0.6,0,0.8\n0.6,0,0.8,-0.6,0,0.8\n");
+    const std::string directions = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", nm = ",400nm,450.5nm,500nm,600nm,700nm\n";
+    for (const Arguments& arguments :
+         {Arguments{"s.srbf"}, {"s.srbf", "--channels", "spectral"}, {"s.brdf", "--channels", "spectral"}}) {
+        const ProgramRun eval = run(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
+        ASSERT_EQ(eval.status, 0) << eval.err;
+        EXPECT_TRUE(eval.out.starts_with(directions + nm)) << eval.out;
+        // What is written is a measurement at wavelengths again.
+        const auto samples = read_csv(as_bytes(eval.out), "e");
+        ASSERT_TRUE(samples.ok());
+        ASSERT_EQ(samples->spectrum.size(), 10u);
+        for (std::size_t c = 0; c < 5; ++c)
+            EXPECT_PRED3(near, samples->spectrum[5 + c], 0.02 * double(c + 1) + 0.3, 0.06) << c;
+    }
+    for (const Arguments& arguments : {Arguments{"s.brdf"}, {"s.srbf", "--channels", "rgb"}}) {
+        const ProgramRun eval = run(folder, Arguments{"eval", "--pairs", "p.csv"} + arguments);
+        EXPECT_TRUE(eval.out.starts_with(directions + ",r,g,b\n")) << eval.out;
+    }
+}
+
+TEST_F(Command, fit_keeps_a_budget) {
+    const ProgramRun fit = run(folder, {"fit", k_paper, "--budget", "20", "-o", "b.srbf", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    EXPECT_LE(json.value("payload_bytes", 99), 20);
+    EXPECT_TRUE(json.value("reached", false));
+    EXPECT_GE(json["path"].size(), 3u);
+}
+
+TEST_F(Command, fit_su_takes_scattered_samples) {
+    write(folder / "samples.csv", smooth_samples(600));
+    const ProgramRun fit = run(folder, {"fit", "samples.csv", "--model", "su", "--lobes", "3", "--directions", "96",
+                                        "--objective", "raw", "--max-theta", "70", "--json", "-"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json json = Json::parse(fit.out, nullptr, false);
+    // Interpolation's part is the larger one: the samples are 10° apart.
+    EXPECT_LT(json.value("squared_error_ratio", 1.0), 0.02);
+    EXPECT_GT(json.value("squared_error_ratio", 0.0), 0.0);
+    EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.03);
+    EXPECT_EQ(json.value("folds", 0), 5);
+}
+
+TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
+    const Arguments fit{"fit", k_paper, "--model", "su", "--directions", "200", "--lobes", "2", "--objective", "raw"};
+    const ProgramRun done =
+        run(folder, fit + Arguments{"-o", "su.srbf", "--with-index", "parabolic", "--json", "r.json"});
+    ASSERT_EQ(done.status, 0) << done.err;
+    const Json json = Json::parse(contents(folder / "r.json"), nullptr, false);
+    const Json expected = Json::parse(R"({"model": "su", "form": "source", "lobes": 2, "variates": 1, "axial": false,
+        "discretise": "view", "directions": 200, "interpolation": "rotated", "index": "parabolic", "channels": 3,
+        "objective": "raw", "max_theta": 80.0, "raw_bytes": 480000, "payload_bytes": 4800, "auxiliary_bytes": 1050176,
+        "masked_samples": 0, "clamped_samples": 0, "empty_directions": 0})");
+    for (const auto& [key, value] : expected.items()) EXPECT_EQ(json.value(key, Json()), value) << key;
+    EXPECT_GT(json.value("fit_seconds", 0.0), 0.0);
+
+    const auto model = load_model(folder / "su.srbf");
+    ASSERT_TRUE(model) << message(model.error());
+    const SuModel& su = std::get<SuModel>(model->model);
+    EXPECT_EQ(su.index, index_texture(su, DirectionMap::parabolic));
+
+    const ProgramRun compared = run(folder, {"compare", k_paper, "su.srbf", "--json", "-"});
+    ASSERT_EQ(compared.status, 0) << compared.err;
+    const Json measures = Json::parse(compared.out, nullptr, false);
+    for (const std::string& name : k_measures)
+        for (const std::string& key : {name, "heldout_" + name}) {
+            EXPECT_EQ(measures.value(key, -1.0), json.value(key, -2.0)) << key;
+            EXPECT_TRUE(near_relative(json.value("unrounded_" + key, -1.0), json.value(key, -2.0), 0.02)) << key;
+        }
+    EXPECT_EQ(measures.value("pairs", 0), 165 * 165);  // of 200 directions those within 80 degrees
+
+    const ProgramRun info = run(folder, {"info", "su.srbf"});
+    EXPECT_EQ(info.status, 0);
+    for (const char* word : {"2 lobes × 200 sampled directions", "4,800 bytes", "parabolic", "albedo R"})
+        EXPECT_NE(info.out.find(word), std::string::npos) << word;
+
+    write(folder / "pairs.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0,0,1\n");
+    const ProgramRun eval = run(folder, {"eval", "su.srbf", "--pairs", "pairs.csv"});
+    EXPECT_EQ(eval.status, 0);
+    std::vector<Rgb> f(1);
+    const Vec3f wl[] = {{0, 0.6f, 0.8f}}, wv[] = {{0, 0, 1}};
+    evaluator (*model)(wl, wv, f);
+    EXPECT_NE(eval.out.find(fmt::format("0,0,1,{:.9g},{:.9g},{:.9g}\n", f[0].r, f[0].g, f[0].b)), std::string::npos)
+        << eval.out;
+
+    // Without the texture, by light, and with the interpolation of the source.
+    const Arguments otherwise{"-o",           "light.srbf", "--discretise", "light", "--interpolation", "plain",
+                              "--neighbours", "4",          "--between",    "0"};
+    ASSERT_EQ(run(folder, fit + otherwise).status, 0);
+    const auto by_light = load_model(folder / "light.srbf");
+    ASSERT_TRUE(by_light);
+    EXPECT_EQ(std::get<SuModel>(by_light->model).discretise, Discretise::light);
+    EXPECT_EQ(std::get<SuModel>(by_light->model).interpolation, SuInterpolation::plain);
+    EXPECT_EQ(std::get<SuModel>(by_light->model).neighbours, 4);
+    EXPECT_FALSE(std::get<SuModel>(by_light->model).index);
+
+    // As many lobes as there are directions within 80 degrees, and one more.
+    expect_failure(1, {"fit", k_paper, "--model", "su", "--directions", "16", "--lobes", "14", "--objective", "raw"},
+                   "paper_white_rgb.bsdf: directions with data in sampled view 0: expected none or at least 14");
+    write(folder / "zero.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return 0; })));
+    expect_failure(1, {"fit", "zero.binary", "--model", "su", "--directions", "64"}, "zero.binary: values");
+    expect_failure(2, fit + Arguments{"--variates", "2"}, "--variates: only with --model pm");
+    expect_failure(2, {"fit", k_paper, "--with-index", "cube"}, "--with-index: only with --model su");
+    expect_failure(2, fit + Arguments{"--neighbours", "8"}, "--neighbours");
+    expect_failure(2, fit + Arguments{"--between", "-1"}, "--between");
+    for (const char* directions : {"7", "8193", "x"})
+        expect_failure(2, {"fit", k_paper, "--model", "su", "--directions", directions}, "--directions");
+}
+
+}  // namespace
+}  // namespace srbf

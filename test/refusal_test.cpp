@@ -1,0 +1,139 @@
+// What the command line refuses, in one line that names it, leaving nothing behind.
+#include "command.h"
+#include "models.h"
+
+namespace srbf {
+namespace {
+
+TEST_F(CommandLine, spectra_of_colours_are_refused) {
+    write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
+    write(folder / "c.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,0,1,1\n");
+    for (const std::string& file : {k_paper, std::string("c.csv")}) {
+        expect_failure(1, {"fit", file, "--channels", "spectral"}, "expected a measurement at wavelengths");
+        expect_failure(1, {"eval", file, "--pairs", "p.csv", "--channels", "spectral"}, "found one of colours");
+    }
+    for (const char* model : {"su", "ggx"})
+        expect_failure(2, {"fit", k_paper, "--channels", "spectral", "--model", model},
+                       "spectral only with --model pm");
+    expect_failure(2, {"fit", k_paper, "--channels", "spectral", "--budget", "160"}, "only with --channels rgb");
+}
+
+TEST_F(CommandLine, bad_input_leaves_nothing_behind) {
+    const std::string paper = contents(k_paper), merl = small_merl();
+    write(folder / "empty", "");
+    write(folder / "truncated.bsdf", paper.substr(0, paper.size() / 2));
+    write(folder / "magic.bsdf", fmt::format("T{}", paper.substr(1)));
+    write(folder / "size.binary", merl + "x");
+    write(folder / "truncated.binary", merl.substr(0, merl.size() - 1));
+    write(folder / "nan.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return std::nan(""); })));
+    std::mt19937_64 random(1);
+    ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
+    write(folder / "truncated.srbf", contents(folder / "m.srbf").substr(0, 40));
+    write(folder / "kept.srbf", "kept");
+    std::filesystem::create_directory(folder / "a folder");
+    for (const std::string name : {"missing", "empty", "truncated.bsdf", "magic.bsdf", "size.binary",
+                                   "truncated.binary", "nan.binary", "truncated.srbf", "a folder"}) {
+        expect_failure(1, {"fit", name, "-o", "kept.srbf", "--preview", "p.png", "--json", "r.json"}, name);
+        expect_failure(1, {"info", name}, name);
+        expect_failure(1, {"compare", k_paper, name, "--json", "r.json"}, name);
+    }
+    expect_failure(1, {"fit", "m.srbf"}, "m.srbf: input: expected a measurement, found a fitted model");
+    write(folder / "zero.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return 0; })));
+    expect_failure(1, {"fit", "zero.binary"}, "zero.binary: ");
+}
+
+TEST_F(CommandLine, outputs_that_cannot_be_written_leave_nothing_behind) {
+    write(folder / "small.binary", small_merl());
+    std::filesystem::create_directory(folder / "a folder");
+    std::filesystem::create_symlink("small.binary", folder / "link");
+    const Arguments fit{"fit", "small.binary", "--lobes", "1", "--variates", "1"};
+    for (const char* option : {"-o", "--preview", "--json"})
+        for (const char* name : {"missing/x", "a folder", "link"})
+            expect_failure(1, fit + Arguments{option, name}, name);
+    expect_failure(1, fit + Arguments{"-o", "./small.binary"}, "small.binary");
+    expect_failure(1, fit + Arguments{"-o", "x.png", "--preview", "./x.png"}, "x.png");
+    expect_failure(1, {"compare", "small.binary", k_paper, "--json", "small.binary"}, "small.binary");
+    // Full devices, of which only writing tells.
+    expect_failure(1, fit + Arguments{"-o", "/dev/full", "--json", "r.json"}, "/dev/full");
+    expect_failure(1, fit + Arguments{"--json", "/dev/full", "--preview", "p.png"}, "/dev/full");
+    const Arguments eval{"eval", k_paper, "--pairs", bundled_data() / "paper_white_rgb.csv"};
+    for (const Arguments& command : {fit, {"info", k_paper}, eval})
+        expect_failure(1, command, "standard output", "/dev/full");
+}
+
+TEST_F(CommandLine, usage_errors_of_choices) {
+    expect_failure(2, {"fit", k_paper, "--budget", "160", "--target-error", "0.1"}, "not together with");
+    expect_failure(2, {"fit", k_paper, "--budget", "160", "--lobes", "3"}, "not together with --lobes");
+    expect_failure(2, {"fit", k_paper, "--budget", "4"}, "expected 12 to 512, found 4");
+    expect_failure(2, {"fit", k_paper, "--target-error", "0"}, "--target-error");
+    expect_failure(2, {"fit", k_paper, "--model", "ggx", "--lobes", "3"}, "of ggx 1 or 2");
+    expect_failure(2, {"fit", k_paper, "--model", "ggx", "--form", "source"}, "only with --model pm");
+    expect_failure(2, {"fit", k_paper, "--model", "su", "--budget", "100"}, "only with --model pm");
+    expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64, found many");
+}
+
+TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
+    const std::pair<Arguments, std::string> bad[] = {
+        {{}, "subcommand"},
+        {{"bogus"}, "bogus"},
+        {{"--bogus"}, "--bogus"},
+        {{"fit"}, "INPUT"},
+        {{"fit", k_paper, "two"}, "two"},
+        {{"fit", "--bogus"}, "--bogus"},
+        {{"fit", k_paper, "--bogus"}, "--bogus"},
+        {{"info"}, "FILE"},
+        {{"eval", k_paper}, "--pairs"},
+        {{"compare", k_paper}, "OTHER"},
+        {{"compare", k_paper, k_paper, "--max-theta", "nan"}, "--max-theta"},
+        {{"fit", k_paper, "--output"}, "--output"},
+        {{"fit", k_paper, "--objective", "none"}, "--objective"},
+        {{"fit", k_paper, "--preview", "x.jpg"}, "--preview"},
+        {{"fit", k_paper, "--seed", "-1"}, "--seed"},
+        {{"fit", k_paper, "--threads", "-1"}, "--threads"},
+    };
+    for (const auto& [arguments, named] : bad) expect_failure(2, arguments, named);
+    for (const char* lobes : {"0", "-1", "65", "1e9", "2.5", "abc", "", "3\n4"})
+        expect_failure(2, {"fit", k_paper, "--lobes", lobes}, "--lobes");
+    for (const char* variates : {"0", "9"}) expect_failure(2, {"fit", k_paper, "--variates", variates}, "--variates");
+    for (const char* theta : {"0", "-5", "95", "nan", "inf"})
+        expect_failure(2, {"fit", k_paper, "--max-theta", theta}, "--max-theta");
+}
+
+TEST_F(CommandLine, convert_refuses) {
+    write(folder / "m.binary", small_merl());
+    write(folder / "a.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n");
+    expect_failure(2, {"convert", "m.binary", "-o", "m.exr"}, "ends in .binary, .bsdf or .csv");
+    expect_failure(2, {"convert", "m.binary"}, "--output");
+    expect_failure(1, {"convert", "m.binary", "-o", "m.binary"}, "another file than the input");
+    expect_failure(1, {"convert", "a.csv", "-o", "a.bsdf"},
+                   "expected an isotropic BRDF, as RGL tables are, found an anisotropic one");
+    expect_failure(1, {"convert", "none.binary", "-o", "m.csv"}, "none.binary");
+    expect_failure(1, {"convert", "m.binary", "-o", "no/folder.bsdf"}, "a folder that exists");
+    expect_failure(1, {"fit", "a.csv"}, "samples at different directions: expected at least 5, found 1");
+}
+
+TEST_F(CommandLine, render_refuses) {
+    write(folder / "m.binary", small_merl());
+    write(folder / "no_faces.obj", "v 0 0 0\n");
+    write(folder / "nan.obj", "v 0 nan 0\nf 1 1 1\n");
+    write(folder / "range.ply",
+          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 1 2\n");
+    const Arguments render{"render", "m.binary", "--renderer", "raster", "-o", "x.png"};
+    const auto with_mesh = [&](const std::string& mesh) { return render + Arguments{"--mesh", mesh}; };
+    expect_failure(1, with_mesh("no_faces.obj"), "no_faces.obj: faces of the mesh: expected one at least, found none");
+    expect_failure(1, with_mesh("nan.obj"), "nan.obj: line 1: v: expected three numbers");
+    expect_failure(1, with_mesh("range.ply"), "range.ply: vertex index of a face: expected below 1, found 1");
+    expect_failure(1, with_mesh("missing.ply"), "missing.ply");
+    expect_failure(1, {"render", "missing", "-o", "x.png"}, "missing");
+    expect_failure(1, {"render", "m.binary", "-o", "no/folder.png"}, "a folder that exists");
+    for (const char* size : {"0x0", "640x0", "640", "-1x5", "640x480x2", "9000x1", "x", "1e2x5"})
+        expect_failure(2, render + Arguments{"--size", size}, "--size: expected WxH");
+    expect_failure(2, render + Arguments{"--renderer", "none"}, "--renderer");
+    expect_failure(2, render + Arguments{"--up", "x"}, "--up");
+    expect_failure(2, {"render", "m.binary", "-o", "x.jpg"}, "--output");
+    expect_failure(2, {"render", "m.binary"}, "--output");
+}
+
+}  // namespace
+}  // namespace srbf

@@ -27,7 +27,7 @@ inline double objective_weight(Objective objective, double f, double mean, doubl
 
 /// Of the objective cosine, what Σ w |f−f̂|² over Σ w |f|² rises by, by the weights of the cube root and cosθl cosθv, where f̂ is off by all of f
 /// everywhere. Where a highlight holds nearly all of Σ w |f|², this alone asks for the body under it, which is what one sees where no light is reflected.
-inline constexpr double k_body_importance = 1e-2;
+inline constexpr double k_body_importance = 5e-3;
 
 /// Multiplies solid angles by what the objective weighs there.
 void weigh(Objective objective, double mean, std::span<const Vec3f> wl, std::span<const Vec3f> wv,

@@ -16,7 +16,7 @@ namespace srbf {
 
 /// What a fit minimises over the pairs within θmax; each is a measure of metrics.h.
 enum class Objective {
-    raw,     ///< Σ (f−f̂)²
+    raw,  ///< Σ (f−f̂)²
     cosine,  ///< Σ (f cosθl − f̂ cosθl)² cosθv; and, of a multivariate model, 0.005 of the cube root's, times cosθl cosθv
     // These two to second order in f − f̂, with the mean of the channels in place of each:
     log,        ///< Σ (log(1 + f cosθl) − log(1 + f̂ cosθl))² cosθv

@@ -25,11 +25,11 @@ inline double objective_weight(Objective objective, double f, double mean, doubl
     return 0;
 }
 
-/// Of the objective cosine, what Σ w |f−f̂|² over Σ w |f|² rises by, by the weights of the cube root and cosθl cosθv, where f̂ is off by all of f
-/// everywhere. Where a highlight holds nearly all of Σ w |f|², this alone asks for the body under it, which is what one sees where no light is reflected.
+/// Where a highlight holds nearly all of Σ w |f|², nothing asks for the body under it, which is what one sees wherever the light is not reflected.
+/// The objective cosine does so by weights of the cube root times cosθl cosθv: off by all of f everywhere costs this much of Σ w |f|² besides.
 inline constexpr double k_body_importance = 5e-3;
 
-/// Multiplies solid angles by what the objective weighs there.
+/// Multiplies the weights of pairs, their solid angles, by what the objective asks for there; `mean` as above.
 void weigh(Objective objective, double mean, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
            std::span<const Rgb> f, std::span<double> weight);
 

@@ -36,8 +36,12 @@ constexpr double k_least_gain = 0.015;
 /// materials) and cost digits in float.
 constexpr double k_log_peak_limit = 300;
 
-/// Where rounding at once raises the loss by more than this factor, numbers are rounded in turn.
-constexpr double k_costly_rounding = 1.003;
+/// Where rounding raises the loss by more than this factor, numbers are rounded in turn instead.
+struct CostlyRounding {
+    double factor;
+    Turns turns;
+};
+constexpr CostlyRounding k_costly_rounding[] = {{1.003, {4, 2, 2}}, {1.02, {12, 3, 6}}};
 
 Result<Done> check(const Observations& observations, const FitOptions& options) {
     const auto in_range = [](const char* what, int x, int least, int most) -> Result<Done> {
@@ -112,8 +116,9 @@ PmFit finish(Lobes lobes, const Observations& observations, double albedo_import
         // The nonlinear numbers are rounded, then the coefficients solved again.
         Lobes halves = to_lobes(to_halves(fit.unrounded, lobes), lobes.shape);
         fit.loss = problem.loss(LobeProblem::pack(halves));
-        if (fit.loss > k_costly_rounding * fit.unrounded_loss) {
-            const Lobes in_turn = rounded_in_turn(problem, lobes);
+        for (const auto& [factor, turns] : k_costly_rounding) {
+            if (fit.loss <= factor * fit.unrounded_loss) break;
+            const Lobes in_turn = rounded_in_turn(problem, lobes, turns);
             if (const double loss = problem.loss(LobeProblem::pack(in_turn)); loss < fit.loss)
                 halves = in_turn, fit.loss = loss;
             else

@@ -121,8 +121,6 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
 
 namespace {
 
-constexpr int k_turns = 4, k_steps_a_turn = 2;
-
 /// A problem of which only some of the variables may change.
 struct PartlyHeld {
     LobeProblem& problem;
@@ -158,7 +156,7 @@ std::vector<double> cost_of_rounding(const Eigen::VectorXd& x, const Eigen::Matr
 
 }  // namespace
 
-Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes) {
+Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes, const Turns& turns) {
     Eigen::VectorXd x = LobeProblem::pack(lobes), g;
     Eigen::MatrixXd H;
     problem.loss(x);
@@ -171,11 +169,14 @@ Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes) {
     std::vector<bool> held(cost.size(), false);
     PartlyHeld rest{problem, held};
     LevenbergMarquardtOptions steps;
-    steps.max_iterations = k_steps_a_turn;
+    steps.max_iterations = turns.steps;
     std::size_t first = 0;
-    for (int turn = 0; turn < k_turns; ++turn) {
+    for (int turn = 0; turn < turns.count; ++turn) {
         const std::size_t left = order.size() - first;
-        std::size_t end = first + (turn == 0 ? lobes.angle.size() : turn + 1 < k_turns ? left / 2 : left);
+        const std::size_t part = std::max<std::size_t>(left / turns.part, 1);
+        std::size_t end = first + (turn == 0                ? lobes.angle.size()
+                                   : turn + 1 < turns.count ? std::min(part, left)
+                                                            : left);
         while (end > first && end < order.size() && cost[order[end]] == cost[order[end - 1]]) ++end;  // of one centre
         const Lobes now = problem.unpack(x);
         const Eigen::VectorXd halves =

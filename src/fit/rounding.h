@@ -21,8 +21,15 @@ PmModel to_halves(PmModel model, const Lobes& lobes);
 /// The lobes of such a model, of which they have the shape.
 Lobes to_lobes(const PmModel& model, const LobeShape& shape);
 
+/// How often some of the numbers are rounded, and which part of what is left each time.
+struct Turns {
+    int count;
+    std::size_t part;
+    int steps;  ///< after each
+};
+
 /// `lobes`, which minimise the problem's loss, with every number a half. They are not rounded at once but in turn, first the angles, then those weights
-/// of which rounding costs most, half of what is left and again half of it; after each turn what has not been rounded follows what has.
-Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes);
+/// of which rounding costs most, a part of what is left each time; after each turn what has not been rounded follows what has.
+Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes, const Turns& turns);
 
 }  // namespace srbf

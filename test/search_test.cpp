@@ -35,10 +35,8 @@ FitOptions options_of(std::uint64_t seed) {
     return options;
 }
 
-const ProgressCallback k_nobody;
-
 Candidate improved(Candidate candidate, const FitOptions& options, int kicks) {
-    Reporter reporter(k_nobody, 1);
+    Reporter reporter({}, 1);
     improve(rows(), options, k_no_peak_limit, kicks, candidate, reporter);
     return candidate;
 }
@@ -59,7 +57,7 @@ TEST(Search, KicksFindAParameterizationThatStepsDoNotReach) {
 TEST(Search, GrowsWhatMadeTheData) {
     int found = 0;
     for (int start = 0; start < 10; ++start) {
-        Reporter reporter(k_nobody, 1);
+        Reporter reporter({}, 1);
         const Candidate candidate = grow(rows(), options_of(3), k_no_peak_limit, start, reporter);
         EXPECT_EQ(candidate.start, start);
         EXPECT_EQ(candidate.lobes.count(), 2);

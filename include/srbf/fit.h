@@ -133,7 +133,7 @@ struct FitOptions {
     bool log_scale = true;  ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
     /// Independent growths; the best four are polished, two finished. Without a number 20, 16 for 8 lobes and more.
     std::optional<int> starts = {};
-    /// Attempts of the best to replace the lobe that matters least: a fifth of all starts, three tenths of the better half of them, the
+    /// Attempts of the best to replace the lobe that matters least, every fourth the variate that does: a fifth of all starts, three tenths of the better half of them, the
     /// other half of the best quarter. Without a number 32, 18 for 8 lobes and more.
     std::optional<int> kicks = {};
     std::uint64_t seed = 0;  ///< of the random lobes

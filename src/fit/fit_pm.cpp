@@ -70,12 +70,12 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
 /// Weights of which Σ w |f|² over the wavelengths is what it was over R, G, B.
 void weigh_for_spectra(Observations& observations) {
     const std::size_t count = observations.f.size() - observations.checks, C = observations.wavelengths.size();
-    double of_colours = 0, of_spectra = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        of_colours += observations.weight[i] * square_of(observations.f[i]);
+    const double of_colours =
+        energy_of(std::span(observations.f).first(count), std::span(observations.weight).first(count));
+    double of_spectra = 0;
+    for (std::size_t i = 0; i < count; ++i)
         for (std::size_t c = 0; c < C; ++c)
             of_spectra += observations.weight[i] * std::pow(double(observations.spectrum[i * C + c]), 2);
-    }
     if (!(of_spectra > 0)) return;
     for (double& weight : observations.weight) weight *= of_colours / of_spectra;
 }

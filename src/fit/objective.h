@@ -68,6 +68,20 @@ inline void exchange(Observations& observations, std::size_t i, std::size_t k) {
 inline double square_of(const Rgb& f) { return double(f.r) * f.r + double(f.g) * f.g + double(f.b) * f.b; }
 inline double mean_of(const Rgb& f) { return (double(f.r) + double(f.g) + double(f.b)) / 3; }
 
+/// Σ w |f|².
+inline double energy_of(std::span<const Rgb> f, std::span<const double> weight) {
+    double energy = 0;
+    for (std::size_t i = 0; i < f.size(); ++i) energy += weight[i] * square_of(f[i]);
+    return energy;
+}
+
+/// w so that Σ w |f|² = 1; where it is 0 they stay.
+inline void normalise(Observations& observations) {
+    const double energy = energy_of(observations.f, observations.weight);
+    if (energy > 0)
+        for (double& weight : observations.weight) weight /= energy;
+}
+
 /// The cube root's weights are those of small errors. Where f̂ = g errs by much, this is what they are to be multiplied by, to make the weighted
 /// square what the error is: Σ_c (∛f−∛g)² / Σ_c (f−g)² over the weight of a small one; as far as a factor `most`.
 inline double large_error_weight(const Rgb& f, const Rgb& g, double mean, double most) {

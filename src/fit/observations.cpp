@@ -102,8 +102,7 @@ struct Chosen {
 /// About `count` of the pairs, in their order: half of them by their share of Σ w |f|², half alike. One that is chosen more often than
 /// another weighs as much less, so that sums over what is chosen estimate those over all; one that is chosen several times is one.
 std::vector<Chosen> choose(const Drawn& pool, std::span<const double> weight, std::size_t count) {
-    double energy = 0;
-    for (std::size_t i = 0; i < pool.size(); ++i) energy += weight[i] * square_of(pool.f[i]);
+    const double energy = energy_of(pool.f, weight);
     std::vector<Chosen> chosen;
     double sum = 0.5;
     for (std::size_t i = 0; i < pool.size(); ++i) {
@@ -212,10 +211,7 @@ Observations beginning(const Observations& observations, std::size_t count) {
     some.spectrum.assign(observations.spectrum.begin(), observations.spectrum.begin() + std::ptrdiff_t(count * C));
     some.wl = first(observations.wl), some.wv = first(observations.wv);
     some.f = first(observations.f), some.weight = first(observations.weight);
-    double energy = 0;
-    for (std::size_t i = 0; i < count; ++i) energy += some.weight[i] * square_of(some.f[i]);
-    if (energy > 0)
-        for (double& weight : some.weight) weight /= energy;
+    normalise(some);
     return some;
 }
 

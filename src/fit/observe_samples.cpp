@@ -37,15 +37,6 @@ std::span<const float> spectrum_of(const Observations& observations, std::size_t
     return std::span(observations.spectrum).subspan(i * C, C);
 }
 
-/// w so that Σ w |f|² = 1.
-void normalise(Observations& observations) {
-    double energy = 0;
-    for (std::size_t i = 0; i < observations.f.size(); ++i)
-        energy += observations.weight[i] * square_of(observations.f[i]);
-    if (energy > 0)
-        for (double& weight : observations.weight) weight /= energy;
-}
-
 void shuffle(Observations& observations, std::mt19937_64& random) {
     for (std::size_t i = observations.f.size(); i-- > 1;) {
         const auto k = std::size_t(uniform(random) * double(i + 1));

@@ -171,12 +171,12 @@ Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes, const Turns& tur
     LevenbergMarquardtOptions steps;
     steps.max_iterations = turns.steps;
     std::size_t first = 0;
-    for (int turn = 0; turn < turns.count; ++turn) {
-        const std::size_t left = order.size() - first;
-        const std::size_t part = std::max<std::size_t>(left / turns.part, 1);
-        std::size_t end = first + (turn == 0                ? lobes.angle.size()
-                                   : turn + 1 < turns.count ? std::min(part, left)
-                                                            : left);
+    for (int turn = 0; first < order.size(); ++turn) {
+        std::size_t end = order.size();  // of the last turn
+        if (turn == 0)
+            end = lobes.angle.size();
+        else if (turn + 1 < turns.count)
+            end = first + std::max<std::size_t>((order.size() - first) / turns.part, 1);
         while (end > first && end < order.size() && cost[order[end]] == cost[order[end - 1]]) ++end;  // of one centre
         const Lobes now = problem.unpack(x);
         const Eigen::VectorXd halves =

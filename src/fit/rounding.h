@@ -21,11 +21,11 @@ PmModel to_halves(PmModel model, const Lobes& lobes);
 /// The lobes of such a model, of which they have the shape.
 Lobes to_lobes(const PmModel& model, const LobeShape& shape);
 
-/// How often some of the numbers are rounded, and which part of what is left each time.
+/// How numbers are rounded in turn.
 struct Turns {
-    int count;
-    std::size_t part;
-    int steps;  ///< after each
+    int count;         ///< at most; the first takes the angles, the last all that is left
+    std::size_t part;  ///< the others take one in so many of what is left
+    int steps;         ///< of what has not been rounded, after each turn
 };
 
 /// `lobes`, which minimise the problem's loss, with every number a half. They are not rounded at once but in turn, first the angles, then those weights

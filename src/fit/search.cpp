@@ -154,11 +154,12 @@ void improve(const Rows& rows, const FitOptions& options, double log_peak_limit,
     if (best.kicks < until) best.loss = optimise(problem, best.lobes, 6);
     while (best.kicks < until) {
         std::mt19937_64 random = generator(options.seed, best.start, 2 + best.kicks++);
-        best.loss = problem.loss(LobeProblem::pack(best.lobes));
-        if (best.kicks % (k_lobe_kicks + 1) == 0)
+        if (best.kicks % (k_lobe_kicks + 1) == 0) {
             replace_variate(problem, best, random);
-        else
+        } else {
+            problem.loss(LobeProblem::pack(best.lobes));
             replace_lobe(problem, best, random);
+        }
         if (!reporter.advance("replacing lobes", 1)) break;
     }
 }

@@ -12,7 +12,7 @@ namespace srbf {
 /// Tells the caller how far the work is, from any thread; remembers a cancellation.
 class Reporter {
   public:
-    Reporter(const ProgressCallback& callback, double total) : callback_(callback), total_(total) {}
+    Reporter(ProgressCallback callback, double total) : callback_(std::move(callback)), total_(total) {}
     /// False once cancelled.
     bool advance(std::string_view stage, double work) {
         const std::scoped_lock lock(mutex_);
@@ -23,7 +23,7 @@ class Reporter {
     bool cancelled() const { return cancelled_; }
 
   private:
-    const ProgressCallback& callback_;
+    ProgressCallback callback_;
     double total_, done_ = 0;
     std::atomic<bool> cancelled_ = false;
     std::mutex mutex_;

@@ -1,12 +1,10 @@
 #include "render/preview.h"
 
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+
+#include "src/parallel.h"
 
 namespace srbf {
 
@@ -70,10 +68,8 @@ Image ten_times_difference(const Image& a, const Image& b) {
 Image render_sphere(const Evaluate& f, const SphereOptions& options) {
     assert(f && options.size >= 1 && options.samples >= 1 && options.threads >= 0);
     Image image(options.size, options.size);
-    // Asked for more threads than the machine has, TBB would warn on standard error.
-    const int most = tbb::info::default_concurrency();
-    tbb::task_arena arena(options.threads > 0 ? std::min(options.threads, most) : most);
-    arena.execute([&] { tbb::parallel_for(0, options.size, [&](int y) { render_row(f, options, y, image); }); });
+    parallel_for(std::size_t(options.size), options.threads,
+                 [&](std::size_t y) { render_row(f, options, int(y), image); });
     return image;
 }
 

@@ -66,6 +66,7 @@ struct Sums {
 template <typename Fill>
 std::vector<Measures> measure(const Channels& reference, std::span<const Channels> others, std::size_t blocks,
                               std::size_t block_size, int threads, const Fill& fill) {
+    const FlushSubnormals mode;
     std::vector<std::vector<Sums>> parts(blocks, std::vector<Sums>(others.size()));
     parallel_for(blocks, threads, [&](std::size_t block) {
         std::vector<Vec3f> wl(block_size), wv(block_size);
@@ -159,6 +160,7 @@ std::vector<Measures> measure_heldout(const Channels& reference, std::span<const
 
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
                          std::span<const float> g, double max_theta) {
+    const FlushSubnormals mode;
     const float cos_max = sample_cap(max_theta);
     const std::size_t C = wl.empty() ? 0 : f.size() / wl.size();
     assert(f.size() == C * wl.size() && g.size() == f.size());
@@ -185,6 +187,7 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
 }
 
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {
+    const FlushSubnormals mode;
     const Vec3d wv = spherical(theta_v, 0.0);
     const Quadrature points = MirrorMixture(max_theta).quadrature(wv, k_albedo_points);
     std::vector<Rgb> f(points.w.size());

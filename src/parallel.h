@@ -7,17 +7,30 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "floating_point.h"
+
 namespace srbf {
 
-/// A place to work for `threads` threads; 0, and more than the machine has: as many as it has.
-inline tbb::task_arena arena_of(int threads) {
+/// body() where `threads` threads work; 0, and more than the machine has: as many as it has. Asked for more, TBB would warn on standard error.
+template <typename Body> void on_threads(int threads, const Body& body) {
     const int most = tbb::info::default_concurrency();
-    return tbb::task_arena(threads > 0 ? std::min(threads, most) : most);
+    tbb::task_arena(threads > 0 ? std::min(threads, most) : most).execute([&] {
+        const FlushSubnormals mode;
+        body();
+    });
 }
 
-/// body(i) for i in 0..count−1, in any order, on threads as in `arena_of`.
+/// body(i) for i in 0..count−1, in any order, on the threads of the caller's `on_threads`.
+template <typename Body> void parallel_for(std::size_t count, const Body& body) {
+    tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
+        const FlushSubnormals mode;
+        body(i);
+    });
+}
+
+/// The same on threads as in `on_threads`.
 template <typename Body> void parallel_for(std::size_t count, int threads, const Body& body) {
-    arena_of(threads).execute([&] { tbb::parallel_for(std::size_t(0), count, body); });
+    on_threads(threads, [&] { parallel_for(count, body); });
 }
 
 }  // namespace srbf

@@ -208,6 +208,7 @@ float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv) {
 }
 
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
+    const FlushSubnormals mode;
     assert(brdf && options.azimuths >= 1);
     MixtureProposal proposal;
     if (options.azimuths > 1) find_stretch(brdf, options.threads, proposal);
@@ -261,6 +262,7 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
 }  // namespace
 
 ViewProposal propose(const SuModel& model, const ProposeOptions& options) {
+    const FlushSubnormals mode;
     assert(model.discretise == Discretise::view);
     const std::size_t views = model.direction.size();
     ViewProposal proposal{&model, std::vector<ViewProposal::Lobe>(model.centre.size()), std::vector<float>(views),

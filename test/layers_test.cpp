@@ -16,8 +16,8 @@ const fs::path k_root = SRBF_SOURCE_DIR;
 const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/vec", "include/srbf/half", "src/half", "include/srbf/colour", "src/colour", "include/srbf/result",
      "src/result"},
-    {"src/parallel", "src/evenly", "src/k_d_tree", "src/least_squares", "include/srbf/file", "src/file",
-     "include/srbf/text"},
+    {"src/floating_point", "src/parallel", "src/evenly", "src/k_d_tree", "src/least_squares", "include/srbf/file",
+     "src/file", "include/srbf/text"},
     {"include/srbf/kernel", "src/batch-inl"},
     {"include/srbf/directions", "src/directions"},
     {"include/srbf/brdf"},

@@ -243,6 +243,7 @@ Result<Search::Tried> within_error(Search& search, const FitOptions& options, do
 
 Result<Chosen> choose_pm(const Observations& observations, const FitOptions& options, const Wish& wish,
                          const JudgeModel& judge, const ProgressCallback& progress) {
+    const FlushSubnormals mode;
     Search search(observations, options, judge, progress);
     Chosen chosen;
     auto found = wish.bytes > 0 ? within_bytes(search, options, wish.bytes)

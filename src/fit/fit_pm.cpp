@@ -145,6 +145,7 @@ std::string_view name(StopReason reason) {
 }
 
 Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressCallback& progress) {
+    const FlushSubnormals mode;
     if (const auto valid = check(observations, options); !valid) return valid.error();
     const double log_peak_limit = options.log_scale ? k_log_peak_limit : std::log(double(k_half_max));
     // Work is counted in lobes grown and kicks.
@@ -159,10 +160,10 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
 
     PmFit fit;
     std::vector<Candidate> found(std::size_t(starts_of(options)));
-    arena_of(options.threads).execute([&] {
+    on_threads(options.threads, [&] {
         Sample sample(observations);
         const auto by_loss = [](const Candidate& a, const Candidate& b) { return a.loss < b.loss; };
-        const auto each = [&](const auto& body) { tbb::parallel_for(std::size_t(0), found.size(), body); };
+        const auto each = [&](const auto& body) { parallel_for(found.size(), body); };
         const Rows to_grow_on = sample.to_grow_on();
         each(
             [&](std::size_t start) { found[start] = grow(to_grow_on, options, log_peak_limit, int(start), reporter); });
@@ -196,7 +197,7 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
         const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
         const double albedo_importance = sample.albedo_importance() * 3 / channels;
         std::vector<PmFit> finished(found.size());
-        tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) {
+        parallel_for(found.size(), [&](std::size_t i) {
             finished[i] = finish(found[i].lobes, observations, albedo_importance, options, log_peak_limit, reporter);
         });
         fit = *std::min_element(finished.begin(), finished.end(),

@@ -140,6 +140,7 @@ Result<Done> check(const RawMatrix& matrix, const SuFitOptions& options, double 
 }  // namespace
 
 Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressCallback& progress) {
+    const FlushSubnormals mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (const auto valid = check(matrix, options, theta_max); !valid) return valid.error();
     const std::size_t n = matrix.direction.size(), J = std::size_t(options.lobes), chains = (n + k_chain - 1) / k_chain;
@@ -155,7 +156,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
     result.unrounded.bandwidth.assign(n * J, 0.f);
     std::optional<Error> error;
 
-    arena_of(options.threads).execute([&] {
+    on_threads(options.threads, [&] {
         const SampledViews views(matrix, options.objective, theta_max);
         for (std::size_t i = 0; i < n && !error; ++i)
             if (const std::size_t valid = views.valid(i); valid > 0 && valid < J)
@@ -168,7 +169,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
 
         std::vector<ViewFit> fits(n);
         const auto for_chains = [&](std::string_view stage, const auto& body) {
-            tbb::parallel_for(std::size_t(0), chains, [&](std::size_t chain) {
+            parallel_for(chains, [&](std::size_t chain) {
                 if (reporter.cancelled()) return;
                 ViewProblem problem(options.lobes);
                 const std::size_t begin = chain * k_chain, end = std::min(begin + k_chain, n);

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "floating_point.h"
 #include "srbf/directions.h"
 #include "srbf/fit.h"
 #include "srbf/kernel.h"
@@ -19,6 +20,7 @@ Vec3f turned(Vec3f w, double angle) { return Kernel<float>::turned(w, float(std:
 }  // namespace
 
 bool is_isotropic(const Evaluate& f, double max_theta) {
+    const FlushSubnormals mode;
     std::mt19937_64 random(0);
     const MirrorMixture mixture(max_theta);
     std::vector<Vec3f> wl, wv, wl_small, wv_small, wl_any, wv_any;

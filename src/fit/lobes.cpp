@@ -1,7 +1,5 @@
 #include "fit/lobes.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Sparse>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <utility>
 
 #include "least_squares.h"
+#include "parallel.h"
 
 namespace srbf {
 namespace {
@@ -64,7 +63,7 @@ template <typename Body> void LobeProblem::for_chunks(const Body& body) const {
         body(chunk, begin, begin + rows_.albedo_blocks);
     };
     if (parallel_)
-        tbb::parallel_for(std::size_t(0), chunks(), run);
+        parallel_for(chunks(), run);
     else
         for (std::size_t chunk = 0; chunk < chunks(); ++chunk) run(chunk);
 }

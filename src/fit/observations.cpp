@@ -243,6 +243,7 @@ Result<Done> check(const Observations& observations, std::size_t parameters) {
 }
 
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
+    const FlushSubnormals mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (!(theta_max >= k_degree && theta_max <= 89.9 * k_degree))
         return Error{"observe", {}, "max_theta", "1 to 89.9 degrees", std::to_string(theta_max / k_degree)};
@@ -335,6 +336,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
 }
 
 void observe_spectra(Observations& observations, const Channels& spectra) {
+    const FlushSubnormals mode;
     observations.wavelengths = spectra.wavelengths;
     const std::size_t C = spectra.count();
     observations.spectrum.resize(C * observations.f.size());

@@ -9,6 +9,7 @@
 #include "fit/objective.h"
 #include "fit/places.h"
 #include "fit/search.h"
+#include "floating_point.h"
 #include "srbf/directions.h"
 #include "srbf/fit_samples.h"
 #include "srbf/metrics.h"
@@ -74,6 +75,7 @@ void weigh_large_errors(Observations& observations, const PmModel& model, double
 }  // namespace
 
 Result<SampleObservations> observe(const Scattered& samples, const ObserveSamplesOptions& options) {
+    const FlushSubnormals mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (!(theta_max >= k_degree && theta_max <= k_guard_theta))
         return Error{"observe", {}, "max_theta", "1 to 89.9 degrees", std::to_string(theta_max / k_degree)};
@@ -192,6 +194,7 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
 
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
                      const ProgressCallback& progress) {
+    const FlushSubnormals mode;
     const auto& [objective, max_theta, seed, spectral] = observations.options;
     FitOptions bounded = options.pm;
     bounded.finest = std::max(bounded.finest, observations.finest);

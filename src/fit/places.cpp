@@ -1,13 +1,12 @@
 #include "fit/places.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <optional>
 
 #include "k_d_tree.h"
+#include "parallel.h"
 
 namespace srbf {
 namespace {
@@ -151,8 +150,9 @@ Scattered without_fold(const Scattered& samples, std::span<const int> fold, int 
 Result<std::vector<std::vector<float>>> cross_validate(const Scattered& samples, std::span<const int> fold,
                                                        const FitToSamples& fit) {
     std::array<std::optional<Result<std::vector<Model>>>, k_folds> models;
-    tbb::parallel_for(
-        0, k_folds, [&](int left_out) { models[std::size_t(left_out)] = fit(without_fold(samples, fold, left_out)); });
+    const FlushSubnormals mode;
+    parallel_for(std::size_t(k_folds),
+                 [&](std::size_t left_out) { models[left_out] = fit(without_fold(samples, fold, int(left_out))); });
     std::vector<std::vector<float>> predicted;
     for (int left_out = 0; left_out < k_folds; ++left_out) {
         const auto& of_fold = *models[std::size_t(left_out)];

@@ -9,6 +9,7 @@
 namespace srbf {
 
 Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options) {
+    const FlushSubnormals mode;
     const auto n = std::size_t(std::max(options.directions, 0)), m = std::size_t(std::max(options.between, 0));
     if (n < k_least_views || n > k_most_views)
         return Error{"matrix",

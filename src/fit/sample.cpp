@@ -1,12 +1,11 @@
 #include "fit/sample.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <set>
 
 #include "fit/excess.h"
 #include "fit/rounding.h"
+#include "parallel.h"
 
 namespace srbf {
 namespace {
@@ -49,7 +48,7 @@ void Sample::look_about(const std::vector<Candidate>& candidates, const FitOptio
     const Rows few(few_), more(more_);
     std::vector<std::vector<std::size_t>> places(candidates.size());
     std::vector<double> loss(candidates.size());
-    tbb::parallel_for(std::size_t(0), candidates.size(), [&](std::size_t i) {
+    parallel_for(candidates.size(), [&](std::size_t i) {
         const Lobes& lobes = candidates[i].lobes;
         LobeProblem seen(few, shape_of(options), false, log_peak_limit),
             unseen(more, shape_of(options), false, log_peak_limit);

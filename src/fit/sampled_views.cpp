@@ -1,11 +1,10 @@
 #include "fit/sampled_views.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "fit/objective.h"
+#include "parallel.h"
 
 namespace srbf {
 namespace {
@@ -27,7 +26,7 @@ SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double 
         double sum = 0, values = 0;
     };
     std::vector<OfView> views(n);
-    tbb::parallel_for(std::size_t(0), n, [&](std::size_t view) {
+    parallel_for(n, [&](std::size_t view) {
         OfView& of = views[view];
         const auto take = [&](Vec3f w, const Rgb& value) {
             if (!within(w) || !is_finite(value)) return false;

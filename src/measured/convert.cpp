@@ -37,6 +37,7 @@ double theta_of(double u) { return u * u * k_pi / 2; }
 }  // namespace
 
 MerlTable to_merl(const Evaluate& brdf, std::array<std::uint32_t, 3> size, int threads) {
+    const FlushSubnormals mode;
     MerlTable table;
     table.size = size;
     const std::uint32_t n_h = size[0], n_d = size[1], n_p = size[2];
@@ -161,6 +162,7 @@ void fill(std::vector<Rgb>& nodes, std::vector<char> known, std::size_t side) {
 }  // namespace
 
 RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
+    const FlushSubnormals mode;
     RglTable table;
     table.description = options.description;
     for (std::uint32_t k = 0; k < options.polar; ++k) table.theta_l.push_back(float(k_pi / 2 * u_of(k, options.polar)));
@@ -332,6 +334,7 @@ std::vector<std::byte> write_rgl(const RglTable& table) {
 }
 
 Scattered to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_max) {
+    const FlushSubnormals mode;
     const auto directions = fibonacci_directions(n, theta_max);
     Scattered samples;
     samples.isotropic = isotropic;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "floating_point.h"
 #include "measured/bytes.h"
 #include "measured/samples.h"
 #include "srbf/file.h"
@@ -84,6 +85,7 @@ Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
 Evaluate signed_evaluator(const Measured& measured) {
     return [&measured](auto wl, auto wv, auto f) {
         if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return evaluate_signed(*rgl, wl, wv, f);
+        const FlushSubnormals mode;
         for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(measured, wl[i], wv[i]);
     };
 }
@@ -106,6 +108,7 @@ Channels signed_spectra(const Measured& measured) {
     const auto nm = wavelengths(measured);
     assert(!nm.empty());
     return {{nm.begin(), nm.end()}, [&measured, C = nm.size()](auto wl, auto wv, auto f) {
+                const FlushSubnormals mode;
                 const auto each = [&](const auto& table) {
                     for (std::size_t i = 0; i < wl.size(); ++i)
                         signed_spectrum(table, wl[i], wv[i], f.subspan(i * C, C));

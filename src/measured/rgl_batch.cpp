@@ -6,6 +6,7 @@
 #include <hwy/foreach_target.h>
 
 #include "batch-inl.h"
+#include "floating_point.h"
 #include "measured/angles.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -137,6 +138,7 @@ namespace srbf {
 HWY_EXPORT(evaluate_rgl);
 
 void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    const FlushSubnormals mode;
     assert(wl.size() == wv.size() && wl.size() == f.size());
     constexpr std::size_t most = std::size_t(1) << 29;  // floats, so that their indices fit in 32 bits
     if (table.phi_l.empty() && 2 * table.visible.nodes.size() < most && 3 * table.colour.nodes.size() < most)

@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 
 #include "batch-inl.h"
+#include "floating_point.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {
@@ -138,6 +139,7 @@ namespace srbf {
 HWY_EXPORT(evaluate);
 
 void evaluate(const PmModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    const FlushSubnormals mode;
     assert(wl.size() == wv.size() && wl.size() == f.size());
     HWY_DYNAMIC_DISPATCH(evaluate)(model, wl.data(), wv.data(), f.data(), f.size());
 }

@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 
 #include "batch-inl.h"
+#include "floating_point.h"
 
 #ifndef SRBF_EVALUATE_SU
 #define SRBF_EVALUATE_SU
@@ -80,6 +81,7 @@ Neighbours neighbours_at(const SuModel& model, Vec3f w) {
 }  // namespace
 
 void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    const FlushSubnormals mode;
     assert(wl.size() == wv.size() && wl.size() == f.size());
     const auto &sampled = model.discretise == Discretise::view ? wv : wl,
                &of_lobes = model.discretise == Discretise::view ? wl : wv;

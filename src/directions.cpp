@@ -102,6 +102,12 @@ std::size_t texel_of(DirectionMap map, int size, Vec3f w) {
     return (number * side + at(scale * dot(face->t, w))) * side + at(scale * dot(face->s, w));
 }
 
+MirrorMixture::MirrorMixture(double theta_max)
+    : cos_max_(std::cos(theta_max)), retro_scale_(k_retro / Kernel<double>::gaussian_integral(k_retro_bandwidth)) {
+    for (std::size_t k = 0; k < mirror_scale_.size(); ++k)
+        mirror_scale_[k] = k_mirror / Kernel<double>::gaussian_integral(k_mirror_bandwidths[k]);
+}
+
 Vec3d MirrorMixture::sample_cap(double u1, double u2) const {
     const double z = 1 - u1 * (1 - cos_max_), r = std::sqrt(std::max(0.0, 1 - z * z));
     return {r * std::cos(2 * k_pi * u2), r * std::sin(2 * k_pi * u2), z};
@@ -121,9 +127,13 @@ Vec3d MirrorMixture::sample(Vec3d wv, double u0, double u1, double u2) const {
 
 double MirrorMixture::pdf(Vec3d wl, Vec3d wv) const {
     double density = contains(wl) ? k_even * cap_pdf() : 0;
-    for (const double bandwidth : k_mirror_bandwidths)
-        density += k_mirror * Kernel<double>::vmf_pdf(wl, mirror(wv), bandwidth);
-    return density + k_retro * Kernel<double>::vmf_pdf(wl, wv, k_retro_bandwidth);
+    const auto lobe = [](Vec3d w, Vec3d centre, double bandwidth, double scale) {
+        const double exponent = Kernel<double>::gaussian_exponent(w, centre, bandwidth);
+        return exponent < -80 ? 0 : scale * std::exp(exponent);  // where it is so small the even part alone is seen
+    };
+    for (std::size_t k = 0; k < mirror_scale_.size(); ++k)
+        density += lobe(wl, mirror(wv), k_mirror_bandwidths[k], mirror_scale_[k]);
+    return density + lobe(wl, wv, k_retro_bandwidth, retro_scale_);
 }
 
 Quadrature MirrorMixture::quadrature(Vec3d wv, int count) const {

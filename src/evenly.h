@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace srbf {
 
@@ -18,15 +19,16 @@ template <std::size_t D> class Evenly {
     /// Point i of those to come, from 0 on.
     std::array<double, D> at(std::size_t i) const {
         std::array<double, D> point;
-        for (std::size_t d = 0; d < D; ++d) point[d] = std::fmod(at_[d] + double(i + 1) * step_[d], 1.0);
+        for (std::size_t d = 0; d < D; ++d) point[d] = fraction(at_[d] + double(i + 1) * step_[d]);
         return point;
     }
     const std::array<double, D>& next() {
-        for (std::size_t d = 0; d < D; ++d) at_[d] = std::fmod(at_[d] + step_[d], 1.0);
+        for (std::size_t d = 0; d < D; ++d) at_[d] = fraction(at_[d] + step_[d]);
         return at_;
     }
 
   private:
+    static double fraction(double x) { return x - double(std::int64_t(x)); }  // of x ≥ 0
     std::array<double, D> step_{}, at_{};
 };
 

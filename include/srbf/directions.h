@@ -47,7 +47,7 @@ struct Quadrature {
 class MirrorMixture {
   public:
     /// θmax in [rad], in (0, π/2].
-    explicit MirrorMixture(double theta_max) : cos_max_(std::cos(theta_max)) {}
+    explicit MirrorMixture(double theta_max);
 
     /// A direction given wv; it may lie outside of the cap, and is then no sample (value 0) but counts as a draw.
     Vec3d sample(Vec3d wv, double u0, double u1, double u2) const;
@@ -72,6 +72,8 @@ class MirrorMixture {
 
   private:
     double cos_max_;
+    std::array<double, 5> mirror_scale_;  ///< of each lobe its share over its integral [1/sr]
+    double retro_scale_;
 };
 
 }  // namespace srbf

@@ -25,12 +25,15 @@ struct Round {
 };
 constexpr Round k_rounds[] = {{1, 0.2}, {0.5, 0.5}, {0.25, 1}};
 // Of these so many go on to the next stage.
-constexpr std::size_t k_polished = 4, k_finished = 2;
+constexpr std::size_t k_polished = 4, k_finished = 3;
 constexpr int k_check_rounds = 12;
-/// The last steps come by twenties, as long as one lowers the loss by more than this: most fits need two of them, one whose sharp lobes
-/// have an albedo to mend needs ten.
-constexpr int k_last_steps = 20, k_most_twenties = 13;
-constexpr double k_least_gain = 0.015;
+/// After the best another one is finished where it errs no more than this much more than what is finished: the last steps lower the loss by 1 to 4 %,
+/// or fail where a fit has to be held at many places that it exceeds.
+constexpr double k_nearly_best = 0.01;
+/// The last steps come by tens, as long as one lowers the loss by more than this: most fits need two of them, one whose sharp lobes
+/// have an albedo to mend needs twenty.
+constexpr int k_last_steps = 10, k_most_tens = 26;
+constexpr double k_least_gain = 0.005;
 /// Bound on the log of the coefficient of a lobe whose peak is 1. Peaks lie where no pair of directions
 /// leads, but lobes made of ever larger opposing bandwidths gain nothing (less than 1 % in the measured
 /// materials) and cost digits in float.
@@ -86,7 +89,7 @@ LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, c
     steps.max_iterations = reporter.cancelled() ? 0 : k_last_steps;
     LevenbergMarquardtSummary summary;
     double before = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < k_most_twenties; ++i) {
+    for (int i = 0; i < k_most_tens; ++i) {
         summary = levenberg_marquardt(problem, x, steps);
         const bool pays = summary.loss <= (1 - k_least_gain) * before;
         if (!pays || summary.stop != Stop::iterations || reporter.cancelled()) break;
@@ -196,12 +199,11 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
         found.resize(std::min(found.size(), k_finished));
         const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
         const double albedo_importance = sample.albedo_importance() * 3 / channels;
-        std::vector<PmFit> finished(found.size());
-        parallel_for(found.size(), [&](std::size_t i) {
-            finished[i] = finish(found[i].lobes, observations, albedo_importance, options, log_peak_limit, reporter);
-        });
-        fit = *std::min_element(finished.begin(), finished.end(),
-                                [](const PmFit& a, const PmFit& b) { return a.loss < b.loss; });
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            if (i > 0 && (found[i].loss > (1 + k_nearly_best) * fit.loss || reporter.cancelled())) break;
+            PmFit next = finish(found[i].lobes, observations, albedo_importance, options, log_peak_limit, reporter);
+            if (i == 0 || next.loss < fit.loss) fit = std::move(next);
+        }
         if (!reporter.advance("polishing", polish_work)) fit.stop = StopReason::cancelled;
     });
     return fit;

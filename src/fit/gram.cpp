@@ -61,24 +61,38 @@ void further_features(const Rows& rows, std::size_t block, int count, float* fea
     }
 }
 
-// Σ_n weight[n] s[n] of the rows from i on.
-HWY_INLINE Batch weighted_sum(std::span<const float> weight, std::span<const float* const> s, std::size_t i) {
-    Batch sum(0.0);
-    for (std::size_t n = 0; n < weight.size(); ++n)
-        sum = multiply_add(Batch(double(weight[n])), Batch::load(s[n] + i), sum);
-    return sum;
+// Four batches at once: a weight is spread and a column's place looked up for all of them.
+constexpr std::size_t k_together = 4;
+static_assert(k_block % (k_together * HWY_MAX_BYTES / sizeof(float)) == 0);
+
+// store(i, sum), for the rows from each i on, of start(i) + Σ_n weight[n] s[n].
+template <typename Start, typename Store>
+HWY_INLINE void add_weighted(std::span<const float> weight, std::span<const float* const> s, const Start& start,
+                             const Store& store) {
+    const std::size_t lanes = Batch::size();
+    for (std::size_t i = 0; i < k_block; i += k_together * lanes) {
+        Batch sum[k_together];
+        for (std::size_t t = 0; t < k_together; ++t) sum[t] = start(i + t * lanes);
+        for (std::size_t n = 0; n < weight.size(); ++n) {
+            const Batch w{double(weight[n])};
+            const float* const column = s[n] + i;
+            for (std::size_t t = 0; t < k_together; ++t)
+                sum[t] = multiply_add(w, Batch::load(column + t * lanes), sum[t]);
+        }
+        for (std::size_t t = 0; t < k_together; ++t) store(i + t * lanes, sum[t]);
+    }
 }
+HWY_INLINE Batch zero(std::size_t) { return Batch(0.0); }
 
 float exponent(const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
                float* x) {
     const float* root_weight = &rows.root_weight[block * k_block];
     const Batch lowest(-std::numeric_limits<float>::max());
     Batch largest = lowest;
-    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        const Batch sum = weighted_sum(weight, s, i);
+    add_weighted(weight, s, zero, [&](std::size_t i, Batch sum) HWY_ATTR {
         sum.store(x + i);
         largest = max(largest, select(Batch(0.0) < Batch::load(root_weight + i), sum, lowest));
-    }
+    });
     return largest.largest();
 }
 
@@ -90,7 +104,7 @@ void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
 }
 
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x) {
-    for (std::size_t i = 0; i < k_block; i += Batch::size()) weighted_sum(weight, s, i).store(x + i);
+    add_weighted(weight, s, zero, [&](std::size_t i, Batch sum) HWY_ATTR { sum.store(x + i); });
 }
 
 void multiply(const float* a, const float* b, float* out) {
@@ -105,13 +119,12 @@ void add_product(const float* a, const float* b, float* out) {
 
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
     Batch sum(0.0);
-    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        Batch rest = Batch::load(y + i);
-        for (std::size_t j = 0; j < beta.size(); ++j)
-            rest = multiply_add(Batch(-double(beta[j])), Batch::load(columns[j] + i), rest);
-        rest.store(r + i);
+    // The rest with its sign turned: Σ_j beta[j] columns[j] − y.
+    const auto start = [&](std::size_t i) HWY_ATTR { return -Batch::load(y + i); };
+    add_weighted(beta, columns, start, [&](std::size_t i, Batch rest) HWY_ATTR {
+        (-rest).store(r + i);
         sum = multiply_add(rest, rest, sum);
-    }
+    });
     return double(sum.sum());
 }
 
@@ -130,32 +143,75 @@ double sum_of_squares(const float* column) {
     return double(sum.sum());
 }
 
-// Products by tiles of 4 rows and 3 columns: 12 sums and 7 operands fit the 16 registers of AVX2. Of row i `columns_of(i)` are asked for.
+// to[k] += Σ over the lanes of x[k].
+#if HWY_TARGET == HWY_SCALAR || HWY_HAVE_SCALABLE
+HWY_INLINE void add_sums(const Batch (&x)[4], double* to) {
+    for (std::size_t k = 0; k < 4; ++k) to[k] += double(x[k].sum());
+}
+#else
+// The sum of the vector's quadruples of lanes.
+template <typename D> HWY_INLINE void store_sum_of_fours(D d, hn::Vec<D> x, float* to) {
+    if constexpr (hn::MaxLanes(D()) <= 4) {
+        hn::Store(x, d, to);
+    } else {
+        const hn::Half<D> half;
+        store_sum_of_fours(half, hn::Add(hn::LowerHalf(half, x), hn::UpperHalf(half, x)), to);
+    }
+}
+// The lanes are added four by four as the matrix of four vectors is transposed.
+HWY_INLINE void add_sums(const Batch (&x)[4], double* to) {
+    const Lanes d;
+    const hn::RepartitionToWide<Lanes> pairs;
+    const auto halves = [&](Batch a, Batch b) HWY_ATTR {  // a b a b of each four lanes
+        return hn::BitCast(pairs, hn::Add(hn::InterleaveLower(d, a.v, b.v), hn::InterleaveUpper(d, a.v, b.v)));
+    };
+    const auto ab = halves(x[0], x[1]), cd = halves(x[2], x[3]);
+    const auto abcd =
+        hn::Add(hn::BitCast(d, hn::InterleaveLower(pairs, ab, cd)), hn::BitCast(d, hn::InterleaveUpper(pairs, ab, cd)));
+    HWY_ALIGN float sum[4];
+    store_sum_of_fours(d, abcd, sum);
+    for (std::size_t k = 0; k < 4; ++k) to[k] += double(sum[k]);
+}
+#endif
+
+// Products by tiles of 4 columns and as many rows as leave registers for a sum each, for the rows' numbers and one of a column's.
+#if HWY_TARGET <= HWY_AVX3 || HWY_ARCH_ARM_A64
+constexpr std::size_t k_tile = 6;
+#else
+constexpr std::size_t k_tile = 3;
+#endif
+// Of row i `columns_of(i)` are asked for.
 template <typename ColumnsOf>
 HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
                           const ColumnsOf& columns_of) {
     const std::size_t m = rows.size(), n = columns.size();
-    for (std::size_t row = 0; row < m; row += 4) {
-        const float* a[4];
-        for (std::size_t t = 0; t < 4; ++t) a[t] = rows[std::min(row + t, m - 1)];
-        for (std::size_t column = 0; column < columns_of(std::min(row + 3, m - 1)); column += 3) {
-            const float* b[3];
-            for (std::size_t t = 0; t < 3; ++t) b[t] = columns[std::min(column + t, n - 1)];
-            Batch sum[4][3];
+    for (std::size_t row = 0; row < m; row += k_tile) {
+        const float* a[k_tile];
+        for (std::size_t t = 0; t < k_tile; ++t) a[t] = rows[std::min(row + t, m - 1)];
+        for (std::size_t column = 0; column < columns_of(std::min(row + k_tile, m) - 1); column += 4) {
+            const float* b[4];
+            for (std::size_t u = 0; u < 4; ++u) b[u] = columns[std::min(column + u, n - 1)];
+            Batch sum[k_tile][4];
             for (auto& of_row : sum)
                 for (Batch& x : of_row) x = Batch(0.0);
             for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-                const Batch b0 = Batch::load(b[0] + i), b1 = Batch::load(b[1] + i), b2 = Batch::load(b[2] + i);
-                for (std::size_t t = 0; t < 4; ++t) {
-                    const Batch at = Batch::load(a[t] + i);
-                    sum[t][0] = multiply_add(at, b0, sum[t][0]);
-                    sum[t][1] = multiply_add(at, b1, sum[t][1]);
-                    sum[t][2] = multiply_add(at, b2, sum[t][2]);
+                Batch of_rows[k_tile];
+                for (std::size_t t = 0; t < k_tile; ++t) of_rows[t] = Batch::load(a[t] + i);
+                for (std::size_t u = 0; u < 4; ++u) {
+                    const Batch of_column = Batch::load(b[u] + i);
+                    for (std::size_t t = 0; t < k_tile; ++t) sum[t][u] = multiply_add(of_rows[t], of_column, sum[t][u]);
                 }
             }
-            for (std::size_t t = 0; t < 4 && row + t < m; ++t)
-                for (std::size_t u = 0; u < 3 && column + u < columns_of(row + t); ++u)
-                    G[(row + t) * n + column + u] += double(sum[t][u].sum());
+            for (std::size_t t = 0; t < k_tile && row + t < m; ++t) {
+                double sums[4]{};
+                add_sums(sum[t], sums);
+                double* const to = G + (row + t) * n + column;
+                const std::size_t asked = columns_of(row + t);
+                if (column + 4 <= asked)
+                    for (std::size_t u = 0; u < 4; ++u) to[u] += sums[u];
+                else
+                    for (std::size_t u = 0; column + u < asked; ++u) to[u] += sums[u];
+            }
         }
     }
 }

@@ -68,21 +68,24 @@ template <typename Body> void LobeProblem::for_chunks(const Body& body) const {
         for (std::size_t chunk = 0; chunk < chunks(); ++chunk) run(chunk);
 }
 
-template <typename Columns>
-Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, const Columns& columns) const {
+template <typename Columns, typename Sums>
+Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, const Columns& columns,
+                                  const Sums& sums) const {
     std::vector<std::vector<double>> parts(chunks());  // of pairs products, of an albedo the columns' sums
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        Aligned<float> scratch(scratch_columns * k_block);
+        if (observes_albedo(begin)) {
+            parts[chunk] = sums(begin, end);
+            return;
+        }
+        thread_local Aligned<float> scratch;  // some hundred kilobytes, for the thread's life
+        scratch.resize(std::max(scratch.size(), scratch_columns * k_block));
         std::vector<const float*> pointers;
         std::vector<double>& part = parts[chunk];
-        part.assign(observes_albedo(begin) ? n : n * n, 0.0);
+        part.assign(n * n, 0.0);
         for (std::size_t block = begin; block < end; ++block) {
             pointers.clear();
             columns(block, scratch.data(), pointers);
-            if (observes_albedo(block))
-                for (std::size_t i = 0; i < n; ++i) part[i] += sum(pointers[i]);
-            else
-                add_gram(pointers, part.data());
+            add_gram(pointers, part.data());
         }
     });
     Eigen::MatrixXd G = Eigen::MatrixXd::Zero(Eigen::Index(n), Eigen::Index(n));
@@ -91,8 +94,8 @@ Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, co
             G += Eigen::Map<const Eigen::MatrixXd>(part.data(), G.rows(), G.cols());
             continue;
         }
-        const Eigen::Map<const Eigen::VectorXd> sums(part.data(), G.rows());
-        G.selfadjointView<Eigen::Upper>().rankUpdate(sums);
+        const Eigen::Map<const Eigen::VectorXd> of_albedo(part.data(), G.rows());
+        G.selfadjointView<Eigen::Upper>().rankUpdate(of_albedo);
     }
     // Row-major lower triangles read as column-major upper ones.
     return G.selfadjointView<Eigen::Upper>();
@@ -110,8 +113,9 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
         Aligned<float> swapped(shape_.reciprocal ? std::size_t(shape_.components()) * k_block : 0),
             swapped_by_angle(swapped.size());
+        std::vector<const float*> s;
         for (std::size_t block = begin; block < end; ++block) {
-            std::vector<const float*> s;
+            s.clear();
             for (int n = 0; n < shape_.variates; ++n) {
                 const auto a = float(std::cos(x[n])), b = float(std::sin(x[n]));
                 float *at = feature(block, n * shape_.components()),
@@ -144,9 +148,19 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     });
 
     const std::size_t C = channels();
-    const Eigen::MatrixXd G = gram(J + C, 0, [&](std::size_t block, float*, std::vector<const float*>& columns) {
-        for (int j = 0; j < lobes_; ++j) columns.push_back(lobe_.data() + (block * J + std::size_t(j)) * k_block);
-        for (const auto& y : rows_.y) columns.push_back(&y[block * k_block]);
+    const auto lobes_and_data = [&](std::size_t block, float*, std::vector<const float*>& of_block) {
+        for (int j = 0; j < lobes_; ++j) of_block.push_back(lobe(block, j));
+        for (const auto& y : rows_.y) of_block.push_back(&y[block * k_block]);
+    };
+    const Eigen::MatrixXd G = gram(J + C, 0, lobes_and_data, [&](std::size_t begin, std::size_t end) {
+        std::vector<double> whole(J + C);
+        std::vector<const float*> of_block;
+        for (std::size_t block = begin; block < end; ++block) {
+            of_block.clear();
+            lobes_and_data(block, nullptr, of_block);
+            for (std::size_t i = 0; i < whole.size(); ++i) whole[i] += sum(of_block[i]);
+        }
+        return whole;
     });
     gram_ = G.topLeftCorner(lobes_, lobes_);
     beta_limit_.resize(lobes_);
@@ -221,7 +235,30 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
         for (int j = 0; j < J; ++j) columns.push_back(lobe(block, j));
         for (std::size_t c = 0; c < channels(); ++c) columns.push_back(rest(block, c));
     };
-    const Eigen::MatrixXd G = gram(std::size_t(columns_d) + channels(), std::size_t(first_e) + 1, fill);
+    // Of an albedo's blocks the sums alone are asked for, which are products of lobes and what weights or angles multiply.
+    const auto sums_of = [&](std::size_t begin, std::size_t end) {
+        const Eigen::Index F = W + shape_.directional();
+        Eigen::MatrixXd products = Eigen::MatrixXd::Zero(F, J);  // row-major, read as columns of lobes
+        std::vector<double> all(std::size_t(columns_d) + channels());
+        std::vector<const float*> lobes, features;
+        for (std::size_t block = begin; block < end; ++block) {
+            lobes.clear(), features.clear();
+            for (int j = 0; j < J; ++j) lobes.push_back(lobe(block, j));
+            for (int i = 0; i < F; ++i) features.push_back(feature(block, i));
+            add_products(lobes, features, products.data());
+            for (int j = 0; j < J; ++j) all[std::size_t(first_e + j)] += sum(lobe(block, j));
+            for (std::size_t c = 0; c < channels(); ++c) all[std::size_t(columns_d) + c] += sum(rest(block, c));
+        }
+        for (Eigen::Index j = 0; j < J; ++j) {
+            for (Eigen::Index i = 0; i < W; ++i) all[std::size_t(j * W + i)] = products(i, j);
+            for (Eigen::Index s = 0; s < sums; ++s)
+                for (Eigen::Index i = 0; i < shape_.directional(); ++i)
+                    all[std::size_t(first_angle + s * N + i / C)] +=
+                        of_lobe(s, j) * x[N + j * W + i] * products(W + i, j);
+        }
+        return all;
+    };
+    const Eigen::MatrixXd G = gram(std::size_t(columns_d) + channels(), std::size_t(first_e) + 1, fill, sums_of);
     const auto DD = G.topLeftCorner(columns_d, columns_d);
 
     H = Eigen::MatrixXd::Zero(x.size(), x.size());
@@ -278,11 +315,12 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
     for (std::size_t first = 0; first < candidates.size(); first += group) {
         const std::size_t count = std::min(group, candidates.size() - first);
         std::vector<double> whole(count, 0.0);  // a candidate's product with itself
+        std::vector<const float*> s, rows, columns;
         for (std::size_t k = 0; k < count; ++k) {
             const std::vector<float> weight(candidates[first + k].begin(), candidates[first + k].end());
             float offset = k_nothing;
             for (std::size_t block = 0; block < blocks; ++block) {
-                std::vector<const float*> s;
+                s.clear();
                 for (int n = 0; n < shape_.width(); ++n) s.push_back(feature(block, n));
                 offset = std::max(offset, exponent(rows_, block, weight, s, of(k, block)));
             }
@@ -294,7 +332,7 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
         // With the lobes there are, and with the residuals; row-major, read as columns of candidates.
         Eigen::MatrixXd products = Eigen::MatrixXd::Zero(Eigen::Index(J + C), Eigen::Index(count));
         for (std::size_t block = 0; block < blocks; ++block) {
-            std::vector<const float*> rows, columns;
+            rows.clear(), columns.clear();
             for (std::size_t k = 0; k < count; ++k) rows.push_back(of(k, block));
             for (int j = 0; j < lobes_; ++j) columns.push_back(lobe(block, j));
             for (std::size_t c = 0; c < C; ++c) columns.push_back(rest(block, c));

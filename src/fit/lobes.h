@@ -86,6 +86,9 @@ class LobeProblem {
 
   private:
     Eigen::VectorXd bounds(Eigen::Index size, double Interval::*side) const;
+    const float* lobe(std::size_t block, int j) const {
+        return &lobe_[(block * std::size_t(lobes_) + std::size_t(j)) * k_block];
+    }
     float* lobe(std::size_t block, int j) { return &lobe_[(block * std::size_t(lobes_) + std::size_t(j)) * k_block]; }
     float* feature(std::size_t block, int n) {
         return &feature_[(block * std::size_t(shape_.width() + shape_.directional()) + std::size_t(n)) * k_block];
@@ -97,9 +100,10 @@ class LobeProblem {
     std::size_t chunks_of_pairs() const { return (rows_.blocks + k_chunk - 1) / k_chunk; }
     std::size_t chunks() const { return chunks_of_pairs() + rows_.albedos; }
     template <typename Body> void for_chunks(const Body& body) const;
-    /// Σ over blocks of products of columns; `columns(block, scratch)` appends n pointers.
-    template <typename Columns>
-    Eigen::MatrixXd gram(std::size_t n, std::size_t scratch_columns, const Columns& columns) const;
+    /// Σ over blocks of pairs of products of n columns, and over albedos of products of the columns' sums. `columns(block, scratch)` appends n
+    /// pointers; `sums(begin, end)` is what the columns sum to over an albedo's blocks.
+    template <typename Columns, typename Sums>
+    Eigen::MatrixXd gram(std::size_t n, std::size_t scratch_columns, const Columns& columns, const Sums& sums) const;
 
     const Rows& rows_;
     LobeShape shape_;

@@ -69,6 +69,8 @@ std::mt19937_64 generator(std::uint64_t seed, int start, int stage) {
 namespace {
 
 constexpr int k_candidates = 256;
+/// Steps after each lobe that is grown but the last, and after that.
+constexpr int k_growth_steps = 6, k_grown_steps = 12;
 constexpr int k_kick_steps = 12;
 /// So many kicks are of lobes for one of a variate.
 constexpr int k_lobe_kicks = 3;
@@ -84,9 +86,11 @@ void add_lobe(LobeProblem& problem, Lobes& lobes, std::mt19937_64& random) {
         lobes.weight.insert(lobes.weight.end(), best.begin(), best.end());
 }
 
-double optimise(LobeProblem& problem, Lobes& lobes, int iterations) {
+double optimise(LobeProblem& problem, Lobes& lobes, int iterations,
+                double target = std::numeric_limits<double>::infinity()) {
     LevenbergMarquardtOptions options;
     options.max_iterations = iterations;
+    options.target = target;
     Eigen::VectorXd x = LobeProblem::pack(lobes);
     const auto summary = levenberg_marquardt(problem, x, options);
     lobes = problem.unpack(x);
@@ -113,7 +117,7 @@ void replace_lobe(LobeProblem& problem, Candidate& best, std::mt19937_64& random
     next.lobes.weight.erase(at, at + best.lobes.shape.width());
     problem.loss(LobeProblem::pack(next.lobes));
     add_lobe(problem, next.lobes, random);
-    next.loss = optimise(problem, next.lobes, k_kick_steps);
+    next.loss = optimise(problem, next.lobes, k_kick_steps, best.loss);
     keep_better(best, std::move(next));
 }
 
@@ -129,7 +133,7 @@ void replace_variate(LobeProblem& problem, Candidate& best, std::mt19937_64& ran
         if (loss < next.loss) next.lobes = std::move(without), next.loss = loss, least = n;
     }
     next.lobes.angle[std::size_t(least)] = k_pi * uniform(random);
-    next.loss = optimise(problem, next.lobes, k_kick_steps);
+    next.loss = optimise(problem, next.lobes, k_kick_steps, best.loss);
     keep_better(best, std::move(next));
 }
 
@@ -142,7 +146,7 @@ Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limi
     for (int j = 0; j < options.lobes; ++j) {
         problem.loss(LobeProblem::pack(best.lobes));
         add_lobe(problem, best.lobes, random);
-        best.loss = optimise(problem, best.lobes, j + 1 < options.lobes ? 6 : 40);
+        best.loss = optimise(problem, best.lobes, j + 1 < options.lobes ? k_growth_steps : k_grown_steps);
         if (!reporter.advance("growing lobes", 1)) break;
     }
     return best;

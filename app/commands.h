@@ -2,13 +2,14 @@
 #pragma once
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "app/options.h"
 
 namespace srbf {
 
@@ -18,52 +19,47 @@ enum Status { k_done = 0, k_input_error = 1, k_usage = 2 };
 inline constexpr int k_most_threads = 1024;
 
 /// A number of T within [least, most]; a NaN is none.
-template <typename T> CLI::Validator within(T least, T most) {
-    return {[=](std::string& text) -> std::string {
-                T number{};
-                const char* end = text.data() + text.size();
-                const auto [rest, error] = std::from_chars(text.data(), end, number);
-                if (error == std::errc() && rest == end && number >= least && number <= most) return {};
-                return fmt::format("expected {} to {}, found {}", least, most, text);
-            },
-            ""};
+template <typename T> Check within(T least, T most) {
+    return [=](const std::string& text) -> std::string {
+        T number{};
+        const char* end = text.data() + text.size();
+        const auto [rest, error] = std::from_chars(text.data(), end, number);
+        if (error == std::errc() && rest == end && number >= least && number <= most) return {};
+        return fmt::format("expected {} to {}, found {}", least, most, text);
+    };
 }
 
 /// One of `names`.
-inline CLI::Validator one_of(const std::vector<std::string>& names) {
-    return {[=](std::string& text) -> std::string {
-                if (std::find(names.begin(), names.end(), text) != names.end()) return {};
-                return fmt::format("expected {}, found {}", fmt::join(names, " or "), text);
-            },
-            ""};
+inline Check one_of(const std::vector<std::string>& names) {
+    return [=](const std::string& text) -> std::string {
+        if (std::find(names.begin(), names.end(), text) != names.end()) return {};
+        return fmt::format("expected {}, found {}", fmt::join(names, " or "), text);
+    };
 }
 
 /// Takes "x.png", "x.PNG" and names without an extension, such as a pipe's.
-inline CLI::Validator png_name() {
-    return {[](std::string& name) {
-                std::string ending = std::filesystem::path(name).extension().string();
-                std::transform(ending.begin(), ending.end(), ending.begin(),
-                               [](unsigned char c) { return std::tolower(c); });
-                return ending.empty() || ending == ".png"
-                           ? ""
-                           : fmt::format("expected a name that ends in .png, found {}", name);
-            },
-            ""};
+inline Check png_name() {
+    return [](const std::string& name) -> std::string {
+        std::string ending = std::filesystem::path(name).extension().string();
+        std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+        return ending.empty() || ending == ".png" ? ""
+                                                  : fmt::format("expected a name that ends in .png, found {}", name);
+    };
 }
 
 /// The mesh that pictures are of, and its axis that points upwards.
-void add_mesh_options(CLI::App& sub, std::string& mesh, std::string& up);
+void add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up);
 
 // Each adds its subcommand; when it is the one chosen, parsing runs it and leaves its exit status in
 // `status`.
-void add_fit(CLI::App& app, int& status);
-void add_info(CLI::App& app, int& status);
-void add_eval(CLI::App& app, int& status);
-void add_compare(CLI::App& app, int& status);
-void add_convert(CLI::App& app, int& status);
-void add_render(CLI::App& app, int& status);
-void add_view(CLI::App& app, int& status);
-void add_export(CLI::App& app, int& status);
-void add_report(CLI::App& app, int& status);
+void add_fit(CommandLine& app, int& status);
+void add_info(CommandLine& app, int& status);
+void add_eval(CommandLine& app, int& status);
+void add_compare(CommandLine& app, int& status);
+void add_convert(CommandLine& app, int& status);
+void add_render(CommandLine& app, int& status);
+void add_view(CommandLine& app, int& status);
+void add_export(CommandLine& app, int& status);
+void add_report(CommandLine& app, int& status);
 
 }  // namespace srbf

@@ -54,24 +54,23 @@ int CompareCommand::run() const {
 
 }  // namespace
 
-void add_compare(CLI::App& app, int& status) {
+void add_compare(CommandLine& app, int& status) {
     const auto command = std::make_shared<CompareCommand>();
-    CLI::App* sub = app.add_subcommand("compare", "Errors between any two BRDFs, measured or fitted");
-    sub->add_option("REFERENCE", command->reference, "The BRDF to be measured against")->type_name("")->required();
-    sub->add_option("OTHER", command->other, "The BRDF that is measured")->type_name("")->required();
-    sub->add_option("--max-theta", command->max_theta,
-                    "Leave out directions further from the normal, 1 to 90 degrees;\n"
-                    "default: OTHER's own if it is a model, else 80")
-        ->type_name("DEG")
-        ->check(within(1.0, 90.0));
-    sub->add_option("--threads", command->threads, "0: as many as the machine has")
-        ->type_name("T")
-        ->check(within(0, k_most_threads))
-        ->capture_default_str();
-    sub->add_option("--json", command->json, "Write the measures to this file; - is standard output")
-        ->type_name("FILE");
-    sub->footer("Example:\n  srbf compare paper_white_rgb.bsdf paper_white_rgb.srbf");
-    sub->callback([command, &status] { status = command->run(); });
+    const Subcommand sub = app.add_subcommand("compare", "Errors between any two BRDFs, measured or fitted");
+    sub.add_option("REFERENCE", command->reference, "The BRDF to be measured against").type_name("").required();
+    sub.add_option("OTHER", command->other, "The BRDF that is measured").type_name("").required();
+    sub.add_option("--max-theta", command->max_theta,
+                   "Leave out directions further from the normal, 1 to 90 degrees;\n"
+                   "default: OTHER's own if it is a model, else 80")
+        .type_name("DEG")
+        .check(within(1.0, 90.0));
+    sub.add_option("--threads", command->threads, "0: as many as the machine has")
+        .type_name("T")
+        .check(within(0, k_most_threads))
+        .capture_default_str();
+    sub.add_option("--json", command->json, "Write the measures to this file; - is standard output").type_name("FILE");
+    sub.footer("Example:\n  srbf compare paper_white_rgb.bsdf paper_white_rgb.srbf");
+    sub.callback([command, &status] { status = command->run(); });
 }
 
 }  // namespace srbf

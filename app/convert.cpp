@@ -77,38 +77,36 @@ int ConvertCommand::run() const {
 
 }  // namespace
 
-void add_convert(CLI::App& app, int& status) {
+void add_convert(CommandLine& app, int& status) {
     const auto command = std::make_shared<ConvertCommand>();
-    CLI::App* sub = app.add_subcommand("convert", "A measurement or a model in another format");
-    sub->add_option("INPUT", command->input, "A measurement or a model")->type_name("")->required();
-    sub->add_option("-o,--output", command->output,
-                    "The file to write; its ending tells the format: .binary (MERL), .bsdf (RGL), .csv")
-        ->type_name("FILE")
-        ->required()
-        ->check(CLI::Validator(
-            [](std::string& name) -> std::string {
-                return format_of(name).empty()
-                           ? fmt::format("expected a name that ends in .binary, .bsdf or .csv, found {}", name)
-                           : "";
-            },
-            ""));
-    sub->add_option("--directions", command->directions,
-                    "CSV of what is no list of samples: all pairs of this many directions, 1 to 1536")
-        ->type_name("N")
-        ->check(within(1, 1536))
-        ->capture_default_str();
-    sub->add_option("--max-theta", command->max_theta, "of them, the furthest from the normal, 1 to 90 degrees")
-        ->type_name("DEG")
-        ->check(within(1.0, 90.0))
-        ->capture_default_str();
-    sub->add_option("--threads", command->threads, "0: as many as the machine has; the output does not depend on it")
-        ->type_name("T")
-        ->check(within(0, k_most_threads))
-        ->capture_default_str();
-    sub->footer(
+    const Subcommand sub = app.add_subcommand("convert", "A measurement or a model in another format");
+    sub.add_option("INPUT", command->input, "A measurement or a model").type_name("").required();
+    sub.add_option("-o,--output", command->output,
+                   "The file to write; its ending tells the format: .binary (MERL), .bsdf (RGL), .csv")
+        .type_name("FILE")
+        .required()
+        .check([](std::string& name) -> std::string {
+            return format_of(name).empty()
+                       ? fmt::format("expected a name that ends in .binary, .bsdf or .csv, found {}", name)
+                       : "";
+        });
+    sub.add_option("--directions", command->directions,
+                   "CSV of what is no list of samples: all pairs of this many directions, 1 to 1536")
+        .type_name("N")
+        .check(within(1, 1536))
+        .capture_default_str();
+    sub.add_option("--max-theta", command->max_theta, "of them, the furthest from the normal, 1 to 90 degrees")
+        .type_name("DEG")
+        .check(within(1.0, 90.0))
+        .capture_default_str();
+    sub.add_option("--threads", command->threads, "0: as many as the machine has; the output does not depend on it")
+        .type_name("T")
+        .check(within(0, k_most_threads))
+        .capture_default_str();
+    sub.footer(
         "A file that is of the format already is copied byte for byte.\n\n"
         "Examples:\n  srbf convert nickel.binary -o nickel.bsdf\n  srbf convert paper_white_rgb.srbf -o paper.binary");
-    sub->callback([command, &status] { status = command->run(); });
+    sub.callback([command, &status] { status = command->run(); });
 }
 
 }  // namespace srbf

@@ -96,29 +96,29 @@ int run(const std::string& file, const std::string& pairs_file, const std::strin
 
 }  // namespace
 
-void add_eval(CLI::App& app, int& status) {
+void add_eval(CommandLine& app, int& status) {
     struct Names {
         std::string file, pairs, channels;
     };
     const auto names = std::make_shared<Names>();
-    CLI::App* sub = app.add_subcommand("eval", "The BRDF's values at given pairs of directions, as CSV");
-    sub->add_option("FILE", names->file, "A measurement or a model")->type_name("")->required();
-    sub->add_option("--pairs", names->pairs,
-                    "CSV whose first line names its columns: wl_x, wl_y, wl_z, to the light,\n"
-                    "and wv_x, wv_y, wv_z, to the viewer: unit vectors, normal +z;\n"
-                    "other columns are ignored")
-        ->type_name("FILE")
-        ->required();
-    sub->add_option("--channels", names->channels,
-                    "rgb: columns r,g,b; spectral: a column for each wavelength, as 450nm;\n"
-                    "default: spectral of a spectral model, else rgb")
-        ->type_name("NAME")
-        ->check(one_of({"rgb", "spectral"}));
-    sub->footer(
+    const Subcommand sub = app.add_subcommand("eval", "The BRDF's values at given pairs of directions, as CSV");
+    sub.add_option("FILE", names->file, "A measurement or a model").type_name("").required();
+    sub.add_option("--pairs", names->pairs,
+                   "CSV whose first line names its columns: wl_x, wl_y, wl_z, to the light,\n"
+                   "and wv_x, wv_y, wv_z, to the viewer: unit vectors, normal +z;\n"
+                   "other columns are ignored")
+        .type_name("FILE")
+        .required();
+    sub.add_option("--channels", names->channels,
+                   "rgb: columns r,g,b; spectral: a column for each wavelength, as 450nm;\n"
+                   "default: spectral of a spectral model, else rgb")
+        .type_name("NAME")
+        .check(one_of({"rgb", "spectral"}));
+    sub.footer(
         "Writes the directions and f_r [1/sr] of each channel, without the cosine: 0 below the horizon,\n"
         "nan where nothing was measured.\n\n"
         "Example:\n  srbf eval paper_white_rgb.srbf --pairs pairs.csv > values.csv");
-    sub->callback([names, &status] { status = run(names->file, names->pairs, names->channels); });
+    sub.callback([names, &status] { status = run(names->file, names->pairs, names->channels); });
 }
 
 }  // namespace srbf

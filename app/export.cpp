@@ -143,20 +143,19 @@ int ExportCommand::run() const {
 
 }  // namespace
 
-void add_export(CLI::App& app, int& status) {
+void add_export(CommandLine& app, int& status) {
     const auto command = std::make_shared<ExportCommand>();
-    CLI::App* sub = app.add_subcommand("export", "Models for others to use: a page to look at and to share");
-    sub->add_option("MODEL", command->files, "Fitted models, side by side")->type_name("")->required();
-    sub->add_option("--to", command->to, "html: one file that any browser shows, without a network")
-        ->type_name("KIND")
-        ->required()
-        ->check(one_of({"html"}));
-    sub->add_option("--reference", command->reference, "The measurement, to be shown and plotted beside the models")
-        ->type_name("MEASURED");
-    sub->add_option("-o,--output", command->output, "The file to write")->type_name("FILE")->required();
-    sub->footer(
-        "Example:\n  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
-    sub->callback([command, &status] { status = command->run(); });
+    const Subcommand sub = app.add_subcommand("export", "Models for others to use: a page to look at and to share");
+    sub.add_option("MODEL", command->files, "Fitted models, side by side").type_name("").required();
+    sub.add_option("--to", command->to, "html: one file that any browser shows, without a network")
+        .type_name("KIND")
+        .required()
+        .check(one_of({"html"}));
+    sub.add_option("--reference", command->reference, "The measurement, to be shown and plotted beside the models")
+        .type_name("MEASURED");
+    sub.add_option("-o,--output", command->output, "The file to write").type_name("FILE").required();
+    sub.footer("Example:\n  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
+    sub.callback([command, &status] { status = command->run(); });
 }
 
 }  // namespace srbf

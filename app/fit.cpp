@@ -68,37 +68,36 @@ int run(FitRequest& request) {
 }
 
 /// A number of lobes, or "auto".
-CLI::Validator lobes_or_auto() {
-    return {[](std::string& text) { return text == "auto" ? "" : within(1, k_most_fitted_lobes)(text); }, ""};
+Check lobes_or_auto() {
+    return [](std::string& text) { return text == "auto" ? "" : within(1, k_most_fitted_lobes)(text); };
 }
 
 }  // namespace
 
-void add_fit(CLI::App& app, int& status) {
+void add_fit(CommandLine& app, int& status) {
     const auto command = std::make_shared<FitRequest>();
-    CLI::App* sub = app.add_subcommand("fit", "Fit a model to a measurement and report its errors");
-    sub->add_option("INPUT", command->input,
-                    "The measurement: a table of MERL's, RGL's or UTIA's layout, or scattered samples")
-        ->type_name("")
-        ->required();
-    sub->add_option("-o,--output", command->output, "The model; default: INPUT's stem + .srbf in the working directory")
-        ->type_name("FILE");
-    sub->add_option(
-           "--model", command->model,
-           "pm: parameterized multivariate SRBFs, one formula;\nsu: scattered univariate SRBFs, a sum of lobes "
-           "for each of many view directions;\nggx: Lambert and GGX, the baseline that every engine has")
-        ->type_name("NAME")
-        ->check(one_of({"pm", "su", "ggx"}))
-        ->capture_default_str();
-    auto* form = sub->add_option("--form", command->form,
-                                 "source: as Tsai 2009 defines them; horizon: and an exponent of cos(theta_l) "
-                                 "cos(theta_v); extended: and "
-                                 "three more")
-                     ->type_name("NAME")
-                     ->check(one_of({"source", "horizon", "extended"}))
-                     ->capture_default_str();
-    auto* lobes =
-        sub->add_option_function<std::string>(
+    const Subcommand sub = app.add_subcommand("fit", "Fit a model to a measurement and report its errors");
+    sub.add_option("INPUT", command->input,
+                   "The measurement: a table of MERL's, RGL's or UTIA's layout, or scattered samples")
+        .type_name("")
+        .required();
+    sub.add_option("-o,--output", command->output, "The model; default: INPUT's stem + .srbf in the working directory")
+        .type_name("FILE");
+    sub.add_option("--model", command->model,
+                   "pm: parameterized multivariate SRBFs, one formula;\nsu: scattered univariate SRBFs, a sum of lobes "
+                   "for each of many view directions;\nggx: Lambert and GGX, the baseline that every engine has")
+        .type_name("NAME")
+        .check(one_of({"pm", "su", "ggx"}))
+        .capture_default_str();
+    const Option form = sub.add_option("--form", command->form,
+                                       "source: as Tsai 2009 defines them; horizon: and an exponent of cos(theta_l) "
+                                       "cos(theta_v); extended: and "
+                                       "three more")
+                            .type_name("NAME")
+                            .check(one_of({"source", "horizon", "extended"}))
+                            .capture_default_str();
+    const Option lobes =
+        sub.add_option(
                "--lobes",
                [command](const std::string& text) {
                    command->lobes_auto = text == "auto";
@@ -109,124 +108,121 @@ void add_fit(CLI::App& app, int& status) {
                    "trade of bytes and error, of samples what cross-validation tells; default: {}, of samples auto, of "
                    "ggx 1",
                    k_most_fitted_lobes, FitOptions{}.lobes))
-            ->type_name("J|auto")
-            ->check(lobes_or_auto());
-    auto* variates =
-        sub->add_option("--variates", command->variates, fmt::format("Factors of each lobe, 1 to {}", k_most_variates))
-            ->type_name("N")
-            ->check(within(1, k_most_variates))
-            ->capture_default_str();
-    auto* axial = sub->add_flag("--axial{1},--no-axial{-1}", command->axial,
-                                "Centres at +z or -z alone, or anywhere, 4 J N bytes more;\n"
-                                "default: anywhere if turning about the normal changes the measurement");
-    auto* reciprocal =
-        sub->add_flag("--reciprocal", command->reciprocal,
-                      "f(wl, wv) = f(wv, wl): variates come in pairs that share bandwidths, N is even; larger errors");
-    auto* no_scale =
-        sub->add_flag("--no-scale", command->no_scale,
-                      "Store no log scale: bounds the coefficients in the fit,\n2 J bytes fewer, larger errors");
-    sub->add_option(
+            .type_name("J|auto")
+            .check(lobes_or_auto());
+    const Option variates =
+        sub.add_option("--variates", command->variates, fmt::format("Factors of each lobe, 1 to {}", k_most_variates))
+            .type_name("N")
+            .check(within(1, k_most_variates))
+            .capture_default_str();
+    const Option axial = sub.add_flag("--axial{1},--no-axial{-1}", command->axial,
+                                      "Centres at +z or -z alone, or anywhere, 4 J N bytes more;\n"
+                                      "default: anywhere if turning about the normal changes the measurement");
+    const Option reciprocal =
+        sub.add_flag("--reciprocal", command->reciprocal,
+                     "f(wl, wv) = f(wv, wl): variates come in pairs that share bandwidths, N is even; larger errors");
+    const Option no_scale =
+        sub.add_flag("--no-scale", command->no_scale,
+                     "Store no log scale: bounds the coefficients in the fit,\n2 J bytes fewer, larger errors");
+    sub.add_option(
            "--objective", command->objective_name,
            "What is minimised, the squared error\nraw: of f; cosine: of f cos(theta_l) seen under cos(theta_v);\n"
            "log: of log(1 + f cos(theta_l)), likewise; cube-root: of the cube root of f")
-        ->type_name("NAME")
-        ->check(one_of({"raw", "cosine", "log", "cube-root"}))
-        ->capture_default_str();
-    sub->add_option("--max-theta", command->max_theta,
-                    "Fit and measure directions up to here from the normal,\n"
-                    "1 to 89.9 degrees; default: raw and cube-root 80, cosine and log 89")
-        ->type_name("DEG")
-        ->check(within(1.0, 89.9));
-    auto* discretise = sub->add_option("--discretise", command->discretise,
-                                       "su: which direction is sampled; the lobes are functions of the other one")
-                           ->type_name("view|light")
-                           ->check(one_of({"view", "light"}))
-                           ->capture_default_str();
-    auto* directions =
-        sub->add_option("--directions", command->directions,
-                        fmt::format("su: how many directions are sampled, {} to {}", k_least_views, k_most_views))
-            ->type_name("N")
-            ->check(within(k_least_views, k_most_views))
-            ->capture_default_str();
-    auto* interpolation =
-        sub->add_option("--interpolation", command->interpolation,
-                        "su: between the samples, rotated: the two next in elevation, turned to the azimuth\n"
-                        "asked for, for isotropic measurements; plain: the nearest as they are")
-            ->type_name("NAME")
-            ->check(one_of({"rotated", "plain"}))
-            ->capture_default_str();
-    auto* neighbours =
-        sub->add_option("--neighbours", command->neighbours,
-                        fmt::format("su: how many the plain interpolation takes, 1 to {}", k_most_neighbours))
-            ->type_name("K")
-            ->check(within(1, k_most_neighbours))
-            ->capture_default_str();
-    auto* between =
-        sub->add_option("--between", command->between,
-                        fmt::format("su: further directions about each sampled one that the fit looks at,\n0 to {}; "
-                                    "0: the raw matrix alone",
-                                    k_most_between))
-            ->type_name("M")
-            ->check(within(0, int(k_most_between)))
-            ->capture_default_str();
-    auto* with_index = sub->add_option("--with-index", command->with_index,
-                                       "su: store the texture that names the samples nearest to each direction")
-                           ->type_name("cube|parabolic")
-                           ->check(one_of({"cube", "parabolic"}));
-    auto* channels = sub->add_option("--channels", command->channels,
-                                     "rgb: colours; spectral: a coefficient for each wavelength of the measurement,\n"
-                                     "of lobes that they share")
-                         ->type_name("NAME")
-                         ->check(one_of({"rgb", "spectral"}))
-                         ->capture_default_str();
-    auto* target_error =
-        sub->add_option("--target-error", command->target_error,
-                        "pm: the smallest model whose error held out is at most this, of all forms and sizes;\n"
-                        "the objective's own measure, as a ratio: 0.005 is half a per cent")
-            ->type_name("E")
-            ->check(within(1e-6, 1.0));
-    auto* budget = sub->add_option("--budget", command->budget,
-                                   "pm: the best model of at most so many bytes, of all forms and sizes")
-                       ->type_name("BYTES")
-                       ->check(within(std::size_t(12), k_most_chosen_bytes));
-    sub->add_option("--preview", command->preview, "Write a picture: measured, fit, 10 x difference")
-        ->type_name("FILE.png")
-        ->check(png_name());
-    sub->add_option("--json", command->json, "Write the report to this file; - is standard output")->type_name("FILE");
-    sub->add_option("--seed", command->seed, "Of the random choices")
-        ->type_name("SEED")
-        ->check(within(std::uint64_t(0), std::numeric_limits<std::uint64_t>::max()))
-        ->capture_default_str();
-    sub->add_option("--threads", command->threads, "0: as many as the machine has; the model does not depend on it")
-        ->type_name("T")
-        ->check(within(0, k_most_threads))
-        ->capture_default_str();
-    sub->footer(
+        .type_name("NAME")
+        .check(one_of({"raw", "cosine", "log", "cube-root"}))
+        .capture_default_str();
+    sub.add_option("--max-theta", command->max_theta,
+                   "Fit and measure directions up to here from the normal,\n"
+                   "1 to 89.9 degrees; default: raw and cube-root 80, cosine and log 89")
+        .type_name("DEG")
+        .check(within(1.0, 89.9));
+    const Option discretise = sub.add_option("--discretise", command->discretise,
+                                             "su: which direction is sampled; the lobes are functions of the other one")
+                                  .type_name("view|light")
+                                  .check(one_of({"view", "light"}))
+                                  .capture_default_str();
+    const Option directions =
+        sub.add_option("--directions", command->directions,
+                       fmt::format("su: how many directions are sampled, {} to {}", k_least_views, k_most_views))
+            .type_name("N")
+            .check(within(k_least_views, k_most_views))
+            .capture_default_str();
+    const Option interpolation =
+        sub.add_option("--interpolation", command->interpolation,
+                       "su: between the samples, rotated: the two next in elevation, turned to the azimuth\n"
+                       "asked for, for isotropic measurements; plain: the nearest as they are")
+            .type_name("NAME")
+            .check(one_of({"rotated", "plain"}))
+            .capture_default_str();
+    const Option neighbours =
+        sub.add_option("--neighbours", command->neighbours,
+                       fmt::format("su: how many the plain interpolation takes, 1 to {}", k_most_neighbours))
+            .type_name("K")
+            .check(within(1, k_most_neighbours))
+            .capture_default_str();
+    const Option between =
+        sub.add_option("--between", command->between,
+                       fmt::format("su: further directions about each sampled one that the fit looks at,\n0 to {}; "
+                                   "0: the raw matrix alone",
+                                   k_most_between))
+            .type_name("M")
+            .check(within(0, int(k_most_between)))
+            .capture_default_str();
+    const Option with_index = sub.add_option("--with-index", command->with_index,
+                                             "su: store the texture that names the samples nearest to each direction")
+                                  .type_name("cube|parabolic")
+                                  .check(one_of({"cube", "parabolic"}));
+    const Option channels =
+        sub.add_option("--channels", command->channels,
+                       "rgb: colours; spectral: a coefficient for each wavelength of the measurement,\n"
+                       "of lobes that they share")
+            .type_name("NAME")
+            .check(one_of({"rgb", "spectral"}))
+            .capture_default_str();
+    const Option target_error =
+        sub.add_option("--target-error", command->target_error,
+                       "pm: the smallest model whose error held out is at most this, of all forms and sizes;\n"
+                       "the objective's own measure, as a ratio: 0.005 is half a per cent")
+            .type_name("E")
+            .check(within(1e-6, 1.0));
+    const Option budget = sub.add_option("--budget", command->budget,
+                                         "pm: the best model of at most so many bytes, of all forms and sizes")
+                              .type_name("BYTES")
+                              .check(within(std::size_t(12), k_most_chosen_bytes));
+    sub.add_option("--preview", command->preview, "Write a picture: measured, fit, 10 x difference")
+        .type_name("FILE.png")
+        .check(png_name());
+    sub.add_option("--json", command->json, "Write the report to this file; - is standard output").type_name("FILE");
+    sub.add_option("--seed", command->seed, "Of the random choices")
+        .type_name("SEED")
+        .check(within(std::uint64_t(0), std::numeric_limits<std::uint64_t>::max()))
+        .capture_default_str();
+    sub.add_option("--threads", command->threads, "0: as many as the machine has; the model does not depend on it")
+        .type_name("T")
+        .check(within(0, k_most_threads))
+        .capture_default_str();
+    sub.footer(
         "Examples:\n  srbf fit paper_white_rgb.bsdf\n"
         "  srbf fit nickel.binary --lobes 6 --variates 3 --objective raw --preview nickel.png --json -\n"
         "  srbf fit paper_white_rgb.bsdf --model su --lobes 5 --with-index cube\n"
         "  srbf fit paper_white_rgb.bsdf --budget 160\n  srbf fit krylon_blue.brdf --objective cube-root");
-    const std::vector<const CLI::Option*> of_pm{form, variates, axial, reciprocal, no_scale, target_error, budget},
+    const std::vector<Option> of_pm{form, variates, axial, reciprocal, no_scale, target_error, budget},
         of_su{discretise, directions, interpolation, neighbours, between, with_index};
-    const auto fail = [](const CLI::Option* option, std::string what) {
-        throw CLI::ValidationError(option->get_name(), std::move(what));
-    };
-    sub->callback([=, &status] {
+    sub.callback([=, &status] {
         for (const auto& [kind, options] : {std::pair("pm", &of_pm), {"su", &of_su}})
-            for (const CLI::Option* option : *options)
-                if (option->count() > 0 && command->model != kind)
-                    fail(option, fmt::format("only with --model {}", kind));
+            for (const Option& option : *options)
+                if (option.given() && command->model != kind) option.fail(fmt::format("only with --model {}", kind));
         if (command->no_scale && command->form != name(PmForm::source))
-            fail(no_scale, "only with --form source; other forms always store log scales");
-        if (target_error->count() > 0 && budget->count() > 0) fail(budget, "not together with --target-error");
-        if (command->spectral() && command->model != "pm") fail(channels, "spectral only with --model pm");
-        for (const CLI::Option* option : {target_error, budget})
-            if (option->count() > 0 && command->spectral()) fail(option, "only with --channels rgb");
-        for (const CLI::Option* option : {target_error, budget})
-            if (option->count() > 0 && lobes->count() > 0 && !command->lobes_auto)
-                fail(option, "chooses the number of lobes; not together with --lobes");
-        if (command->lobes_auto && command->model != "pm") fail(lobes, "auto only with --model pm");
-        if (command->model == "ggx" && command->lobes > k_most_ggx_lobes) fail(lobes, "of ggx 1 or 2");
+            no_scale.fail("only with --form source; other forms always store log scales");
+        if (target_error.given() && budget.given()) budget.fail("not together with --target-error");
+        if (command->spectral() && command->model != "pm") channels.fail("spectral only with --model pm");
+        for (const Option& option : {target_error, budget})
+            if (option.given() && command->spectral()) option.fail("only with --channels rgb");
+        for (const Option& option : {target_error, budget})
+            if (option.given() && lobes.given() && !command->lobes_auto)
+                option.fail("chooses the number of lobes; not together with --lobes");
+        if (command->lobes_auto && command->model != "pm") lobes.fail("auto only with --model pm");
+        if (command->model == "ggx" && command->lobes > k_most_ggx_lobes) lobes.fail("of ggx 1 or 2");
         status = run(*command);
     });
 }

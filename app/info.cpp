@@ -248,12 +248,12 @@ std::string parameters_text(const Model& model) {
     return text;
 }
 
-void add_info(CLI::App& app, int& status) {
+void add_info(CommandLine& app, int& status) {
     const auto file = std::make_shared<std::string>();
-    CLI::App* sub = app.add_subcommand("info", "What a file holds: dimensions, ranges, parameters, albedo");
-    sub->add_option("FILE", *file, "A measurement or a model")->type_name("")->required();
-    sub->footer("Example:\n  srbf info paper_white_rgb.bsdf");
-    sub->callback([file, &status] { status = run(*file); });
+    const Subcommand sub = app.add_subcommand("info", "What a file holds: dimensions, ranges, parameters, albedo");
+    sub.add_option("FILE", *file, "A measurement or a model").type_name("").required();
+    sub.footer("Example:\n  srbf info paper_white_rgb.bsdf");
+    sub.callback([file, &status] { status = run(*file); });
 }
 
 }  // namespace srbf

@@ -34,34 +34,34 @@ SampledBrdf sampled(const Subject& subject, int threads) {
     return sampled(subject, model ? propose(*model, options) : Proposal(propose(evaluator(subject), options)));
 }
 
-void PathCommand::add_options(CLI::App& sub) {
+void PathCommand::add_options(const Subcommand& sub) {
     sub.add_option("--env", environment, "path: the light from afar, a .hdr or .exr file, or studio or none")
-        ->type_name("FILE")
-        ->capture_default_str();
+        .type_name("FILE")
+        .capture_default_str();
     sub.add_option(
            "--lights", lights,
            "path: further lights: three (directional, the default where --env is none), softbox (a square) or none")
-        ->type_name("NAME")
-        ->check(one_of({"none", "three", "softbox"}));
+        .type_name("NAME")
+        .check(one_of({"none", "three", "softbox"}));
     sub.add_option("--spp", samples, "path: paths a pixel, 1 to 1048576")
-        ->type_name("S")
-        ->check(within(1, 1 << 20))
-        ->capture_default_str();
+        .type_name("S")
+        .check(within(1, 1 << 20))
+        .capture_default_str();
     sub.add_option("--bounces", bounces, "path: of a path at most, 1 to 1000")
-        ->type_name("N")
-        ->check(within(1, 1000))
-        ->capture_default_str();
+        .type_name("N")
+        .check(within(1, 1000))
+        .capture_default_str();
     sub.add_option("--draw", draw,
                    "path: a path goes on in a direction drawn by the brdf, or by the cosine, for comparison")
-        ->type_name("BY")
-        ->check(one_of({"brdf", "cosine"}))
-        ->capture_default_str();
+        .type_name("BY")
+        .check(one_of({"brdf", "cosine"}))
+        .capture_default_str();
     sub.add_flag("--no-ground", no_ground, "path: leave the ground below the mesh away");
-    sub.add_option("--seed", seed, "path: of the random numbers")->type_name("N")->capture_default_str();
+    sub.add_option("--seed", seed, "path: of the random numbers").type_name("N").capture_default_str();
     sub.add_option("--threads", threads, "path: 0: as many as the machine has; the picture does not depend on it")
-        ->type_name("T")
-        ->check(within(0, k_most_threads))
-        ->capture_default_str();
+        .type_name("T")
+        .check(within(0, k_most_threads))
+        .capture_default_str();
 }
 
 Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::span<const Subject> subjects, int width,

@@ -17,7 +17,7 @@ struct PathCommand {
     std::uint64_t seed = 0;
     bool no_ground = false;
 
-    void add_options(CLI::App& sub);
+    void add_options(const Subcommand& sub);
     /// The scene in each of the subjects; its lights are those that `lights` names. `progress` is told the part of all that is done.
     Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Subject> subjects, int width,
                                             int height, const std::function<void(double)>& progress = {}) const;

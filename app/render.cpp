@@ -208,72 +208,68 @@ int RenderCommand::run() const {
 
 /// "WxH", each from 1 to `k_most_pixels`.
 constexpr int k_most_pixels = 8192;
-CLI::Validator size_in_pixels(int& width, int& height) {
-    return {[&](std::string& text) -> std::string {
-                const auto number = [](std::string_view word) {
-                    int n = 0;
-                    const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), n);
-                    return error == std::errc() && rest == word.data() + word.size() && n <= k_most_pixels ? n : 0;
-                };
-                const std::string_view all = text;
-                const auto by = std::min(all.find('x'), all.size());
-                width = number(all.substr(0, by)), height = number(all.substr(std::min(by + 1, all.size())));
-                if (width >= 1 && height >= 1) return {};
-                return fmt::format("expected WxH, each from 1 to {}, found {}", k_most_pixels, text);
-            },
-            ""};
+Check size_in_pixels(int& width, int& height) {
+    return [&](std::string& text) -> std::string {
+        const auto number = [](std::string_view word) {
+            int n = 0;
+            const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), n);
+            return error == std::errc() && rest == word.data() + word.size() && n <= k_most_pixels ? n : 0;
+        };
+        const std::string_view all = text;
+        const auto by = std::min(all.find('x'), all.size());
+        width = number(all.substr(0, by)), height = number(all.substr(std::min(by + 1, all.size())));
+        if (width >= 1 && height >= 1) return {};
+        return fmt::format("expected WxH, each from 1 to {}, found {}", k_most_pixels, text);
+    };
 }
 
 }  // namespace
 
-void add_mesh_options(CLI::App& sub, std::string& mesh, std::string& up) {
+void add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up) {
     sub.add_option("--mesh", mesh, fmt::format("A .ply or .obj file, or {}", fmt::join(k_built_in_meshes, " or ")))
-        ->type_name("FILE")
-        ->capture_default_str();
+        .type_name("FILE")
+        .capture_default_str();
     sub.add_option("--up", up, "The mesh's axis that points upwards, y or z")
-        ->type_name("AXIS")
-        ->check(one_of({"y", "z"}))
-        ->capture_default_str();
+        .type_name("AXIS")
+        .check(one_of({"y", "z"}))
+        .capture_default_str();
 }
 
-void add_render(CLI::App& app, int& status) {
+void add_render(CommandLine& app, int& status) {
     const auto command = std::make_shared<RenderCommand>();
     std::vector<std::string> names;
     for (const Renderer& renderer : k_renderers) names.emplace_back(renderer.name);
     command->renderer = names.front();
-    CLI::App* sub = app.add_subcommand("render", "Pictures of a mesh made of the materials, side by side");
-    sub->add_option("FILE", command->files, "Measurements and models, a picture each")->type_name("")->required();
-    sub->add_option("--renderer", command->renderer, fmt::format("{}", fmt::join(names, " or ")))
-        ->type_name("NAME")
-        ->check(one_of(names))
-        ->capture_default_str();
-    add_mesh_options(*sub, command->mesh, command->up);
-    sub->add_option("--size", "Pixels of each picture (640x480)")
-        ->type_name("WxH")
-        ->check(size_in_pixels(command->width, command->height));
-    sub->add_option("-o,--output", command->output, "The picture to write: .png, or .exr for radiance as it is")
-        ->type_name("FILE")
-        ->required()
-        ->check(CLI::Validator(
-            [](std::string& name) -> std::string {
-                const auto ending = std::filesystem::path(name).extension();
-                if (ending == ".png" || ending == ".exr") return {};
-                return fmt::format("expected a name that ends in .png or .exr, found {}", name);
-            },
-            ""));
-    sub->add_flag("--aov", command->aov,
-                  "path: normal, albedo and depth as well: channels of an .exr, or further pictures");
-    sub->add_option(
-           "--compare", command->compare,
-           "Print PSNR, SSIM and FLIP against this one, a BRDF that is rendered likewise or an .exr, and write "
-           "OUTPUT.difference.png")
-        ->type_name("REF");
-    sub->add_option("--json", command->json, "Write what --compare prints; - is standard output")->type_name("FILE");
-    command->path.add_options(*sub);
-    sub->footer(
+    const Subcommand sub = app.add_subcommand("render", "Pictures of a mesh made of the materials, side by side");
+    sub.add_option("FILE", command->files, "Measurements and models, a picture each").type_name("").required();
+    sub.add_option("--renderer", command->renderer, fmt::format("{}", fmt::join(names, " or ")))
+        .type_name("NAME")
+        .check(one_of(names))
+        .capture_default_str();
+    add_mesh_options(sub, command->mesh, command->up);
+    sub.add_option("--size", "Pixels of each picture (640x480)")
+        .type_name("WxH")
+        .check(size_in_pixels(command->width, command->height));
+    sub.add_option("-o,--output", command->output, "The picture to write: .png, or .exr for radiance as it is")
+        .type_name("FILE")
+        .required()
+        .check([](std::string& name) -> std::string {
+            const auto ending = std::filesystem::path(name).extension();
+            if (ending == ".png" || ending == ".exr") return {};
+            return fmt::format("expected a name that ends in .png or .exr, found {}", name);
+        });
+    sub.add_flag("--aov", command->aov,
+                 "path: normal, albedo and depth as well: channels of an .exr, or further pictures");
+    sub.add_option("--compare", command->compare,
+                   "Print PSNR, SSIM and FLIP against this one, a BRDF that is rendered likewise or an .exr, and write "
+                   "OUTPUT.difference.png")
+        .type_name("REF");
+    sub.add_option("--json", command->json, "Write what --compare prints; - is standard output").type_name("FILE");
+    command->path.add_options(sub);
+    sub.footer(
         "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"
         "  srbf render film.srbf --compare film.bsdf --env lobby.hdr --mesh bunny.ply --spp 256 -o film.exr");
-    sub->callback([command, &status] { status = command->run(); });
+    sub.callback([command, &status] { status = command->run(); });
 }
 
 }  // namespace srbf

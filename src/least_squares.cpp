@@ -71,6 +71,8 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
     return x;
 }
 
+Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
+
 Eigen::MatrixXd ridged(Eigen::MatrixXd G) {
     G.diagonal().array() *= 1 + 1e-7;
     G.diagonal().array() += 1e-300;

@@ -12,6 +12,9 @@ namespace srbf {
 /// it defined where columns coincide; a column of zeros gets x = 0. `upper` may hold infinities.
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::VectorXd& g, const Eigen::VectorXd& upper);
 
+/// The x of A x = b, A symmetric and positive semidefinite.
+Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+
 /// G with a diagonal so much larger that it can be factored where columns coincide or are 0.
 Eigen::MatrixXd ridged(Eigen::MatrixXd G);
 
@@ -85,7 +88,7 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
         for (; mu < 1e10; mu *= growth, growth *= 2) {
             Eigen::MatrixXd damped = H;
             damped.diagonal() += mu * scale;
-            Eigen::VectorXd step = -damped.ldlt().solve(g);
+            Eigen::VectorXd step = -solved(damped, g);
             step *= std::min(1.0, 1 / step.cwiseAbs().cwiseQuotient(problem.longest_step(x)).maxCoeff());
             const double predicted = -2 * step.dot(g) - step.dot(H * step);
             if (!(predicted > options.decrease_tolerance * summary.loss)) {

@@ -184,43 +184,43 @@ int ReportCommand::run() const {
 
 }  // namespace
 
-void add_report(CLI::App& app, int& status) {
+void add_report(CommandLine& app, int& status) {
     const auto command = std::make_shared<ReportCommand>();
-    CLI::App* sub = app.add_subcommand(
+    const Subcommand sub = app.add_subcommand(
         "report", "How good all models are for your materials: one page, tables, pictures, the models");
-    sub->add_option("FILE", command->files, "Measurements")->type_name("")->required();
-    sub->add_option("-o,--output", command->folder,
-                    "The folder to write. Materials that are finished there are not done again")
-        ->type_name("DIR")
-        ->required();
-    sub->add_flag_callback(
+    sub.add_option("FILE", command->files, "Measurements").type_name("").required();
+    sub.add_option("-o,--output", command->folder,
+                   "The folder to write. Materials that are finished there are not done again")
+        .type_name("DIR")
+        .required();
+    sub.add_flag(
         "--quick", [command] { command->sweep = Sweep::quick; },
         "Fewer sizes, coarser pictures: about a minute a material on two cores");
     // For tests, and no reader's: of each kind one small fit.
-    sub->add_flag_callback("--least", [command] { command->sweep = Sweep::least; })->group("");
-    add_mesh_options(*sub, command->mesh, command->up);
-    sub->add_option("--label", command->labels,
-                    "What to say beside a material's name, as in nickel=stand-in; may be given several times")
-        ->type_name("NAME=TEXT")
-        ->allow_extra_args(false)  // what follows the text is a file
-        ->check(CLI::Validator(
-            [](std::string& text) -> std::string {
-                const auto at = text.find('=');
-                return at == 0 || at == text.npos ? fmt::format("expected NAME=TEXT, found {}", text) : "";
-            },
-            ""));
-    sub->add_option("--note", command->note, "What to say on top of the page")->type_name("TEXT");
-    sub->add_option("--threads", command->threads, "In all; 0: as many as the machine has")
-        ->type_name("T")
-        ->check(within(0, k_most_threads))
-        ->capture_default_str();
-    sub->add_option("--jobs", command->jobs,
-                    "Materials at a time, among which the threads are shared out; 0: one for every four cores")
-        ->type_name("N")
-        ->check(within(0, k_most_threads))
-        ->capture_default_str();
-    sub->footer("Example:\n  srbf report materials/*.binary -o report --quick");
-    sub->callback([command, &status] { status = command->run(); });
+    sub.add_flag(
+           "--least", [command] { command->sweep = Sweep::least; }, "")
+        .hidden();
+    add_mesh_options(sub, command->mesh, command->up);
+    sub.add_option("--label", command->labels,
+                   "What to say beside a material's name, as in nickel=stand-in; may be given several times")
+        .type_name("NAME=TEXT")
+        .one_at_a_time()  // what follows the text is a file
+        .check([](std::string& text) -> std::string {
+            const auto at = text.find('=');
+            return at == 0 || at == text.npos ? fmt::format("expected NAME=TEXT, found {}", text) : "";
+        });
+    sub.add_option("--note", command->note, "What to say on top of the page").type_name("TEXT");
+    sub.add_option("--threads", command->threads, "In all; 0: as many as the machine has")
+        .type_name("T")
+        .check(within(0, k_most_threads))
+        .capture_default_str();
+    sub.add_option("--jobs", command->jobs,
+                   "Materials at a time, among which the threads are shared out; 0: one for every four cores")
+        .type_name("N")
+        .check(within(0, k_most_threads))
+        .capture_default_str();
+    sub.footer("Example:\n  srbf report materials/*.binary -o report --quick");
+    sub.callback([command, &status] { status = command->run(); });
 }
 
 }  // namespace srbf

@@ -1,0 +1,84 @@
+// What the program takes from its command line: CLI11 behind few functions, so that one file alone compiles it. Level 7.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace srbf {
+
+/// Sees an option's text, which it may change; returns what is wrong with it, or nothing.
+using Check = std::function<std::string(std::string&)>;
+
+/// An option of a subcommand, to be described further.
+class Option {
+  public:
+    explicit Option(CLI::Option* option) : option_(option) {}
+
+    Option type_name(const std::string& name) const;
+    Option required() const;
+    Option check(const Check& check) const;
+    Option capture_default_str() const;
+    Option hidden() const;         ///< from --help
+    Option one_at_a_time() const;  ///< of a list: what follows its text belongs to others
+
+    /// Whether it was on the command line.
+    bool given() const;
+    /// Ends the parsing with an error of usage that names it.
+    [[noreturn]] void fail(const std::string& what) const;
+
+  private:
+    CLI::Option* option_;
+};
+
+class Subcommand {
+  public:
+    explicit Subcommand(CLI::App* app) : app_(app) {}
+
+    Option add_option(const std::string& names, std::string& to, const std::string& about) const;
+    Option add_option(const std::string& names, std::vector<std::string>& to, const std::string& about) const;
+    Option add_option(const std::string& names, int& to, const std::string& about) const;
+    Option add_option(const std::string& names, std::uint64_t& to, const std::string& about) const;
+    Option add_option(const std::string& names, double& to, const std::string& about) const;
+    /// One whose text goes to `take`.
+    Option add_option(const std::string& names, std::function<void(const std::string&)> take,
+                      const std::string& about) const;
+    /// One that its check alone looks at.
+    Option add_option(const std::string& names, const std::string& about) const;
+    Option add_flag(const std::string& names, bool& to, const std::string& about) const;
+    /// Names are followed by the numbers that they stand for, as in --yes{1},--no{-1}.
+    Option add_flag(const std::string& names, int& to, const std::string& about) const;
+    Option add_flag(const std::string& names, std::function<void()> when_given, const std::string& about) const;
+
+    void footer(const std::string& text) const;
+    /// What the subcommand does, once all its options are read.
+    void callback(std::function<void()> run) const;
+
+  private:
+    CLI::App* app_;
+};
+
+class CommandLine {
+  public:
+    CommandLine(const std::string& name, const std::string& version, const std::string& about,
+                const std::string& footer);
+    CommandLine(const CommandLine&) = delete;
+    CommandLine& operator=(const CommandLine&) = delete;
+    ~CommandLine();
+
+    Subcommand add_subcommand(const std::string& name, const std::string& about);
+    /// Runs the subcommand that the arguments ask for, or shows help. Returns what the arguments lack, if anything.
+    std::optional<std::string> parse(int argc, char** argv);
+
+  private:
+    std::unique_ptr<CLI::App> app_;
+};
+
+}  // namespace srbf

@@ -1,11 +1,14 @@
 // What a fit costs: milliseconds from a loaded measurement to a rounded model, how many of them each stage takes, and the
-// squared error ratio that it reaches on pairs of directions that it has not seen, on the bundled measurements.
+// squared error ratio that it reaches on pairs of directions that it has not seen, on the bundled measurements. Then the default fit,
+// and the view by view one, called in the floating-point mode that a process begins with and in one that flushes subnormal numbers.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
 #include <map>
+#include <optional>
 #include <string>
 
+#include "floating_point.h"
 #include "srbf/fit.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
@@ -56,6 +59,22 @@ void sizes(benchmark::internal::Benchmark* benchmark) {
     benchmark->Args({2, 8, 4, 1, 1});
     benchmark->Args({0, 8, 4, 0, 2})->Args({2, 8, 4, 0, 2});
 }
+void callers_mode(benchmark::State& state, const std::string& name) {
+    const Measured measured = *load_measured(std::string(SRBF_SOURCE_DIR) + "/data/" + name);
+    std::optional<FlushSubnormals> mode;
+    if (state.range(0) != 0) mode.emplace();
+    for (auto _ : state) {
+        if (state.range(1) != 0)
+            benchmark::DoNotOptimize(fit_su(*tabulate(signed_evaluator(measured)), {.lobes = 5}));
+        else
+            benchmark::DoNotOptimize(fit_pm(*observe(signed_evaluator(measured), {}), {}));
+    }
+}
+BENCHMARK_CAPTURE(callers_mode, cc_ibiza_sunset, std::string("cc_ibiza_sunset_rgb.bsdf"))
+    ->ArgNames({"flushing", "su"})
+    ->ArgsProduct({{0, 1}, {0, 1}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK_CAPTURE(fit, paper_white, std::string("paper_white_rgb.bsdf"))->Apply(sizes);
 BENCHMARK_CAPTURE(fit, cc_ibiza_sunset, std::string("cc_ibiza_sunset_rgb.bsdf"))->Apply(sizes);
 

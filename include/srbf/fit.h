@@ -134,7 +134,7 @@ struct FitOptions {
     /// Independent growths; the best four are polished, two finished. Without a number 20, 16 for 8 lobes and more.
     std::optional<int> starts = {};
     /// Attempts of the best to replace the lobe that matters least, every fourth the variate that does: a fifth of all starts, three tenths of the better half of them, the
-    /// other half of the best quarter. Without a number 32, 18 for 8 lobes and more.
+    /// other half of the best quarter. Without a number 45 for up to 5 lobes, 25 for 8 and more.
     std::optional<int> kicks = {};
     std::uint64_t seed = 0;  ///< of the random lobes
     int threads = 0;         ///< 0: as many as the machine has; the result does not depend on it

@@ -39,7 +39,7 @@ inline int starts_of(const FitOptions& options) {
     return options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 16, 20));
 }
 inline int kicks_of(const FitOptions& options) {
-    return options.kicks.value_or(std::clamp(1152 / std::max(options.lobes * options.lobes, 1), 18, 32));
+    return options.kicks.value_or(std::clamp(1600 / std::max(options.lobes * options.lobes, 1), 25, 45));
 }
 
 /// The same fit with no more starts and kicks than these: for a look at what it will come to.

@@ -1,0 +1,289 @@
+// No subnormal number in the fit's inner loops, and no result that depends on the caller's floating-point mode.
+#include "floating_point.h"
+
+#include <atomic>
+#include <bit>
+#include <cfenv>
+#include <cstring>
+#include <limits>
+#include <thread>
+
+#include "fit/view_lobes.h"
+#include "models.h"
+#include "properties.h"
+#include "srbf/convert.h"
+#include "srbf/fit_samples.h"
+#include "srbf/measured.h"
+#include "srbf/metrics.h"
+#include "srbf/sampling.h"
+
+namespace srbf {
+namespace {
+
+/// What the loops read and wrote while it was counted.
+std::atomic<std::uint64_t> seen = 0, subnormal = 0;
+void see(const float* numbers, std::size_t count = k_block) {
+    std::uint64_t found = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto bits = std::bit_cast<std::uint32_t>(numbers[i]);  // a comparison would take them for 0
+        found += (bits & 0x7f800000) == 0 && (bits & 0x007fffff) != 0;
+    }
+    seen += count, subnormal += found;
+}
+void see(std::span<const float* const> columns) {
+    for (const float* column : columns) see(column);
+}
+
+}  // namespace
+
+// The linker puts each of these in the place of the loop of that name (its option --wrap, test/CMakeLists.txt).
+#define SRBF_WRAPPED(result, name, symbol, ...)               \
+    result real_##name(__VA_ARGS__) asm("__real_" symbol);    \
+    result wrapped_##name(__VA_ARGS__) asm("__wrap_" symbol); \
+    result wrapped_##name(__VA_ARGS__)
+
+SRBF_WRAPPED(float, exponent,
+             "_ZN4srbf8exponentERKNS_4RowsEmSt4spanIKfLm18446744073709551615EES3_IKPS4_Lm18446744073709551615EEPf",
+             const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
+             float* x) {
+    see(s);
+    const float largest = real_exponent(rows, block, weight, s, x);
+    see(x);
+    return largest;
+}
+SRBF_WRAPPED(void, exponentiate, "_ZN4srbf12exponentiateERKNS_4RowsEmfPf", const Rows& rows, std::size_t block,
+             float offset, float* x) {
+    see(&rows.root_weight[block * k_block]);
+    real_exponentiate(rows, block, offset, x);
+    see(x);
+}
+SRBF_WRAPPED(double, residual,
+             "_ZN4srbf8residualEPKfSt4spanIS0_Lm18446744073709551615EES2_IKS1_Lm18446744073709551615EEPf",
+             const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
+    see(y), see(beta.data(), beta.size()), see(columns);
+    const double squares = real_residual(y, beta, columns, r);
+    see(r);
+    return squares;
+}
+SRBF_WRAPPED(void, add_gram, "_ZN4srbf8add_gramESt4spanIKPKfLm18446744073709551615EEPd",
+             std::span<const float* const> columns, double* G) {
+    see(columns);
+    real_add_gram(columns, G);
+}
+SRBF_WRAPPED(void, add_products, "_ZN4srbf12add_productsESt4spanIKPKfLm18446744073709551615EES4_Pd",
+             std::span<const float* const> rows, std::span<const float* const> columns, double* G) {
+    see(rows), see(columns);
+    real_add_products(rows, columns, G);
+}
+SRBF_WRAPPED(void, exponentiate_view, "_ZN4srbf12exponentiateEPKfS1_fPf", const float* x, const float* root_weight,
+             float offset, float* e) {
+    see(x), see(root_weight);
+    real_exponentiate_view(x, root_weight, offset, e);
+    see(e);
+}
+
+namespace {
+
+Measured film() { return *load_measured((bundled_data() / "cc_ibiza_sunset_rgb.bsdf").string()); }
+
+/// Spectra of which R, G, B are the ends and the middle: real measurements at wavelengths are not bundled.
+Channels rainbow(const Measured& measured) {
+    const std::vector<float> nm{450, 500, 550, 600, 650};
+    return {nm, [f = signed_evaluator(measured)](auto wl, auto wv, auto spectra) {
+                std::vector<Rgb> colour(wl.size());
+                f(wl, wv, colour);
+                for (std::size_t i = 0; i < colour.size(); ++i) {
+                    const Rgb c = colour[i];
+                    const float of[] = {c.b, (c.b + c.g) / 2, c.g, (c.g + c.r) / 2, c.r};
+                    std::copy_n(of, 5, &spectra[5 * i]);
+                }
+            }};
+}
+
+struct Count {
+    std::uint64_t seen, subnormal;
+};
+template <typename Body> Count counted(const Body& body) {
+    seen = 0, subnormal = 0;
+    body();
+    return {seen, subnormal};
+}
+constexpr std::uint64_t k_many = 100'000'000;
+
+TEST(InnerLoops, TheCountFindsASubnormalNumber) {
+    std::vector<float> numbers(k_block, 1.f);
+    numbers[3] = std::bit_cast<float>(std::uint32_t(7)), numbers[5] = 0;
+    const Count count = counted([&] { see(numbers.data()); });
+    EXPECT_EQ(count.seen, k_block);
+    EXPECT_EQ(count.subnormal, 1u);
+}
+
+TEST(InnerLoops, SeeNoneInTheDefaultFit) {
+    const Measured measured = film();
+    const Count count = counted([&] {
+        const auto fit = fit_pm(*observe(signed_evaluator(measured), {}), {});
+        ASSERT_TRUE(fit.ok());
+    });
+    EXPECT_GT(count.seen, k_many);
+    EXPECT_EQ(count.subnormal, 0u);
+}
+
+TEST(InnerLoops, SeeNoneInTheFormOfTheSource) {
+    const Measured measured = film();
+    const FitOptions options{.form = PmForm::source, .starts = 4, .kicks = 8};
+    const Count count = counted([&] {
+        const auto fit = fit_pm(*observe(signed_evaluator(measured), {.objective = Objective::raw}), options);
+        ASSERT_TRUE(fit.ok());
+    });
+    EXPECT_GT(count.seen, k_many);
+    EXPECT_EQ(count.subnormal, 0u);
+}
+
+TEST(InnerLoops, SeeNoneInAFitOfGeneralLobes) {
+    const Measured measured = film();
+    const FitOptions options{.axial = false, .lobes = 4, .variates = 3, .starts = 4, .kicks = 8};
+    const Count count = counted([&] {
+        const auto fit = fit_pm(*observe(signed_evaluator(measured), {.count = 16384}), options);
+        ASSERT_TRUE(fit.ok());
+    });
+    EXPECT_GT(count.seen, k_many);
+    EXPECT_EQ(count.subnormal, 0u);
+}
+
+TEST(InnerLoops, SeeNoneInAViewByViewFit) {
+    const Measured measured = film();
+    const Count count = counted([&] {
+        const auto matrix = tabulate(signed_evaluator(measured), {.directions = 192});
+        const auto fit = fit_su(*matrix, {.lobes = 5});
+        ASSERT_TRUE(fit.ok());
+    });
+    EXPECT_GT(count.seen, k_many);
+    EXPECT_EQ(count.subnormal, 0u);
+}
+
+TEST(InnerLoops, SeeNoneInASpectralFit) {
+    const Measured measured = film();
+    const Count count = counted([&] {
+        auto observations = *observe(signed_evaluator(measured), {.count = 16384});
+        observe_spectra(observations, rainbow(measured));
+        const auto fit = fit_pm(observations, {.lobes = 6, .variates = 3, .starts = 4, .kicks = 8});
+        ASSERT_TRUE(fit.ok());
+    });
+    EXPECT_GT(count.seen, k_many);
+    EXPECT_EQ(count.subnormal, 0u);
+}
+
+TEST(InnerLoops, SeeNoneInAFitOfMeasuredSpectra) {
+    const auto path = shared_data() / "cornell" / "krylon_blue.brdf";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+    const Measured measured = *load_measured(path.string());
+    const Count count = counted([&] {
+        const auto observations = observe(std::get<Scattered>(measured.table),
+                                          ObserveSamplesOptions{.objective = Objective::cube_root, .spectral = true});
+        ASSERT_TRUE(observations.ok());
+        const auto fit = fit_pm(*observations, {{.lobes = 6, .variates = 3, .starts = 4, .kicks = 8}, true});
+        ASSERT_TRUE(fit.ok());
+    });
+    EXPECT_GT(count.seen, k_many / 10);
+    EXPECT_EQ(count.subnormal, 0u);
+}
+
+// ---- The caller's mode ----
+
+#if defined(__SSE__)
+/// What a caller may have set, as MXCSR has it: what a process begins with; all that flushes; rounding down, up, and to 0, one of them with
+/// flags raised.
+constexpr unsigned k_modes[] = {0x1f80, 0x9fc0, 0x3f80, 0x5fbf, 0x7f80};
+unsigned mode_now() { return _mm_getcsr(); }
+void set_mode(unsigned mode) { _mm_setcsr(mode); }
+#else
+/// Rounding alone can be set by the standard library.
+constexpr int k_modes[] = {FE_TONEAREST, FE_DOWNWARD, FE_UPWARD, FE_TOWARDZERO};
+int mode_now() { return std::fegetround(); }
+void set_mode(int mode) { std::fesetround(mode); }
+#endif
+
+TEST(FlushSubnormals, GivesBackWhatItFound) {
+    const auto before = mode_now();
+    for (const auto mode : k_modes) {
+        set_mode(mode);
+        {
+            const FlushSubnormals flushing;
+            volatile double tiny = std::numeric_limits<double>::min();
+            tiny = tiny * tiny;  // raises flags
+            const auto within = mode_now();
+            { const FlushSubnormals once_more; }
+            EXPECT_EQ(mode_now(), within);
+        }
+        EXPECT_EQ(mode_now(), mode);
+    }
+    set_mode(before);
+}
+
+#if defined(__SSE__) || defined(__aarch64__)
+TEST(FlushSubnormals, TakesThemForZero) {
+    volatile float least = std::numeric_limits<float>::min();
+    volatile double least_double = std::numeric_limits<double>::min();
+    EXPECT_GT(least / 2, 0);
+    const FlushSubnormals flushing;
+    EXPECT_EQ(least / 2, 0);
+    EXPECT_EQ(least_double / 2, 0);
+    volatile float subnormal_operand = std::bit_cast<float>(std::uint32_t(0x00400000));
+    EXPECT_EQ(subnormal_operand * 1e30f, 0);
+}
+#endif
+
+template <typename T> std::vector<std::byte> bytes_of(const std::vector<T>& numbers) {
+    const auto bytes = std::as_bytes(std::span(numbers));
+    return {bytes.begin(), bytes.end()};
+}
+
+/// Everything that the library computes of a small fit.
+std::vector<std::vector<std::byte>> results(const Measured& measured, int threads) {
+    std::vector<std::vector<std::byte>> all;
+    const Evaluate f = signed_evaluator(measured);
+    const auto observations = observe(f, {.count = 4096, .threads = threads});
+    all.push_back(bytes_of(observations->f)), all.push_back(bytes_of(observations->weight));
+    const auto fit = fit_pm(*observations, {.lobes = 3, .variates = 3, .starts = 3, .kicks = 4, .threads = threads});
+    all.push_back(write_model({fit->model, {}}));
+    const auto matrix = tabulate(f, {.directions = 64, .between = 64, .threads = threads});
+    const auto su = fit_su(*matrix, {.lobes = 2, .threads = threads});
+    all.push_back(write_model({su->model, {}}));
+    const auto ggx = fit_ggx(*observations, {1, threads});
+    all.push_back(write_model({ggx->model, {}}));
+    const Model models[] = {{fit->model, {}}, {su->model, {}}, {ggx->model, {}}};
+    for (const Model& model : models) {
+        const Evaluate others[] = {evaluator(model)};
+        const Measures measures = measure_heldout(f, others, {1.5, threads}, 2000)[0];
+        all.push_back(bytes_of(std::vector{measures.squared_error_ratio, measures.squared_error_ratio_cosine,
+                                           measures.log_rms_cosine, measures.cube_root_error_ratio}));
+        const Rgb albedo_at = albedo(others[0], 0.5, 1.5);
+        all.push_back(bytes_of(std::vector{albedo_at.r, albedo_at.g, albedo_at.b}));
+    }
+    const MixtureProposal proposal = propose(evaluator(models[0]), {.threads = threads});
+    for (const auto& of_node : proposal.weight) all.push_back(bytes_of(std::vector(of_node.begin(), of_node.end())));
+    all.push_back(bytes_of(to_merl(f, {6, 6, 8}, threads).cells));
+    all.push_back({std::byte(is_isotropic(evaluator(measured), 1.4))});
+    return all;
+}
+
+TEST(CallersMode, ChangesNoResultAndStaysAsItIs) {
+    const Measured measured = film();
+    const auto before = mode_now();
+    const auto expected = results(measured, 1);
+    for (const int threads : {1, 2})
+        for (const auto mode : k_modes) {
+            set_mode(mode);
+            const auto found = results(measured, threads);
+            const auto after = mode_now();
+            set_mode(before);
+            EXPECT_EQ(after, mode);
+            ASSERT_EQ(found.size(), expected.size());
+            for (std::size_t i = 0; i < found.size(); ++i)
+                EXPECT_TRUE(found[i] == expected[i])
+                    << "result " << i << " with " << threads << " threads in mode " << mode;
+        }
+}
+
+}  // namespace
+}  // namespace srbf

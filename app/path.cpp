@@ -30,8 +30,13 @@ int azimuths_of(const Subject& subject) {
 
 SampledBrdf sampled(const Subject& subject, int threads) {
     const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
-    const auto* model = std::get_if<Model>(&subject.content);
-    return sampled(subject, model ? propose(*model, options) : Proposal(propose(evaluator(subject), options)));
+    if (const auto* model = std::get_if<Model>(&subject.content)) return sampled(prepare(*model, options));
+    return sampled(subject, propose(evaluator(subject), options));
+}
+
+SampledBrdf sampled_by_cosine(const Subject& subject) {
+    if (const auto* model = std::get_if<Model>(&subject.content)) return sampled(prepare(*model));
+    return sampled(subject, CosineProposal{});
 }
 
 void PathCommand::add_options(const Subcommand& sub) {
@@ -83,7 +88,7 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
 
     std::vector<PathPicture> pictures;
     for (const Subject& subject : subjects) {
-        paths.materials = {draw == "cosine" ? sampled(subject, CosineProposal{}) : sampled(subject, threads),
+        paths.materials = {draw == "cosine" ? sampled_by_cosine(subject) : sampled(subject, threads),
                            diffuse(k_ground)};
         const auto before = double(pictures.size()), all = double(subjects.size());
         const auto of_all = [&](double part) {

@@ -11,6 +11,7 @@
 #include "srbf/directions.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
+#include "srbf/prepared.h"
 
 namespace srbf {
 namespace {
@@ -94,7 +95,13 @@ void sizes(benchmark::internal::Benchmark* benchmark) {
 void pm(benchmark::State& state) { evaluate(state, model_of(state)); }
 BENCHMARK(pm)->Apply(sizes);
 
-/// The same by batches, for one of the instruction sets of this machine; "per_pair" is the time for one pair.
+/// The same prepared, still pair by pair, for one of the instruction sets of this machine.
+void pm_prepared(benchmark::State& state, Target target) {
+    const OneTarget one(target);
+    evaluate(state, prepare({model_of(state), {}}));
+}
+
+/// The same by batches; "per_pair" is the time for one pair.
 void pm_batch(benchmark::State& state, Target target) {
     const OneTarget one(target);
     constexpr std::size_t count = 1 << 12;
@@ -110,8 +117,9 @@ void pm_batch(benchmark::State& state, Target target) {
 }
 const bool k_registered = [] {
     for (const Target target : hwy::SupportedAndGeneratedTargets()) {
-        const std::string name = std::string("pm_batch/") + hwy::TargetName(target);
-        sizes(benchmark::RegisterBenchmark(name.c_str(), pm_batch, target));
+        const std::string name = hwy::TargetName(target);
+        sizes(benchmark::RegisterBenchmark(("pm_prepared/" + name).c_str(), pm_prepared, target));
+        sizes(benchmark::RegisterBenchmark(("pm_batch/" + name).c_str(), pm_batch, target));
     }
     return true;
 }();

@@ -1,7 +1,6 @@
 // What a picture by path tracing costs: the ball on its ground in the bundled studio, 256 × 192 pixels, 4 paths a pixel of at most 8
 // bounces, on one thread, of the bundled vinyl film: its fit of 208 bytes, the fit view by view, the measurement, and that as a table
-// of MERL's layout. `evaluation` is the share of the time that f takes: what a second evaluation of each f adds; drawing
-// (`pdf` and `sample`) takes another fifth in the first row, as `perf` sees it. Then ns for one
+// of MERL's layout. `evaluation` is the share of the time that f takes: what a second evaluation of each f adds. Then ns for one
 // draw and one density of the proposals, and making them.
 #include <benchmark/benchmark.h>
 
@@ -42,17 +41,16 @@ double seconds_of(const PathScene& scene, std::uint64_t& rays) {
     return double(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-template <typename B> void path(benchmark::State& state, const B& brdf, const Proposal& proposal) {
+void path(benchmark::State& state, const SampledBrdf& brdf) {
     static const Environment studio = *load_environment("studio");
     static const Mesh mesh = ball();
     const Camera camera = camera_of(mesh, {}, double(k_width) / k_height);
     const Mesh ground = ground_below(mesh, camera.up);
-    PathScene scene{
-        {{&mesh, 0}, {&ground, 1}}, {sampled(brdf, proposal), diffuse({0.35f, 0.35f, 0.35f})}, camera, {}, {}, &studio};
+    PathScene scene{{{&mesh, 0}, {&ground, 1}}, {brdf, diffuse({0.35f, 0.35f, 0.35f})}, camera, {}, {}, &studio};
     PathScene twice = scene;
     twice.materials[0].value = [&brdf](Vec3f wl, Vec3f wv) {
-        benchmark::DoNotOptimize(value(brdf, wl, wv));
-        return value(brdf, wl, wv);
+        benchmark::DoNotOptimize(brdf.value(wl, wv));
+        return brdf.value(wl, wv);
     };
     std::uint64_t rays = 0;
     double once_best = 1e30, twice_best = 1e30;
@@ -66,11 +64,11 @@ template <typename B> void path(benchmark::State& state, const B& brdf, const Pr
     state.counters["Msamples/s"] = double(k_width) * k_height * k_samples / once_best / 1e6;
     state.counters["evaluation_percent"] = 100 * (twice_best - once_best) / once_best;
 }
-void path_pm(benchmark::State& state) { path(state, film_pm(), propose(evaluator(film_pm()))); }
-void path_pm_by_cosine(benchmark::State& state) { path(state, film_pm(), CosineProposal{}); }
-void path_su(benchmark::State& state) { path(state, film_su(), propose(film_su())); }
-void path_rgl(benchmark::State& state) { path(state, film(), propose(evaluator(film()))); }
-void path_merl(benchmark::State& state) { path(state, film_as_merl(), propose(evaluator(film_as_merl()))); }
+void path_pm(benchmark::State& state) { path(state, sampled(prepare({film_pm(), {}}, {}))); }
+void path_pm_by_cosine(benchmark::State& state) { path(state, sampled(prepare({film_pm(), {}}))); }
+void path_su(benchmark::State& state) { path(state, sampled(prepare({film_su(), {}}, {}))); }
+void path_rgl(benchmark::State& state) { path(state, sampled(film(), propose(evaluator(film())))); }
+void path_merl(benchmark::State& state) { path(state, sampled(film_as_merl(), propose(evaluator(film_as_merl())))); }
 BENCHMARK(path_pm)->Unit(benchmark::kMillisecond)->Iterations(5);
 BENCHMARK(path_pm_by_cosine)->Unit(benchmark::kMillisecond)->Iterations(5);
 BENCHMARK(path_su)->Unit(benchmark::kMillisecond)->Iterations(5);
@@ -111,6 +109,17 @@ template <typename P> void density_of_one(benchmark::State& state, const P& prop
         i = (i + 1) % draws().u.size();
     }
 }
+/// One after the other, as a path goes on.
+void draw_and_density_mixture(benchmark::State& state) {
+    const PreparedModel model = prepare({film_pm(), {}}, {});
+    std::size_t i = 0;
+    for (auto _ : state) {
+        const Vec3f wl = sample(model, draws().wv[i], draws().u[i]);
+        benchmark::DoNotOptimize(pdf(model, wl, draws().wv[i]));
+        i = (i + 1) % draws().u.size();
+    }
+}
+BENCHMARK(draw_and_density_mixture);
 void draw_mixture(benchmark::State& state) { draw_one(state, propose(evaluator(film_pm()))); }
 void density_mixture(benchmark::State& state) { density_of_one(state, propose(evaluator(film_pm()))); }
 void draw_su(benchmark::State& state) { draw_one(state, propose(film_su())); }

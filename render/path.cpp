@@ -269,6 +269,11 @@ class Tracer {
 
 }  // namespace
 
+SampledBrdf sampled(PreparedModel model) {
+    Proposal proposal = model.proposal();  // what it refers to, the function holds
+    return {[model = std::move(model)](Vec3f wl, Vec3f wv) { return value(model, wl, wv); }, std::move(proposal)};
+}
+
 SampledBrdf diffuse(Rgb reflectance) {
     const Rgb f = float(1 / k_pi) * reflectance;
     return {[f](Vec3f wl, Vec3f wv) { return wl.z > 0 && wv.z > 0 ? f : Rgb{}; }, CosineProposal{}};

@@ -8,6 +8,7 @@
 #include "render/environment.h"
 #include "render/image.h"
 #include "render/scene.h"
+#include "srbf/prepared.h"
 #include "srbf/sampling.h"
 
 namespace srbf {
@@ -21,6 +22,8 @@ struct SampledBrdf {
 template <Brdf B> SampledBrdf sampled(const B& brdf, Proposal proposal) {
     return {[&brdf](Vec3f wl, Vec3f wv) { return value(brdf, wl, wv); }, std::move(proposal)};
 }
+/// A prepared model and its proposal, of which it holds a copy.
+SampledBrdf sampled(PreparedModel model);
 /// f = reflectance / π.
 SampledBrdf diffuse(Rgb reflectance);
 

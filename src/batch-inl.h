@@ -25,24 +25,6 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::ScalableTag<float>;
 
-struct Batch {
-    hn::Vec<Lanes> v;
-    Batch() = default;  // of no value yet, like a float
-    HWY_INLINE Batch(hn::Vec<Lanes> x) : v(x) {}
-    HWY_INLINE explicit Batch(double x) : v(hn::Set(Lanes(), float(x))) {}
-    static HWY_INLINE Batch load(const float* p) { return hn::Load(Lanes(), p); }
-    HWY_INLINE void store(float* p) const { hn::Store(v, Lanes(), p); }
-    static HWY_INLINE std::size_t size() { return hn::Lanes(Lanes()); }
-    HWY_INLINE float sum() const { return hn::GetLane(hn::SumOfLanes(Lanes(), v)); }
-    HWY_INLINE float largest() const { return hn::GetLane(hn::MaxOfLanes(Lanes(), v)); }
-};
-using BatchMask = hn::Mask<Lanes>;
-
-HWY_INLINE Batch multiply_add(Batch a, Batch b, Batch c) { return hn::MulAdd(a.v, b.v, c.v); }         // a b + c
-HWY_INLINE Batch multiply_subtract(Batch a, Batch b, Batch c) { return hn::MulSub(a.v, b.v, c.v); }    // a b - c
-HWY_INLINE Batch subtract_product(Batch c, Batch a, Batch b) { return hn::NegMulAdd(a.v, b.v, c.v); }  // c - a b
-HWY_INLINE Batch product(Batch a, Batch b) { return hn::Mul(a.v, b.v); }
-
 // a b, not multiplied yet: what is added to it makes one fused operation of both, always the same one.
 template <typename B> struct Product {
     B a, b;
@@ -57,63 +39,121 @@ template <typename B> struct Product {
     friend HWY_INLINE B operator-(Product p, Product q) { return subtract_product(product(p.a, p.b), q.a, q.b); }
 };
 
-HWY_INLINE Batch operator+(Batch a, Batch b) { return hn::Add(a.v, b.v); }
-HWY_INLINE Batch operator-(Batch a, Batch b) { return hn::Sub(a.v, b.v); }
-HWY_INLINE Product<Batch> operator*(Batch a, Batch b) { return {a, b}; }
-HWY_INLINE Batch operator/(Batch a, Batch b) { return hn::Div(a.v, b.v); }
-HWY_INLINE Batch operator-(Batch a) { return hn::Neg(a.v); }
-HWY_INLINE BatchMask operator<(Batch a, Batch b) { return hn::Lt(a.v, b.v); }
-HWY_INLINE Batch min(Batch a, Batch b) { return hn::Min(a.v, b.v); }
-HWY_INLINE Batch max(Batch a, Batch b) { return hn::Max(a.v, b.v); }
-HWY_INLINE Batch sqrt(Batch a) { return hn::Sqrt(a.v); }
-HWY_INLINE Batch select(BatchMask condition, Batch a, Batch b) { return hn::IfThenElse(condition, a.v, b.v); }
-
-using LanesOfBits = hn::RebindToSigned<Lanes>;
-
 // c_0 + x (c_1 + x (c_2 + ...))
-HWY_INLINE Batch polynomial(Batch, double c) { return Batch(c); }
-template <typename... More> HWY_INLINE Batch polynomial(Batch x, double c, More... more) {
-    return Batch(c) + x * polynomial(x, more...);
+template <typename B> HWY_INLINE B polynomial(B, double c) { return B(c); }
+template <typename B, typename... More> HWY_INLINE B polynomial(B x, double c, More... more) {
+    return B(c) + x * polynomial(x, more...);
 }
 
-// 2^a for a < 127.5: 2^n 2^r, n the nearest integer, with a minimax polynomial for 2^r. Relative error 2e-7 from -126 up; falls to
-// 0 at -127, where the bits of 2^n 2^r are those of 0, and stays there.
-HWY_INLINE Batch exp2(Batch a) {
-    const LanesOfBits bits;
-    const Batch magic(12582912.0);  // 1.5 * 2^23: adding it rounds to an integer, in the low bits of the sum
-    const Batch x = max(a, Batch(-127.0));
-    const Batch sum = x + magic;
-    const Batch r = x - (sum - magic);
-    const Batch power = polynomial(r, 1.0, 0.6931469768716529, 0.24022241112231937, 0.05550734515316676,
-                                   0.009671576407961614, 0.0013264645359974006);
-    const auto n = hn::ShiftLeft<23>(hn::BitCast(bits, sum.v));
-    return hn::BitCast(Lanes(), hn::Add(hn::BitCast(bits, power.v), n));
-}
-// e^a. Relative error 2e-7 (1 + |a| / 2), of which the part that grows is half an ulp of the exponent.
-HWY_INLINE Batch exp(Batch a) { return exp2(Batch(1.4426950408889634) * a); }
+template <typename Real> struct Vec3;
+template <typename B> struct Scaled;
 
-// The natural logarithm of a normal positive number: e log(2) + log(m), m in [sqrt(1/2), sqrt(2)), with a minimax polynomial.
-// Relative error 4e-7.
-HWY_INLINE Batch log(Batch a) {
-    const LanesOfBits bits;
-    const auto x = hn::BitCast(bits, a.v);
-    const auto e = hn::ShiftRight<23>(hn::Sub(x, hn::Set(bits, 0x3f3504f3)));  // the bits of sqrt(1/2)
-    const Batch m = hn::BitCast(Lanes(), hn::Sub(x, hn::ShiftLeft<23>(e)));
-    const Batch r = m - Batch(1.0);
-    const Batch log_m =
-        r * polynomial(r, 1.0, -0.5000032343267086, 0.3333471490238037, -0.24971228722553673, 0.19906883134210476,
-                       -0.17243221986349655, 0.1618050203316588, -0.1008238917029115);
-    return log_m + Batch(hn::ConvertTo(Lanes(), e)) * Batch(0.6931471805599453);
-}
+// The lanes of a vector of that kind.
+template <typename D> struct BatchOf {
+    using Bits = hn::RebindToSigned<D>;
+    using Mask = hn::Mask<D>;
+    hn::Vec<D> v;
+    BatchOf() = default;  // of no value yet, like a float
+    HWY_INLINE BatchOf(hn::Vec<D> x) : v(x) {}
+    HWY_INLINE explicit BatchOf(double x) : v(hn::Set(D(), float(x))) {}
+    static HWY_INLINE BatchOf load(const float* p) { return hn::Load(D(), p); }
+    HWY_INLINE void store(float* p) const { hn::Store(v, D(), p); }
+    static HWY_INLINE std::size_t size() { return hn::Lanes(D()); }
+    HWY_INLINE float sum() const { return hn::GetLane(hn::SumOfLanes(D(), v)); }
+    HWY_INLINE float largest() const { return hn::GetLane(hn::MaxOfLanes(D(), v)); }
+
+    friend HWY_INLINE BatchOf multiply_add(BatchOf a, BatchOf b, BatchOf c) {  // a b + c
+        return hn::MulAdd(a.v, b.v, c.v);
+    }
+    friend HWY_INLINE BatchOf multiply_subtract(BatchOf a, BatchOf b, BatchOf c) {  // a b - c
+        return hn::MulSub(a.v, b.v, c.v);
+    }
+    friend HWY_INLINE BatchOf subtract_product(BatchOf c, BatchOf a, BatchOf b) {  // c - a b
+        return hn::NegMulAdd(a.v, b.v, c.v);
+    }
+    friend HWY_INLINE BatchOf product(BatchOf a, BatchOf b) { return hn::Mul(a.v, b.v); }
+    friend HWY_INLINE BatchOf operator+(BatchOf a, BatchOf b) { return hn::Add(a.v, b.v); }
+    friend HWY_INLINE BatchOf operator-(BatchOf a, BatchOf b) { return hn::Sub(a.v, b.v); }
+    friend HWY_INLINE Product<BatchOf> operator*(BatchOf a, BatchOf b) { return {a, b}; }
+    friend HWY_INLINE Scaled<BatchOf> operator*(BatchOf s, Vec3<BatchOf> v) { return {s, v}; }
+    friend HWY_INLINE BatchOf operator/(BatchOf a, BatchOf b) { return hn::Div(a.v, b.v); }
+    friend HWY_INLINE BatchOf operator-(BatchOf a) { return hn::Neg(a.v); }
+    friend HWY_INLINE Mask operator<(BatchOf a, BatchOf b) { return hn::Lt(a.v, b.v); }
+    friend HWY_INLINE BatchOf min(BatchOf a, BatchOf b) { return hn::Min(a.v, b.v); }
+    friend HWY_INLINE BatchOf max(BatchOf a, BatchOf b) { return hn::Max(a.v, b.v); }
+    friend HWY_INLINE BatchOf sqrt(BatchOf a) { return hn::Sqrt(a.v); }
+    friend HWY_INLINE BatchOf select(Mask condition, BatchOf a, BatchOf b) {
+        return hn::IfThenElse(condition, a.v, b.v);
+    }
+
+    // 2^a for a < 127.5: 2^n 2^r, n the nearest integer, with a minimax polynomial for 2^r. Relative error 2e-7 from
+    // -126 up; falls to 0 at -127, where the bits of 2^n 2^r are those of 0, and stays there.
+    friend HWY_INLINE BatchOf exp2(BatchOf a) {
+        const Bits bits;
+        const BatchOf magic(12582912.0);  // 1.5 * 2^23: adding it rounds to an integer, in the low bits of the sum
+        const BatchOf x = max(a, BatchOf(-127.0));
+        const BatchOf sum = x + magic;
+        const BatchOf r = x - (sum - magic);
+        const BatchOf r2 = r * r;  // in three parts, which need not wait for each other
+        const BatchOf power = polynomial(r, 1.0, 0.6931469768716529) +
+                              r2 * (polynomial(r, 0.24022241112231937, 0.05550734515316676) +
+                                    r2 * polynomial(r, 0.009671576407961614, 0.0013264645359974006));
+        const auto n = hn::ShiftLeft<23>(hn::BitCast(bits, sum.v));
+        return hn::BitCast(D(), hn::Add(hn::BitCast(bits, power.v), n));
+    }
+    // e^a. Relative error 2e-7 (1 + |a| / 2), of which the part that grows is half an ulp of the exponent.
+    friend HWY_INLINE BatchOf exp(BatchOf a) { return exp2(BatchOf(1.4426950408889634) * a); }
+
+    // The natural logarithm of a normal positive number: e log(2) + log(m), m in [sqrt(1/2), sqrt(2)), with a minimax
+    // polynomial. Relative error 4e-7.
+    friend HWY_INLINE BatchOf log(BatchOf a) {
+        const Bits bits;
+        const auto x = hn::BitCast(bits, a.v);
+        const auto e = hn::ShiftRight<23>(hn::Sub(x, hn::Set(bits, 0x3f3504f3)));  // the bits of sqrt(1/2)
+        const BatchOf m = hn::BitCast(D(), hn::Sub(x, hn::ShiftLeft<23>(e)));
+        const BatchOf r = m - BatchOf(1.0);
+        const BatchOf log_m =
+            r * polynomial(r, 1.0, -0.5000032343267086, 0.3333471490238037, -0.24971228722553673, 0.19906883134210476,
+                           -0.17243221986349655, 0.1618050203316588, -0.1008238917029115);
+        return log_m + BatchOf(hn::ConvertTo(D(), e)) * BatchOf(0.6931471805599453);
+    }
 
 #if HWY_TARGET <= HWY_SSSE3  // x86, whose estimate has 12 bits or more: one step of Newton's. Relative error 3e-7.
-HWY_INLINE Batch inversesqrt(Batch a) {
-    const Batch x = hn::ApproximateReciprocalSqrt(a.v);
-    return x + Batch(0.5) * x * (Batch(1.0) - a * x * x);
-}
+    friend HWY_INLINE BatchOf inversesqrt(BatchOf a) {
+        const BatchOf x = hn::ApproximateReciprocalSqrt(a.v);
+        return x + BatchOf(0.5) * x * (BatchOf(1.0) - a * x * x);
+    }
 #else
-HWY_INLINE Batch inversesqrt(Batch a) { return Batch(1.0) / sqrt(a); }
+    friend HWY_INLINE BatchOf inversesqrt(BatchOf a) { return BatchOf(1.0) / sqrt(a); }
 #endif
+
+    // cos(a) and sin(a), |a| <= 2 pi: absolute error 2e-7. The angle less the nearest number of quarter turns, a
+    // polynomial of either, and by that number which of them it is and of which sign.
+    friend HWY_INLINE BatchOf cos(BatchOf a) { return turned_by(a, 1); }
+    friend HWY_INLINE BatchOf sin(BatchOf a) { return turned_by(a, 0); }
+
+  private:
+    static HWY_INLINE BatchOf turned_by(BatchOf a, int quarters) {  // sin(a + quarters pi / 2)
+        const Bits bits;
+        const BatchOf magic(12582912.0);
+        const BatchOf sum = a * BatchOf(0.6366197723675814) + magic;
+        const BatchOf n = sum - magic;
+        const BatchOf r = a - n * BatchOf(1.5707963705062866) + n * BatchOf(4.371139000186241e-8);
+        const BatchOf r2 = r * r;
+        const BatchOf odd = r + r * r2 * polynomial(r2, -0.16666654611, 8.3321608736e-3, -1.9515295891e-4);
+        const BatchOf even =
+            polynomial(r2, 1.0, -0.5, 4.166664568298827e-2, -1.388731625493765e-3, 2.443315711809948e-5);
+        const auto q = hn::Add(hn::BitCast(bits, sum.v), hn::Set(bits, quarters));
+        const auto is_odd = hn::Eq(hn::And(q, hn::Set(bits, 1)), hn::Zero(bits));
+        const BatchOf size = hn::IfThenElse(hn::RebindMask(D(), is_odd), odd.v, even.v);
+        return hn::Xor(size.v, hn::BitCast(D(), hn::ShiftLeft<30>(hn::And(q, hn::Set(bits, 2)))));
+    }
+};
+
+// As wide as the machine has it; and of up to eight lanes, to work on one pair of directions.
+using Batch = BatchOf<Lanes>;
+using BatchMask = Batch::Mask;
+using Group = BatchOf<hn::CappedTag<float, 8>>;
 
 #include "srbf/vec3.inl"
 
@@ -129,16 +169,18 @@ template <typename B> struct Scaled {
     friend HWY_INLINE Vec3<B> operator-(Vec3<B> u, Scaled p) {
         return {u.x - p.s * p.v.x, u.y - p.s * p.v.y, u.z - p.s * p.v.z};
     }
+    friend HWY_INLINE Vec3<B> operator-(Scaled p, Vec3<B> u) {
+        return {p.s * p.v.x - u.x, p.s * p.v.y - u.y, p.s * p.v.z - u.z};
+    }
     friend HWY_INLINE Vec3<B> operator+(Scaled p, Scaled q) { return Vec3<B>(p) + q; }
     friend HWY_INLINE Vec3<B> operator-(Scaled p, Scaled q) { return Vec3<B>(p) - q; }
 };
-HWY_INLINE Scaled<Batch> operator*(Batch s, Vec3<Batch> v) { return {s, v}; }
 
 // Batches of x, y, z from and to x y z x y z ... in memory. Of the three vectors there, the lanes of one component never
 // meet, since their number is no multiple of 3: they are blended into one vector, and this is put in order.
 struct Interleaved {
     BatchMask third[3];  // the lanes r, r + 3, ...
-    decltype(hn::IndicesFromVec(Lanes(), hn::Zero(LanesOfBits()))) gather[3], scatter[3];
+    decltype(hn::IndicesFromVec(Lanes(), hn::Zero(Batch::Bits()))) gather[3], scatter[3];
 
     HWY_INLINE Interleaved() {
         constexpr std::size_t most = HWY_MAX_BYTES / sizeof(float);
@@ -152,8 +194,8 @@ struct Interleaved {
                 from[k] = std::int32_t(lane);
                 to[lane] = std::int32_t(k);
             }
-            gather[c] = hn::IndicesFromVec(Lanes(), hn::Load(LanesOfBits(), from));
-            scatter[c] = hn::IndicesFromVec(Lanes(), hn::Load(LanesOfBits(), to));
+            gather[c] = hn::IndicesFromVec(Lanes(), hn::Load(Batch::Bits(), from));
+            scatter[c] = hn::IndicesFromVec(Lanes(), hn::Load(Batch::Bits(), to));
             third[c] = hn::Eq(hn::Load(Lanes(), phase), hn::Set(Lanes(), float(c)));
         }
     }

@@ -66,7 +66,6 @@ struct Sums {
 template <typename Fill>
 std::vector<Measures> measure(const Channels& reference, std::span<const Channels> others, std::size_t blocks,
                               std::size_t block_size, int threads, const Fill& fill) {
-    const FlushSubnormals mode;
     std::vector<std::vector<Sums>> parts(blocks, std::vector<Sums>(others.size()));
     parallel_for(blocks, threads, [&](std::size_t block) {
         std::vector<Vec3f> wl(block_size), wv(block_size);
@@ -114,6 +113,7 @@ std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const 
 
 std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,
                                      const MeasureOptions& options, std::span<const Vec3f> directions) {
+    const FlushSubnormals mode;
     std::vector<Vec3f> within;
     const auto cos_max = float(std::cos(options.max_theta));
     std::copy_if(directions.begin(), directions.end(), std::back_inserter(within),
@@ -128,6 +128,7 @@ std::vector<Measures> measure_matrix(const Channels& reference, std::span<const 
 
 std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
                                      const MeasureOptions& options, int n) {
+    const FlushSubnormals mode;
     return measure_matrix(reference, others, options, fibonacci_directions(n, options.max_theta));
 }
 
@@ -138,6 +139,7 @@ std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const
 
 std::vector<Measures> measure_heldout(const Channels& reference, std::span<const Channels> others,
                                       const MeasureOptions& options, std::uint64_t count, std::uint64_t seed) {
+    const FlushSubnormals mode;
     constexpr std::size_t block_size = 1000;
     const MirrorMixture mixture(options.max_theta);
     return measure(reference, others, std::size_t((count + block_size - 1) / block_size), block_size, options.threads,

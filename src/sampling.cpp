@@ -14,27 +14,10 @@ namespace {
 
 using K = Kernel<float>;
 
-/// The frame of the grain: its x is along it.
-Vec3f into_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w, proposal.cosine, -proposal.sine); }
-Vec3f out_of_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w, proposal.cosine, proposal.sine); }
-
 constexpr int k_steps = 200;
 constexpr int k_points = 128;           // of each lobe
 constexpr double k_lowest_view = 0.02;  // cosθv at which the last node is made, for at 0 nothing is reflected
 constexpr float k_least_weight = 1e-3f;
-
-static_assert(MixtureProposal::k_lobes == SRBF_PROPOSAL_LOBES);
-
-/// The weights at wv.
-std::array<float, MixtureProposal::k_lobes> weights_at(const MixtureProposal& proposal, Vec3f wv) {
-    const float at = std::sqrt(std::clamp(1 - wv.z, 0.f, 1.f)) * (MixtureProposal::k_nodes - 1);
-    const int below = std::min(int(at), MixtureProposal::k_nodes - 2);
-    const float part = at - float(below);
-    const auto &low = proposal.weight[std::size_t(below)], &high = proposal.weight[std::size_t(below + 1)];
-    std::array<float, MixtureProposal::k_lobes> weight;
-    for (std::size_t k = 0; k < weight.size(); ++k) weight[k] = (1 - part) * low[k] + part * high[k];
-    return weight;
-}
 
 /// Splits u even in [0,1) by shares that sum to 1: the first whose running sum exceeds u, and u anew even in [0,1) within it.
 struct Choice {
@@ -191,22 +174,6 @@ void find_stretch(const Evaluate& brdf, int threads, MixtureProposal& proposal) 
 Vec3f sample(const CosineProposal&, Vec3f, Vec3f u) { return K::sample_cosine(u.x, u.y); }
 float pdf(const CosineProposal&, Vec3f wl, Vec3f) { return K::cosine_pdf(wl); }
 
-Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec3f u) {
-    const Choice choice = choose(weights_at(proposal, wv), u.z);
-    const Vec3f wl = K::sample_proposal_lobe(choice.k, into_grain(proposal, wv), proposal.stretch, u.x, u.y);
-    return out_of_grain(proposal, wl);
-}
-
-float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return 0;
-    const auto weight = weights_at(proposal, wv);
-    const auto at = K::proposal_point(into_grain(proposal, wl), into_grain(proposal, wv), proposal.stretch);
-    float sum = 0;
-    for (int k = 0; k < MixtureProposal::k_lobes; ++k)
-        if (const float w = weight[std::size_t(k)]; w > 0) sum += w * K::proposal_lobe_pdf(k, at);
-    return sum;
-}
-
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
     const FlushSubnormals mode;
     assert(brdf && options.azimuths >= 1);
@@ -222,7 +189,6 @@ namespace {
 
 constexpr int k_view_steps = 50, k_view_points = 32;
 
-Vec3f folded(Vec3f w) { return {w.x, w.y, std::abs(w.z)}; }
 float folded_pdf(const ViewProposal::Lobe& lobe, Vec3f wl) {
     return K::vmf_pdf(wl, lobe.centre, lobe.bandwidth) + K::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth);
 }
@@ -240,7 +206,7 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
     const Lobes lobes{J + 1,
                       [&](std::size_t k, float u1, float u2) {
                           if (k == 0) return K::sample_cosine(u1, u2);
-                          return folded(K::sample_vmf(of_view[k - 1].centre, of_view[k - 1].bandwidth, u1, u2));
+                          return K::folded(K::sample_vmf(of_view[k - 1].centre, of_view[k - 1].bandwidth, u1, u2));
                       },
                       [&](Vec3f wl, std::span<double> density) {
                           density[0] = double(K::cosine_pdf(wl));
@@ -315,11 +281,12 @@ Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec3f u) {
     const Choice chosen = choose(std::span(weights).first(J + 1), of_views.u);
     if (chosen.k == 0) return K::sample_cosine(u.x, u.y);
     const ViewProposal::Lobe& lobe = proposal.lobes[view * J + std::size_t(chosen.k) - 1];
-    return folded(K::turned(K::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y), neighbour.cosine, -neighbour.sine));
+    return K::folded(
+        K::turned(K::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y), neighbour.cosine, -neighbour.sine));
 }
 
 float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return 0;
+    if (!above_horizon(wl, wv)) return 0;
     const auto J = std::size_t(proposal.model->lobes);
     const float by_cosine = K::cosine_pdf(wl);
     float sum = 0;

@@ -66,7 +66,9 @@ void main() {
     f += from_frame(wl, u.x, u.y, one_minus_exp(u.x)) + psi_by_angle(wl, wv, u.x, u.y) + product.centre;
     f *= gaussian(w, wl, 2.0) * gaussian_exponent(w, wv, 2.0) * product.scale * product.bandwidth;
     PmFeatures x = pm_further_features(features, wl, wv);
-    f += x.horizon * x.difference + x.elevation * x.half_way + squared_distance_from_pole(wl, u.x, u.y);
+    f += x.horizon * x.difference + x.elevation * x.half_way;
+    Real exponent = pm_with_variate(Pm(0), 0, 0, u.x, squared_distance_from_pole(axial_psi(wl, wv, u.x, u.y), 1.0));
+    f += pm_power(pm_with_features(Pm(0), 0, exponent + squared_distance(wl, wv), x)) * exp_of_lobe(u.x);
     SuNearest nearest = SuNearest(texture(index_of_direction, wv));
     SuNeighbour neighbour = su_rotated_neighbour(Su(5), wv, 0);
     f += su_view_value(Su(5), neighbour.view, turned(wl, neighbour.cosine, neighbour.sine)) * neighbour.weight;
@@ -77,6 +79,8 @@ void main() {
     f += sample_cosine(u.x, u.y) * cosine_pdf(wl) + visible_lobe(wv, 8.0).centre * half_way_pdf(wl, wv, 8.0, 2.0);
     f += sample_half_way(wv, 8.0, 2.0, u.x, u.y) * proposal_lobe_pdf(5, proposal_point(wl, wv, 2.0)) * proposal_bandwidth(1);
     f += sample_proposal_lobe(2, stretched(wv, 2.0), 2.0, u.x, u.y) * half_way(wl, wv, 2.0).factor;
+    f += folded_pdf(mirror_lobe(wl, 4.0), itself(wl), half_way(wl, wv, 2.0)) * half_way_lobe(wv, 8.0).centre;
+    f += folded(light_of(sample_sharp_vmf(wl, 4.0, u.x, u.x, u.y), wv)) + off_centre(wl, u.x, u.y);
     f += times_cosine(wl, 4.0).centre;
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }

@@ -26,6 +26,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/su", "include/srbf/ggx"},
     {"include/srbf/model", "src/model/"},
     {"include/srbf/sampling", "src/sampling"},
+    {"include/srbf/prepared", "src/prepared"},
     {"render/shading"},
     {"render/image", "render/mesh", "render/exr", "render/environment", "render/likeness", "render/studio"},
     {"render/scene", "render/rays"},

@@ -26,12 +26,15 @@
 
 // ---- Stable elementary functions ---------------------------------------------------------------------------------
 
-// 1 - exp(-x), x >= 0, without cancellation: relative error 3e-7 in float, 5e-8 in double. Exponents are cut at -80 here and in
-// vmf_pdf: below float's normal range exp takes many times as long.
+// e^x, x cut at -60, 9e-27 of the whole: products of it with what lobes have stay within float's normal numbers, below which
+// arithmetic takes many times as long.
+SRBF_FN Real exp_of_lobe(Real x) { return exp(max(x, Real(-60.0))); }
+
+// 1 - exp(-x), x >= 0, without cancellation: relative error 3e-7 in float, 5e-8 in double.
 SRBF_FN Real one_minus_exp(Real x) {
     Real small = x * (Real(1.0) - x * Real(0.5) * (Real(1.0) - x * Real(1.0 / 3.0) *
                  (Real(1.0) - x * Real(0.25) * (Real(1.0) - x * Real(0.2)))));
-    return select(x < Real(0.125), small, Real(1.0) - exp(max(-x, Real(-80.0))));
+    return select(x < Real(0.125), small, Real(1.0) - exp_of_lobe(-x));
 }
 
 // The frame about a unit vector n: the vector whose coordinates in it are (x, y, z), n being its third axis
@@ -53,9 +56,9 @@ SRBF_FN Real gaussian_exponent(Vec3 omega, Vec3 centre, Real bandwidth) {
     return Real(-0.5) * bandwidth * dot(d, d);
 }
 
-// G(omega . xi | lambda) = exp(lambda (omega . xi - 1)); lambda >= 0; 1 at its centre xi.
+// G(omega . xi | lambda) = exp(lambda (omega . xi - 1)); lambda >= 0; 1 at its centre xi, e^-60 at least.
 SRBF_FN Real gaussian(Vec3 omega, Vec3 centre, Real bandwidth) {
-    return exp(gaussian_exponent(omega, centre, bandwidth));
+    return exp_of_lobe(gaussian_exponent(omega, centre, bandwidth));
 }
 
 // The integral of G over the sphere: 2 pi (1 - e^(-2 lambda)) / lambda [sr]; at lambda = 0 it is
@@ -88,20 +91,32 @@ SRBF_FN GaussianProduct gaussian_product(Vec3 centre1, Real bandwidth1, Vec3 cen
 
 // The density of the von Mises-Fisher distribution, G / integral of G [1/sr].
 SRBF_FN Real vmf_pdf(Vec3 omega, Vec3 centre, Real bandwidth) {
-    return exp(max(gaussian_exponent(omega, centre, bandwidth), Real(-80.0))) / gaussian_integral(bandwidth);
+    return gaussian(omega, centre, bandwidth) / gaussian_integral(bandwidth);
 }
 
-// A direction of that density from u1, u2 even in [0,1): cos(theta) - 1 = ln(1 - (1 - u1)(1 - e^(-2 lambda))) / lambda about
-// the centre. For lambda <= 0.01 by the logarithm's series, which has the limit 2 u1 - 1 for the cosine at 0.
+// The direction off the centre by the angle of cosine 1 + below, u2 even in [0,1) turns it about.
+SRBF_FN Vec3 off_centre(Vec3 centre, Real below, Real u2) {
+    Real sine = sqrt(max(-below * (Real(2.0) + below), Real(0.0)));
+    Real phi = Real(SRBF_TWO_PI) * u2;
+    return from_frame(centre, sine * cos(phi), sine * sin(phi), Real(1.0) + below);
+}
+
+// A direction of that density from u1, u2 even in [0,1): cos(theta) - 1 = ln(u1 + (1 - u1) e^(-2 lambda)) / lambda about the centre,
+// for lambda > 0.01 by that formula, with rest = e^(-2 lambda).
+SRBF_FN Vec3 sample_sharp_vmf(Vec3 centre, Real bandwidth, Real rest, Real u1, Real u2) {
+    Real below = log(max(u1 + (Real(1.0) - u1) * rest, Real(1.0e-35))) / bandwidth;
+    return off_centre(centre, max(below, Real(-2.0)), u2);
+}
+
+// For any lambda; for lambda <= 0.01 by the logarithm's series, which has the limit 2 u1 - 1 for the cosine at 0.
 SRBF_FN Vec3 sample_vmf(Vec3 centre, Real bandwidth, Real u1, Real u2) {
     Real positive = max(bandwidth, Real(1.0e-6));
     Real x = (Real(1.0) - u1) * one_minus_exp(Real(2.0) * positive);
     Real series = -x * (Real(1.0) + x * (Real(0.5) + x * (Real(1.0 / 3.0) + x * Real(0.25))));
-    Real direct = log(max(u1 + (Real(1.0) - u1) * exp(Real(-2.0) * positive), Real(1.0e-37)));
+    Real rest = exp(max(Real(-2.0) * positive, Real(-80.0)));
+    Real direct = log(max(u1 + (Real(1.0) - u1) * rest, Real(1.0e-35)));
     Real below = max(select(positive < Real(0.01), series, direct) / positive, Real(-2.0));
-    Real sine = sqrt(max(-below * (Real(2.0) + below), Real(0.0)));
-    Real phi = Real(SRBF_TWO_PI) * u2;
-    return from_frame(centre, sine * cos(phi), sine * sin(phi), Real(1.0) + below);
+    return off_centre(centre, below, u2);
 }
 
 // ---- Drawing the light -------------------------------------------------------------------------------------------
@@ -119,7 +134,7 @@ SRBF_FN Vec3 sample_cosine(Real u1, Real u2) {
 // grazing its centre ends half-way between the normal and wv.
 SRBF_FN GaussianProduct visible_lobe(Vec3 wv, Real bandwidth) {
     return gaussian_product(Vec3(Real(0.0), Real(0.0), Real(1.0)), bandwidth, wv,
-                            Real(1.0) / max(wv.z, Real(1.0) / bandwidth));
+                            min(Real(1.0) / max(wv.z, Real(1.0e-6)), bandwidth));
 }
 
 // The direction whose x has grown by the factor `stretch`.
@@ -152,12 +167,16 @@ SRBF_FN Real half_way_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Real stretch) {
     return vmf_pdf(at.direction, lobe.centre, lobe.bandwidth) * at.factor;
 }
 
-// A direction of that density; the zero vector where h . wv <= 0, which has none.
-SRBF_FN Vec3 sample_half_way(Vec3 wv, Real bandwidth, Real stretch, Real u1, Real u2) {
-    GaussianProduct lobe = visible_lobe(stretched(wv, stretch), bandwidth);
-    Vec3 h = stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), stretch);
+// The light of which h is the half-way vector; the zero vector where h . wv <= 0, which has none.
+SRBF_FN Vec3 light_of(Vec3 h, Vec3 wv) {
     Real along = dot(h, wv);
     return select(Real(0.0) < along, Real(1.0), Real(0.0)) * (Real(2.0) * along * h - wv);
+}
+
+// A direction of that density, if there is one.
+SRBF_FN Vec3 sample_half_way(Vec3 wv, Real bandwidth, Real stretch, Real u1, Real u2) {
+    GaussianProduct lobe = visible_lobe(stretched(wv, stretch), bandwidth);
+    return light_of(stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), stretch), wv);
 }
 
 // What a mixture is made of that follows any BRDF of reflection: component 0 is the cosine; 1 to 4 are lobes about the mirror
@@ -188,25 +207,64 @@ SRBF_FN ProposalPoint proposal_point(Vec3 wl, Vec3 wv, Real stretch) {
     at.below = half_way(at.mirrored, wv, stretch);
     return at;
 }
+// A component that is a lobe, what G is to be multiplied by for its density, and e^(-2 lambda).
+struct ProposalLobe {
+    Vec3 centre;
+    Real bandwidth;
+    Real scale;
+    Real rest;
+};
+SRBF_FN ProposalLobe mirror_lobe(Vec3 specular, Real bandwidth) {
+    ProposalLobe lobe;
+    lobe.centre = specular;
+    lobe.bandwidth = bandwidth;
+    lobe.scale = Real(1.0) / gaussian_integral(bandwidth);
+    lobe.rest = exp_of_lobe(Real(-2.0) * bandwidth);
+    return lobe;
+}
+// What the viewer sees of one is at least as narrow as itself: with lambda >= 8, e^(-2 lambda) is at most 1.2e-7, and counts as 0.
+SRBF_FN ProposalLobe half_way_lobe(Vec3 viewer, Real bandwidth) {
+    GaussianProduct product = visible_lobe(viewer, bandwidth);
+    ProposalLobe lobe;
+    lobe.centre = product.centre;
+    lobe.bandwidth = product.bandwidth;
+    lobe.scale = product.bandwidth * Real(1.0 / SRBF_TWO_PI);
+    lobe.rest = Real(0.0);
+    return lobe;
+}
+// Its density [1/sr] where it is drawn at `above`, or at `below` and then mirrored.
+SRBF_FN Real folded_pdf(ProposalLobe lobe, HalfWay above, HalfWay below) {
+    return lobe.scale * (gaussian(above.direction, lobe.centre, lobe.bandwidth) * above.factor +
+                         gaussian(below.direction, lobe.centre, lobe.bandwidth) * below.factor);
+}
+// A direction that is drawn as it is.
+SRBF_FN HalfWay itself(Vec3 direction) {
+    HalfWay at;
+    at.direction = direction;
+    at.factor = Real(1.0);
+    return at;
+}
 // The density of component k there, wl being above the horizon [1/sr].
 SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint at) {
     Real bandwidth = proposal_bandwidth(k);
     Real density = cosine_pdf(at.wl);
-    if (k > 0 && k < 5) {
-        density = vmf_pdf(at.wl, at.specular, bandwidth) + vmf_pdf(at.mirrored, at.specular, bandwidth);
-    } else if (k >= 5) {
-        GaussianProduct lobe = visible_lobe(at.viewer, bandwidth);
-        density = vmf_pdf(at.above.direction, lobe.centre, lobe.bandwidth) * at.above.factor +
-                  vmf_pdf(at.below.direction, lobe.centre, lobe.bandwidth) * at.below.factor;
-    }
+    if (k > 0 && k < 5) density = folded_pdf(mirror_lobe(at.specular, bandwidth), itself(at.wl), itself(at.mirrored));
+    if (k >= 5) density = folded_pdf(half_way_lobe(at.viewer, bandwidth), at.above, at.below);
     return density;
 }
 // A direction of it from u1, u2 even in [0,1); not above the horizon (z = 0) where there is none.
+SRBF_FN Vec3 folded(Vec3 wl) { return Vec3(wl.x, wl.y, max(wl.z, -wl.z)); }
 SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Real stretch, Real u1, Real u2) {
-    Vec3 wl = k == 0  ? sample_cosine(u1, u2)
-              : k < 5 ? sample_vmf(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k), u1, u2)
-                      : sample_half_way(wv, proposal_bandwidth(k), stretch, u1, u2);
-    return Vec3(wl.x, wl.y, max(wl.z, -wl.z));
+    Vec3 wl = sample_cosine(u1, u2);
+    if (k > 0 && k < 5) {
+        ProposalLobe lobe = mirror_lobe(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k));
+        wl = sample_sharp_vmf(lobe.centre, lobe.bandwidth, lobe.rest, u1, u2);
+    }
+    if (k >= 5) {
+        ProposalLobe lobe = half_way_lobe(stretched(wv, stretch), proposal_bandwidth(k));
+        wl = light_of(stretched(sample_sharp_vmf(lobe.centre, lobe.bandwidth, lobe.rest, u1, u2), stretch), wv);
+    }
+    return folded(wl);
 }
 
 // A lobe of the light times the cosine to the normal, which is 1.17 G(wl . z | 2.133) to .06 (Wang et al. 2009): what a view's lobe
@@ -266,16 +324,47 @@ SRBF_FN PmFeatures pm_further_features(int count, Vec3 wl, Vec3 wv) {
     return x;
 }
 
-// |psi - p|^2 of psi = d / |d| and the pole p = (0, 0, pole), with reciprocal = 1 / |d|.
-SRBF_FN Real squared_distance_from_pole(Vec3 d, Real reciprocal, Real pole) {
-    Real along = reciprocal * d.z - pole;
-    return reciprocal * reciprocal * (d.x * d.x + d.y * d.y) + along * along;
+// psi(wl, wv) as axial lobes see it: sin^2 and cos of its angle to the normal.
+struct AxialPsi {
+    Real across;
+    Real along;
+};
+SRBF_FN AxialPsi axial_psi(Vec3 wl, Vec3 wv, Real a, Real b) {
+    Vec3 d = a * wl + b * wv;
+    Real reciprocal = inversesqrt(max(dot(d, d), Real(1.0e-20)));
+    AxialPsi psi_;
+    psi_.across = reciprocal * reciprocal * (d.x * d.x + d.y * d.y);
+    psi_.along = reciprocal * d.z;
+    return psi_;
+}
+
+// |psi - xi|^2, of a pole xi = (0, 0, pole) and of any centre.
+SRBF_FN Real squared_distance_from_pole(AxialPsi psi_, Real pole) {
+    Real apart = psi_.along - pole;
+    return psi_.across + apart * apart;
+}
+SRBF_FN Real squared_distance(Vec3 psi_, Vec3 centre) {
+    Vec3 apart = psi_ - centre;
+    return dot(apart, apart);
 }
 
 // rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr], for R, G, B, with
 // x_k the further features. A lobe is taken as a power of two, of the exponent
-//     s_j log2(e) - sum_n (lambda_jn log2(e) / 2) |psi_n - xi_jn|^2 + sum_k (kappa_jk log2(e)) x_k,
-// cut at 100, which keeps every sum of lobes of a stored model finite in float. What is below 0 counts as 0.
+//     s_j log2(e) + sum_k (kappa_jk log2(e)) x_k - sum_n (lambda_jn log2(e) / 2) |psi_n - xi_jn|^2,
+// which the first function carries on by a variate, the second by the features. The third cuts it at 100, so that every sum of lobes
+// of a stored model is finite in float, and at -100, so that no product with a stored coefficient falls below float's normal numbers,
+// where arithmetic takes many times as long: of a lobe far away 8e-31 of its coefficient is left. What is below 0 in the sum counts as 0.
+SRBF_FN Real pm_with_variate(Pm pm, int j, int n, Real exponent, Real squared_distance_) {
+    return exponent - Real(pm_sharpness(pm, j, n)) * squared_distance_;
+}
+SRBF_FN Real pm_with_features(Pm pm, int j, Real exponent, PmFeatures features) {
+    Real sum = exponent + Real(pm_exponent(pm, j, 0)) * features.horizon;
+    if (pm_features(pm) > 1)
+        sum = sum + Real(pm_exponent(pm, j, 1)) * features.difference + Real(pm_exponent(pm, j, 2)) * features.elevation +
+              Real(pm_exponent(pm, j, 3)) * features.half_way;
+    return sum;
+}
+SRBF_FN Real pm_power(Real exponent) { return exp2(max(min(exponent, Real(100.0)), Real(-100.0))); }
 SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
     Vec3 variate[SRBF_MAX_VARIATES];
     Real up[SRBF_MAX_VARIATES];  // squared distances from +z and -z, all that axial lobes need
@@ -284,10 +373,9 @@ SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
         Real a = Real(pm_weight_l(pm, n));
         Real b = Real(pm_weight_v(pm, n));
         if (pm_axial(pm)) {
-            Vec3 d = a * wl + b * wv;
-            Real reciprocal = inversesqrt(max(dot(d, d), Real(1.0e-20)));
-            up[n] = squared_distance_from_pole(d, reciprocal, Real(1.0));
-            down[n] = squared_distance_from_pole(d, reciprocal, Real(-1.0));
+            AxialPsi psi_ = axial_psi(wl, wv, a, b);
+            up[n] = squared_distance_from_pole(psi_, Real(1.0));
+            down[n] = squared_distance_from_pole(psi_, Real(-1.0));
         } else {
             variate[n] = psi(wl, wv, a, b);
         }
@@ -297,21 +385,14 @@ SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     for (int j = 0; j < pm_lobes(pm); ++j) {
         Real exponent = Real(pm_log2_scale(pm, j));
+        if (pm_features(pm) > 0) exponent = pm_with_features(pm, j, exponent, features);
         for (int n = 0; n < pm_variates(pm); ++n) {
-            Real sharpness = Real(pm_sharpness(pm, j, n));
-            if (pm_axial(pm)) {
-                exponent = exponent - sharpness * (pm_down(pm, j, n) ? down[n] : up[n]);
-            } else {
-                Vec3 apart = variate[n] - pm_centre(pm, j, n);
-                exponent = exponent - sharpness * dot(apart, apart);
-            }
+            if (pm_axial(pm))
+                exponent = pm_with_variate(pm, j, n, exponent, pm_down(pm, j, n) ? down[n] : up[n]);
+            else
+                exponent = pm_with_variate(pm, j, n, exponent, squared_distance(variate[n], pm_centre(pm, j, n)));
         }
-        if (pm_features(pm) > 0) exponent = exponent + Real(pm_exponent(pm, j, 0)) * features.horizon;
-        if (pm_features(pm) > 1)
-            exponent = exponent + Real(pm_exponent(pm, j, 1)) * features.difference +
-                       Real(pm_exponent(pm, j, 2)) * features.elevation +
-                       Real(pm_exponent(pm, j, 3)) * features.half_way;
-        sum = sum + exp2(min(exponent, Real(100.0))) * pm_coefficient(pm, j);
+        sum = sum + pm_power(exponent) * pm_coefficient(pm, j);
     }
     // The colour of a spectral model's lobe may have a negative channel.
     return Vec3(max(sum.x, Real(0.0)), max(sum.y, Real(0.0)), max(sum.z, Real(0.0)));

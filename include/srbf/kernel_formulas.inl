@@ -9,40 +9,64 @@ template <typename Real_, typename Model, typename ByView = SuModel> struct Form
     using Bool = decltype(Real_() < Real_());
     using Pm = const Model&;
 
-    // A PmModel's exponents are to the base e; another model brings its numbers as the text takes them.
-    static auto in_bits(Pm, float x, double factor) {
-        if constexpr (std::is_same_v<Model, PmModel>)
-            return factor * 1.4426950408889634 * double(x);
-        else
-            return x;
-    }
+    // A PmModel's exponents are to the base e; another model answers in the text's words, with its numbers as the text takes them.
+    static constexpr bool is_plain = std::is_same_v<Model, PmModel>;
+    static constexpr double k_bits = 1.4426950408889634;
+    static std::size_t place(Pm pm, int j, int n) { return std::size_t(j * pm.variates + n); }
+
     static int pm_lobes(Pm pm) { return pm.lobes; }
     static int pm_variates(Pm pm) { return pm.variates; }
-    static float pm_weight_l(Pm pm, int n) { return pm.parameterization[std::size_t(n)].a; }
-    static float pm_weight_v(Pm pm, int n) { return pm.parameterization[std::size_t(n)].b; }
-    static auto pm_sharpness(Pm pm, int j, int n) {
-        return in_bits(pm, pm.bandwidth[std::size_t(j * pm.variates + n)], 0.5);
-    }
-    static bool pm_axial(Pm pm) { return pm.axial; }
-    static bool pm_down(Pm pm, int j, int n) {
-        const auto i = std::size_t(j * pm.variates + n);
-        if constexpr (std::is_same_v<Model, PmModel>)
-            return pm.centre[i].z < 0;
-        else
-            return pm.down[i];
-    }
     static int pm_features(Pm pm) { return features(pm.form); }
-    static auto pm_exponent(Pm pm, int j, int k) {
-        return in_bits(pm, pm.exponent[std::size_t(j * features(pm.form) + k)], 1.0);
+    static bool pm_axial(Pm pm) { return pm.axial; }
+    static auto pm_weight_l(Pm pm, int n) {
+        if constexpr (is_plain)
+            return pm.parameterization[std::size_t(n)].a;
+        else
+            return pm.weight_l(n);
     }
-    static auto pm_log2_scale(Pm pm, int j) { return in_bits(pm, pm.log_scale[std::size_t(j)], 1.0); }
+    static auto pm_weight_v(Pm pm, int n) {
+        if constexpr (is_plain)
+            return pm.parameterization[std::size_t(n)].b;
+        else
+            return pm.weight_v(n);
+    }
+    static auto pm_log2_scale(Pm pm, int j) {
+        if constexpr (is_plain)
+            return k_bits * double(pm.log_scale[std::size_t(j)]);
+        else
+            return pm.log2_scale(j);
+    }
+    static auto pm_sharpness(Pm pm, int j, int n) {
+        if constexpr (is_plain)
+            return 0.5 * k_bits * double(pm.bandwidth[place(pm, j, n)]);
+        else
+            return pm.sharpness(j, n);
+    }
+    static auto pm_exponent(Pm pm, int j, int k) {
+        if constexpr (is_plain)
+            return k_bits * double(pm.exponent[std::size_t(j * pm_features(pm) + k)]);
+        else
+            return pm.exponent(j, k);
+    }
+    static bool pm_down(Pm pm, int j, int n) {
+        if constexpr (is_plain)
+            return pm.centre[place(pm, j, n)].z < 0;
+        else
+            return pm.down(j, n);
+    }
     static Vec3 pm_centre(Pm pm, int j, int n) {
-        const auto& centre = pm.centre[std::size_t(j * pm.variates + n)];
-        return Vec3(Real(centre.x), Real(centre.y), Real(centre.z));
+        if constexpr (is_plain)
+            return triple(pm.centre[place(pm, j, n)]);
+        else
+            return triple(pm.centre(j, n));
     }
     static Vec3 pm_coefficient(Pm pm, int j) {
-        const auto& coefficient = pm.coefficient[std::size_t(j)];
-        return Vec3(Real(coefficient.r), Real(coefficient.g), Real(coefficient.b));
+        if constexpr (is_plain) {
+            const auto& coefficient = pm.coefficient[std::size_t(j)];
+            return Vec3(Real(coefficient.r), Real(coefficient.g), Real(coefficient.b));
+        } else {
+            return triple(pm.coefficient(j));
+        }
     }
 
     using Su = const ByView&;

@@ -1,6 +1,7 @@
 // Drawing the light that a BRDF reflects to the viewer: level 3.
 #pragma once
 #include <array>
+#include <limits>
 #include <variant>
 #include <vector>
 
@@ -20,6 +21,12 @@ struct LightSample {
 //   pdf(proposal, wl, wv)     its density [1/sr]; 0 below the horizon, above it positive wherever f cosθl is
 // for wv.z > 0, with ∫ pdf + P(no direction) = 1.
 
+/// Whether both are above the horizon. Compared so, a subnormal cosine is not, whether the processor takes it for 0 or not.
+inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
+    constexpr float least = std::numeric_limits<float>::min();
+    return wl.z >= least && wv.z >= least;
+}
+
 /// Draws by the cosine, whatever the BRDF.
 struct CosineProposal {};
 Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec3f u);
@@ -28,11 +35,15 @@ float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
 /// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine, lobes about the mirror direction, lobes of half-way
 /// vectors. The weights are linear in √(1 − cosθv) between nodes, whose own are those of least variance for the BRDF.
 struct MixtureProposal {
-    static constexpr int k_nodes = 13, k_lobes = 14;
-    std::array<std::array<float, k_lobes>, k_nodes> weight;  ///< node i at √(1 − cosθv) = i / 12; each row sums to 1
+    static constexpr int k_nodes = 13, k_lobes = 14, k_lanes = 16;
+    /// Node i at √(1 − cosθv) = i / 12; each row sums to 1 and ends with zeros, for vectors to load.
+    alignas(32) std::array<std::array<float, k_lanes>, k_nodes> weight{};
     float stretch = 1;           ///< ≥ 1: half-way lobes are so many times as wide along the grain
     float cosine = 1, sine = 0;  ///< of the grain's azimuth
 };
+/// `w` in the frame of the grain, whose x is along it, and back.
+Vec3f into_grain(const MixtureProposal& proposal, Vec3f w);
+Vec3f out_of_grain(const MixtureProposal& proposal, Vec3f w);
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec3f u);
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv);
 

@@ -13,6 +13,7 @@
 #include "srbf/directions.h"
 #include "srbf/fit_samples.h"
 #include "srbf/metrics.h"
+#include "srbf/prepared.h"
 
 namespace srbf {
 namespace {
@@ -64,7 +65,8 @@ Observations together(const SampleObservations& from, double weight_between, std
 }
 
 constexpr double k_most_change = 3;
-void weigh_large_errors(Observations& observations, const PmModel& model, double max_theta, double mean) {
+void weigh_large_errors(Observations& observations, const PmModel& fitted, double max_theta, double mean) {
+    const PreparedModel model = prepare({fitted, {}});
     for (std::size_t i = 0; i < observations.f.size() - observations.checks; ++i) {
         const Vec3f wl = observations.wl[i], wv = observations.wv[i];
         if (std::min(wl.z, wv.z) >= sample_cap(max_theta))  // else a guard

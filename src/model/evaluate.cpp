@@ -1,7 +1,13 @@
-// A model on arrays of pairs: the formulas of kernel.glsl on batches as wide as the machine's vectors.
+// A model on arrays of pairs: the formulas of kernel.glsl on batches as wide as the machine's vectors; and on one pair,
+// its lobes in the lanes of a vector.
 #include <algorithm>
+#include <bit>
 #include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <limits>
 
+#include "model/pm_numbers.h"
 #include "srbf/model.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -57,29 +63,22 @@ HWY_INLINE Both select(BothMasks where, Both x, Both y) {
 template <int N, bool is_axial> struct Sized {
     static constexpr int variates = N;
     static constexpr bool axial = is_axial;
-    PmForm form;
-    int lobes;
-    const Rgb* coefficient;
-    const Vec3f* centre;
-    const Parameterization* parameterization;
-    float log_scale[k_most_lobes];  // of each array only what the model has is touched
-    float bandwidth[k_most_lobes * N];
-    float exponent[k_most_lobes * 4];
-    bool down[k_most_lobes * N];
+    const PmNumbers& numbers;
+    PmForm form = numbers.form();
+    int lobes = numbers.lobes();
 
-    explicit Sized(const PmModel& model)
-        : form(model.form),
-          lobes(model.lobes),
-          coefficient(model.coefficient.data()),
-          centre(model.centre.data()),
-          parameterization(model.parameterization.data()) {
-        const auto in_bits = [](const std::vector<float>& from, float* to, double factor) {
-            for (const float x : from) *to++ = float(factor * 1.4426950408889634 * double(x));
-        };
-        in_bits(model.log_scale, log_scale, 1);
-        in_bits(model.bandwidth, bandwidth, 0.5);
-        in_bits(model.exponent, exponent, 1);
-        for (std::size_t i = 0; i < model.centre.size(); ++i) down[i] = model.centre[i].z < 0;
+    float at(int j, int row) const { return *PmNumbers::row(numbers.lobe(j), row); }
+    float weight_l(int n) const { return *numbers.weight_l(n); }
+    float weight_v(int n) const { return *numbers.weight_v(n); }
+    float log2_scale(int j) const { return at(j, PmNumbers::log2_scale()); }
+    float sharpness(int j, int n) const { return at(j, PmNumbers::sharpness(axial, n)); }
+    float exponent(int j, int k) const { return at(j, PmNumbers::exponent(axial, N, k)); }
+    bool down(int j, int n) const { return std::bit_cast<std::int32_t>(at(j, PmNumbers::pole(n))) < 0; }
+    Vec3f centre(int j, int n) const {
+        return {at(j, PmNumbers::centre(n, 0)), at(j, PmNumbers::centre(n, 1)), at(j, PmNumbers::centre(n, 2))};
+    }
+    Vec3f coefficient(int j) const {
+        return {at(j, PmNumbers::coefficient(0)), at(j, PmNumbers::coefficient(1)), at(j, PmNumbers::coefficient(2))};
     }
 };
 
@@ -87,8 +86,8 @@ static_assert(sizeof(Vec3f) == 3 * sizeof(float) && sizeof(Rgb) == 3 * sizeof(fl
 
 // `count` is a multiple of two batches.
 template <int N, bool axial>
-void evaluate_sized(const PmModel& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
-    const Sized<N, axial> sized(model);
+void evaluate_sized(const PmNumbers& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
+    const Sized<N, axial> sized{model};
     const Interleaved interleaved;
     const std::size_t width = Batch::size();
     const Both zero(0.0);
@@ -104,15 +103,14 @@ void evaluate_sized(const PmModel& model, const Vec3f* wl, const Vec3f* wv, Rgb*
     }
 }
 
-using Evaluator = void (*)(const PmModel&, const Vec3f*, const Vec3f*, Rgb*, std::size_t);
-template <int N = 1> Evaluator evaluator_of(const PmModel& model) {
+using Evaluator = void (*)(const PmNumbers&, const Vec3f*, const Vec3f*, Rgb*, std::size_t);
+template <int N = 1> Evaluator evaluator_of(const PmNumbers& model) {
     if constexpr (N < k_most_variates)
-        if (model.variates > N) return evaluator_of<N + 1>(model);
-    return model.axial ? evaluate_sized<N, true> : evaluate_sized<N, false>;
+        if (model.variates() > N) return evaluator_of<N + 1>(model);
+    return model.axial() ? evaluate_sized<N, true> : evaluate_sized<N, false>;
 }
 
-void evaluate(const PmModel& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
-    assert(1 <= model.variates && model.variates <= k_most_variates);
+void evaluate(const PmNumbers& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     const Evaluator evaluator = evaluator_of(model);
     const std::size_t width = 2 * Batch::size(), rest = count % width, whole = count - rest;
     if (whole > 0) evaluator(model, wl, wv, f, whole);
@@ -129,6 +127,140 @@ void evaluate(const PmModel& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, st
     std::copy_n(last_f, rest, f + whole);
 }
 
+// A model whose lobe j, as the text has it, is as many lobes as a vector has lanes.
+template <int N, bool is_axial, PmForm of_form> struct Grouped {
+    static constexpr int variates = N;
+    static constexpr bool axial = is_axial;
+    static constexpr PmForm form = of_form;
+    const PmNumbers& numbers;
+    int lanes = int(Group::size());
+
+    HWY_INLINE Group at(int j, int row) const { return Group::load(PmNumbers::row(numbers.lobe(j * lanes), row)); }
+    HWY_INLINE Group log2_scale(int j) const { return at(j, PmNumbers::log2_scale()); }
+    HWY_INLINE Group sharpness(int j, int n) const { return at(j, PmNumbers::sharpness(axial, n)); }
+    HWY_INLINE Group exponent(int j, int k) const { return at(j, PmNumbers::exponent(axial, N, k)); }
+    HWY_INLINE Group pole(int j, int n) const { return at(j, PmNumbers::pole(n)); }
+    HWY_INLINE Group place(int j, int n) const { return at(j, PmNumbers::place(n)); }
+    HWY_INLINE Vec3<Group> centre(int j, int n) const {
+        return {at(j, PmNumbers::centre(n, 0)), at(j, PmNumbers::centre(n, 1)), at(j, PmNumbers::centre(n, 2))};
+    }
+    HWY_INLINE Vec3<Group> coefficient(int j) const {
+        return {at(j, PmNumbers::coefficient(0)), at(j, PmNumbers::coefficient(1)), at(j, PmNumbers::coefficient(2))};
+    }
+};
+
+HWY_INLINE Group everywhere(float x) { return Group(double(x)); }
+HWY_INLINE Vec3<Group> everywhere(const Vec3f& w) { return {everywhere(w.x), everywhere(w.y), everywhere(w.z)}; }
+
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE void store_colour(const Vec3<Group>& sum, float* to) {
+    to[0] = std::max(sum.x.sum(), 0.f), to[1] = std::max(sum.y.sum(), 0.f), to[2] = std::max(sum.z.sum(), 0.f);
+}
+#else
+using Four = hn::CappedTag<float, 4>;
+HWY_INLINE hn::Vec<Four> in_four(Group a) {
+#if HWY_MAX_BYTES >= 32
+    return hn::Add(hn::LowerHalf(Four(), a.v), hn::UpperHalf(Four(), a.v));
+#else
+    return a.v;
+#endif
+}
+// The sums of the lanes of x, y and z, or 0 where that is less, in one store: what loads several of them need not wait
+// for each.
+HWY_INLINE void store_colour(const Vec3<Group>& sum, float* to) {
+    const Four d;
+    const auto x = in_four(sum.x), y = in_four(sum.y), z = in_four(sum.z), none = hn::Zero(d);
+    const auto xz = hn::Add(hn::InterleaveLower(d, x, z), hn::InterleaveUpper(d, x, z));
+    const auto y_ = hn::Add(hn::InterleaveLower(d, y, none), hn::InterleaveUpper(d, y, none));
+    hn::Store(hn::Max(hn::Add(hn::InterleaveLower(d, xz, y_), hn::InterleaveUpper(d, xz, y_)), none), d, to);
+}
+#endif
+
+// The variates of a pair, computed in lanes, and their squared distances from the centres of lobes in lanes.
+template <typename Formula, int N, bool axial> struct VariatesOf {
+    HWY_ALIGN float x[PmNumbers::k_lanes], y[PmNumbers::k_lanes], z[PmNumbers::k_lanes];
+
+    HWY_INLINE VariatesOf(const PmNumbers& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
+        for (int n = 0; n < N; n += int(Group::size())) {
+            const Vec3<Group> psi =
+                Formula::psi(wl, wv, Group::load(numbers.weight_l(n)), Group::load(numbers.weight_v(n)));
+            psi.x.store(x + n), psi.y.store(y + n), psi.z.store(z + n);
+        }
+    }
+    template <typename Model> HWY_INLINE Group squared_distance(const Model& pm, int j, int n) const {
+        return Formula::squared_distance({everywhere(x[n]), everywhere(y[n]), everywhere(z[n])}, pm.centre(j, n));
+    }
+};
+#if HWY_MAX_BYTES >= 32
+// Of four variates the distances from either pole are eight lanes, from which each lobe takes its own.
+template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
+    Group distance[(N + 3) / 4];
+
+    HWY_INLINE VariatesOf(const PmNumbers& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
+        const Group pole = Group::load(PmNumbers::k_poles);
+        for (int n = 0; n < N; n += 4)
+            distance[n / 4] =
+                Formula::squared_distance_from_pole(Formula::axial_psi(wl, wv, Group::load(numbers.four_weights_l(n)),
+                                                                       Group::load(numbers.four_weights_v(n))),
+                                                    pole);
+    }
+    template <typename Model> HWY_INLINE Group squared_distance(const Model& pm, int j, int n) const {
+        const hn::CappedTag<float, 8> d;
+        const auto from = hn::IndicesFromVec(d, hn::BitCast(Group::Bits(), pm.place(j, n).v));
+        return hn::TableLookupLanes(distance[n / 4].v, from);
+    }
+};
+#else
+template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
+    HWY_ALIGN float across[PmNumbers::k_lanes], along[PmNumbers::k_lanes];
+
+    HWY_INLINE VariatesOf(const PmNumbers& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
+        for (int n = 0; n < N; n += int(Group::size())) {
+            const auto psi =
+                Formula::axial_psi(wl, wv, Group::load(numbers.weight_l(n)), Group::load(numbers.weight_v(n)));
+            psi.across.store(across + n), psi.along.store(along + n);
+        }
+    }
+    template <typename Model> HWY_INLINE Group squared_distance(const Model& pm, int j, int n) const {
+        return Formula::squared_distance_from_pole({everywhere(across[n]), everywhere(along[n])}, pm.pole(j, n));
+    }
+};
+#endif
+
+// First the variates in lanes, then the lobes. `f` is of four numbers, R, G, B and one to spare.
+template <int N, bool axial, PmForm form>
+void value_sized(const void* model, const Vec3f& l, const Vec3f& v, float* f) {
+    using Formula = Formulas<Group, Grouped<N, axial, form>>;
+    const PmNumbers& numbers = *static_cast<const PmNumbers*>(model);
+    const Grouped<N, axial, form> pm{numbers};
+    const Vec3<Group> wl = everywhere(l), wv = everywhere(v);
+    const VariatesOf<Formula, N, axial> variates(numbers, wl, wv);
+    constexpr int count = features(form);
+    typename Formula::PmFeatures further;
+    if constexpr (count > 0) further = Formula::pm_further_features(count, wl, wv);
+    Vec3<Group> sum(Group(0.0), Group(0.0), Group(0.0));
+    for (int j = 0; j * pm.lanes < numbers.lobes(); ++j) {
+        Group exponent = pm.log2_scale(j);
+        if constexpr (count > 0) exponent = Formula::pm_with_features(pm, j, exponent, further);
+        for (int n = 0; n < N; ++n)
+            exponent = Formula::pm_with_variate(pm, j, n, exponent, variates.squared_distance(pm, j, n));
+        sum = sum + Formula::pm_power(exponent) * pm.coefficient(j);
+    }
+    store_colour(sum, f);
+}
+
+template <int N, bool axial> OfPair of_pair(PmForm form) {
+    return form == PmForm::source    ? value_sized<N, axial, PmForm::source>
+           : form == PmForm::horizon ? value_sized<N, axial, PmForm::horizon>
+                                     : value_sized<N, axial, PmForm::extended>;
+}
+template <int N = 1> OfPair of_pair(const PmNumbers& model) {
+    if constexpr (N < k_most_variates)
+        if (model.variates() > N) return of_pair<N + 1>(model);
+    return model.axial() ? of_pair<N, true>(model.form()) : of_pair<N, false>(model.form());
+}
+OfPair pair_evaluator(const PmNumbers& model) { return of_pair(model); }
+
 }  // namespace HWY_NAMESPACE
 }  // namespace srbf
 HWY_AFTER_NAMESPACE();
@@ -137,11 +269,60 @@ HWY_AFTER_NAMESPACE();
 namespace srbf {
 
 HWY_EXPORT(evaluate);
+HWY_EXPORT(pair_evaluator);
 
+<<<<<<< HEAD
 void evaluate(const PmModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const FlushSubnormals mode;
+=======
+PmNumbers::PmNumbers(const PmModel& model)
+    : form_(model.form),
+      axial_(model.axial),
+      lobes_(model.lobes),
+      variates_(model.variates),
+      rows_(exponent(axial_, variates_, features(form_))),
+      numbers_(std::size_t(k_first + (lobes_ + k_lanes - 1) / k_lanes * rows_)) {
+    assert(1 <= lobes_ && lobes_ <= k_most_lobes && 1 <= variates_ && variates_ <= k_most_variates);
+    const auto N = std::size_t(variates_), F = std::size_t(features(form_));
+    for (std::size_t n = 0; n < k_lanes; ++n) {
+        const Parameterization p = n < N ? model.parameterization[n] : Parameterization{};
+        numbers_[0].of[n] = p.a, numbers_[1].of[n] = p.b;
+        for (const std::size_t lane : {n % 4, n % 4 + 4})
+            numbers_[2 + n / 4].of[lane] = p.a, numbers_[4 + n / 4].of[lane] = p.b;
+    }
+    const auto in_bits = [](float x) { return float(1.4426950408889634 * double(x)); };
+    for (std::size_t j = 0; j < std::size_t(lobes_); ++j) {
+        Row* const rows = &numbers_[k_first + j / k_lanes * std::size_t(rows_)];
+        const auto set = [&](int row, float x) { rows[row].of[j % k_lanes] = x; };
+        set(log2_scale(), in_bits(model.log_scale[j]));
+        // Less is of a spectrum alone, and less than its halves tell apart; its products might be subnormal.
+        for (int c = 0; c < 3; ++c) {
+            const float beta = model.coefficient[j][c];
+            set(coefficient(c), std::abs(beta) < 0x1p-26f ? 0 : beta);
+        }
+        for (std::size_t n = 0; n < N; ++n) {
+            const Vec3f xi = model.centre[j * N + n];
+            set(sharpness(axial_, int(n)), 0.5f * in_bits(model.bandwidth[j * N + n]));
+            if (axial_)
+                set(pole(int(n)), xi.z < 0 ? -1.f : 1.f),
+                    set(place(int(n)), std::bit_cast<float>(std::int32_t(n % 4 + (xi.z < 0 ? 4 : 0))));
+            else
+                set(centre(int(n), 0), xi.x), set(centre(int(n), 1), xi.y), set(centre(int(n), 2), xi.z);
+        }
+        for (std::size_t k = 0; k < F; ++k)
+            set(exponent(axial_, variates_, int(k)), in_bits(model.exponent[j * F + k]));
+    }
+}
+
+OfPair pair_evaluator(const PmNumbers& model) { return HWY_DYNAMIC_DISPATCH(pair_evaluator)(model); }
+
+void evaluate(const PmNumbers& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+>>>>>>> 11d5cbc908f9b4e2e00a38bf6dc5b02e2c1fe920
     assert(wl.size() == wv.size() && wl.size() == f.size());
     HWY_DYNAMIC_DISPATCH(evaluate)(model, wl.data(), wv.data(), f.data(), f.size());
+}
+void evaluate(const PmModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    evaluate(PmNumbers(model), wl, wv, f);
 }
 
 void evaluate(const Model& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {

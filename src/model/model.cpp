@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "floating_point.h"
 #include "model/ggx_file.h"
 #include "model/safetensors.h"
 #include "model/su_file.h"
@@ -233,12 +234,14 @@ Channels channels(const Model& model) {
 }
 
 PmModel rounded(const PmModel& model) {
+    const FlushSubnormals mode;
     Result<PmModel> decoded = decode(encode(model), model.form, model.axial, model.wavelength, "");
     assert(decoded.ok());  // a valid model has no number that its encoding could not hold
     return *std::move(decoded);
 }
 
 std::vector<std::byte> write_model(const Model& model) {
+    const FlushSubnormals mode;
     Safetensors content{{}, model.provenance};
     auto& metadata = content.metadata;
     metadata["srbf"] = k_version;
@@ -262,6 +265,7 @@ std::vector<std::byte> write_model(const Model& model) {
 }
 
 Result<Model> read_model(std::span<const std::byte> bytes, const std::string& source) {
+    const FlushSubnormals mode;
     Result<Safetensors> content = read_safetensors(bytes, source);
     if (!content) return content.error();
     auto& metadata = content->metadata;

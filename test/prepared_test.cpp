@@ -1,0 +1,305 @@
+// Prepared models, pair by pair, against kernel.glsl in double, for each instruction set of this machine.
+#include "srbf/prepared.h"
+
+#include <algorithm>
+#include <optional>
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+#include "models.h"
+#include "one_target.h"
+#include "srbf/kernel.h"
+#include "su_models.h"
+
+namespace srbf {
+namespace {
+
+struct Pair {
+    Vec3f wl, wv;
+};
+
+/// Pairs all over the sphere, and about the mirror direction.
+std::vector<Pair> random_pairs(std::mt19937_64& random, int count) {
+    std::vector<Pair> pairs;
+    for (int i = 0; i < count; ++i) {
+        const Vec3d wl = random_direction(random, i % 5 == 0 ? -0.2 : 0);
+        const double reach = std::pow(10, -3 * uniform(random));
+        const Vec3d wv =
+            i % 2 ? random_direction(random, -0.2) : normalize(mirror(wl) + reach * random_direction(random));
+        pairs.push_back({to_float(wl), to_float(wv)});
+    }
+    return pairs;
+}
+
+/// Within 1e-4 of the exact value or 1e-6 of the largest one.
+void expect_exact(const PmModel& model, const std::vector<Pair>& pairs) {
+    const PreparedModel prepared = prepare({model, {}});
+    std::vector<Vec3d> exact;
+    double peak = 0;
+    for (const auto& [l, v] : pairs) {
+        exact.push_back(l.z > 0 && v.z > 0 ? Kernel<double>::pm_value(model, to_double(l), to_double(v)) : Vec3d());
+        peak = std::max({peak, exact.back().x, exact.back().y, exact.back().z});
+    }
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const Rgb f = value(prepared, pairs[i].wl, pairs[i].wv);
+        const double expected[] = {exact[i].x, exact[i].y, exact[i].z};
+        for (int c = 0; c < 3; ++c)
+            EXPECT_TRUE(near(f[c], expected[c], std::max({1e-4 * expected[c], 1e-6 * peak, 1e-35})))
+                << f[c] << ' ' << expected[c] << ' ' << peak << ", J " << model.lobes << ", N " << model.variates;
+    }
+}
+
+class PreparedOn : public testing::TestWithParam<Target> {
+  protected:
+    const OneTarget target_{GetParam()};
+    std::mt19937_64 random_{1};
+    float draw() { return std::min(float(uniform(random_)), 0x1.fffffep-1f); }
+    Vec3f draw3() {
+        const float a = draw(), b = draw(), c = draw();
+        return {a, b, c};
+    }
+};
+INSTANTIATE_TEST_SUITE_P(EachTarget, PreparedOn, testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
+                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+
+TEST_P(PreparedOn, AgreesWithDouble) {
+    const std::vector<Pair> pairs = random_pairs(random_, 120);
+    for (const PmForm form : k_forms)
+        for (const bool axial : {true, false}) {
+            for (int variates = 1; variates <= k_most_variates; ++variates)
+                for (const int lobes : {1, 6, 8, 9, 16, 33})
+                    expect_exact(random_model(random_, {axial, variates % 2 == 0, lobes, variates, 3000, form}), pairs);
+            expect_exact(random_model(random_, {axial, true, k_most_lobes, k_most_variates, 3000, form}), pairs);
+        }
+}
+
+TEST_P(PreparedOn, NegativeChannelsOfSpectraCountInTheSumAlone) {
+    const std::vector<Pair> pairs = random_pairs(random_, 120);
+    for (const PmForm form : k_forms)
+        for (const bool axial : {true, false}) {
+            PmModel model = spectral_model(random_, {.axial = axial, .lobes = 9, .form = form}, 8);
+            expect_exact(model, pairs);
+            for (std::size_t j = 0; j < 9; j += 2) model.coefficient[j].g *= -1;
+            expect_exact(model, pairs);
+        }
+}
+
+TEST_P(PreparedOn, KeepsTheDigitsOfTheSharpestPeaks) {
+    for (const bool axial : {true, false})
+        for (const Parameterization p : {Parameterization{1, 1}, {-0.7f, -0.7f}, {0.8f, 0.6f}}) {
+            PmModel model = random_model(random_, {.axial = axial, .lobes = 2, .variates = 1});
+            model.parameterization = {p};
+            model.bandwidth = {k_half_max, 3000};
+            const float pole = p.a > 0 ? 1.f : -1.f;
+            model.centre = {{0, 0, pole}, {0, 0, pole}};
+            std::vector<Pair> pairs;
+            for (const double theta : {0.0, 0.1, 0.7, 1.3, 1.5})
+                for (int i = 0; i < 200; ++i) {
+                    const Vec3d wl = spherical(theta, 1.0);
+                    const double reach = (i % 2 ? 0.1 : 0.01) * uniform(random_);
+                    pairs.push_back(
+                        {to_float(wl), to_float(normalize(mirror(wl) + reach * random_direction(random_)))});
+                }
+            expect_exact(model, pairs);
+        }
+}
+
+TEST_P(PreparedOn, IsCutBeforeSubnormalNumbersAndInfinity) {
+    PmModel model = random_model(random_, {.lobes = 1, .variates = 1});
+    model.parameterization = {{1, 1}};
+    model.coefficient = {{0x1p-24f, 0x1p-60f, 1}};
+    for (const auto& [log_scale, expected] : {std::pair(-500.f, 0x1p-100), {500.f, 0x1p100}}) {
+        model.log_scale = {log_scale};
+        model.bandwidth = {0};
+        const Rgb f = value(prepare({model, {}}), {0, 0, 1}, {0, 0, 1});
+        EXPECT_TRUE(near_relative(double(f.r), 0x1p-24 * expected, 1e-4));
+        EXPECT_EQ(f.g, 0);
+        EXPECT_TRUE(near_relative(double(f.b), expected, 1e-4));
+    }
+}
+
+TEST_P(PreparedOn, BelowTheHorizonIsNothing) {
+    const PreparedModel model = prepare({random_model(random_, {}), {}}, {});
+    const Vec3f up{0, 0, 1};
+    for (const float z : {0.f, -0.f, -0.5f, 1e-40f}) {
+        const Vec3f low{1, 0, z};
+        EXPECT_EQ(value(model, low, up), Rgb());
+        EXPECT_EQ(value(model, up, low), Rgb());
+        EXPECT_EQ(pdf(model, low, up), 0);
+        EXPECT_EQ(pdf(model, up, low), 0);
+    }
+}
+
+/// With the processor flushing subnormal numbers to 0, or not.
+template <typename Ask> void in_mode(bool flushing, const Ask& ask) {
+#if defined(__SSE__)
+    constexpr unsigned both = 0x8040;  // flush to zero, denormals are zero
+    const unsigned before = _mm_getcsr();
+    _mm_setcsr(flushing ? before | both : before & ~both);
+    ask();
+    _mm_setcsr(before);
+#else
+    (void)flushing;
+    ask();
+#endif
+}
+
+TEST_P(PreparedOn, NothingDependsOnTheModeOfTheProcessor) {
+    std::vector<PreparedModel> models;
+    for (const PmForm form : k_forms)
+        for (const bool axial : {true, false})
+            for (const int lobes : {5, 12}) {
+                const PmModel model = random_model(random_, {axial, true, lobes, 4, k_half_max, form});
+                models.push_back(prepare({model, {}}, {.azimuths = axial ? 1 : 4}));
+            }
+    models.push_back(prepare({random_su(random_, 64, 5), {}}, {}));
+    models.push_back(prepare({GgxModel{{0.1f, 0.2f, 0.3f}, {{k_least_roughness, {1, 0.9f, 0.8f}, 1}}}, {}}, {}));
+    std::vector<Pair> pairs = random_pairs(random_, 2000);
+    for (std::size_t i = 0; i < pairs.size(); i += 4) {  // exactly along the axes, or nearly
+        pairs[i].wl = {i % 8 ? 0 : 1e-25f, 1e-40f, 1};
+        if (i % 16 == 0) pairs[i].wv = {1, 1e-30f, 1e-38f};
+    }
+    for (const PreparedModel& model : models) {
+        std::vector<Rgb> f[2];
+        std::vector<Vec3f> wl[2];
+        std::vector<float> density[2];
+        for (const int flushing : {0, 1})
+            in_mode(flushing != 0, [&] {
+                std::mt19937_64 random(3);
+                for (const auto& [l, v] : pairs) {
+                    f[flushing].push_back(value(model, l, v));
+                    density[flushing].push_back(pdf(model, l, v));
+                    const float a = float(uniform(random)), b = float(uniform(random)), c = float(uniform(random));
+                    if (v.z > 0.01f) wl[flushing].push_back(sample(model, v, {a, b, c}));
+                }
+            });
+        EXPECT_EQ(f[0], f[1]);
+        EXPECT_EQ(density[0], density[1]);
+        EXPECT_TRUE(wl[0] == wl[1]);
+    }
+}
+
+TEST_P(PreparedOn, BatchesAreTheModels) {
+    for (const bool axial : {true, false}) {
+        const PmModel model = random_model(random_, {.axial = axial, .lobes = 11, .form = PmForm::extended});
+        std::vector<Vec3f> wl, wv;
+        for (const auto& [l, v] : random_pairs(random_, 100)) wl.push_back(l), wv.push_back(v);
+        std::vector<Rgb> of_model(wl.size()), of_prepared(wl.size());
+        evaluate(model, wl, wv, of_model);
+        evaluator(prepare({model, {}}))(wl, wv, of_prepared);
+        EXPECT_EQ(of_model, of_prepared);
+    }
+}
+
+TEST_P(PreparedOn, CopiesOutliveTheirSources) {
+    for (const int kind : {0, 1, 2}) {
+        auto source = std::make_unique<Model>();
+        if (kind == 0) source->model = random_model(random_, {.lobes = 9, .form = PmForm::extended});
+        if (kind == 1) source->model = random_su(random_, 64, 3);
+        if (kind == 2) source->model = GgxModel{{0.1f, 0.2f, 0.3f}, {{0.2f, {1, 0.9f, 0.8f}, 1}}};
+        const Model kept = *source;
+        const Proposal proposal = propose(kept);
+        std::optional<PreparedModel> first = prepare(*source, {});
+        source.reset();
+        PreparedModel copy = *first;
+        const PreparedModel moved = std::move(*first);
+        first.reset();
+        const PreparedModel last = std::move(copy);
+        for (const PreparedModel* model : {&moved, &last})
+            for (const auto& [l, v] : random_pairs(random_, 200)) {
+                const Rgb f = value(*model, l, v), expected = value(kept, l, v);
+                for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6));
+                EXPECT_EQ(pdf(*model, l, v), pdf(proposal, l, v));
+                if (!(v.z > 0)) continue;
+                const Vec3f u = draw3();
+                EXPECT_TRUE(sample(*model, v, u) == sample(proposal, v, u));
+            }
+    }
+}
+
+/// A mixture of random weights, a third of them 0, and its density by kernel.glsl in double.
+MixtureProposal random_mixture(std::mt19937_64& random, float stretch) {
+    MixtureProposal proposal;
+    proposal.stretch = stretch;
+    if (stretch > 1) proposal.cosine = 0.6f, proposal.sine = 0.8f;
+    for (auto& row : proposal.weight) {
+        float sum = 0;
+        for (std::size_t k = 0; k < MixtureProposal::k_lobes; ++k) {
+            row[k] = k > 0 && uniform(random) < 0.33 ? 0 : float(uniform(random));
+            sum += row[k];
+        }
+        for (float& w : row) w /= sum;
+    }
+    return proposal;
+}
+std::array<double, MixtureProposal::k_lobes> weights_at(const MixtureProposal& proposal, double z) {
+    const double at = std::sqrt(1 - z) * (MixtureProposal::k_nodes - 1);
+    const int below = std::min(int(at), MixtureProposal::k_nodes - 2);
+    std::array<double, MixtureProposal::k_lobes> weight;
+    for (std::size_t k = 0; k < weight.size(); ++k)
+        weight[k] = (1 - at + below) * double(proposal.weight[std::size_t(below)][k]) +
+                    (at - below) * double(proposal.weight[std::size_t(below + 1)][k]);
+    return weight;
+}
+
+TEST_P(PreparedOn, DensityAndDrawsAreThoseOfTheText) {
+    using D = Kernel<double>;
+    for (const float stretch : {1.f, 4.f})
+        for (int i = 0; i < 4; ++i) {
+            const MixtureProposal proposal = random_mixture(random_, stretch);
+            const auto turned = [&](Vec3d w, int way) {
+                return D::turned(w, double(proposal.cosine), way * double(proposal.sine));
+            };
+            int other = 0;
+            for (int n = 0; n < 2000; ++n) {
+                const Vec3f wv = to_float(random_direction(random_, 0.02)), u = draw3();
+                const Vec3d v = turned(to_double(wv), -1);
+                const auto weight = weights_at(proposal, double(wv.z));
+                double left = double(u.z);
+                int k = 0;
+                while (k + 1 < MixtureProposal::k_lobes && left >= weight[std::size_t(k)])
+                    left -= weight[std::size_t(k++)];
+                const Vec3f wl = sample(proposal, wv, u);
+                const Vec3d expected =
+                    turned(D::sample_proposal_lobe(k, v, double(stretch), double(u.x), double(u.y)), 1);
+                const Vec3d apart = to_double(wl) - expected;
+                other += !near(std::sqrt(dot(apart, apart)), 0, 2e-3);
+                if (!(wl.z > 0)) continue;
+                const auto at = D::proposal_point(turned(to_double(wl), -1), v, double(stretch));
+                double density = 0;
+                for (int j = 0; j < MixtureProposal::k_lobes; ++j)
+                    density += weight[std::size_t(j)] * D::proposal_lobe_pdf(j, at);
+                EXPECT_TRUE(near_relative(double(pdf(proposal, wl, wv)), density, 2e-3)) << n << ' ' << k;
+            }
+            EXPECT_LE(other, 2);  // where rounding chooses another lobe
+        }
+}
+
+TEST_P(PreparedOn, DrawsAndDensityAgree) {
+    // The mean of g / pdf over draws is the integral of g above the horizon: of cosθ / π, and of a lobe that is sharp.
+    const PmModel model = random_model(random_, {.lobes = 6, .form = PmForm::extended});
+    const PreparedModel prepared = prepare({model, {}}, {});
+    for (const double theta : {0.0, 0.5, 1.0, 1.4}) {
+        const Vec3f wv = to_float(spherical(theta, 0.3)), specular = mirror(wv);
+        double of_cosine = 0, of_lobe = 0, squares = 0;
+        constexpr int n = 48;
+        for (int i = 0; i < n * n * n; ++i) {
+            const Vec3f cell{float(i % n), float(i / n % n), float(i / n / n)};
+            const Vec3f wl = sample(prepared, wv, (1.f / n) * (cell + draw3()));
+            if (!(wl.z > 0)) continue;
+            const double density = double(pdf(prepared, wl, wv));
+            of_cosine += double(wl.z) / k_pi / density;
+            const double lobe = double(Kernel<float>::vmf_pdf(wl, specular, 20.f) +
+                                       Kernel<float>::vmf_pdf({wl.x, wl.y, -wl.z}, specular, 20.f));
+            of_lobe += lobe / density, squares += lobe * lobe / (density * density);
+        }
+        EXPECT_TRUE(near(of_cosine / (n * n * n), 1, 3e-3)) << theta;
+        const double mean = of_lobe / (n * n * n),
+                     deviation = std::sqrt((squares / (n * n * n) - mean * mean)) / (n * std::sqrt(double(n)));
+        EXPECT_TRUE(near(mean, 1, 1e-3 + 4 * deviation)) << theta << ' ' << mean << " +- " << deviation;
+    }
+}
+
+}  // namespace
+}  // namespace srbf

@@ -123,7 +123,7 @@ TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
 TEST(Fit, DoesNotDependOnTheNumberOfThreads) {
     const Observations o = observed(signed_evaluator(bundled("cc_ibiza_sunset_rgb")));
     FitOptions options;
-    options.lobes = 4;
+    options.lobes = options.variates = 3;
     options.threads = 1;
     const auto one = fit_pm(o, options), again = fit_pm(o, options);
     options.threads = 2;
@@ -211,7 +211,7 @@ TEST(Fit, OfEachObjectiveIsTheBestByItsOwnMeasure) {
     const double cap = 80 * k_degree;
     std::vector<Measures> measures;
     for (const auto& [objective, measure] : own) {
-        const auto fit = fit_pm(*observe(signed_evaluator(film), {objective, cap}), {});
+        const auto fit = fit_pm(*observe(signed_evaluator(film), {objective, cap}), {.lobes = 4, .variates = 3});
         ASSERT_TRUE(fit);
         const Evaluate others[] = {evaluator(fit->model)};
         measures.push_back(measure_heldout(evaluator(film), others, {cap, 0})[0]);
@@ -271,11 +271,12 @@ TEST(Fit, WithoutLogScaleKeepsCoefficientsWithinHalves) {
     FitOptions options;
     options.form = PmForm::source;
     options.log_scale = false;
+    options.lobes = 4, options.variates = 3;
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const auto fit = fit_pm(observed(signed_evaluator(bundled(name))), options);
         ASSERT_TRUE(fit);
         EXPECT_FALSE(has_log_scale(fit->model));
-        EXPECT_EQ(payload_bytes(fit->model), 128u);
+        EXPECT_EQ(payload_bytes(fit->model), 60u);
         for (const Rgb& beta : fit->unrounded.coefficient) EXPECT_LE(std::max({beta.r, beta.g, beta.b}), k_half_max);
         const Evaluate others[] = {evaluator(fit->model), evaluator(fit->unrounded)};
         const auto measures = measure_heldout(evaluator(bundled(name)), others, {80 * k_degree, 0});

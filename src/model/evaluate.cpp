@@ -271,10 +271,6 @@ namespace srbf {
 HWY_EXPORT(evaluate);
 HWY_EXPORT(pair_evaluator);
 
-<<<<<<< HEAD
-void evaluate(const PmModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    const FlushSubnormals mode;
-=======
 PmNumbers::PmNumbers(const PmModel& model)
     : form_(model.form),
       axial_(model.axial),
@@ -283,6 +279,7 @@ PmNumbers::PmNumbers(const PmModel& model)
       rows_(exponent(axial_, variates_, features(form_))),
       numbers_(std::size_t(k_first + (lobes_ + k_lanes - 1) / k_lanes * rows_)) {
     assert(1 <= lobes_ && lobes_ <= k_most_lobes && 1 <= variates_ && variates_ <= k_most_variates);
+    const FlushSubnormals mode;
     const auto N = std::size_t(variates_), F = std::size_t(features(form_));
     for (std::size_t n = 0; n < k_lanes; ++n) {
         const Parameterization p = n < N ? model.parameterization[n] : Parameterization{};
@@ -317,7 +314,7 @@ PmNumbers::PmNumbers(const PmModel& model)
 OfPair pair_evaluator(const PmNumbers& model) { return HWY_DYNAMIC_DISPATCH(pair_evaluator)(model); }
 
 void evaluate(const PmNumbers& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
->>>>>>> 11d5cbc908f9b4e2e00a38bf6dc5b02e2c1fe920
+    const FlushSubnormals mode;
     assert(wl.size() == wv.size() && wl.size() == f.size());
     HWY_DYNAMIC_DISPATCH(evaluate)(model, wl.data(), wv.data(), f.data(), f.size());
 }

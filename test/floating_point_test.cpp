@@ -195,11 +195,13 @@ TEST(InnerLoops, SeeNoneInAFitOfMeasuredSpectra) {
 /// flags raised.
 constexpr unsigned k_modes[] = {0x1f80, 0x9fc0, 0x3f80, 0x5fbf, 0x7f80};
 unsigned mode_now() { return _mm_getcsr(); }
+unsigned without_flags(unsigned mode) { return mode & ~0x3fu; }
 void set_mode(unsigned mode) { _mm_setcsr(mode); }
 #else
 /// Rounding alone can be set by the standard library.
 constexpr int k_modes[] = {FE_TONEAREST, FE_DOWNWARD, FE_UPWARD, FE_TOWARDZERO};
 int mode_now() { return std::fegetround(); }
+int without_flags(int mode) { return mode; }
 void set_mode(int mode) { std::fesetround(mode); }
 #endif
 
@@ -277,7 +279,7 @@ TEST(CallersMode, ChangesNoResultAndStaysAsItIs) {
             const auto found = results(measured, threads);
             const auto after = mode_now();
             set_mode(before);
-            EXPECT_EQ(after, mode);
+            EXPECT_EQ(without_flags(after), without_flags(mode));
             ASSERT_EQ(found.size(), expected.size());
             for (std::size_t i = 0; i < found.size(); ++i)
                 EXPECT_TRUE(found[i] == expected[i])

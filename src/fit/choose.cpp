@@ -14,15 +14,21 @@
 namespace srbf {
 namespace {
 
-constexpr std::size_t k_short_rows = 8192;
-constexpr int k_short_starts = 4, k_short_kicks = 8;
-/// So many of those that look best in short are fitted whole.
-constexpr std::size_t k_whole_fits = 6;
-/// A model that in short errs more than this much as asked for is not taken for one that reaches it.
-constexpr double k_short_excess = 2;
-/// On the way to the smallest model so many kinds take part, of which so many are fitted whole; and what counts as just below it.
-constexpr std::size_t k_few_kinds = 4, k_whole_each = 2;
-constexpr double k_just_below = 0.92;
+/// How closely a model is looked at before any is fitted whole.
+struct Look {
+    std::size_t rows;
+    int starts, kicks;
+};
+constexpr Look k_glance{4096, 2, 2}, k_look{8192, 4, 8};
+/// Of the kinds that are glanced at so many are looked at, those that then look best; and of their models so many fitted whole.
+constexpr std::size_t k_looked_at = 5, k_fitted_whole = 3;
+
+/// What a whole fit errs of what a glance at it tells, before there is one that tells: of those that look best 0.75 to 1.
+constexpr double k_of_glance = 0.75;
+/// On the way to the smallest model so many of the kinds that look best are glanced at once the bytes have been doubled often enough to tell,
+/// of so many all sizes, and so many models are fitted whole between one number of bytes and its double.
+constexpr std::size_t k_some_kinds = 8, k_few_kinds = 2, k_most_whole = 3;
+constexpr std::size_t k_telling_bytes = 64;
 
 /// A kind of model, of which only J is open.
 struct Kind {
@@ -60,16 +66,14 @@ std::vector<Kind> kinds(const FitOptions& options) {
     return all;
 }
 
-/// Fits and judges models, each once.
+Kind kind_of(const Step& step) { return {step.form, step.axial, step.variates}; }
+
+/// Fits and judges models.
 class Search {
   public:
     Search(const Observations& observations, const FitOptions& options, const JudgeModel& judge,
            const ProgressCallback& progress)
-        : observations_(observations),
-          some_(beginning(observations, k_short_rows)),
-          options_(options),
-          judge_(judge),
-          progress_(progress) {}
+        : observations_(observations), options_(options), judge_(judge), progress_(progress) {}
 
     struct Tried {
         Step step;
@@ -77,11 +81,12 @@ class Search {
     };
 
     /// Fits of these kinds and numbers of lobes in short, side by side.
-    Result<std::vector<Step>> in_short(const std::vector<std::pair<Kind, int>>& asked) {
+    Result<std::vector<Step>> in_short(const std::vector<std::pair<Kind, int>>& asked, const Look& look) {
+        const Observations some = beginning(observations_, look.rows);
         std::vector<Result<Tried>> tried(asked.size(), Error{});
         parallel_for(asked.size(), options_.threads, [&](std::size_t i) {
             const FitOptions options = asked[i].first.with_lobes(options_, asked[i].second);
-            tried[i] = attempt(some_, srbf::in_short(options, k_short_starts, k_short_kicks), true);
+            tried[i] = attempt(some, srbf::in_short(options, look.starts, look.kicks), true);
         });
         std::vector<Step> steps;
         for (const auto& one : tried) {
@@ -93,18 +98,9 @@ class Search {
     }
 
     Result<Tried> whole(const Step& step) {
-        const Kind kind{step.form, step.axial, step.variates};
-        auto tried = attempt(observations_, kind.with_lobes(options_, step.lobes), false);
+        auto tried = attempt(observations_, kind_of(step).with_lobes(options_, step.lobes), false);
         if (tried) path_.push_back(tried->step);
         return tried;
-    }
-
-    /// Whether that model was fitted whole.
-    bool has_whole(const Step& step) const {
-        return std::any_of(path_.begin(), path_.end(), [&](const Step& one) {
-            return one.whole && one.form == step.form && one.axial == step.axial && one.variates == step.variates &&
-                   one.lobes == step.lobes;
-        });
     }
 
     bool report(double fraction) {
@@ -134,7 +130,6 @@ class Search {
     }
 
     const Observations& observations_;
-    Observations some_;
     FitOptions options_;
     const JudgeModel& judge_;
     const ProgressCallback& progress_;
@@ -150,27 +145,28 @@ Result<Search::Tried> found_or_cancelled(std::optional<Search::Tried>& best) {
     return *std::move(best);
 }
 
-/// Of these kinds the models of the most lobes that fit into the bytes, and of up to so many fewer; those first that look best in short.
-Result<std::vector<Step>> best_in_short(Search& search, const FitOptions& options, const std::vector<Kind>& of,
-                                        std::size_t bytes, int fewer) {
-    std::vector<std::pair<Kind, int>> asked;
-    for (const Kind& kind : of) {
-        const int most = kind.most_lobes(bytes, options.log_scale);
-        for (int lobes = std::max(most - fewer, 1); lobes <= most; ++lobes) asked.emplace_back(kind, lobes);
-    }
-    auto steps = search.in_short(asked);
-    if (steps) std::stable_sort(steps->begin(), steps->end(), by_error);
-    return steps;
-}
-
-/// The least error within the bytes.
+/// The least error within the bytes. Of each kind the most lobes that fit into them are glanced at; of those that look best these and one fewer are
+/// looked at.
 Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, std::size_t bytes) {
-    const auto steps = best_in_short(search, options, kinds(options), bytes, 1);
+    std::vector<std::pair<Kind, int>> asked;
+    for (const Kind& kind : kinds(options))
+        if (const int most = kind.most_lobes(bytes, options.log_scale); most > 0) asked.emplace_back(kind, most);
+    if (asked.empty()) return Error{"fit", {}, "bytes", "enough for one lobe, 12", fmt::format("{}", bytes)};
+    auto steps = search.in_short(asked, k_glance);
     if (!steps) return steps.error();
-    if (steps->empty()) return Error{"fit", {}, "bytes", "enough for one lobe, 12", fmt::format("{}", bytes)};
+    std::stable_sort(steps->begin(), steps->end(), by_error);
+    if (search.report(0.2)) {
+        asked.clear();
+        for (std::size_t i = 0; i < std::min(k_looked_at, steps->size()); ++i)
+            for (int lobes = std::max((*steps)[i].lobes - 1, 1); lobes <= (*steps)[i].lobes; ++lobes)
+                asked.emplace_back(kind_of((*steps)[i]), lobes);
+        steps = search.in_short(asked, k_look);
+        if (!steps) return steps.error();
+        std::stable_sort(steps->begin(), steps->end(), by_error);
+    }
     std::optional<Search::Tried> best;
-    const std::size_t count = std::min(k_whole_fits, steps->size());
-    for (std::size_t i = 0; i < count && search.report(0.3 + 0.7 * double(i) / double(count)); ++i) {
+    const std::size_t count = std::min(k_fitted_whole, steps->size());
+    for (std::size_t i = 0; i < count && search.report(0.4 + 0.6 * double(i) / double(count)); ++i) {
         auto tried = search.whole((*steps)[i]);
         if (!tried) return tried;
         if (tried->step.bytes <= bytes && (!best || by_error(tried->step, best->step))) best = *std::move(tried);
@@ -178,63 +174,83 @@ Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, st
     return found_or_cancelled(best);
 }
 
-/// The fewest bytes at most that error. Doubles the bytes until some model reaches it, then halves the gap to those that were too few. On the
-/// way down only the kinds that looked best take part, and of these two are fitted whole; at last the models just below the smallest
-/// that was found are tried.
+/// Whether a model takes the place of the best: one that reaches the error if it is smaller than another that does, one that does not if it
+/// errs less than others that do not.
+bool is_better(const Step& step, const std::optional<Search::Tried>& best, double error) {
+    if (!best) return true;
+    const bool reaches = step.error <= error, best_reaches = best->step.error <= error;
+    return reaches ? !best_reaches || by_bytes(step, best->step) : !best_reaches && by_error(step, best->step);
+}
+
+/// The fewest bytes at most that error. The bytes are doubled until a glance at the kinds' largest models within them tells that one may reach it, or
+/// that none will, were each further doubling to lower the error as much as the last one. Of the kinds that look best all sizes down to the
+/// bytes before are glanced at, and the smallest that is then expected to reach the error is fitted whole, which corrects what is expected of the
+/// others, and so on.
 Result<Search::Tried> within_error(Search& search, const FitOptions& options, double error, bool& reached) {
     std::optional<Search::Tried> best;
-    std::vector<Kind> few;
-    // Whether some model within the bytes reaches the error; it or the nearest one becomes the best.
-    const auto attempt = [&](const std::vector<Kind>& of, std::size_t bytes) -> Result<bool> {
-        const auto steps = best_in_short(search, options, of, bytes, 0);
-        if (!steps) return steps.error();
-        few.clear();
-        for (const Step& step : *steps)
-            if (few.size() < k_few_kinds) few.push_back({step.form, step.axial, step.variates});
-        for (std::size_t i = 0; i < std::min(k_whole_each, steps->size()); ++i) {
-            if ((*steps)[i].error > k_short_excess * error && bytes < k_most_chosen_bytes) continue;
-            auto tried = search.whole((*steps)[i]);
-            if (!tried) return tried.error();
-            const bool enough = tried->step.error <= error, was_enough = best && best->step.error <= error;
-            if (!best || (enough ? !was_enough || by_bytes(tried->step, best->step)
-                                 : !was_enough && by_error(tried->step, best->step)))
-                best = *std::move(tried);
-            if (enough) return true;
-        }
-        return false;
-    };
-
-    std::size_t too_few = 0, enough = 32;
-    for (;; too_few = enough, enough = std::min(2 * enough, k_most_chosen_bytes)) {
-        const auto found = attempt(kinds(options), enough);
-        if (!found) return found.error();
-        reached = *found;
-        if (reached || enough == k_most_chosen_bytes || !search.report(0.1 * std::log2(double(enough) / 16))) break;
-    }
-    if (!reached) return found_or_cancelled(best);
-    const std::vector<Kind> looked_best = few;
-    while (enough - too_few > std::max<std::size_t>(4, enough / 24) && search.report(0.9)) {
-        const std::size_t between = (too_few + enough) / 2;
-        const auto found = attempt(looked_best, between);
-        if (!found) return found.error();
-        (*found ? enough : too_few) = *found ? std::min(between, best->step.bytes) : between;
-    }
-    std::vector<Step> below;
-    for (const Kind& kind : looked_best)
-        for (int lobes = kind.most_lobes(best->step.bytes - 1, options.log_scale);
-             lobes > 0 && double(kind.bytes(lobes, options.log_scale)) > k_just_below * double(best->step.bytes);
-             --lobes)
-            below.push_back(
-                {kind.form, kind.axial, lobes, kind.variates, kind.bytes(lobes, options.log_scale), 0, false});
-    std::stable_sort(below.begin(), below.end(), by_bytes);
-    for (const Step& step : below) {
-        if (search.has_whole(step)) continue;
-        if (!search.report(0.95)) break;
+    reached = false;
+    double expected = k_of_glance;  // whole fits' part of what a glance told
+    const auto fit_whole = [&](const Step& step) -> Result<Done> {
         auto tried = search.whole(step);
-        if (!tried) return tried;
-        if (tried->step.error > error) continue;
-        best = *std::move(tried);
-        break;
+        if (!tried) return tried.error();
+        expected = tried->step.error / step.error;
+        if (is_better(tried->step, best, error)) best = *std::move(tried);
+        reached = best->step.error <= error;
+        return Done{};
+    };
+    std::vector<Kind> of = kinds(options);
+    double before_error = std::numeric_limits<double>::infinity();
+    for (std::size_t before = 0, bytes = 32; !reached; before = bytes, bytes *= 2) {
+        std::vector<std::pair<Kind, int>> asked;
+        for (const Kind& kind : of)
+            if (const int most = kind.most_lobes(bytes, options.log_scale); most > 0) asked.emplace_back(kind, most);
+        auto glanced = search.in_short(asked, k_glance);
+        if (!glanced) return glanced.error();
+        std::stable_sort(glanced->begin(), glanced->end(), by_error);
+        const double doublings = std::log2(double(k_most_chosen_bytes) / double(bytes)), now = glanced->front().error,
+                     at_most = now * std::pow(std::min(now / before_error, 1.0), doublings);
+        const bool last = doublings < 1 || (before >= k_telling_bytes && k_of_glance * at_most > error);
+        before_error = now;
+        if (!search.report(0.1 * std::log2(double(bytes) / 16))) break;
+        if (k_of_glance * now > error) {
+            if (!last) {
+                if (bytes >= k_telling_bytes) {
+                    of.clear();
+                    for (std::size_t i = 0; i < std::min(k_some_kinds, glanced->size()); ++i)
+                        of.push_back(kind_of((*glanced)[i]));
+                }
+                continue;
+            }
+            if (const auto done = fit_whole(glanced->front()); !done) return done.error();
+            break;
+        }
+
+        asked.clear();
+        for (std::size_t i = 0; i < std::min(k_few_kinds, glanced->size()); ++i) {
+            const Kind kind = kind_of((*glanced)[i]);
+            for (int lobes = (*glanced)[i].lobes - 1; lobes > 0 && kind.bytes(lobes, options.log_scale) > before;
+                 --lobes)
+                asked.emplace_back(kind, lobes);
+        }
+        auto smaller = search.in_short(asked, k_glance);
+        if (!smaller) return smaller.error();
+        std::vector<Step> open = *std::move(smaller);
+        open.insert(open.end(), glanced->begin(), glanced->end());
+        std::stable_sort(open.begin(), open.end(), by_bytes);
+        for (std::size_t whole = 0; whole < k_most_whole && !open.empty() && search.report(0.6); ++whole) {
+            // The smallest that is expected to reach it; if none is, the one that comes nearest.
+            auto next = std::find_if(open.begin(), open.end(),
+                                     [&](const Step& step) { return expected * step.error <= error; });
+            if (next == open.end()) {
+                if (reached) break;
+                next = std::min_element(open.begin(), open.end(), by_error);
+            }
+            const Step step = *next;
+            open.erase(next);
+            if (const auto done = fit_whole(step); !done) return done.error();
+            if (reached) std::erase_if(open, [&](const Step& one) { return !by_bytes(one, best->step); });
+        }
+        if (last || !search.report(0.7)) break;
     }
     return found_or_cancelled(best);
 }

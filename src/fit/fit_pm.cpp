@@ -173,9 +173,10 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
         std::stable_sort(found.begin(), found.end(), by_loss);
 
         for (const Round& round : k_rounds) {
+            const bool first = &round == k_rounds;
             sample.look_about(found, options, log_peak_limit);
             found.resize(std::size_t(round.candidates(options)));
-            const Rows rows = sample.to_search();
+            const Rows rows = sample.to_search(first);
             const int until = round.kicks_until(options);
             each([&](std::size_t i) {
                 if (!reporter.cancelled()) improve(rows, options, log_peak_limit, until, found[i], reporter);

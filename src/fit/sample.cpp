@@ -10,21 +10,14 @@
 namespace srbf {
 namespace {
 
-/// Pairs that the search looks at, and the polish.
-constexpr std::size_t k_few = 4096, k_more = 16384;
+/// Pairs that the search looks at while there are many candidates, then, and the polish.
+constexpr std::size_t k_few = 2048, k_some = 4096, k_more = 16384;
 /// Of each candidate no more than so many places are taken in where it exceeds the measurement.
 constexpr std::size_t k_most_places = 16;
 
 /// Every albedo off by 10 % costs as much as the fit's loss without regard to albedo, but no more than 0.004: a fit that cannot
 /// follow the data gains nothing from an albedo that is right by chance.
 constexpr double k_albedo_error = 0.1, k_most_albedo_loss = 0.004;
-
-Observations colours_of(const Observations& observations, std::size_t count) {
-    Observations some = beginning(observations, count);
-    some.wavelengths.clear(), some.spectrum.clear();
-    some.albedo = observations.albedo;
-    return some;
-}
 
 /// At most so many of them, evenly.
 std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {
@@ -38,23 +31,30 @@ std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_
 
 Sample::Sample(const Observations& observations)
     : all_(observations),
-      few_(colours_of(observations, k_few)),
-      more_(colours_of(observations, k_more)),
-      largest_(largest_measured(observations)) {
-    begin_few_ = few_.f.size(), begin_more_ = more_.f.size();
+      few_(beginning_of_all(k_few)),
+      some_(beginning_of_all(k_some)),
+      more_(beginning_of_all(k_more)),
+      largest_(largest_measured(observations)) {}
+
+Sample::Part Sample::beginning_of_all(std::size_t count) const {
+    Observations some = beginning(all_, count);
+    some.wavelengths.clear(), some.spectrum.clear();
+    some.albedo = all_.albedo;
+    const std::size_t begin = some.f.size();
+    return {std::move(some), begin};
 }
 
 void Sample::look_about(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit) {
-    const Rows few(few_), more(more_);
+    const Rows some(some_.observations), more(more_.observations);
     std::vector<std::vector<std::size_t>> places(candidates.size());
     std::vector<double> loss(candidates.size());
     parallel_for(candidates.size(), [&](std::size_t i) {
         const Lobes& lobes = candidates[i].lobes;
-        LobeProblem seen(few, shape_of(options), false, log_peak_limit),
+        LobeProblem seen(some, shape_of(options), false, log_peak_limit),
             unseen(more, shape_of(options), false, log_peak_limit);
         seen.loss(LobeProblem::pack(lobes));
         places[i] =
-            some_of(exceeded(all_, begin_few_, to_model(seen, lobes, options.log_scale, {}), largest_), k_most_places);
+            some_of(exceeded(all_, few_.begin, to_model(seen, lobes, options.log_scale, {}), largest_), k_most_places);
         loss[i] = unseen.loss(LobeProblem::pack(lobes));
     });
     loss_ = *std::min_element(loss.begin(), loss.end());
@@ -67,8 +67,8 @@ void Sample::look_about(const std::vector<Candidate>& candidates, const FitOptio
             to.wl.push_back(all_.wl[i]), to.wv.push_back(all_.wv[i]), to.f.push_back(all_.f[i]);
             to.weight.push_back(i < checks ? all_.weight[i] : check_weight(all_, i, loss_, largest_));
         };
-        append(few_);
-        if (i >= begin_more_) append(more_);
+        for (Part* part : {&few_, &some_, &more_})
+            if (i >= part->begin) append(part->observations);
     }
 }
 

@@ -6,7 +6,7 @@
 
 namespace srbf {
 
-/// The beginnings of the observations by which lobes are searched and polished, as colours; and more and more of those beyond, where
+/// The beginnings of the observations by which lobes are grown, searched and polished, as colours; and more and more of those beyond, where
 /// candidates were found to exceed the measurement.
 class Sample {
   public:
@@ -20,14 +20,22 @@ class Sample {
     /// What the sum is to rise by where every albedo is off by its luminance in one of three channels.
     double albedo_importance() const;
 
-    Rows to_grow_on() const { return Rows(few_); }
-    Rows to_search() const { return Rows(few_, {.albedo_importance = albedo_importance(), .roughly = true}); }
-    Rows to_polish() const { return Rows(more_, {.albedo_importance = albedo_importance()}); }
+    Rows to_grow_on() const { return Rows(few_.observations); }
+    /// `first`: of the many candidates there are at first.
+    Rows to_search(bool first) const {
+        return Rows((first ? few_ : some_).observations, {.albedo_importance = albedo_importance(), .roughly = true});
+    }
+    Rows to_polish() const { return Rows(more_.observations, {.albedo_importance = albedo_importance()}); }
 
   private:
+    struct Part {
+        Observations observations;
+        std::size_t begin;  ///< of all the first so many; those behind them were taken in
+    };
+    Part beginning_of_all(std::size_t count) const;
+
     const Observations& all_;
-    std::size_t begin_few_, begin_more_;  ///< of all the first so many, before others were taken in
-    Observations few_, more_;
+    Part few_, some_, more_;
     double largest_, loss_ = 1;
 };
 

@@ -46,7 +46,7 @@ TEST_F(CommandLine, outputs_that_cannot_be_written_leave_nothing_behind) {
     write(folder / "small.binary", small_merl());
     std::filesystem::create_directory(folder / "a folder");
     std::filesystem::create_symlink("small.binary", folder / "link");
-    const Arguments fit{"fit", "small.binary", "--lobes", "1", "--variates", "1"};
+    const Arguments fit{"fit", "small.binary", "--model", "ggx"};
     for (const char* option : {"-o", "--preview", "--json"})
         for (const char* name : {"missing/x", "a folder", "link"})
             expect_failure(1, fit + Arguments{option, name}, name);

@@ -47,8 +47,8 @@ struct LevenbergMarquardtOptions {
     int max_iterations = 40;           ///< linearisations
     double decrease_tolerance = 1e-7;  ///< relative
     double damping = 1e-3;             ///< initial μ, times the diagonal of JᵀJ
-    /// The loss that it is to reach; from the second step on it ends where that is out of sight. Steps lower the loss less and less: of the
-    /// attempts to replace a lobe that succeed it ends 17 % early, of which most gain little, and saves two fifths of all steps.
+    /// The loss that it is to reach. From the second step on it ends where that is out of sight: where the steps left, were each to lower the
+    /// loss as much as the last one, would not reach it. Steps lower it less and less, so that they seldom would have.
     double target = std::numeric_limits<double>::infinity();
 };
 

@@ -37,6 +37,20 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
     }
 }
 
+TEST_F(Command, compare_finds_the_errors_that_fit_reports) {
+    const Json fit = report();
+    for (const Arguments& theta : {Arguments{}, Arguments{"--max-theta", "89"}}) {
+        const ProgramRun compared =
+            run(*fitted, Arguments{"compare", k_paper, "m.srbf", "--json", "-", "--threads", "2"} + theta);
+        ASSERT_EQ(compared.status, 0) << compared.err;
+        const Json json = Json::parse(compared.out, nullptr, false);
+        EXPECT_EQ(json.value("albedo_error", -1.0), fit.value("albedo_error", -2.0));
+        for (const std::string& name : k_measures)
+            for (const std::string& key : {name, "heldout_" + name})
+                EXPECT_EQ(json.value(key, -1.0), fit.value(key, -2.0)) << key;
+    }
+}
+
 TEST_F(Command, fit_stores_eight_lobes_of_four_variates_by_default) {
     write(folder / "small.binary", small_merl());
     const ProgramRun fit = run(folder, {"fit", "small.binary", "--form", "source", "--json", "-"});

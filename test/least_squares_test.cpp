@@ -274,6 +274,28 @@ TEST(LevenbergMarquardt, SaysWhyItStopped) {
     EXPECT_EQ(x, end);
 }
 
+TEST(LevenbergMarquardt, EndsWhereItsTargetIsOutOfSight) {
+    const VectorXd start{{1.0, 2.0}};
+    const LevenbergMarquardtOptions twelve{.max_iterations = 12, .decrease_tolerance = 1e-14};
+    const auto from_start = [&](LevenbergMarquardtOptions options, double target, VectorXd& x) {
+        Exponentials problem = two_exponentials(0.01);
+        options.target = target;
+        x = start;
+        return levenberg_marquardt(problem, x, options);
+    };
+    VectorXd whole_x, x;
+    const auto whole = from_start(twelve, INFINITY, whole_x);
+    // One that is reached changes nothing; one that noise keeps out of reach ends the steps as soon as they lower less than is left.
+    const auto reached = from_start(twelve, 1.01 * whole.loss, x);
+    EXPECT_EQ(reached.loss, whole.loss);
+    EXPECT_EQ(x, whole_x);
+    const auto missed = from_start(twelve, 0.5 * whole.loss, x);
+    EXPECT_EQ(missed.stop, Stop::target);
+    EXPECT_GE(missed.iterations, 2);
+    EXPECT_LT(missed.iterations, whole.iterations);
+    EXPECT_GE(missed.loss, whole.loss);
+}
+
 /// Promises a descent that is none, or leads where the loss is not a number.
 struct Deceiver : Exponentials {
     bool nan = false;

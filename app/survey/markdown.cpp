@@ -35,11 +35,11 @@ std::string head(std::initializer_list<std::string> first) {
 }
 
 /// The forms that docs/accuracy.md compares.
-constexpr const char* k_compared[] = {"source-8x4", "horizon-8x4", "extended-6x4", "extended-8x4"};
+constexpr const char* k_compared_forms[] = {"source-8x4", "horizon-8x4", "extended-6x4", "extended-8x4"};
 
 std::string over_materials(const Tables& tables, const std::string& objective) {
     std::string text;
-    for (const std::string kind : k_compared) {
+    for (const std::string kind : k_compared_forms) {
         auto rows = rows_with(tables.statistics, "id", "pm-" + kind + "-" + objective);
         std::erase_if(rows, [](const Json* row) { return row->at("input") != "table"; });
         if (rows.empty()) continue;

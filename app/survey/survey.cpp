@@ -30,7 +30,7 @@ struct ReportCommand {
     int run() const;
 };
 
-/// The last steps of a fit have four and two candidates to work on at a time, so that more than four cores mostly wait for them. One material of
+/// The last steps of a fit have four candidates and then one to work on at a time, so that more than four cores mostly wait for them. One material of
 /// MERL's size takes less than half a GiB.
 constexpr int k_cores_of_a_job = 4;
 constexpr std::uint64_t k_memory_of_a_job = std::uint64_t(1) << 29;

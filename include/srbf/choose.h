@@ -31,7 +31,7 @@ using JudgeModel = std::function<double(const PmModel& model, bool in_short)>;
 struct Chosen {
     PmFit fit;
     std::vector<Step> path;  ///< what was tried, by bytes
-    bool reached = true;     ///< false: no model of up to k_most_chosen_bytes was found or expected to be as good as asked for
+    bool reached = true;  ///< false: none of up to k_most_chosen_bytes is as good as asked for, or was expected to be
 };
 inline constexpr std::size_t k_most_chosen_bytes = 512;
 

@@ -21,7 +21,7 @@ struct Look {
 };
 constexpr Look k_glance{4096, 2, 2}, k_look{8192, 4, 8};
 /// Of the kinds that are glanced at so many are looked at, those that then look best; and of their models so many fitted whole.
-constexpr std::size_t k_looked_at = 5, k_fitted_whole = 3;
+constexpr std::size_t k_looked_at = 8, k_fitted_whole = 3;
 
 /// What a whole fit errs of what a glance at it tells, before there is one that tells: of those that look best 0.75 to 1.
 constexpr double k_of_glance = 0.75;
@@ -145,8 +145,7 @@ Result<Search::Tried> found_or_cancelled(std::optional<Search::Tried>& best) {
     return *std::move(best);
 }
 
-/// The least error within the bytes. Of each kind the most lobes that fit into them are glanced at; of those that look best these and one fewer are
-/// looked at.
+/// The least error within the bytes, of each kind with the most lobes that fit into them.
 Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, std::size_t bytes) {
     std::vector<std::pair<Kind, int>> asked;
     for (const Kind& kind : kinds(options))
@@ -158,8 +157,7 @@ Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, st
     if (search.report(0.2)) {
         asked.clear();
         for (std::size_t i = 0; i < std::min(k_looked_at, steps->size()); ++i)
-            for (int lobes = std::max((*steps)[i].lobes - 1, 1); lobes <= (*steps)[i].lobes; ++lobes)
-                asked.emplace_back(kind_of((*steps)[i]), lobes);
+            asked.emplace_back(kind_of((*steps)[i]), (*steps)[i].lobes);
         steps = search.in_short(asked, k_look);
         if (!steps) return steps.error();
         std::stable_sort(steps->begin(), steps->end(), by_error);

@@ -10,7 +10,8 @@
 namespace srbf {
 namespace {
 
-/// Pairs that the search looks at while there are many candidates, then, and the polish.
+/// Pairs that the search looks at while there are many candidates, then, and the polish. A fit in short, of fewer observations than the polish of
+/// another has, looks at the second number from the start: there its first candidates are all that it has.
 constexpr std::size_t k_few = 2048, k_some = 4096, k_more = 16384;
 /// Of each candidate no more than so many places are taken in where it exceeds the measurement.
 constexpr std::size_t k_most_places = 16;
@@ -31,7 +32,7 @@ std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_
 
 Sample::Sample(const Observations& observations)
     : all_(observations),
-      few_(beginning_of_all(k_few)),
+      few_(beginning_of_all(observations.f.size() < k_more ? k_some : k_few)),
       some_(beginning_of_all(k_some)),
       more_(beginning_of_all(k_more)),
       largest_(largest_measured(observations)) {}

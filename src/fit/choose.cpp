@@ -68,6 +68,9 @@ std::vector<Kind> kinds(const FitOptions& options) {
 
 Kind kind_of(const Step& step) { return {step.form, step.axial, step.variates}; }
 
+bool by_error(const Step& a, const Step& b) { return a.error < b.error; }
+bool by_bytes(const Step& a, const Step& b) { return a.bytes != b.bytes ? a.bytes < b.bytes : a.error < b.error; }
+
 /// Fits and judges models.
 class Search {
   public:
@@ -80,7 +83,7 @@ class Search {
         PmFit fit;
     };
 
-    /// Fits of these kinds and numbers of lobes in short, side by side.
+    /// Fits of these kinds and numbers of lobes in short, side by side; those first that look best.
     Result<std::vector<Step>> in_short(const std::vector<std::pair<Kind, int>>& asked, const Look& look) {
         const Observations some = beginning(observations_, look.rows);
         std::vector<Result<Tried>> tried(asked.size(), Error{});
@@ -94,7 +97,15 @@ class Search {
             steps.push_back(one->step);
         }
         path_.insert(path_.end(), steps.begin(), steps.end());
+        std::stable_sort(steps.begin(), steps.end(), by_error);
         return steps;
+    }
+    /// A glance at each of these kinds, with the most lobes that the bytes hold; of those that hold none nothing.
+    Result<std::vector<Step>> glance(const std::vector<Kind>& of, std::size_t bytes) {
+        std::vector<std::pair<Kind, int>> asked;
+        for (const Kind& kind : of)
+            if (const int most = kind.most_lobes(bytes, options_.log_scale); most > 0) asked.emplace_back(kind, most);
+        return in_short(asked, k_glance);
     }
 
     Result<Tried> whole(const Step& step) {
@@ -137,9 +148,6 @@ class Search {
     std::atomic<bool> cancelled_ = false;
 };
 
-bool by_error(const Step& a, const Step& b) { return a.error < b.error; }
-bool by_bytes(const Step& a, const Step& b) { return a.bytes != b.bytes ? a.bytes < b.bytes : a.error < b.error; }
-
 Result<Search::Tried> found_or_cancelled(std::optional<Search::Tried>& best) {
     if (!best) return Error{"fit", {}, "models that were tried", "one at least", "none before it was cancelled"};
     return *std::move(best);
@@ -147,20 +155,15 @@ Result<Search::Tried> found_or_cancelled(std::optional<Search::Tried>& best) {
 
 /// The least error within the bytes, of each kind with the most lobes that fit into them.
 Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, std::size_t bytes) {
-    std::vector<std::pair<Kind, int>> asked;
-    for (const Kind& kind : kinds(options))
-        if (const int most = kind.most_lobes(bytes, options.log_scale); most > 0) asked.emplace_back(kind, most);
-    if (asked.empty()) return Error{"fit", {}, "bytes", "enough for one lobe, 12", fmt::format("{}", bytes)};
-    auto steps = search.in_short(asked, k_glance);
+    auto steps = search.glance(kinds(options), bytes);
     if (!steps) return steps.error();
-    std::stable_sort(steps->begin(), steps->end(), by_error);
+    if (steps->empty()) return Error{"fit", {}, "bytes", "enough for one lobe, 12", fmt::format("{}", bytes)};
     if (search.report(0.2)) {
-        asked.clear();
+        std::vector<std::pair<Kind, int>> asked;
         for (std::size_t i = 0; i < std::min(k_looked_at, steps->size()); ++i)
             asked.emplace_back(kind_of((*steps)[i]), (*steps)[i].lobes);
         steps = search.in_short(asked, k_look);
         if (!steps) return steps.error();
-        std::stable_sort(steps->begin(), steps->end(), by_error);
     }
     std::optional<Search::Tried> best;
     const std::size_t count = std::min(k_fitted_whole, steps->size());
@@ -199,12 +202,8 @@ Result<Search::Tried> within_error(Search& search, const FitOptions& options, do
     std::vector<Kind> of = kinds(options);
     double before_error = std::numeric_limits<double>::infinity();
     for (std::size_t before = 0, bytes = 32; !reached; before = bytes, bytes *= 2) {
-        std::vector<std::pair<Kind, int>> asked;
-        for (const Kind& kind : of)
-            if (const int most = kind.most_lobes(bytes, options.log_scale); most > 0) asked.emplace_back(kind, most);
-        auto glanced = search.in_short(asked, k_glance);
+        const auto glanced = search.glance(of, bytes);
         if (!glanced) return glanced.error();
-        std::stable_sort(glanced->begin(), glanced->end(), by_error);
         const double doublings = std::log2(double(k_most_chosen_bytes) / double(bytes)), now = glanced->front().error,
                      at_most = now * std::pow(std::min(now / before_error, 1.0), doublings);
         const bool last = doublings < 1 || (before >= k_telling_bytes && k_of_glance * at_most > error);
@@ -223,7 +222,7 @@ Result<Search::Tried> within_error(Search& search, const FitOptions& options, do
             break;
         }
 
-        asked.clear();
+        std::vector<std::pair<Kind, int>> asked;
         for (std::size_t i = 0; i < std::min(k_few_kinds, glanced->size()); ++i) {
             const Kind kind = kind_of((*glanced)[i]);
             for (int lobes = (*glanced)[i].lobes - 1; lobes > 0 && kind.bytes(lobes, options.log_scale) > before;

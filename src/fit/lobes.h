@@ -86,9 +86,6 @@ class LobeProblem {
 
   private:
     Eigen::VectorXd bounds(Eigen::Index size, double Interval::*side) const;
-    const float* lobe(std::size_t block, int j) const {
-        return &lobe_[(block * std::size_t(lobes_) + std::size_t(j)) * k_block];
-    }
     float* lobe(std::size_t block, int j) { return &lobe_[(block * std::size_t(lobes_) + std::size_t(j)) * k_block]; }
     float* feature(std::size_t block, int n) {
         return &feature_[(block * std::size_t(shape_.width() + shape_.directional()) + std::size_t(n)) * k_block];

@@ -59,6 +59,10 @@ void sizes(benchmark::internal::Benchmark* benchmark) {
     benchmark->Args({2, 8, 4, 1, 1});
     benchmark->Args({0, 8, 4, 0, 2})->Args({2, 8, 4, 0, 2});
 }
+BENCHMARK_CAPTURE(fit, paper_white, std::string("paper_white_rgb.bsdf"))->Apply(sizes);
+BENCHMARK_CAPTURE(fit, cc_ibiza_sunset, std::string("cc_ibiza_sunset_rgb.bsdf"))->Apply(sizes);
+
+/// The caller has the mode that a process begins with, or one that flushes subnormal numbers.
 void callers_mode(benchmark::State& state, const std::string& name) {
     const Measured measured = *load_measured(std::string(SRBF_SOURCE_DIR) + "/data/" + name);
     std::optional<FlushSubnormals> mode;
@@ -75,8 +79,6 @@ BENCHMARK_CAPTURE(callers_mode, cc_ibiza_sunset, std::string("cc_ibiza_sunset_rg
     ->ArgsProduct({{0, 1}, {0, 1}})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
-BENCHMARK_CAPTURE(fit, paper_white, std::string("paper_white_rgb.bsdf"))->Apply(sizes);
-BENCHMARK_CAPTURE(fit, cc_ibiza_sunset, std::string("cc_ibiza_sunset_rgb.bsdf"))->Apply(sizes);
 
 }  // namespace
 }  // namespace srbf

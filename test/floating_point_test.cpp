@@ -109,6 +109,12 @@ template <typename Body> Count counted(const Body& body) {
     return {seen, subnormal};
 }
 constexpr std::uint64_t k_many = 100'000'000;
+/// The body's loops look at more than so many numbers, of which none is subnormal.
+template <typename Body> void expect_none(const Body& body, std::uint64_t many = k_many) {
+    const Count count = counted(body);
+    EXPECT_GT(count.seen, many);
+    EXPECT_EQ(count.subnormal, 0u);
+}
 
 TEST(InnerLoops, TheCountFindsASubnormalNumber) {
     std::vector<float> numbers(k_block, 1.f);
@@ -120,72 +126,63 @@ TEST(InnerLoops, TheCountFindsASubnormalNumber) {
 
 TEST(InnerLoops, SeeNoneInTheDefaultFit) {
     const Measured measured = film();
-    const Count count = counted([&] {
+    expect_none([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {}), {});
         ASSERT_TRUE(fit.ok());
     });
-    EXPECT_GT(count.seen, k_many);
-    EXPECT_EQ(count.subnormal, 0u);
 }
 
 TEST(InnerLoops, SeeNoneInTheFormOfTheSource) {
     const Measured measured = film();
     const FitOptions options{.form = PmForm::source, .starts = 4, .kicks = 8};
-    const Count count = counted([&] {
+    expect_none([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {.objective = Objective::raw}), options);
         ASSERT_TRUE(fit.ok());
     });
-    EXPECT_GT(count.seen, k_many);
-    EXPECT_EQ(count.subnormal, 0u);
 }
 
 TEST(InnerLoops, SeeNoneInAFitOfGeneralLobes) {
     const Measured measured = film();
     const FitOptions options{.axial = false, .lobes = 4, .variates = 3, .starts = 4, .kicks = 8};
-    const Count count = counted([&] {
+    expect_none([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {.count = 16384}), options);
         ASSERT_TRUE(fit.ok());
     });
-    EXPECT_GT(count.seen, k_many);
-    EXPECT_EQ(count.subnormal, 0u);
 }
 
 TEST(InnerLoops, SeeNoneInAViewByViewFit) {
     const Measured measured = film();
-    const Count count = counted([&] {
+    expect_none([&] {
         const auto matrix = tabulate(signed_evaluator(measured), {.directions = 192});
         const auto fit = fit_su(*matrix, {.lobes = 5});
         ASSERT_TRUE(fit.ok());
     });
-    EXPECT_GT(count.seen, k_many);
-    EXPECT_EQ(count.subnormal, 0u);
 }
 
 TEST(InnerLoops, SeeNoneInASpectralFit) {
     const Measured measured = film();
-    const Count count = counted([&] {
+    expect_none([&] {
         auto observations = *observe(signed_evaluator(measured), {.count = 16384});
         observe_spectra(observations, rainbow(measured));
         const auto fit = fit_pm(observations, {.lobes = 6, .variates = 3, .starts = 4, .kicks = 8});
         ASSERT_TRUE(fit.ok());
     });
-    EXPECT_GT(count.seen, k_many);
-    EXPECT_EQ(count.subnormal, 0u);
 }
 
 TEST(InnerLoops, SeeNoneInAFitOfMeasuredSpectra) {
     const auto path = shared_data() / "cornell" / "krylon_blue.brdf";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
     const Measured measured = *load_measured(path.string());
-    const Count count = counted([&] {
-        const auto observations = observe(std::get<Scattered>(measured.table),
-                                          ObserveSamplesOptions{.objective = Objective::cube_root, .spectral = true});
-        ASSERT_TRUE(observations.ok());
-        const auto fit = fit_pm(*observations, {{.lobes = 6, .variates = 3, .starts = 4, .kicks = 8}, true});
-        ASSERT_TRUE(fit.ok());
-    });
-    EXPECT_GT(count.seen, k_many / 10);
-    EXPECT_EQ(count.subnormal, 0u);
+    expect_none(
+        [&] {
+            const auto observations =
+                observe(std::get<Scattered>(measured.table),
+                        ObserveSamplesOptions{.objective = Objective::cube_root, .spectral = true});
+            ASSERT_TRUE(observations.ok());
+            const auto fit = fit_pm(*observations, {{.lobes = 6, .variates = 3, .starts = 4, .kicks = 8}, true});
+            ASSERT_TRUE(fit.ok());
+        },
+        k_many / 10);
 }
 
 // ---- The caller's mode ----

@@ -26,17 +26,15 @@ int azimuths_of(const Subject& subject) {
     return pm && !pm->axial ? several : 1;
 }
 
-}  // namespace
-
-SampledBrdf sampled(const Subject& subject, int threads) {
-    const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
-    if (const auto* model = std::get_if<Model>(&subject.content)) return sampled(prepare(*model, options));
-    return sampled(subject, propose(evaluator(subject), options));
+PreparedBrdf by_cosine(const Subject& subject) {
+    return std::visit([](const auto& content) { return prepare(content); }, subject.content);
 }
 
-SampledBrdf sampled_by_cosine(const Subject& subject) {
-    if (const auto* model = std::get_if<Model>(&subject.content)) return sampled(prepare(*model));
-    return sampled(subject, CosineProposal{});
+}  // namespace
+
+PreparedBrdf prepared(const Subject& subject, int threads) {
+    const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
+    return std::visit([&](const auto& content) { return prepare(content, options); }, subject.content);
 }
 
 void PathCommand::add_options(const Subcommand& sub) {
@@ -88,8 +86,7 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
 
     std::vector<PathPicture> pictures;
     for (const Subject& subject : subjects) {
-        paths.materials = {draw == "cosine" ? sampled_by_cosine(subject) : sampled(subject, threads),
-                           diffuse(k_ground)};
+        paths.materials = {draw == "cosine" ? by_cosine(subject) : prepared(subject, threads), diffuse(k_ground)};
         const auto before = double(pictures.size()), all = double(subjects.size());
         const auto of_all = [&](double part) {
             if (progress) progress((before + part) / all);

@@ -23,7 +23,7 @@ struct PathCommand {
                                             int height, const std::function<void(double)>& progress = {}) const;
 };
 
-/// The subject, which it refers to, drawn by a mixture made for it.
-SampledBrdf sampled(const Subject& subject, int threads);
+/// The subject, importance-sampled by a proposal made for it.
+PreparedBrdf prepared(const Subject& subject, int threads);
 
 }  // namespace srbf

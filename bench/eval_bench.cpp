@@ -98,7 +98,7 @@ BENCHMARK(pm)->Apply(sizes);
 /// The same prepared, still pair by pair, for one of the instruction sets of this machine.
 void pm_prepared(benchmark::State& state, Target target) {
     const OneTarget one(target);
-    evaluate(state, prepare({model_of(state), {}}));
+    evaluate(state, prepare(Model{model_of(state), {}}));
 }
 
 /// The same by batches; "per_pair" is the time for one pair.

@@ -60,10 +60,10 @@ Result<Done> print_row(const std::string& path, const Mesh& mesh, const Environm
     PathScene scene{{{&mesh, 0}}, {}, camera_of(mesh, {}, 1), {}, {}, &studio};
     std::vector<Cost> costs;
     const auto of = [&](const auto& brdf) {
-        scene.materials = {sampled(brdf, propose(evaluator(brdf)))};
+        scene.materials = {prepare(brdf, propose(evaluator(brdf)))};
         const PathPicture reference = picture(scene, 16 * k_samples, 0);
         costs.push_back(cost(scene, reference.rendering.radiance, reference.first.depth));
-        scene.materials = {sampled(brdf, CosineProposal{})};
+        scene.materials = {prepare(brdf, CosineProposal{})};
         costs.push_back(cost(scene, reference.rendering.radiance, reference.first.depth));
     };
     of(model);

@@ -41,17 +41,23 @@ double seconds_of(const PathScene& scene, std::uint64_t& rays) {
     return double(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-void path(benchmark::State& state, const SampledBrdf& brdf) {
+/// A BRDF that is asked twice for each value: what that adds is the time of one value.
+struct Twice {
+    PreparedBrdf brdf;
+};
+Rgb value(const Twice& twice, Vec3f wl, Vec3f wv) {
+    benchmark::DoNotOptimize(value(twice.brdf, wl, wv));
+    return value(twice.brdf, wl, wv);
+}
+
+void path(benchmark::State& state, const PreparedBrdf& brdf) {
     static const Environment studio = *load_environment("studio");
     static const Mesh mesh = ball();
     const Camera camera = camera_of(mesh, {}, double(k_width) / k_height);
     const Mesh ground = ground_below(mesh, camera.up);
     PathScene scene{{{&mesh, 0}, {&ground, 1}}, {brdf, diffuse({0.35f, 0.35f, 0.35f})}, camera, {}, {}, &studio};
     PathScene twice = scene;
-    twice.materials[0].value = [&brdf](Vec3f wl, Vec3f wv) {
-        benchmark::DoNotOptimize(brdf.value(wl, wv));
-        return brdf.value(wl, wv);
-    };
+    twice.materials[0] = prepare(Twice{brdf}, brdf.proposal());
     std::uint64_t rays = 0;
     double once_best = 1e30, twice_best = 1e30;
     for (auto _ : state) {
@@ -64,11 +70,11 @@ void path(benchmark::State& state, const SampledBrdf& brdf) {
     state.counters["Msamples/s"] = double(k_width) * k_height * k_samples / once_best / 1e6;
     state.counters["evaluation_percent"] = 100 * (twice_best - once_best) / once_best;
 }
-void path_pm(benchmark::State& state) { path(state, sampled(prepare({film_pm(), {}}, {}))); }
-void path_pm_by_cosine(benchmark::State& state) { path(state, sampled(prepare({film_pm(), {}}))); }
-void path_su(benchmark::State& state) { path(state, sampled(prepare({film_su(), {}}, {}))); }
-void path_rgl(benchmark::State& state) { path(state, sampled(film(), propose(evaluator(film())))); }
-void path_merl(benchmark::State& state) { path(state, sampled(film_as_merl(), propose(evaluator(film_as_merl())))); }
+void path_pm(benchmark::State& state) { path(state, prepare(Model{film_pm(), {}}, ProposeOptions{})); }
+void path_pm_by_cosine(benchmark::State& state) { path(state, prepare(Model{film_pm(), {}})); }
+void path_su(benchmark::State& state) { path(state, prepare(Model{film_su(), {}}, ProposeOptions{})); }
+void path_rgl(benchmark::State& state) { path(state, prepare(film(), ProposeOptions{})); }
+void path_merl(benchmark::State& state) { path(state, prepare(film_as_merl(), propose(evaluator(film_as_merl())))); }
 BENCHMARK(path_pm)->Unit(benchmark::kMillisecond)->Iterations(5);
 BENCHMARK(path_pm_by_cosine)->Unit(benchmark::kMillisecond)->Iterations(5);
 BENCHMARK(path_su)->Unit(benchmark::kMillisecond)->Iterations(5);
@@ -98,7 +104,8 @@ const Draws& draws() {
 template <typename P> void draw_one(benchmark::State& state, const P& proposal) {
     std::size_t i = 0;
     for (auto _ : state) {
-        benchmark::DoNotOptimize(sample(proposal, draws().wv[i], draws().u[i]));
+        const Vec3f u = draws().u[i];
+        benchmark::DoNotOptimize(sample(proposal, draws().wv[i], {u.x, u.y}, u.z));
         i = (i + 1) % draws().u.size();
     }
 }
@@ -111,10 +118,11 @@ template <typename P> void density_of_one(benchmark::State& state, const P& prop
 }
 /// One after the other, as a path goes on.
 void draw_and_density_mixture(benchmark::State& state) {
-    const PreparedModel model = prepare({film_pm(), {}}, {});
+    const PreparedBrdf model = prepare(Model{film_pm(), {}}, ProposeOptions{});
     std::size_t i = 0;
     for (auto _ : state) {
-        const Vec3f wl = sample(model, draws().wv[i], draws().u[i]);
+        const Vec3f u = draws().u[i];
+        const Vec3f wl = sample(model.proposal(), draws().wv[i], {u.x, u.y}, u.z);
         benchmark::DoNotOptimize(pdf(model, wl, draws().wv[i]));
         i = (i + 1) % draws().u.size();
     }

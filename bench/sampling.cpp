@@ -40,7 +40,7 @@ Quality quality(const Evaluate& brdf, const Proposal& proposal, double theta) {
     std::mt19937_64 random(1);
     for (int i = 0; i < draws; ++i) {
         const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random);
-        lost += !(sample(proposal, wv, {float(u1), float(u2), float(u3)}).z > 0);
+        lost += !(sample(proposal, wv, {float(u1), float(u2)}, float(u3)).z > 0);
     }
     return {squared / (whole * whole) - 1, double(lost) / draws};
 }

@@ -77,7 +77,7 @@ struct Surface {
     Vec3f position;
     Vec3f geometric;  ///< normal, to the viewer's side
     Axes axes;        ///< about the shading normal, to the viewer's side as well
-    const SampledBrdf* material;
+    const PreparedBrdf* material;
     Vec3f wv;  ///< in them
 };
 
@@ -133,17 +133,14 @@ class Tracer {
             }
             add_sampled_lights(found, throughput, surface, random);
 
-            const Vec3f u{random.next(), random.next(), random.next()};
-            const Vec3f wl = sample(surface.material->proposal, surface.wv, u);
-            if (!(wl.z > 0)) return found;
-            drawn_pdf = pdf(surface.material->proposal, wl, surface.wv);
-            const Rgb f = value_at(surface, wl);
-            if (!(drawn_pdf > 0 && largest(f) > 0)) return found;
-            const Rgb weight = (wl.z / drawn_pdf) * f;
-            if (bounce == 0) found.albedo = weight;
-            throughput = throughput * weight;
+            const Vec2f u{random.next(), random.next()};
+            const LightSample drawn = sample(*surface.material, surface.wv, u, random.next());
+            if (!(largest(drawn.weight) > 0)) return found;
+            drawn_pdf = drawn.pdf;
+            if (bounce == 0) found.albedo = drawn.weight;
+            throughput = throughput * drawn.weight;
             random.independent();
-            direction = surface.axes.from(wl);
+            direction = surface.axes.from(drawn.wl);
             if (!(dot(direction, surface.geometric) > 0)) return found;
             origin = surface.position;
             if (bounce >= k_roulette) {
@@ -190,7 +187,7 @@ class Tracer {
     }
 
     Rgb value_at(const Surface& surface, Vec3f wl) const {
-        const Rgb f = surface.material->value(wl, surface.wv);
+        const Rgb f = value(*surface.material, wl, surface.wv);
         return is_finite(f) ? f : Rgb{};
     }
 
@@ -204,7 +201,7 @@ class Tracer {
         if (!(largest(f) > 0)) return;
         ++found.rays;
         if (rays_.occluded(surface.position, direction, distance - offset_)) return;
-        const float by_brdf = light_pdf > 0 ? pdf(surface.material->proposal, wl, surface.wv) : 0;
+        const float by_brdf = light_pdf > 0 ? pdf(*surface.material, wl, surface.wv) : 0;
         const float scale = light_pdf > 0 ? share(light_pdf, by_brdf) / light_pdf : 1;
         found.radiance += (scale * wl.z) * (throughput * f * arriving);
     }
@@ -268,16 +265,6 @@ class Tracer {
 };
 
 }  // namespace
-
-SampledBrdf sampled(PreparedModel model) {
-    Proposal proposal = model.proposal();  // what it refers to, the function holds
-    return {[model = std::move(model)](Vec3f wl, Vec3f wv) { return value(model, wl, wv); }, std::move(proposal)};
-}
-
-SampledBrdf diffuse(Rgb reflectance) {
-    const Rgb f = float(1 / k_pi) * reflectance;
-    return {[f](Vec3f wl, Vec3f wv) { return wl.z > 0 && wv.z > 0 ? f : Rgb{}; }, CosineProposal{}};
-}
 
 PathPicture render_paths(const PathScene& scene, const PathOptions& options) {
     assert(options.width >= 1 && options.height >= 1 && options.samples >= 1 && options.bounces >= 1);

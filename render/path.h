@@ -9,23 +9,8 @@
 #include "render/image.h"
 #include "render/scene.h"
 #include "srbf/prepared.h"
-#include "srbf/sampling.h"
 
 namespace srbf {
-
-/// A BRDF and how its light is drawn. What was not measured counts as 0.
-struct SampledBrdf {
-    std::function<Rgb(Vec3f wl, Vec3f wv)> value;  ///< f_r [1/sr]; called from several threads at once
-    Proposal proposal;
-};
-/// `brdf`, which it refers to.
-template <Brdf B> SampledBrdf sampled(const B& brdf, Proposal proposal) {
-    return {[&brdf](Vec3f wl, Vec3f wv) { return value(brdf, wl, wv); }, std::move(proposal)};
-}
-/// A prepared model and its proposal, of which it holds a copy.
-SampledBrdf sampled(PreparedModel model);
-/// f = reflectance / π.
-SampledBrdf diffuse(Rgb reflectance);
 
 /// A parallelogram corner + s·x + t·y, s and t in [0, 1], that shines to the side of x × y. It casts no shadow.
 struct AreaLight {
@@ -41,7 +26,7 @@ struct Body {
 
 struct PathScene {
     std::vector<Body> bodies;
-    std::vector<SampledBrdf> materials;
+    std::vector<PreparedBrdf> materials;
     Camera camera;  ///< whose `up` is the environment's +y too
     std::vector<DirectionalLight> lights;
     std::vector<AreaLight> area_lights;

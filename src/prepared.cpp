@@ -1,62 +1,146 @@
 #include "srbf/prepared.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+
+#include "floating_point.h"
 #include "model/pm_numbers.h"
+#include "srbf/directions.h"
 
 namespace srbf {
-
-struct PreparedModel::Contents {
-    std::variant<PmNumbers, SuModel, GgxModel> model;
-    Proposal proposal{};  // by the cosine
-};
-
 namespace {
 
-std::shared_ptr<PreparedModel::Contents> contents_of(const Model& model) {
-    using Contents = PreparedModel::Contents;
-    if (const auto* pm = std::get_if<PmModel>(&model.model))
-        return std::make_shared<Contents>(Contents{PmNumbers(*pm)});
-    if (const auto* su = std::get_if<SuModel>(&model.model)) return std::make_shared<Contents>(Contents{*su});
-    return std::make_shared<Contents>(Contents{std::get<GgxModel>(model.model)});
+constexpr int k_albedo_nodes = 33, k_albedo_points = 1 << 12, k_azimuths = 4;
+
+using AlbedoTable = std::array<Rgb, k_albedo_nodes>;
+
+AlbedoTable albedo_table(const Evaluate& brdf) {
+    const FlushSubnormals mode;
+    constexpr double lowest = 89.9 * k_degree;
+    const MirrorMixture mixture(k_pi / 2);
+    AlbedoTable table;
+    for (std::size_t node = 0; node < table.size();
+         ++node) {  // on one thread: another's task might wait for this table
+        const double s = double(node) / (k_albedo_nodes - 1);
+        const double theta = std::min(std::acos(1 - s * s), lowest);
+        std::array<double, 3> sum{};
+        for (int turn = 0; turn < k_azimuths; ++turn) {
+            const Vec3d wv = spherical(theta, 2 * k_pi * turn / k_azimuths);
+            const Quadrature points = mixture.quadrature(wv, k_albedo_points);
+            std::vector<Rgb> f(points.w.size());
+            brdf(points.w, std::vector<Vec3f>(f.size(), to_float(wv)), f);
+            for (std::size_t i = 0; i < f.size(); ++i)
+                for (int c = 0; c < 3; ++c)
+                    if (std::isfinite(f[i][c]))
+                        sum[std::size_t(c)] += points.weight[i] * double(points.w[i].z) * double(f[i][c]);
+        }
+        for (int c = 0; c < 3; ++c) table[node][c] = float(sum[std::size_t(c)] / k_azimuths);
+    }
+    return table;
 }
 
 }  // namespace
 
-PreparedModel::PreparedModel(std::shared_ptr<const Contents> contents) : contents_(std::move(contents)) {
-    std::visit(
-        [&]<typename M>(const M& held) {
-            model_ = &held;
-            if constexpr (std::is_same_v<M, PmNumbers>)
-                value_ = pair_evaluator(held);
-            else
-                value_ = [](const void* any, const Vec3f& wl, const Vec3f& wv, float* colour) {
-                    const Rgb f = srbf::value(*static_cast<const M*>(any), wl, wv);
-                    std::copy_n(&f.r, 3, colour);
-                };
-        },
-        contents_->model);
+struct PreparedBrdf::Contents {
+    BrdfParts parts;
+    mutable std::once_flag has_albedo = {};
+    mutable AlbedoTable albedo = {};
+
+    explicit Contents(BrdfParts of) : parts(std::move(of)) {}
+};
+
+namespace {
+
+/// A model by its own batch evaluation.
+template <typename M> BrdfParts parts_of(std::shared_ptr<const M> held, PreparedBrdf::Value value) {
+    const M& model = *held;
+    return {std::move(held), value, [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); }, {}};
+}
+template <typename M> PreparedBrdf::Value pair_by_pair() {
+    return [](const void* any, const Vec3f& wl, const Vec3f& wv, float* colour) {
+        const Rgb f = value(*static_cast<const M*>(any), wl, wv);
+        std::memcpy(colour, &f, sizeof f);
+    };
 }
 
-const Proposal& PreparedModel::proposal() const { return contents_->proposal; }
-
-PreparedModel prepare(const Model& model) { return PreparedModel(contents_of(model)); }
-
-PreparedModel prepare(const Model& model, const ProposeOptions& options) {
-    const auto contents = contents_of(model);
-    contents->proposal = propose(model, options);
-    if (auto* by_view = std::get_if<ViewProposal>(&contents->proposal))
-        by_view->model = &std::get<SuModel>(contents->model);
-    return PreparedModel(contents);
+BrdfParts parts_of(const Model& model) {
+    if (const auto* pm = std::get_if<PmModel>(&model.model)) {
+        const auto held = std::make_shared<const PmNumbers>(*pm);
+        return parts_of(held, pair_evaluator(*held));
+    }
+    if (const auto* su = std::get_if<SuModel>(&model.model))
+        return parts_of(std::make_shared<const SuModel>(*su), pair_by_pair<SuModel>());
+    return parts_of(std::make_shared<const GgxModel>(std::get<GgxModel>(model.model)), pair_by_pair<GgxModel>());
 }
 
-void evaluate(const PreparedModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    std::visit([&](const auto& m) { evaluate(m, wl, wv, f); }, model.contents().model);
+BrdfParts parts_of(Measured&& measured) {
+    auto held = std::make_shared<const Measured>(std::move(measured));
+    const Measured& m = *held;
+    return {std::move(held), pair_by_pair<Measured>(), evaluator(m), {}};
 }
 
-Evaluate evaluator(PreparedModel model) {
-    return [model = std::move(model)](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
+struct Diffuse {
+    Rgb f;
+};
+Rgb value(const Diffuse& brdf, Vec3f wl, Vec3f wv) { return wl.z > 0 && wv.z > 0 ? brdf.f : Rgb{}; }
+
+}  // namespace
+
+PreparedBrdf::PreparedBrdf(std::shared_ptr<const Contents> contents)
+    : contents_(std::move(contents)), held_(contents_->parts.held.get()), value_(contents_->parts.value) {}
+
+const Proposal& PreparedBrdf::proposal() const { return contents_->parts.proposal; }
+
+PreparedBrdf prepare(BrdfParts parts) {
+    return PreparedBrdf(std::make_shared<const PreparedBrdf::Contents>(std::move(parts)));
 }
 
-Vec3f sample(const PreparedModel& model, Vec3f wv, Vec3f u) { return sample(model.proposal(), wv, u); }
-float pdf(const PreparedModel& model, Vec3f wl, Vec3f wv) { return pdf(model.proposal(), wl, wv); }
+PreparedBrdf prepare(const Model& model) { return prepare(parts_of(model)); }
+
+PreparedBrdf prepare(const Model& model, const ProposeOptions& options) {
+    BrdfParts parts = parts_of(model);
+    parts.proposal = propose(model, options);
+    if (auto* by_view = std::get_if<ViewProposal>(&parts.proposal))
+        by_view->model = static_cast<const SuModel*>(parts.held.get());
+    return prepare(std::move(parts));
+}
+
+PreparedBrdf prepare(Measured measured) { return prepare(parts_of(std::move(measured))); }
+
+PreparedBrdf prepare(Measured measured, const ProposeOptions& options) {
+    BrdfParts parts = parts_of(std::move(measured));
+    parts.proposal = propose(parts.evaluate, options);
+    return prepare(std::move(parts));
+}
+
+PreparedBrdf diffuse(Rgb reflectance) {
+    for (int c = 0; c < 3; ++c) reflectance[c] *= float(1 / k_pi);
+    return prepare(Diffuse{reflectance}, CosineProposal{});
+}
+
+void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    brdf.contents_->parts.evaluate(wl, wv, f);
+}
+
+Evaluate evaluator(PreparedBrdf brdf) {
+    return [brdf = std::move(brdf)](auto wl, auto wv, auto f) { evaluate(brdf, wl, wv, f); };
+}
+
+float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) { return pdf(brdf.proposal(), wl, wv); }
+
+Rgb albedo(const PreparedBrdf& brdf, float cos_v) {
+    if (!(cos_v > 0)) return {};
+    const PreparedBrdf::Contents& contents = *brdf.contents_;
+    std::call_once(contents.has_albedo, [&] { contents.albedo = albedo_table(contents.parts.evaluate); });
+    const float at = std::sqrt(std::clamp(1 - cos_v, 0.f, 1.f)) * (k_albedo_nodes - 1);
+    const auto below = std::size_t(std::min(int(at), k_albedo_nodes - 2));
+    const Rgb a = contents.albedo[below], b = contents.albedo[below + 1];
+    const float part = at - float(below);
+    Rgb between;
+    for (int c = 0; c < 3; ++c) between[c] = a[c] + part * (b[c] - a[c]);
+    return between;
+}
 
 }  // namespace srbf

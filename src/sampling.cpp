@@ -171,7 +171,7 @@ void find_stretch(const Evaluate& brdf, int threads, MixtureProposal& proposal) 
 
 }  // namespace
 
-Vec3f sample(const CosineProposal&, Vec3f, Vec3f u) { return K::sample_cosine(u.x, u.y); }
+Vec3f sample(const CosineProposal&, Vec3f, Vec2f u, float) { return K::sample_cosine(u.x, u.y); }
 float pdf(const CosineProposal&, Vec3f wl, Vec3f) { return K::cosine_pdf(wl); }
 
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
@@ -269,11 +269,11 @@ std::array<Neighbour, k_neighbours> neighbours_at(const ViewProposal& proposal, 
 
 }  // namespace
 
-Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec3f u) {
+Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector) {
     const auto neighbours = neighbours_at(proposal, wv);
     std::array<float, k_neighbours> share;
     for (std::size_t k = 0; k < share.size(); ++k) share[k] = neighbours[k].share;
-    const Choice of_views = choose(share, u.z);
+    const Choice of_views = choose(share, selector);
     const Neighbour& neighbour = neighbours[std::size_t(of_views.k)];
     const auto view = std::size_t(neighbour.view), J = std::size_t(proposal.model->lobes);
     std::array<float, k_most_view_lobes + 1> weights{proposal.cosine[view]};
@@ -302,8 +302,8 @@ float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv) {
     return sum;
 }
 
-Vec3f sample(const Proposal& proposal, Vec3f wv, Vec3f u) {
-    return std::visit([&](const auto& p) { return sample(p, wv, u); }, proposal);
+Vec3f sample(const Proposal& proposal, Vec3f wv, Vec2f u, float selector) {
+    return std::visit([&](const auto& p) { return sample(p, wv, u, selector); }, proposal);
 }
 float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv) {
     return std::visit([&](const auto& p) { return pdf(p, wl, wv); }, proposal);

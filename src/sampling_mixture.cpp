@@ -114,18 +114,18 @@ HWY_INLINE void store_first(const Vec3<Few>& w, float* to) {
 }
 
 // `wl` is of four numbers, x, y, z and one to spare.
-void sample_mixture(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wv, const Vec3f& u,
+void sample_mixture(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wv, Vec2f u, float selector,
                     float* wl) {
     using F = Formulas<Few, PmModel>;
     HWY_ALIGN float weight[LobeTable::k_count];
     const NodesAbout nodes = nodes_about(proposal, wv.z);
     for (std::size_t k = 0; k < LobeTable::k_count; k += Group::size()) weights_of(nodes, k).store(weight + k);
-    // The first lobe at which the running sum exceeds u; what rounding leaves over is the cosine's.
+    // The first lobe at which the running sum exceeds the selector; what rounding leaves over is the cosine's.
     std::size_t k = 0;
     float running = 0;
     for (int i = 0; i < MixtureProposal::k_lobes; ++i) {
         running += weight[i];
-        k += running <= u.z ? 1 : 0;
+        k += running <= selector ? 1 : 0;
     }
     if (k == MixtureProposal::k_lobes) k = 0;
     const Few u1 = everywhere<Few>(u.x), u2 = everywhere<Few>(u.y), stretch = everywhere<Few>(proposal.stretch),
@@ -182,9 +182,9 @@ const LobeTable& lobe_table() {
 Vec3f into_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w, proposal.cosine, -proposal.sine); }
 Vec3f out_of_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w, proposal.cosine, proposal.sine); }
 
-Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec3f u) {
+Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
     alignas(16) float drawn[4];
-    HWY_DYNAMIC_DISPATCH(sample_mixture)(proposal, lobe_table(), wv, u, drawn);
+    HWY_DYNAMIC_DISPATCH(sample_mixture)(proposal, lobe_table(), wv, u, selector, drawn);
     Vec3f wl;
     std::memcpy(&wl, drawn, sizeof wl);
     return wl;

@@ -23,7 +23,10 @@ const Mesh& ball_mesh() {
 }
 
 /// A sphere of that BRDF, without ground.
-PathScene sphere_scene(const SampledBrdf& brdf, const Environment* environment) {
+struct Unmeasured {};
+Rgb value(const Unmeasured&, Vec3f, Vec3f) { return {NAN, NAN, NAN}; }
+
+PathScene sphere_scene(const PreparedBrdf& brdf, const Environment* environment) {
     PathScene scene{{{&ball_mesh(), 0}}, {brdf}, {}, {}, {}, environment};
     scene.camera = camera_of(ball_mesh(), {}, 1);
     return scene;
@@ -42,7 +45,7 @@ const Mesh& plane_mesh() {
                            {{0, 1, 2}, {0, 2, 3}}};
     return mesh;
 }
-PathScene plane_scene(const SampledBrdf& brdf) {
+PathScene plane_scene(const PreparedBrdf& brdf) {
     PathScene scene{{{&plane_mesh(), 0}}, {brdf}, {}, {}, {}, nullptr};
     scene.camera = {{0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 1e-4};
     return scene;
@@ -79,7 +82,7 @@ TEST(Path, WhiteSphereInEvenLightIsWhite) {
         return white;
     }();
     const MixtureProposal mixture = propose(evaluator(model));
-    for (const SampledBrdf& brdf : {diffuse({1, 1, 1}), sampled(model, mixture)}) {
+    for (const PreparedBrdf& brdf : {diffuse({1, 1, 1}), prepare(model, mixture)}) {
         const PathPicture picture = render_paths(sphere_scene(brdf, &even_light()), small(400, 32));
         const Mean mean = mean_of(picture.rendering.radiance);
         EXPECT_TRUE(near(mean.value, 1, 1e-3)) << mean.value;
@@ -115,7 +118,7 @@ TEST(Path, AreaLightIsTheClosedForm) {
     for (const bool glossy_surface : {false, true}) {
         const PmModel model = glossy();
         PathScene scene =
-            plane_scene(glossy_surface ? sampled(model, propose(evaluator(model))) : diffuse({0.5f, 0.5f, 0.5f}));
+            plane_scene(glossy_surface ? prepare(model, propose(evaluator(model))) : diffuse({0.5f, 0.5f, 0.5f}));
         const float t = float(2 * s);
         scene.area_lights = {{{float(-s), float(-s), float(d)}, {0, t, 0}, {t, 0, 0}, {2, 2, 2}}};  // shines to -z
         scene.camera.eye = {3, 0, 4};
@@ -159,7 +162,7 @@ TEST(Path, AllWaysToDrawGiveOnePicture) {
     const PmModel model = glossy();
     const SuModel su = isotropic_su(64);
     const auto with = [&](const auto& brdf, const Proposal& proposal) {
-        return mean_of(render_paths(sphere_scene(sampled(brdf, proposal), &light), small(100, 40)).rendering.radiance);
+        return mean_of(render_paths(sphere_scene(prepare(brdf, proposal), &light), small(100, 40)).rendering.radiance);
     };
     // The pixels differ by what they show as well, so that the deviation is an upper bound.
     const auto expect_one = [](Mean a, Mean b) {
@@ -187,7 +190,7 @@ TEST(Path, EnvironmentStandsUpright) {
 
 TEST(Path, PictureDoesNotDependOnThreads) {
     const PmModel model = glossy();
-    const PathScene scene = sphere_scene(sampled(model, propose(evaluator(model))), &even_light());
+    const PathScene scene = sphere_scene(prepare(model, propose(evaluator(model))), &even_light());
     PathOptions options = small(3, 50);
     options.threads = 1;
     const PathPicture one = render_paths(scene, options);
@@ -221,7 +224,7 @@ TEST(Path, FirstHitsAreThoseOfTheSphere) {
 }
 
 TEST(Path, WhatWasNotMeasuredIsBlack) {
-    const SampledBrdf unmeasured{[](Vec3f, Vec3f) { return Rgb{NAN, NAN, NAN}; }, CosineProposal{}};
+    const PreparedBrdf unmeasured = prepare(Unmeasured{}, CosineProposal{});
     const PathPicture picture = render_paths(sphere_scene(unmeasured, &even_light()), small(2));
     for (const Rgb& pixel : picture.rendering.radiance.pixels) EXPECT_TRUE(is_finite(pixel));
     EXPECT_EQ(picture.rendering.radiance.at(12, 12), Rgb{});

@@ -10,6 +10,7 @@
 #include "models.h"
 #include "one_target.h"
 #include "srbf/kernel.h"
+#include "srbf/metrics.h"
 #include "su_models.h"
 
 namespace srbf {
@@ -34,7 +35,7 @@ std::vector<Pair> random_pairs(std::mt19937_64& random, int count) {
 
 /// Within 1e-4 of the exact value or 1e-6 of the largest one.
 void expect_exact(const PmModel& model, const std::vector<Pair>& pairs) {
-    const PreparedModel prepared = prepare({model, {}});
+    const PreparedBrdf prepared = prepare({model, {}});
     std::vector<Vec3d> exact;
     double peak = 0;
     for (const auto& [l, v] : pairs) {
@@ -120,7 +121,7 @@ TEST_P(PreparedOn, IsCutBeforeSubnormalNumbersAndInfinity) {
 }
 
 TEST_P(PreparedOn, BelowTheHorizonIsNothing) {
-    const PreparedModel model = prepare({random_model(random_, {}), {}}, {});
+    const PreparedBrdf model = prepare({random_model(random_, {}), {}}, {});
     const Vec3f up{0, 0, 1};
     for (const float z : {0.f, -0.f, -0.5f, 1e-40f}) {
         const Vec3f low{1, 0, z};
@@ -146,7 +147,7 @@ template <typename Ask> void in_mode(bool flushing, const Ask& ask) {
 }
 
 TEST_P(PreparedOn, NothingDependsOnTheModeOfTheProcessor) {
-    std::vector<PreparedModel> models;
+    std::vector<PreparedBrdf> models;
     for (const PmForm form : k_forms)
         for (const bool axial : {true, false})
             for (const int lobes : {5, 12}) {
@@ -160,7 +161,7 @@ TEST_P(PreparedOn, NothingDependsOnTheModeOfTheProcessor) {
         pairs[i].wl = {i % 8 ? 0 : 1e-25f, 1e-40f, 1};
         if (i % 16 == 0) pairs[i].wv = {1, 1e-30f, 1e-38f};
     }
-    for (const PreparedModel& model : models) {
+    for (const PreparedBrdf& model : models) {
         std::vector<Rgb> f[2];
         std::vector<Vec3f> wl[2];
         std::vector<float> density[2];
@@ -171,12 +172,51 @@ TEST_P(PreparedOn, NothingDependsOnTheModeOfTheProcessor) {
                     f[flushing].push_back(value(model, l, v));
                     density[flushing].push_back(pdf(model, l, v));
                     const float a = float(uniform(random)), b = float(uniform(random)), c = float(uniform(random));
-                    if (v.z > 0.01f) wl[flushing].push_back(sample(model, v, {a, b, c}));
+                    if (v.z > 0.01f) wl[flushing].push_back(sample(model.proposal(), v, {a, b}, c));
                 }
             });
         EXPECT_EQ(f[0], f[1]);
         EXPECT_EQ(density[0], density[1]);
         EXPECT_TRUE(wl[0] == wl[1]);
+    }
+}
+
+TEST_P(PreparedOn, AlbedoIsTheIntegral) {
+    const PmModel pm = random_model(random_, {.lobes = 6, .form = PmForm::extended});
+    const PreparedBrdf brdf = prepare({pm, {}});
+    for (const double theta : {0.0, 20.0, 45.0, 60.0, 75.0, 85.0}) {
+        const Rgb expected = albedo(evaluator(pm), theta * k_degree, k_pi / 2),
+                  found = albedo(brdf, float(std::cos(theta * k_degree)));
+        for (int c = 0; c < 3; ++c)
+            EXPECT_TRUE(near(found[c], expected[c], 0.01 * double(expected[c]) + 0.002)) << theta << ' ' << expected[c];
+    }
+    const PreparedBrdf grey = diffuse({0.5f, 0.25f, 1});
+    for (const float z : {1.f, 0.7f, 0.1f, 1e-3f}) {
+        EXPECT_TRUE(near(albedo(grey, z).r, 0.5, 2e-3)) << z;
+        EXPECT_TRUE(near(albedo(grey, z).b, 1, 4e-3)) << z;
+    }
+    EXPECT_EQ(albedo(grey, 0), Rgb{});
+    EXPECT_EQ(albedo(grey, std::numeric_limits<float>::quiet_NaN()), Rgb{});
+}
+
+TEST_P(PreparedOn, ABrdfOfAnyTypeIsOwned) {
+    std::vector<PreparedBrdf> owners;
+    {
+        Measured measured = *load_measured((bundled_data() / "paper_white_rgb.bsdf").string());
+        owners.push_back(prepare(measured, ProposeOptions{}));
+        owners.push_back(prepare(measured, CosineProposal{}));  // as any other type
+        owners.push_back(prepare(std::move(measured)));
+    }
+    const Measured kept = *load_measured((bundled_data() / "paper_white_rgb.bsdf").string());
+    for (const PreparedBrdf& brdf : owners) {
+        double mean = 0;
+        for (const auto& [l, v] : random_pairs(random_, 200)) EXPECT_EQ(value(brdf, l, v), value(kept, l, v));
+        const Vec3f wv = to_float(spherical(0.5, 0.0));
+        for (int i = 0; i < 4000; ++i) {
+            const Vec3f u = draw3();
+            mean += double(sample(brdf, wv, {u.x, u.y}, u.z).weight.g) / 4000;
+        }
+        EXPECT_TRUE(near(mean, albedo(brdf, wv.z).g, 0.03));
     }
 }
 
@@ -200,20 +240,24 @@ TEST_P(PreparedOn, CopiesOutliveTheirSources) {
         if (kind == 2) source->model = GgxModel{{0.1f, 0.2f, 0.3f}, {{0.2f, {1, 0.9f, 0.8f}, 1}}};
         const Model kept = *source;
         const Proposal proposal = propose(kept);
-        std::optional<PreparedModel> first = prepare(*source, {});
+        std::optional<PreparedBrdf> first = prepare(*source, {});
         source.reset();
-        PreparedModel copy = *first;
-        const PreparedModel moved = std::move(*first);
+        PreparedBrdf copy = *first;
+        const PreparedBrdf moved = std::move(*first);
         first.reset();
-        const PreparedModel last = std::move(copy);
-        for (const PreparedModel* model : {&moved, &last})
+        const PreparedBrdf last = std::move(copy);
+        for (const PreparedBrdf* model : {&moved, &last})
             for (const auto& [l, v] : random_pairs(random_, 200)) {
                 const Rgb f = value(*model, l, v), expected = value(kept, l, v);
                 for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6));
                 EXPECT_EQ(pdf(*model, l, v), pdf(proposal, l, v));
                 if (!(v.z > 0)) continue;
                 const Vec3f u = draw3();
-                EXPECT_TRUE(sample(*model, v, u) == sample(proposal, v, u));
+                const LightSample drawn = sample(*model, v, {u.x, u.y}, u.z),
+                                  expected_draw = sample(kept, proposal, v, {u.x, u.y}, u.z);
+                EXPECT_EQ(drawn.pdf, expected_draw.pdf);
+                EXPECT_TRUE(drawn.wl == expected_draw.wl);
+                EXPECT_TRUE(near(drawn.weight.g, expected_draw.weight.g, 1e-4 * expected_draw.weight.g + 1e-6));
             }
     }
 }
@@ -260,7 +304,7 @@ TEST_P(PreparedOn, DensityAndDrawsAreThoseOfTheText) {
                 int k = 0;
                 while (k + 1 < MixtureProposal::k_lobes && left >= weight[std::size_t(k)])
                     left -= weight[std::size_t(k++)];
-                const Vec3f wl = sample(proposal, wv, u);
+                const Vec3f wl = sample(proposal, wv, {u.x, u.y}, u.z);
                 const Vec3d expected =
                     turned(D::sample_proposal_lobe(k, v, double(stretch), double(u.x), double(u.y)), 1);
                 const Vec3d apart = to_double(wl) - expected;
@@ -279,14 +323,14 @@ TEST_P(PreparedOn, DensityAndDrawsAreThoseOfTheText) {
 TEST_P(PreparedOn, DrawsAndDensityAgree) {
     // The mean of g / pdf over draws is the integral of g above the horizon: of cosθ / π, and of a lobe that is sharp.
     const PmModel model = random_model(random_, {.lobes = 6, .form = PmForm::extended});
-    const PreparedModel prepared = prepare({model, {}}, {});
+    const PreparedBrdf prepared = prepare({model, {}}, {});
     for (const double theta : {0.0, 0.5, 1.0, 1.4}) {
         const Vec3f wv = to_float(spherical(theta, 0.3)), specular = mirror(wv);
         double of_cosine = 0, of_lobe = 0, squares = 0;
         constexpr int n = 48;
         for (int i = 0; i < n * n * n; ++i) {
             const Vec3f cell{float(i % n), float(i / n % n), float(i / n / n)};
-            const Vec3f wl = sample(prepared, wv, (1.f / n) * (cell + draw3()));
+            const Vec3f u = (1.f / n) * (cell + draw3()), wl = sample(prepared.proposal(), wv, {u.x, u.y}, u.z);
             if (!(wl.z > 0)) continue;
             const double density = double(pdf(prepared, wl, wv));
             of_cosine += double(wl.z) / k_pi / density;

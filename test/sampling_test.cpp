@@ -17,6 +17,14 @@ namespace {
 
 constexpr double k_thetas[] = {0, 30, 60, 80};
 
+// A point and a selector in three numbers.
+template <typename P> Vec3f sample(const P& proposal, Vec3f wv, Vec3f u) {
+    return sample(proposal, wv, Vec2f{u.x, u.y}, u.z);
+}
+template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposal, Vec3f wv, Vec3f u) {
+    return sample(brdf, proposal, wv, Vec2f{u.x, u.y}, u.z);
+}
+
 /// A real material, fitted in a hurry, and what each of the three is drawn by.
 struct Material {
     std::string name;

@@ -17,8 +17,9 @@ struct LightSample {
 };
 
 // A proposal answers
-//   sample(proposal, wv, u)   a direction from u, three numbers even in [0,1); z ≤ 0 where the draw has none
-//   pdf(proposal, wl, wv)     its density [1/sr]; 0 below the horizon, above it positive wherever f cosθl is
+//   sample(proposal, wv, u, selector)   a direction from a point and a selector of a lobe, all uniform in [0,1); z ≤ 0 where the
+//                                       draw has none
+//   pdf(proposal, wl, wv)               its density [1/sr]; 0 below the horizon, above it positive wherever f cosθl is
 // for wv.z > 0, with ∫ pdf + P(no direction) = 1.
 
 /// Whether both are above the horizon. Compared so, a subnormal cosine is not, whether the processor takes it for 0 or not.
@@ -29,7 +30,7 @@ inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
 
 /// Draws by the cosine, whatever the BRDF.
 struct CosineProposal {};
-Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec3f u);
+Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
 
 /// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine, lobes about the mirror direction, lobes of half-way
@@ -44,7 +45,7 @@ struct MixtureProposal {
 /// `w` in the frame of the grain, whose x is along it, and back.
 Vec3f into_grain(const MixtureProposal& proposal, Vec3f w);
 Vec3f out_of_grain(const MixtureProposal& proposal, Vec3f w);
-Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec3f u);
+Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv);
 
 struct ProposeOptions {
@@ -74,22 +75,22 @@ struct ViewProposal {
     std::vector<float> albedo;  ///< n: ∫ f cosθl dωl, luminance
 };
 ViewProposal propose(const SuModel& model, const ProposeOptions& options = {});
-Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec3f u);
+Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv);
 
 /// Any of them.
 using Proposal = std::variant<CosineProposal, MixtureProposal, ViewProposal>;
-Vec3f sample(const Proposal& proposal, Vec3f wv, Vec3f u);
+Vec3f sample(const Proposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
 
 /// The proposal that a model is best drawn from. It may refer to the model.
 Proposal propose(const Model& model, const ProposeOptions& options = {});
 
-/// Draws the light for `brdf`, of which values that were not measured count as 0.
-template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposal, Vec3f wv, Vec3f u) {
+/// Samples the light for `brdf`, of which values that were not measured count as 0.
+template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposal, Vec3f wv, Vec2f u, float selector) {
     LightSample drawn;
     if (!(wv.z > 0)) return drawn;
-    drawn.wl = sample(proposal, wv, u);
+    drawn.wl = sample(proposal, wv, u, selector);
     if (!(drawn.wl.z > 0)) return drawn;
     drawn.pdf = pdf(proposal, drawn.wl, wv);
     if (!(drawn.pdf > 0)) return drawn;

@@ -17,6 +17,11 @@ using Vec3d = Vec3<double>;
 constexpr Vec3f to_float(Vec3d w) { return {float(w.x), float(w.y), float(w.z)}; }
 constexpr Vec3d to_double(Vec3f w) { return {double(w.x), double(w.y), double(w.z)}; }
 
+/// A point of the unit square.
+struct Vec2f {
+    float x = 0, y = 0;
+};
+
 /// Component by component.
 template <typename Real> constexpr bool operator==(Vec3<Real> a, Vec3<Real> b) {
     return a.x == b.x && a.y == b.y && a.z == b.z;

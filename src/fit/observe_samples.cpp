@@ -66,7 +66,7 @@ Observations together(const SampleObservations& from, double weight_between, std
 
 constexpr double k_most_change = 3;
 void weigh_large_errors(Observations& observations, const PmModel& fitted, double max_theta, double mean) {
-    const PreparedModel model = prepare({fitted, {}});
+    const PreparedBrdf model = prepare(Model{fitted, {}});
     for (std::size_t i = 0; i < observations.f.size() - observations.checks; ++i) {
         const Vec3f wl = observations.wl[i], wv = observations.wv[i];
         if (std::min(wl.z, wv.z) >= sample_cap(max_theta))  // else a guard

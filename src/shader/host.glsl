@@ -1,5 +1,5 @@
-// What kernel.glsl and shading.glsl take of a shader. `fragment_shader` puts before it a material's numbers: PM_LOBES and what belongs to
-// it, or SU_LOBES, MERL_SIZE, FLAT; and LIGHTS, EACH_LIGHT, DEFERRED, SHOWN.
+// What kernel.glsl takes of a shader. A material's shape stands before it: PM_LOBES and what belongs to it, or SU_LOBES,
+// MERL_SIZE, GGX, FLAT.
 #define Real float
 #define Vec3 vec3
 #define Bool bool

@@ -66,7 +66,7 @@ void main() {
     f += from_frame(wl, u.x, u.y, one_minus_exp(u.x)) + psi_by_angle(wl, wv, u.x, u.y) + product.centre;
     f *= gaussian(w, wl, 2.0) * gaussian_exponent(w, wv, 2.0) * product.scale * product.bandwidth;
     PmFeatures x = pm_further_features(features, wl, wv);
-    f += x.horizon * x.difference + x.elevation * x.half_way;
+    f += x.x[0] * x.x[1] + x.x[2] * x.x[SRBF_TERMS - 1];
     Real exponent = pm_with_variate(Pm(0), 0, 0, u.x, squared_distance_from_pole(axial_psi(wl, wv, u.x, u.y), 1.0));
     f += pm_power(pm_with_features(Pm(0), 0, exponent + squared_distance(wl, wv), x)) * exp_of_lobe(u.x);
     SuNearest nearest = SuNearest(texture(index_of_direction, wv));

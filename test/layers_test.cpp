@@ -24,7 +24,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/metrics", "src/metrics"},
     {"include/srbf/measured", "include/srbf/convert", "src/measured/"},
     {"include/srbf/su", "include/srbf/ggx"},
-    {"include/srbf/model", "src/model/"},
+    {"include/srbf/model", "include/srbf/terms", "src/model/"},
     {"include/srbf/sampling", "src/sampling"},
     {"include/srbf/prepared", "src/prepared"},
     {"include/srbf/shader", "src/shader/"},

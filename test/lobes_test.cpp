@@ -64,6 +64,25 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
     }
 }
 
+TEST(Lobes, ExponentsAreBoundedByTheirTerms) {
+    for (const double finest : {0.0, 1e-4, 0.05})
+        for (const bool axial : {true, false}) {
+            const LobeShape shape{k_forms.back(), 2, axial, false, finest};
+            const double slope = finest > 0 ? std::min(1 / finest, 65504.0) : 65504.0;
+            for (int k = 0; k < features(shape.form); ++k) {
+                const ExponentTerm& term = k_terms[std::size_t(k)];
+                const Interval range = weight_range(shape.directional() + k, shape);
+                EXPECT_EQ(range.least, term.is_slope ? std::max(term.least, -slope) : term.least);
+                EXPECT_EQ(range.most, term.is_slope ? std::min(term.most, slope) : term.most);
+                EXPECT_LE(range.least, 0);
+                EXPECT_LE(range.most, double(k_half_max));
+            }
+        }
+    const LobeShape shape{PmForm::extended, 1};
+    EXPECT_EQ(weight_range(1, shape).most, 64);     // κ
+    EXPECT_EQ(weight_range(4, shape).most, 65504);  // σ
+}
+
 TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
     Observations o = observations(2048);
     Channels five{{400, 450, 500, 600, 700}, [](auto wl, auto wv, auto f) {

@@ -226,6 +226,23 @@ TEST(Variate, AxialModelsAreIsotropicAndOthersAreNot) {
     EXPECT_GT(anisotropic, 90);
 }
 
+TEST(Variate, FurtherFeaturesAreNoMoreThanZeroAndReciprocal) {
+    std::mt19937_64 random(10);
+    for (int trial = 0; trial < 2000; ++trial) {
+        const Vec3d wl = random_direction(random, 0), wv = trial % 4 == 0 ? mirror(wl) : random_direction(random, 0);
+        const auto of = K::pm_further_features(SRBF_TERMS, wl, wv),
+                   swapped = K::pm_further_features(SRBF_TERMS, wv, wl);
+        for (int k = 0; k < SRBF_TERMS; ++k) {
+            EXPECT_LE(of.x[k], 1e-15) << k;
+            EXPECT_TRUE(near(of.x[k], swapped.x[k], 1e-12)) << k;
+        }
+        for (int count = 0; count < SRBF_TERMS; ++count) {
+            const auto first = K::pm_further_features(count, wl, wv);
+            for (int k = 0; k < count; ++k) EXPECT_EQ(first.x[k], of.x[k]) << k;
+        }
+    }
+}
+
 TEST(Variate, EqualWeightsMakeAModelReciprocal) {
     std::mt19937_64 random(7);
     int irreciprocal = 0;

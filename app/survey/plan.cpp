@@ -52,8 +52,6 @@ class Plan {
     int threads_;
 };
 
-constexpr PmForm k_forms[] = {PmForm::source, PmForm::horizon, PmForm::extended};
-
 void plan_table(Plan& plan, bool quick) {
     using enum Objective;
     // The sizes that the source names, those of this project's tables, and the default.

@@ -20,11 +20,11 @@ std::string shape(const MerlTable& table) {
 }
 bool has_open_text(const PmModel& model) { return model.lobes <= k_most_open_lobes; }
 int kernel_texels(const PmModel& model) { return model.axial ? (model.variates + 3) / 4 : model.variates; }
-/// The same function in the extended form and with four or eight variates.
+/// The same function in the form of most terms and with four or eight variates.
 PmModel widened(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
     PmModel wide = model;
-    wide.form = PmForm::extended;
+    wide.form = k_forms.back();
     wide.variates = model.variates <= 4 ? 4 : 8;
     const auto W = std::size_t(wide.variates), E = std::size_t(features(wide.form));
     wide.parameterization.resize(W);
@@ -56,7 +56,7 @@ std::string shape(const PmModel& model, bool open) {
         return fmt::format(
             "#define PM_LOBES {0}\n#define PM_VARIATES {1}\n#define PM_FEATURES {2}\n#define PM_AXIAL {3:d}\n"
             "#define PM_KERNELS {4}\n#define PM_OPEN 1\n",
-            k_most_open_lobes, variates, features(PmForm::extended), model.axial,
+            k_most_open_lobes, variates, k_terms.size(), model.axial,
             k_most_open_lobes * (model.axial ? variates / 4 : variates));
     }
     std::vector<int> downs(std::size_t(model.lobes));
@@ -125,10 +125,11 @@ std::vector<Float4> pm_numbers(const PmModel& of, bool open) {
         const Vec3f beta = Formulas::pm_coefficient(model, j);
         numbers.push_back({beta.x, beta.y, beta.z, float(Formulas::pm_log2_scale(model, j))});
     }
-    for (int j = 0; F > 0 && j < J; ++j) {
-        Float4& exponents = numbers.emplace_back();
-        for (int k = 0; k < F; ++k) exponents[std::size_t(k)] = float(Formulas::pm_exponent(model, j, k));
-    }
+    for (int j = 0; j < J; ++j)
+        for (int k = 0; k < F; ++k) {
+            if (k % 4 == 0) numbers.emplace_back();
+            numbers.back()[std::size_t(k % 4)] = float(Formulas::pm_exponent(model, j, k));
+        }
     for (int j = 0; j < J; ++j)
         for (int n = 0; n < N; ++n) {
             const float sharpness = float(Formulas::pm_sharpness(model, j, n));

@@ -10,7 +10,7 @@ struct RandomModelOptions {
     bool axial = true, log_scale = false;
     int lobes = 5, variates = 3;
     double most_bandwidth = 300;
-    PmForm form = PmForm::source;
+    PmForm form = PmForm::gaussian;
 };
 
 /// A model whose numbers are drawn from what a fit yields.

@@ -29,7 +29,7 @@ const Rows& rows() {
 
 FitOptions options_of(std::uint64_t seed) {
     FitOptions options;
-    options.form = PmForm::source;
+    options.form = PmForm::gaussian;
     options.lobes = options.variates = 2;
     options.seed = seed;
     return options;
@@ -42,7 +42,7 @@ Candidate improved(Candidate candidate, const FitOptions& options, int kicks) {
 }
 
 TEST(Search, KicksFindAParameterizationThatStepsDoNotReach) {
-    const Candidate beside{0, {{PmForm::source, 2}, {k_pi / 4, 0.1}, {60, 3, 2, -300}}};
+    const Candidate beside{0, {{PmForm::gaussian, 2}, {k_pi / 4, 0.1}, {60, 3, 2, -300}}};
     int found = 0;
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         const Candidate before = improved(beside, options_of(seed), 3), after = improved(before, options_of(seed), 32);

@@ -26,7 +26,7 @@ struct Parameterization {
 /// evaluated by kernel.glsl's pm_value. Members are as the formula takes them; the file's encoding is in `write_model`.
 /// A spectral model has β_j at C wavelengths; its R, G, B follow from these (colour.h), one of them maybe negative: ρ is 0 where the sum is.
 struct PmModel {
-    PmForm form = PmForm::source;
+    PmForm form = PmForm::gaussian;
     bool axial = true;                               ///< every centre is +z or −z, as befits isotropic data
     int lobes = 0;                                   ///< J, 1..k_most_lobes
     int variates = 0;                                ///< N, 1..k_most_variates

@@ -25,7 +25,7 @@ inline constexpr std::array<ExponentTerm, 4> k_terms{{
 
 /// What a lobe of a multivariate model is made of; the numbers of 16 bits are for J lobes of N variates.
 enum class PmForm {
-    source,    ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
+    gaussian,  ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
     horizon,   ///< and (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N
     extended,  ///< and e^{μ(l·h−1) − γδ − σ sinθh}, δ as in `k_terms`: axial J(3+N+5)+2N
 };
@@ -33,13 +33,14 @@ enum class PmForm {
 struct FormRow {
     PmForm form;
     std::string_view name;
+    std::string_view stored;  ///< its name in model files and reports
     std::size_t terms;
     std::string_view summary;  ///< what it adds to the form before it, in ASCII
 };
 inline constexpr std::array<FormRow, 3> k_form_rows{{
-    {PmForm::source, "source", 0, "as Tsai 2009 defines them"},
-    {PmForm::horizon, "horizon", 1, "and an exponent of cos(theta_l) cos(theta_v)"},
-    {PmForm::extended, "extended", 4, "and three more"},
+    {PmForm::gaussian, "gaussian", "source", 0, "as Tsai 2009 defines them"},
+    {PmForm::horizon, "horizon", "horizon", 1, "and an exponent of cos(theta_l) cos(theta_v)"},
+    {PmForm::extended, "extended", "extended", 4, "and three more"},
 }};
 inline constexpr auto k_forms = [] {
     std::array<PmForm, k_form_rows.size()> forms{};
@@ -56,9 +57,11 @@ static_assert([] {
 /// F: how many exponents a lobe of that form has beside its bandwidths.
 constexpr int features(PmForm form) { return int(row_of(form).terms); }
 constexpr std::string_view name(PmForm form) { return row_of(form).name; }
+constexpr std::string_view stored_name(PmForm form) { return row_of(form).stored; }
+/// By either name.
 constexpr std::optional<PmForm> form_named(std::string_view text) {
     for (const FormRow& row : k_form_rows)
-        if (row.name == text) return row.form;
+        if (row.name == text || row.stored == text) return row.form;
     return std::nullopt;
 }
 

@@ -59,7 +59,7 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
         if (!result) return result.error();
     if (!(options.finest >= 0 && options.finest < 1))
         return Error{"fit", {}, "finest width", "0 to 1 radian", fmt::format("{}", options.finest)};
-    if (!options.log_scale && options.form != PmForm::source)
+    if (!options.log_scale && options.form != PmForm::gaussian)
         return Error{"fit", {}, "log scale", "one, in all forms but the source's", "none"};
     if (options.reciprocal && options.variates % 2 == 1)
         return Error{"fit",

@@ -14,7 +14,7 @@ namespace srbf {
 
 /// What the lobes of a fit are made of.
 struct LobeShape {
-    PmForm form = PmForm::source;
+    PmForm form = PmForm::gaussian;
     int variates = 0;         ///< N
     bool axial = true;        ///< centres at +z or −z alone
     bool reciprocal = false;  ///< a variate is a pair, ψ of (a, b) and of (b, a), with one centre and one bandwidth

@@ -232,7 +232,7 @@ std::vector<std::byte> write_model(const Model& model) {
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
         content.tensors = encode(*pm);
         metadata["model"] = "pm";
-        metadata["form"] = name(pm->form);
+        metadata["form"] = stored_name(pm->form);
         metadata["axial"] = pm->axial ? "true" : "false";
         if (!pm->wavelength.empty()) metadata["wavelengths"] = fmt::format("{}", fmt::join(pm->wavelength, " "));
     } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
@@ -287,7 +287,7 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& so
         return Model{*std::move(ggx), std::move(metadata)};
     }
     std::vector<std::string_view> forms;
-    for (const PmForm form : k_forms) forms.push_back(name(form));
+    for (const PmForm form : k_forms) forms.push_back(stored_name(form));
     const auto form = take("form", forms), axial = take("axial", {"true", "false"});
     if (error) return *error;
     std::vector<float> wavelength;

@@ -153,9 +153,9 @@ TEST(Variate, PsiByAngleIsTheDerivative) {
 TEST(Variate, ModelIsTheWrittenSum) {
     std::mt19937_64 random(3);
     for (int trial = 0; trial < 60; ++trial) {
-        const PmModel model = random_model(
-            random,
-            {.axial = trial % 2 == 0, .log_scale = trial % 3 == 0, .form = k_forms[std::size_t(trial / 6 % 3)]});
+        const PmModel model = random_model(random, {.axial = trial % 2 == 0,
+                                                    .log_scale = trial % 3 == 0,
+                                                    .form = k_forms[std::size_t(trial) / 6 % k_forms.size()]});
         for (int i = 0; i < 50; ++i) {
             const Vec3d wl = random_direction(random), wv = random_direction(random);
             const Vec3d f = K::pm_value(model, wl, wv);
@@ -174,7 +174,8 @@ TEST(Variate, ModelOnDualNumbersCarriesDerivatives) {
     std::mt19937_64 random(4);
     for (int trial = 0; trial < 200; ++trial) {
         const PmModel model = random_model(
-            random, {.axial = trial % 2 == 0, .most_bandwidth = 30, .form = k_forms[std::size_t(trial % 3)]});
+            random,
+            {.axial = trial % 2 == 0, .most_bandwidth = 30, .form = k_forms[std::size_t(trial) % k_forms.size()]});
         const Vec3d wl = random_direction(random), wv = random_direction(random), tangent = random_direction(random);
         const Vec3<Dual> moving(Dual(wl.x, tangent.x), Dual(wl.y, tangent.y), Dual(wl.z, tangent.z));
         const Vec3<Dual> f = Kernel<Dual>::pm_value(model, moving, constant(wv));

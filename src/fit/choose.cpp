@@ -57,7 +57,7 @@ struct Kind {
 
 std::vector<Kind> kinds(const FitOptions& options) {
     std::vector<Kind> all;
-    for (const PmForm form : {PmForm::gaussian, PmForm::horizon, PmForm::extended})
+    for (const PmForm form : k_forms)
         for (const bool axial : {true, false})
             for (int n = 1; n <= k_most_chosen_variates; ++n)
                 if ((axial || !options.axial) && !(options.reciprocal && n % 2 == 1) &&

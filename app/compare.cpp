@@ -5,6 +5,7 @@
 #include "app/commands.h"
 #include "app/report.h"
 #include "srbf/directions.h"
+#include "srbf/fitting.h"
 
 namespace srbf {
 namespace {

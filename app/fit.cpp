@@ -8,26 +8,77 @@
 
 #include "app/commands.h"
 #include "app/fit.h"
+#include "render/preview.h"
+#include "srbf/directions.h"
 
 namespace srbf {
 namespace {
 
+/// The command line as it is written.
+struct FitCommand {
+    std::string input, output, preview, json;
+    std::string model = "pm", form = std::string(name(PmRequest{}.form)),
+                objective = std::string(name(FitRequest{}.objective)),
+                discretise = std::string(name(SuRequest{}.discretise)),
+                interpolation = std::string(name(SuRequest{}.interpolation)), with_index, channels = "rgb";
+    int axial = 0;  // 1: axial lobes, -1: general ones, 0: as the measurement asks for
+    bool no_scale = false, reciprocal = false, lobes_auto = false;
+    double max_theta = 0;  // [degrees], 0: the objective's default
+    int lobes = 0;         // 0: not given
+    int variates = PmRequest{}.variates, threads = 0;
+    int directions = SuRequest{}.directions, between = SuRequest{}.between, neighbours = SuRequest{}.neighbours;
+    std::uint64_t seed = 0;
+    double target_error = 0;  // 0: none
+    std::size_t budget = 0;   // 0: none
+
+    PmRequest pm() const {
+        PmRequest pm;
+        pm.form = *form_named(form);
+        pm.variates = variates;
+        if (axial != 0) pm.axial = axial > 0;
+        pm.reciprocal = reciprocal;
+        pm.log_scale = !no_scale;
+        if (lobes > 0) pm.size = LobeCount{lobes};
+        if (lobes_auto) pm.size = AutomaticLobes{};
+        if (budget > 0) pm.size = ByteBudget{budget};
+        if (target_error > 0) pm.size = TargetError{target_error};
+        return pm;
+    }
+    SuRequest su() const {
+        SuRequest su;
+        if (lobes > 0) su.lobes = lobes;
+        su.discretise = *discretise_named(discretise);
+        su.directions = directions, su.between = between;
+        su.interpolation = *interpolation_named(interpolation), su.neighbours = neighbours;
+        if (!with_index.empty()) su.index = map_named(with_index);
+        return su;
+    }
+    FileFit file_fit() const {
+        FitRequest request;
+        if (model == "pm") request.model = pm();
+        if (model == "su") request.model = su();
+        if (model == "ggx") request.model = GgxRequest{std::max(lobes, 1)};
+        request.objective = *objective_named(objective);
+        if (max_theta > 0) request.max_theta = max_theta * k_degree;
+        request.spectral = channels == "spectral";
+        request.seed = seed, request.threads = threads;
+        const std::string beside = std::filesystem::path(input).stem().string() + ".srbf";
+        return {input, output.empty() ? beside : output, preview, json, request};
+    }
+};
+
 /// What goes to standard output, a device or a pipe is written first, so that a full one leaves no file behind.
-Result<Done> write(const FitRequest& request, const Measured& measured, const Outcome& outcome) {
+Result<Done> write(const FileFit& fit, const Measured& measured, const FitOutcome& outcome, const Image8& picture) {
     struct Output {
         std::string path;
         std::function<Result<Done>()> write;
     };
     std::vector<Output> outputs;
-    outputs.push_back({request.output, [&] {
-                           return save_model({outcome.model.model, provenance_of(request, outcome)}, request.output);
-                       }});
-    if (!request.preview.empty())
-        outputs.push_back({request.preview, [&] { return write_png(outcome.picture, request.preview); }});
-    if (!request.json.empty())
-        outputs.push_back(
-            {request.json, [&] { return write_json(report_of(request, measured, outcome), request.json); }});
-    if (request.json != "-") outputs.push_back({"-", [&] { return print_report(request, measured, outcome); }});
+    outputs.push_back({fit.output, [&] { return save_model(outcome.model, fit.output); }});
+    if (!fit.preview.empty()) outputs.push_back({fit.preview, [&] { return write_png(picture, fit.preview); }});
+    if (!fit.json.empty())
+        outputs.push_back({fit.json, [&] { return write_json(report_of(fit, measured, outcome), fit.json); }});
+    if (fit.json != "-") outputs.push_back({"-", [&] { return print_report(fit, measured, outcome); }});
     std::stable_partition(outputs.begin(), outputs.end(), [](const Output& one) {
         std::error_code ignored;
         return one.path == "-" || std::filesystem::is_other(one.path, ignored);
@@ -37,34 +88,42 @@ Result<Done> write(const FitRequest& request, const Measured& measured, const Ou
     return Done{};
 }
 
-/// The fit, with a line that tells how far it is.
-Result<Outcome> fitted(const FitRequest& request, const Measured& measured) {
-    ProgressLine line;
-    return fit(request, measured, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
-}
-
-int run(FitRequest& request) {
+int run(FileFit fit) {
     const Stopwatch loading;
-    const auto subject = load(request.input);
+    const auto subject = load(fit.input);
     if (!subject) return complain(subject.error());
-    const double load_seconds = loading.seconds();
+    fit.load_seconds = loading.seconds();
     const auto* measured = std::get_if<Measured>(&subject->content);
-    if (!measured) return complain({request.input, {}, "input", "a measurement", "a fitted model"});
-
-    if (request.output.empty()) request.output = std::filesystem::path(request.input).stem().string() + ".srbf";
-    const auto writable =
-        check_outputs({request.input}, {request.output, request.preview, request.json == "-" ? "" : request.json});
+    if (!measured) return complain({fit.input, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind});
+    const auto writable = check_outputs({fit.input}, {fit.output, fit.preview, fit.json == "-" ? "" : fit.json});
     if (!writable) return complain(writable.error());
 
-    auto outcome = fitted(request, *measured);
+    ProgressLine line;
+    auto outcome = srbf::fit(*measured, fit.request,
+                             [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
     if (!outcome) {
         Error error = outcome.error();
-        error.source = request.input;
-        return complain(error);
+        error.source = fit.input;
+        return line.clear(), complain(error);
     }
-    outcome->load_seconds = load_seconds;
-    const auto written = write(request, *measured, *outcome);
+    outcome->model.provenance["source"] = std::filesystem::path(fit.input).filename().string();
+    Image8 picture;
+    if (!fit.preview.empty()) {
+        line.show("drawing", 1);
+        PreviewOptions options;
+        options.threads = fit.request.threads;
+        options.captions[1] = fmt::format("fit, {} bytes", payload_bytes(outcome->model));
+        picture = preview(evaluator(*measured), evaluator(outcome->model), options);
+    }
+    line.clear();
+    const auto written = write(fit, *measured, *outcome, picture);
     return written ? k_done : complain(written.error());
+}
+
+std::vector<std::string> names_of_objectives() {
+    std::vector<std::string> names;
+    for (const Objective objective : objectives()) names.emplace_back(name(objective));
+    return names;
 }
 
 /// A number of lobes, or "auto".
@@ -75,7 +134,7 @@ Check lobes_or_auto() {
 }  // namespace
 
 void add_fit(CommandLine& app, int& status) {
-    const auto command = std::make_shared<FitRequest>();
+    const auto command = std::make_shared<FitCommand>();
     const Subcommand sub = app.add_subcommand("fit", "Fit a model to a measurement and report its errors");
     sub.add_option("INPUT", command->input,
                    "The measurement: a table of MERL's, RGL's or UTIA's layout, or scattered samples")
@@ -111,7 +170,7 @@ void add_fit(CommandLine& app, int& status) {
                    "Lobes of the model, or of each direction of su, 1 to {}, of ggx 1 or 2; auto: of a table the best\n"
                    "trade of bytes and error, of samples what cross-validation tells; default: {}, of samples auto, of "
                    "ggx 1",
-                   k_most_fitted_lobes, FitOptions{}.lobes))
+                   k_most_fitted_lobes, LobeCount{}.lobes))
             .type_name("J|auto")
             .check(lobes_or_auto());
     const Option variates =
@@ -129,11 +188,11 @@ void add_fit(CommandLine& app, int& status) {
         sub.add_flag("--no-scale", command->no_scale,
                      "Store no log scale: bounds the coefficients in the fit,\n2 J bytes fewer, larger errors");
     sub.add_option(
-           "--objective", command->objective_name,
+           "--objective", command->objective,
            "What is minimised, the squared error\nraw: of f; cosine: of f cos(theta_l) seen under cos(theta_v);\n"
            "log: of log(1 + f cos(theta_l)), likewise; cube-root: of the cube root of f")
         .type_name("NAME")
-        .check(one_of({"raw", "cosine", "log", "cube-root"}))
+        .check(one_of(names_of_objectives()))
         .capture_default_str();
     sub.add_option("--max-theta", command->max_theta,
                    "Fit and measure directions up to here from the normal,\n"
@@ -219,15 +278,16 @@ void add_fit(CommandLine& app, int& status) {
         if (command->no_scale && form_named(command->form) != PmForm::gaussian)
             no_scale.fail("only with --form gaussian; other forms always store log scales");
         if (target_error.given() && budget.given()) budget.fail("not together with --target-error");
-        if (command->spectral() && command->model != "pm") channels.fail("spectral only with --model pm");
+        const bool spectral = command->channels == "spectral";
+        if (spectral && command->model != "pm") channels.fail("spectral only with --model pm");
         for (const Option& option : {target_error, budget})
-            if (option.given() && command->spectral()) option.fail("only with --channels rgb");
+            if (option.given() && spectral) option.fail("only with --channels rgb");
         for (const Option& option : {target_error, budget})
             if (option.given() && lobes.given() && !command->lobes_auto)
                 option.fail("chooses the number of lobes; not together with --lobes");
         if (command->lobes_auto && command->model != "pm") lobes.fail("auto only with --model pm");
         if (command->model == "ggx" && command->lobes > k_most_ggx_lobes) lobes.fail("of ggx 1 or 2");
-        status = run(*command);
+        status = run(command->file_fit());
     });
 }
 

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
-#include <filesystem>
+#include <cmath>
+#include <limits>
 #include <thread>
 
 #include "app/fit.h"
+#include "srbf/directions.h"
+#include "srbf/fit_samples.h"
 
 namespace srbf {
 namespace {
@@ -47,59 +50,77 @@ std::string words(const GgxModel& model) {
 }
 
 /// What was tried: of models of one size the best, of fits in short only those that look better than all smaller ones.
-void print_path(const FitRequest& request, const Outcome& outcome) {
+void print_path(const FitRequest& request, const FitOutcome& outcome) {
     if (outcome.path.empty()) return;
-    fmt::print("\n  {:>9}  {:>10}   {}\n", "bytes", request.objective() == Objective::log ? "error" : "error, %",
-               "tried");
+    const bool is_ratio = measure_named_for(request.objective).is_ratio;
+    fmt::print("\n  {:>9}  {:>10}   {}\n", "bytes", is_ratio ? "error, %" : "error", "tried");
     double least = std::numeric_limits<double>::infinity();
     for (const Step& step : outcome.path) {
         if (!step.whole && step.error >= least) continue;
         least = std::min(least, step.error);
         fmt::print("  {:>9}  {:>10.4g}   {}, {} lobes, {} variates, {}{}\n", step.bytes,
-                   request.objective() == Objective::log ? step.error : 100 * step.error, name(step.form), step.lobes,
-                   step.variates, step.axial ? "axial" : "general", step.whole ? "" : ", in short");
+                   is_ratio ? 100 * step.error : step.error, name(step.form), step.lobes, step.variates,
+                   step.axial ? "axial" : "general", step.whole ? "" : ", in short");
     }
 }
 
-std::string wish_of(const FitRequest& request) {
-    return request.budget > 0 ? fmt::format("{} bytes", request.budget)
-                              : fmt::format("an error of {:g}", request.target_error);
+/// What the size of a multivariate model was chosen by.
+struct SizeWish {
+    std::optional<std::size_t> bytes;
+    std::optional<double> error;
+};
+SizeWish chosen_by(const FitRequest& request) {
+    const auto* pm = std::get_if<PmRequest>(&request.model);
+    if (!pm || !pm->size) return {};
+    if (const auto* budget = std::get_if<ByteBudget>(&*pm->size)) return {budget->bytes, {}};
+    if (const auto* target = std::get_if<TargetError>(&*pm->size)) return {{}, target->error};
+    return {};
 }
+
+/// An angle [rad] in degrees, as it was written before it became radians.
+double degrees(double angle) { return std::round(angle / k_degree * 1e9) / 1e9; }
 
 }  // namespace
 
-Json report_of(const FitRequest& request, const Measured& measured, const Outcome& outcome) {
+std::string_view kind_of(const FitRequest& request) {
+    constexpr std::string_view names[] = {"pm", "su", "ggx"};
+    return names[request.model.index()];
+}
+
+Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& outcome) {
+    const FitRequest& request = fit.request;
     Json json{
-        {"source", request.input},  {"source_format", measured.format}, {"source_bytes", measured.bytes},
-        {"output", request.output}, {"version", SRBF_VERSION},          {"model", request.model},
+        {"source", fit.input},  {"source_format", measured.format}, {"source_bytes", measured.bytes},
+        {"output", fit.output}, {"version", SRBF_VERSION},          {"model", kind_of(request)},
     };
     std::visit([&](const auto& model) { describe(json, model); }, outcome.model.model);
     json.update(Json{
         {"channels", channels(outcome.model).count()},
-        {"objective", request.objective_name},
-        {"max_theta", outcome.max_theta},
+        {"objective", name(request.objective)},
+        {"max_theta", degrees(outcome.max_theta)},
         {"raw_bytes", outcome.raw_bytes},
         {"payload_bytes", payload_bytes(outcome.model)},
         {"auxiliary_bytes", auxiliary_bytes(outcome.model)},
         {"fit_seconds", outcome.fit_seconds},
-        {"load_seconds", outcome.load_seconds},
+        {"load_seconds", fit.load_seconds},
         {"seed", request.seed},
         {"threads", request.threads > 0 ? request.threads : int(std::thread::hardware_concurrency())},
         {"stop_reason", outcome.stop ? Json(name(*outcome.stop)) : Json()},
         {"masked_samples", outcome.masked},
         {"clamped_samples", outcome.clamped},
     });
-    if (std::holds_alternative<SuModel>(outcome.model.model)) json["empty_directions"] = outcome.empty;
-    add_measures(json, outcome.rounded, "");
-    add_measures(json, outcome.unrounded_too, "unrounded_");
+    if (std::holds_alternative<SuModel>(outcome.model.model)) json["empty_directions"] = outcome.empty_directions;
+    add_measures(json, *outcome.errors, "");
+    add_measures(json, *outcome.unrounded_errors, "unrounded_");
     if (outcome.samples) {
         json["samples"] = *outcome.samples;
         json["folds"] = k_folds;
     }
     if (outcome.filled) json["filled_between_samples"] = *outcome.filled;
-    if (request.target_error > 0) json["target_error"] = request.target_error;
-    if (request.budget > 0) json["budget"] = request.budget;
-    if (request.target_error > 0 || request.budget > 0) json["reached"] = outcome.reached;
+    const SizeWish chosen = chosen_by(request);
+    if (chosen.error) json["target_error"] = *chosen.error;
+    if (chosen.bytes) json["budget"] = *chosen.bytes;
+    if (chosen.error || chosen.bytes) json["reached"] = outcome.reached;
     for (const Step& step : outcome.path)
         json["path"].push_back({{"bytes", step.bytes},
                                 {"error", step.error},
@@ -111,37 +132,23 @@ Json report_of(const FitRequest& request, const Measured& measured, const Outcom
     return json;
 }
 
-std::map<std::string, std::string> provenance_of(const FitRequest& request, const Outcome& outcome) {
-    return {
-        {"source", std::filesystem::path(request.input).filename().string()},
-        {"generator", "srbf " SRBF_VERSION},
-        {"objective", request.objective_name},
-        {"max_theta", fmt::format("{}", outcome.max_theta)},
-        {"seed", fmt::format("{}", request.seed)},
-        {"squared_error_ratio", fmt::format("{:.4g}", outcome.rounded.matrix.squared_error_ratio)},
-        {"heldout_squared_error_ratio", fmt::format("{:.4g}", outcome.rounded.heldout.squared_error_ratio)},
-        {"heldout_squared_error_ratio_cosine",
-         fmt::format("{:.4g}", outcome.rounded.heldout.squared_error_ratio_cosine)},
-        {"albedo_error", fmt::format("{:.4g}", outcome.rounded.albedo_error)},
-    };
-}
-
-Result<Done> print_report(const FitRequest& request, const Measured& measured, const Outcome& outcome) {
-    fmt::print("{}  ({}, {} bytes)\n", request.input, measured.format, grouped(measured.bytes));
+Result<Done> print_report(const FileFit& fit, const Measured& measured, const FitOutcome& outcome) {
+    const FitRequest& request = fit.request;
+    fmt::print("{}  ({}, {} bytes)\n", fit.input, measured.format, grouped(measured.bytes));
     fmt::print("  model     {}\n", std::visit([](const auto& model) { return words(model); }, outcome.model.model));
     fmt::print("  fitted    objective {}, directions within {:g}° of the normal, in {:.2f} s ({})\n",
-               request.objective_name, outcome.max_theta, outcome.fit_seconds,
+               name(request.objective), degrees(outcome.max_theta), outcome.fit_seconds,
                outcome.stop ? name(*outcome.stop) : "solved");
     const std::size_t payload = payload_bytes(outcome.model), auxiliary = auxiliary_bytes(outcome.model);
     fmt::print("  stored    {} bytes for {} of {}: 1 : {}\n", grouped(payload),
                outcome.samples ? grouped(*outcome.samples) + " samples" : "a matrix", grouped(outcome.raw_bytes),
                grouped(outcome.raw_bytes / payload));
     if (auxiliary > 0) fmt::print("  run time  {} bytes of index texture and direction table\n", grouped(auxiliary));
-    if (outcome.empty > 0) fmt::print("  empty     {} directions without data\n", outcome.empty);
+    if (outcome.empty_directions > 0) fmt::print("  empty     {} directions without data\n", outcome.empty_directions);
     if (outcome.masked > 0) fmt::print("  masked    {} samples that were not measured\n", grouped(outcome.masked));
     if (outcome.clamped > 0) fmt::print("  clamped   {} negative values, set to 0\n", grouped(outcome.clamped));
     fmt::print("\n");
-    print_measures({{"as stored", &outcome.rounded}, {"before rounding", &outcome.unrounded_too}});
+    print_measures({{"as stored", &*outcome.errors}, {"before rounding", &*outcome.unrounded_errors}});
     if (outcome.samples) {
         fmt::print(
             "  Matrix: at the samples themselves. Held out: {}-fold cross-validated. Albedo: against interpolated "
@@ -151,10 +158,15 @@ Result<Done> print_report(const FitRequest& request, const Measured& measured, c
             fmt::print("  Between samples the fit was held to interpolated values.\n");
     }
     print_path(request, outcome);
-    if (!outcome.reached) fmt::print("  Not reached: {}; this is the best that was found.\n", wish_of(request));
-    fmt::print("\n  model     {}\n", request.output);
-    if (!request.preview.empty()) fmt::print("  picture   {}\n", request.preview);
-    if (!request.json.empty()) fmt::print("  report    {}\n", request.json);
+    if (!outcome.reached) {
+        const SizeWish chosen = chosen_by(request);
+        fmt::print("  Not reached: {}; this is the best that was found.\n",
+                   chosen.bytes ? fmt::format("{} bytes", *chosen.bytes)
+                                : fmt::format("an error of {:g}", chosen.error.value_or(0)));
+    }
+    fmt::print("\n  model     {}\n", fit.output);
+    if (!fit.preview.empty()) fmt::print("  picture   {}\n", fit.preview);
+    if (!fit.json.empty()) fmt::print("  report    {}\n", fit.json);
     return flush_standard_output();
 }
 

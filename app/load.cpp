@@ -37,11 +37,6 @@ Channels channels(const Subject& subject) {
     return measured ? spectra(*measured) : channels(std::get<Model>(subject.content));
 }
 
-std::vector<Vec3f> matrix_directions(const Model& model, double theta_max) {
-    if (const auto* su = std::get_if<SuModel>(&model.model)) return su->direction;
-    return fibonacci_directions(k_matrix_directions, theta_max);
-}
-
 double fitted_theta(const Subject& subject) {
     if (!subject.is_model()) return 0;
     const auto& provenance = std::get<Model>(subject.content).provenance;

@@ -24,9 +24,6 @@ std::span<const float> wavelengths(const Subject& subject);
 /// Its wavelengths if it has any, else R, G, B. It refers to `subject`.
 Channels channels(const Subject& subject);
 
-/// The directions of the matrix on which a model is measured: a view-by-view model's own, else the source's within θmax.
-std::vector<Vec3f> matrix_directions(const Model& model, double theta_max);
-
 /// θmax of a model's fit [degrees], if `subject` is one that says so; else 0.
 double fitted_theta(const Subject& subject);
 

@@ -52,16 +52,6 @@ std::string text(const MeasureName& name, const Measures& measures) {
     return name.is_ratio ? percent(measures.*name.member) : fmt::format("{:.4g}", measures.*name.member);
 }
 
-std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
-                                const MeasureOptions& options, std::span<const Vec3f> directions) {
-    const auto matrix = measure_matrix(reference, others, options, directions),
-               heldout = measure_heldout(reference, others, options);
-    std::vector<Comparison> comparisons;
-    for (std::size_t k = 0; k < others.size(); ++k)
-        comparisons.push_back({matrix[k], heldout[k], albedo_error(reference, others[k], options.max_theta)});
-    return comparisons;
-}
-
 void add_measures(Json& json, const Measures& measures, std::string_view prefix) {
     for (const MeasureName& m : k_measures) json[fmt::format("{}{}", prefix, m.name)] = measures.*m.member;
 }

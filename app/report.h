@@ -15,32 +15,10 @@ namespace srbf {
 
 using Json = nlohmann::ordered_json;
 
-/// How a measure is told.
-struct MeasureName {
-    const char* name;   ///< in JSON
-    const char* title;  ///< in tables
-    double Measures::*member;
-    bool is_ratio;  ///< printed as per cent
-};
-inline constexpr std::array<MeasureName, 4> k_measures{{
-    {"squared_error_ratio", "squared error ratio", &Measures::squared_error_ratio, true},
-    {"squared_error_ratio_cosine", "  of f cosθl", &Measures::squared_error_ratio_cosine, true},
-    {"log_rms_cosine", "RMS of log(1 + f cosθl)", &Measures::log_rms_cosine, false},
-    {"cube_root_error_ratio", "cube root error ratio", &Measures::cube_root_error_ratio, true},
-}};
-/// Of these the one that an objective is judged by.
+/// The measure of `k_measures` that an objective is judged by.
 const MeasureName& measure_named_for(Objective objective);
 /// A measure's value as it is printed.
 std::string text(const MeasureName& name, const Measures& measures);
-
-/// The measures of one BRDF against another on both sets, and the albedo's.
-struct Comparison {
-    Measures matrix, heldout;
-    double albedo_error = 0;
-};
-/// Of each of `others` against `reference`; `directions`: of the matrix.
-std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
-                                const MeasureOptions& options, std::span<const Vec3f> directions);
 
 /// Adds measures to `json`, their names after `prefix`: "", "unrounded_", "samples_"; of a comparison all of them.
 void add_measures(Json& json, const Measures& measures, std::string_view prefix);

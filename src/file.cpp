@@ -34,10 +34,10 @@ class Descriptor {
 std::string reason(int code) { return std::generic_category().message(code); }
 
 Error cannot_read(const std::string& path, std::string found) {
-    return {path, {}, "cannot be read", "a readable file", std::move(found)};
+    return {path, {}, "cannot be read", "a readable file", std::move(found), ErrorCode::unreadable};
 }
 Error cannot_write(const std::string& path, std::string found) {
-    return {path, {}, "cannot be written", "a writable file", std::move(found)};
+    return {path, {}, "cannot be written", "a writable file", std::move(found), ErrorCode::unreadable};
 }
 
 /// Writes all of `bytes` and closes; 0 or errno.

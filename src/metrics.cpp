@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "parallel.h"
+#include "reporter.h"
 #include "srbf/directions.h"
 
 namespace srbf {
@@ -65,9 +66,11 @@ struct Sums {
 /// Sums over blocks of pairs, each filled by `fill(block, wl, wv, weight)`, added up in the blocks' order.
 template <typename Fill>
 std::vector<Measures> measure(const Channels& reference, std::span<const Channels> others, std::size_t blocks,
-                              std::size_t block_size, int threads, const Fill& fill) {
+                              std::size_t block_size, const MeasureOptions& options, const Fill& fill) {
     std::vector<std::vector<Sums>> parts(blocks, std::vector<Sums>(others.size()));
-    parallel_for(blocks, threads, [&](std::size_t block) {
+    Reporter reporter(options.progress, double(blocks));
+    parallel_for(blocks, options.threads, [&](std::size_t block) {
+        if (!reporter.advance("measuring the error", 1)) return;
         std::vector<Vec3f> wl(block_size), wv(block_size);
         std::vector<double> weight(block_size);
         fill(block, wl, wv, weight);
@@ -118,7 +121,7 @@ std::vector<Measures> measure_matrix(const Channels& reference, std::span<const 
     const auto cos_max = float(std::cos(options.max_theta));
     std::copy_if(directions.begin(), directions.end(), std::back_inserter(within),
                  [&](Vec3f w) { return w.z >= cos_max; });
-    return measure(reference, others, within.size(), within.size(), options.threads,
+    return measure(reference, others, within.size(), within.size(), options,
                    [&](std::size_t block, auto& wl, auto& wv, auto& weight) {
                        wl = within;
                        std::fill(wv.begin(), wv.end(), within[block]);
@@ -142,7 +145,7 @@ std::vector<Measures> measure_heldout(const Channels& reference, std::span<const
     const FlushSubnormals mode;
     constexpr std::size_t block_size = 1000;
     const MirrorMixture mixture(options.max_theta);
-    return measure(reference, others, std::size_t((count + block_size - 1) / block_size), block_size, options.threads,
+    return measure(reference, others, std::size_t((count + block_size - 1) / block_size), block_size, options,
                    [&](std::size_t block, auto& wl, auto& wv, auto& weight) {
                        std::seed_seq seeds{std::uint32_t(seed), std::uint32_t(seed >> 32), std::uint32_t(block)};
                        std::mt19937_64 random(seeds);
@@ -210,6 +213,16 @@ double albedo_error(const Evaluate& reference, const Evaluate& other, double max
         if (a != b) error = std::max(error, std::abs(b - a) / a);
     }
     return error;
+}
+
+std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
+                                const MeasureOptions& options, std::span<const Vec3f> directions) {
+    const auto matrix = measure_matrix(reference, others, options, directions),
+               heldout = measure_heldout(reference, others, options);
+    std::vector<Comparison> comparisons;
+    for (std::size_t k = 0; k < others.size(); ++k)
+        comparisons.push_back({matrix[k], heldout[k], albedo_error(reference, others[k], options.max_theta)});
+    return comparisons;
 }
 
 }  // namespace srbf

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
+#include <cstdlib>
+
 namespace srbf {
 
 std::string message(const Error& error) {
@@ -21,6 +24,31 @@ std::string message(const Error& error) {
     for (char& c : line)
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
     return line;
+}
+
+std::string_view name(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::malformed:
+            return "malformed";
+        case ErrorCode::unreadable:
+            return "unreadable";
+        case ErrorCode::wrong_kind:
+            return "wrong kind";
+        case ErrorCode::argument:
+            return "argument";
+        case ErrorCode::no_data:
+            return "no data";
+        case ErrorCode::cancelled:
+            return "cancelled";
+    }
+    return "";
+}
+
+Error cancelled_error(std::string source) { return {std::move(source), {}, "cancelled", {}, {}, ErrorCode::cancelled}; }
+
+void misused(std::string_view what) {
+    std::fprintf(stderr, "srbf: a Result was used without looking: %.*s\n", int(what.size()), what.data());
+    std::abort();
 }
 
 }  // namespace srbf

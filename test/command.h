@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 using Arguments = std::vector<std::string>;
 
 inline const std::string k_paper = bundled_data() / "paper_white_rgb.bsdf";
-inline const Arguments k_measures{"squared_error_ratio", "squared_error_ratio_cosine", "log_rms_cosine",
+inline const Arguments k_measure_names{"squared_error_ratio", "squared_error_ratio_cosine", "log_rms_cosine",
                                   "cube_root_error_ratio"};
 
 inline Arguments operator+(Arguments a, const Arguments& b) {

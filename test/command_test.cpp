@@ -67,7 +67,7 @@ TEST_F(OfModel, compare_of_a_file_with_itself_is_zero) {
     const Json json = Json::parse(contents(folder / "r.json"), nullptr, false);
     EXPECT_EQ(json.value("albedo_error", -1.0), 0.0);
     EXPECT_EQ(json.value("max_theta", -1.0), 80.0);
-    for (const std::string& name : k_measures)
+    for (const std::string& name : k_measure_names)
         for (const std::string& key : {name, "heldout_" + name}) EXPECT_EQ(json.value(key, -1.0), 0.0) << key;
 }
 

@@ -29,7 +29,7 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
     EXPECT_NE(json.value("stop_reason", ""), "");
     for (const std::string prefix : {"", "unrounded_"}) {
         Arguments names{"albedo_error"};
-        for (const std::string& name : k_measures) names = names + Arguments{name, "heldout_" + name};
+        for (const std::string& name : k_measure_names) names = names + Arguments{name, "heldout_" + name};
         for (const std::string& name : names) {
             const double error = json.value(prefix + name, -1.0);
             EXPECT_TRUE(std::isfinite(error) && error > 0 && error < 0.5) << prefix << name << ' ' << error;
@@ -45,7 +45,7 @@ TEST_F(Command, compare_finds_the_errors_that_fit_reports) {
         ASSERT_EQ(compared.status, 0) << compared.err;
         const Json json = Json::parse(compared.out, nullptr, false);
         EXPECT_EQ(json.value("albedo_error", -1.0), fit.value("albedo_error", -2.0));
-        for (const std::string& name : k_measures)
+        for (const std::string& name : k_measure_names)
             for (const std::string& key : {name, "heldout_" + name})
                 EXPECT_EQ(json.value(key, -1.0), fit.value(key, -2.0)) << key;
     }
@@ -229,7 +229,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     const ProgramRun compared = run(folder, {"compare", k_paper, "su.srbf", "--json", "-"});
     ASSERT_EQ(compared.status, 0) << compared.err;
     const Json measures = Json::parse(compared.out, nullptr, false);
-    for (const std::string& name : k_measures)
+    for (const std::string& name : k_measure_names)
         for (const std::string& key : {name, "heldout_" + name}) {
             EXPECT_EQ(measures.value(key, -1.0), json.value(key, -2.0)) << key;
             EXPECT_TRUE(near_relative(json.value("unrounded_" + key, -1.0), json.value(key, -2.0), 0.02)) << key;

@@ -15,7 +15,7 @@ const fs::path k_root = SRBF_SOURCE_DIR;
 // Groups of files in reading order, by the beginnings of their paths; a file may include its own group and those before it.
 const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/vec", "include/srbf/half", "src/half", "include/srbf/colour", "src/colour", "include/srbf/result",
-     "src/result"},
+     "src/result", "include/srbf/progress", "src/progress", "src/reporter"},
     {"src/floating_point", "src/parallel", "src/evenly", "src/k_d_tree", "src/least_squares", "include/srbf/file",
      "src/file", "include/srbf/text"},
     {"include/srbf/kernel", "src/batch-inl"},

@@ -51,8 +51,8 @@ TEST(Session, AChoiceIsFittedMeasuredAndSwapped) {
     const PmModel small = std::get<PmModel>(session.fitted()->model.model);
     EXPECT_EQ(small.lobes, 2);
     EXPECT_EQ(small.form, PmForm::horizon);
-    ASSERT_TRUE(session.fitted()->heldout && session.fitted()->matrix && session.fitted()->albedo_error);
-    const double error = session.fitted()->heldout->squared_error_ratio;
+    ASSERT_TRUE(session.fitted()->errors);
+    const double error = session.fitted()->errors->heldout.squared_error_ratio;
 
     // The measures are those of the library for the same model.
     const Evaluate others[] = {evaluator(session.fitted()->model)};
@@ -72,7 +72,7 @@ TEST(Session, AChoiceIsFittedMeasuredAndSwapped) {
     }));
     EXPECT_TRUE(was_quick);
     EXPECT_EQ(session.fitted()->choice, better);
-    EXPECT_LT(session.fitted()->heldout->squared_error_ratio, 0.5 * error);
+    EXPECT_LT(session.fitted()->errors->heldout.squared_error_ratio, 0.5 * error);
 }
 
 TEST(Session, CancelKeepsWhatIsOnDisplay) {
@@ -146,7 +146,7 @@ TEST(Session, AModelIsHeldAgainstTheMeasurementInWhateverOrder) {
         EXPECT_EQ(session.fitted()->from, folder / "model.srbf");
         EXPECT_EQ(std::get<PmModel>(session.fitted()->model.model), rounded(std::get<PmModel>(model.model)));
         EXPECT_EQ(session.fitted()->choice.objective, Objective::raw);
-        EXPECT_TRUE(session.fitted()->matrix);
+        EXPECT_TRUE(session.fitted()->errors);
         EXPECT_TRUE(session.save(folder / "again.srbf"));
     }
 }

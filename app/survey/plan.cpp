@@ -13,36 +13,31 @@ class Plan {
     explicit Plan(int threads) : threads_(threads) {}
 
     void pm(PmForm form, int lobes, int variates, Objective objective, std::string role = {}) {
-        FitRequest request = asked("pm", lobes, objective);
-        request.form = stored_name(form), request.variates = variates;
-        add(request, fmt::format("pm-{}-{}x{}-{}", request.form, lobes, variates, request.objective_name),
+        PmRequest pm;
+        pm.form = form, pm.variates = variates, pm.size = LobeCount{lobes};
+        add(pm, objective, fmt::format("pm-{}-{}x{}-{}", stored_name(form), lobes, variates, name(objective)),
             std::move(role));
     }
-    void su(int lobes, Objective objective, std::string role = {}, int directions = TabulateOptions{}.directions) {
-        FitRequest request = asked("su", lobes, objective);
-        request.directions = directions;
-        add(request, fmt::format("su-{}-{}", lobes, request.objective_name), std::move(role));
+    void su(int lobes, Objective objective, std::string role = {}, int directions = SuRequest{}.directions) {
+        SuRequest su;
+        su.lobes = lobes, su.directions = directions;
+        add(su, objective, fmt::format("su-{}-{}", lobes, name(objective)), std::move(role));
     }
     /// As the source draws it: the nearest samples by an index texture.
     void su_by_texture(int lobes, Objective objective) {
-        FitRequest request = asked("su", lobes, objective);
-        request.interpolation = name(SuInterpolation::plain), request.with_index = name(DirectionMap::cube);
-        add(request, fmt::format("su-{}-{}-plain", lobes, request.objective_name), {});
+        SuRequest su;
+        su.lobes = lobes, su.interpolation = SuInterpolation::plain, su.index = DirectionMap::cube;
+        add(su, objective, fmt::format("su-{}-{}-plain", lobes, name(objective)), {});
     }
     void ggx(int lobes, Objective objective, std::string role = {}) {
-        const FitRequest request = asked("ggx", lobes, objective);
-        add(request, fmt::format("ggx-{}-{}", lobes, request.objective_name), std::move(role));
+        add(GgxRequest{lobes}, objective, fmt::format("ggx-{}-{}", lobes, name(objective)), std::move(role));
     }
     std::vector<PlannedFit> fits;
 
   private:
-    FitRequest asked(const char* model, int lobes, Objective objective) const {
+    void add(decltype(FitRequest::model) model, Objective objective, std::string id, std::string role) {
         FitRequest request;
-        request.model = model, request.lobes = lobes, request.objective_name = name(objective);
-        request.threads = threads_;
-        return request;
-    }
-    void add(const FitRequest& request, std::string id, std::string role) {
+        request.model = std::move(model), request.objective = objective, request.threads = threads_;
         const auto same = std::ranges::find(fits, id, &PlannedFit::id);
         if (same == fits.end())
             fits.push_back({request, std::move(id), std::move(role)});

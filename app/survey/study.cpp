@@ -103,26 +103,25 @@ class Maker {
         std::optional<Error> first;
         for (std::size_t i = 0; i < all.size(); ++i) {
             progress_(all[i].id, k_fits * double(i) / double(all.size()));
-            FitRequest request = all[i].request;
-            request.input = study.material["file"];
-            request.output = all[i].id + ".srbf";
-            const auto outcome = srbf::fit(request, measured());
+            const FileFit file_fit{study.material["file"], all[i].id + ".srbf", {}, {}, all[i].request};
+            auto outcome = srbf::fit(measured(), all[i].request);
             if (!outcome) {
                 Error error = outcome.error();
-                error.source = request.input;
+                error.source = file_fit.input;
                 failures.push_back({{"id", all[i].id}, {"error", message(error)}});
                 if (!first) first = error;
                 continue;
             }
             Json row{{"id", all[i].id}, {"role", all[i].role}};
-            row.update(report_of(request, measured(), *outcome));
+            row.update(report_of(file_fit, measured(), *outcome));
             for (const char* other : {"fit_seconds", "load_seconds", "threads", "path"}) row.erase(other);
             rows.push_back(std::move(row));
             seconds[all[i].id] = outcome->fit_seconds;
-            Model model{outcome->model.model, provenance_of(request, *outcome)};
-            if (const auto saved = save_model(model, path(request.output)); !saved) return saved.error();
+            Model& model = outcome->model;
+            model.provenance["source"] = file_fit.input;
+            if (const auto saved = save_model(model, path(file_fit.output)); !saved) return saved.error();
             if (all[i].role.empty()) continue;
-            drawn_.subjects.push_back({request.output, std::move(model)});
+            drawn_.subjects.push_back({file_fit.output, std::move(model)});
             drawn_.roles.push_back(all[i].role), drawn_.ids.push_back(all[i].id);
         }
         if (rows.empty() && first) return *first;

@@ -85,15 +85,16 @@ void Readings::draw_measures(const Session& session) const {
             ImGui::TableNextColumn();
             const bool is_followed = fitted->from.empty() && &measure == &measure_named_for(fitted->choice.objective);
             ImGui::TextColored(is_followed ? k_hint : k_white, "%s", latin(measure.title).c_str());
-            for (const auto* of : {&fitted->matrix, &fitted->heldout}) {
+            for (const auto* of : {fitted->errors ? &fitted->errors->matrix : nullptr,
+                                   fitted->errors ? &fitted->errors->heldout : nullptr}) {
                 ImGui::TableNextColumn();
-                ImGui::Text("%s", *of ? text(measure, **of).c_str() : "...");
+                ImGui::Text("%s", of ? text(measure, *of).c_str() : "...");
             }
         }
         ImGui::TableNextColumn();
         ImGui::Text("albedo error");
         ImGui::TableNextColumn();
-        ImGui::Text("%s", fitted->albedo_error ? percent(*fitted->albedo_error).c_str() : "...");
+        ImGui::Text("%s", fitted->errors ? percent(fitted->errors->albedo_error).c_str() : "...");
         ImGui::EndTable();
     }
     ImGui::TextColored(k_dim, "Yellow: what the objective follows.");

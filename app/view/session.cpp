@@ -8,20 +8,8 @@
 #include <map>
 
 #include "srbf/file.h"
-#include "srbf/fit_samples.h"
 
 namespace srbf {
-namespace {
-
-/// Fits before the one that `srbf fit` makes: shown while the next one is under way, so that one sees at once what a slider does.
-struct Quick {
-    std::size_t pairs;  ///< it looks at
-    int starts, kicks;
-};
-constexpr Quick k_quick[] = {{4096, 3, 0}, {16384, 4, 8}};
-
-}  // namespace
-
 /// The thread that works: one job at a time, the newest.
 class Session::Worker {
   public:
@@ -49,13 +37,6 @@ class Session::Worker {
     double fraction() const { return fraction_; }
 
   private:
-    /// What a fit needs to know of a subject, found once for each.
-    struct Known {
-        std::optional<bool> isotropic;
-        std::map<Objective, Observations> observations;
-        std::map<Objective, SampleObservations> samples;
-    };
-
     void work(std::stop_token stop) {
         for (;;) {
             std::optional<Job> job;
@@ -76,91 +57,63 @@ class Session::Worker {
 
     void do_job(const Job& job) {
         fraction_ = 0;
-        Fitted fitted;
-        fitted.choice = job.choice;
-        if (job.model) {
-            fitted.model = *job.model;
-        } else {
-            tell({job.number, Stage::fitting, {}, {}});
-            const auto done = fit(job, fitted);
-            if (!done) return tell({job.number, Stage::idle, {}, done.error()});
-            if (!goes_on(job)) return;
-        }
-        tell({job.number, Stage::measuring, fitted, {}});
-        measure(job, fitted);
-    }
-
-    /// Fits the reference better and better, telling of each but the last.
-    Result<Done> fit(const Job& job, Fitted& fitted) {
-        Known& known = known_[job.reference.get()];
-        const Objective objective = job.choice.objective;
-        FitOptions options;
-        options.form = job.choice.form;
-        options.lobes = job.choice.lobes;
-        options.variates = job.choice.variates;
-        const ProgressCallback progress = [&](const Progress& now) {
+        const ProgressToken progress = [&](const Progress& now) {
             fraction_ = now.fraction;
             return goes_on(job);
         };
-        const auto take = [&](Result<PmFit>&& fit, bool quick) -> Result<Done> {
-            if (!fit) return fit.error();
-            fitted.quick = quick;
-            fitted.seconds = job.asked.seconds();
-            fitted.stop = fit->stop;
-            fitted.model.model = std::move(fit->model);
-            fitted.model.provenance = {{"source", std::filesystem::path(job.reference->path).filename().string()},
-                                       {"generator", "srbf " SRBF_VERSION},
-                                       {"objective", std::string(name(objective))},
-                                       {"max_theta", fmt::format("{}", default_max_theta(objective) / k_degree)}};
-            if (quick && goes_on(job)) tell({job.number, Stage::refining, fitted, {}});
-            return Done{};
-        };
-
-        const Measured* measured = std::get_if<Measured>(&job.reference->content);
-        if (const auto* samples = measured ? std::get_if<Scattered>(&measured->table) : nullptr) {
-            options.axial = samples->isotropic;
-            if (!known.samples.contains(objective)) {
-                auto observed = observe(*samples, ObserveSamplesOptions{.objective = objective});
-                if (!observed) return observed.error();
-                known.samples.emplace(objective, *std::move(observed));
+        const FitRequest request = job.choice.request();
+        Fitted fitted;
+        fitted.choice = job.choice;
+        FitOutcome outcome;
+        if (job.model) {
+            outcome.model = outcome.unrounded = *job.model;
+        } else {
+            tell({job.number, Stage::fitting, {}, {}});
+            auto found = fit(job, request, fitted, progress.part(0, 0.75));
+            if (!found) {
+                if (found.error().code == ErrorCode::cancelled) return;
+                return tell({job.number, Stage::idle, {}, found.error()});
             }
-            return take(fit_pm(known.samples.at(objective), {options, true}, progress), false);
+            outcome = *std::move(found);
         }
-        const Evaluate f = measured ? signed_evaluator(*measured) : evaluator(*job.reference);
-        if (!known.isotropic) known.isotropic = srbf::is_isotropic(f, default_max_theta(objective));
-        options.axial = *known.isotropic;
-        if (!known.observations.contains(objective)) {
-            auto observed = observe(f, {.objective = objective});
-            if (!observed) return observed.error();
-            known.observations.emplace(objective, *std::move(observed));
-        }
-        if (!goes_on(job)) return Done{};
-        const Observations& observations = known.observations.at(objective);
-        for (const Quick& quick : k_quick) {
-            FitOptions in_short = options;
-            in_short.starts = quick.starts;
-            in_short.kicks = quick.kicks;
-            const auto done = take(fit_pm(beginning(observations, quick.pairs), in_short, progress), true);
-            if (!done || !goes_on(job)) return done;
-        }
-        return take(fit_pm(observations, options, progress), false);
+        take(job, outcome, fitted);
+        tell({job.number, Stage::measuring, fitted, {}});
+        if (!fitter(job).measure(outcome, request, progress.part(0.75, 1))) return;
+        take(job, outcome, fitted);
+        tell({job.number, Stage::measuring, fitted, {}});
     }
 
-    /// The errors, those first that are known soonest.
-    void measure(const Job& job, Fitted& fitted) {
-        const MeasureOptions options{default_max_theta(job.choice.objective), 0};
-        const Evaluate reference = evaluator(*job.reference), others[] = {evaluator(fitted.model)};
-        const auto tell_measures = [&] { tell({job.number, Stage::measuring, fitted, {}}); };
-        if (!goes_on(job)) return;
-        fitted.heldout = measure_heldout(reference, others, options)[0];
-        tell_measures();
-        if (!goes_on(job)) return;
-        fitted.albedo_error = albedo_error(reference, others[0], options.max_theta);
-        tell_measures();
-        if (!goes_on(job)) return;
-        fitted.matrix =
-            measure_matrix(reference, others, options, matrix_directions(fitted.model, options.max_theta))[0];
-        tell_measures();
+    /// What is known of the reference stays known for its next fit.
+    Fitter& fitter(const Job& job) {
+        const Subject& reference = *job.reference;
+        const auto at = fitters_.find(&reference);
+        if (at != fitters_.end()) return at->second;
+        const Measured* measured = std::get_if<Measured>(&reference.content);
+        return fitters_.emplace(&reference, measured ? Fitter(*measured) : Fitter(evaluator(reference))).first->second;
+    }
+
+    /// Fits the reference better and better, and tells of each fit but the last.
+    Result<FitOutcome> fit(const Job& job, const FitRequest& request, Fitted& fitted, const ProgressToken& progress) {
+        for (int draft = 0; draft < Fitter::k_drafts; ++draft) {
+            auto quick = fitter(job).draft(request, draft, progress.part(0.1 * draft, 0.1 * (draft + 1)));
+            if (!quick) return quick;
+            take(job, *quick, fitted);
+            fitted.quick = true;
+            fitted.seconds = job.asked.seconds();
+            tell({job.number, Stage::refining, fitted, {}});
+        }
+        auto whole = fitter(job).fit(request, progress.part(0.2, 1));
+        fitted.quick = false;
+        fitted.seconds = job.asked.seconds();
+        return whole;
+    }
+
+    static void take(const Job& job, const FitOutcome& outcome, Fitted& fitted) {
+        fitted.model = outcome.model;
+        if (!job.model)
+            fitted.model.provenance["source"] = std::filesystem::path(job.reference->path).filename().string();
+        fitted.stop = outcome.stop;
+        fitted.errors = outcome.errors;
     }
 
     std::mutex mutex_;
@@ -169,9 +122,17 @@ class Session::Worker {
     std::vector<News> news_;
     std::atomic<int> newest_ = 0;
     std::atomic<double> fraction_ = 0;
-    std::map<const Subject*, Known> known_;  // subjects live as long as the session
-    std::jthread thread_;                    // the last member: it ends before what it works with
+    std::map<const Subject*, Fitter> fitters_;  // subjects live as long as the session
+    std::jthread thread_;                       // the last member: it ends before what it works with
 };
+
+FitRequest FitChoice::request() const {
+    PmRequest pm;
+    pm.form = form, pm.variates = variates, pm.size = LobeCount{lobes};
+    FitRequest request;
+    request.model = pm, request.objective = objective;
+    return request;
+}
 
 Session::Session() : worker_(std::make_unique<Worker>()) {}
 Session::~Session() = default;
@@ -217,7 +178,7 @@ void Session::show_model(int subject) {
         choice_.variates = pm->variates;
     }
     ask(model);
-    fitted_ = Fitted{model, choice_, subjects_[std::size_t(subject)]->path, false, 0, {}, {}, {}, {}};
+    fitted_ = Fitted{model, choice_, subjects_[std::size_t(subject)]->path, false, 0, {}, {}};
 }
 
 void Session::choose(const FitChoice& choice) {

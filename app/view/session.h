@@ -10,15 +10,16 @@
 
 #include "app/load.h"
 #include "app/report.h"
-#include "srbf/fit.h"
+#include "srbf/fitting.h"
 
 namespace srbf {
 
 /// What the sliders ask a fit for.
 struct FitChoice {
-    PmForm form = PmForm::extended;
-    int lobes = 8, variates = 4;
-    Objective objective = Objective::cosine;
+    PmForm form = PmRequest{}.form;
+    int lobes = LobeCount{}.lobes, variates = PmRequest{}.variates;
+    Objective objective = FitRequest{}.objective;
+    FitRequest request() const;  ///< all else as `srbf fit` has it by default
     friend bool operator==(const FitChoice&, const FitChoice&) = default;
 };
 inline constexpr int k_most_chosen_lobes = 24;  ///< that a slider goes to: beyond, a fit takes longer than one waits
@@ -39,8 +40,7 @@ struct Fitted {
     bool quick = false;  ///< a finer one is on its way
     double seconds = 0;  ///< from the choice until it was there
     std::optional<StopReason> stop;
-    std::optional<Measures> matrix, heldout;  ///< against the reference, as they become known
-    std::optional<double> albedo_error;
+    std::optional<Comparison> errors;  ///< against the reference, once they are known
 };
 
 /// Subjects, of which one is the reference; a fit that follows the choice in the background. All members are called from one thread, the

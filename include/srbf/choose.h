@@ -39,7 +39,7 @@ inline constexpr std::size_t k_most_chosen_bytes = 512;
 /// general lobes. Of each kind models are fitted in short to a part of the observations; those that then look best are fitted whole, with
 /// `options` for all else. Errors: those of `fit_pm`; fewer bytes than one lobe takes.
 Result<Chosen> choose_pm(const Observations& observations, const FitOptions& options, const Wish& wish,
-                         const JudgeModel& judge, const ProgressCallback& progress = {});
+                         const JudgeModel& judge, const ProgressToken& progress = {});
 inline constexpr int k_most_chosen_variates = 6;
 
 }  // namespace srbf

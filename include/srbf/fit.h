@@ -1,8 +1,8 @@
 // From measurements to models: level 4.
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +10,7 @@
 #include "srbf/brdf.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
+#include "srbf/progress.h"
 #include "srbf/result.h"
 
 namespace srbf {
@@ -22,9 +23,10 @@ enum class Objective {
     log,        ///< Σ (log(1 + f cosθl) − log(1 + f̂ cosθl))² cosθv
     cube_root,  ///< Σ (∛f − ∛f̂)², below a hundredth of the mean f as there
 };
+std::span<const Objective> objectives();  ///< all of them
 std::string_view name(Objective objective);
 std::optional<Objective> objective_named(std::string_view text);
-/// The measure that an objective is judged by: squared_error_ratio, squared_error_ratio_cosine, log_rms_cosine or cube_root_error_ratio.
+/// The measure that an objective minimises, and by which its fits are judged.
 double Measures::*measure_of(Objective objective);
 inline double error_of(const Measures& measures, Objective objective) { return measures.*measure_of(objective); }
 /// The cap of the fit and of its measures where none is asked for [rad]: 80° for raw and cube-root, 89° for cosine and log.
@@ -74,8 +76,8 @@ struct ObserveOptions {
 /// f cosθl cosθv, which hold the fit to the measurement's order of magnitude where it is not asked to follow
 /// it. Behind them stand the checks: a grid over the whole hemisphere to 89.9° with its edges, and 32,768 pairs about the mirror
 /// direction. Albedo is observed at 0, 15, 30, 45, 60, 70, 75, 80 and 85° as far as they are within θmax. `f` may be
-/// negative (see signed_value) or NaN. Errors: no pair has a value; all values are 0.
-Result<Observations> observe(const Evaluate& f, const ObserveOptions& options);
+/// negative (see signed_value) or NaN. Errors: no pair has a value; all values are 0; cancelled.
+Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress = {});
 
 /// Makes `observations` spectral: adds the spectra of which they have the colours, negative values set to 0, which `clamped` then counts in place
 /// of those of colours.
@@ -110,16 +112,8 @@ struct TabulateOptions {
 };
 inline constexpr std::size_t k_most_between = 4096;
 
-/// Looks `f` up; it may be negative (see signed_value) or NaN.
-Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options = {});
-
-/// What is going on, for a progress display.
-struct Progress {
-    std::string_view stage;
-    double fraction = 0;  ///< of the whole, 0..1
-};
-/// Called now and then, from one thread at a time; returning false cancels the fit.
-using ProgressCallback = std::function<bool(const Progress&)>;
+/// Looks `f` up; it may be negative (see signed_value) or NaN. Errors: options out of range; cancelled.
+Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options = {}, const ProgressToken& progress = {});
 
 struct FitOptions {
     PmForm form = PmForm::extended;
@@ -130,7 +124,7 @@ struct FitOptions {
     int variates = 4;  ///< N, 1..8, even for a reciprocal model
     /// Bound on bandwidths, 1/finest², and on what is no bandwidth, 1/finest [1/rad]; 0: what halves hold.
     double finest = 0;
-    bool log_scale = true;  ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
+    bool log_scale = true;  ///< form gaussian: store a log scale a lobe where a half cannot hold β; false: bound β
     /// Independent growths; the best four are polished, one to three finished. Without a number 20, 16 for 8 lobes and more.
     std::optional<int> starts = {};
     /// Attempts of the best to replace the lobe that matters least, every fourth the variate that does: a fifth of all starts, three tenths of the better half of them, the
@@ -145,7 +139,7 @@ enum class StopReason {
     converged,   ///< the last steps predicted a relative decrease below 1e-7, or found none that lowers
                  ///< the sum
     iterations,  ///< they still lowered it when they ended, maybe by less than pays
-    cancelled,   ///< the progress callback returned false
+    cancelled,   ///< by the progress token: the model is the best so far
 };
 std::string_view name(StopReason reason);
 
@@ -162,8 +156,7 @@ struct PmFit {
 /// Levenberg-Marquardt on what remains (Kaufman 1975), from lobes grown one by one. Docs: docs/fitting.md.
 /// Of spectral observations the search looks at the colours; its best lobes are polished with a coefficient for each wavelength.
 /// Errors: options out of range, fewer observations than parameters, values that are not finite.
-Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options,
-                     const ProgressCallback& progress = {});
+Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress = {});
 
 struct SuFitOptions {
     int lobes = 8;  ///< J, 1..k_most_view_lobes
@@ -186,7 +179,7 @@ struct SuFit {
 /// centres, by separable least squares as in `fit_pm`. A view starts from the lobes of the one before it, rotated to its
 /// azimuth, the first of every 32 from soft von Mises-Fisher clusterings. Docs: docs/fitting.md.
 /// Errors: options out of range, a matrix of other size; a view with data at fewer than J directions within θmax.
-Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressCallback& progress = {});
+Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressToken& progress = {});
 
 struct GgxFitOptions {
     int lobes = 1;    ///< 1..k_most_ggx_lobes
@@ -202,7 +195,8 @@ struct GgxFit {
 
 /// Fits Lambert and GGX: for any roughness all else follows from a non-negative linear problem; roughness, from a grid of half octaves
 /// that holds the least sum of a sample, by pattern search. No albedo and no checks are asked for.
-/// Errors: options out of range, fewer observations than parameters, values that are not finite.
-Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& options);
+/// Errors: options out of range, fewer observations than parameters, values that are not finite; cancelled.
+Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& options,
+                       const ProgressToken& progress = {});
 
 }  // namespace srbf

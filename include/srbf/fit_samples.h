@@ -41,8 +41,10 @@ struct SampleObservations {
     double finest = 0;       ///< a lobe may not be narrower [rad]: the samples' spacing
     std::size_t places = 0;  ///< within θmax where samples are
 };
-/// Errors: no sample within θmax, all of them 0; fewer than k_folds places; spectra asked of samples without.
-Result<SampleObservations> observe(const Scattered& samples, const ObserveSamplesOptions& options);
+/// Errors: no sample within θmax, all of them 0; fewer than k_folds places; spectra asked of samples without;
+/// cancelled.
+Result<SampleObservations> observe(const Scattered& samples, const ObserveSamplesOptions& options,
+                                   const ProgressToken& progress = {});
 
 struct SampleFitOptions {
     FitOptions pm;
@@ -55,7 +57,7 @@ struct SampleFitOptions {
 /// Fits parameterized multivariate SRBFs, of no lobe narrower than the samples' spacing. Errors: those of `fit_pm`; at fewer places
 /// than a third of the parameters, each being three values.
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
-                     const ProgressCallback& progress = {});
+                     const ProgressToken& progress = {});
 
 /// Models fitted to samples, as many each time; it may be called from several threads at once.
 using FitToSamples = std::function<Result<std::vector<Model>>(const Scattered& training)>;

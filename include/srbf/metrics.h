@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "srbf/brdf.h"
+#include "srbf/progress.h"
 
 namespace srbf {
 
@@ -25,9 +26,24 @@ struct Measures {
     std::uint64_t masked = 0;  ///< that were left out
 };
 
+/// How a measure is named and printed.
+struct MeasureName {
+    const char* name;   ///< in JSON and provenance
+    const char* title;  ///< in tables
+    double Measures::*member;
+    bool is_ratio;  ///< printed as per cent
+};
+inline constexpr std::array<MeasureName, 4> k_measures{{
+    {"squared_error_ratio", "squared error ratio", &Measures::squared_error_ratio, true},
+    {"squared_error_ratio_cosine", "  of f cosθl", &Measures::squared_error_ratio_cosine, true},
+    {"log_rms_cosine", "RMS of log(1 + f cosθl)", &Measures::log_rms_cosine, false},
+    {"cube_root_error_ratio", "cube root error ratio", &Measures::cube_root_error_ratio, true},
+}};
+
 struct MeasureOptions {
-    double max_theta = 0;  ///< θmax [rad], of both directions; in (0, π/2]
-    int threads = 0;       ///< 0: as many as the machine has; the result does not depend on it
+    double max_theta = 0;         ///< θmax [rad], of both directions; in (0, π/2]
+    int threads = 0;              ///< 0: as many as the machine has; the result does not depend on it
+    ProgressToken progress = {};  ///< once it is cancelled, what is returned means nothing
 };
 
 /// The measures of each of `others` over the n × n pairs of the Fibonacci set of the cap θ ≤ θmax: the
@@ -76,5 +92,14 @@ Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta);
 /// Largest relative error |Â/A − 1| of the luminance of albedo over those of `k_albedo_theta` that are within
 /// θmax.
 double albedo_error(const Evaluate& reference, const Evaluate& other, double max_theta);
+
+/// The measures of one BRDF against another: over a matrix of directions, over held-out pairs, and of albedo.
+struct Comparison {
+    Measures matrix, heldout;
+    double albedo_error = 0;
+};
+/// Of each of `others` against `reference`, the matrix over all pairs of `directions`.
+std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
+                                const MeasureOptions& options, std::span<const Vec3f> directions);
 
 }  // namespace srbf

@@ -1,13 +1,24 @@
 // Errors of input are values: level 0.
 #pragma once
-#include <cassert>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 
 namespace srbf {
+
+/// What kind of error it is, for programs that react to it.
+enum class ErrorCode {
+    malformed,   ///< the content of a file or an array is not what its format asks for
+    unreadable,  ///< a file cannot be read or written: missing, no permission, disk full
+    wrong_kind,  ///< a fitted model where a measurement is expected, or the reverse
+    argument,    ///< an option is out of its range, or two exclude each other
+    no_data,     ///< nothing to fit: no value was measured, or all of them are 0
+    cancelled,   ///< a progress callback or token cancelled the computation
+};
+std::string_view name(ErrorCode code);
 
 /// What is wrong with an input, where, what was expected there and what was found.
 struct Error {
@@ -16,12 +27,20 @@ struct Error {
     std::string what;                     ///< the part at fault, "field count"
     std::string expected;                 ///< "between 1 and 1024"; empty: none
     std::string found;                    ///< "0"; empty: none
+    ErrorCode code = ErrorCode::malformed;
 };
 
 /// One line: "SOURCE: at OFFSET: WHAT: expected EXPECTED, found FOUND", leaving out what is empty.
 std::string message(const Error& error);
 
-/// A value or the Error that kept it from being made. Dereferencing an error is the programmer's error.
+/// The error of a computation that was cancelled.
+Error cancelled_error(std::string source);
+
+/// Ends the program, with `what` on standard error: a programmer's mistake that must not pass in any build.
+[[noreturn]] void misused(std::string_view what);
+
+/// A value or the Error that kept it from being made. Dereferencing the one that is not there ends the program, in every build
+/// type, with the error's message.
 template <typename T> class [[nodiscard]] Result {
   public:
     Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}
@@ -30,14 +49,20 @@ template <typename T> class [[nodiscard]] Result {
     bool ok() const { return content_.index() == 0; }
     explicit operator bool() const { return ok(); }
 
-    T& operator*() & { return assert(ok()), *std::get_if<0>(&content_); }
-    const T& operator*() const& { return assert(ok()), *std::get_if<0>(&content_); }
-    T&& operator*() && { return assert(ok()), std::move(*std::get_if<0>(&content_)); }
+    T& operator*() & { return require(), *std::get_if<0>(&content_); }
+    const T& operator*() const& { return require(), *std::get_if<0>(&content_); }
+    T&& operator*() && { return require(), std::move(*std::get_if<0>(&content_)); }
     T* operator->() { return &**this; }
     const T* operator->() const { return &**this; }
-    const Error& error() const { return assert(!ok()), *std::get_if<1>(&content_); }
+    const Error& error() const {
+        if (ok()) misused("error() of a Result that holds a value");
+        return *std::get_if<1>(&content_);
+    }
 
   private:
+    void require() const {
+        if (!ok()) misused(message(*std::get_if<1>(&content_)));
+    }
     std::variant<T, Error> content_;
 };
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -75,7 +74,7 @@ bool by_bytes(const Step& a, const Step& b) { return a.bytes != b.bytes ? a.byte
 class Search {
   public:
     Search(const Observations& observations, const FitOptions& options, const JudgeModel& judge,
-           const ProgressCallback& progress)
+           const ProgressToken& progress)
         : observations_(observations), options_(options), judge_(judge), progress_(progress) {}
 
     struct Tried {
@@ -115,8 +114,8 @@ class Search {
     }
 
     bool report(double fraction) {
-        if (progress_ && !cancelled_) cancelled_ = !progress_({"choosing", std::min(fraction, 1.0)});
-        return !cancelled_;
+        done_ = fraction;
+        return progress_.report("choosing a size", fraction);
     }
     std::vector<Step> path() const {
         // Where a model was fitted both ways the whole fit counts.
@@ -132,7 +131,7 @@ class Search {
 
   private:
     Result<Tried> attempt(const Observations& observations, const FitOptions& options, bool in_short) {
-        auto fit = fit_pm(observations, options, [&](const Progress&) { return !cancelled_.load(); });
+        auto fit = fit_pm(observations, options, progress_.part(done_, done_));
         if (!fit) return fit.error();
         const double error = judge_(fit->model, in_short);
         const Step step{options.form, options.axial, options.lobes, options.variates, payload_bytes(fit->model),
@@ -143,13 +142,15 @@ class Search {
     const Observations& observations_;
     FitOptions options_;
     const JudgeModel& judge_;
-    const ProgressCallback& progress_;
+    ProgressToken progress_;
+    double done_ = 0;  // of the whole
     std::vector<Step> path_;
-    std::atomic<bool> cancelled_ = false;
 };
 
 Result<Search::Tried> found_or_cancelled(std::optional<Search::Tried>& best) {
-    if (!best) return Error{"fit", {}, "models that were tried", "one at least", "none before it was cancelled"};
+    if (!best)
+        return Error{
+            "fit", {}, "models that were tried", "one at least", "none before it was cancelled", ErrorCode::cancelled};
     return *std::move(best);
 }
 
@@ -157,7 +158,8 @@ Result<Search::Tried> found_or_cancelled(std::optional<Search::Tried>& best) {
 Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, std::size_t bytes) {
     auto steps = search.glance(kinds(options), bytes);
     if (!steps) return steps.error();
-    if (steps->empty()) return Error{"fit", {}, "bytes", "enough for one lobe, 12", fmt::format("{}", bytes)};
+    if (steps->empty())
+        return Error{"fit", {}, "bytes", "enough for one lobe, 12", fmt::format("{}", bytes), ErrorCode::argument};
     if (search.report(0.2)) {
         std::vector<std::pair<Kind, int>> asked;
         for (std::size_t i = 0; i < std::min(k_looked_at, steps->size()); ++i)
@@ -255,7 +257,7 @@ Result<Search::Tried> within_error(Search& search, const FitOptions& options, do
 }  // namespace
 
 Result<Chosen> choose_pm(const Observations& observations, const FitOptions& options, const Wish& wish,
-                         const JudgeModel& judge, const ProgressCallback& progress) {
+                         const JudgeModel& judge, const ProgressToken& progress) {
     const FlushSubnormals mode;
     Search search(observations, options, judge, progress);
     Chosen chosen;

@@ -151,14 +151,16 @@ void refine(GgxProblem& problem, Roughness& log_alpha) {
 
 }  // namespace
 
-Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& options) {
+Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& options, const ProgressToken& progress) {
     const FlushSubnormals mode;
     if (const auto valid = check(observations, std::size_t(3 + 5 * options.lobes)); !valid) return valid.error();
     if (options.lobes < 1 || options.lobes > k_most_ggx_lobes)
-        return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(options.lobes)};
+        return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(options.lobes), ErrorCode::argument};
     Observations weighed = observations;
     GgxProblem sample(weighed, k_scanned_rows, options.threads), all(weighed, weighed.f.size(), options.threads);
+    if (!progress.report("scanning roughness", 0)) return cancelled_error("fit");
     Roughness log_alpha = scanned(sample, options.lobes);
+    if (!progress.report("refining roughness", 0.2)) return cancelled_error("fit");
     refine(all, log_alpha);
     // A model of so few numbers errs by much: the cube root's weights follow its errors.
     for (int round = 0; round < k_root_rounds && observations.root_mean > 0; ++round) {
@@ -168,6 +170,7 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
                 observations.weight[i] * large_error_weight(observations.f[i],
                                                             value(model, observations.wl[i], observations.wv[i]),
                                                             observations.root_mean, k_most_root_change);
+        if (!progress.report("refining roughness", 0.3 + 0.7 * round / k_root_rounds)) return cancelled_error("fit");
         if (round == 0) log_alpha = scanned(sample, options.lobes);
         refine(all, log_alpha);
     }

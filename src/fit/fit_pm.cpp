@@ -49,7 +49,7 @@ constexpr CostlyRounding k_costly_rounding[] = {{1.003, {4, 2, 2}}, {1.02, {12, 
 Result<Done> check(const Observations& observations, const FitOptions& options) {
     const auto in_range = [](const char* what, int x, int least, int most) -> Result<Done> {
         if (x >= least && x <= most) return Done{};
-        return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x)};
+        return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x), ErrorCode::argument};
     };
     for (const auto& result : {in_range("number of lobes", options.lobes, 1, k_most_fitted_lobes),
                                in_range("number of variates", options.variates, 1, k_most_variates),
@@ -58,15 +58,17 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
                                in_range("number of threads", options.threads, 0, 1024)})
         if (!result) return result.error();
     if (!(options.finest >= 0 && options.finest < 1))
-        return Error{"fit", {}, "finest width", "0 to 1 radian", fmt::format("{}", options.finest)};
+        return Error{
+            "fit", {}, "finest width", "0 to 1 radian", fmt::format("{}", options.finest), ErrorCode::argument};
     if (!options.log_scale && options.form != PmForm::gaussian)
-        return Error{"fit", {}, "log scale", "one, in all forms but the source's", "none"};
+        return Error{"fit", {}, "log scale", "one, in all forms but gaussian", "none", ErrorCode::argument};
     if (options.reciprocal && options.variates % 2 == 1)
         return Error{"fit",
                      {},
                      "number of variates",
                      "an even one, for a reciprocal model",
-                     fmt::format("{}", options.variates)};
+                     fmt::format("{}", options.variates),
+                     ErrorCode::argument};
     return check(observations, parameter_count(options));
 }
 
@@ -147,7 +149,7 @@ std::string_view name(StopReason reason) {
     return "";
 }
 
-Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressCallback& progress) {
+Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress) {
     const FlushSubnormals mode;
     if (const auto valid = check(observations, options); !valid) return valid.error();
     const double log_peak_limit = options.log_scale ? k_log_peak_limit : std::log(double(k_half_max));

@@ -123,7 +123,7 @@ ViewFit from_nothing(ViewProblem& problem, const ViewRows& rows, std::size_t J, 
 Result<Done> check(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
     const auto in_range = [](const char* what, double x, double least, double most) -> Result<Done> {
         if (x >= least && x <= most) return Done{};
-        return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x)};
+        return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x), ErrorCode::argument};
     };
     const std::size_t n = matrix.direction.size();
     for (const auto& result : {in_range("number of lobes", options.lobes, 1, k_most_view_lobes),
@@ -139,7 +139,7 @@ Result<Done> check(const RawMatrix& matrix, const SuFitOptions& options, double 
 
 }  // namespace
 
-Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressCallback& progress) {
+Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressToken& progress) {
     const FlushSubnormals mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (const auto valid = check(matrix, options, theta_max); !valid) return valid.error();

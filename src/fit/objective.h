@@ -9,21 +9,17 @@
 
 namespace srbf {
 
-/// What (f−f̂)² weighs in the objective where the channels of f have mean `f`, per solid angle of both directions; `mean` is
-/// that of all f, which only the cube root asks for.
-inline double objective_weight(Objective objective, double f, double mean, double cos_l, double cos_v) {
-    switch (objective) {
-        case Objective::raw:
-            return 1;
-        case Objective::cosine:
-            return cos_l * cos_l * cos_v;
-        case Objective::log:
-            return std::pow(cos_l / (1 + f * cos_l), 2) * cos_v;
-        case Objective::cube_root:
-            return std::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
-    }
-    return 0;
-}
+/// What an objective is: a row of the table in objective.cpp.
+struct ObjectiveTraits {
+    Objective objective;
+    std::string_view name;
+    double Measures::*measure;  ///< that it minimises
+    double max_theta;           ///< θmax by default [degrees]
+    /// The weight of (f−f̂)² per solid angle of both directions, where the channels of f have mean `f`; `mean` is that of all
+    /// f over both caps.
+    double (*weight)(double f, double mean, double cos_l, double cos_v);
+};
+const ObjectiveTraits& traits(Objective objective);
 
 /// Where a highlight holds nearly all of Σ w |f|², nothing asks for the body under it, which is what one sees wherever the light is not reflected.
 /// The objective cosine does so by weights of the cube root times cosθl cosθv: off by all of f everywhere costs this much of Σ w |f|² besides.

@@ -8,6 +8,7 @@
 #include "fit/check_grid.h"
 #include "fit/objective.h"
 #include "parallel.h"
+#include "reporter.h"
 #include "srbf/colour.h"
 #include "srbf/directions.h"
 #include "srbf/fit.h"
@@ -61,10 +62,12 @@ struct Drawn {
 };
 
 /// `draw(i)`, i < count, those that exist and that have a value, in their order.
-template <typename DrawAt> Drawn measured(const Evaluate& f, std::size_t count, int threads, const DrawAt& draw) {
+template <typename DrawAt>
+Drawn measured(const Evaluate& f, std::size_t count, int threads, const DrawAt& draw, Reporter& reporter) {
     constexpr std::size_t k_part = 4096;
     std::vector<Drawn> parts((count + k_part - 1) / k_part);
     parallel_for(parts.size(), threads, [&](std::size_t p) {
+        if (!reporter.advance("observing", double(k_part))) return;
         Drawn part;
         for (std::size_t i = p * k_part; i < std::min(count, (p + 1) * k_part); ++i) {
             const std::optional<Draw> one = draw(i);
@@ -144,44 +147,6 @@ std::vector<AlbedoObservation> observe_albedo(const Evaluate& f, double theta_ma
 
 }  // namespace
 
-std::string_view name(Objective objective) {
-    switch (objective) {
-        case Objective::raw:
-            return "raw";
-        case Objective::cosine:
-            return "cosine";
-        case Objective::log:
-            return "log";
-        case Objective::cube_root:
-            return "cube-root";
-    }
-    return "";
-}
-
-std::optional<Objective> objective_named(std::string_view text) {
-    for (const Objective objective : {Objective::raw, Objective::cosine, Objective::log, Objective::cube_root})
-        if (name(objective) == text) return objective;
-    return std::nullopt;
-}
-
-double Measures::*measure_of(Objective objective) {
-    switch (objective) {
-        case Objective::raw:
-            return &Measures::squared_error_ratio;
-        case Objective::cosine:
-            return &Measures::squared_error_ratio_cosine;
-        case Objective::log:
-            return &Measures::log_rms_cosine;
-        case Objective::cube_root:
-            return &Measures::cube_root_error_ratio;
-    }
-    return nullptr;
-}
-
-double default_max_theta(Objective objective) {
-    return (objective == Objective::raw || objective == Objective::cube_root ? 80 : 89) * k_degree;
-}
-
 std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
     std::vector<double> theta{0, 2, 5};
     for (double t = 10; t < 80; t += 5) theta.push_back(t);
@@ -242,13 +207,14 @@ Result<Done> check(const Observations& observations, std::size_t parameters) {
     return Done{};
 }
 
-Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
+Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress) {
     const FlushSubnormals mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (!(theta_max >= k_degree && theta_max <= 89.9 * k_degree))
-        return Error{"observe", {}, "max_theta", "1 to 89.9 degrees", std::to_string(theta_max / k_degree)};
+        return Error{"observe",          {}, "max_theta", "1 to 89.9 degrees", std::to_string(theta_max / k_degree),
+                     ErrorCode::argument};
     if (options.count < 1024 || options.count > std::size_t(1) << 24)
-        return Error{"observe", {}, "count", "1024 to 16777216", std::to_string(options.count)};
+        return Error{"observe", {}, "count", "1024 to 16777216", std::to_string(options.count), ErrorCode::argument};
 
     std::mt19937_64 random(options.seed);
     const auto random_point = [&] {
@@ -293,20 +259,27 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options) {
     };
 
     const std::size_t guard_count = options.count / (k_pairs_a_guard + 1), pair_count = options.count - guard_count;
-    const auto drawn = [&](std::size_t count, const auto& draw) { return measured(f, count, options.threads, draw); };
-    const Drawn pool = drawn(std::max(pair_count, std::min(k_pool * pair_count, k_most_pairs)), draw_pair);
-    const Drawn guards = drawn(2 * guard_count, draw_guard), checks = drawn(grid.size() + k_mirror_checks, draw_check);
+    const std::size_t pool_count = std::max(pair_count, std::min(k_pool * pair_count, k_most_pairs)),
+                      check_count = grid.size() + k_mirror_checks;
+    Reporter reporter(progress, double(pool_count + 2 * guard_count + check_count));
+    const auto drawn = [&](std::size_t count, const auto& draw) {
+        return measured(f, count, options.threads, draw, reporter);
+    };
+    const Drawn pool = drawn(pool_count, draw_pair), guards = drawn(2 * guard_count, draw_guard),
+                checks = drawn(check_count, draw_check);
+    if (reporter.cancelled()) return cancelled_error("observe");
 
     Observations observations;
     observations.masked = pool.masked + guards.masked + checks.masked;
     observations.clamped = pool.clamped + guards.clamped + checks.clamped;
-    if (pool.size() + guards.size() == 0) return Error{"observe", {}, "pairs with a measurement", "some", "none"};
+    if (pool.size() + guards.size() == 0)
+        return Error{"observe", {}, "pairs with a measurement", "some", "none", ErrorCode::no_data};
     double mean = 0, solid_angle = 0;
     for (std::size_t i = 0; i < pool.size(); ++i) {
         mean += pool.weight[i] * mean_of(pool.f[i]);
         solid_angle += pool.weight[i];
     }
-    if (!(mean > 0)) return Error{"observe", {}, "values", "some above 0", "none"};
+    if (!(mean > 0)) return Error{"observe", {}, "values", "some above 0", "none", ErrorCode::no_data};
     mean /= solid_angle;
     if (options.objective == Objective::cube_root) observations.root_mean = mean;
 

@@ -76,11 +76,13 @@ void weigh_large_errors(Observations& observations, const PmModel& fitted, doubl
 
 }  // namespace
 
-Result<SampleObservations> observe(const Scattered& samples, const ObserveSamplesOptions& options) {
+Result<SampleObservations> observe(const Scattered& samples, const ObserveSamplesOptions& options,
+                                   const ProgressToken& progress) {
     const FlushSubnormals mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (!(theta_max >= k_degree && theta_max <= k_guard_theta))
-        return Error{"observe", {}, "max_theta", "1 to 89.9 degrees", std::to_string(theta_max / k_degree)};
+        return Error{"observe",          {}, "max_theta", "1 to 89.9 degrees", std::to_string(theta_max / k_degree),
+                     ErrorCode::argument};
     const float cos_max = sample_cap(theta_max);
     SampleObservations observed;
     observed.options = options;
@@ -89,7 +91,8 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
     observed.finest = places.spacing;
 
     const std::size_t C = options.spectral ? samples.wavelengths.size() : 0;
-    if (options.spectral && C == 0) return Error{"samples", {}, "spectral samples", "wavelengths", "none"};
+    if (options.spectral && C == 0)
+        return Error{"samples", {}, "spectral samples", "wavelengths", "none", ErrorCode::argument};
     if (options.spectral) observed.samples.wavelengths = observed.between.wavelengths = samples.wavelengths;
     std::vector<float> spectrum(C);
 
@@ -105,8 +108,9 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
         mean += mean_of(f);
         peak = std::max(peak, square_of(f) * std::pow(double(samples.wl[i].z) * double(samples.wv[i].z), 2));
     }
-    if (within.empty()) return Error{"samples", {}, "samples within the largest angle", "some", "none"};
-    if (!(mean > 0)) return Error{"samples", {}, "values", "some above 0", "none"};
+    if (within.empty())
+        return Error{"samples", {}, "samples within the largest angle", "some", "none", ErrorCode::no_data};
+    if (!(mean > 0)) return Error{"samples", {}, "values", "some above 0", "none", ErrorCode::no_data};
     mean /= double(within.size());
     if (options.objective == Objective::cube_root) observed.samples.root_mean = mean;
     std::vector<bool> seen(std::size_t(places.count), false);
@@ -134,6 +138,7 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
     if (!fold) return fold.error();
     std::vector<Rgb> interpolated(samples.wl.size());
     for (int left_out = 0; left_out < k_folds; ++left_out) {
+        if (!progress.report("interpolating", 0.5 * left_out / k_folds)) return cancelled_error("observe");
         const Scattered rest = without_fold(samples, *fold, left_out);
         for (const std::size_t i : within)
             if ((*fold)[i] == left_out) interpolated[i] = value(rest, samples.wl[i], samples.wv[i]);
@@ -147,6 +152,7 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
         return value(samples, wl, wv);
     };
     // Between the samples, beyond them, and where the fit is to be checked.
+    if (!progress.report("interpolating", 0.5)) return cancelled_error("observe");
     std::mt19937_64 random(options.seed);
     const auto grid = check_grid();
     std::vector<std::pair<Vec3f, Vec3f>> beyond;
@@ -172,6 +178,7 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
             k_guard_share * k_guard_importance * area * area / (double(beyond.size()) * peak), spectrum);
     }
     shuffle(observed.samples, random);
+    if (!progress.report("interpolating", 0.75)) return cancelled_error("observe");
     const std::size_t fitted = observed.samples.f.size();
     for (const auto& [l, v] : grid) {
         const Vec3f wl = to_float(l), wv = to_float(v);
@@ -195,7 +202,7 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
 }
 
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
-                     const ProgressCallback& progress) {
+                     const ProgressToken& progress) {
     const FlushSubnormals mode;
     const auto& [objective, max_theta, seed, spectral] = observations.options;
     FitOptions bounded = options.pm;
@@ -206,9 +213,7 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
     if (!options.fill) return fit_pm(together(observations, 0, seed), bounded, progress);
 
     const Observations alone = together(observations, 0, seed);
-    const auto first = fit_pm(alone, in_short(bounded, k_short_starts, k_short_kicks), [&](const Progress& now) {
-        return !progress || progress({now.stage, 0.3 * now.fraction});
-    });
+    const auto first = fit_pm(alone, in_short(bounded, k_short_starts, k_short_kicks), progress.part(0, 0.3));
     if (!first) return first;
     const std::size_t fitted = observations.samples.f.size() - observations.samples.checks;
     const auto beginning = [&](const auto& of) { return std::span(of).first(fitted); };
@@ -220,9 +225,7 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
             weigh_large_errors(*of, first->unrounded, max_theta, observations.samples.root_mean);
     double belief = std::min(error_of(remaining, objective) / error_of(observations.interpolation, objective), 1.0);
     if (objective == Objective::log) belief *= belief;  // a root of squares
-    return fit_pm(together(weighed, std::isfinite(belief) ? belief : 1, seed), bounded, [&](const Progress& now) {
-        return !progress || progress({now.stage, 0.3 + 0.7 * now.fraction});
-    });
+    return fit_pm(together(weighed, std::isfinite(belief) ? belief : 1, seed), bounded, progress.part(0.3, 1));
 }
 
 }  // namespace srbf

@@ -4,11 +4,12 @@
 
 #include "evenly.h"
 #include "parallel.h"
+#include "reporter.h"
 #include "srbf/fit.h"
 
 namespace srbf {
 
-Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options) {
+Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options, const ProgressToken& progress) {
     const FlushSubnormals mode;
     const auto n = std::size_t(std::max(options.directions, 0)), m = std::size_t(std::max(options.between, 0));
     if (n < k_least_views || n > k_most_views)
@@ -16,13 +17,15 @@ Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options) {
                      {},
                      "number of directions",
                      fmt::format("{} to {}", k_least_views, k_most_views),
-                     fmt::format("{}", options.directions)};
+                     fmt::format("{}", options.directions),
+                     ErrorCode::argument};
     if (options.between < 0 || m > k_most_between)
         return Error{"matrix",
                      {},
                      "number of directions between",
                      fmt::format("0 to {}", k_most_between),
-                     fmt::format("{}", options.between)};
+                     fmt::format("{}", options.between),
+                     ErrorCode::argument};
     RawMatrix matrix;
     matrix.discretise = options.discretise;
     matrix.direction = fibonacci_directions(int(n), k_pi / 2);
@@ -33,7 +36,9 @@ Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options) {
         std::uint64_t masked = 0, clamped = 0;
     };
     std::vector<Counts> counts(n);
+    Reporter reporter(progress, double(n));
     parallel_for(n, options.threads, [&](std::size_t i) {
+        if (!reporter.advance("tabulating", 1)) return;
         const Vec3f sampled = matrix.direction[i];
         const std::vector<Vec3f> fixed(std::max(n, m), sampled);
         const auto clamp = [&](Rgb& value) {
@@ -71,6 +76,7 @@ Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options) {
             clamp(between[k].f);
         }
     });
+    if (reporter.cancelled()) return cancelled_error("tabulate");
     for (const Counts& of_row : counts) matrix.masked += of_row.masked, matrix.clamped += of_row.clamped;
     return matrix;
 }

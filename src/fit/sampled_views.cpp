@@ -55,7 +55,7 @@ std::size_t SampledViews::valid(std::size_t view) const {
 double SampledViews::weight(std::size_t view, Vec3f other, const Rgb& value) const {
     double cos_l = double(other.z), cos_v = double(direction(view).z);
     if (matrix_.discretise == Discretise::light) std::swap(cos_l, cos_v);
-    return objective_weight(objective_, mean_of(value), mean_, cos_l, cos_v);
+    return traits(objective_).weight(mean_of(value), mean_, cos_l, cos_v);
 }
 
 ViewRows SampledViews::rows(std::size_t view) const {

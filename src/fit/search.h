@@ -1,33 +1,12 @@
 // The search for lobes on a sample of the observations.
 #pragma once
-#include <atomic>
 #include <limits>
-#include <mutex>
 #include <random>
 
 #include "fit/lobes.h"
+#include "reporter.h"
 
 namespace srbf {
-
-/// Tells the caller how far the work is, from any thread; remembers a cancellation.
-class Reporter {
-  public:
-    Reporter(ProgressCallback callback, double total) : callback_(std::move(callback)), total_(total) {}
-    /// False once cancelled.
-    bool advance(std::string_view stage, double work) {
-        const std::scoped_lock lock(mutex_);
-        done_ += work;
-        if (callback_ && !cancelled_) cancelled_ = !callback_({stage, std::min(done_ / total_, 1.0)});
-        return !cancelled_;
-    }
-    bool cancelled() const { return cancelled_; }
-
-  private:
-    ProgressCallback callback_;
-    double total_, done_ = 0;
-    std::atomic<bool> cancelled_ = false;
-    std::mutex mutex_;
-};
 
 inline LobeShape shape_of(const FitOptions& options) {
     return {options.form, options.variates / (options.reciprocal ? 2 : 1), options.axial, options.reciprocal,

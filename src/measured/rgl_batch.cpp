@@ -4,6 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "measured/rgl_batch.cpp"
 #include <hwy/foreach_target.h>
+#include <cassert>
 
 #include "batch-inl.h"
 #include "floating_point.h"

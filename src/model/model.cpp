@@ -1,6 +1,7 @@
 #include "srbf/model.h"
 
 #include <fmt/format.h>
+#include <cassert>
 
 #include <algorithm>
 

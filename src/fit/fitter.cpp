@@ -1,0 +1,378 @@
+// All that `srbf fit` does between reading a measurement and writing a model.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "fit/requests.h"
+#include "fit/sample_fits.h"
+#include "floating_point.h"
+#include "srbf/directions.h"
+#include "srbf/fitting.h"
+
+namespace srbf {
+namespace {
+
+/// Held-out pairs that tell a choice in short.
+constexpr std::uint64_t k_pairs_in_short = 20000;
+
+/// Drafts look at the beginning of the observations.
+struct Draft {
+    std::size_t pairs;
+    int starts, kicks;
+};
+constexpr Draft k_draft[Fitter::k_drafts] = {{4096, 3, 0}, {16384, 4, 8}};
+
+/// What part of a fit's time its stages take, about.
+constexpr double k_observed = 0.1, k_fitted = 0.75;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Result<Done> check(const FitRequest& request, bool has_spectra) {
+    const auto refused = [](const char* what, const char* expected, std::string found) {
+        return Error{"fit", {}, what, expected, std::move(found), ErrorCode::argument};
+    };
+    if (request.spectral && !has_spectra)
+        return refused("spectral channels", "a measurement at wavelengths", "one of colours");
+    const auto* pm = std::get_if<PmRequest>(&request.model);
+    if (request.spectral && !pm) return refused("spectral channels", "a multivariate model", "another");
+    if (!pm || !pm->size) return Done{};
+    if (request.spectral && wish_of(*pm))
+        return refused("spectral channels", "a number of lobes", "a budget or a target error");
+    if (const auto* budget = std::get_if<ByteBudget>(&*pm->size))
+        if (budget->bytes < 1 || budget->bytes > k_most_chosen_bytes)
+            return refused("budget", "12 to 512 bytes", fmt::format("{}", budget->bytes));
+    if (const auto* target = std::get_if<TargetError>(&*pm->size))
+        if (!(target->error > 0 && target->error <= 1))
+            return refused("target error", "above 0, at most 1", fmt::format("{}", target->error));
+    return Done{};
+}
+
+}  // namespace
+
+// ---- The stages that tables and samples share ----
+
+Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress) {
+    const SuRequest& su = std::get<SuRequest>(request.model);
+    const auto matrix = tabulate(
+        f,
+        {.directions = su.directions, .between = su.between, .discretise = su.discretise, .threads = request.threads},
+        progress.part(0, k_observed));
+    if (!matrix) return matrix.error();
+    SuFitOptions options;
+    options.lobes = su.lobes;
+    options.objective = request.objective;
+    options.max_theta = request.theta();
+    options.interpolation = su.interpolation;
+    options.neighbours = su.neighbours;
+    options.seed = request.seed;
+    options.threads = request.threads;
+    auto fitted = fit_su(*matrix, options, progress.part(k_observed, 1));
+    if (!fitted) return fitted.error();
+    if (progress.cancelled()) return cancelled_error("fit");
+    if (fitted->empty == su.directions) return Error{"fit", {}, "values", "some above 0", "none", ErrorCode::no_data};
+    if (su.index) fitted->model.index = index_texture(fitted->model, *su.index);
+    FitOutcome outcome;
+    outcome.masked = matrix->masked;
+    outcome.clamped = matrix->clamped;
+    outcome.raw_bytes = raw_bytes(std::uint64_t(su.directions));
+    outcome.empty_directions = fitted->empty;
+    outcome.stop = fitted->stop;
+    take(outcome, *std::move(fitted));
+    return outcome;
+}
+
+Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& request, const ProgressToken& progress) {
+    auto fitted = fit_ggx(observations, {std::get<GgxRequest>(request.model).lobes, request.threads}, progress);
+    if (!fitted) return fitted.error();
+    FitOutcome outcome;
+    take(outcome, *std::move(fitted));
+    return outcome;
+}
+
+// ---- The fitter ----
+
+class Fitter::Work {
+  public:
+    explicit Work(const Measured& measured)
+        : measured_(&measured), signed_(signed_evaluator(measured)), clamped_(evaluator(measured)) {}
+    explicit Work(Evaluate f) : signed_(std::move(f)) {
+        clamped_ = [f = signed_](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+            f(wl, wv, values);
+            for (Rgb& value : values)
+                for (int c = 0; c < 3; ++c)
+                    if (value[c] < 0) value[c] = 0;  // a NaN stays
+        };
+    }
+
+    Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress) {
+        const auto start = std::chrono::steady_clock::now();
+        if (const auto valid = check(request, has_spectra()); !valid) return valid.error();
+        auto outcome = samples() ? fit_to(*samples(), request, progress) : fit_table(request, progress);
+        return finished(std::move(outcome), request, start, progress);
+    }
+
+    Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress) {
+        const auto start = std::chrono::steady_clock::now();
+        if (const auto valid = check(request, has_spectra()); !valid) return valid.error();
+        if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
+            return Error{"fit", {}, "draft", "one of a multivariate model", "another", ErrorCode::argument};
+        return finished(drafted(request, draft, progress), request, start, progress);
+    }
+
+    Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
+        const FlushSubnormals mode;
+        const double theta_max = request.theta();
+        if (!samples()) {
+            const Channels f = channels_of(request);
+            const Channels others[] = {channels(outcome.model), channels(outcome.unrounded)};
+            const auto matrix = measure_matrix(f, others, {theta_max, request.threads, progress.part(0, 0.8)},
+                                               matrix_directions(outcome.model, theta_max)),
+                       heldout = measure_heldout(f, others, {theta_max, request.threads, progress.part(0.8, 0.95)});
+            outcome.errors = {matrix[0], heldout[0], 0};
+            outcome.unrounded_errors = {matrix[1], heldout[1], 0};
+        }
+        for (const auto& [model, errors] :
+             {std::pair(&outcome.model, &outcome.errors), std::pair(&outcome.unrounded, &outcome.unrounded_errors)}) {
+            if (progress.cancelled()) break;
+            if (*errors) (*errors)->albedo_error = albedo_error(clamped_, evaluator(*model), theta_max);
+        }
+        if (!progress.report("measuring the error", 1)) {
+            outcome.errors.reset(), outcome.unrounded_errors.reset();
+            return cancelled_error("measure");
+        }
+        if (!outcome.errors) return Done{};  // a draft of samples
+        const auto tell = [&](const char* name, double value) {
+            outcome.model.provenance[name] = fmt::format("{:.4g}", value);
+        };
+        tell("squared_error_ratio", outcome.errors->matrix.squared_error_ratio);
+        tell("heldout_squared_error_ratio", outcome.errors->heldout.squared_error_ratio);
+        tell("heldout_squared_error_ratio_cosine", outcome.errors->heldout.squared_error_ratio_cosine);
+        tell("albedo_error", outcome.errors->albedo_error);
+        return Done{};
+    }
+
+  private:
+    const Scattered* samples() const { return measured_ ? std::get_if<Scattered>(&measured_->table) : nullptr; }
+    bool has_spectra() const { return measured_ && !wavelengths(*measured_).empty(); }
+    /// What is fitted, and what errors are measured against.
+    Channels channels_of(const FitRequest& request) const {
+        return request.spectral ? spectra(*measured_) : rgb_channels(clamped_);
+    }
+
+    Result<FitOutcome> finished(Result<FitOutcome> outcome, const FitRequest& request,
+                                std::chrono::steady_clock::time_point start, const ProgressToken& progress) const {
+        if (progress.cancelled()) return cancelled_error("fit");
+        if (!outcome) return outcome;
+        outcome->fit_seconds = seconds_since(start);
+        outcome->max_theta = request.theta();
+        outcome->model.provenance = {{"generator", "srbf " SRBF_VERSION},
+                                     {"objective", std::string(name(request.objective))},
+                                     {"max_theta", fmt::format("{:.6g}", request.theta() / k_degree)},
+                                     {"seed", fmt::format("{}", request.seed)}};
+        return outcome;
+    }
+
+    // What was observed, by all that it depends on: the objective, θmax, the seed, and whether it is spectral.
+    using Key = std::tuple<Objective, double, std::uint64_t, bool>;
+    static Key key(const FitRequest& request) {
+        return {request.objective, request.theta(), request.seed, request.spectral};
+    }
+
+    Result<const Observations*> observed(const FitRequest& request, const ProgressToken& progress) {
+        const auto [at, is_new] = observations_.try_emplace(key(request));
+        if (!is_new) return &at->second;
+        auto made = observe(signed_,
+                            {.objective = request.objective,
+                             .max_theta = request.theta(),
+                             .seed = request.seed,
+                             .threads = request.threads},
+                            progress);
+        if (!made) {
+            observations_.erase(at);
+            return made.error();
+        }
+        if (request.spectral) observe_spectra(*made, signed_spectra(*measured_));
+        at->second = *std::move(made);
+        return &at->second;
+    }
+    Result<const SampleObservations*> observed_samples(const FitRequest& request, const ProgressToken& progress) {
+        const auto [at, is_new] = sample_observations_.try_emplace(key(request));
+        if (!is_new) return &at->second;
+        auto made = observe(*samples(),
+                            ObserveSamplesOptions{request.objective, request.theta(), request.seed, request.spectral},
+                            progress);
+        if (!made) {
+            sample_observations_.erase(at);
+            return made.error();
+        }
+        at->second = *std::move(made);
+        return &at->second;
+    }
+    bool axial(const FitRequest& request) {
+        const PmRequest& pm = std::get<PmRequest>(request.model);
+        if (pm.axial) return *pm.axial;
+        const auto [at, is_new] = isotropic_.try_emplace(request.theta());
+        if (is_new) at->second = is_isotropic(clamped_, request.theta());
+        return at->second;
+    }
+
+    Result<FitOutcome> fit_to(const Scattered& samples, const FitRequest& request, const ProgressToken& progress) {
+        if (std::holds_alternative<SuRequest>(request.model))
+            return fit_to_samples(samples, nullptr, request, progress);
+        const auto observations = observed_samples(request, progress.part(0, 0.05));
+        if (!observations) return observations.error();
+        return fit_to_samples(samples, *observations, request, progress.part(0.05, 1));
+    }
+
+    Result<FitOutcome> fit_table(const FitRequest& request, const ProgressToken& progress) {
+        if (std::holds_alternative<SuRequest>(request.model)) return fit_su(signed_, request, progress);
+        const auto found = observed(request, progress.part(0, k_observed));
+        if (!found) return found.error();
+        const Observations& observations = **found;
+        const ProgressToken fitting = progress.part(k_observed, 1);
+        auto outcome = std::holds_alternative<GgxRequest>(request.model)
+                           ? fit_ggx(observations, request, fitting)
+                           : fit_pm_to_table(observations, request, fitting);
+        if (!outcome) return outcome;
+        outcome->masked = observations.masked;
+        outcome->clamped = observations.clamped;
+        outcome->raw_bytes = raw_bytes(k_matrix_directions, channels(outcome->model).count());
+        return outcome;
+    }
+
+    Result<FitOutcome> fit_pm_to_table(const Observations& observations, const FitRequest& request,
+                                       const ProgressToken& progress) {
+        const PmRequest& pm = std::get<PmRequest>(request.model);
+        const FitOptions options = pm_options(request, axial(request));
+        FitOutcome outcome;
+        if (const auto wish = wish_of(pm)) {
+            const auto judge = [&](const PmModel& model, bool in_short) {
+                return error_of_model(model, request, in_short);
+            };
+            auto chosen = choose_pm(observations, options, *wish, judge, progress);
+            if (!chosen) return chosen.error();
+            outcome.path = std::move(chosen->path);
+            outcome.reached = chosen->reached;
+            outcome.stop = chosen->fit.stop;
+            take(outcome, std::move(chosen->fit));
+            return outcome;
+        }
+        const bool automatic = pm.size && std::holds_alternative<AutomaticLobes>(*pm.size);
+        if (!automatic) {
+            auto fitted = fit_pm(observations, options, progress);
+            if (!fitted) return fitted.error();
+            outcome.stop = fitted->stop;
+            take(outcome, *std::move(fitted));
+            return outcome;
+        }
+        // The best trade of bytes and error.
+        double least = std::numeric_limits<double>::infinity(), done = 0, all = 0;
+        for (const int lobes : k_tried_lobes) all += lobes;
+        for (const int lobes : k_tried_lobes) {
+            FitOptions of_this = options;
+            of_this.lobes = lobes;
+            auto fitted = fit_pm(observations, of_this, progress.part(done / all, (done + lobes) / all));
+            if (!fitted) return fitted.error();
+            if (progress.cancelled()) return cancelled_error("fit");
+            done += lobes;
+            const Step step{of_this.form,
+                            of_this.axial,
+                            lobes,
+                            of_this.variates,
+                            payload_bytes(fitted->model),
+                            error_of_model(fitted->model, request, false),
+                            true};
+            outcome.path.push_back(step);
+            const double trade = double(step.bytes) * step.error;
+            if (!(trade < least)) continue;
+            least = trade;
+            outcome.stop = fitted->stop;
+            take(outcome, *std::move(fitted));
+        }
+        return outcome;
+    }
+
+    /// The objective's own measure, held out.
+    double error_of_model(const PmModel& model, const FitRequest& request, bool in_short) const {
+        const Channels others[] = {request.spectral ? spectra(model) : rgb_channels(evaluator(model))};
+        const Measures measures = measure_heldout(channels_of(request), others, {request.theta(), request.threads},
+                                                  in_short ? k_pairs_in_short : k_heldout_pairs)[0];
+        return error_of(measures, request.objective);
+    }
+
+    Result<FitOutcome> drafted(const FitRequest& request, int draft, const ProgressToken& progress) {
+        if (samples()) {
+            const auto observations = observed_samples(request, progress.part(0, 0.3));
+            if (!observations) return observations.error();
+            return draft_of_samples(*samples(), **observations, request, draft == 0, progress.part(0.3, 1));
+        }
+        const auto observations = observed(request, progress.part(0, 0.3));
+        if (!observations) return observations.error();
+        const auto& [pairs, starts, kicks] = k_draft[draft];
+        FitOptions options = pm_options(request, axial(request));
+        options.starts = starts, options.kicks = kicks;
+        auto fitted = fit_pm(beginning(**observations, pairs), options, progress.part(0.3, 1));
+        if (!fitted) return fitted.error();
+        FitOutcome outcome;
+        outcome.masked = (*observations)->masked, outcome.clamped = (*observations)->clamped;
+        outcome.raw_bytes = raw_bytes(k_matrix_directions, channels_of(request).count());
+        outcome.stop = fitted->stop;
+        take(outcome, *std::move(fitted));
+        return outcome;
+    }
+
+    const Measured* measured_ = nullptr;
+    Evaluate signed_, clamped_;
+    std::map<Key, Observations> observations_;
+    std::map<Key, SampleObservations> sample_observations_;
+    std::map<double, bool> isotropic_;  // by θmax
+};
+
+Fitter::Fitter(const Measured& measured) : work_(std::make_unique<Work>(measured)) {}
+Fitter::Fitter(Evaluate f) : work_(std::make_unique<Work>(std::move(f))) {}
+Fitter::Fitter(Fitter&&) noexcept = default;
+Fitter& Fitter::operator=(Fitter&&) noexcept = default;
+Fitter::~Fitter() = default;
+
+Result<FitOutcome> Fitter::fit(const FitRequest& request, const ProgressToken& progress) {
+    return work_->fit(request, progress);
+}
+Result<FitOutcome> Fitter::draft(const FitRequest& request, int draft, const ProgressToken& progress) {
+    return work_->draft(request, draft, progress);
+}
+Result<Done> Fitter::measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
+    return work_->measure(outcome, request, progress);
+}
+
+namespace {
+
+Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
+    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
+    if (!outcome) return outcome;
+    if (const auto measured = fitter.measure(*outcome, request, progress.part(k_fitted, 1)); !measured)
+        return measured.error();
+    return outcome;
+}
+
+}  // namespace
+
+Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
+    return fit_and_measure(Fitter(measured), request, progress);
+}
+Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress) {
+    return fit_and_measure(Fitter(std::move(f)), request, progress);
+}
+
+std::vector<Vec3f> matrix_directions(const Model& model, double theta_max) {
+    if (const auto* su = std::get_if<SuModel>(&model.model)) return su->direction;
+    return fibonacci_directions(k_matrix_directions, theta_max);
+}
+
+}  // namespace srbf

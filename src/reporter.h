@@ -1,0 +1,29 @@
+// Progress counted in work done on several threads: level 1.
+#pragma once
+#include <algorithm>
+#include <mutex>
+#include <string_view>
+
+#include "srbf/progress.h"
+
+namespace srbf {
+
+/// Reports the part of a stage's work that is done, from any thread.
+class Reporter {
+  public:
+    Reporter(ProgressToken token, double total) : token_(std::move(token)), total_(total) {}
+    /// False once cancelled.
+    bool advance(std::string_view stage, double work) {
+        const std::scoped_lock lock(mutex_);
+        done_ += work;
+        return token_.report(stage, std::min(done_ / total_, 1.0));
+    }
+    bool cancelled() const { return token_.cancelled(); }
+
+  private:
+    ProgressToken token_;
+    double total_, done_ = 0;
+    std::mutex mutex_;
+};
+
+}  // namespace srbf

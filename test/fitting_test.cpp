@@ -1,0 +1,266 @@
+// From a measurement to a judged model in one call: what it finds, that it can be cancelled, what it refuses.
+#include "srbf/fitting.h"
+
+#include <thread>
+
+#include "measured_files.h"
+#include "models.h"
+#include "properties.h"
+#include "srbf/directions.h"
+
+namespace srbf {
+namespace {
+
+Measured bundled(const std::string& name) { return *load_measured((bundled_data() / (name + ".bsdf")).string()); }
+
+FitRequest pm(PmSize size, int variates = 2, Objective objective = Objective::raw) {
+    PmRequest pm;
+    pm.size = size, pm.variates = variates;
+    FitRequest request;
+    request.model = pm, request.objective = objective;
+    return request;
+}
+FitRequest su(int directions) {
+    SuRequest su;
+    su.lobes = 2, su.directions = directions, su.between = 32;
+    FitRequest request;
+    request.model = su;
+    return request;
+}
+FitRequest ggx(Objective objective = Objective::cosine) {
+    FitRequest request;
+    request.model = GgxRequest{}, request.objective = objective;
+    return request;
+}
+
+/// Samples of a smooth BRDF on a grid.
+Measured samples() {
+    Scattered scattered;
+    scattered.isotropic = true;
+    for (int l = 0; l < 8; ++l)
+        for (int v = 0; v < 8; ++v)
+            for (int p = 0; p < 7; ++p) {
+                const Vec3f wl = to_float(spherical(10 * l * k_degree, 30 * p * k_degree)),
+                            wv = to_float(spherical(10 * v * k_degree, 0.0));
+                const float f = 0.2f + 0.1f * wl.z * wv.z;
+                scattered.wl.push_back(wl), scattered.wv.push_back(wv), scattered.colour.push_back({f, f / 2, f / 4});
+            }
+    make_index(scattered);
+    return {"samples", "CSV", 0, std::move(scattered)};
+}
+
+// ---- What ships by default ----
+
+struct Bound {
+    const char* name;
+    double error, albedo_error;  // a quarter above what was measured
+};
+
+class DefaultFit : public testing::TestWithParam<Bound> {
+  public:
+    /// The fit of all defaults, made once.
+    static const FitOutcome& outcome() {
+        static std::map<std::string, Result<FitOutcome>> made;
+        const std::string name = GetParam().name;
+        const auto at = made.find(name);
+        return *(at != made.end() ? at : made.emplace(name, fit(bundled(name), {})).first)->second;
+    }
+};
+
+TEST_P(DefaultFit, ErrsNoMoreThanItDid) {
+    EXPECT_EQ(payload_bytes(outcome().model), 208u);
+    EXPECT_LE(error_of(outcome().errors->heldout, Objective::cosine), GetParam().error);
+    EXPECT_LE(outcome().errors->albedo_error, GetParam().albedo_error);
+    EXPECT_EQ(outcome().model.provenance.at("objective"), "cosine");
+    EXPECT_EQ(outcome().model.provenance.at("max_theta"), "89");
+}
+
+TEST_P(DefaultFit, IsBoundedToTheHorizon) {
+    const Measured measured = bundled(GetParam().name);
+    // f cosθl cosθv nowhere exceeds the largest measured by a factor, however close to grazing.
+    const auto largest = [](const auto& brdf, double most) {
+        float peak = 0;
+        for (double l = 0; l <= most; l += 2.5)
+            for (double v = 0; v <= most; v += 2.5)
+                for (double p = 0; p <= 180; p += 5) {
+                    const Vec3f wl = to_float(spherical(l * k_degree, p * k_degree)),
+                                wv = to_float(spherical(v * k_degree, 0.0));
+                    const Rgb f = value(brdf, wl, wv);
+                    if (is_finite(f)) peak = std::max(peak, std::max({f.r, f.g, f.b}) * wl.z * wv.z);
+                }
+        return peak;
+    };
+    const float measured_peak = largest(measured, 89);
+    EXPECT_LE(largest(outcome().model, 90 - 1e-9), 1.5f * measured_peak);
+    for (const double theta : {89.0, 89.5, 89.9})
+        for (double p = 0; p <= 180; p += 1) {
+            const Vec3f wl = to_float(spherical(theta * k_degree, p * k_degree)),
+                        wv = to_float(spherical(theta * k_degree, 0.0));
+            const Rgb f = value(outcome().model, wl, wv);
+            ASSERT_TRUE(is_finite(f));
+            ASSERT_LE(std::max({f.r, f.g, f.b}) * wl.z * wv.z, 1.5f * measured_peak) << theta << ' ' << p;
+        }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
+                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 0.0075, 0.045},
+                                         Bound{"paper_white_rgb", 0.0014, 0.003}),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+// ---- One call and its stages ----
+
+TEST(Fitting, IsItsStagesOneAfterTheOther) {
+    const Measured measured = bundled("paper_white_rgb");
+    const FitRequest request = pm(LobeCount{1});
+    const auto at_once = fit(measured, request);
+    ASSERT_TRUE(at_once);
+    Fitter fitter(measured);
+    // Neither a draft nor an earlier fit changes what a later one finds.
+    ASSERT_TRUE(fitter.draft(request, 0));
+    ASSERT_TRUE(fitter.fit(pm(LobeCount{1}, 1), {}));
+    auto outcome = fitter.fit(request);
+    ASSERT_TRUE(outcome);
+    EXPECT_FALSE(outcome->errors);
+    ASSERT_TRUE(fitter.measure(*outcome, request));
+    EXPECT_EQ(write_model(outcome->model), write_model(at_once->model));
+    EXPECT_EQ(outcome->errors->heldout.squared_error_ratio, at_once->errors->heldout.squared_error_ratio);
+    // The same BRDF as a function is fitted alike.
+    const auto of_function = fit(signed_evaluator(measured), request);
+    ASSERT_TRUE(of_function);
+    EXPECT_EQ(std::get<PmModel>(of_function->model.model), std::get<PmModel>(at_once->model.model));
+}
+
+TEST(Fitting, EveryKindOfModelIsMeasured) {
+    const Measured measured = bundled("paper_white_rgb");
+    for (const FitRequest& request : {pm(LobeCount{2}), su(32), ggx()}) {
+        const auto outcome = fit(measured, request);
+        ASSERT_TRUE(outcome) << message(outcome.error());
+        EXPECT_EQ(outcome->model.model.index(), request.model.index());
+        ASSERT_TRUE(outcome->errors && outcome->unrounded_errors);
+        EXPECT_GT(outcome->errors->heldout.pairs, 0u);
+        EXPECT_LT(error_of(outcome->errors->heldout, request.objective), 0.5);
+        EXPECT_GT(outcome->raw_bytes, 0u);
+    }
+}
+
+TEST(Fitting, SamplesAreCrossValidated) {
+    const Measured measured = samples();
+    FitRequest request = pm(LobeCount{1}, 1);
+    const auto outcome = fit(measured, request);
+    ASSERT_TRUE(outcome) << message(outcome.error());
+    EXPECT_EQ(outcome->samples, 8u * 8u * 7u);
+    EXPECT_TRUE(outcome->filled.has_value());
+    EXPECT_LT(outcome->errors->heldout.squared_error_ratio, 0.01);
+    // A draft is not judged.
+    Fitter fitter(measured);
+    auto draft = fitter.draft(request, 0);
+    ASSERT_TRUE(draft);
+    EXPECT_FALSE(draft->errors);
+    EXPECT_TRUE(fitter.measure(*draft, request));
+}
+
+// ---- Progress and cancellation ----
+
+TEST(Fitting, ProgressNeverDecreasesAndCancelsInEveryStage) {
+    const Measured table = bundled("paper_white_rgb"), scattered = samples();
+    struct Case {
+        const char* what;
+        const Measured* measured;
+        FitRequest request;
+    };
+    const Case cases[] = {
+        {"pm", &table, pm(LobeCount{1})},
+        {"su", &table, su(32)},
+        {"ggx", &table, ggx()},
+        {"budget", &table, pm(ByteBudget{24})},
+        {"auto", &scattered, pm(LobeCount{1}, 1)},
+        {"ggx of samples", &scattered, ggx(Objective::cube_root)},
+    };
+    for (const Case& one : cases) {
+        std::map<std::string, double> stages;  // and where each began
+        double last = 0;
+        const auto whole = fit(*one.measured, one.request, [&](const Progress& now) {
+            EXPECT_GE(now.fraction, last) << one.what;
+            EXPECT_LE(now.fraction, 1) << one.what;
+            EXPECT_FALSE(now.stage.empty());
+            last = now.fraction;
+            stages.try_emplace(std::string(now.stage), now.fraction);
+            return true;
+        });
+        ASSERT_TRUE(whole) << one.what << ": " << message(whole.error());
+        EXPECT_TRUE(near(last, 1, 1e-9)) << one.what;
+        EXPECT_GE(stages.size(), 2u) << one.what;
+        for (const auto& [stage, begin] : stages) {
+            int later = 0;
+            bool cancelled = false;
+            const auto outcome = fit(*one.measured, one.request, [&, name = stage](const Progress& now) {
+                later += cancelled;
+                cancelled = cancelled || now.stage == name;
+                return !cancelled;
+            });
+            ASSERT_FALSE(outcome) << one.what << " went on after it was cancelled while " << stage;
+            EXPECT_EQ(outcome.error().code, ErrorCode::cancelled) << one.what << ", " << stage;
+            EXPECT_EQ(later, 0) << one.what << ", " << stage << ": called again once it has cancelled";
+        }
+    }
+}
+
+TEST(Fitting, ATokenCancelsFromAnotherThread) {
+    const Measured table = bundled("paper_white_rgb");
+    const ProgressToken token([](const Progress&) { return true; });
+    std::thread other([&] { token.cancel(); });
+    const auto outcome = fit(table, pm(LobeCount{64}, 8), token);
+    other.join();
+    ASSERT_FALSE(outcome);
+    EXPECT_EQ(outcome.error().code, ErrorCode::cancelled);
+}
+
+TEST(Progress, PartsAreOfTheWhole) {
+    double last = -1;
+    const ProgressToken token([&](const Progress& now) { return last = now.fraction, true; });
+    EXPECT_TRUE(token.part(0.5, 1).part(0, 0.5).report("a quarter", 1));
+    EXPECT_TRUE(near(last, 0.75, 1e-12));
+    EXPECT_TRUE(token.report("earlier", 0.1));
+    EXPECT_TRUE(near(last, 0.75, 1e-12)) << "progress decreased";
+    token.part(0, 1).cancel();
+    EXPECT_TRUE(token.cancelled());
+    EXPECT_FALSE(token.report("never", 1));
+    EXPECT_TRUE(ProgressToken{}.report("to nobody", 1));
+    EXPECT_FALSE(ProgressToken{}.cancelled());
+}
+
+// ---- What is refused ----
+
+TEST(Fitting, RefusesWhatItCannotFit) {
+    const Measured table = bundled("paper_white_rgb");
+    const auto code = [&](FitRequest request) {
+        const auto outcome = fit(table, request);
+        return outcome ? "fitted" : std::string(name(outcome.error().code));
+    };
+    FitRequest spectral = pm(LobeCount{2});
+    spectral.spectral = true;
+    EXPECT_EQ(code(spectral), "argument");
+    EXPECT_EQ(code(pm(ByteBudget{4})), "argument");
+    EXPECT_EQ(code(pm(TargetError{0})), "argument");
+    EXPECT_EQ(code(pm(LobeCount{65})), "argument");
+    EXPECT_EQ(code(su(1)), "argument");
+    FitRequest steep = ggx();
+    steep.max_theta = 2.0;
+    EXPECT_EQ(code(steep), "argument");
+    const Evaluate black = [](auto wl, auto, auto f) { std::fill_n(f.begin(), wl.size(), Rgb{0, 0, 0}); };
+    for (const FitRequest& request : {pm(LobeCount{2}), su(32), ggx()}) {
+        const auto outcome = fit(black, request);
+        ASSERT_FALSE(outcome);
+        EXPECT_EQ(outcome.error().code, ErrorCode::no_data);
+    }
+    EXPECT_EQ(load_measured("no such file").error().code, ErrorCode::unreadable);
+}
+
+TEST(ResultDeathTest, MisuseStopsInEveryBuildType) {
+    const Result<int> failed = Error{"a.bsdf", {}, "header", "a magic number", "nothing"}, good = 1;
+    EXPECT_DEATH((void)*failed, "a.bsdf: header: expected a magic number, found nothing");
+    EXPECT_DEATH((void)good.error(), "holds a value");
+}
+
+}  // namespace
+}  // namespace srbf

@@ -148,12 +148,16 @@ void add_fit(CommandLine& app, int& status) {
         .type_name("NAME")
         .check(one_of({"pm", "su", "ggx"}))
         .capture_default_str();
-    const Option form = sub.add_option("--form", command->form,
-                                       "source: as Tsai 2009 defines them; horizon: and an exponent of cos(theta_l) "
-                                       "cos(theta_v); extended: and "
-                                       "three more")
+    std::vector<std::string> forms, form_summaries;
+    for (const FormRow& row : k_form_rows) {
+        forms.emplace_back(row.name);
+        form_summaries.push_back(fmt::format("{}: {}", row.name, row.summary));
+    }
+    const Option form = sub.add_option("--form", command->form, fmt::format("{}", fmt::join(form_summaries, "; ")))
                             .type_name("NAME")
-                            .check(one_of({"source", "horizon", "extended"}))
+                            .check([is_one = one_of(forms)](std::string& text) {
+                                return form_named(text) ? std::string() : is_one(text);
+                            })
                             .capture_default_str();
     const Option lobes =
         sub.add_option(
@@ -271,8 +275,8 @@ void add_fit(CommandLine& app, int& status) {
         for (const auto& [kind, options] : {std::pair("pm", &of_pm), {"su", &of_su}})
             for (const Option& option : *options)
                 if (option.given() && command->model != kind) option.fail(fmt::format("only with --model {}", kind));
-        if (command->no_scale && command->form != name(PmForm::source))
-            no_scale.fail("only with --form source; other forms always store log scales");
+        if (command->no_scale && form_named(command->form) != PmForm::gaussian)
+            no_scale.fail("only with --form gaussian; other forms always store log scales");
         if (target_error.given() && budget.given()) budget.fail("not together with --target-error");
         const bool spectral = command->channels == "spectral";
         if (spectral && command->model != "pm") channels.fail("spectral only with --model pm");

@@ -13,14 +13,14 @@ namespace {
 
 /// What is to be said of a model by its kind, in JSON and in words.
 void describe(Json& json, const PmModel& model) {
-    json["form"] = name(model.form);
+    json["form"] = stored_name(model.form);
     json["lobes"] = model.lobes;
     json["variates"] = model.variates;
     json["axial"] = model.axial;
     json["reciprocal"] = is_reciprocal(model);
 }
 void describe(Json& json, const SuModel& model) {
-    json["form"] = name(PmForm::source);
+    json["form"] = stored_name(PmForm::gaussian);
     json["lobes"] = model.lobes;
     json["variates"] = 1;
     json["axial"] = false;
@@ -124,7 +124,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     for (const Step& step : outcome.path)
         json["path"].push_back({{"bytes", step.bytes},
                                 {"error", step.error},
-                                {"form", name(step.form)},
+                                {"form", stored_name(step.form)},
                                 {"lobes", step.lobes},
                                 {"variates", step.variates},
                                 {"axial", step.axial},

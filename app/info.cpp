@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include "app/commands.h"
 #include "app/report.h"
@@ -107,8 +108,8 @@ void add_model(std::string& text, const PmModel& model) {
     fmt::format_to(std::back_inserter(text), "\n  {:>4}  {:>31}  {:>10}", "lobe", "coefficient R, G, B", "log scale");
     for (int n = 0; n < model.variates; ++n)
         fmt::format_to(std::back_inserter(text), "  {:>{}}", fmt::format("λ{}", n + 1), model.axial ? 10 : 26);
-    constexpr const char* exponents[] = {"κ", "μ", "γ", "σ"};
-    for (int k = 0; k < features(model.form); ++k) fmt::format_to(std::back_inserter(text), "  {:>9}", exponents[k]);
+    const std::span<const ExponentTerm> terms = std::span(k_terms).first(row_of(model.form).terms);
+    for (const ExponentTerm& term : terms) fmt::format_to(std::back_inserter(text), "  {:>9}", term.symbol);
     fmt::format_to(std::back_inserter(text), "\n");
     for (int j = 0; j < model.lobes; ++j) {
         const Rgb beta = model.coefficient[std::size_t(j)];
@@ -130,12 +131,12 @@ void add_model(std::string& text, const PmModel& model) {
         fmt::format_to(std::back_inserter(text), "\n");
     }
     if (model.axial) fmt::format_to(std::back_inserter(text), "  A bandwidth λ below 0 is that of a lobe about -z.\n");
-    if (model.form == PmForm::horizon)
-        fmt::format_to(std::back_inserter(text), "  A lobe is also multiplied by (cosθl cosθv)^κ.\n");
-    if (model.form == PmForm::extended)
-        fmt::format_to(std::back_inserter(text),
-                       "  A lobe is also multiplied by (cosθl cosθv)^κ e^(μ(l·h - 1) - γδ - σ sinθh),\n"
-                       "  δ = √((cosθl - cosθv)² + sin²θh/16 + 1/400) - 1/20.\n");
+    if (terms.empty()) return;
+    text += "  A lobe is also multiplied by";
+    for (const ExponentTerm& term : terms) fmt::format_to(std::back_inserter(text), " {}", term.factor);
+    for (const ExponentTerm& term : terms)
+        if (!term.definition.empty()) fmt::format_to(std::back_inserter(text), ",\n  {}", term.definition);
+    text += ".\n";
 }
 
 void add_model(std::string& text, const SuModel& model) {

@@ -5,8 +5,8 @@
 
 #include "app/load.h"
 #include "render/image.h"
+#include "render/pixel_shader.h"
 #include "render/scene.h"
-#include "render/shader.h"
 #include "srbf/convert.h"
 
 namespace srbf {

@@ -20,7 +20,7 @@ struct Size {
     PmForm form;
     int lobes, variates;
 };
-constexpr Size k_sizes[] = {{PmForm::source, 8, 4}, {PmForm::horizon, 8, 4}, {PmForm::extended, 6, 4}};
+constexpr Size k_sizes[] = {{PmForm::gaussian, 8, 4}, {PmForm::horizon, 8, 4}, {PmForm::extended, 6, 4}};
 
 struct Row {
     std::string material;

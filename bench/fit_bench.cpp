@@ -53,7 +53,7 @@ void fit(benchmark::State& state, const std::string& name) {
 
 void sizes(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"form", "J", "N", "axial", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
-    for (const int form : {0, 1, 2})  // source, horizon, extended
+    for (const int form : {0, 1, 2})  // gaussian, horizon, extended
         for (const auto& [lobes, variates] : {std::pair(4, 3), {6, 3}, {8, 4}, {16, 4}})
             benchmark->Args({form, lobes, variates, 1, 2});
     benchmark->Args({2, 8, 4, 1, 1});

@@ -126,7 +126,7 @@ int main(int argc, char** argv) {
         const auto observations = observe(signed_evaluator(*measured), {.objective = Objective::raw});
         if (!observations) return fmt::print(stderr, "{}\n", message(observations.error())), 1;
         const Rows rows(beginning(*observations, 4096));
-        for (const PmForm form : {PmForm::source, PmForm::extended}) {
+        for (const PmForm form : {PmForm::gaussian, PmForm::extended}) {
             FitOptions options;
             options.form = form;
             fmt::print("| {} | {} |", std::filesystem::path(argv[i]).stem().string(), name(form));

@@ -44,8 +44,8 @@ std::vector<NamedMaterial> materials() {
         model.axial = axial;  // the same function, evaluated as a general one is
         all.push_back({name, std::move(model)});
     };
-    add_pm("PM source    J=6 N=3 axial", PmForm::source, true, 6, 3);
-    add_pm("PM source    J=6 N=3 general", PmForm::source, false, 6, 3);
+    add_pm("PM source    J=6 N=3 axial", PmForm::gaussian, true, 6, 3);
+    add_pm("PM source    J=6 N=3 general", PmForm::gaussian, false, 6, 3);
     add_pm("PM extended  J=8 N=4 axial", PmForm::extended, true, 8, 4);
     SuFitOptions options;
     options.lobes = 5;

@@ -52,7 +52,7 @@ void print_lobes(const Measured& measured) {
                    heldout = measure_heldout(f, su, k_within);
         fmt::print("| {} | {} | {:.3g} % | {:.3g} % | {:.3g} % | {:.2f} |", lobes, payload_bytes(fit.model),
                    percent(own[0]), percent(heldout[0]), percent(heldout[1]), seconds);
-        for (const PmForm form : {PmForm::source, PmForm::extended}) {
+        for (const PmForm form : {PmForm::gaussian, PmForm::extended}) {
             const auto pm = *fit_pm(observations, {.form = form, .lobes = lobes});
             const Evaluate others[] = {evaluator(pm.model)};
             fmt::print(" {} | {:.3g} % | {:.3g} % |", payload_bytes(pm.model),

@@ -1,4 +1,5 @@
-// What a screen shows of a radiance that was drawn before, or of how another one differs; after host.glsl, kernel.glsl and shading.glsl.
+// What a screen shows of a radiance that was drawn before, or of how another one differs; after any material's text,
+// and shading.glsl.
 out vec4 pixel;
 
 uniform sampler2D radiance;  // and coverage

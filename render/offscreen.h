@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "render/shader.h"
+#include "srbf/shader.h"
 
 namespace srbf {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/mesh.h"
-#include "render/shader.h"
+#include "render/pixel_shader.h"
 #include "srbf/brdf.h"
 
 namespace srbf {

@@ -245,7 +245,7 @@ Result<RasterMaterial> RasterMaterial::make(const Material& material, const Shad
     if (!program) return program.error();
     RasterMaterial made(*std::move(program));
     made.no_array_ = new_array();
-    if (const auto* pm = std::get_if<PmModel>(&material)) made.is_open_ = is_open(*pm, options);
+    made.is_open_ = options.open;
     glUseProgram(made.program_.id());
     std::visit([&](const auto& of) { made.load(of); }, material);
     return made;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "render/image.h"
+#include "render/pixel_shader.h"
 #include "render/scene.h"
-#include "render/shader.h"
 
 namespace srbf {
 

@@ -18,7 +18,7 @@ Measured bundled(const std::string& name) { return *load_measured((bundled_data(
 /// A glossy model with a highlight a few degrees wide over a diffuse body.
 PmModel glossy() {
     PmModel model;
-    model.form = PmForm::source;
+    model.form = PmForm::gaussian;
     model.lobes = 2;
     model.variates = 1;
     model.coefficient = {{8, 7, 6}, {0.1f, 0.2f, 0.3f}};

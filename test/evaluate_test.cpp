@@ -186,7 +186,8 @@ TEST_P(EvaluateOn, APairsValueDoesNotDependOnItsPlace) {
     Pairs pairs;
     for (int i = 0; i < 150; ++i) pairs.add(random_direction(random_, 0), random_direction(random_, 0));
     for (int trial = 0; trial < 12; ++trial) {
-        const PmModel model = random_model(random_, {.axial = trial % 2 == 0, .form = k_forms[std::size_t(trial % 3)]});
+        const PmModel model =
+            random_model(random_, {.axial = trial % 2 == 0, .form = k_forms[std::size_t(trial) % k_forms.size()]});
         const std::vector<Rgb> all = evaluated(model, pairs);
         for (std::size_t first = 0; first < 40; first += 3)
             for (std::size_t count = 0; count <= 70; count += 7) {

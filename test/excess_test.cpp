@@ -19,7 +19,7 @@ Observations grey() {
 /// A constant; and what rises to 1e6 where light and view are near the horizon, side by side.
 PmModel with_spike() {
     PmModel model;
-    model.form = PmForm::source;
+    model.form = PmForm::gaussian;
     model.axial = false;
     model.lobes = model.variates = 2;
     model.parameterization = {{1, 0}, {0, 1}};
@@ -71,7 +71,7 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
 // What the search looks at grows by places where a candidate shoots up, and by those alone.
 TEST(Sample, TakesInWhereCandidatesExceedTheMeasurement) {
     const Observations o = grey();
-    const FitOptions options{.form = PmForm::source, .axial = false, .lobes = 1, .variates = 1};
+    const FitOptions options{.form = PmForm::gaussian, .axial = false, .lobes = 1, .variates = 1};
     Sample sample(o);
     const std::size_t before = sample.to_grow_on().wl[0].size();
     const auto look_at = [&](Vec3d p) {

@@ -53,7 +53,7 @@ TEST_F(Command, compare_finds_the_errors_that_fit_reports) {
 
 TEST_F(Command, fit_stores_eight_lobes_of_four_variates_by_default) {
     write(folder / "small.binary", small_merl());
-    const ProgramRun fit = run(folder, {"fit", "small.binary", "--form", "source", "--json", "-"});
+    const ProgramRun fit = run(folder, {"fit", "small.binary", "--form", "gaussian", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false);
     EXPECT_EQ(json.value("lobes", 0), 8);

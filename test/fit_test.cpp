@@ -46,7 +46,7 @@ TEST(Fit, RecoversTheModelThatMadeTheData) {
         for (int variates = 1; variates <= 3; ++variates) {
             const PmModel model = model_of(lobes, variates, random);
             FitOptions options;
-            options.form = PmForm::source;
+            options.form = PmForm::gaussian;
             options.lobes = lobes;
             options.variates = variates;
             const auto fit = fit_pm(observed(evaluator(model)), options);
@@ -67,7 +67,7 @@ TEST(Fit, RecoversTheSpectraThatMadeTheData) {
     Observations observations = observed(evaluator(model));
     observe_spectra(observations, spectra(model));
     FitOptions options;
-    options.form = PmForm::source;
+    options.form = PmForm::gaussian;
     options.lobes = options.variates = 3;
     const auto fit = fit_pm(observations, options);
     ASSERT_TRUE(fit);
@@ -147,7 +147,7 @@ const Fitted& fitted(const std::string& name) {
     static std::map<std::string, Fitted> all;
     if (const auto at = all.find(name); at != all.end()) return at->second;
     const Measured& measured = bundled(name);
-    PmFit fit = *fit_pm(observed(signed_evaluator(measured)), FitOptions{.form = PmForm::source});
+    PmFit fit = *fit_pm(observed(signed_evaluator(measured)), FitOptions{.form = PmForm::gaussian});
     const Evaluate others[] = {evaluator(fit.model), evaluator(fit.unrounded)};
     const auto measures = measure_heldout(evaluator(measured), others, {80 * k_degree, 0});
     return all.emplace(name, Fitted{measured, std::move(fit), measures[0], measures[1]}).first->second;
@@ -269,7 +269,7 @@ TEST(Fit, StaysBoundedUpToTheHorizon) {
 
 TEST(Fit, WithoutLogScaleKeepsCoefficientsWithinHalves) {
     FitOptions options;
-    options.form = PmForm::source;
+    options.form = PmForm::gaussian;
     options.log_scale = false;
     options.lobes = 4, options.variates = 3;
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {

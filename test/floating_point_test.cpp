@@ -134,7 +134,7 @@ TEST(InnerLoops, SeeNoneInTheDefaultFit) {
 
 TEST(InnerLoops, SeeNoneInTheFormOfTheSource) {
     const Measured measured = film();
-    const FitOptions options{.form = PmForm::source, .starts = 4, .kicks = 8};
+    const FitOptions options{.form = PmForm::gaussian, .starts = 4, .kicks = 8};
     expect_none([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {.objective = Objective::raw}), options);
         ASSERT_TRUE(fit.ok());

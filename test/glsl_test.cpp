@@ -7,7 +7,7 @@
 #include <set>
 
 #include "models.h"
-#include "render/shader.h"
+#include "render/pixel_shader.h"
 #include "srbf/file.h"
 #include "su_models.h"
 #include "temporary_folder.h"
@@ -66,7 +66,7 @@ void main() {
     f += from_frame(wl, u.x, u.y, one_minus_exp(u.x)) + psi_by_angle(wl, wv, u.x, u.y) + product.centre;
     f *= gaussian(w, wl, 2.0) * gaussian_exponent(w, wv, 2.0) * product.scale * product.bandwidth;
     PmFeatures x = pm_further_features(features, wl, wv);
-    f += x.horizon * x.difference + x.elevation * x.half_way;
+    f += x.x[0] * x.x[1] + x.x[2] * x.x[SRBF_TERMS - 1];
     Real exponent = pm_with_variate(Pm(0), 0, 0, u.x, squared_distance_from_pole(axial_psi(wl, wv, u.x, u.y), 1.0));
     f += pm_power(pm_with_features(Pm(0), 0, exponent + squared_distance(wl, wv), x)) * exp_of_lobe(u.x);
     SuNearest nearest = SuNearest(texture(index_of_direction, wv));
@@ -125,7 +125,8 @@ TEST_F(Glsl, TheTextCompilesAsAShader) {
         EXPECT_TRUE(compiles(version + k_host + kernel_text() + k_main)) << version;
 }
 
-TEST_F(Glsl, EveryMaterialCompiles) {
+/// Of each kind one.
+std::vector<Material> materials() {
     std::mt19937_64 random(1);
     std::vector<Material> materials{Flat{}, MerlTable{{90, 90, 180}, {}, 0}};
     for (const PmForm form : k_forms)
@@ -138,14 +139,19 @@ TEST_F(Glsl, EveryMaterialCompiles) {
         su.index = IndexTexture{map, 8, {}};
         materials.push_back(su);
     }
+    materials.push_back(GgxModel{{0.1f, 0.2f, 0.3f}, {{0.3f, {0.04f, 0.04f, 0.04f}, 1}}});
+    return materials;
+}
+
+TEST_F(Glsl, EveryMaterialCompiles) {
     for (const Dialect dialect : {Dialect::gl_450, Dialect::es_300}) {
-        for (const Material& material : materials) {
+        for (const Material& material : materials()) {
             const ShaderText text = shader_text(material, {.dialect = dialect, .lights = 2});
             EXPECT_TRUE(compiles(text.fragment)) << text.fragment.substr(0, 500);
         }
         for (const PixelOutput output : {PixelOutput::shown, PixelOutput::radiance})
             for (const PixelInput input : {PixelInput::triangles, PixelInput::surface}) {
-                const ShaderText text = shader_text(materials.back(), {dialect, output, input, 1});
+                const ShaderText text = shader_text(Flat{}, {dialect, output, input, 1});
                 EXPECT_TRUE(compiles(text.vertex, "vert")) << text.vertex;
                 EXPECT_TRUE(compiles(text.fragment)) << text.fragment.substr(0, 500);
             }
@@ -153,6 +159,38 @@ TEST_F(Glsl, EveryMaterialCompiles) {
         EXPECT_TRUE(compiles(surface_shader_text(dialect).fragment));
         EXPECT_TRUE(compiles(develop_shader_text(dialect).fragment));
     }
+}
+
+// What a program of somebody else needs of the component alone.
+TEST_F(Glsl, ABrdfStandsByItself) {
+    for (const Dialect dialect : {Dialect::gl_450, Dialect::es_300})
+        for (const Material& material : materials())
+            for (const bool open : {false, true}) {
+                const std::string text = version_text(dialect) + brdf_text(material, open);
+                const std::string main =
+                    "in vec3 wl, wv;\nout vec4 pixel;\n"
+                    "void main() { pixel = vec4(brdf(wl, wv), is_measured ? 1.0 : 0.0); }\n";
+                EXPECT_TRUE(compiles(text + main)) << text.substr(0, 500);
+                for (const char c : text) ASSERT_TRUE(c == '\n' || (c >= 0x20 && c < 0x7f)) << int(c);
+            }
+}
+
+TEST_F(Glsl, NumbersFillTheBlockOfTheText) {
+    std::mt19937_64 random(2);
+    for (const PmForm form : k_forms)
+        for (const bool axial : {true, false})
+            for (const int lobes : {3, k_most_open_lobes, k_most_open_lobes + 1})
+                for (const bool open : {false, true}) {
+                    const PmModel model = random_model(random, {.axial = axial, .lobes = lobes, .form = form});
+                    const std::string text = brdf_text(model, open);
+                    const auto number = [&](const std::string& macro) {
+                        return std::size_t(std::stoi(text.substr(text.find("#define " + macro) + 9 + macro.size())));
+                    };
+                    const std::size_t J = number("PM_LOBES");
+                    EXPECT_EQ(J, open && lobes <= k_most_open_lobes ? k_most_open_lobes : lobes);
+                    EXPECT_EQ(pm_numbers(model, open).size(),
+                              J * (1 + (number("PM_FEATURES") + 3) / 4) + number("PM_KERNELS") + number("PM_VARIATES"));
+                }
 }
 
 TEST_F(Glsl, WhatIsNoGlslIsRefused) {

@@ -52,7 +52,7 @@ TEST(Isotropy, GeneralLobesFitWhatAxialOnesCannot) {
     const Observations observations = *observe(f, {.objective = Objective::raw});
     std::vector<PmModel> models;
     for (const auto& [form, axial] :
-         {std::pair(PmForm::extended, false), {PmForm::source, false}, {PmForm::extended, true}}) {
+         {std::pair(PmForm::extended, false), {PmForm::gaussian, false}, {PmForm::extended, true}}) {
         FitOptions options;
         options.form = form;
         options.axial = axial;

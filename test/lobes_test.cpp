@@ -43,7 +43,7 @@ const Rows& rows() {
     return all;
 }
 
-Lobes some_lobes() { return {{PmForm::source, 3}, {0.7, 0.1, 1.4}, {40, -2, 1, 3, 0.5, -1.5, -0.7, 4, 2}}; }
+Lobes some_lobes() { return {{PmForm::gaussian, 3}, {0.7, 0.1, 1.4}, {40, -2, 1, 3, 0.5, -1.5, -0.7, 4, 2}}; }
 
 /// 2 Jᵀr of linearise against central differences of the loss.
 void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
@@ -64,6 +64,25 @@ void check_gradient(LobeProblem& problem, const Eigen::VectorXd& x) {
     }
 }
 
+TEST(Lobes, ExponentsAreBoundedByTheirTerms) {
+    for (const double finest : {0.0, 1e-4, 0.05})
+        for (const bool axial : {true, false}) {
+            const LobeShape shape{k_forms.back(), 2, axial, false, finest};
+            const double slope = finest > 0 ? std::min(1 / finest, 65504.0) : 65504.0;
+            for (int k = 0; k < features(shape.form); ++k) {
+                const ExponentTerm& term = k_terms[std::size_t(k)];
+                const Interval range = weight_range(shape.directional() + k, shape);
+                EXPECT_EQ(range.least, term.is_slope ? std::max(term.least, -slope) : term.least);
+                EXPECT_EQ(range.most, term.is_slope ? std::min(term.most, slope) : term.most);
+                EXPECT_LE(range.least, 0);
+                EXPECT_LE(range.most, double(k_half_max));
+            }
+        }
+    const LobeShape shape{PmForm::extended, 1};
+    EXPECT_EQ(weight_range(1, shape).most, 64);     // κ
+    EXPECT_EQ(weight_range(4, shape).most, 65504);  // σ
+}
+
 TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
     Observations o = observations(2048);
     Channels five{{400, 450, 500, 600, 700}, [](auto wl, auto wv, auto f) {
@@ -77,7 +96,7 @@ TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
     observe_spectra(o, five);
     const Rows spectral(o, {.spectra = true}), with_albedo(o, {.albedo_importance = 0.01, .spectra = true});
     EXPECT_EQ(spectral.y.size(), 5u);
-    LobeProblem problem(spectral, {PmForm::source, 3}, false), and_albedo(with_albedo, {PmForm::source, 3}, false);
+    LobeProblem problem(spectral, {PmForm::gaussian, 3}, false), and_albedo(with_albedo, {PmForm::gaussian, 3}, false);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     check_gradient(problem, x);
     check_gradient(and_albedo, x);
@@ -100,10 +119,10 @@ TEST(Lobes, GradientIsThatOfTheLoss) {
 }
 
 TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
-    LobeProblem problem(rows(), {PmForm::source, 3}, false, -3.0);
+    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false, -3.0);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     const double bounded = problem.loss(x);
-    LobeProblem free(rows(), {PmForm::source, 3}, false);
+    LobeProblem free(rows(), {PmForm::gaussian, 3}, false);
     ASSERT_GT(bounded, 1.05 * free.loss(x));  // the bound is felt
     check_gradient(problem, x);
 
@@ -146,7 +165,7 @@ TEST(Lobes, LossCountsAlbedo) {
 }
 
 TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
-    LobeProblem problem(rows(), {PmForm::source, 3}, false);
+    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     const Lobes lobes = some_lobes();
     const Eigen::VectorXd x = LobeProblem::pack(lobes);
     const double loss = problem.loss(x);
@@ -185,7 +204,7 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
 
 TEST(Lobes, AreTheSameInParallel) {
     const Rows many(observations(1 << 16));
-    LobeProblem serial(many, {PmForm::source, 3}, false), parallel(many, {PmForm::source, 3}, true);
+    LobeProblem serial(many, {PmForm::gaussian, 3}, false), parallel(many, {PmForm::gaussian, 3}, true);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     EXPECT_EQ(serial.loss(x), parallel.loss(x));
     Eigen::MatrixXd H1, H2;
@@ -197,8 +216,8 @@ TEST(Lobes, AreTheSameInParallel) {
 }
 
 TEST(Lobes, DroppingCostsWhatItSays) {
-    LobeProblem problem(rows(), {PmForm::source, 3}, false);
-    const Lobes lobes{{PmForm::source, 3}, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
+    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
+    const Lobes lobes{{PmForm::gaussian, 3}, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
     const double loss = problem.loss(LobeProblem::pack(lobes));
     const std::vector<double> cost = problem.cost_of_dropping();
     for (std::size_t j = 0; j < 3; ++j) {
@@ -212,7 +231,7 @@ TEST(Lobes, DroppingCostsWhatItSays) {
 }
 
 TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
-    LobeProblem problem(rows(), {PmForm::source, 3}, false);
+    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     Lobes lobes = some_lobes();
     lobes.weight.resize(6);
     std::mt19937_64 random(5);
@@ -252,7 +271,7 @@ TEST(Rounding, KeepsDirections) {
 }
 
 TEST(Rounding, ModelOfLobesEvaluatesToThem) {
-    LobeProblem problem(rows(), {PmForm::source, 3}, false);
+    LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     const Lobes lobes = some_lobes();
     problem.loss(LobeProblem::pack(lobes));
     const PmModel model = to_model(problem, lobes, true);

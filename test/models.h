@@ -10,7 +10,7 @@ struct RandomModelOptions {
     bool axial = true, log_scale = false;
     int lobes = 5, variates = 3;
     double most_bandwidth = 300;
-    PmForm form = PmForm::source;
+    PmForm form = PmForm::gaussian;
 };
 
 /// A model whose numbers are drawn from what a fit yields.
@@ -25,7 +25,7 @@ inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& o
         model.coefficient.push_back({float(draw()), float(draw()), float(draw())});
         model.log_scale.push_back(options.log_scale ? float(20 * draw() - 10) : 0);
         for (int k = 0; k < features(model.form); ++k)
-            model.exponent.push_back(float(k == 0 ? 3 * draw() : 6 * draw() - 3));
+            model.exponent.push_back(float(k_terms[std::size_t(k)].least == 0 ? 3 * draw() : 6 * draw() - 3));
         for (int n = 0; n < model.variates; ++n) {
             const bool up = draw() < 0.7;
             model.centre.push_back(options.axial ? Vec3f(0, 0, up ? 1 : -1) : to_float(random_direction(random)));
@@ -47,7 +47,5 @@ inline PmModel spectral_model(std::mt19937_64& random, const RandomModelOptions&
     model.coefficient = colours(model.spectrum, model.wavelength);
     return model;
 }
-
-inline constexpr PmForm k_forms[] = {PmForm::source, PmForm::horizon, PmForm::extended};
 
 }  // namespace srbf

@@ -68,6 +68,8 @@ TEST_F(CommandLine, usage_errors_of_choices) {
     expect_failure(2, {"fit", k_paper, "--target-error", "0"}, "--target-error");
     expect_failure(2, {"fit", k_paper, "--model", "ggx", "--lobes", "3"}, "of ggx 1 or 2");
     expect_failure(2, {"fit", k_paper, "--model", "ggx", "--form", "source"}, "only with --model pm");
+    expect_failure(2, {"fit", k_paper, "--form", "sauce"}, "expected gaussian or horizon or extended, found sauce");
+    expect_failure(2, {"fit", k_paper, "--no-scale"}, "only with --form gaussian");
     expect_failure(2, {"fit", k_paper, "--model", "su", "--budget", "100"}, "only with --model pm");
     expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64, found many");
 }

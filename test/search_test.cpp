@@ -29,7 +29,7 @@ const Rows& rows() {
 
 FitOptions options_of(std::uint64_t seed) {
     FitOptions options;
-    options.form = PmForm::source;
+    options.form = PmForm::gaussian;
     options.lobes = options.variates = 2;
     options.seed = seed;
     return options;
@@ -42,7 +42,7 @@ Candidate improved(Candidate candidate, const FitOptions& options, int kicks) {
 }
 
 TEST(Search, KicksFindAParameterizationThatStepsDoNotReach) {
-    const Candidate beside{0, {{PmForm::source, 2}, {k_pi / 4, 0.1}, {60, 3, 2, -300}}};
+    const Candidate beside{0, {{PmForm::gaussian, 2}, {k_pi / 4, 0.1}, {60, 3, 2, -300}}};
     int found = 0;
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         const Candidate before = improved(beside, options_of(seed), 3), after = improved(before, options_of(seed), 32);
@@ -64,6 +64,25 @@ TEST(Search, GrowsWhatMadeTheData) {
         found += improved(candidate, options_of(3), 16).loss <= 1e-6;
     }
     EXPECT_GE(found, 8);
+}
+
+TEST(Search, RandomExponentsAreOfTheRangeOfTheirTerms) {
+    std::mt19937_64 random(3);
+    const Lobes none{{k_forms.back(), 2}, {0, 0}, {}};
+    std::vector<std::vector<double>> drawn(k_terms.size());
+    for (int i = 0; i < 4000; ++i) {
+        const std::vector<double> weight = random_lobe(random, none);
+        for (std::size_t k = 0; k < k_terms.size(); ++k) drawn[k].push_back(weight[2 + k]);
+    }
+    for (std::size_t k = 0; k < k_terms.size(); ++k) {
+        const auto [least, most] = std::minmax_element(drawn[k].begin(), drawn[k].end());
+        const ExponentTerm& term = k_terms[k];
+        EXPECT_GE(*least, std::max(term.least, term.is_sharp ? -100.0 : -10.0)) << term.symbol;
+        EXPECT_LE(*least, 0.9 * std::max(term.least, term.is_sharp ? -100.0 : -10.0)) << term.symbol;
+        EXPECT_LE(*most, std::min(term.most, term.is_sharp ? 6e4 : 10.0)) << term.symbol;
+        EXPECT_GE(*most, 0.9 * std::min(term.most, term.is_sharp ? 6e4 : 10.0)) << term.symbol;
+        EXPECT_GE(std::count(drawn[k].begin(), drawn[k].end(), 0.0), 1000) << term.symbol;
+    }
 }
 
 TEST(Search, InShortTakesNoMoreThanAskedFor) {

@@ -153,9 +153,9 @@ TEST(Variate, PsiByAngleIsTheDerivative) {
 TEST(Variate, ModelIsTheWrittenSum) {
     std::mt19937_64 random(3);
     for (int trial = 0; trial < 60; ++trial) {
-        const PmModel model = random_model(
-            random,
-            {.axial = trial % 2 == 0, .log_scale = trial % 3 == 0, .form = k_forms[std::size_t(trial / 6 % 3)]});
+        const PmModel model = random_model(random, {.axial = trial % 2 == 0,
+                                                    .log_scale = trial % 3 == 0,
+                                                    .form = k_forms[std::size_t(trial) / 6 % k_forms.size()]});
         for (int i = 0; i < 50; ++i) {
             const Vec3d wl = random_direction(random), wv = random_direction(random);
             const Vec3d f = K::pm_value(model, wl, wv);
@@ -174,7 +174,8 @@ TEST(Variate, ModelOnDualNumbersCarriesDerivatives) {
     std::mt19937_64 random(4);
     for (int trial = 0; trial < 200; ++trial) {
         const PmModel model = random_model(
-            random, {.axial = trial % 2 == 0, .most_bandwidth = 30, .form = k_forms[std::size_t(trial % 3)]});
+            random,
+            {.axial = trial % 2 == 0, .most_bandwidth = 30, .form = k_forms[std::size_t(trial) % k_forms.size()]});
         const Vec3d wl = random_direction(random), wv = random_direction(random), tangent = random_direction(random);
         const Vec3<Dual> moving(Dual(wl.x, tangent.x), Dual(wl.y, tangent.y), Dual(wl.z, tangent.z));
         const Vec3<Dual> f = Kernel<Dual>::pm_value(model, moving, constant(wv));
@@ -224,6 +225,23 @@ TEST(Variate, AxialModelsAreIsotropicAndOthersAreNot) {
         anisotropic += !all_near_relative(K::pm_value(general, tl, tv), K::pm_value(general, wl, wv), 1e-3);
     }
     EXPECT_GT(anisotropic, 90);
+}
+
+TEST(Variate, FurtherFeaturesAreNoMoreThanZeroAndReciprocal) {
+    std::mt19937_64 random(10);
+    for (int trial = 0; trial < 2000; ++trial) {
+        const Vec3d wl = random_direction(random, 0), wv = trial % 4 == 0 ? mirror(wl) : random_direction(random, 0);
+        const auto of = K::pm_further_features(SRBF_TERMS, wl, wv),
+                   swapped = K::pm_further_features(SRBF_TERMS, wv, wl);
+        for (int k = 0; k < SRBF_TERMS; ++k) {
+            EXPECT_LE(of.x[k], 1e-15) << k;
+            EXPECT_TRUE(near(of.x[k], swapped.x[k], 1e-12)) << k;
+        }
+        for (int count = 0; count < SRBF_TERMS; ++count) {
+            const auto first = K::pm_further_features(count, wl, wv);
+            for (int k = 0; k < count; ++k) EXPECT_EQ(first.x[k], of.x[k]) << k;
+        }
+    }
 }
 
 TEST(Variate, EqualWeightsMakeAModelReciprocal) {

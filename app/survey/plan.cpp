@@ -15,7 +15,7 @@ class Plan {
     void pm(PmForm form, int lobes, int variates, Objective objective, std::string role = {}) {
         PmRequest pm;
         pm.form = form, pm.variates = variates, pm.size = LobeCount{lobes};
-        add(pm, objective, fmt::format("pm-{}-{}x{}-{}", name(form), lobes, variates, name(objective)),
+        add(pm, objective, fmt::format("pm-{}-{}x{}-{}", stored_name(form), lobes, variates, name(objective)),
             std::move(role));
     }
     void su(int lobes, Objective objective, std::string role = {}, int directions = SuRequest{}.directions) {
@@ -47,14 +47,12 @@ class Plan {
     int threads_;
 };
 
-constexpr PmForm k_forms[] = {PmForm::source, PmForm::horizon, PmForm::extended};
-
 void plan_table(Plan& plan, bool quick) {
     using enum Objective;
     // The sizes that the source names, those of this project's tables, and the default.
-    plan.pm(PmForm::source, 6, 3, raw);
+    plan.pm(PmForm::gaussian, 6, 3, raw);
     for (const Objective objective : {raw, cosine}) {
-        plan.pm(PmForm::source, 8, 4, objective);
+        plan.pm(PmForm::gaussian, 8, 4, objective);
         plan.pm(PmForm::horizon, 8, 4, objective);
         plan.pm(PmForm::extended, 6, 4, objective);
         plan.pm(PmForm::extended, 8, 4, objective, objective == cosine ? "pm" : "");
@@ -68,7 +66,7 @@ void plan_table(Plan& plan, bool quick) {
     // The error over the number of lobes.
     if (quick) {
         for (const int lobes : {2, 4, 8}) {
-            for (const int variates : {2, 3, 4}) plan.pm(PmForm::source, lobes, variates, raw);
+            for (const int variates : {2, 3, 4}) plan.pm(PmForm::gaussian, lobes, variates, raw);
             plan.pm(PmForm::extended, lobes, 4, raw);
             plan.su(lobes, raw);
         }
@@ -85,9 +83,9 @@ void plan_table(Plan& plan, bool quick) {
 
 void plan_samples(Plan& plan, bool quick) {
     using enum Objective;
-    plan.pm(PmForm::source, 8, 4, raw);  // Krylon Blue's size in the source
-    plan.su(4, raw);                     // likewise
-    plan.pm(PmForm::source, 8, 4, cube_root);
+    plan.pm(PmForm::gaussian, 8, 4, raw);  // Krylon Blue's size in the source
+    plan.su(4, raw);                       // likewise
+    plan.pm(PmForm::gaussian, 8, 4, cube_root);
     plan.pm(PmForm::extended, 6, 4, cube_root, "pm");
     plan.su(4, cube_root, "su");
     for (const Objective objective : {raw, cube_root}) {
@@ -101,7 +99,7 @@ void plan_samples(Plan& plan, bool quick) {
     for (const Objective objective : {raw, cube_root}) {
         plan.pm(PmForm::horizon, 8, 4, objective);
         for (const int lobes : {1, 2, 3, 4, 6, 8, 12}) {
-            plan.pm(PmForm::source, lobes, 4, objective);
+            plan.pm(PmForm::gaussian, lobes, 4, objective);
             plan.pm(PmForm::extended, lobes, 4, objective);
         }
         for (const int lobes : {2, 4, 8}) plan.su(lobes, objective);
@@ -109,7 +107,7 @@ void plan_samples(Plan& plan, bool quick) {
 }
 
 void plan_least(Plan& plan) {
-    plan.pm(PmForm::source, 2, 2, Objective::raw, "pm");
+    plan.pm(PmForm::gaussian, 2, 2, Objective::raw, "pm");
     plan.su(1, Objective::raw, "su", 16);
     plan.ggx(1, Objective::cosine, "ggx");
 }

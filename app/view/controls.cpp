@@ -64,7 +64,7 @@ void Controls::draw_fit(Session& session) {
             if (ImGui::Selectable(std::string(name(E(i))).c_str(), value == E(i))) value = E(i), changed = true;
         ImGui::EndCombo();
     };
-    combo("form", choice.form, 3);
+    combo("form", choice.form, int(k_forms.size()));
     combo("objective", choice.objective, 4);
     if (changed) sliding_ = choice;
     if (sliding_ && !held) {  // released

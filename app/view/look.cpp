@@ -70,7 +70,7 @@ template <typename Change> void choose(Session& session, const Change& change) {
     change(choice);
     session.choose(choice);
 }
-/// The next one of three or four enumerators.
+/// The next one of `count` enumerators.
 template <typename E> E after(E of, int count) { return E((int(of) + 1) % count); }
 
 void next_reference(Session& session) {
@@ -117,7 +117,8 @@ constexpr Key k_keys[] = {
     {"Shift+J", "one lobe fewer", [](Look&, Session& s) { choose(s, [](FitChoice& c) { --c.lobes; }); }},
     {"N", "one variate more", [](Look&, Session& s) { choose(s, [](FitChoice& c) { ++c.variates; }); }},
     {"Shift+N", "one variate fewer", [](Look&, Session& s) { choose(s, [](FitChoice& c) { --c.variates; }); }},
-    {"K", "next form", [](Look&, Session& s) { choose(s, [](FitChoice& c) { c.form = after(c.form, 3); }); }},
+    {"K", "next form",
+     [](Look&, Session& s) { choose(s, [](FitChoice& c) { c.form = after(c.form, int(k_forms.size())); }); }},
     {"O", "next objective",
      [](Look&, Session& s) { choose(s, [](FitChoice& c) { c.objective = after(c.objective, 4); }); }},
     {"Enter", "fit again", [](Look&, Session& session) { session.refit(); }},

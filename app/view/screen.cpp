@@ -11,7 +11,7 @@
 #include <cctype>
 #include <vector>
 
-#include "render/shader.h"
+#include "render/pixel_shader.h"
 
 namespace srbf {
 namespace {

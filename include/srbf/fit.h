@@ -124,7 +124,7 @@ struct FitOptions {
     int variates = 4;  ///< N, 1..8, even for a reciprocal model
     /// Bound on bandwidths, 1/finest², and on what is no bandwidth, 1/finest [1/rad]; 0: what halves hold.
     double finest = 0;
-    bool log_scale = true;  ///< form source: store a log scale a lobe where a half cannot hold β; false: bound β
+    bool log_scale = true;  ///< form gaussian: store a log scale a lobe where a half cannot hold β; false: bound β
     /// Independent growths; the best four are polished, one to three finished. Without a number 20, 16 for 8 lobes and more.
     std::optional<int> starts = {};
     /// Attempts of the best to replace the lobe that matters least, every fourth the variate that does: a fifth of all starts, three tenths of the better half of them, the

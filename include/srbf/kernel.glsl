@@ -10,7 +10,7 @@
 //     pm_centre(pm, j, n), pm_sharpness(pm, j, n)  xi_jn (unit vector), lambda_jn log2(e) / 2 >= 0
 //     pm_axial(pm), pm_down(pm, j, n)        whether every centre is +z or -z; whether this one is -z  [bool]
 //     pm_coefficient(pm, j), pm_log2_scale(pm, j)  beta_j (R, G, B), s_j log2(e)
-//     pm_features(pm), pm_exponent(pm, j, k)       F = 0, 1 or 4 [int], kappa_jk log2(e)
+//     pm_features(pm), pm_exponent(pm, j, k)       F [int, <= SRBF_TERMS], kappa_jk log2(e)
 //   Su                      a handle of a view-by-view model, answering
 //     su_lobes(su), su_views(su)             J, n                            [int]
 //     su_direction(su, i)                    the direction of sampled view i (unit vector; z rises with i)
@@ -293,35 +293,36 @@ SRBF_FN Vec3 psi_by_angle(Vec3 wl, Vec3 wv, Real a, Real b) {
     return across - dot(across, direction) * direction;
 }
 
+// What a lobe's exponent is linear in beside its variates: the features x_k of the terms in srbf/terms.h, each at most 0
+// above the horizon and the same for (wv, wl). With cl, cv the cosines of wl, wv to the normal, h their half-way vector:
+//   x_0 = log(cl cv)
+//   x_1 = wl . h - 1
+//   x_2 = 1/20 - sqrt((cl - cv)^2 + sin^2(theta_h)/16 + 1/400)
+//   x_3 = -sin(theta_h)
+// Only x_0 is unbounded: an exponent >= 0 of it bounds the lobe at the horizon. The last two are for the mirror
+// direction: the peaks of measurements are pointed, and of one width in the plane of incidence, of another across it.
+// x_2 is nearly -|cl - cv|, without the crease at cl = cv that one would see in a highlight. Cosines below 1e-6 count
+// as 1e-6.
+#define SRBF_TERMS 4
 struct PmFeatures {
-    Real horizon;
-    Real difference;
-    Real elevation;
-    Real half_way;
+    Real x[SRBF_TERMS];
 };
 
-// What a lobe's exponent is linear in beside its variates, each at most 0 on the open hemispheres. With cl, cv the cosines of wl, wv to
-// the normal, h their half-way vector:
-//   F = 1: log(cl cv);   F = 4: and wl . h - 1, 1/20 - sqrt((cl - cv)^2 + sin^2(theta_h)/16 + 1/400), -sin(theta_h).
-// Only the first is unbounded: an exponent >= 0 of it bounds the lobe at the horizon. The last two are for the mirror direction: the peaks of
-// measurements are pointed, and of one width in the plane of incidence, of another across it. The third is nearly -|cl - cv|, without the crease at cl = cv
-// that one would see in a highlight. Cosines below 1e-6 count as 1e-6.
+// The first `count` of them at least; each of the others may be 0.
 SRBF_FN PmFeatures pm_further_features(int count, Vec3 wl, Vec3 wv) {
-    PmFeatures x;
-    x.horizon = log(max(wl.z, Real(1.0e-6)) * max(wv.z, Real(1.0e-6)));
-    x.difference = Real(0.0);
-    x.elevation = Real(0.0);
-    x.half_way = Real(0.0);
+    PmFeatures of;
+    for (int k = 0; k < SRBF_TERMS; ++k) of.x[k] = Real(0.0);
+    if (count > 0) of.x[0] = log(max(wl.z, Real(1.0e-6)) * max(wv.z, Real(1.0e-6)));
     if (count > 1) {
         Vec3 sum = wl + wv;
         Real squared = max(dot(sum, sum), Real(1.0e-12));
-        x.difference = Real(0.5) * sqrt(squared) - Real(1.0);
         Real across = (sum.x * sum.x + sum.y * sum.y) / squared;
         Real apart = wl.z - wv.z;
-        x.elevation = Real(0.05) - sqrt(apart * apart + Real(0.0625) * across + Real(0.0025));
-        x.half_way = -sqrt(across);
+        of.x[1] = Real(0.5) * sqrt(squared) - Real(1.0);
+        of.x[2] = Real(0.05) - sqrt(apart * apart + Real(0.0625) * across + Real(0.0025));
+        of.x[3] = -sqrt(across);
     }
-    return x;
+    return of;
 }
 
 // psi(wl, wv) as axial lobes see it: sin^2 and cos of its angle to the normal.
@@ -358,10 +359,8 @@ SRBF_FN Real pm_with_variate(Pm pm, int j, int n, Real exponent, Real squared_di
     return exponent - Real(pm_sharpness(pm, j, n)) * squared_distance_;
 }
 SRBF_FN Real pm_with_features(Pm pm, int j, Real exponent, PmFeatures features) {
-    Real sum = exponent + Real(pm_exponent(pm, j, 0)) * features.horizon;
-    if (pm_features(pm) > 1)
-        sum = sum + Real(pm_exponent(pm, j, 1)) * features.difference + Real(pm_exponent(pm, j, 2)) * features.elevation +
-              Real(pm_exponent(pm, j, 3)) * features.half_way;
+    Real sum = exponent;
+    for (int k = 0; k < pm_features(pm); ++k) sum = sum + Real(pm_exponent(pm, j, k)) * features.x[k];
     return sum;
 }
 SRBF_FN Real pm_power(Real exponent) { return exp2(max(min(exponent, Real(100.0)), Real(-100.0))); }
@@ -380,12 +379,10 @@ SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
             variate[n] = psi(wl, wv, a, b);
         }
     }
-    PmFeatures features;
-    if (pm_features(pm) > 0) features = pm_further_features(pm_features(pm), wl, wv);
+    PmFeatures features = pm_further_features(pm_features(pm), wl, wv);
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     for (int j = 0; j < pm_lobes(pm); ++j) {
-        Real exponent = Real(pm_log2_scale(pm, j));
-        if (pm_features(pm) > 0) exponent = pm_with_features(pm, j, exponent, features);
+        Real exponent = pm_with_features(pm, j, Real(pm_log2_scale(pm, j)), features);
         for (int n = 0; n < pm_variates(pm); ++n) {
             if (pm_axial(pm))
                 exponent = pm_with_variate(pm, j, n, exponent, pm_down(pm, j, n) ? down[n] : up[n]);

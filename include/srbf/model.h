@@ -2,10 +2,8 @@
 #pragma once
 #include <cstddef>
 #include <map>
-#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -13,19 +11,9 @@
 #include "srbf/ggx.h"
 #include "srbf/result.h"
 #include "srbf/su.h"
+#include "srbf/terms.h"
 
 namespace srbf {
-
-/// What a lobe of a multivariate model is made of; the numbers of 16 bits are for J lobes of N variates.
-enum class PmForm {
-    source,    ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
-    horizon,   ///< and (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N
-    extended,  ///< and e^{μ(l·h−1) − γδ − σ sinθh} besides, δ = √((cosθl−cosθv)² + sin²θh/16 + 1/400) − 1/20: axial J(3+N+5)+2N
-};
-/// F: how many exponents a lobe of that form has beside its bandwidths.
-constexpr int features(PmForm form) { return form == PmForm::source ? 0 : form == PmForm::horizon ? 1 : 4; }
-std::string_view name(PmForm form);
-std::optional<PmForm> form_named(std::string_view text);
 
 /// ψ(wl, wv) = normalize(a wl + b wv), a variate's parameterization; (a, b) finite and not (0, 0).
 struct Parameterization {
@@ -33,12 +21,12 @@ struct Parameterization {
     friend bool operator==(const Parameterization&, const Parameterization&) = default;
 };
 
-/// Parameterized multivariate SRBFs (Tsai 2009, section 7.2), with further features x_k:
+/// Parameterized multivariate SRBFs (Tsai 2009, section 7.2), with the further terms κ_jk x_k of terms.h:
 ///   ρ(wl,wv) = Σ_j β_j e^{s_j} Π_n G(ψ_n(wl,wv)·ξ_jn | λ_jn) Π_k e^{κ_jk x_k(wl,wv)} [1/sr],
 /// evaluated by kernel.glsl's pm_value. Members are as the formula takes them; the file's encoding is in `write_model`.
 /// A spectral model has β_j at C wavelengths; its R, G, B follow from these (colour.h), one of them maybe negative: ρ is 0 where the sum is.
 struct PmModel {
-    PmForm form = PmForm::source;
+    PmForm form = PmForm::gaussian;
     bool axial = true;                               ///< every centre is +z or −z, as befits isotropic data
     int lobes = 0;                                   ///< J, 1..k_most_lobes
     int variates = 0;                                ///< N, 1..k_most_variates
@@ -49,7 +37,7 @@ struct PmModel {
     std::vector<Vec3f> centre;                       ///< J × N: ξ_jn, unit vectors
     std::vector<float> bandwidth;                    ///< J × N: λ_jn ≥ 0
     std::vector<Parameterization> parameterization;  ///< N
-    std::vector<float> exponent;                     ///< J × F: κ_jk, the first of a lobe ≥ 0
+    std::vector<float> exponent;                     ///< J × F: κ_jk
     friend bool operator==(const PmModel&, const PmModel&) = default;
 };
 inline constexpr int k_most_lobes = 1024;

@@ -40,11 +40,11 @@ struct Kind {
         options.axial = axial;
         options.variates = variates;
         options.lobes = lobes;
-        if (form != PmForm::source) options.log_scale = true;
+        if (form != PmForm::gaussian) options.log_scale = true;
         return options;
     }
     std::size_t bytes(int lobes, bool log_scale) const {
-        return payload_bytes(form, axial, log_scale || form != PmForm::source, lobes, variates);
+        return payload_bytes(form, axial, log_scale || form != PmForm::gaussian, lobes, variates);
     }
     /// The most lobes within so many bytes, maybe 0.
     int most_lobes(std::size_t within, bool log_scale) const {
@@ -56,11 +56,11 @@ struct Kind {
 
 std::vector<Kind> kinds(const FitOptions& options) {
     std::vector<Kind> all;
-    for (const PmForm form : {PmForm::source, PmForm::horizon, PmForm::extended})
+    for (const PmForm form : k_forms)
         for (const bool axial : {true, false})
             for (int n = 1; n <= k_most_chosen_variates; ++n)
                 if ((axial || !options.axial) && !(options.reciprocal && n % 2 == 1) &&
-                    (options.log_scale || form == PmForm::source))
+                    (options.log_scale || form == PmForm::gaussian))
                     all.push_back({form, axial, n});
     return all;
 }

@@ -60,8 +60,8 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
     if (!(options.finest >= 0 && options.finest < 1))
         return Error{
             "fit", {}, "finest width", "0 to 1 radian", fmt::format("{}", options.finest), ErrorCode::argument};
-    if (!options.log_scale && options.form != PmForm::source)
-        return Error{"fit", {}, "log scale", "one, in all forms but the source's", "none", ErrorCode::argument};
+    if (!options.log_scale && options.form != PmForm::gaussian)
+        return Error{"fit", {}, "log scale", "one, in all forms but gaussian", "none", ErrorCode::argument};
     if (options.reciprocal && options.variates % 2 == 1)
         return Error{"fit",
                      {},

@@ -51,13 +51,9 @@ void general_features(const Rows& rows, std::size_t block, float a, float b, flo
 void further_features(const Rows& rows, std::size_t block, int count, float* features) {
     const std::size_t first = block * k_block;
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        const auto x = Formulas<Batch, PmModel>::pm_further_features(count, direction(rows.wl, first + i),
-                                                                     direction(rows.wv, first + i));
-        x.horizon.store(features + i);
-        if (count < 2) continue;
-        x.difference.store(features + k_block + i);
-        x.elevation.store(features + 2 * k_block + i);
-        x.half_way.store(features + 3 * k_block + i);
+        const auto of = Formulas<Batch, PmModel>::pm_further_features(count, direction(rows.wl, first + i),
+                                                                      direction(rows.wv, first + i));
+        for (int k = 0; k < count; ++k) of.x[k].store(features + std::size_t(k) * k_block + i);
     }
 }
 

@@ -52,7 +52,7 @@ struct Rows {
 void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle);
 /// The same for centres anywhere: ψ_x, ψ_y, ψ_z − 1, one after the other, and their derivatives: 3 × k_block numbers each.
 void general_features(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle);
-/// The `count` further features of a form (kernel.glsl: pm_further_features), one after the other: 1 or 4 × k_block numbers.
+/// The first `count` further features (kernel.glsl: pm_further_features), one after the other: `count` × k_block numbers.
 void further_features(const Rows& rows, std::size_t block, int count, float* features);
 /// x = Σ_n weight[n] s[n]; returns the largest of the rows with a positive weight, the lowest float where there is none.
 float exponent(const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,

@@ -14,7 +14,7 @@ namespace srbf {
 
 /// What the lobes of a fit are made of.
 struct LobeShape {
-    PmForm form = PmForm::source;
+    PmForm form = PmForm::gaussian;
     int variates = 0;         ///< N
     bool axial = true;        ///< centres at +z or −z alone
     bool reciprocal = false;  ///< a variate is a pair, ψ of (a, b) and of (b, a), with one centre and one bandwidth
@@ -45,13 +45,14 @@ inline Interval weight_range(int n, const LobeShape& shape) {
     const auto most = [&](double by_spacing) {
         return shape.finest > 0 ? std::min(double(k_half_max), by_spacing) : double(k_half_max);
     };
-    const double most_bandwidth = most(std::pow(shape.finest, -2)), most_slope = most(1 / shape.finest);
-    const double component = shape.axial ? most_bandwidth : most_bandwidth / std::sqrt(3.0);
-    const int further = n - shape.directional();
-    if (further < 0) return {-component, component};  // |p| is a bandwidth, which a half holds
-    if (further == 0) return {0, 64};                 // exponent of the cosines
-    if (further < 3) return {-std::min(1000.0, most_slope), std::min(1000.0, most_slope)};
-    return {-std::min(1000.0, most_slope), most_slope};  // that of sinθh
+    if (const int k = n - shape.directional(); k >= 0) {
+        const ExponentTerm& term = k_terms[std::size_t(k)];
+        const double slope = term.is_slope ? most(1 / shape.finest) : double(k_half_max);
+        return {std::max(term.least, -slope), std::min(term.most, slope)};
+    }
+    const double bandwidth = most(std::pow(shape.finest, -2));  // |p|, which a half holds
+    const double component = shape.axial ? bandwidth : bandwidth / std::sqrt(3.0);
+    return {-component, component};
 }
 
 /// Σ w |f − Σ_j β_j E_j|², of C channels, over the rows of pairs, and over those of an albedo the square of the sum, β eliminated by

@@ -41,6 +41,10 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
         const double chance = uniform(random), size = 0.3 * std::pow(2e5, uniform(random)), sign = uniform(random);
         return chance < 0.35 ? 0.0 : sign < 0.3 ? -std::min(size, 100.0) : size;
     };
+    const auto broad = [&] {
+        const double chance = uniform(random), size = 0.1 * std::pow(100, uniform(random)), sign = uniform(random);
+        return chance < 0.5 ? 0.0 : sign < 0.5 ? -size : size;
+    };
     for (int n = 0; n < shape.variates; ++n) {
         const double p = sharp();
         if (shape.axial) {
@@ -53,10 +57,8 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
             weight.push_back(clamped(p * component, int(weight.size())));
     }
     for (int k = 0; k < features(shape.form); ++k) {
-        const double chance = uniform(random), size = 0.1 * std::pow(100, uniform(random)), sign = uniform(random);
-        const double small = chance < 0.5 ? 0 : clamped(sign < 0.5 ? -size : size, shape.directional() + k);
-        weight.push_back(k == 3 ? clamped(sharp(), int(weight.size()))
-                                : small);  // the fourth is that of sinθh, as sharp as a bandwidth
+        const double drawn = broad();
+        weight.push_back(clamped(k_terms[std::size_t(k)].is_sharp ? sharp() : drawn, int(weight.size())));
     }
     return weight;
 }

@@ -235,13 +235,10 @@ void value_sized(const void* model, const Vec3f& l, const Vec3f& v, float* f) {
     const Grouped<N, axial, form> pm{numbers};
     const Vec3<Group> wl = everywhere(l), wv = everywhere(v);
     const VariatesOf<Formula, N, axial> variates(numbers, wl, wv);
-    constexpr int count = features(form);
-    typename Formula::PmFeatures further;
-    if constexpr (count > 0) further = Formula::pm_further_features(count, wl, wv);
+    const auto further = Formula::pm_further_features(features(form), wl, wv);
     Vec3<Group> sum(Group(0.0), Group(0.0), Group(0.0));
     for (int j = 0; j * pm.lanes < numbers.lobes(); ++j) {
-        Group exponent = pm.log2_scale(j);
-        if constexpr (count > 0) exponent = Formula::pm_with_features(pm, j, exponent, further);
+        Group exponent = Formula::pm_with_features(pm, j, pm.log2_scale(j), further);
         for (int n = 0; n < N; ++n)
             exponent = Formula::pm_with_variate(pm, j, n, exponent, variates.squared_distance(pm, j, n));
         sum = sum + Formula::pm_power(exponent) * pm.coefficient(j);
@@ -249,10 +246,10 @@ void value_sized(const void* model, const Vec3f& l, const Vec3f& v, float* f) {
     store_colour(sum, f);
 }
 
-template <int N, bool axial> OfPair of_pair(PmForm form) {
-    return form == PmForm::source    ? value_sized<N, axial, PmForm::source>
-           : form == PmForm::horizon ? value_sized<N, axial, PmForm::horizon>
-                                     : value_sized<N, axial, PmForm::extended>;
+template <int N, bool axial, std::size_t row = 0> OfPair of_pair(PmForm form) {
+    if constexpr (row + 1 < k_forms.size())
+        if (form != k_forms[row]) return of_pair<N, axial, row + 1>(form);
+    return value_sized<N, axial, k_forms[row]>;
 }
 template <int N = 1> OfPair of_pair(const PmNumbers& model) {
     if constexpr (N < k_most_variates)

@@ -20,6 +20,8 @@ namespace {
 
 constexpr std::string_view k_version = "1";
 
+static_assert(k_terms.size() == SRBF_TERMS);
+
 /// The tensors of a model: its numbers, rounded to halves.
 std::map<std::string, Tensor16> encode(const PmModel& model) {
     const auto J = std::uint64_t(model.lobes), N = std::uint64_t(model.variates);
@@ -126,7 +128,7 @@ Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm fo
     }
     for (std::size_t i = 0; i < J * F; ++i) {
         const float kappa = number("exponent", i);
-        if (kappa < 0 && i % F == 0)
+        if (kappa < 0 && k_terms[i % F].least == 0)
             return fail("tensor 'exponent'", "numbers of at least 0", fmt::format("{}", kappa));
         model.exponent.push_back(kappa);
     }
@@ -152,24 +154,6 @@ Result<std::vector<float>> wavelengths_of(std::string_view text, const std::stri
 }
 
 }  // namespace
-
-std::string_view name(PmForm form) {
-    switch (form) {
-        case PmForm::source:
-            return "source";
-        case PmForm::horizon:
-            return "horizon";
-        case PmForm::extended:
-            return "extended";
-    }
-    return "";
-}
-
-std::optional<PmForm> form_named(std::string_view text) {
-    for (const PmForm form : {PmForm::source, PmForm::horizon, PmForm::extended})
-        if (name(form) == text) return form;
-    return std::nullopt;
-}
 
 Rgb value(const PmModel& model, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return {};
@@ -249,7 +233,7 @@ std::vector<std::byte> write_model(const Model& model) {
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
         content.tensors = encode(*pm);
         metadata["model"] = "pm";
-        metadata["form"] = name(pm->form);
+        metadata["form"] = stored_name(pm->form);
         metadata["axial"] = pm->axial ? "true" : "false";
         if (!pm->wavelength.empty()) metadata["wavelengths"] = fmt::format("{}", fmt::join(pm->wavelength, " "));
     } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
@@ -272,7 +256,7 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& so
     auto& metadata = content->metadata;
     // The metadata that tell what the tensors mean; the others are the model's story. The first that is not known is the error.
     std::optional<Error> error;
-    const auto take = [&](const char* key, std::initializer_list<std::string_view> known) {
+    const auto take = [&](const char* key, const std::vector<std::string_view>& known) {
         const auto at = metadata.find(key);
         const std::string found = at == metadata.end() ? "" : at->second;
         if (std::find(known.begin(), known.end(), found) == known.end()) {
@@ -303,8 +287,9 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& so
         if (!ggx) return ggx.error();
         return Model{*std::move(ggx), std::move(metadata)};
     }
-    const auto form = take("form", {name(PmForm::source), name(PmForm::horizon), name(PmForm::extended)}),
-               axial = take("axial", {"true", "false"});
+    std::vector<std::string_view> forms;
+    for (const PmForm form : k_forms) forms.push_back(stored_name(form));
+    const auto form = take("form", forms), axial = take("axial", {"true", "false"});
     if (error) return *error;
     std::vector<float> wavelength;
     if (const auto at = metadata.find("wavelengths"); at != metadata.end()) {

@@ -1,5 +1,5 @@
-// What kernel.glsl and shading.glsl take of a shader. `fragment_shader` puts before it a material's numbers: PM_LOBES and what belongs to
-// it, or SU_LOBES, MERL_SIZE, FLAT; and LIGHTS, EACH_LIGHT, DEFERRED, SHOWN.
+// What kernel.glsl takes of a shader. A material's shape stands before it: PM_LOBES and what belongs to it, or SU_LOBES,
+// MERL_SIZE, GGX, FLAT.
 #define Real float
 #define Vec3 vec3
 #define Bool bool
@@ -11,7 +11,7 @@ struct Pm { int unused; };
 layout(std140) uniform PmNumbers {
     vec4 pm_colours[PM_LOBES];      // coefficient, log2 of the scale
 #if PM_FEATURES > 0
-    vec4 pm_exponents[PM_LOBES];    // times log2(e)
+    vec4 pm_exponents[PM_LOBES * ((PM_FEATURES + 3) / 4)];  // times log2(e)
 #endif
     vec4 pm_kernels[PM_KERNELS];    // axial: four sharpnesses; else centre and sharpness
     vec4 pm_weights[PM_VARIATES];   // a, b; of the first, PM_OPEN: the number of lobes
@@ -44,7 +44,7 @@ Vec3 pm_centre(Pm pm, int j, int n) { return pm_kernels[j * PM_VARIATES + n].xyz
 bool pm_down(Pm pm, int j, int n) { return false; }
 #endif
 #if PM_FEATURES > 0
-Real pm_exponent(Pm pm, int j, int k) { return pm_exponents[j][k]; }
+Real pm_exponent(Pm pm, int j, int k) { return pm_exponents[j * ((PM_FEATURES + 3) / 4) + k / 4][k % 4]; }
 #else
 Real pm_exponent(Pm pm, int j, int k) { return 0.0; }
 #endif

@@ -1,37 +1,30 @@
-#include "render/shader.h"
+#include "srbf/shader.h"
 
 #include <fmt/format.h>
 
-#include <cassert>
-#include <cmath>
+#include <algorithm>
+#include <type_traits>
 
-#include "render/shader_text.h"
+#include "shader/shader_text.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
 namespace {
 
-std::string version(Dialect dialect) {
-    if (dialect == Dialect::gl_450) return "#version 450 core\n";
-    std::string text = "#version 300 es\n";
-    for (const char* type : {"float", "int", "sampler2D", "sampler3D", "usampler2D", "usamplerCube"})
-        text += fmt::format("precision highp {};\n", type);
-    return text;
-}
-
-/// The shape of a material, as the macros of host.glsl and pixel.glsl.
+/// The shape of a material, as the macros of host.glsl and material.glsl.
 std::string shape(const Flat&) { return fmt::format("#define FLAT {:.9f}\n", Flat::k_value); }
 std::string shape(const MerlTable& table) {
     const auto [h, d, p] = table.size;
     return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h);
 }
+bool has_open_text(const PmModel& model) { return model.lobes <= k_most_open_lobes; }
 int kernel_texels(const PmModel& model) { return model.axial ? (model.variates + 3) / 4 : model.variates; }
-/// The same function in the extended form and with four or eight variates.
+/// The same function in the form of most terms and with four or eight variates.
 PmModel widened(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
     PmModel wide = model;
-    wide.form = PmForm::extended;
+    wide.form = k_forms.back();
     wide.variates = model.variates <= 4 ? 4 : 8;
     const auto W = std::size_t(wide.variates), E = std::size_t(features(wide.form));
     wide.parameterization.resize(W);
@@ -63,7 +56,7 @@ std::string shape(const PmModel& model, bool open) {
         return fmt::format(
             "#define PM_LOBES {0}\n#define PM_VARIATES {1}\n#define PM_FEATURES {2}\n#define PM_AXIAL {3:d}\n"
             "#define PM_KERNELS {4}\n#define PM_OPEN 1\n",
-            k_most_open_lobes, variates, features(PmForm::extended), model.axial,
+            k_most_open_lobes, variates, k_terms.size(), model.axial,
             k_most_open_lobes * (model.axial ? variates / 4 : variates));
     }
     std::vector<int> downs(std::size_t(model.lobes));
@@ -87,42 +80,28 @@ std::string shape(const SuModel& model) {
 
 std::string shape(const GgxModel&) { return "#define GGX 1\n"; }
 
-std::string shape_of(const Material& material, const ShaderOptions& options) {
-    if (const auto* pm = std::get_if<PmModel>(&material)) return shape(*pm, is_open(*pm, options));
-    return std::visit(
-        [](const auto& of) -> std::string {
-            if constexpr (std::is_same_v<decltype(of), const PmModel&>)
-                return {};
-            else
-                return shape(of);
-        },
-        material);
-}
-
 }  // namespace
 
 std::string_view name(Dialect dialect) { return dialect == Dialect::gl_450 ? "OpenGL 4.5" : "OpenGL ES 3.0"; }
 
-ShaderText shader_text(const Material& material, const ShaderOptions& options) {
-    assert(options.lights >= 1);
-    std::string each_light;
-    for (int k = 0; k < options.lights; ++k) each_light += fmt::format(" f({})", k);
-    const bool deferred = options.input == PixelInput::surface;
-    const std::string first = version(options.dialect);
-    return {first + (deferred ? k_whole_text : k_surface_text),
-            first +
-                fmt::format("#define LIGHTS {}\n#define EACH_LIGHT(f){}\n#define DEFERRED {:d}\n#define SHOWN {:d}\n",
-                            options.lights, each_light, deferred, options.output == PixelOutput::shown) +
-                shape_of(material, options) + k_host_text + k_kernel_text + k_shading_text + k_pixel_text};
+std::string version_text(Dialect dialect) {
+    if (dialect == Dialect::gl_450) return "#version 450 core\n";
+    std::string text = "#version 300 es\n";
+    for (const char* type : {"float", "int", "sampler2D", "sampler3D", "usampler2D", "usamplerCube"})
+        text += fmt::format("precision highp {};\n", type);
+    return text;
 }
 
-ShaderText surface_shader_text(Dialect dialect) {
-    return {version(dialect) + k_surface_text, version(dialect) + k_surface_pixel_text};
-}
-
-ShaderText develop_shader_text(Dialect dialect) {
-    return {version(dialect) + k_whole_text,
-            version(dialect) + k_host_text + k_kernel_text + k_shading_text + k_develop_text};
+std::string brdf_text(const Material& material, bool open) {
+    const std::string of_shape = std::visit(
+        [open](const auto& of) {
+            if constexpr (std::is_same_v<decltype(of), const PmModel&>)
+                return shape(of, open && has_open_text(of));
+            else
+                return shape(of);
+        },
+        material);
+    return of_shape + k_host_text + k_kernel_text + k_material_text;
 }
 
 std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
@@ -138,6 +117,7 @@ std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
 
 std::vector<Float4> pm_numbers(const PmModel& of, bool open) {
     using Formulas = Kernel<float>;
+    open = open && has_open_text(of);
     const PmModel model = open ? filled(widened(of)) : of;
     const int J = model.lobes, N = model.variates, F = features(model.form);
     std::vector<Float4> numbers;
@@ -145,10 +125,11 @@ std::vector<Float4> pm_numbers(const PmModel& of, bool open) {
         const Vec3f beta = Formulas::pm_coefficient(model, j);
         numbers.push_back({beta.x, beta.y, beta.z, float(Formulas::pm_log2_scale(model, j))});
     }
-    for (int j = 0; F > 0 && j < J; ++j) {
-        Float4& exponents = numbers.emplace_back();
-        for (int k = 0; k < F; ++k) exponents[std::size_t(k)] = float(Formulas::pm_exponent(model, j, k));
-    }
+    for (int j = 0; j < J; ++j)
+        for (int k = 0; k < F; ++k) {
+            if (k % 4 == 0) numbers.emplace_back();
+            numbers.back()[std::size_t(k % 4)] = float(Formulas::pm_exponent(model, j, k));
+        }
     for (int j = 0; j < J; ++j)
         for (int n = 0; n < N; ++n) {
             const float sharpness = float(Formulas::pm_sharpness(model, j, n));

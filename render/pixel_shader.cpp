@@ -1,0 +1,33 @@
+#include "render/pixel_shader.h"
+
+#include <fmt/format.h>
+
+#include <cassert>
+
+#include "render/shader_text.h"
+
+namespace srbf {
+
+ShaderText shader_text(const Material& material, const ShaderOptions& options) {
+    assert(options.lights >= 1);
+    std::string each_light;
+    for (int k = 0; k < options.lights; ++k) each_light += fmt::format(" f({})", k);
+    const bool deferred = options.input == PixelInput::surface;
+    const std::string first = version_text(options.dialect);
+    return {first + (deferred ? k_whole_text : k_surface_text),
+            first + brdf_text(material, options.open) +
+                fmt::format("#define LIGHTS {}\n#define EACH_LIGHT(f){}\n#define DEFERRED {:d}\n#define SHOWN {:d}\n",
+                            options.lights, each_light, deferred, options.output == PixelOutput::shown) +
+                k_shading_text + k_pixel_text};
+}
+
+ShaderText surface_shader_text(Dialect dialect) {
+    return {version_text(dialect) + k_surface_text, version_text(dialect) + k_surface_pixel_text};
+}
+
+ShaderText develop_shader_text(Dialect dialect) {
+    return {version_text(dialect) + k_whole_text,
+            version_text(dialect) + brdf_text(Flat{}) + k_shading_text + k_develop_text};
+}
+
+}  // namespace srbf

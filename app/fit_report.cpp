@@ -71,10 +71,10 @@ struct SizeWish {
 };
 SizeWish chosen_by(const FitRequest& request) {
     const auto* pm = std::get_if<PmRequest>(&request.model);
-    if (!pm || !pm->size) return {};
-    if (const auto* budget = std::get_if<ByteBudget>(&*pm->size)) return {budget->bytes, {}};
-    if (const auto* target = std::get_if<TargetError>(&*pm->size)) return {{}, target->error};
-    return {};
+    const auto* goal = pm && pm->size ? std::get_if<SizeGoal>(&*pm->size) : nullptr;
+    if (!goal) return {};
+    if (const auto* budget = std::get_if<ByteBudget>(goal)) return {budget->bytes, {}};
+    return {{}, std::get<TargetError>(*goal).error};
 }
 
 /// An angle [rad] in degrees, as it was written before it became radians.

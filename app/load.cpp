@@ -6,19 +6,9 @@
 
 #include "app/commands.h"
 #include "srbf/directions.h"
-#include "srbf/file.h"
 #include "srbf/metrics.h"
 
 namespace srbf {
-namespace {
-
-/// A safetensors container begins with the length of a header, whose text begins with a brace.
-bool is_model(std::span<const std::byte> bytes) {
-    return bytes.size() > 9 && bytes[8] == std::byte('{') && bytes[7] == std::byte(0) && bytes[6] == std::byte(0);
-}
-
-}  // namespace
-
 Rgb value(const Subject& subject, Vec3f wl, Vec3f wv) {
     return std::visit([&](const auto& brdf) { return value(brdf, wl, wv); }, subject.content);
 }
@@ -47,16 +37,9 @@ double fitted_theta(const Subject& subject) {
 }
 
 Result<Subject> load(const std::string& path) {
-    auto bytes = read_file(path);
-    if (!bytes) return bytes.error();
-    if (is_model(*bytes)) {
-        auto model = read_model(*bytes, path);
-        if (!model) return model.error();
-        return Subject{path, *std::move(model)};
-    }
-    auto measured = read_measured(*std::move(bytes), path);
-    if (!measured) return measured.error();
-    return Subject{path, *std::move(measured)};
+    auto loaded = load_brdf(path);
+    if (!loaded) return loaded.error();
+    return Subject{path, *std::move(loaded)};
 }
 
 int complain(const Error& error) {

@@ -1,18 +1,16 @@
 // Any BRDF that a file can hold.
 #pragma once
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "srbf/measured.h"
-#include "srbf/model.h"
+#include "srbf/load.h"
 
 namespace srbf {
 
 /// A measurement or a model, told by the file's content.
 struct Subject {
     std::string path;
-    std::variant<Measured, Model> content;
+    AnyBrdf content;
     bool is_model() const { return std::holds_alternative<Model>(content); }
 };
 Rgb value(const Subject& subject, Vec3f wl, Vec3f wv);

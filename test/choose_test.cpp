@@ -26,8 +26,8 @@ class Choose : public testing::Test {
         const Evaluate others[] = {evaluator(model)};
         return measure_heldout(evaluator(truth_), others, {80 * k_degree, 0}, 20000)[0].squared_error_ratio;
     }
-    Result<Chosen> choose(const Wish& wish) const {
-        return choose_pm(observed_, options_, wish, [&](const PmModel& model, bool) { return error(model); });
+    Result<Chosen> choose(const SizeGoal& goal) const {
+        return choose_pm(observed_, options_, goal, [&](const PmModel& model, bool) { return error(model); });
     }
 
     PmModel truth_;
@@ -38,7 +38,7 @@ class Choose : public testing::Test {
 TEST_F(Choose, TheBudgetIsKeptAndUsed) {
     double last = 1;
     for (const std::size_t bytes : {14u, 24u, 40u}) {
-        const auto chosen = choose({.bytes = bytes});
+        const auto chosen = choose(ByteBudget{bytes});
         ASSERT_TRUE(chosen.ok());
         EXPECT_LE(payload_bytes(chosen->fit.model), bytes);
         const double now = error(chosen->fit.model);
@@ -55,7 +55,7 @@ TEST_F(Choose, TheBudgetIsKeptAndUsed) {
 }
 
 TEST_F(Choose, TheSmallestModelThatReachesAnErrorIsTaken) {
-    const auto chosen = choose({.error = 1e-3});
+    const auto chosen = choose(TargetError{1e-3});
     ASSERT_TRUE(chosen.ok());
     EXPECT_TRUE(chosen->reached);
     EXPECT_LE(error(chosen->fit.model), 1e-3);
@@ -68,7 +68,7 @@ TEST_F(Choose, TheSmallestModelThatReachesAnErrorIsTaken) {
 }
 
 TEST_F(Choose, ThePathIsInOrderAndEachModelStandsOnce) {
-    const auto chosen = choose({.bytes = 40});
+    const auto chosen = choose(ByteBudget{40});
     ASSERT_TRUE(chosen.ok());
     EXPECT_GT(chosen->path.size(), 6u);
     for (std::size_t i = 1; i < chosen->path.size(); ++i) {
@@ -80,11 +80,12 @@ TEST_F(Choose, ThePathIsInOrderAndEachModelStandsOnce) {
 
 TEST_F(Choose, ACancelledSearchIsAnErrorOrWhatItHad) {
     const auto judge = [&](const PmModel& model, bool) { return error(model); };
-    for (const Wish& wish : {Wish{.bytes = 40}, Wish{.error = 1e-3}})
+    for (const SizeGoal& goal : {SizeGoal{ByteBudget{40}}, SizeGoal{TargetError{1e-3}}})
         for (const int calls : {0, 1, 2}) {
             int called = 0;
             const auto chosen =
-                choose_pm(observed_, options_, wish, judge, [&](const Progress&) { return called++ < calls; });
+                choose_pm(observed_, options_, goal, judge, [&](const Progress&) { return called++ < calls; });
+            EXPECT_LE(called, calls + 1) << "asked again once it was cancelled";
             if (chosen) {
                 EXPECT_GT(chosen->fit.model.lobes, 0);
             } else {
@@ -93,7 +94,7 @@ TEST_F(Choose, ACancelledSearchIsAnErrorOrWhatItHad) {
         }
 }
 
-TEST_F(Choose, TooFewBytesAreAnError) { EXPECT_FALSE(choose({.bytes = 8}).ok()); }
+TEST_F(Choose, TooFewBytesAreAnError) { EXPECT_FALSE(choose(ByteBudget{8}).ok()); }
 
 }  // namespace
 }  // namespace srbf

@@ -26,7 +26,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/su", "include/srbf/ggx"},
     {"include/srbf/model", "include/srbf/terms", "src/model/"},
     {"include/srbf/sampling", "src/sampling"},
-    {"include/srbf/prepared", "src/prepared"},
+    {"include/srbf/prepared", "src/prepared", "include/srbf/load", "src/load"},
     {"include/srbf/shader", "src/shader/"},
     {"render/shading"},
     {"render/image", "render/mesh", "render/exr", "render/environment", "render/likeness", "render/studio"},

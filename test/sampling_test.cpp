@@ -286,7 +286,8 @@ Rgb value(const Brushed&, Vec3f wl, Vec3f wv) {
 }
 
 TEST_F(Sampling, LobesAreStretchedAlongTheGrain) {
-    const MixtureProposal round = propose(evaluator(Brushed{})), along = propose(evaluator(Brushed{}), {.azimuths = 8});
+    const Brushed brushed;
+    const MixtureProposal round = propose(evaluator(brushed)), along = propose(evaluator(brushed), {.azimuths = 8});
     EXPECT_EQ(round.stretch, 1);
     EXPECT_TRUE(near(double(along.stretch), 5, 1.1));
     EXPECT_TRUE(near(std::atan2(double(along.sine), double(along.cosine)), 0.7, 0.14));
@@ -298,8 +299,8 @@ TEST_F(Sampling, LobesAreStretchedAlongTheGrain) {
             double sum = 0, squares = 0, of_round = 0;
             constexpr int count = 20000;
             for (int i = 0; i < count; ++i) {
-                const double x = double(sample(Brushed{}, along, wv, draw3()).weight.g),
-                             y = double(sample(Brushed{}, round, wv, draw3()).weight.g);
+                const double x = double(sample(brushed, along, wv, draw3()).weight.g),
+                             y = double(sample(brushed, round, wv, draw3()).weight.g);
                 sum += x, squares += x * x, of_round += y * y;
             }
             EXPECT_LT(squares * count / (sum * sum) - 1, theta > 50 ? 0.5 : 0.15) << theta << ' ' << phi;

@@ -2,7 +2,9 @@
 #pragma once
 #include <concepts>
 #include <functional>
+#include <memory>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -26,6 +28,15 @@ using Evaluate = std::function<void(std::span<const Vec3f> wl, std::span<const V
 template <Brdf B> Evaluate evaluator(const B& brdf) {
     return [&brdf](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         for (std::size_t i = 0; i < wl.size(); ++i) f[i] = value(brdf, wl[i], wv[i]);
+    };
+}
+
+/// Of one that is given away it holds what it was given.
+template <typename B>
+requires(Brdf<B> && !std::is_reference_v<B>) Evaluate evaluator(B&& brdf) {
+    auto held = std::make_shared<const B>(std::move(brdf));
+    return [held, of = evaluator(*held)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        of(wl, wv, f);
     };
 }
 

@@ -17,6 +17,11 @@ inline constexpr std::uint64_t k_largest_file = std::uint64_t(1) << 34;
 /// `bytes`. Errors: the folder is missing or cannot be written, `path` is a folder, the disk is full.
 Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes);
 
+/// Whether the bytes begin as a safetensors container, a fitted model's, does: with the length of a header, then its brace.
+inline bool is_safetensors(std::span<const std::byte> bytes) {
+    return bytes.size() > 9 && bytes[8] == std::byte('{') && bytes[7] == std::byte(0) && bytes[6] == std::byte(0);
+}
+
 inline std::span<const std::byte> as_bytes(std::string_view text) {
     return std::as_bytes(std::span(text.data(), text.size()));
 }

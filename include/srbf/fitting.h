@@ -23,15 +23,8 @@ struct LobeCount {
 /// The J of `k_tried_lobes` with the least product of bytes and held-out error; of samples the fewest lobes whose
 /// cross-validated error is within 3 % of the least.
 struct AutomaticLobes {};
-/// The least held-out error of all forms and sizes of at most so many bytes; of samples, of all J of the requested form.
-struct ByteBudget {
-    std::size_t bytes = 160;  ///< 12..k_most_chosen_bytes
-};
-/// The fewest bytes whose held-out error, by the objective's own measure, is at most this; among the same models.
-struct TargetError {
-    double error = 0.005;  ///< a ratio
-};
-using PmSize = std::variant<LobeCount, AutomaticLobes, ByteBudget, TargetError>;
+/// A goal is looked for among all forms and sizes; of samples among all J of the requested form.
+using PmSize = std::variant<LobeCount, AutomaticLobes, SizeGoal>;
 inline constexpr int k_tried_lobes[] = {2, 3, 4, 6, 9, 12};
 
 /// A parameterized multivariate model (PM).

@@ -143,6 +143,7 @@ Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
 void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// signed_value on arrays of pairs: what a fit observes. It refers to `measured`.
 Evaluate signed_evaluator(const Measured& measured);
+Evaluate signed_evaluator(const Measured&&) = delete;
 /// `value` likewise.
 Evaluate evaluator(const Measured& measured);
 
@@ -153,8 +154,10 @@ void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float>
 void signed_spectrum(const Scattered& samples, Vec3f wl, Vec3f wv, std::span<float> f);
 /// The same on arrays of pairs. It refers to `measured`.
 Channels signed_spectra(const Measured& measured);
+Channels signed_spectra(const Measured&&) = delete;
 /// The same, negative values clamped to 0.
 Channels spectra(const Measured& measured);
+Channels spectra(const Measured&&) = delete;
 
 /// Reads the bytes of a MERL `.binary`: int32 dimensions, then three planes (R, G, B) of n_h n_d n_p doubles;
 /// a channel is scaled by 1/1500, 1.15/1500, 1.66/1500. Negative or not finite: not measured. `source` is for
@@ -180,7 +183,7 @@ Result<Scattered> read_alta(std::span<const std::byte> bytes, const std::string&
 /// columns named by wavelength (450nm or nm450). Lines that begin with '#' are comments; one that reads `# isotropic` states that.
 Result<Scattered> read_csv(std::span<const std::byte> bytes, const std::string& source);
 
-/// Reads a measurement of any known format, told by its content.
+/// Reads a measurement of any known format, told by its content. Errors: those of the formats; `wrong_kind`: a fitted model.
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& source);
 /// The same of bytes that are let go before samples are indexed.
 Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& source);

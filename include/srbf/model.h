@@ -68,8 +68,10 @@ Evaluate evaluator(const Model& model);
 std::span<const float> wavelengths(const Model& model);
 /// ρ at the wavelengths of a spectral model, three by three as `evaluate` has R, G, B. It refers to `model`.
 Channels spectra(const PmModel& model);
+Channels spectra(const PmModel&&) = delete;
 /// The wavelengths of a spectral model, R, G, B of another one. It refers to `model`.
 Channels channels(const Model& model);
+Channels channels(const Model&&) = delete;
 
 /// Bytes of a model's numbers as stored, and of what else it looks up at run time.
 std::size_t payload_bytes(const Model& model);
@@ -100,7 +102,7 @@ PmModel rounded(const PmModel& model);
 /// `facing` [L,3] and `grazing` [L].
 std::vector<std::byte> write_model(const Model& model);
 /// Errors: not such a file; tensors missing, of other type or shape, overlapping or leaving gaps; numbers
-/// that are not finite or out of range. `source` is for errors alone.
+/// that are not finite or out of range; `wrong_kind`: a measurement. `source` is for errors alone.
 Result<Model> read_model(std::span<const std::byte> bytes, const std::string& source);
 
 Result<Done> save_model(const Model& model, const std::string& path);

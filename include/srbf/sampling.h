@@ -75,6 +75,7 @@ struct ViewProposal {
     std::vector<float> albedo;  ///< n: ∫ f cosθl dωl, luminance
 };
 ViewProposal propose(const SuModel& model, const ProposeOptions& options = {});
+ViewProposal propose(const SuModel&&, const ProposeOptions& options = {}) = delete;
 Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv);
 
@@ -85,6 +86,7 @@ float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
 
 /// The proposal that a model is best drawn from. It may refer to the model.
 Proposal propose(const Model& model, const ProposeOptions& options = {});
+Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
 
 /// Samples the light for `brdf`, of which values that were not measured count as 0.
 template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposal, Vec3f wv, Vec2f u, float selector) {

@@ -256,13 +256,24 @@ Result<Search::Tried> within_error(Search& search, const FitOptions& options, do
 
 }  // namespace
 
-Result<Chosen> choose_pm(const Observations& observations, const FitOptions& options, const Wish& wish,
+Result<Chosen> choose_pm(const Observations& observations, const FitOptions& options, const SizeGoal& goal,
                          const JudgeModel& judge, const ProgressToken& progress) {
     const FlushSubnormals mode;
     Search search(observations, options, judge, progress);
     Chosen chosen;
-    auto found = wish.bytes > 0 ? within_bytes(search, options, wish.bytes)
-                                : within_error(search, options, wish.error, chosen.reached);
+    const auto* budget = std::get_if<ByteBudget>(&goal);
+    const double error = budget ? 1 : std::get<TargetError>(goal).error;
+    if (budget && budget->bytes > k_most_chosen_bytes)
+        return Error{"fit",
+                     {},
+                     "budget",
+                     fmt::format("12 to {} bytes", k_most_chosen_bytes),
+                     fmt::format("{}", budget->bytes),
+                     ErrorCode::argument};
+    if (!(error > 0 && error <= 1))
+        return Error{"fit", {}, "target error", "above 0, at most 1", fmt::format("{}", error), ErrorCode::argument};
+    auto found =
+        budget ? within_bytes(search, options, budget->bytes) : within_error(search, options, error, chosen.reached);
     if (!found) return found.error();
     chosen.fit = std::move(found->fit);
     chosen.path = search.path();

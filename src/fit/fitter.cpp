@@ -42,15 +42,8 @@ Result<Done> check(const FitRequest& request, bool has_spectra) {
         return refused("spectral channels", "a measurement at wavelengths", "one of colours");
     const auto* pm = std::get_if<PmRequest>(&request.model);
     if (request.spectral && !pm) return refused("spectral channels", "a multivariate model", "another");
-    if (!pm || !pm->size) return Done{};
-    if (request.spectral && wish_of(*pm))
+    if (pm && request.spectral && goal_of(*pm))
         return refused("spectral channels", "a number of lobes", "a budget or a target error");
-    if (const auto* budget = std::get_if<ByteBudget>(&*pm->size))
-        if (budget->bytes < 1 || budget->bytes > k_most_chosen_bytes)
-            return refused("budget", "12 to 512 bytes", fmt::format("{}", budget->bytes));
-    if (const auto* target = std::get_if<TargetError>(&*pm->size))
-        if (!(target->error > 0 && target->error <= 1))
-            return refused("target error", "above 0, at most 1", fmt::format("{}", target->error));
     return Done{};
 }
 
@@ -252,11 +245,11 @@ class Fitter::Work {
         const PmRequest& pm = std::get<PmRequest>(request.model);
         const FitOptions options = pm_options(request, axial(request));
         FitOutcome outcome;
-        if (const auto wish = wish_of(pm)) {
+        if (const auto goal = goal_of(pm)) {
             const auto judge = [&](const PmModel& model, bool in_short) {
                 return error_of_model(model, request, in_short);
             };
-            auto chosen = choose_pm(observations, options, *wish, judge, progress);
+            auto chosen = choose_pm(observations, options, *goal, judge, progress);
             if (!chosen) return chosen.error();
             outcome.path = std::move(chosen->path);
             outcome.reached = chosen->reached;

@@ -8,13 +8,14 @@ namespace srbf {
 namespace {
 
 constexpr ObjectiveTraits k_traits[] = {
-    {Objective::raw, "raw", &Measures::squared_error_ratio, 80, [](double, double, double, double) { return 1.0; }},
+    {Objective::raw, "raw", &Measures::squared_error_ratio, 80, [](double, double, double, double) { return 1.0; },
+     false},
     {Objective::cosine, "cosine", &Measures::squared_error_ratio_cosine, 89,
-     [](double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }},
+     [](double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }, false},
     {Objective::log, "log", &Measures::log_rms_cosine, 89,
-     [](double f, double, double cos_l, double cos_v) { return std::pow(cos_l / (1 + f * cos_l), 2) * cos_v; }},
+     [](double f, double, double cos_l, double cos_v) { return std::pow(cos_l / (1 + f * cos_l), 2) * cos_v; }, false},
     {Objective::cube_root, "cube-root", &Measures::cube_root_error_ratio, 80,
-     [](double f, double mean, double, double) { return std::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3); }},
+     [](double f, double mean, double, double) { return std::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3); }, true},
 };
 constexpr auto k_objectives = [] {
     std::array<Objective, std::size(k_traits)> all{};
@@ -36,6 +37,10 @@ double default_max_theta(Objective objective) { return traits(objective).max_the
 std::optional<Objective> objective_named(std::string_view text) {
     const auto found = std::ranges::find(k_traits, text, &ObjectiveTraits::name);
     return found == std::end(k_traits) ? std::nullopt : std::optional(found->objective);
+}
+
+bool is_root(Objective objective) {
+    return !std::ranges::find(k_measures, measure_of(objective), &MeasureName::member)->is_ratio;
 }
 
 void weigh(Objective objective, double mean, std::span<const Vec3f> wl, std::span<const Vec3f> wv,

@@ -18,6 +18,8 @@ struct ObjectiveTraits {
     /// The weight of (f−f̂)² per solid angle of both directions, where the channels of f have mean `f`; `mean` is that of all
     /// f over both caps.
     double (*weight)(double f, double mean, double cos_l, double cos_v);
+    bool
+        of_small_errors;  ///< the weights hold for small errors; where errors stay large, `large_error_weight` corrects them
 };
 const ObjectiveTraits& traits(Objective objective);
 
@@ -77,6 +79,9 @@ inline void normalise(Observations& observations) {
     if (energy > 0)
         for (double& weight : observations.weight) weight /= energy;
 }
+
+/// Whether the measure of an objective is the root of a mean square, not a ratio of sums of squares.
+bool is_root(Objective objective);
 
 /// The cube root's weights are those of small errors. Where f̂ = g errs by much, this is what they are to be multiplied by, to make the weighted
 /// square what the error is: Σ_c (∛f−∛g)² / Σ_c (f−g)² over the weight of a small one; as far as a factor `most`.

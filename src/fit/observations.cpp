@@ -281,7 +281,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     }
     if (!(mean > 0)) return Error{"observe", {}, "values", "some above 0", "none", ErrorCode::no_data};
     mean /= solid_angle;
-    if (options.objective == Objective::cube_root) observations.root_mean = mean;
+    if (traits(options.objective).of_small_errors) observations.root_mean = mean;
 
     std::vector<double> weight = pool.weight;
     weigh(options.objective, mean, pool.wl, pool.wv, pool.f, weight);

@@ -112,7 +112,7 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
         return Error{"samples", {}, "samples within the largest angle", "some", "none", ErrorCode::no_data};
     if (!(mean > 0)) return Error{"samples", {}, "values", "some above 0", "none", ErrorCode::no_data};
     mean /= double(within.size());
-    if (options.objective == Objective::cube_root) observed.samples.root_mean = mean;
+    if (traits(options.objective).of_small_errors) observed.samples.root_mean = mean;
     std::vector<bool> seen(std::size_t(places.count), false);
     for (const std::size_t i : within) {
         const auto place = std::size_t(places.of[i]);
@@ -220,11 +220,11 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
     const Measures remaining = measure_samples(beginning(alone.wl), beginning(alone.wv), beginning(alone.f),
                                                evaluator(first->unrounded), max_theta);
     SampleObservations weighed = observations;
-    if (objective == Objective::cube_root)
+    if (traits(objective).of_small_errors)
         for (Observations* of : {&weighed.samples, &weighed.between})
             weigh_large_errors(*of, first->unrounded, max_theta, observations.samples.root_mean);
     double belief = std::min(error_of(remaining, objective) / error_of(observations.interpolation, objective), 1.0);
-    if (objective == Objective::log) belief *= belief;  // a root of squares
+    if (is_root(objective)) belief *= belief;
     return fit_pm(together(weighed, std::isfinite(belief) ? belief : 1, seed), bounded, progress.part(0.3, 1));
 }
 

@@ -12,12 +12,10 @@ constexpr std::uint64_t raw_bytes(std::uint64_t n, std::uint64_t channels = 3) {
     return n * n * channels * sizeof(float);
 }
 
-/// The wish that the size stands for; none: it is a number of lobes or automatic.
-inline std::optional<Wish> wish_of(const PmRequest& pm) {
-    if (!pm.size) return std::nullopt;
-    if (const auto* budget = std::get_if<ByteBudget>(&*pm.size)) return Wish{budget->bytes, 0};
-    if (const auto* target = std::get_if<TargetError>(&*pm.size)) return Wish{0, target->error};
-    return std::nullopt;
+/// What the size is chosen by; none: it is a number of lobes or automatic.
+inline std::optional<SizeGoal> goal_of(const PmRequest& pm) {
+    const auto* goal = pm.size ? std::get_if<SizeGoal>(&*pm.size) : nullptr;
+    return goal ? std::optional(*goal) : std::nullopt;
 }
 
 /// The number of lobes that is asked for; none: it is to be chosen.

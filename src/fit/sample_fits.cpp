@@ -40,13 +40,13 @@ class SampleFits {
         const auto* pm = std::get_if<PmRequest>(&request_.model);
         if (!pm) return judged({}, false);
         const std::optional<int> asked = lobes_of(*pm);
-        const auto wish = wish_of(*pm);
+        const auto goal = goal_of(*pm);
         std::vector<int> lobes;
         if (asked)
             lobes = {*asked};
         else
             for (const int j : k_tried_lobes)
-                if (enough_samples(j) && (!wish || wish->bytes == 0 || bytes(j) <= wish->bytes)) lobes.push_back(j);
+                if (enough_samples(j) && is_within(goal, bytes(j))) lobes.push_back(j);
         if (lobes.empty()) lobes = {1};
         validations_ = double(lobes.size()) + 1;
         const int first = asked.value_or(std::min(lobes.back(), k_first_tried));
@@ -61,10 +61,14 @@ class SampleFits {
             if (!one) return one;
             all.push_back(*std::move(one));
         }
-        return chosen(all, wish);
+        return chosen(all, goal);
     }
 
   private:
+    static bool is_within(const std::optional<SizeGoal>& goal, std::size_t bytes) {
+        const auto* budget = goal ? std::get_if<ByteBudget>(&*goal) : nullptr;
+        return !budget || bytes <= budget->bytes;
+    }
     double error(const FitOutcome& outcome) const { return error_of(outcome.errors->heldout, request_.objective); }
     std::size_t bytes(int lobes) const {
         const FitOptions options = sample_options(samples_, request_, lobes);
@@ -144,10 +148,11 @@ class SampleFits {
         return measure_samples(samples_.wl, samples_.wv, colours, f, request_.theta());
     }
 
-    Result<FitOutcome> chosen(std::vector<FitOutcome>& all, const std::optional<Wish>& wish) const {
+    Result<FitOutcome> chosen(std::vector<FitOutcome>& all, const std::optional<SizeGoal>& goal) const {
         const auto by_error = [&](const FitOutcome& a, const FitOutcome& b) { return error(a) < error(b); };
         const double least = error(*std::min_element(all.begin(), all.end(), by_error));
-        const double enough = !wish ? k_as_good * least : wish->error > 0 ? wish->error : least;
+        const auto* target = goal ? std::get_if<TargetError>(&*goal) : nullptr;
+        const double enough = !goal ? k_as_good * least : target ? target->error : least;
         auto taken = std::find_if(all.begin(), all.end(), [&](const FitOutcome& one) { return error(one) <= enough; });
         const bool reached = taken != all.end();
         if (!reached) taken = std::min_element(all.begin(), all.end(), by_error);
@@ -160,7 +165,7 @@ class SampleFits {
             }
         FitOutcome outcome = std::move(*taken);
         outcome.path = std::move(path);
-        outcome.reached = reached && (!wish || wish->bytes == 0 || payload_bytes(outcome.model) <= wish->bytes);
+        outcome.reached = reached && is_within(goal, payload_bytes(outcome.model));
         return outcome;
     }
 

@@ -40,6 +40,8 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
         if (is_csv(text)) return labelled(read_csv_samples(bytes, source), source, "CSV", bytes.size());
         if (is_cornell(text)) return labelled(read_cornell_samples(bytes, source), source, "Cornell", bytes.size());
     }
+    if (is_safetensors(bytes))
+        return Error{source, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
     if (is_utia(bytes)) return labelled(read_utia(bytes, source), source, "UTIA", bytes.size());
     return Error{source, {}, "unknown format", "MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA or CSV", opening(bytes)};
 }

@@ -103,11 +103,18 @@ void evaluate_sized(const PmNumbers& model, const Vec3f* wl, const Vec3f* wv, Rg
     }
 }
 
-using Evaluator = void (*)(const PmNumbers&, const Vec3f*, const Vec3f*, Rgb*, std::size_t);
-template <int N = 1> Evaluator evaluator_of(const PmNumbers& model) {
+/// choose.operator()<N, axial>() for the model's own.
+template <int N = 1, typename Choose> auto for_size_of(const PmNumbers& model, const Choose& choose) {
     if constexpr (N < k_most_variates)
-        if (model.variates() > N) return evaluator_of<N + 1>(model);
-    return model.axial() ? evaluate_sized<N, true> : evaluate_sized<N, false>;
+        if (model.variates() > N) return for_size_of<N + 1>(model, choose);
+    if constexpr (PmNumbers::filled_up(N, false) == N)
+        if (!model.axial()) return choose.template operator()<N, false>();
+    return choose.template operator()<PmNumbers::filled_up(N, true), true>();
+}
+
+using Evaluator = void (*)(const PmNumbers&, const Vec3f*, const Vec3f*, Rgb*, std::size_t);
+Evaluator evaluator_of(const PmNumbers& model) {
+    return for_size_of(model, []<int N, bool axial>() -> Evaluator { return evaluate_sized<N, axial>; });
 }
 
 void evaluate(const PmNumbers& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
@@ -251,12 +258,9 @@ template <int N, bool axial, std::size_t row = 0> OfPair of_pair(PmForm form) {
         if (form != k_forms[row]) return of_pair<N, axial, row + 1>(form);
     return value_sized<N, axial, k_forms[row]>;
 }
-template <int N = 1> OfPair of_pair(const PmNumbers& model) {
-    if constexpr (N < k_most_variates)
-        if (model.variates() > N) return of_pair<N + 1>(model);
-    return model.axial() ? of_pair<N, true>(model.form()) : of_pair<N, false>(model.form());
+OfPair pair_evaluator(const PmNumbers& model) {
+    return for_size_of(model, [&]<int N, bool axial>() { return of_pair<N, axial>(model.form()); });
 }
-OfPair pair_evaluator(const PmNumbers& model) { return of_pair(model); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace srbf
@@ -272,12 +276,12 @@ PmNumbers::PmNumbers(const PmModel& model)
     : form_(model.form),
       axial_(model.axial),
       lobes_(model.lobes),
-      variates_(model.variates),
+      variates_(filled_up(model.variates, model.axial)),
       rows_(exponent(axial_, variates_, features(form_))),
       numbers_(std::size_t(k_first + (lobes_ + k_lanes - 1) / k_lanes * rows_)) {
-    assert(1 <= lobes_ && lobes_ <= k_most_lobes && 1 <= variates_ && variates_ <= k_most_variates);
+    assert(1 <= lobes_ && lobes_ <= k_most_lobes && 1 <= model.variates && model.variates <= k_most_variates);
     const FlushSubnormals mode;
-    const auto N = std::size_t(variates_), F = std::size_t(features(form_));
+    const auto N = std::size_t(model.variates), F = std::size_t(features(form_));
     for (std::size_t n = 0; n < k_lanes; ++n) {
         const Parameterization p = n < N ? model.parameterization[n] : Parameterization{};
         numbers_[0].of[n] = p.a, numbers_[1].of[n] = p.b;
@@ -294,9 +298,9 @@ PmNumbers::PmNumbers(const PmModel& model)
             const float beta = model.coefficient[j][c];
             set(coefficient(c), std::abs(beta) < 0x1p-26f ? 0 : beta);
         }
-        for (std::size_t n = 0; n < N; ++n) {
-            const Vec3f xi = model.centre[j * N + n];
-            set(sharpness(axial_, int(n)), 0.5f * in_bits(model.bandwidth[j * N + n]));
+        for (std::size_t n = 0; n < std::size_t(variates_); ++n) {
+            const Vec3f xi = n < N ? model.centre[j * N + n] : Vec3f(0, 0, 1);
+            set(sharpness(axial_, int(n)), n < N ? 0.5f * in_bits(model.bandwidth[j * N + n]) : 0);
             if (axial_)
                 set(pole(int(n)), xi.z < 0 ? -1.f : 1.f),
                     set(place(int(n)), std::bit_cast<float>(std::int32_t(n % 4 + (xi.z < 0 ? 4 : 0))));

@@ -22,7 +22,14 @@ class PmNumbers {
     PmForm form() const { return form_; }
     bool axial() const { return axial_; }
     int lobes() const { return lobes_; }
-    int variates() const { return variates_; }
+    int variates() const { return variates_; }  ///< with those that fill it up
+
+    /// The number of variates that a model of N is filled up to by ones of bandwidth 0, so that evaluation is compiled for few
+    /// numbers of them alone.
+    static constexpr int filled_up(int variates, bool axial) {
+        if (!axial) return variates <= 4 ? 4 : 8;
+        return variates <= 4 ? variates : variates <= 6 ? 6 : 8;
+    }
 
     /// Of variate n on, the next ones following.
     const float* weight_l(int n) const { return &numbers_[0].of[std::size_t(n)]; }

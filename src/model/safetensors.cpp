@@ -108,6 +108,9 @@ Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std
     };
     if (bytes.size() < k_length_bytes)
         return fail(0, "header length", "8 bytes", fmt::format("{} bytes", bytes.size()));
+    constexpr std::string_view k_tensor_file = "tensor_file";
+    if (std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()).starts_with(k_tensor_file))
+        return Error{source, {}, "input", "a fitted model", "a measurement (RGL tensor file)", ErrorCode::wrong_kind};
     const std::uint64_t length = little_endian_64(bytes);
     if (length > bytes.size() - k_length_bytes)
         return fail(0, "header length", fmt::format("at most {}", bytes.size() - k_length_bytes),

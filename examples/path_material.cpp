@@ -27,8 +27,7 @@ double reflected(const srbf::PreparedBrdf& material, float cos_v, int rays, unsi
         // By the BRDF: direction, f cosθl / pdf and pdf in one.
         const srbf::Vec2f u{uniform(), uniform()};
         const srbf::LightSample drawn = sample(material, wv, u, uniform());
-        if (drawn.pdf > 0)
-            sum += double(drawn.weight.g) * power(double(drawn.pdf), double(pdf(sky, drawn.wl, wv)));
+        if (drawn.pdf > 0) sum += double(drawn.weight.g) * power(double(drawn.pdf), double(pdf(sky, drawn.wl, wv)));
         // By the light.
         const srbf::Vec3f wl = sample(sky, wv, {uniform(), uniform()}, 0);
         const double of_sky = double(pdf(sky, wl, wv));

@@ -116,14 +116,13 @@ template <typename P> void density_of_one(benchmark::State& state, const P& prop
         i = (i + 1) % draws().u.size();
     }
 }
-/// One after the other, as a path goes on.
+/// Both at once, as a path goes on.
 void draw_and_density_mixture(benchmark::State& state) {
     const PreparedBrdf model = prepare(Model{film_pm(), {}}, ProposeOptions{});
     std::size_t i = 0;
     for (auto _ : state) {
         const Vec3f u = draws().u[i];
-        const Vec3f wl = sample(model.proposal(), draws().wv[i], {u.x, u.y}, u.z);
-        benchmark::DoNotOptimize(pdf(model, wl, draws().wv[i]));
+        benchmark::DoNotOptimize(sample_with_pdf(model.proposal(), draws().wv[i], {u.x, u.y}, u.z));
         i = (i + 1) % draws().u.size();
     }
 }

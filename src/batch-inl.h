@@ -221,7 +221,7 @@ struct Interleaved {
 };
 template <typename Real> using Triple = Vec3<Real>;
 #define SRBF_FN static HWY_INLINE
-#include "srbf/kernel_formulas.inl"
+#include "srbf/kernel_host.inl"
 
 }  // namespace HWY_NAMESPACE
 }  // namespace srbf

@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "floating_point.h"
-#include "model/pm_numbers.h"
+#include "model/pm_lanes.h"
 #include "srbf/directions.h"
 
 namespace srbf {
@@ -67,7 +67,7 @@ template <typename M> PreparedBrdf::Value pair_by_pair() {
 
 BrdfParts parts_of(const Model& model) {
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
-        const auto held = std::make_shared<const PmNumbers>(*pm);
+        const auto held = std::make_shared<const PmLanes>(*pm);
         return parts_of(held, pair_evaluator(*held));
     }
     if (const auto* su = std::get_if<SuModel>(&model.model))

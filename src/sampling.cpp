@@ -174,13 +174,24 @@ void find_stretch(const Evaluate& brdf, int threads, MixtureProposal& proposal) 
 Vec3f sample(const CosineProposal&, Vec3f, Vec2f u, float) { return K::sample_cosine(u.x, u.y); }
 float pdf(const CosineProposal&, Vec3f wl, Vec3f) { return K::cosine_pdf(wl); }
 
+void MixtureProposal::set_weights(std::size_t node, std::span<const float, k_lobes> weight) {
+    weight_[node] = {};
+    running_[node].fill(2);
+    float sum = 0;
+    for (std::size_t k = 0; k < k_lobes; ++k) {
+        weight_[node][k] = weight[k];
+        running_[node][k] = sum += weight[k];
+    }
+}
+
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
     const FlushSubnormals mode;
     assert(brdf && options.azimuths >= 1);
     MixtureProposal proposal;
     if (options.azimuths > 1) find_stretch(brdf, options.threads, proposal);
     parallel_for(MixtureProposal::k_nodes, options.threads, [&](std::size_t node) {
-        std::ranges::copy(node_weights(brdf, int(node), options.azimuths, proposal), proposal.weight[node].begin());
+        const std::vector<float> weight = node_weights(brdf, int(node), options.azimuths, proposal);
+        proposal.set_weights(node, std::span<const float, MixtureProposal::k_lobes>(weight));
     });
     return proposal;
 }
@@ -304,6 +315,9 @@ float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv) {
 
 Vec3f sample(const Proposal& proposal, Vec3f wv, Vec2f u, float selector) {
     return std::visit([&](const auto& p) { return sample(p, wv, u, selector); }, proposal);
+}
+DirectionSample sample_with_pdf(const Proposal& proposal, Vec3f wv, Vec2f u, float selector) {
+    return std::visit([&](const auto& p) { return sample_with_pdf(p, wv, u, selector); }, proposal);
 }
 float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv) {
     return std::visit([&](const auto& p) { return pdf(p, wl, wv); }, proposal);

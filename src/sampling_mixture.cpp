@@ -22,17 +22,15 @@ struct LobeTable {
     alignas(32) std::array<float, k_count> bandwidth, scale, rest, is_half_way;
 };
 
-/// The two nodes about a view, and the part of the upper one.
+/// Between which nodes a view is, and the part of the upper one.
 struct NodesAbout {
-    const float* low;
-    const float* high;
+    std::size_t below;
     float part;
 };
-inline NodesAbout nodes_about(const MixtureProposal& proposal, float z) {
+inline NodesAbout nodes_about(float z) {
     const float at = std::sqrt(std::clamp(1 - z, 0.f, 1.f)) * (MixtureProposal::k_nodes - 1);
     const int below = std::min(int(at), MixtureProposal::k_nodes - 2);
-    return {proposal.weight[std::size_t(below)].data(), proposal.weight[std::size_t(below + 1)].data(),
-            at - float(below)};
+    return {std::size_t(below), at - float(below)};
 }
 
 }  // namespace srbf
@@ -52,13 +50,39 @@ template <typename B> HWY_INLINE Vec3<B> select(typename B::Mask where, const Ve
     return {select(where, a.x, b.x), select(where, a.y, b.y), select(where, a.z, b.z)};
 }
 
-HWY_INLINE Group weights_of(const NodesAbout& nodes, std::size_t first) {
-    const Group low = Group::load(nodes.low + first), high = Group::load(nodes.high + first);
-    return low + everywhere<Group>(nodes.part) * (high - low);
+HWY_INLINE Group between(const MixtureProposal::Row& low, const MixtureProposal::Row& high, float part,
+                         std::size_t first) {
+    const Group a = Group::load(&low[first]), b = Group::load(&high[first]);
+    return a + everywhere<Group>(part) * (b - a);
 }
 
-// wl and wv are in the frame of the grain.
-float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
+// The lobes as a viewer sees them, side by side, in the frame of the grain.
+struct SeenLobes {
+    HWY_ALIGN float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], bandwidth[LobeTable::k_count],
+        scale[LobeTable::k_count];
+
+    HWY_INLINE SeenLobes(const LobeTable& table, const Vec3f& wv, float stretch) {
+        using F = Formulas<Group, PmModel>;
+        const Vec3<Group> v = everywhere<Group>(wv), specular(-v.x, -v.y, v.z);
+        const Vec3<Group> viewer = F::stretched(v, everywhere<Group>(stretch));
+        for (std::size_t k = 0; k < LobeTable::k_count; k += Group::size()) {
+            const Group width = Group::load(&table.bandwidth[k]);
+            auto seen = F::half_way_lobe(viewer, width);
+            if (k < 8) {  // beyond, half-way lobes alone
+                const auto where = Group(0.0) < Group::load(&table.is_half_way[k]);
+                seen.centre = select(where, seen.centre, specular);
+                seen.bandwidth = select(where, seen.bandwidth, width);
+                seen.scale = select(where, seen.scale, Group::load(&table.scale[k]));
+            }
+            seen.centre.x.store(x + k), seen.centre.y.store(y + k), seen.centre.z.store(z + k);
+            seen.bandwidth.store(bandwidth + k), seen.scale.store(scale + k);
+        }
+    }
+};
+
+// The density of all of them at wl; wl and wv are in the frame of the grain.
+HWY_INLINE float density(const MixtureProposal& proposal, const LobeTable& table, const SeenLobes& lobes,
+                         const NodesAbout& nodes, const Vec3f& wl, const Vec3f& wv) {
     using F = Formulas<Group, PmModel>;
     // The half-way vectors of wl and of wl mirrored at the horizon, in the first two lanes.
     alignas(16) static constexpr float up_and_down[4] = {1, -1, 1, 1};
@@ -76,30 +100,34 @@ float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const
             everywhere<Group>(half_way[3][i])};
     };
     const typename F::HalfWay above = of_half_way(0), below = of_half_way(1);
-    const Vec3<Group> l = everywhere<Group>(wl), v = everywhere<Group>(wv), specular(-v.x, -v.y, v.z);
+    const Vec3<Group> l = everywhere<Group>(wl);
     const auto itself = F::itself(l), mirrored = F::itself({l.x, l.y, -l.z});
-    const Vec3<Group> viewer = F::stretched(v, everywhere<Group>(proposal.stretch));
-    const NodesAbout nodes = nodes_about(proposal, wv.z);
+    const auto &low = proposal.weight(nodes.below), &high = proposal.weight(nodes.below + 1);
     Group sum(0.0);
     for (std::size_t k = 0; k < LobeTable::k_count; k += Group::size()) {
-        const Group bandwidth = Group::load(&table.bandwidth[k]), scale = Group::load(&table.scale[k]);
-        const auto seen = F::half_way_lobe(viewer, bandwidth);
-        Group density;
+        const typename F::ProposalLobe lobe{
+            {Group::load(lobes.x + k), Group::load(lobes.y + k), Group::load(lobes.z + k)},
+            Group::load(lobes.bandwidth + k),
+            Group::load(lobes.scale + k),
+            Group(0.0)};
+        Group of_lobes;
         if (k >= 8) {  // half-way lobes alone
-            density = F::folded_pdf(seen, above, below);
+            of_lobes = F::folded_pdf(lobe, above, below);
         } else {
             const auto where = Group(0.0) < Group::load(&table.is_half_way[k]);
             const auto either = [&](const typename F::HalfWay& a, const typename F::HalfWay& b) HWY_ATTR {
                 return typename F::HalfWay{select(where, a.direction, b.direction), select(where, a.factor, b.factor)};
             };
-            density = F::folded_pdf({select(where, seen.centre, specular), select(where, seen.bandwidth, bandwidth),
-                                     select(where, seen.scale, scale), Group(0.0)},
-                                    either(above, itself), either(below, mirrored));
+            of_lobes = F::folded_pdf(lobe, either(above, itself), either(below, mirrored));
         }
-        sum = sum + weights_of(nodes, k) * density;
+        sum = sum + between(low, high, nodes.part, k) * of_lobes;
     }
-    const float of_cosine = nodes.low[0] + nodes.part * (nodes.high[0] - nodes.low[0]);
+    const float of_cosine = low[0] + nodes.part * (high[0] - low[0]);
     return sum.sum() + of_cosine * Kernel<float>::cosine_pdf(wl);
+}
+
+float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
+    return density(proposal, table, SeenLobes(table, wv, proposal.stretch), nodes_about(wv.z), wl, wv);
 }
 
 // The first lane of each in one store: what loads several of them need not wait for each.
@@ -113,37 +141,38 @@ HWY_INLINE void store_first(const Vec3<Few>& w, float* to) {
 #endif
 }
 
-// `wl` is of four numbers, x, y, z and one to spare.
+// The direction's x, y, z and its density, 0 where there is no direction. `wv` is in the frame of the grain, the direction is not.
 void sample_mixture(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wv, Vec2f u, float selector,
-                    float* wl) {
+                    float* drawn) {
     using F = Formulas<Few, PmModel>;
-    HWY_ALIGN float weight[LobeTable::k_count];
-    const NodesAbout nodes = nodes_about(proposal, wv.z);
-    for (std::size_t k = 0; k < LobeTable::k_count; k += Group::size()) weights_of(nodes, k).store(weight + k);
-    // The first lobe at which the running sum exceeds the selector; what rounding leaves over is the cosine's.
-    std::size_t k = 0;
-    float running = 0;
-    for (int i = 0; i < MixtureProposal::k_lobes; ++i) {
-        running += weight[i];
-        k += running <= selector ? 1 : 0;
+    const NodesAbout nodes = nodes_about(wv.z);
+    const SeenLobes lobes(table, wv, proposal.stretch);
+    // The first lobe whose running sum exceeds the selector; what rounding leaves over is the cosine's.
+    const auto &low = proposal.running(nodes.below), &high = proposal.running(nodes.below + 1);
+    Group passed(0.0);
+    for (std::size_t k = 0; k < LobeTable::k_count; k += Group::size()) {
+        const Group running = between(low, high, nodes.part, k);
+        passed = passed + select(everywhere<Group>(selector) < running, Group(0.0), Group(1.0));
     }
-    if (k == MixtureProposal::k_lobes) k = 0;
+    auto k = std::size_t(passed.sum());
+    if (k >= MixtureProposal::k_lobes) k = 0;
     const Few u1 = everywhere<Few>(u.x), u2 = everywhere<Few>(u.y), stretch = everywhere<Few>(proposal.stretch),
               cosine = everywhere<Few>(proposal.cosine), sine = everywhere<Few>(proposal.sine);
-    Vec3<Few> drawn;
+    Vec3<Few> direction;
     if (k == 0) {
-        drawn = F::sample_cosine(u1, u2);
+        direction = F::sample_cosine(u1, u2);
     } else {  // both kinds of lobes without a branch, which would be guessed wrong every other time
-        const Vec3<Few> v = F::turned(everywhere<Few>(wv), cosine, -sine), specular(-v.x, -v.y, v.z);
-        const Few bandwidth = everywhere<Few>(table.bandwidth[k]);
-        const auto seen = F::half_way_lobe(F::stretched(v, stretch), bandwidth);
         const auto where = Few(0.0) < everywhere<Few>(table.is_half_way[k]);
         const Vec3<Few> w =
-            F::sample_sharp_vmf(select(where, seen.centre, specular), select(where, seen.bandwidth, bandwidth),
-                                everywhere<Few>(table.rest[k]), u1, u2);
-        drawn = F::folded(select(where, Vec3<Few>(F::light_of(F::stretched(w, stretch), v)), w));
+            F::sample_sharp_vmf({everywhere<Few>(lobes.x[k]), everywhere<Few>(lobes.y[k]), everywhere<Few>(lobes.z[k])},
+                                everywhere<Few>(lobes.bandwidth[k]), everywhere<Few>(table.rest[k]), u1, u2);
+        direction = F::folded(select(where, Vec3<Few>(F::light_of(F::stretched(w, stretch), everywhere<Few>(wv))), w));
     }
-    store_first(F::turned(drawn, cosine, sine), wl);
+    store_first(F::turned(direction, cosine, sine), drawn);
+    const Vec3f wl(drawn[0], drawn[1], drawn[2]);
+    drawn[3] = above_horizon(wl, wv) ? density(proposal, table, lobes, nodes,
+                                               Kernel<float>::turned(wl, proposal.cosine, -proposal.sine), wv)
+                                     : 0;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -182,12 +211,16 @@ const LobeTable& lobe_table() {
 Vec3f into_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w, proposal.cosine, -proposal.sine); }
 Vec3f out_of_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w, proposal.cosine, proposal.sine); }
 
-Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
+DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
     alignas(16) float drawn[4];
-    HWY_DYNAMIC_DISPATCH(sample_mixture)(proposal, lobe_table(), wv, u, selector, drawn);
-    Vec3f wl;
-    std::memcpy(&wl, drawn, sizeof wl);
-    return wl;
+    HWY_DYNAMIC_DISPATCH(sample_mixture)(proposal, lobe_table(), into_grain(proposal, wv), u, selector, drawn);
+    DirectionSample sample;
+    std::memcpy(&sample, drawn, sizeof sample);
+    return sample;
+}
+
+Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
+    return sample_with_pdf(proposal, wv, u, selector).wl;
 }
 
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv) {

@@ -260,7 +260,8 @@ std::vector<std::vector<std::byte>> results(const Measured& measured, int thread
         all.push_back(bytes_of(std::vector{albedo_at.r, albedo_at.g, albedo_at.b}));
     }
     const MixtureProposal proposal = propose(evaluator(models[0]), {.threads = threads});
-    for (const auto& of_node : proposal.weight) all.push_back(bytes_of(std::vector(of_node.begin(), of_node.end())));
+    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
+        all.push_back(bytes_of(std::vector(proposal.weight(node).begin(), proposal.weight(node).end())));
     all.push_back(bytes_of(to_merl(f, {6, 6, 8}, threads).cells));
     all.push_back({std::byte(is_isotropic(evaluator(measured), 1.4))});
     return all;

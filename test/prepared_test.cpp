@@ -267,13 +267,15 @@ MixtureProposal random_mixture(std::mt19937_64& random, float stretch) {
     MixtureProposal proposal;
     proposal.stretch = stretch;
     if (stretch > 1) proposal.cosine = 0.6f, proposal.sine = 0.8f;
-    for (auto& row : proposal.weight) {
+    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
+        std::array<float, MixtureProposal::k_lobes> row;
         float sum = 0;
-        for (std::size_t k = 0; k < MixtureProposal::k_lobes; ++k) {
+        for (std::size_t k = 0; k < row.size(); ++k) {
             row[k] = k > 0 && uniform(random) < 0.33 ? 0 : float(uniform(random));
             sum += row[k];
         }
         for (float& w : row) w /= sum;
+        proposal.set_weights(node, row);
     }
     return proposal;
 }
@@ -282,8 +284,8 @@ std::array<double, MixtureProposal::k_lobes> weights_at(const MixtureProposal& p
     const int below = std::min(int(at), MixtureProposal::k_nodes - 2);
     std::array<double, MixtureProposal::k_lobes> weight;
     for (std::size_t k = 0; k < weight.size(); ++k)
-        weight[k] = (1 - at + below) * double(proposal.weight[std::size_t(below)][k]) +
-                    (at - below) * double(proposal.weight[std::size_t(below + 1)][k]);
+        weight[k] = (1 - at + below) * double(proposal.weight(std::size_t(below))[k]) +
+                    (at - below) * double(proposal.weight(std::size_t(below + 1))[k]);
     return weight;
 }
 
@@ -309,6 +311,9 @@ TEST_P(PreparedOn, DensityAndDrawsAreThoseOfTheText) {
                     turned(D::sample_proposal_lobe(k, v, double(stretch), double(u.x), double(u.y)), 1);
                 const Vec3d apart = to_double(wl) - expected;
                 other += !near(std::sqrt(dot(apart, apart)), 0, 2e-3);
+                const DirectionSample both = sample_with_pdf(proposal, wv, {u.x, u.y}, u.z);
+                EXPECT_TRUE(both.wl == wl);
+                EXPECT_EQ(both.pdf, pdf(proposal, wl, wv));
                 if (!(wl.z > 0)) continue;
                 const auto at = D::proposal_point(turned(to_double(wl), -1), v, double(stretch));
                 double density = 0;

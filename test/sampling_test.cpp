@@ -17,6 +17,12 @@ namespace {
 
 constexpr double k_thetas[] = {0, 30, 60, 80};
 
+std::array<float, MixtureProposal::k_lobes> weights_of(const MixtureProposal& proposal, std::size_t node) {
+    std::array<float, MixtureProposal::k_lobes> weight;
+    std::copy_n(proposal.weight(node).begin(), weight.size(), weight.begin());
+    return weight;
+}
+
 // A point and a selector in three numbers.
 template <typename P> Vec3f sample(const P& proposal, Vec3f wv, Vec3f u) {
     return sample(proposal, wv, Vec2f{u.x, u.y}, u.z);
@@ -159,7 +165,11 @@ TEST_F(Sampling, DrawsOfAnotherProposalAreToldApart) {
     const Material& material = *materials()[0];
     const PolarBins bins = half_way_bins();
     MixtureProposal other = material.of_pm;
-    for (auto& weight : other.weight) weight[0] += 0.1f, *std::max_element(weight.begin() + 1, weight.end()) -= 0.1f;
+    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
+        auto weight = weights_of(other, node);
+        weight[0] += 0.1f, *std::max_element(weight.begin() + 1, weight.end()) -= 0.1f;
+        other.set_weights(node, weight);
+    }
     const Vec3f wv = to_float(spherical(30 * k_degree, 0.7));
     const auto density = [&](Vec3d h) { return half_way_density(other, h, wv); };
     const auto drawn = [&] { return half_way(sample(material.of_pm, wv, draw3()), wv); };
@@ -359,7 +369,8 @@ TEST_F(Sampling, WhiteReflectsAllThatItReceives) {
 
 TEST_F(Sampling, WeightsAreSharesAndTheCosineKeepsSome) {
     for (const auto& material : materials())
-        for (const auto& weight : material->of_pm.weight) {
+        for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
+            const auto weight = weights_of(material->of_pm, node);
             float sum = 0;
             for (const float w : weight) sum += w;
             EXPECT_TRUE(near(double(sum), 1, 1e-5));
@@ -371,7 +382,8 @@ TEST_F(Sampling, WeightsAreSharesAndTheCosineKeepsSome) {
 TEST_F(Sampling, NothingDependsOnTheThreads) {
     const Material& material = *materials()[0];
     const MixtureProposal one = propose(evaluator(material.pm), {.threads = 1});
-    EXPECT_EQ(one.weight, material.of_pm.weight);
+    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
+        EXPECT_EQ(one.weight(node), material.of_pm.weight(node));
     EXPECT_EQ(propose(material.su, {.threads = 1}).albedo, material.of_su.albedo);
 }
 
@@ -379,7 +391,7 @@ TEST_F(Sampling, BlackIsDrawnByTheCosine) {
     PmModel black = white();
     black.coefficient = {{}};
     const MixtureProposal proposal = propose(evaluator(black));
-    for (const auto& weight : proposal.weight) EXPECT_EQ(weight[0], 1);
+    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) EXPECT_EQ(proposal.weight(node)[0], 1);
     SuModel su = isotropic_su(16);
     std::fill(su.coefficient.begin(), su.coefficient.end(), Rgb{});
     const ViewProposal by_view = propose(su);

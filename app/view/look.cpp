@@ -120,7 +120,9 @@ constexpr Key k_keys[] = {
     {"K", "next form",
      [](Look&, Session& s) { choose(s, [](FitChoice& c) { c.form = after(c.form, int(k_forms.size())); }); }},
     {"O", "next objective",
-     [](Look&, Session& s) { choose(s, [](FitChoice& c) { c.objective = after(c.objective, 4); }); }},
+     [](Look&, Session& s) {
+         choose(s, [](FitChoice& c) { c.objective = after(c.objective, int(objectives().size())); });
+     }},
     {"Enter", "fit again", [](Look&, Session& session) { session.refit(); }},
     {"Escape", "cancel the fit; close the help",
      [](Look& look, Session& session) { look.help ? void(look.help = false) : session.cancel(); }},

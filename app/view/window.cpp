@@ -11,8 +11,8 @@
 #include "app/view/ink.h"
 #include "app/view/pictures.h"
 #include "app/view/readings.h"
-#include "app/view/refits.h"
 #include "app/view/screen.h"
+#include "app/view/timing.h"
 
 namespace srbf {
 namespace {

@@ -23,7 +23,7 @@ struct LobeCount {
 /// The J of `k_tried_lobes` with the least product of bytes and held-out error; of samples the fewest lobes whose
 /// cross-validated error is within 3 % of the least.
 struct AutomaticLobes {};
-/// A goal is looked for among all forms and sizes; of samples among all J of the requested form.
+/// A goal is looked for among all forms and sizes; of samples among the J of `k_tried_lobes` in the requested form.
 using PmSize = std::variant<LobeCount, AutomaticLobes, SizeGoal>;
 inline constexpr int k_tried_lobes[] = {2, 3, 4, 6, 9, 12};
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <limits>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -35,18 +36,34 @@ float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
 
 /// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine, lobes about the mirror direction, lobes of half-way
 /// vectors. The weights are linear in √(1 − cosθv) between nodes, whose own are those of least variance for the BRDF.
-struct MixtureProposal {
+class MixtureProposal {
+  public:
     static constexpr int k_nodes = 13, k_lobes = 14, k_lanes = 16;
-    /// Node i at √(1 − cosθv) = i / 12; each row sums to 1 and ends with zeros, for vectors to load.
-    alignas(32) std::array<std::array<float, k_lanes>, k_nodes> weight{};
+    using Row = std::array<float, k_lanes>;  ///< for vectors to load: it ends with zeros
+
+    /// The weights at node i, where √(1 − cosθv) = i / 12; they sum to 1.
+    const Row& weight(std::size_t node) const { return weight_[node]; }
+    /// Their running sums, 2 beyond the last lobe.
+    const Row& running(std::size_t node) const { return running_[node]; }
+    void set_weights(std::size_t node, std::span<const float, k_lobes> weight);
+
     float stretch = 1;           ///< ≥ 1: half-way lobes are so many times as wide along the grain
     float cosine = 1, sine = 0;  ///< of the grain's azimuth
+
+  private:
+    alignas(32) std::array<Row, k_nodes> weight_{}, running_{};
 };
 /// `w` in the frame of the grain, whose x is along it, and back.
 Vec3f into_grain(const MixtureProposal& proposal, Vec3f w);
 Vec3f out_of_grain(const MixtureProposal& proposal, Vec3f w);
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv);
+/// A direction and its density [1/sr], as `sample` and `pdf` give them one after the other.
+struct DirectionSample {
+    Vec3f wl;
+    float pdf;
+};
+DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
 
 struct ProposeOptions {
     int azimuths = 1;  ///< of the view, over which the variance is averaged; with several the lobes may be stretched
@@ -82,19 +99,27 @@ float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv);
 /// Any of them.
 using Proposal = std::variant<CosineProposal, MixtureProposal, ViewProposal>;
 Vec3f sample(const Proposal& proposal, Vec3f wv, Vec2f u, float selector);
+DirectionSample sample_with_pdf(const Proposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
 
 /// The proposal that a model is best drawn from. It may refer to the model.
 Proposal propose(const Model& model, const ProposeOptions& options = {});
 Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
 
+/// A direction and its density, where a proposal has no better way.
+template <typename P> DirectionSample sample_with_pdf(const P& proposal, Vec3f wv, Vec2f u, float selector) {
+    const Vec3f wl = sample(proposal, wv, u, selector);
+    return {wl, wl.z > 0 ? pdf(proposal, wl, wv) : 0};
+}
+
 /// Samples the light for `brdf`, of which values that were not measured count as 0.
 template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposal, Vec3f wv, Vec2f u, float selector) {
     LightSample drawn;
     if (!(wv.z > 0)) return drawn;
-    drawn.wl = sample(proposal, wv, u, selector);
-    if (!(drawn.wl.z > 0)) return drawn;
-    drawn.pdf = pdf(proposal, drawn.wl, wv);
+    const DirectionSample direction = sample_with_pdf(proposal, wv, u, selector);
+    drawn.wl = direction.wl;
+    if (!(direction.wl.z > 0)) return drawn;
+    drawn.pdf = direction.pdf;
     if (!(drawn.pdf > 0)) return drawn;
     const Rgb f = value(brdf, drawn.wl, wv);
     if (!is_finite(f)) return drawn;

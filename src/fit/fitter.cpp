@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "fit/requests.h"
-#include "fit/sample_fits.h"
+#include "fit/cross_validated_fits.h"
 #include "floating_point.h"
 #include "srbf/directions.h"
 #include "srbf/fitting.h"

@@ -7,7 +7,7 @@
 #include "evenly.h"
 #include "fit/check_grid.h"
 #include "fit/objective.h"
-#include "fit/places.h"
+#include "fit/folds.h"
 #include "fit/search.h"
 #include "floating_point.h"
 #include "srbf/directions.h"

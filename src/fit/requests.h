@@ -30,7 +30,7 @@ inline FitOptions pm_options(const FitRequest& request, bool axial) {
     options.form = pm.form;
     options.axial = axial;
     options.reciprocal = pm.reciprocal;
-    options.lobes = lobes_of(pm).value_or(FitOptions{}.lobes);
+    options.lobes = lobes_of(pm).value_or(LobeCount{}.lobes);
     options.variates = pm.variates;
     options.log_scale = pm.log_scale;
     options.seed = request.seed;

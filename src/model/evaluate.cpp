@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "model/pm_numbers.h"
+#include "model/pm_lanes.h"
 #include "srbf/model.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -63,22 +63,22 @@ HWY_INLINE Both select(BothMasks where, Both x, Both y) {
 template <int N, bool is_axial> struct Sized {
     static constexpr int variates = N;
     static constexpr bool axial = is_axial;
-    const PmNumbers& numbers;
+    const PmLanes& numbers;
     PmForm form = numbers.form();
     int lobes = numbers.lobes();
 
-    float at(int j, int row) const { return *PmNumbers::row(numbers.lobe(j), row); }
+    float at(int j, int row) const { return *PmLanes::row(numbers.lobe(j), row); }
     float weight_l(int n) const { return *numbers.weight_l(n); }
     float weight_v(int n) const { return *numbers.weight_v(n); }
-    float log2_scale(int j) const { return at(j, PmNumbers::log2_scale()); }
-    float sharpness(int j, int n) const { return at(j, PmNumbers::sharpness(axial, n)); }
-    float exponent(int j, int k) const { return at(j, PmNumbers::exponent(axial, N, k)); }
-    bool down(int j, int n) const { return std::bit_cast<std::int32_t>(at(j, PmNumbers::pole(n))) < 0; }
+    float log2_scale(int j) const { return at(j, PmLanes::log2_scale()); }
+    float sharpness(int j, int n) const { return at(j, PmLanes::sharpness(axial, n)); }
+    float exponent(int j, int k) const { return at(j, PmLanes::exponent(axial, N, k)); }
+    bool down(int j, int n) const { return std::bit_cast<std::int32_t>(at(j, PmLanes::pole(n))) < 0; }
     Vec3f centre(int j, int n) const {
-        return {at(j, PmNumbers::centre(n, 0)), at(j, PmNumbers::centre(n, 1)), at(j, PmNumbers::centre(n, 2))};
+        return {at(j, PmLanes::centre(n, 0)), at(j, PmLanes::centre(n, 1)), at(j, PmLanes::centre(n, 2))};
     }
     Vec3f coefficient(int j) const {
-        return {at(j, PmNumbers::coefficient(0)), at(j, PmNumbers::coefficient(1)), at(j, PmNumbers::coefficient(2))};
+        return {at(j, PmLanes::coefficient(0)), at(j, PmLanes::coefficient(1)), at(j, PmLanes::coefficient(2))};
     }
 };
 
@@ -86,7 +86,7 @@ static_assert(sizeof(Vec3f) == 3 * sizeof(float) && sizeof(Rgb) == 3 * sizeof(fl
 
 // `count` is a multiple of two batches.
 template <int N, bool axial>
-void evaluate_sized(const PmNumbers& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
+void evaluate_sized(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     const Sized<N, axial> sized{model};
     const Interleaved interleaved;
     const std::size_t width = Batch::size();
@@ -104,20 +104,20 @@ void evaluate_sized(const PmNumbers& model, const Vec3f* wl, const Vec3f* wv, Rg
 }
 
 /// choose.operator()<N, axial>() for the model's own.
-template <int N = 1, typename Choose> auto for_size_of(const PmNumbers& model, const Choose& choose) {
+template <int N = 1, typename Choose> auto for_size_of(const PmLanes& model, const Choose& choose) {
     if constexpr (N < k_most_variates)
         if (model.variates() > N) return for_size_of<N + 1>(model, choose);
-    if constexpr (PmNumbers::filled_up(N, false) == N)
+    if constexpr (PmLanes::filled_up(N, false) == N)
         if (!model.axial()) return choose.template operator()<N, false>();
-    return choose.template operator()<PmNumbers::filled_up(N, true), true>();
+    return choose.template operator()<PmLanes::filled_up(N, true), true>();
 }
 
-using Evaluator = void (*)(const PmNumbers&, const Vec3f*, const Vec3f*, Rgb*, std::size_t);
-Evaluator evaluator_of(const PmNumbers& model) {
+using Evaluator = void (*)(const PmLanes&, const Vec3f*, const Vec3f*, Rgb*, std::size_t);
+Evaluator evaluator_of(const PmLanes& model) {
     return for_size_of(model, []<int N, bool axial>() -> Evaluator { return evaluate_sized<N, axial>; });
 }
 
-void evaluate(const PmNumbers& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
+void evaluate(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     const Evaluator evaluator = evaluator_of(model);
     const std::size_t width = 2 * Batch::size(), rest = count % width, whole = count - rest;
     if (whole > 0) evaluator(model, wl, wv, f, whole);
@@ -139,20 +139,20 @@ template <int N, bool is_axial, PmForm of_form> struct Grouped {
     static constexpr int variates = N;
     static constexpr bool axial = is_axial;
     static constexpr PmForm form = of_form;
-    const PmNumbers& numbers;
+    const PmLanes& numbers;
     int lanes = int(Group::size());
 
-    HWY_INLINE Group at(int j, int row) const { return Group::load(PmNumbers::row(numbers.lobe(j * lanes), row)); }
-    HWY_INLINE Group log2_scale(int j) const { return at(j, PmNumbers::log2_scale()); }
-    HWY_INLINE Group sharpness(int j, int n) const { return at(j, PmNumbers::sharpness(axial, n)); }
-    HWY_INLINE Group exponent(int j, int k) const { return at(j, PmNumbers::exponent(axial, N, k)); }
-    HWY_INLINE Group pole(int j, int n) const { return at(j, PmNumbers::pole(n)); }
-    HWY_INLINE Group place(int j, int n) const { return at(j, PmNumbers::place(n)); }
+    HWY_INLINE Group at(int j, int row) const { return Group::load(PmLanes::row(numbers.lobe(j * lanes), row)); }
+    HWY_INLINE Group log2_scale(int j) const { return at(j, PmLanes::log2_scale()); }
+    HWY_INLINE Group sharpness(int j, int n) const { return at(j, PmLanes::sharpness(axial, n)); }
+    HWY_INLINE Group exponent(int j, int k) const { return at(j, PmLanes::exponent(axial, N, k)); }
+    HWY_INLINE Group pole(int j, int n) const { return at(j, PmLanes::pole(n)); }
+    HWY_INLINE Group place(int j, int n) const { return at(j, PmLanes::place(n)); }
     HWY_INLINE Vec3<Group> centre(int j, int n) const {
-        return {at(j, PmNumbers::centre(n, 0)), at(j, PmNumbers::centre(n, 1)), at(j, PmNumbers::centre(n, 2))};
+        return {at(j, PmLanes::centre(n, 0)), at(j, PmLanes::centre(n, 1)), at(j, PmLanes::centre(n, 2))};
     }
     HWY_INLINE Vec3<Group> coefficient(int j) const {
-        return {at(j, PmNumbers::coefficient(0)), at(j, PmNumbers::coefficient(1)), at(j, PmNumbers::coefficient(2))};
+        return {at(j, PmLanes::coefficient(0)), at(j, PmLanes::coefficient(1)), at(j, PmLanes::coefficient(2))};
     }
 };
 
@@ -185,9 +185,9 @@ HWY_INLINE void store_colour(const Vec3<Group>& sum, float* to) {
 
 // The variates of a pair, computed in lanes, and their squared distances from the centres of lobes in lanes.
 template <typename Formula, int N, bool axial> struct VariatesOf {
-    HWY_ALIGN float x[PmNumbers::k_lanes], y[PmNumbers::k_lanes], z[PmNumbers::k_lanes];
+    HWY_ALIGN float x[PmLanes::k_lanes], y[PmLanes::k_lanes], z[PmLanes::k_lanes];
 
-    HWY_INLINE VariatesOf(const PmNumbers& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
+    HWY_INLINE VariatesOf(const PmLanes& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
         for (int n = 0; n < N; n += int(Group::size())) {
             const Vec3<Group> psi =
                 Formula::psi(wl, wv, Group::load(numbers.weight_l(n)), Group::load(numbers.weight_v(n)));
@@ -203,8 +203,8 @@ template <typename Formula, int N, bool axial> struct VariatesOf {
 template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
     Group distance[(N + 3) / 4];
 
-    HWY_INLINE VariatesOf(const PmNumbers& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
-        const Group pole = Group::load(PmNumbers::k_poles);
+    HWY_INLINE VariatesOf(const PmLanes& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
+        const Group pole = Group::load(PmLanes::k_poles);
         for (int n = 0; n < N; n += 4)
             distance[n / 4] =
                 Formula::squared_distance_from_pole(Formula::axial_psi(wl, wv, Group::load(numbers.four_weights_l(n)),
@@ -219,9 +219,9 @@ template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
 };
 #else
 template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
-    HWY_ALIGN float across[PmNumbers::k_lanes], along[PmNumbers::k_lanes];
+    HWY_ALIGN float across[PmLanes::k_lanes], along[PmLanes::k_lanes];
 
-    HWY_INLINE VariatesOf(const PmNumbers& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
+    HWY_INLINE VariatesOf(const PmLanes& numbers, const Vec3<Group>& wl, const Vec3<Group>& wv) {
         for (int n = 0; n < N; n += int(Group::size())) {
             const auto psi =
                 Formula::axial_psi(wl, wv, Group::load(numbers.weight_l(n)), Group::load(numbers.weight_v(n)));
@@ -238,7 +238,7 @@ template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
 template <int N, bool axial, PmForm form>
 void value_sized(const void* model, const Vec3f& l, const Vec3f& v, float* f) {
     using Formula = Formulas<Group, Grouped<N, axial, form>>;
-    const PmNumbers& numbers = *static_cast<const PmNumbers*>(model);
+    const PmLanes& numbers = *static_cast<const PmLanes*>(model);
     const Grouped<N, axial, form> pm{numbers};
     const Vec3<Group> wl = everywhere(l), wv = everywhere(v);
     const VariatesOf<Formula, N, axial> variates(numbers, wl, wv);
@@ -258,7 +258,7 @@ template <int N, bool axial, std::size_t row = 0> OfPair of_pair(PmForm form) {
         if (form != k_forms[row]) return of_pair<N, axial, row + 1>(form);
     return value_sized<N, axial, k_forms[row]>;
 }
-OfPair pair_evaluator(const PmNumbers& model) {
+OfPair pair_evaluator(const PmLanes& model) {
     return for_size_of(model, [&]<int N, bool axial>() { return of_pair<N, axial>(model.form()); });
 }
 
@@ -272,7 +272,7 @@ namespace srbf {
 HWY_EXPORT(evaluate);
 HWY_EXPORT(pair_evaluator);
 
-PmNumbers::PmNumbers(const PmModel& model)
+PmLanes::PmLanes(const PmModel& model)
     : form_(model.form),
       axial_(model.axial),
       lobes_(model.lobes),
@@ -312,15 +312,15 @@ PmNumbers::PmNumbers(const PmModel& model)
     }
 }
 
-OfPair pair_evaluator(const PmNumbers& model) { return HWY_DYNAMIC_DISPATCH(pair_evaluator)(model); }
+OfPair pair_evaluator(const PmLanes& model) { return HWY_DYNAMIC_DISPATCH(pair_evaluator)(model); }
 
-void evaluate(const PmNumbers& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+void evaluate(const PmLanes& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const FlushSubnormals mode;
     assert(wl.size() == wv.size() && wl.size() == f.size());
     HWY_DYNAMIC_DISPATCH(evaluate)(model, wl.data(), wv.data(), f.data(), f.size());
 }
 void evaluate(const PmModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    evaluate(PmNumbers(model), wl, wv, f);
+    evaluate(PmLanes(model), wl, wv, f);
 }
 
 void evaluate(const Model& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {

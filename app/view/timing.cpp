@@ -1,4 +1,4 @@
-#include "app/view/refits.h"
+#include "app/view/timing.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "fit/places.h"
+#include "fit/folds.h"
 
 #include <algorithm>
 #include <cmath>

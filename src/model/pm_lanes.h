@@ -13,11 +13,11 @@ namespace srbf {
 
 /// The numbers of a multivariate model in kernel.glsl's terms, exponents to the base 2, lobes side by side in groups of
 /// eight: a vector of up to eight lanes loads as many lobes at once. What fills the last group up adds nothing.
-class PmNumbers {
+class PmLanes {
   public:
     static constexpr int k_lanes = 8;
 
-    explicit PmNumbers(const PmModel& model);
+    explicit PmLanes(const PmModel& model);
 
     PmForm form() const { return form_; }
     bool axial() const { return axial_; }
@@ -69,10 +69,10 @@ class PmNumbers {
 
 /// A BRDF on one pair of directions above the horizon: R, G, B and a number to spare, aligned to 16 bytes.
 using OfPair = void (*)(const void* model, const Vec3f& wl, const Vec3f& wv, float* colour);
-/// kernel.glsl's pm_value as one of a `PmNumbers`, its lobes in the lanes of a vector: within 1e-4 of the exact value or
+/// kernel.glsl's pm_value as one of a `PmLanes`, its lobes in the lanes of a vector: within 1e-4 of the exact value or
 /// 1e-6 of the model's peak.
-OfPair pair_evaluator(const PmNumbers& model);
+OfPair pair_evaluator(const PmLanes& model);
 /// The same for spans of one length.
-void evaluate(const PmNumbers& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
+void evaluate(const PmLanes& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-#include "fit/sample_fits.h"
+#include "fit/cross_validated_fits.h"
 
 #include <algorithm>
 #include <atomic>
@@ -74,8 +74,8 @@ class SampleFits {
         const FitOptions options = sample_options(samples_, request_, lobes);
         return payload_bytes(options.form, options.axial, options.log_scale, lobes, options.variates);
     }
-    /// Three values of four fifths of the samples are at least twice as many as the numbers to find.
-    bool enough_samples(int lobes) const { return bytes(lobes) <= samples_.wl.size() * 12 / 5; }
+    /// Three values of each sample outside a fold are at least twice as many as the numbers to find, of two bytes each.
+    bool enough_samples(int lobes) const { return bytes(lobes) <= 3 * samples_.wl.size() * (k_folds - 1) / k_folds; }
 
     /// The fit of `samples`, all of them or the rest of a fold.
     Result<FitOutcome> fitted(const Scattered& samples, std::optional<int> lobes, bool fill,

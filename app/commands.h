@@ -1,4 +1,4 @@
-// The subcommands, a file each: level 7.
+// The subcommands, one file each: level 7.
 #pragma once
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ enum Status { k_done = 0, k_input_error = 1, k_usage = 2 };
 
 inline constexpr int k_most_threads = 1024;
 
-/// A number of T within [least, most]; a NaN is none.
+/// A number of type T within [least, most]; not a NaN.
 template <typename T> Check within(T least, T most) {
     return [=](const std::string& text) -> std::string {
         T number{};
@@ -37,7 +37,7 @@ inline Check one_of(const std::vector<std::string>& names) {
     };
 }
 
-/// Takes "x.png", "x.PNG" and names without an extension, such as a pipe's.
+/// Accepts "x.png", "x.PNG" and names without an extension, such as that of a pipe.
 inline Check png_name() {
     return [](const std::string& name) -> std::string {
         std::string ending = std::filesystem::path(name).extension().string();
@@ -47,10 +47,10 @@ inline Check png_name() {
     };
 }
 
-/// The mesh that pictures are of, and its axis that points upwards.
+/// Options for the mesh of pictures and its upward axis.
 void add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up);
 
-// Each adds its subcommand; when it is the one chosen, parsing runs it and leaves its exit status in
+// Each function adds its subcommand. If the subcommand is chosen, parsing runs it and stores its exit status in
 // `status`.
 void add_fit(CommandLine& app, int& status);
 void add_info(CommandLine& app, int& status);

@@ -12,7 +12,7 @@ namespace {
 
 struct CompareCommand {
     std::string reference, other, json;
-    double max_theta = 0;  // [degrees], 0: the model's own, else 80
+    double max_theta = 0;  // [degrees], 0: that of the model, otherwise 80
     int threads = 0;
 
     int run() const;
@@ -48,7 +48,7 @@ int CompareCommand::run() const {
     fmt::print("{} against {}, directions within {:g}° of the normal\n\n", other, reference, theta);
     print_measures({{"", &comparison}});
     if (comparison.matrix.masked > 0)
-        fmt::print("\n{} of {} pairs of the matrix were not measured and are left out\n",
+        fmt::print("\n{} of {} pairs of the matrix were not measured and are skipped\n",
                    grouped(comparison.matrix.masked), grouped(comparison.matrix.masked + comparison.matrix.pairs));
     return k_done;
 }
@@ -58,14 +58,14 @@ int CompareCommand::run() const {
 void add_compare(CommandLine& app, int& status) {
     const auto command = std::make_shared<CompareCommand>();
     const Subcommand sub = app.add_subcommand("compare", "Errors between any two BRDFs, measured or fitted");
-    sub.add_option("REFERENCE", command->reference, "The BRDF to be measured against").type_name("").required();
-    sub.add_option("OTHER", command->other, "The BRDF that is measured").type_name("").required();
+    sub.add_option("REFERENCE", command->reference, "The reference BRDF").type_name("").required();
+    sub.add_option("OTHER", command->other, "The BRDF whose errors are measured").type_name("").required();
     sub.add_option("--max-theta", command->max_theta,
-                   "Leave out directions further from the normal, 1 to 90 degrees;\n"
-                   "default: OTHER's own if it is a model, else 80")
+                   "Largest angle from the normal, 1 to 90 degrees;\n"
+                   "default: that of OTHER's fit if it is a model, otherwise 80")
         .type_name("DEG")
         .check(within(1.0, 90.0));
-    sub.add_option("--threads", command->threads, "0: as many as the machine has")
+    sub.add_option("--threads", command->threads, "Number of threads; 0: all of the machine")
         .type_name("T")
         .check(within(0, k_most_threads))
         .capture_default_str();

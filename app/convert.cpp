@@ -15,13 +15,13 @@ namespace {
 struct ConvertCommand {
     std::string input, output;
     int directions = 64, threads = 0;
-    double max_theta = 89;  // [degrees], of CSV
+    double max_theta = 89;  // [degrees], for CSV
 
     int run() const;
     Result<std::vector<std::byte>> converted(const Subject& subject) const;
 };
 
-/// The endings that name a format, and the format's name as `Measured` has it.
+/// The file extensions of the formats, and the formats' names in `Measured`.
 constexpr std::pair<std::string_view, std::string_view> k_endings[] = {
     {".binary", "MERL"}, {".bsdf", "RGL"}, {".csv", "CSV"}};
 
@@ -35,21 +35,21 @@ std::string_view format_of(const std::string& path) {
 
 std::string description_of(const Subject& subject) {
     const auto* measured = std::get_if<Measured>(&subject.content);
-    if (measured && std::holds_alternative<Scattered>(measured->table))
-        return std::get<Scattered>(measured->table).description;
+    if (measured && std::holds_alternative<ScatteredSamples>(measured->table))
+        return std::get<ScatteredSamples>(measured->table).description;
     return std::filesystem::path(subject.path).stem().string();
 }
 
 Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject) const {
     const auto* measured = std::get_if<Measured>(&subject.content);
     const std::string_view format = format_of(output);
-    // What is of the format already is copied as it stands, now that it has been read.
+    // A file that already has the format is copied unchanged, after it was read successfully.
     if (measured && measured->format == format) return read_file(input);
 
     const bool isotropic = !measured || is_isotropic(*measured);
     const Evaluate brdf = measured ? signed_evaluator(*measured) : evaluator(subject);
     if (format == "CSV") {
-        const auto* samples = measured ? std::get_if<Scattered>(&measured->table) : nullptr;
+        const auto* samples = measured ? std::get_if<ScatteredSamples>(&measured->table) : nullptr;
         const std::string csv =
             write_csv(samples ? *samples : to_samples(brdf, isotropic, directions, max_theta * k_degree));
         const auto bytes = as_bytes(csv);
@@ -79,10 +79,10 @@ int ConvertCommand::run() const {
 
 void add_convert(CommandLine& app, int& status) {
     const auto command = std::make_shared<ConvertCommand>();
-    const Subcommand sub = app.add_subcommand("convert", "A measurement or a model in another format");
+    const Subcommand sub = app.add_subcommand("convert", "Convert a measurement or a model to another format");
     sub.add_option("INPUT", command->input, "A measurement or a model").type_name("").required();
     sub.add_option("-o,--output", command->output,
-                   "The file to write; its ending tells the format: .binary (MERL), .bsdf (RGL), .csv")
+                   "The file to write; its extension determines the format: .binary (MERL), .bsdf (RGL), .csv")
         .type_name("FILE")
         .required()
         .check([](std::string& name) -> std::string {
@@ -91,20 +91,22 @@ void add_convert(CommandLine& app, int& status) {
                        : "";
         });
     sub.add_option("--directions", command->directions,
-                   "CSV of what is no list of samples: all pairs of this many directions, 1 to 1536")
+                   "CSV of tables and models: all pairs of this many directions, 1 to 1536")
         .type_name("N")
         .check(within(1, 1536))
         .capture_default_str();
-    sub.add_option("--max-theta", command->max_theta, "of them, the furthest from the normal, 1 to 90 degrees")
+    sub.add_option("--max-theta", command->max_theta,
+                   "CSV of tables and models: largest angle from the normal, 1 to 90 degrees")
         .type_name("DEG")
         .check(within(1.0, 90.0))
         .capture_default_str();
-    sub.add_option("--threads", command->threads, "0: as many as the machine has; the output does not depend on it")
+    sub.add_option("--threads", command->threads,
+                   "Number of threads; 0: all of the machine. The output does not depend on it")
         .type_name("T")
         .check(within(0, k_most_threads))
         .capture_default_str();
     sub.footer(
-        "A file that is of the format already is copied byte for byte.\n\n"
+        "A file that already has the format is copied byte for byte.\n\n"
         "Examples:\n  srbf convert nickel.binary -o nickel.bsdf\n  srbf convert paper_white_rgb.srbf -o paper.binary");
     sub.callback([command, &status] { status = command->run(); });
 }

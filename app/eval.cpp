@@ -17,11 +17,11 @@ constexpr std::array<std::string_view, 6> k_columns{"wl_x", "wl_y", "wl_z", "wv_
 
 struct Pairs {
     std::vector<Vec3f> wl, wv;
-    std::vector<std::array<std::string, 6>> text;  ///< as the file writes them
+    std::vector<std::array<std::string, 6>> text;  ///< as written in the file
 };
 
-/// The columns of `k_columns` of a CSV whose first line names its columns. Errors name the line.
-Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
+/// Reads the columns `k_columns` of a CSV whose first line names its columns. Errors name the line.
+Result<Pairs> read_pairs(std::string_view csv, const std::string& file_name) {
     Pairs pairs;
     std::array<std::size_t, 6> column{};
     std::vector<std::string_view> fields;
@@ -34,7 +34,8 @@ Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
             for (std::size_t c = 0; c < 6; ++c) {
                 const auto found = std::find(fields.begin(), fields.end(), k_columns[c]);
                 if (found == fields.end())
-                    return at_line(source, lines.number(), "header", fmt::format("a column {}", k_columns[c]), "none");
+                    return at_line(file_name, lines.number(), "header", fmt::format("a column {}", k_columns[c]),
+                                   "none");
                 column[c] = std::size_t(found - fields.begin());
             }
             continue;
@@ -45,7 +46,7 @@ Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
             const std::string_view field = column[c] < fields.size() ? fields[column[c]] : std::string_view();
             const auto parsed = to_number<double>(field);
             if (!parsed || !std::isfinite(*parsed))
-                return at_line(source, lines.number(), fmt::format("column {}", k_columns[c]), "a number",
+                return at_line(file_name, lines.number(), fmt::format("column {}", k_columns[c]), "a number",
                                quoted(field));
             number[c] = *parsed;
             text[c] = field;
@@ -54,7 +55,7 @@ Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
         for (const std::size_t c : {std::size_t(0), std::size_t(3)}) {
             const double length = std::sqrt(dot(direction(c), direction(c)));
             if (!(std::abs(length - 1) <= 0.01))
-                return at_line(source, lines.number(), fmt::format("direction {}", k_columns[c].substr(0, 2)),
+                return at_line(file_name, lines.number(), fmt::format("direction {}", k_columns[c].substr(0, 2)),
                                "length 1", fmt::format("{:.6g}", length));
         }
         const Vec3d wl = normalize(direction(0)), wv = normalize(direction(3));
@@ -62,7 +63,7 @@ Result<Pairs> read_pairs(std::string_view csv, const std::string& source) {
         pairs.wv.push_back({float(wv.x), float(wv.y), float(wv.z)});
         pairs.text.push_back(std::move(text));
     }
-    if (!has_header) return at_line(source, 1, "header", "columns wl_x to wv_z", "an empty file");
+    if (!has_header) return at_line(file_name, 1, "header", "columns wl_x to wv_z", "an empty file");
     return pairs;
 }
 
@@ -101,17 +102,17 @@ void add_eval(CommandLine& app, int& status) {
         std::string file, pairs, channels;
     };
     const auto names = std::make_shared<Names>();
-    const Subcommand sub = app.add_subcommand("eval", "The BRDF's values at given pairs of directions, as CSV");
+    const Subcommand sub = app.add_subcommand("eval", "Evaluate a BRDF at given pairs of directions, as CSV");
     sub.add_option("FILE", names->file, "A measurement or a model").type_name("").required();
     sub.add_option("--pairs", names->pairs,
-                   "CSV whose first line names its columns: wl_x, wl_y, wl_z, to the light,\n"
-                   "and wv_x, wv_y, wv_z, to the viewer: unit vectors, normal +z;\n"
-                   "other columns are ignored")
+                   "CSV whose first line names its columns: wl_x, wl_y, wl_z to the light\n"
+                   "and wv_x, wv_y, wv_z to the viewer, unit vectors with normal +z.\n"
+                   "Other columns are ignored")
         .type_name("FILE")
         .required();
     sub.add_option("--channels", names->channels,
-                   "rgb: columns r,g,b; spectral: a column for each wavelength, as 450nm;\n"
-                   "default: spectral of a spectral model, else rgb")
+                   "rgb: columns r,g,b; spectral: a column for each wavelength, such as 450nm;\n"
+                   "default: spectral for a spectral model, otherwise rgb")
         .type_name("NAME")
         .check(one_of({"rgb", "spectral"}));
     sub.footer(

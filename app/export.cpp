@@ -20,7 +20,7 @@ struct ExportCommand {
     int run() const;
 };
 
-/// "film" of "materials/film.srbf".
+/// "film" for "materials/film.srbf".
 std::string stem(const std::string& path) { return std::filesystem::path(path).stem().string(); }
 
 std::string kind_of(const Subject& subject) {
@@ -41,7 +41,7 @@ PageMaterial shown(const Subject& subject) {
     return of;
 }
 
-/// θmax of what is told of all models alike: the least of their own [degrees].
+/// θmax of what is reported for all models: the minimum over the models [degrees].
 double common_theta(const std::vector<Subject>& models) {
     double least = 90;
     for (const Subject& model : models)
@@ -49,7 +49,7 @@ double common_theta(const std::vector<Subject>& models) {
     return least < 90 ? least : 80;
 }
 
-/// The reference first, with its picture where it has one, and what a table costs it; errors of the models.
+/// The reference first, with its picture if it has one and the size of a table; then errors of the models.
 void add_reference(Page& page, const Subject& reference, const std::vector<Subject>& models) {
     const double theta = common_theta(models);
     const MeasureOptions options{theta * k_degree, 0};
@@ -96,7 +96,7 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
             [&](std::size_t k) { return percent(errors[k].squared_error_ratio_cosine); });
     add_row("dark-part error", "nearer to the eye, which sees the dark parts too: the same ratio of the cube root of f",
             [&](std::size_t k) { return percent(errors[k].cube_root_error_ratio); });
-    add_row("raw error", "the same ratio of f itself, which grazing angles decide",
+    add_row("raw error", "the same ratio of f itself, dominated by grazing angles",
             [&](std::size_t k) { return percent(errors[k].squared_error_ratio); });
     add_row("log error", "root mean square of the differences of log(1 + f cosθl)",
             [&](std::size_t k) { return fmt::format("{:.4f}", errors[k].log_rms_cosine); });
@@ -145,13 +145,13 @@ int ExportCommand::run() const {
 
 void add_export(CommandLine& app, int& status) {
     const auto command = std::make_shared<ExportCommand>();
-    const Subcommand sub = app.add_subcommand("export", "Models for others to use: a page to look at and to share");
+    const Subcommand sub = app.add_subcommand("export", "Export models as a page to look at and to share");
     sub.add_option("MODEL", command->files, "Fitted models, side by side").type_name("").required();
-    sub.add_option("--to", command->to, "html: one file that any browser shows, without a network")
+    sub.add_option("--to", command->to, "html: a single file for any browser, without network access")
         .type_name("KIND")
         .required()
         .check(one_of({"html"}));
-    sub.add_option("--reference", command->reference, "The measurement, to be shown and plotted beside the models")
+    sub.add_option("--reference", command->reference, "The measurement, shown and plotted beside the models")
         .type_name("MEASURED");
     sub.add_option("-o,--output", command->output, "The file to write").type_name("FILE").required();
     sub.footer("Example:\n  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");

@@ -14,14 +14,14 @@
 namespace srbf {
 namespace {
 
-/// The command line as it is written.
+/// The parsed command line.
 struct FitCommand {
     std::string input, output, preview, json;
     std::string model = "pm", form = std::string(name(PmRequest{}.form)),
                 objective = std::string(name(FitRequest{}.objective)),
                 discretise = std::string(name(SuRequest{}.discretise)),
                 interpolation = std::string(name(SuRequest{}.interpolation)), with_index, channels = "rgb";
-    int axial = 0;  // 1: axial lobes, -1: general ones, 0: as the measurement asks for
+    int axial = 0;  // 1: axial lobes, -1: general lobes, 0: depends on the measurement
     bool no_scale = false, reciprocal = false, lobes_auto = false;
     double max_theta = 0;  // [degrees], 0: the objective's default
     int lobes = 0;         // 0: not given
@@ -67,7 +67,7 @@ struct FitCommand {
     }
 };
 
-/// What goes to standard output, a device or a pipe is written first, so that a full one leaves no file behind.
+/// Output to standard output, a device or a pipe comes first, so that no file is left behind if it fails.
 Result<Done> write(const FileFit& fit, const Measured& measured, const FitOutcome& outcome, const Image8& picture) {
     struct Output {
         std::string path;
@@ -143,8 +143,9 @@ void add_fit(CommandLine& app, int& status) {
     sub.add_option("-o,--output", command->output, "The model; default: INPUT's stem + .srbf in the working directory")
         .type_name("FILE");
     sub.add_option("--model", command->model,
-                   "pm: parameterized multivariate SRBFs, one formula;\nsu: scattered univariate SRBFs, a sum of lobes "
-                   "for each of many view directions;\nggx: Lambert and GGX, the baseline that every engine has")
+                   "pm: parameterized multivariate SRBFs, one sum of lobes for the whole BRDF;\n"
+                   "su: scattered univariate SRBFs, a sum of lobes for each of many view directions;\n"
+                   "ggx: Lambert and GGX, the baseline")
         .type_name("NAME")
         .check(one_of({"pm", "su", "ggx"}))
         .capture_default_str();
@@ -159,108 +160,109 @@ void add_fit(CommandLine& app, int& status) {
                                 return form_named(text) ? std::string() : is_one(text);
                             })
                             .capture_default_str();
-    const Option lobes =
-        sub.add_option(
-               "--lobes",
-               [command](const std::string& text) {
-                   command->lobes_auto = text == "auto";
-                   command->lobes = command->lobes_auto ? 0 : std::stoi(text);
-               },
-               fmt::format(
-                   "Lobes of the model, or of each direction of su, 1 to {}, of ggx 1 or 2; auto: of a table the best\n"
-                   "trade of bytes and error, of samples what cross-validation tells; default: {}, of samples auto, of "
-                   "ggx 1",
-                   k_most_fitted_lobes, LobeCount{}.lobes))
-            .type_name("J|auto")
-            .check(lobes_or_auto());
+    const Option lobes = sub.add_option(
+                                "--lobes",
+                                [command](const std::string& text) {
+                                    command->lobes_auto = text == "auto";
+                                    command->lobes = command->lobes_auto ? 0 : std::stoi(text);
+                                },
+                                fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
+                                            "auto: for a table the best\n"
+                                            "compromise between bytes and error, for samples by cross-validation. "
+                                            "Default: {}; for samples auto; "
+                                            "for ggx 1",
+                                            k_most_fitted_lobes, LobeCount{}.lobes))
+                             .type_name("J|auto")
+                             .check(lobes_or_auto());
     const Option variates =
-        sub.add_option("--variates", command->variates, fmt::format("Factors of each lobe, 1 to {}", k_most_variates))
+        sub.add_option("--variates", command->variates,
+                       fmt::format("Number of variates, the factors of a lobe, 1 to {}", k_most_variates))
             .type_name("N")
             .check(within(1, k_most_variates))
             .capture_default_str();
     const Option axial = sub.add_flag("--axial{1},--no-axial{-1}", command->axial,
-                                      "Centres at +z or -z alone, or anywhere, 4 J N bytes more;\n"
-                                      "default: anywhere if turning about the normal changes the measurement");
+                                      "Centres only at +z or -z; or general centres, which take 4 J N more bytes.\n"
+                                      "Default: general for anisotropic measurements");
     const Option reciprocal =
         sub.add_flag("--reciprocal", command->reciprocal,
-                     "f(wl, wv) = f(wv, wl): variates come in pairs that share bandwidths, N is even; larger errors");
+                     "f(wl, wv) = f(wv, wl): pairs of variates share bandwidths; N must be even. Larger errors");
     const Option no_scale =
         sub.add_flag("--no-scale", command->no_scale,
-                     "Store no log scale: bounds the coefficients in the fit,\n2 J bytes fewer, larger errors");
-    sub.add_option(
-           "--objective", command->objective,
-           "What is minimised, the squared error\nraw: of f; cosine: of f cos(theta_l) seen under cos(theta_v);\n"
-           "log: of log(1 + f cos(theta_l)), likewise; cube-root: of the cube root of f")
+                     "Store no log scales: bounds the coefficients in the fit.\nSaves 2 J bytes; larger errors");
+    sub.add_option("--objective", command->objective,
+                   "Minimise the squared error of\nraw: f; cosine: f cos(theta_l), weighted by cos(theta_v);\n"
+                   "log: log(1 + f cos(theta_l)), weighted by cos(theta_v); cube-root: the cube root of f")
         .type_name("NAME")
         .check(one_of(names_of_objectives()))
         .capture_default_str();
     sub.add_option("--max-theta", command->max_theta,
-                   "Fit and measure directions up to here from the normal,\n"
+                   "Largest angle from the normal in the fit and in all errors,\n"
                    "1 to 89.9 degrees; default: raw and cube-root 80, cosine and log 89")
         .type_name("DEG")
         .check(within(1.0, 89.9));
     const Option discretise = sub.add_option("--discretise", command->discretise,
-                                             "su: which direction is sampled; the lobes are functions of the other one")
+                                             "su: the sampled direction; lobes are functions of the other one")
                                   .type_name("view|light")
                                   .check(one_of({"view", "light"}))
                                   .capture_default_str();
     const Option directions =
         sub.add_option("--directions", command->directions,
-                       fmt::format("su: how many directions are sampled, {} to {}", k_least_views, k_most_views))
+                       fmt::format("su: number of sampled directions, {} to {}", k_least_views, k_most_views))
             .type_name("N")
             .check(within(k_least_views, k_most_views))
             .capture_default_str();
     const Option interpolation =
         sub.add_option("--interpolation", command->interpolation,
-                       "su: between the samples, rotated: the two next in elevation, turned to the azimuth\n"
-                       "asked for, for isotropic measurements; plain: the nearest as they are")
+                       "su: rotated: between the two samples adjacent in elevation, rotated to the azimuth of the\n"
+                       "direction, for isotropic measurements; plain: between the nearest samples")
             .type_name("NAME")
             .check(one_of({"rotated", "plain"}))
             .capture_default_str();
     const Option neighbours =
         sub.add_option("--neighbours", command->neighbours,
-                       fmt::format("su: how many the plain interpolation takes, 1 to {}", k_most_neighbours))
+                       fmt::format("su: number of samples of the plain interpolation, 1 to {}", k_most_neighbours))
             .type_name("K")
             .check(within(1, k_most_neighbours))
             .capture_default_str();
     const Option between =
         sub.add_option("--between", command->between,
-                       fmt::format("su: further directions about each sampled one that the fit looks at,\n0 to {}; "
-                                   "0: the raw matrix alone",
+                       fmt::format("su: number of further directions per sampled one in the fit, 0 to {};\n"
+                                   "0: only the raw matrix",
                                    k_most_between))
             .type_name("M")
             .check(within(0, int(k_most_between)))
             .capture_default_str();
     const Option with_index = sub.add_option("--with-index", command->with_index,
-                                             "su: store the texture that names the samples nearest to each direction")
+                                             "su: store an index texture, the samples nearest to each direction")
                                   .type_name("cube|parabolic")
                                   .check(one_of({"cube", "parabolic"}));
     const Option channels =
         sub.add_option("--channels", command->channels,
-                       "rgb: colours; spectral: a coefficient for each wavelength of the measurement,\n"
-                       "of lobes that they share")
+                       "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement")
             .type_name("NAME")
             .check(one_of({"rgb", "spectral"}))
             .capture_default_str();
     const Option target_error =
         sub.add_option("--target-error", command->target_error,
-                       "pm: the smallest model whose error held out is at most this, of all forms and sizes;\n"
-                       "the objective's own measure, as a ratio: 0.005 is half a per cent")
+                       "pm: the smallest model of all forms and sizes with at most this held-out error,\n"
+                       "by the objective's own measure, as a ratio: 0.005 is half a per cent")
             .type_name("E")
             .check(within(1e-6, 1.0));
     const Option budget = sub.add_option("--budget", command->budget,
-                                         "pm: the best model of at most so many bytes, of all forms and sizes")
+                                         "pm: the best model of all forms and sizes with at most this many bytes")
                               .type_name("BYTES")
                               .check(within(std::size_t(12), k_most_chosen_bytes));
-    sub.add_option("--preview", command->preview, "Write a picture: measured, fit, 10 x difference")
+    sub.add_option("--preview", command->preview,
+                   "Write a picture of the measurement, the fit and 10 x their difference")
         .type_name("FILE.png")
         .check(png_name());
     sub.add_option("--json", command->json, "Write the report to this file; - is standard output").type_name("FILE");
-    sub.add_option("--seed", command->seed, "Of the random choices")
+    sub.add_option("--seed", command->seed, "Seed of the random numbers")
         .type_name("SEED")
         .check(within(std::uint64_t(0), std::numeric_limits<std::uint64_t>::max()))
         .capture_default_str();
-    sub.add_option("--threads", command->threads, "0: as many as the machine has; the model does not depend on it")
+    sub.add_option("--threads", command->threads,
+                   "Number of threads; 0: all of the machine. The model does not depend on it")
         .type_name("T")
         .check(within(0, k_most_threads))
         .capture_default_str();

@@ -1,4 +1,4 @@
-// What `srbf fit` reads, writes and prints. The fit itself is srbf/fitting.h's.
+// Input, output and messages of `srbf fit`. The fit itself is in srbf/fitting.h.
 #pragma once
 #include <string>
 

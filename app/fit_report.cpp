@@ -11,7 +11,7 @@
 namespace srbf {
 namespace {
 
-/// What is to be said of a model by its kind, in JSON and in words.
+/// The description of a model by its kind, in JSON and in text.
 void describe(Json& json, const PmModel& model) {
     json["form"] = stored_name(model.form);
     json["lobes"] = model.lobes;
@@ -49,7 +49,8 @@ std::string words(const GgxModel& model) {
     return fmt::format("ggx, {} and Lambert", model.lobes.size() == 1 ? "one lobe" : "two lobes");
 }
 
-/// What was tried: of models of one size the best, of fits in short only those that look better than all smaller ones.
+/// The models that were tried: the best of each size; of short fits only those whose error is smaller than that of all
+/// smaller models.
 void print_path(const FitRequest& request, const FitOutcome& outcome) {
     if (outcome.path.empty()) return;
     const bool is_ratio = measure_named_for(request.objective).is_ratio;
@@ -60,11 +61,11 @@ void print_path(const FitRequest& request, const FitOutcome& outcome) {
         least = std::min(least, step.error);
         fmt::print("  {:>9}  {:>10.4g}   {}, {} lobes, {} variates, {}{}\n", step.bytes,
                    is_ratio ? 100 * step.error : step.error, name(step.form), step.lobes, step.variates,
-                   step.axial ? "axial" : "general", step.whole ? "" : ", in short");
+                   step.axial ? "axial" : "general", step.whole ? "" : ", short fit");
     }
 }
 
-/// What the size of a multivariate model was chosen by.
+/// The reason for the size of a multivariate model.
 struct SizeWish {
     std::optional<std::size_t> bytes;
     std::optional<double> error;
@@ -77,7 +78,7 @@ SizeWish chosen_by(const FitRequest& request) {
     return {{}, std::get<TargetError>(*goal).error};
 }
 
-/// An angle [rad] in degrees, as it was written before it became radians.
+/// An angle [rad] in degrees, rounded to what was given.
 double degrees(double angle) { return std::round(angle / k_degree * 1e9) / 1e9; }
 
 }  // namespace
@@ -154,13 +155,12 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
             "  Matrix: at the samples themselves. Held out: {}-fold cross-validated. Albedo: against interpolated "
             "samples.\n",
             k_folds);
-        if (outcome.filled && *outcome.filled)
-            fmt::print("  Between samples the fit was held to interpolated values.\n");
+        if (outcome.filled && *outcome.filled) fmt::print("  Between samples the fit follows interpolated values.\n");
     }
     print_path(request, outcome);
     if (!outcome.reached) {
         const SizeWish chosen = chosen_by(request);
-        fmt::print("  Not reached: {}; this is the best that was found.\n",
+        fmt::print("  Not reached: {}; this is the best model found.\n",
                    chosen.bytes ? fmt::format("{} bytes", *chosen.bytes)
                                 : fmt::format("an error of {:g}", chosen.error.value_or(0)));
     }

@@ -77,7 +77,7 @@ void print_table(const UtiaTable& table) {
     print_channel_ranges("value [1/sr]", table.cells);
 }
 
-void print_table(const Scattered& samples) {
+void print_table(const ScatteredSamples& samples) {
     if (!samples.description.empty()) print_row("description", samples.description);
     print_row("samples", fmt::format("{} pairs of directions, {}", grouped(samples.wl.size()),
                                      samples.isotropic ? "isotropic" : "anisotropic"));
@@ -148,8 +148,8 @@ void add_model(std::string& text, const SuModel& model) {
                         by_view ? "viewer" : "light", grouped(payload_bytes(model))));
     add_row(text, "between samples",
             model.interpolation == SuInterpolation::rotated
-                ? "the two next in elevation, rotated to the azimuth asked for"
-                : fmt::format("the {} nearest as they are", model.neighbours));
+                ? "the two adjacent in elevation, rotated to the azimuth of the direction"
+                : fmt::format("the {} nearest, not rotated", model.neighbours));
     add_row(text, "index texture",
             fmt::format("{}, {} bytes with the direction table",
                         model.index ? fmt::format("{} of {} texels a side", name(model.index->map), model.index->size)
@@ -177,15 +177,15 @@ void add_model(std::string& text, const GgxModel& model) {
             fmt::format("{:.4g}  {:.4g}  {:.4g}", model.diffuse.r, model.diffuse.g, model.diffuse.b));
     for (const GgxModel::Lobe& lobe : model.lobes) {
         add_row(text, "roughness α", fmt::format("{:.4g}", lobe.roughness));
-        add_row(text, "F0 RGB", fmt::format("{:.4g}  {:.4g}  {:.4g}", lobe.facing.r, lobe.facing.g, lobe.facing.b));
-        add_row(text, "F90", fmt::format("{:.4g}", lobe.grazing));
+        add_row(text, "F0 RGB", fmt::format("{:.4g}  {:.4g}  {:.4g}", lobe.f0.r, lobe.f0.g, lobe.f0.b));
+        add_row(text, "F90", fmt::format("{:.4g}", lobe.f90));
     }
 }
 
-/// Polar angles at which albedo is told [degrees].
+/// Polar angles for directional albedo [degrees].
 constexpr std::array<double, 7> k_info_theta{0, 15, 30, 45, 60, 75, 85};
 
-/// Directional albedo, and how far the laws that a BRDF obeys are kept.
+/// Directional albedo, and deviations from the physical laws of a BRDF.
 void print_behaviour(const Subject& subject) {
     const Evaluate brdf = evaluator(subject);
     fmt::print("\n  {:<18}", "θv");
@@ -210,7 +210,7 @@ void print_behaviour(const Subject& subject) {
     const Measures reciprocity = measure_heldout(brdf, exchanged, {max_theta * k_degree, 0})[0];
     print_row("reciprocity error", fmt::format("{} of f cosθl, squared, between f(wl, wv) and f(wv, wl), θ ≤ {}°",
                                                percent(reciprocity.squared_error_ratio_cosine), max_theta));
-    // A measurement before its negative channels are set to 0.
+    // A measurement before its negative channels are clamped.
     const auto* measured = std::get_if<Measured>(&subject.content);
     const Evaluate as_measured = measured ? signed_evaluator(*measured) : brdf;
     const std::vector<Vec3f> directions = fibonacci_directions(512, max_theta * k_degree);
@@ -251,7 +251,7 @@ std::string parameters_text(const Model& model) {
 
 void add_info(CommandLine& app, int& status) {
     const auto file = std::make_shared<std::string>();
-    const Subcommand sub = app.add_subcommand("info", "What a file holds: dimensions, ranges, parameters, albedo");
+    const Subcommand sub = app.add_subcommand("info", "Describe a file: dimensions, ranges, parameters, albedo");
     sub.add_option("FILE", *file, "A measurement or a model").type_name("").required();
     sub.footer("Example:\n  srbf info paper_white_rgb.bsdf");
     sub.callback([file, &status] { status = run(*file); });

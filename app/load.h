@@ -1,4 +1,4 @@
-// Any BRDF that a file can hold.
+// Loading of any BRDF from a file.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,27 +7,27 @@
 
 namespace srbf {
 
-/// A measurement or a model, told by the file's content.
+/// A measurement or a model, recognised by the file's content.
 struct Subject {
     std::string path;
     AnyBrdf content;
     bool is_model() const { return std::holds_alternative<Model>(content); }
 };
 Rgb value(const Subject& subject, Vec3f wl, Vec3f wv);
-/// The subject on arrays of pairs. It refers to `subject`.
+/// The subject on arrays of pairs. It keeps a reference to `subject`.
 Evaluate evaluator(const Subject& subject);
 
-/// The wavelengths [nm] of a spectral measurement or model; else empty.
+/// The wavelengths [nm] of a spectral measurement or model; otherwise empty.
 std::span<const float> wavelengths(const Subject& subject);
-/// Its wavelengths if it has any, else R, G, B. It refers to `subject`.
+/// Its wavelengths if it has any, otherwise R, G, B. It keeps a reference to `subject`.
 Channels channels(const Subject& subject);
 
-/// θmax of a model's fit [degrees], if `subject` is one that says so; else 0.
+/// θmax of a model's fit [degrees] if `subject` is a model with that metadata; otherwise 0.
 double fitted_theta(const Subject& subject);
 
 Result<Subject> load(const std::string& path);
 
-/// Prints the error's one line on standard error; returns the status of an input error.
+/// Prints the error as one line to standard error; returns the exit status of an input error.
 int complain(const Error& error);
 
 }  // namespace srbf

@@ -68,7 +68,7 @@ std::optional<std::string> CommandLine::parse(int argc, char** argv) {
     } catch (const CLI::Success& done) {  // --help, --version
         app_->exit(done);
     } catch (const CLI::ParseError& error) {
-        // CLI11 asks for what is missing before it tells what it did not understand.
+        // CLI11 reports missing options before unknown ones.
         const auto unknown = app_->remaining(true);
         const bool is_missing = error.get_exit_code() == int(CLI::ExitCodes::RequiredError);
         return is_missing && !unknown.empty() ? "no such subcommand or option: " + unknown[0] : error.what();

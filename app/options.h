@@ -1,4 +1,4 @@
-// What the program takes from its command line: CLI11 behind few functions, so that one file alone compiles it. Level 7.
+// The command line: a thin interface to CLI11, so that only one file compiles it. Level 7.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -14,10 +14,10 @@ class Option;
 
 namespace srbf {
 
-/// Sees an option's text, which it may change; returns what is wrong with it, or nothing.
+/// Validates the text of an option, which it may change; returns an error message, or an empty string.
 using Check = std::function<std::string(std::string&)>;
 
-/// An option of a subcommand, to be described further.
+/// An option of a subcommand.
 class Option {
   public:
     explicit Option(CLI::Option* option) : option_(option) {}
@@ -27,11 +27,11 @@ class Option {
     Option check(const Check& check) const;
     Option capture_default_str() const;
     Option hidden() const;         ///< from --help
-    Option one_at_a_time() const;  ///< of a list: what follows its text belongs to others
+    Option one_at_a_time() const;  ///< for a list: the option takes one text each time it is given
 
     /// Whether it was on the command line.
     bool given() const;
-    /// Ends the parsing with an error of usage that names it.
+    /// Ends the parsing with a usage error that names the option.
     [[noreturn]] void fail(const std::string& what) const;
 
   private:
@@ -47,18 +47,18 @@ class Subcommand {
     Option add_option(const std::string& names, int& to, const std::string& about) const;
     Option add_option(const std::string& names, std::uint64_t& to, const std::string& about) const;
     Option add_option(const std::string& names, double& to, const std::string& about) const;
-    /// One whose text goes to `take`.
+    /// An option whose text is passed to `take`.
     Option add_option(const std::string& names, std::function<void(const std::string&)> take,
                       const std::string& about) const;
-    /// One that its check alone looks at.
+    /// An option whose text is only passed to its check.
     Option add_option(const std::string& names, const std::string& about) const;
     Option add_flag(const std::string& names, bool& to, const std::string& about) const;
-    /// Names are followed by the numbers that they stand for, as in --yes{1},--no{-1}.
+    /// Names are followed by their values, as in --yes{1},--no{-1}.
     Option add_flag(const std::string& names, int& to, const std::string& about) const;
     Option add_flag(const std::string& names, std::function<void()> when_given, const std::string& about) const;
 
     void footer(const std::string& text) const;
-    /// What the subcommand does, once all its options are read.
+    /// The action of the subcommand, once all its options are read.
     void callback(std::function<void()> run) const;
 
   private:
@@ -74,7 +74,7 @@ class CommandLine {
     ~CommandLine();
 
     Subcommand add_subcommand(const std::string& name, const std::string& about);
-    /// Runs the subcommand that the arguments ask for, or shows help. Returns what the arguments lack, if anything.
+    /// Runs the subcommand of the arguments, or shows help. Returns an error message if the arguments are invalid.
     std::optional<std::string> parse(int argc, char** argv);
 
   private:

@@ -7,13 +7,13 @@ namespace {
 
 constexpr Rgb k_ground{0.35f, 0.35f, 0.35f};  // reflectance
 
-/// A square light above the scene, to the left and before it, of the scene's size.
+/// A square light above the scene, to the left and in front of it, as large as the scene.
 AreaLight softbox(const Scene& scene) {
     const Bounds box = bounds(scene.mesh);
     const Vec3d least = to_double(box.least), most = to_double(box.most), across = most - least;
     const double size = std::max({across.x, across.y, across.z});
     const Frame axes = frame(scene.camera);
-    const Vec3d z = normalize(axes.from({0.5, -0.7, -0.5}));  // the way it shines
+    const Vec3d z = normalize(axes.from({0.5, -0.7, -0.5}));  // direction of emission
     const Vec3d x = normalize(cross(axes.y, z)), y = cross(z, x);
     const Vec3d corner = 0.5 * (least + most) - (1.6 * size) * z - (0.4 * size) * (x + y);
     return {to_float(corner), to_float(0.8 * size * x), to_float(0.8 * size * y), {12, 12, 12}};
@@ -38,30 +38,29 @@ PreparedBrdf prepared(const Subject& subject, int threads) {
 }
 
 void PathCommand::add_options(const Subcommand& sub) {
-    sub.add_option("--env", environment, "path: the light from afar, a .hdr or .exr file, or studio or none")
+    sub.add_option("--env", environment, "path: environment map, a .hdr or .exr file, or studio or none")
         .type_name("FILE")
         .capture_default_str();
-    sub.add_option(
-           "--lights", lights,
-           "path: further lights: three (directional, the default where --env is none), softbox (a square) or none")
+    sub.add_option("--lights", lights,
+                   "path: further lights: three (directional; default with --env none), softbox (a square) or none")
         .type_name("NAME")
         .check(one_of({"none", "three", "softbox"}));
-    sub.add_option("--spp", samples, "path: paths a pixel, 1 to 1048576")
+    sub.add_option("--spp", samples, "path: paths per pixel, 1 to 1048576")
         .type_name("S")
         .check(within(1, 1 << 20))
         .capture_default_str();
-    sub.add_option("--bounces", bounces, "path: of a path at most, 1 to 1000")
+    sub.add_option("--bounces", bounces, "path: maximum number of bounces, 1 to 1000")
         .type_name("N")
         .check(within(1, 1000))
         .capture_default_str();
-    sub.add_option("--draw", draw,
-                   "path: a path goes on in a direction drawn by the brdf, or by the cosine, for comparison")
+    sub.add_option("--draw", draw, "path: sample directions by the brdf or, for comparison, by the cosine")
         .type_name("BY")
         .check(one_of({"brdf", "cosine"}))
         .capture_default_str();
-    sub.add_flag("--no-ground", no_ground, "path: leave the ground below the mesh away");
-    sub.add_option("--seed", seed, "path: of the random numbers").type_name("N").capture_default_str();
-    sub.add_option("--threads", threads, "path: 0: as many as the machine has; the picture does not depend on it")
+    sub.add_flag("--no-ground", no_ground, "path: omit the ground below the mesh");
+    sub.add_option("--seed", seed, "path: seed of the random numbers").type_name("N").capture_default_str();
+    sub.add_option("--threads", threads,
+                   "path: number of threads; 0: all of the machine. The picture does not depend on it")
         .type_name("T")
         .check(within(0, k_most_threads))
         .capture_default_str();

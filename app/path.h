@@ -1,4 +1,4 @@
-// The renderer of paths, as the command line has it.
+// The path tracer with its command-line options.
 #pragma once
 #include <span>
 #include <string>
@@ -12,18 +12,19 @@ namespace srbf {
 
 struct PathCommand {
     std::string environment{k_built_in_environment}, lights,
-        draw = "brdf";  ///< no lights named: three where `environment` is none
+        draw = "brdf";  ///< lights not given: three if `environment` is none
     int samples = 64, bounces = 8, threads = 0;
     std::uint64_t seed = 0;
     bool no_ground = false;
 
     void add_options(const Subcommand& sub);
-    /// The scene in each of the subjects; its lights are those that `lights` names. `progress` is told the part of all that is done.
+    /// Renders the scene with each of the subjects under the lights of `lights`. `progress` receives the completed
+    /// share of the whole.
     Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Subject> subjects, int width,
                                             int height, const std::function<void(double)>& progress = {}) const;
 };
 
-/// The subject, importance-sampled by a proposal made for it.
+/// The subject, importance-sampled by a proposal prepared for it.
 PreparedBrdf prepared(const Subject& subject, int threads);
 
 }  // namespace srbf

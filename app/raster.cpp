@@ -8,7 +8,7 @@ namespace srbf {
 
 namespace {
 
-/// Gives each cell without a measurement the mean of those of its neighbours that have one.
+/// Sets each cell without a measurement to the mean of its neighbours with one.
 void grow(MerlTable& table) {
     const auto [n_h, n_d, n_p] = table.size;
     const MerlTable before = table;
@@ -52,7 +52,7 @@ Result<Material> material_of(const Subject& subject) {
 
 #ifdef SRBF_RASTER
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Subject> subjects, int width, int height) {
-    // What the library has to say of drivers that it tried is no news; what comes of it, the error tells.
+    // Suppresses the library's messages about drivers that it tried; the error reports the result.
     ::setenv("EGL_LOG_LEVEL", "fatal", 0);
     std::vector<Material> materials;
     for (const Subject& subject : subjects) {

@@ -1,4 +1,4 @@
-// The renderer that draws with OpenGL, as the command line has it.
+// The OpenGL renderer with its command-line options.
 #pragma once
 #include <span>
 #include <vector>
@@ -11,16 +11,17 @@
 
 namespace srbf {
 
-/// An isotropic BRDF as a table in Rusinkiewicz' angles. It has no cells beyond 89.7°: there it goes on as before.
+/// An isotropic BRDF as a table in Rusinkiewicz coordinates. Cells beyond 89.7° are extrapolated.
 MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size = k_merl_size);
-/// What OpenGL draws of a subject: a model as it is, a measurement as a table in Rusinkiewicz' angles. Errors: an anisotropic measurement.
+/// The material of a subject in OpenGL: a model as it is, a measurement as a table in Rusinkiewicz coordinates. Errors:
+/// an anisotropic measurement.
 Result<Material> material_of(const Subject& subject);
 inline Material material_of(const Model& model) {
     return std::visit([](const auto& of) -> Material { return of; }, model.model);
 }
 
-/// The scene in each of the subjects, four samples a pixel. Errors: those of `material_of` and `rasterize`; a program built
-/// without this renderer.
+/// Renders the scene with each of the subjects, four samples per pixel. Errors: those of `material_of` and `rasterize`;
+/// a program built without this renderer.
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Subject> subjects, int width, int height);
 
 }  // namespace srbf

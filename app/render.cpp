@@ -28,14 +28,14 @@ struct RenderCommand {
     PathCommand path;
 
     int run() const;
-    /// The output's name with this before its ending.
+    /// The output's name with this inserted before its extension.
     std::string beside(std::string_view what) const {
         return std::filesystem::path(output).replace_extension(fmt::format("{}.png", what)).string();
     }
     bool is_exr() const { return std::filesystem::path(output).extension() == ".exr"; }
 };
 
-/// What a renderer makes of each subject; first hits are those of paths.
+/// The results of a renderer for each subject; first hits only from the path tracer.
 struct Pictures {
     std::vector<Rendering> renderings;
     std::vector<FirstHits> first;
@@ -66,10 +66,10 @@ struct Renderer {
     Result<Pictures> (*render)(const Scene& scene, std::span<const Subject> subjects, const RenderCommand& options);
 };
 
-/// The first is the default.
+/// The first one is the default.
 constexpr std::array<Renderer, 2> k_renderers{{{"path", render_paths}, {"raster", render_raster}}};
 
-/// Images of one size side by side, as they are.
+/// Images of equal size side by side.
 template <typename Pixel> Picture<Pixel> abreast(const std::vector<Picture<Pixel>>& images) {
     const int width = images[0].width, height = images[0].height;
     Picture<Pixel> all(width * int(images.size()), height);
@@ -96,7 +96,7 @@ Result<Done> write_float(const Pictures& pictures, const RenderCommand& options)
     return write_exr(all.width, all.height, channels, options.output);
 }
 
-/// What paths hit first, as pictures: normals from −1 to 1, depths from the nearest, which is white, to the furthest.
+/// First hits of paths as pictures: normals from −1 to 1, depths from the nearest (white) to the farthest.
 Result<Done> write_first_hits(const Pictures& pictures, const RenderCommand& options) {
     std::vector<Image8> normal, albedo, depth;
     for (const FirstHits& first : pictures.first) {
@@ -119,7 +119,7 @@ Result<Done> write_first_hits(const Pictures& pictures, const RenderCommand& opt
     return Done{};
 }
 
-/// Says how far each image is from the reference, and writes where.
+/// Reports the difference of each image from the reference, and writes it.
 Result<Done> compare_pictures(const Image8& reference, std::span<const Image8> images,
                               std::span<const std::string> captions, const RenderCommand& options) {
     std::vector<Image8> differences;
@@ -190,7 +190,7 @@ int RenderCommand::run() const {
         if (!pictures->first.empty()) pictures->first.pop_back();
     }
 
-    // All at one exposure, so that they can be compared.
+    // All images have the same exposure, so that they are comparable.
     const float exposure = automatic_exposure(reference ? *reference : pictures->renderings.front().radiance);
     std::vector<Image8> images;
     for (const Rendering& rendering : pictures->renderings) images.push_back(shown(rendering, exposure));
@@ -229,7 +229,7 @@ void add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up)
     sub.add_option("--mesh", mesh, fmt::format("A .ply or .obj file, or {}", fmt::join(k_built_in_meshes, " or ")))
         .type_name("FILE")
         .capture_default_str();
-    sub.add_option("--up", up, "The mesh's axis that points upwards, y or z")
+    sub.add_option("--up", up, "Axis of the mesh that points upwards, y or z")
         .type_name("AXIS")
         .check(one_of({"y", "z"}))
         .capture_default_str();
@@ -240,17 +240,17 @@ void add_render(CommandLine& app, int& status) {
     std::vector<std::string> names;
     for (const Renderer& renderer : k_renderers) names.emplace_back(renderer.name);
     command->renderer = names.front();
-    const Subcommand sub = app.add_subcommand("render", "Pictures of a mesh made of the materials, side by side");
-    sub.add_option("FILE", command->files, "Measurements and models, a picture each").type_name("").required();
+    const Subcommand sub = app.add_subcommand("render", "Render a mesh with each of the materials, side by side");
+    sub.add_option("FILE", command->files, "Measurements and models, one picture each").type_name("").required();
     sub.add_option("--renderer", command->renderer, fmt::format("{}", fmt::join(names, " or ")))
         .type_name("NAME")
         .check(one_of(names))
         .capture_default_str();
     add_mesh_options(sub, command->mesh, command->up);
-    sub.add_option("--size", "Pixels of each picture (640x480)")
+    sub.add_option("--size", "Size of each picture in pixels (640x480)")
         .type_name("WxH")
         .check(size_in_pixels(command->width, command->height));
-    sub.add_option("-o,--output", command->output, "The picture to write: .png, or .exr for radiance as it is")
+    sub.add_option("-o,--output", command->output, "The picture to write: .png, or .exr for linear radiance")
         .type_name("FILE")
         .required()
         .check([](std::string& name) -> std::string {
@@ -259,12 +259,12 @@ void add_render(CommandLine& app, int& status) {
             return fmt::format("expected a name that ends in .png or .exr, found {}", name);
         });
     sub.add_flag("--aov", command->aov,
-                 "path: normal, albedo and depth as well: channels of an .exr, or further pictures");
+                 "path: also write normal, albedo and depth: as channels of an .exr, or as further pictures");
     sub.add_option("--compare", command->compare,
-                   "Print PSNR, SSIM and FLIP against this one, a BRDF that is rendered likewise or an .exr, and write "
+                   "Print PSNR, SSIM and FLIP against this reference, a BRDF to render or an .exr, and write "
                    "OUTPUT.difference.png")
         .type_name("REF");
-    sub.add_option("--json", command->json, "Write what --compare prints; - is standard output").type_name("FILE");
+    sub.add_option("--json", command->json, "Write the results of --compare; - is standard output").type_name("FILE");
     command->path.add_options(sub);
     sub.footer(
         "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"

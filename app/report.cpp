@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether two names are of one file, there or yet to be; a device or a pipe may well be named twice.
+/// Whether two names refer to one file, existing or not; a device or a pipe may be named twice.
 bool is_same_file(const fs::path& a, const fs::path& b) {
     std::error_code ignored;
     if (fs::is_other(a, ignored)) return false;
@@ -35,7 +35,8 @@ Result<Done> check_output(const std::string& path) {
     if (path == "-") return found("a file's name, or /dev/stdout", "-");
     if (type != fs::file_type::not_found && access(path.c_str(), W_OK) != 0)
         return found("a file that may be written", "one that may not");
-    if (type != fs::file_type::not_found && type != fs::file_type::regular) return Done{};  // takes the bytes itself
+    // a device or a pipe is written directly
+    if (type != fs::file_type::not_found && type != fs::file_type::regular) return Done{};
     const fs::path folder = fs::weakly_canonical(fs::absolute(path, code), code).parent_path();
     if (!fs::is_directory(folder, code)) return found("a folder that exists", fmt::format("no '{}'", folder.string()));
     if (access(folder.c_str(), W_OK) != 0) return found("a folder that may be written", "one that may not");

@@ -1,4 +1,4 @@
-// What several subcommands print: measures as tables and JSON, progress, durations.
+// Common output of the subcommands: measures as tables and JSON, progress, durations.
 #pragma once
 #include <array>
 #include <chrono>
@@ -15,37 +15,38 @@ namespace srbf {
 
 using Json = nlohmann::ordered_json;
 
-/// The measure of `k_measures` that an objective is judged by.
+/// The measure of `k_measures` by which an objective is judged.
 const MeasureName& measure_named_for(Objective objective);
-/// A measure's value as it is printed.
+/// The printed value of a measure.
 std::string text(const MeasureName& name, const Measures& measures);
 
-/// Adds measures to `json`, their names after `prefix`: "", "unrounded_", "samples_"; of a comparison all of them.
+/// Adds measures to `json` with names that begin with `prefix`: "", "unrounded_", "samples_"; of a comparison all of
+/// them.
 void add_measures(Json& json, const Measures& measures, std::string_view prefix);
 void add_measures(Json& json, const Comparison& comparison, std::string_view prefix);
 
-/// A table of measures, a column for each set of each comparison.
+/// A table of measures with a column for each set of each comparison.
 void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons);
 
-/// Writes `json` to `path`; "-" is standard output, flushed.
+/// Writes `json` to `path`; "-" is standard output, which is flushed.
 Result<Done> write_json(const Json& json, const std::string& path);
 
-/// What a model is made of, in lines as `srbf info` has them.
+/// A description of a model in lines, as in `srbf info`.
 std::string parameters_text(const Model& model);
 
-/// An error where one of `outputs` cannot be written: its folder is missing, it is a folder itself, an input or
-/// the same file as another output. An empty name is no output. Asked before the work, so that an hour is not
-/// lost to a misspelt name; the write itself may still fail.
+/// Returns an error if one of `outputs` cannot be written: its folder is missing, it is a folder, an input, or the same
+/// file as another output. Empty names are ignored. To be called before long computations; the write itself may still
+/// fail.
 Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
-/// An error where standard output has not taken all that was printed: its disk is full.
+/// Returns an error if standard output has not accepted everything that was printed (disk full).
 Result<Done> flush_standard_output();
 
 /// "1,234,567".
 std::string grouped(std::uint64_t n);
-/// "0.741 %", three digits.
+/// "0.741 %", with three digits.
 std::string percent(double ratio);
 
-/// Seconds since it was made.
+/// A stopwatch: seconds since its construction.
 class Stopwatch {
   public:
     double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
@@ -55,8 +56,8 @@ class Stopwatch {
     Clock::time_point start_ = Clock::now();
 };
 
-/// A line on standard error that tells how far the work is and the time left; only on a terminal, and only
-/// after the first half second; cut off where the terminal ends. Gone when it is destroyed.
+/// A progress line on standard error with the remaining time. Only on a terminal and after the first half second;
+/// truncated to the width of the terminal. Erased by the destructor.
 class ProgressLine {
   public:
     ~ProgressLine() { clear(); }

@@ -9,11 +9,11 @@
 int main(int argc, char** argv) {
     srbf::CommandLine app(
         "srbf", "srbf " SRBF_VERSION,
-        "srbf: measured BRDFs as a handful of spherical radial basis functions.\n"
-        "Reads measurements (MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA, CSV), fits them, says how far off the\nfit "
-        "is, evaluates, compares, converts, renders and exports BRDFs.",
+        "srbf: measured BRDFs as a few spherical radial basis functions.\n"
+        "Reads measurements (MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA, CSV), fits models to them and reports the\n"
+        "errors; evaluates, compares, converts, renders and exports BRDFs.",
         "Example:\n  srbf fit paper_white_rgb.bsdf --preview paper.png\n\n"
-        "Exit status: 0 done, 1 something is wrong with an input or output (one line says what), 2 usage.");
+        "Exit status: 0 success, 1 an error of input or output (reported in one line), 2 wrong usage.");
 
     int status = srbf::k_done;
     srbf::add_fit(app, status);
@@ -27,15 +27,15 @@ int main(int argc, char** argv) {
     srbf::add_report(app, status);
     try {
         if (const auto wrong = app.parse(argc, argv)) {
-            srbf::complain({{}, {}, *wrong + " (srbf --help tells more)", {}, {}});
+            srbf::complain({{}, {}, *wrong + " (see srbf --help)", {}, {}});
             return srbf::k_usage;
         }
     } catch (const std::bad_alloc&) {
         return srbf::complain({{}, {}, "out of memory", {}, {}});
-    } catch (const std::system_error& error) {  // fmt's, where standard output takes no more
+    } catch (const std::system_error& error) {  // from fmt, if standard output fails
         return srbf::complain({"standard output", {}, "cannot be written", {}, error.code().message()});
     }
-    // What a full disk did to standard output may be known only now.
+    // A full disk may be reported for standard output only now.
     const auto flushed = srbf::flush_standard_output();
     if (!flushed && status == srbf::k_done) return srbf::complain(flushed.error());
     return status;

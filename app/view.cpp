@@ -41,24 +41,22 @@ void add_view(CommandLine& app, int& status) {
     const Subcommand sub =
         app.add_subcommand("view", "Look at a measurement, its fit and their difference in a window");
     sub.add_option("files", command->files,
-                   "Measurements and models; the first measurement is the reference, the first model is held against "
-                   "it, or it is fitted")
+                   "Measurements and models. The first measurement is the reference; it is compared with the first "
+                   "model, or fitted")
         .type_name("FILE");
     sub.add_option("--mesh", command->mesh, "A .ply or .obj file, or sphere, knot or ball")
         .type_name("FILE")
         .capture_default_str();
     sub.add_option("--screenshot", command->window.screenshot,
-                   "Write the window as it is when fit and errors are there, and quit")
+                   "Save a picture of the window once fit and errors are complete, and quit")
         .type_name("FILE.png")
         .check(png_name());
-    sub.add_option(
-           "--time-refits", command->window.timed_refits,
-           "Ask for so many fits while the picture turns, print how long each took and how often the picture was "
-           "drawn meanwhile, and quit")
+    sub.add_option("--time-refits", command->window.timed_refits,
+                   "Run this many fits while the picture rotates, print the time of each and the frame rate, and quit")
         .type_name("COUNT")
         .check(within(1, 1000));
     sub.footer(
-        "Press H in the window for its keys. Files may be dropped on it.\n"
+        "Press H in the window for its keys. Files can be dropped on it.\n"
         "Example:\n  srbf view paper_white_rgb.bsdf paper_white_rgb.srbf");
     sub.callback([command, &status] { status = command->run(); });
 }

@@ -1,5 +1,5 @@
-// How good the forms are over many materials: fits every file in each form within 160 bytes and prints a table of the errors'
-// mean, median, 95th percentile and worst, and then a row for each material.
+// Accuracy of the forms over many materials: fits every file in each form within 160 bytes. Prints the mean, median,
+// 95th percentile and maximum of the errors, then a row for each material.
 //   usage: accuracy OBJECTIVE FILE...
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
-// What one evaluation costs: models by kernel.glsl's text, tables by look-up. The column Time is ns for one pair of
-// directions, RGB, on one thread; the pairs are random, so that a table is read all over, as a path tracer does.
+// Cost of one evaluation: models by kernel.glsl, tables by look-up. The column Time is ns for one pair of directions,
+// RGB, on one thread. The pairs are random, so that all of a table is accessed, as by a path tracer.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ struct Pairs {
     std::vector<Vec3f> wl, wv;
 };
 
-/// Pairs of which each direction is even over the hemisphere to 89°.
+/// Pairs of directions, each uniform over the hemisphere to 89°.
 Pairs random_pairs(std::size_t count) {
     std::mt19937_64 random(1);
     const MirrorMixture cap(89 * k_degree);
@@ -60,7 +60,7 @@ PmModel random_model(PmForm form, int lobes, int variates, bool axial) {
     return model;
 }
 
-/// A table of the database's size whose every cell is measured.
+/// A table of the database's size without masked cells.
 MerlTable merl_table() {
     MerlTable table;
     table.size = {90, 90, 180};
@@ -95,13 +95,13 @@ void sizes(benchmark::internal::Benchmark* benchmark) {
 void pm(benchmark::State& state) { evaluate(state, model_of(state)); }
 BENCHMARK(pm)->Apply(sizes);
 
-/// The same prepared, still pair by pair, for one of the instruction sets of this machine.
+/// The same with a prepared model, pair by pair, for one of the instruction sets of this machine.
 void pm_prepared(benchmark::State& state, Target target) {
     const OneTarget one(target);
     evaluate(state, prepare(Model{model_of(state), {}}));
 }
 
-/// The same by batches; "per_pair" is the time for one pair.
+/// The same in batches; "per_pair" is the time for one pair.
 void pm_batch(benchmark::State& state, Target target) {
     const OneTarget one(target);
     constexpr std::size_t count = 1 << 12;
@@ -137,7 +137,7 @@ void rgl(benchmark::State& state) {
 }
 BENCHMARK(rgl);
 
-/// The same by batches; "per_pair" is the time for one pair.
+/// The same in batches; "per_pair" is the time for one pair.
 void rgl_batch(benchmark::State& state) {
     static const auto measured = load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
     if (!measured) return state.SkipWithError(message(measured.error()).c_str());

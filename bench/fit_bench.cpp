@@ -1,6 +1,6 @@
-// What a fit costs: milliseconds from a loaded measurement to a rounded model, how many of them each stage takes, and the
-// squared error ratio that it reaches on pairs of directions that it has not seen, on the bundled measurements. Then the default fit,
-// and the view by view one, called in the floating-point mode that a process begins with and in one that flushes subnormal numbers.
+// Cost of a fit: milliseconds from a loaded measurement to a rounded model, those of each stage, and the squared error
+// ratio at held-out pairs of directions, on the bundled measurements. Then the default fit and the view-by-view fit,
+// called in a process's initial floating-point mode and in a mode that flushes subnormal numbers.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
@@ -26,7 +26,7 @@ void fit(benchmark::State& state, const std::string& name) {
     options.threads = int(state.range(4));
     const ObserveOptions observing{.objective = Objective::raw, .threads = options.threads};
     PmModel model;
-    std::map<std::string, double> milliseconds;  // of the stage that ends when progress is told
+    std::map<std::string, double> milliseconds;  // of the stage that ends at a progress report
     for (auto _ : state) {
         using Clock = std::chrono::steady_clock;
         auto last = Clock::now();
@@ -62,7 +62,7 @@ void sizes(benchmark::internal::Benchmark* benchmark) {
 BENCHMARK_CAPTURE(fit, paper_white, std::string("paper_white_rgb.bsdf"))->Apply(sizes);
 BENCHMARK_CAPTURE(fit, cc_ibiza_sunset, std::string("cc_ibiza_sunset_rgb.bsdf"))->Apply(sizes);
 
-/// The caller has the mode that a process begins with, or one that flushes subnormal numbers.
+/// The caller has a process's initial mode, or a mode that flushes subnormal numbers.
 void callers_mode(benchmark::State& state, const std::string& name) {
     const Measured measured = *load_measured(std::string(SRBF_SOURCE_DIR) + "/data/" + name);
     std::optional<FlushSubnormals> mode;

@@ -1,8 +1,9 @@
-// How many paths a picture takes: the mesh in the bundled studio without ground, of each measurement's default fit and of the
-// measurement itself, the light drawn by the mixture that is made for it or by the cosine (that of the environment is drawn
-// as well in all of them). Prints how many times the paths of the fit by its mixture each needs for the same error, and in
-// brackets how many times its time on one thread. The error is the mean squared one of what is shown (tone-mapped, sRGB) over the
-// mesh's pixels, against a picture of 16 times as many paths; paths are as its inverse.
+// Noise of the path tracer: the mesh in the bundled studio without ground, with each measurement's default fit and with
+// the measurement itself. Directions to the light are sampled from the prepared mixture or from the cosine; the
+// environment is sampled in all cases. Prints the number of paths needed for the same error, relative to the fit with
+// its mixture, and in brackets the time on one thread, also relative. The error is the mean squared error of the
+// displayed picture (tone-mapped, sRGB) over the mesh's pixels, against a picture with 16 times as many paths; the
+// number of paths is its inverse.
 //   usage: noise MESH FILE...
 #include <fmt/format.h>
 
@@ -19,7 +20,7 @@ namespace {
 constexpr int k_size = 128, k_samples = 32;
 
 struct Cost {
-    double error, seconds;  ///< of k_samples paths a pixel
+    double error, seconds;  ///< of k_samples paths per pixel
 };
 
 PathPicture picture(const PathScene& scene, int samples, std::uint64_t seed) {
@@ -34,7 +35,7 @@ Cost cost(const PathScene& scene, const Image& reference, const std::vector<floa
     Cost sum{0, 0};
     constexpr int repeats = 4;
     for (int repeat = 0; repeat < repeats; ++repeat) {
-        const std::clock_t start = std::clock();  // of the processor, which others may share
+        const std::clock_t start = std::clock();  // CPU time, since other processes may run
         const Image noisy = picture(scene, k_samples, std::uint64_t(repeat) + 1).rendering.radiance;
         sum.seconds += double(std::clock() - start) / CLOCKS_PER_SEC / repeats;
         double squares = 0, pixels = 0;

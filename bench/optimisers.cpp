@@ -1,8 +1,9 @@
-// What the ways to search for lobes reach in a given time: the squared error ratio on the first 4096 observations, on one thread.
-//   alternating: one lobe's weights or the angles at a time, the others held, from random lobes (in the manner of Tsai 2009)
-//   joint:       all of them at once, from random lobes
+// Comparison of search strategies for lobes at equal time: the squared error ratio on the first 4096 observations, on
+// one thread.
+//   alternating: one lobe's weights or the angles at a time, the others fixed, from random lobes (as in Tsai 2009)
+//   joint:       all of them together, from random lobes
 //   grown:       lobes added one by one
-//   replaced:    and then the least of them replaced again and again
+//   replaced:    grown, then the least useful lobe is replaced repeatedly
 //   usage: optimisers FILE...
 #include <fmt/format.h>
 
@@ -20,7 +21,7 @@ namespace {
 constexpr double k_log_peak_limit = 300;
 const ProgressCallback k_no_callback;
 
-/// A problem of which only some variables move.
+/// A problem in which only some variables may change.
 struct Part {
     LobeProblem& whole;
     Eigen::Index first, count;
@@ -39,7 +40,8 @@ struct Part {
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const { return whole.longest_step(x); }
 };
 
-/// Calls attempt(0), attempt(1), ..., each of which returns a loss and gives up when `expired`, and tells the best at 0.5 and 5 s.
+/// Calls attempt(0), attempt(1), ..., each of which returns a loss and stops when `expired`; reports the best after 0.5
+/// and 5 s.
 struct Race {
     using Clock = std::chrono::steady_clock;
     Clock::time_point start = Clock::now();
@@ -104,8 +106,8 @@ void replaced(const Rows& rows, const FitOptions& options, Race& race, int attem
     Reporter quiet(k_no_callback, 1);
     Candidate candidate = grow(rows, options, k_log_peak_limit, attempt, quiet);
     race.take(candidate.loss);
-    for (int kick = 1; kick <= options.kicks && !race.expired(); ++kick) {
-        improve(rows, options, k_log_peak_limit, kick, candidate, quiet);
+    for (int perturbation = 1; perturbation <= options.perturbations && !race.expired(); ++perturbation) {
+        improve(rows, options, k_log_peak_limit, perturbation, candidate, quiet);
         race.take(candidate.loss);
     }
 }

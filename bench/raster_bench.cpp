@@ -1,14 +1,17 @@
-// Table 7.2 of the source anew: frames a second of a mesh under three directional lights at 640 x 480, drawn off screen, and what
-// shading costs: the work of a frame (ms CPU, of all threads, where the library draws on the CPU; else its own clock's time) less that
-// of the same frame of a constant f_r. The shortest of 60 frames (20 in one pass), the materials in turn. Triangles seen from behind
-// are left out. What else the machine did, the load average tells: of the columns ms CPU minds it least.
+// Table 7.2 of Tsai 2009: frames per second of a mesh under three directional lights at 640 x 480, rendered off screen,
+// and the cost of shading: the time of a frame (CPU ms of all threads if the library renders on the CPU, otherwise its
+// own clock) minus that of the same frame with a constant f_r. Minimum over 60 frames (20 in one pass), with
+// alternating materials and back faces culled. The load average shows other activity on the machine; the column ms CPU
+// is least sensitive to it.
 //
-// In two passes each pixel is shaded once; in one pass every triangle that touches a block of 4 x 2 pixels has the whole block shaded, and
-// scans have more triangles than pixels. (There llvmpipe's clock does not see what its threads draw: fps GPU means nothing.)
+// In two passes each pixel is shaded once. In one pass every triangle that touches a block of 4 x 2 pixels shades the
+// whole block, and scans have more triangles than pixels. (There llvmpipe's clock does not include its threads: fps GPU
+// is meaningless.)
 //
-// SU by the index texture is bound by its lookups and by K J = 15 exponentials for each light: a texel of neighbours, 4 directions, 30
-// texels of parameters a pixel, read once for the three lights. PM reads its numbers from a uniform buffer; on llvmpipe half of its time
-// is that. General lobes cost twice what axial ones do, which stand for the same function.
+// SU by the index texture is limited by its lookups and by K J = 15 exponentials per light: a texel of neighbours, 4
+// directions and 30 texels of parameters per pixel, read once for the three lights. PM reads its numbers from a uniform
+// buffer, which takes half of its time on llvmpipe. General lobes cost twice as much as axial ones for the same
+// function.
 #include <fmt/format.h>
 
 #include <cstdlib>
@@ -31,7 +34,7 @@ struct NamedMaterial {
     Material material;
 };
 
-/// What is compared, the vinyl film as either model, after a constant f_r.
+/// The compared materials: the vinyl film as either model, after a constant f_r.
 std::vector<NamedMaterial> materials() {
     const Measured film = *load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");
     const Evaluate f = signed_evaluator(film);
@@ -41,7 +44,7 @@ std::vector<NamedMaterial> materials() {
         FitOptions options;
         options.form = form, options.lobes = lobes, options.variates = variates;
         PmModel model = rounded(fit_pm(observations, options)->model);
-        model.axial = axial;  // the same function, evaluated as a general one is
+        model.axial = axial;  // the same function, evaluated like a general one
         all.push_back({name, std::move(model)});
     };
     add_pm("PM source    J=6 N=3 axial", PmForm::gaussian, true, 6, 3);
@@ -58,7 +61,7 @@ std::vector<NamedMaterial> materials() {
     return all;
 }
 
-/// A table of all materials on one mesh: in two passes without several samples, or in one with four.
+/// A table of all materials on one mesh: in two passes without multisampling, or in one pass with four samples.
 Result<Done> compare(const OffscreenContext& context, const Scene& scene, const std::vector<NamedMaterial>& all,
                      PixelInput input) {
     const bool two_passes = input == PixelInput::surface;
@@ -66,7 +69,7 @@ Result<Done> compare(const OffscreenContext& context, const Scene& scene, const 
     for (const NamedMaterial& of : all) materials.push_back(of.material);
     const auto costs = time_frames(context, scene, materials, {.input = input, .frames = two_passes ? 60 : 20});
     if (!costs) return costs.error();
-    // Where the library draws on the CPU, its work is counted there.
+    // If the library renders on the CPU, its CPU time is measured.
     const auto work = [&](std::size_t i) {
         return draws_on_cpu(context) ? (*costs)[i].least.cpu : (*costs)[i].least.gpu;
     };
@@ -111,7 +114,7 @@ Result<Done> run() {
 }  // namespace
 }  // namespace srbf
 
-/// `--benchmark_filter=WORD` leaves it out where it does not ask for it, as of the other benchmarks.
+/// Skipped if `--benchmark_filter=WORD` does not match it, like the other benchmarks.
 int main(int argc, char** argv) {
     constexpr std::string_view option = "--benchmark_filter=";
     for (const std::string_view argument : std::span(argv, std::size_t(argc)))

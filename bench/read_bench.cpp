@@ -1,4 +1,4 @@
-// What reading costs: files as large as the databases', their bytes at hand, on one thread.
+// Cost of reading: files as large as those of the databases, from memory, on one thread.
 #include <benchmark/benchmark.h>
 
 #include "srbf/convert.h"

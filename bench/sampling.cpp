@@ -1,6 +1,6 @@
-// How evenly the light is drawn: the relative variance of f cosθl / pdf (luminance) and the share of draws that are lost, of the
-// multivariate and the view-by-view model through their own proposals, of the measurement through one made for itself and
-// through its multivariate model's, and by the cosine. Fits are the program's defaults, the view-by-view one of 5 lobes.
+// Quality of importance sampling: the relative variance of f cosθl / pdf (luminance) and the share of lost samples. For
+// the multivariate and the view-by-view model with their own proposals; for the measurement with its own proposal, that
+// of its multivariate model, and the cosine. Fits are the program's defaults, the view-by-view one with 5 lobes.
 //   usage: sampling FILE...
 #include <fmt/format.h>
 
@@ -22,7 +22,8 @@ struct Quality {
     double variance, lost;
 };
 
-/// Var(f cosθl / pdf) / E² by quadrature, ∫ (f cosθl)²/pdf dωl / (∫ f cosθl dωl)² − 1, and the lost share of 65,536 even draws.
+/// Var(f cosθl / pdf) / E² by quadrature, ∫ (f cosθl)²/pdf dωl / (∫ f cosθl dωl)² − 1, and the lost share of 65,536
+/// uniform samples.
 Quality quality(const Evaluate& brdf, const Proposal& proposal, double theta) {
     const Vec3f wv = to_float(spherical(theta, 0.3));
     const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), 1 << 17);

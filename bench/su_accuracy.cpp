@@ -1,6 +1,6 @@
-// How good the view-by-view model is, beside the multivariate one: for each file a table over the number of lobes, and how its error
-// at novel views depends on the number of sampled views, on the interpolation and on the index texture. Objective raw,
-// directions within 80 degrees.
+// Accuracy of the view-by-view model compared with the multivariate one: for each file a table over the number of
+// lobes, and the error at novel views as a function of the number of sampled views, of the interpolation and of the
+// index texture. Objective raw, directions within 80 degrees.
 //   usage: su_accuracy FILE...
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ namespace {
 constexpr double k_cap = 80 * k_degree;
 const MeasureOptions k_within{k_cap, 0};
 
-/// Processor seconds, those of all threads together.
+/// CPU seconds of all threads.
 double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
 double percent(const Measures& measures) { return 100 * measures.squared_error_ratio; }
@@ -93,7 +93,7 @@ void print_directions(const Measured& measured) {
     }
 }
 
-/// The texel's neighbours against the exact ones: the squared error ratio between the two, at independent pairs.
+/// Neighbours from a texel compared with the exact ones: the squared error ratio between the two, at independent pairs.
 void print_textures(const Measured& measured) {
     const auto matrix = *tabulate(signed_evaluator(measured));
     const SuModel model =

@@ -1,5 +1,5 @@
-// Where the time of the view-by-view model goes: looking the raw matrix up, fitting it, stage by stage, writing the file, building
-// the index texture, evaluating. Fits are of the bundled vinyl film; objective raw, 1536 directions.
+// Time of the stages of the view-by-view model: evaluation of the raw matrix, the fit stage by stage, writing the file,
+// building the index texture, evaluation. Fits of the bundled vinyl film; objective raw, 1536 directions.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
@@ -44,7 +44,7 @@ BENCHMARK(tabulate_matrix)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-/// From the raw matrix to the bytes of the file; the counters are milliseconds between reports of progress of that stage.
+/// From the raw matrix to the bytes of the file; the counters are milliseconds between progress reports of that stage.
 void fit(benchmark::State& state) {
     std::map<std::string, double> stages;
     SuModel fitted;
@@ -105,7 +105,7 @@ const Pairs& random_pairs() {
     return pairs;
 }
 
-/// ns for one pair: one by one, by the texture, in arrays of unrelated pairs, in arrays of one view.
+/// ns per pair: single pairs, by the texture, in arrays of unrelated pairs, in arrays of one view.
 void evaluate_one(benchmark::State& state) {
     SuModel one = model();
     one.interpolation = SuInterpolation(state.range(0));

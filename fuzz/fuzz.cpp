@@ -1,4 +1,4 @@
-// libFuzzer on one of the targets: SRBF_FUZZ_TARGET is its name.
+// libFuzzer for one of the targets, named by SRBF_FUZZ_TARGET.
 #include <algorithm>
 #include <cstdint>
 

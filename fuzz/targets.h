@@ -1,4 +1,4 @@
-// What a reader does with bytes of any kind: the same for libFuzzer and for the test of the corpus.
+// Targets that run a reader on arbitrary bytes, for libFuzzer and for the test of the corpus.
 #pragma once
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@
 
 namespace srbf {
 
-/// Stops the program where a promise is broken, so that the fuzzer keeps the input.
+/// Aborts if a documented property is violated, so that the fuzzer keeps the input.
 inline void require(bool holds, const char* promise) {
     if (holds) return;
     fmt::print(stderr, "broken: {}\n", promise);
@@ -30,7 +30,7 @@ inline void check_error(const Error& error) {
     require(line.starts_with("f: ") && line.size() < 2000 && line.find('\n') == line.npos, "an error is one line");
 }
 
-/// Spectra, where there are any, keep the contract of `Brdf` at each wavelength.
+/// Spectra, if there are any, satisfy the contract of `Brdf` at each wavelength.
 template <typename B> void check_spectra(const B& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
     if (wavelengths(brdf).empty()) return;
     Channels of;
@@ -43,7 +43,7 @@ template <typename B> void check_spectra(const B& brdf, std::span<const Vec3f> w
     for (const float x : f) require(std::isfinite(x) && x >= 0, "finite spectra, not negative");
 }
 
-/// A BRDF keeps the contract of `Brdf`.
+/// A BRDF satisfies the contract of `Brdf`.
 template <typename B> void check_answers(const Result<B>& brdf) {
     if (!brdf) return check_error(brdf.error());
     std::mt19937_64 random(1);
@@ -76,7 +76,7 @@ template <typename B> void check_answers(const Result<B>& brdf) {
 
 using FuzzTarget = void (*)(std::span<const std::byte>);
 
-/// A UTIA table has one size: the bytes are repeated until they fill it.
+/// A UTIA table has a fixed size: the bytes are repeated to fill it.
 inline void check_utia(std::span<const std::byte> bytes) {
     check_answers(read_utia(bytes, "f"));
     if (bytes.empty()) return;
@@ -86,13 +86,13 @@ inline void check_utia(std::span<const std::byte> bytes) {
     check_answers(read_utia(table, "f"));
 }
 
-/// By way of `Measured`, whose evaluator works by batches and has spectra.
+/// By way of `Measured`, whose evaluator works in batches and has spectra.
 template <typename Table> void check_measured(Result<Table> table) {
     check_answers(table ? Result<Measured>(Measured{"f", "", 0, *std::move(table)}) : Result<Measured>(table.error()));
 }
 
-/// What is read can be written, and what was written is read and written again to the same bytes. (A foreign file may hold weights of
-/// any length, which are written with one of their own.)
+/// A model that was read can be written; the written bytes can be read, and written again to the same bytes. (A file
+/// from elsewhere may contain weights of any length, which are normalised when written.)
 inline void check_model(std::span<const std::byte> bytes) {
     const auto model = read_model(bytes, "f");
     check_answers(model);
@@ -113,7 +113,7 @@ inline void check_mesh(const Result<Mesh>& mesh) {
     for (const Vec3f& n : mesh->normals) require(std::abs(dot(n, n) - 1) < 1e-5f, "unit normals");
 }
 
-/// An environment has finite light, and draws what is a direction.
+/// An environment has finite radiance, and samples unit vectors.
 inline void check_environment(const Result<Environment>& environment) {
     if (!environment) return check_error(environment.error());
     for (const Rgb& c : environment->texels().pixels)
@@ -131,7 +131,7 @@ struct NamedTarget {
     std::string_view name;
     FuzzTarget check;
 };
-/// A target for each reader, and one for telling them apart.
+/// A target for each reader, and one for the recognition of formats.
 inline const NamedTarget k_targets[] = {
     {"merl", [](auto bytes) { check_answers(read_merl(bytes, "f")); }},
     {"rgl", [](auto bytes) { check_measured(read_rgl(bytes, "f")); }},

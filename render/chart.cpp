@@ -12,7 +12,7 @@
 namespace srbf {
 namespace {
 
-/// The plot's frame within the drawing.
+/// The frame of the plot within the drawing.
 constexpr double k_width = 440, k_height = 300, k_left = 52, k_right = 416, k_top = 30, k_bottom = 258;
 
 bool is_shown(const ChartSeries::Point& point) {
@@ -34,7 +34,7 @@ std::string chart_drawing(const Chart& chart) {
             if (is_shown(point)) x.add(point.x), y.add(point.y);
     for (const double tick : chart.x_ticks) x.add(tick);
     if (y.most == 0) x.add(1), y.add(1);
-    // Whole decades of errors, and a little space at either side.
+    // Whole decades of errors, and some space on either side.
     const int lowest = int(std::floor(std::log10(y.least))),
               highest = std::max(int(std::ceil(std::log10(y.most))), lowest + 1);
     y = {std::pow(10.0, lowest), std::pow(10.0, highest)};

@@ -1,4 +1,4 @@
-// Errors over numbers of lobes or bytes, as plots: level 6.
+// Plots of errors over numbers of lobes or bytes: level 6.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,23 +7,23 @@ namespace srbf {
 
 struct ChartSeries {
     std::string name;
-    std::string colour;     ///< of CSS
-    std::string dash;       ///< of CSS, "4 3"; empty: a whole line
-    bool is_joined = true;  ///< by a line, in the order of x
+    std::string colour;     ///< CSS colour
+    std::string dash;       ///< CSS dash pattern, "4 3"; empty: solid
+    bool is_joined = true;  ///< connected by a line, in the order of x
     struct Point {
-        double x, y;        ///< both above 0 and finite, or left out
-        std::string title;  ///< what the point says when it is pointed at
+        double x, y;        ///< skipped unless both are positive and finite
+        std::string title;  ///< tooltip of the point
     };
     std::vector<Point> points;
 };
 
 struct Chart {
     std::string title, x_title;
-    std::vector<double> x_ticks;  ///< what is named along the axis; empty: powers of ten
+    std::vector<double> x_ticks;  ///< labels along the axis; empty: powers of ten
     std::vector<ChartSeries> series;
 };
 
-/// A drawing (SVG) of the series, both axes logarithmic; y is a ratio, and named in per cent.
+/// A drawing (SVG) of the series with two logarithmic axes; y is a ratio, labelled in per cent.
 std::string chart_drawing(const Chart& chart);
 
 }  // namespace srbf

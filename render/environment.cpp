@@ -9,13 +9,13 @@
 #include "srbf/file.h"
 #include "srbf/text.h"
 
-/// data/studio.hdr, of which studio.S makes a part of the program.
+/// data/studio.hdr, embedded into the program by studio.S.
 extern "C" const std::byte srbf_studio_begin[], srbf_studio_end[];
 
 namespace srbf {
 namespace {
 
-/// The texel's number in an interval of [0, 1] that running shares cut, and where within it u lies.
+/// The interval of the cumulative distribution that contains u, and the position of u within it, in [0, 1].
 struct Place {
     std::size_t index;
     float within;
@@ -23,12 +23,12 @@ struct Place {
 Place find(std::span<const float> running, float u) {
     const auto after = std::upper_bound(running.begin() + 1, running.end() - 1, u);
     auto index = std::size_t(after - running.begin()) - 1;
-    while (index > 0 && !(running[index + 1] > running[index])) --index;  // rounding led to an empty one
+    while (index > 0 && !(running[index + 1] > running[index])) --index;  // rounding selected an empty interval
     const float share = running[index + 1] - running[index];
     return {index, share > 0 ? std::clamp((u - running[index]) / share, 0.f, 1.f) : 0.5f};
 }
 
-/// The solid angle of a texel in that row.
+/// The solid angle of a texel in a row.
 double solid_angle(int row, int width, int height) {
     return 2 * k_pi / width * (std::cos(k_pi * row / height) - std::cos(k_pi * (row + 1) / height));
 }
@@ -43,7 +43,8 @@ Environment::Environment(Image texels) : texels_(std::move(texels)) {
             if (!(texel[c] >= 0 && std::isfinite(texel[c]))) texel[c] = 0, changed = true;
         clamped_ += changed;
     }
-    // The mean of the bilinear function over a texel: three quarters its own, an eighth of each neighbour's, along both axes.
+    // The mean of the bilinear function over a texel: weights of three quarters for the texel and an eighth for each
+    // neighbour, along both axes.
     const auto light = [&](int x, int y) {
         return luminance(texels_.at((x + width) % width, std::clamp(y, 0, height - 1)));
     };
@@ -93,7 +94,7 @@ Vec3f Environment::sample(float u1, float u2) const {
 
 namespace {
 
-/// Bytes one after the other.
+/// Reads consecutive bytes.
 struct Bytes {
     std::span<const std::byte> rest;
     bool has(std::size_t count) const { return rest.size() >= count; }
@@ -111,7 +112,7 @@ Rgb decoded(const Rgbe& rgbe) {
     return {channel(rgbe[0]), channel(rgbe[1]), channel(rgbe[2])};
 }
 
-/// One row; false where the file ends early or a run is longer than the row.
+/// Reads a row; returns false if the file ends early or a run is longer than the row.
 bool read_row(Bytes& bytes, std::vector<Rgbe>& row) {
     const std::size_t width = row.size();
     if (!bytes.has(4)) return false;
@@ -138,9 +139,9 @@ bool read_row(Bytes& bytes, std::vector<Rgbe>& row) {
 
 }  // namespace
 
-Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& source) {
+Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& file_name) {
     const auto fail = [&](std::uint64_t at, std::string what, std::string expected, std::string found) {
-        return Error{source, at, std::move(what), std::move(expected), std::move(found)};
+        return Error{file_name, at, std::move(what), std::move(expected), std::move(found)};
     };
     const std::string_view text = as_text(bytes);
     if (!text.starts_with("#?"))
@@ -159,7 +160,7 @@ Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& sour
     const auto width = to_number<std::int64_t>(next_word(line));
     if (minus_y != "-Y" || plus_x != "+X" || !height || !width || end == text.size())
         return fail(begin, "resolution", "'-Y HEIGHT +X WIDTH'", quoted(text.substr(begin, end - begin)));
-    // A run of 127 texels takes two bytes in each of four channels.
+    // A run of 127 texels takes two bytes in each of the four channels.
     Bytes rest{bytes.subspan(end + 1)};
     if (*width < 1 || *height < 1 || *width > k_most_texels / *height ||
         *width * *height > std::int64_t(rest.rest.size()) * 16)
@@ -176,8 +177,8 @@ Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& sour
     return image;
 }
 
-Result<Environment> read_environment(std::span<const std::byte> bytes, const std::string& source) {
-    auto image = is_exr(bytes) ? read_exr(bytes, source) : read_hdr(bytes, source);
+Result<Environment> read_environment(std::span<const std::byte> bytes, const std::string& file_name) {
+    auto image = is_exr(bytes) ? read_exr(bytes, file_name) : read_hdr(bytes, file_name);
     if (!image) return image.error();
     return Environment(*std::move(image));
 }

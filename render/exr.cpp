@@ -18,7 +18,7 @@
 namespace srbf {
 namespace {
 
-// The library's type of a position in a file is another one in each of its versions.
+// The type of a file position differs between versions of the library.
 using Position = decltype(std::declval<Imf::IStream&>().tellg());
 
 class Source : public Imf::IStream {
@@ -58,13 +58,13 @@ class Sink : public Imf::OStream {
     std::size_t at_ = 0;
 };
 
-/// The first line of what the library says.
+/// The first line of the library's message.
 std::string said(const std::exception& error) {
     const std::string_view all = error.what();
     return std::string(all.substr(0, std::min(all.find('\n'), std::size_t(200))));
 }
 
-/// Pixels that lie `stride` floats apart, the first at `first`.
+/// Pixels at a distance of `stride` floats, starting at `first`.
 Imf::Slice slice(const float* first, int width, int stride, std::int64_t x0, std::int64_t y0) {
     const auto step = std::int64_t(sizeof(float)) * stride;
     const auto* base = reinterpret_cast<const char*>(first) - step * (x0 + y0 * width);
@@ -105,21 +105,21 @@ bool is_exr(std::span<const std::byte> bytes) {
     return bytes.size() >= 4 && std::memcmp(bytes.data(), magic.data(), 4) == 0;
 }
 
-Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& source) {
+Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file_name) {
     try {
         Source stream(bytes);
         Imf::InputFile file(stream, 1);
         const auto window = file.header().dataWindow();
         const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1,
                            height = std::int64_t(window.max.y) - window.min.y + 1;
-        // No compression makes so little of a picture.
+        // No compression reduces a picture this much.
         const std::int64_t most = std::min(k_most_texels, 4096 * std::int64_t(bytes.size()));
         if (width < 1 || height < 1 || width > most / height)
-            return Error{source, {}, "pixels", fmt::format("1 to {}", most), fmt::format("{} x {}", width, height)};
+            return Error{file_name, {}, "pixels", fmt::format("1 to {}", most), fmt::format("{} x {}", width, height)};
         for (const char* name : {"R", "G", "B"}) {
             const Imf::Channel* channel = file.header().channels().findChannel(name);
             if (channel && channel->xSampling == 1 && channel->ySampling == 1) continue;
-            return Error{source, {}, fmt::format("channel {}", name), "present in full", "not so"};
+            return Error{file_name, {}, fmt::format("channel {}", name), "complete", "incomplete"};
         }
         Image image(static_cast<int>(width), static_cast<int>(height));
         Imf::FrameBuffer frame;
@@ -130,7 +130,7 @@ Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& sour
         file.readPixels(window.min.y, window.max.y);
         return image;
     } catch (const std::exception& error) {
-        return Error{source, {}, "OpenEXR file", "whole", said(error)};
+        return Error{file_name, {}, "OpenEXR file", "whole", said(error)};
     }
 }
 

@@ -19,8 +19,8 @@ double cpu_milliseconds() {
     return of(usage.ru_utime) + of(usage.ru_stime);
 }
 
-/// Draws a frame and waits for it; `on_cpu` before its end is marked, as the clock of a library that draws later, on other threads,
-/// would else stop before it begins.
+/// Draws a frame and waits for it. `on_cpu`: the end is marked only afterwards, since the clock of a library that draws
+/// later on other threads would stop before it begins.
 template <typename Draw> FrameTime timed(const Draw& draw, bool on_cpu) {
     GLuint query = 0;
     glGenQueries(1, &query);
@@ -65,7 +65,7 @@ Result<std::vector<FrameCost>> time_frames(const OffscreenContext& context, cons
         costs.push_back({{never, never, never}, material->data_bytes(), material->auxiliary_bytes()});
         made.push_back(*std::move(material));
     }
-    for (int round = -2; round < options.frames; ++round)  // the first two are for the caches
+    for (int round = -2; round < options.frames; ++round)  // the first two warm up caches
         for (std::size_t i = 0; i < made.size(); ++i) {
             const FrameTime time = timed(
                 [&] {

@@ -1,4 +1,4 @@
-// Text for HTML: level 5.
+// Escaping and templates for HTML: level 5.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -8,11 +8,11 @@
 
 namespace srbf {
 
-/// `text` as HTML and SVG take it, between tags and in attributes.
+/// Escapes `text` for HTML and SVG, between tags and in attributes.
 std::string html_escaped(std::string_view text);
-/// Bytes as a page holds them: base64, padded.
+/// Base64 with padding.
 std::string base64(std::span<const std::byte> bytes);
-/// `text` with each {{name}} replaced by what stands beside the name.
+/// `text` with each {{name}} replaced by its value.
 std::string filled(std::string_view text, std::span<const std::pair<std::string_view, std::string>> parts);
 
 }  // namespace srbf

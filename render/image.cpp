@@ -75,7 +75,7 @@ Image8 shown(const Rendering& rendering, float exposure) {
 
 namespace {
 
-/// `text` as the font takes it.
+/// `text` in the encoding of the font.
 std::string printable(std::string_view text) {
     std::string out(text);
     for (char& c : out)
@@ -83,7 +83,7 @@ std::string printable(std::string_view text) {
     return out;
 }
 
-/// A corner of a rectangle, as the font makes them.
+/// A corner of a rectangle in the font's format.
 struct Corner {
     float x, y, z;
     std::array<unsigned char, 4> colour;
@@ -96,7 +96,7 @@ int text_width(std::string_view text) { return stb_easy_font_width(printable(tex
 void draw_text(Image8& image, int x, int y, std::string_view text, Rgb8 colour, int scale) {
     assert(scale >= 1);
     std::string line = printable(text);
-    // A glyph has at most 11 strokes; each is a rectangle, corner 0 its upper left, 2 its lower right.
+    // A glyph has at most 11 strokes, each a rectangle; corner 0 is its upper left, 2 its lower right.
     std::vector<std::array<Corner, 4>> strokes(11 * line.size() + 1);
     const int count =
         stb_easy_font_print(0, 0, line.data(), nullptr, strokes.data(), int(strokes.size() * sizeof strokes[0]));
@@ -115,16 +115,16 @@ namespace {
 
 constexpr Rgb8 k_strip{38, 38, 38}, k_ink{225, 225, 225};
 
-/// A strip with `text` in its middle.
+/// A strip with centred `text`.
 Image8 caption(int width, int height, const std::string& text) {
     Image8 out(width, height, k_strip);
-    const int columns = text_width(text), rows = 9;  // the font's twelve rows less those between lines
+    const int columns = text_width(text), rows = 9;  // the font's twelve rows without the line spacing
     const int scale = std::max(1, std::min(height / 20, width / std::max(1, columns)));
     draw_text(out, (width - scale * columns) / 2, (height - scale * rows) / 2, text, k_ink, scale);
     return out;
 }
 
-/// Copies `part` into `image`, its upper left corner at (x, y).
+/// Copies `part` into `image` with its upper left corner at (x, y).
 void paste(const Image8& part, int x, int y, Image8& image) {
     for (int row = 0; row < part.height; ++row) std::copy_n(&part.at(0, row), part.width, &image.at(x, y + row));
 }
@@ -145,7 +145,7 @@ Image8 side_by_side(std::span<const Image8> images, std::span<const std::string>
 
 namespace {
 
-/// Where stb puts bytes: a vector of them is its `context`.
+/// Output callback of stb; `context` is a vector of bytes.
 void append(void* context, void* data, int size) {
     auto& all = *static_cast<std::vector<std::byte>*>(context);
     all.insert(all.end(), static_cast<std::byte*>(data), static_cast<std::byte*>(data) + size);
@@ -155,7 +155,7 @@ void append(void* context, void* data, int size) {
 
 Result<Done> write_png(const Image8& image, const std::string& path) {
     assert(image.pixels.size() == std::size_t(image.width) * std::size_t(image.height));
-    constexpr std::int64_t largest = std::int64_t(1) << 29;  // stb counts bytes in an int, and doubles its buffers
+    constexpr std::int64_t largest = std::int64_t(1) << 29;  // stb counts bytes in an int and doubles its buffers
     if (image.pixels.empty() || (3 * std::int64_t(image.width) + 1) * image.height > largest)
         return Error{path,
                      {},

@@ -9,7 +9,7 @@
 namespace srbf {
 namespace {
 
-/// A picture of one number a pixel.
+/// An image with one number per pixel.
 struct Plane {
     int width, height;
     std::vector<double> x;
@@ -41,7 +41,7 @@ Filter gaussian_filter(int radius, double sigma) {
     return filter;
 }
 
-/// Correlated with `across` along rows and `down` along columns; beyond its border a picture goes on as its last pixel.
+/// Correlation with `across` along rows and `down` along columns; the border pixels are repeated beyond the border.
 Plane filtered(const Plane& plane, const Filter& across, const Filter& down) {
     const auto pass = [](const Plane& from, const Filter& filter, int dx, int dy) {
         const int radius = int(filter.size()) / 2;
@@ -64,7 +64,7 @@ Plane filtered(const Plane& plane, const Filter& across, const Filter& down) {
 
 using Triplet = std::array<double, 3>;
 
-/// CIE XYZ of linear sRGB over those of white.
+/// CIE XYZ of linear sRGB relative to white.
 Triplet to_relative_xyz(const Triplet& rgb) {
     constexpr double m[3][3] = {
         {0.412391, 0.357584, 0.180481}, {0.212639, 0.715169, 0.072192}, {0.019331, 0.119195, 0.950532}};
@@ -86,7 +86,7 @@ Triplet linear_rgb(const Rgb8& shown) {
     return {linear(shown[0] / 255.0), linear(shown[1] / 255.0), linear(shown[2] / 255.0)};
 }
 
-/// CIELAB whose chroma is scaled by L/100 (Hunt's effect).
+/// CIELAB with chroma scaled by L/100 (Hunt effect).
 Triplet hunt_lab(const Triplet& rgb) {
     Triplet t = to_relative_xyz(rgb);
     for (double& v : t) v = v > 216.0 / 24389 ? std::cbrt(v) : v * 841 / 108 + 4.0 / 29;
@@ -97,14 +97,14 @@ Triplet hunt_lab(const Triplet& rgb) {
 double colour_distance(const Triplet& a, const Triplet& b) {
     return std::pow(std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]), 0.7);
 }
-/// That distance in [0, 1]: up to 0.4 of the largest, green to blue, is 0.95 of the range.
+/// That distance mapped to [0, 1]: values up to 0.4 of the largest distance, green to blue, use 0.95 of the range.
 double redistributed(double distance) {
     static const double largest = colour_distance(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1}));
     const double knee = 0.4 * largest;
     return distance < knee ? 0.95 * distance / knee : 0.95 + 0.05 * (distance - knee) / (largest - knee);
 }
 
-/// The opponent colours Y, Cx, Cz of a picture.
+/// The opponent colours Y, Cx, Cz of an image.
 std::array<Plane, 3> opponent(const Image8& image) {
     const Plane blank(image.width, image.height);
     std::array<Plane, 3> planes{blank, blank, blank};
@@ -117,8 +117,8 @@ std::array<Plane, 3> opponent(const Image8& image) {
     return planes;
 }
 
-/// What the eye resolves of them: each filtered by its contrast sensitivity, Σ a √(π/b) e^{−π²x²/b}, x in degrees, in the colours
-/// that `colour_distance` compares.
+/// Filters each channel by the contrast sensitivity of the eye, Σ a √(π/b) e^{−π²x²/b} with x in degrees, and converts
+/// to the colours that `colour_distance` compares.
 std::vector<Triplet> seen(const std::array<Plane, 3>& planes, double pixels_per_degree) {
     struct Term {
         double a, b;
@@ -151,8 +151,8 @@ std::vector<Triplet> seen(const std::array<Plane, 3>& planes, double pixels_per_
     return colours;
 }
 
-/// Lengths of the gradients of edges or points: `derivative` along one axis, its positive weights and its negative ones each
-/// brought to 1, a Gaussian along the other.
+/// Gradient magnitudes of edges or points: `derivative` along one axis, with its positive and its negative weights each
+/// normalised to 1, and a Gaussian along the other.
 Plane features(const Plane& luma, double sigma, const std::function<double(double)>& derivative) {
     const int radius = int(std::ceil(3 * sigma));
     const Filter gaussian = gaussian_filter(radius, sigma);
@@ -240,7 +240,7 @@ Likeness likeness(const Image8& reference, const Image8& other) {
 
 Image8 in_false_colours(const std::vector<double>& map, int width, int height) {
     assert(map.size() == std::size_t(width) * std::size_t(height));
-    // Even steps of lightness, as in matplotlib's "magma".
+    // Uniform steps of lightness, as in matplotlib's "magma".
     constexpr std::array<std::array<double, 3>, 6> stops{{{0.0, 0.0, 0.016},
                                                           {0.232, 0.060, 0.438},
                                                           {0.550, 0.161, 0.506},

@@ -1,4 +1,4 @@
-// How far one picture is from another, as seen: level 5.
+// Perceptual differences between images: level 5.
 #pragma once
 #include <vector>
 
@@ -6,23 +6,24 @@
 
 namespace srbf {
 
-// A picture is what a screen shows: sRGB of 8 bits. Both are of one size, of one pixel at least.
+// Images are as displayed: 8-bit sRGB. Both have the same size, with at least one pixel.
 
-/// Errors of a shown picture against a reference of the same size.
+/// Errors of a displayed image against a reference of the same size.
 struct Likeness {
-    double psnr = 0;  ///< 10 log10(1 / mean squared error of the channels) [dB]; infinite where they are equal
-    double ssim = 0;  ///< mean structural similarity of the luma 0.299 R + 0.587 G + 0.114 B; 1 where equal
-    double flip = 0;  ///< mean of `flip_map`; 0 where equal
+    double psnr = 0;  ///< 10 log10(1 / mean squared error of the channels) [dB]; infinite for equal images
+    double ssim = 0;  ///< mean structural similarity of the luma 0.299 R + 0.587 G + 0.114 B; 1 for equal images
+    double flip = 0;  ///< mean of `flip_map`; 0 for equal images
 };
 Likeness likeness(const Image8& reference, const Image8& other);
 
-/// SSIM of each pixel (Wang, Bovik, Sheikh & Simoncelli 2004): Gaussian windows of σ = 1.5, K1 = 0.01, K2 = 0.03, L = 1; at the border the
-/// picture goes on as its last pixel.
+/// SSIM of each pixel (Wang, Bovik, Sheikh & Simoncelli 2004): Gaussian windows with σ = 1.5, K1 = 0.01, K2 = 0.03, L =
+/// 1; the border pixels are repeated beyond the border.
 std::vector<double> ssim_map(const Image8& reference, const Image8& other);
 
 inline constexpr double k_pixels_per_degree = 3840 * k_degree;
-/// ꟻLIP of each pixel, in [0, 1] (Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström & Fairchild, "FLIP: A Difference Evaluator for Alternating
-/// Images", 2020), for a screen of `pixels_per_degree`; the default is 0.7 m from one that is 0.7 m wide and has 3840 pixels.
+/// ꟻLIP of each pixel, in [0, 1] (Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström & Fairchild, "FLIP: A
+/// Difference Evaluator for Alternating Images", 2020), for a display with `pixels_per_degree`; the default is a
+/// viewing distance of 0.7 m from a display 0.7 m wide with 3840 pixels.
 std::vector<double> flip_map(const Image8& reference, const Image8& other,
                              double pixels_per_degree = k_pixels_per_degree);
 

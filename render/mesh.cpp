@@ -31,10 +31,10 @@ std::vector<Vec3f> area_weighted_normals(std::span<const Vec3f> positions, std::
     return normals;
 }
 
-Result<Mesh> read_mesh(std::span<const std::byte> bytes, const std::string& source) {
+Result<Mesh> read_mesh(std::span<const std::byte> bytes, const std::string& file_name) {
     const bool is_ply =
         bytes.size() >= 3 && bytes[0] == std::byte('p') && bytes[1] == std::byte('l') && bytes[2] == std::byte('y');
-    return is_ply ? read_ply(bytes, source) : read_obj(bytes, source);
+    return is_ply ? read_ply(bytes, file_name) : read_obj(bytes, file_name);
 }
 
 Result<Mesh> load_mesh(const std::string& name) {
@@ -48,7 +48,7 @@ Result<Mesh> load_mesh(const std::string& name) {
 
 namespace {
 
-/// The quadrilaterals of a grid of rows × columns vertices; column `columns` is column 0 again, row `rows` row 0 where `closed`.
+/// Quadrilaterals of a grid of rows × columns vertices. Column `columns` is column 0; row `rows` is row 0 if `closed`.
 std::vector<Triangle> grid(std::uint32_t rows, std::uint32_t columns, bool closed) {
     std::vector<Triangle> triangles;
     for (std::uint32_t i = 0; i + (closed ? 0 : 1) < rows; ++i)
@@ -69,11 +69,11 @@ Mesh sphere(int rings) {
     for (int i = 0; i <= rings; ++i)
         for (int j = 0; j < around; ++j) {
             const Vec3d w = spherical(k_pi * i / rings, 2 * k_pi * j / around);
-            mesh.positions.push_back(to_float(Vec3d{w.y, w.z, w.x}));  // the pole along y
+            mesh.positions.push_back(to_float(Vec3d{w.y, w.z, w.x}));  // poles along y
         }
     mesh.normals = mesh.positions;
     mesh.triangles = grid(std::uint32_t(rings + 1), std::uint32_t(around), false);
-    std::erase_if(mesh.triangles, [&](const Triangle& t) {  // those at the poles without an area
+    std::erase_if(mesh.triangles, [&](const Triangle& t) {  // degenerate triangles at the poles
         const auto ring = [&](std::uint32_t i) { return i / std::uint32_t(around); };
         return ring(t[1]) == ring(t[2]) ? ring(t[1]) == std::uint32_t(rings)
                                         : ring(t[0]) == ring(t[2]) && ring(t[0]) == 0;
@@ -84,7 +84,7 @@ Mesh sphere(int rings) {
 Mesh ball(int rings) {
     assert(rings >= 6 && rings % 2 == 0);
     Mesh mesh = sphere(rings);
-    // The foot: a ring of circular section about the y axis.
+    // The foot: a ring with circular cross-section about the y axis.
     const int along = 2 * rings, around = rings / 2;
     constexpr double ring = 0.66, section = 0.17, height = -0.9;
     const auto first = std::uint32_t(mesh.positions.size());
@@ -113,7 +113,7 @@ Mesh knot(int along, int around) {
                              -3 * std::cos(3 * t)};
         const Vec3d acceleration{-std::sin(t) - 8 * std::sin(2 * t), -std::cos(t) + 8 * std::cos(2 * t),
                                  9 * std::sin(3 * t)};
-        // The curvature never vanishes, so the frame of Frenet closes up without a twist of its own.
+        // The curvature never vanishes, so that the Frenet frame closes up.
         const Vec3d side = normalize(cross(velocity, acceleration)), inward = normalize(cross(side, velocity));
         for (int j = 0; j < around; ++j) {
             const double angle = 2 * k_pi * j / around;

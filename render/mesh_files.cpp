@@ -1,5 +1,5 @@
-// The readers of `.ply` and `.obj`. Both are small and own: what Debian has for `.obj` (tinyobjloader) takes a number that it cannot
-// read for 0, and names no line.
+// The readers of `.ply` and `.obj`. tinyobjloader, the alternative in Debian, reads invalid numbers as 0 and reports no
+// line numbers.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,12 +18,12 @@ constexpr std::uint64_t k_most_numbers = std::numeric_limits<std::uint32_t>::max
 
 bool is_finite(Vec3f p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-/// Adds the fan of triangles (first, k, k+1) of a polygon; fewer than three corners make none.
+/// Adds the triangle fan (first, k, k+1) of a polygon; none for fewer than three corners.
 void add_polygon(const std::vector<std::uint32_t>& corners, std::vector<Triangle>& triangles) {
     for (std::size_t k = 2; k < corners.size(); ++k) triangles.push_back({corners[0], corners[k - 1], corners[k]});
 }
 
-/// ∫ dV over what the triangles enclose; negative where they run clockwise seen from outside.
+/// Signed volume that the triangles enclose; negative if they are clockwise seen from outside.
 double signed_volume(const Mesh& mesh) {
     const Vec3d origin = to_double(bounds(mesh).least);
     double six = 0;
@@ -34,10 +34,10 @@ double signed_volume(const Mesh& mesh) {
     return six / 6;
 }
 
-/// `mesh` with unit normals: its own where it has them, of its triangles where one is missing or zero. Without normals of its own
-/// a surface may be inside out: it is turned where it encloses a negative volume.
-Result<Mesh> finished(Mesh mesh, const std::string& source) {
-    if (mesh.triangles.empty()) return Error{source, {}, "faces of the mesh", "one at least", "none"};
+/// `mesh` with unit normals: its own where they exist, otherwise from its triangles. A surface without normals may be
+/// inside out: its orientation is inverted if it encloses a negative volume.
+Result<Mesh> finished(Mesh mesh, const std::string& file_name) {
+    if (mesh.triangles.empty()) return Error{file_name, {}, "faces of the mesh", "one at least", "none"};
     if (mesh.normals.empty() && signed_volume(mesh) < 0)
         for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
     const std::vector<Vec3f> made = area_weighted_normals(mesh.positions, mesh.triangles);
@@ -85,7 +85,7 @@ constexpr std::size_t size_of(Type type) {
 struct Property {
     std::string name;
     Type type{};
-    std::optional<Type> count;  ///< of a list: the type of its length
+    std::optional<Type> count;  ///< for a list: the type of its length
 };
 struct Element {
     std::string name;
@@ -96,13 +96,13 @@ enum class Encoding { ascii, little, big };
 struct Header {
     Encoding encoding{};
     std::vector<Element> elements;
-    std::size_t end = 0;  ///< where the data begin
+    std::size_t end = 0;  ///< offset of the data
 };
 
 constexpr std::size_t k_most_elements = 64, k_most_properties = 256;
 
-/// The header's own line `property ...`, without its first word.
-Result<Property> read_property(std::string_view words, const std::string& source, std::uint64_t line) {
+/// A line `property ...` of the header, without its first word.
+Result<Property> read_property(std::string_view words, const std::string& file_name, std::uint64_t line) {
     Property property;
     const auto type_of = [](std::string_view word) { return type_named(word); };
     std::string_view word = next_word(words);
@@ -110,23 +110,23 @@ Result<Property> read_property(std::string_view words, const std::string& source
         word = next_word(words);
         property.count = type_of(word);
         if (!property.count || *property.count >= Type::float32)
-            return at_line(source, line, "type of a list's length", "a type of integers", quoted(word));
+            return at_line(file_name, line, "type of a list's length", "a type of integers", quoted(word));
         word = next_word(words);
     }
     const auto type = type_of(word);
-    if (!type) return at_line(source, line, "type of a property", "char, uchar, short to double", quoted(word));
+    if (!type) return at_line(file_name, line, "type of a property", "char, uchar, short to double", quoted(word));
     property.type = *type;
     property.name = next_word(words);
     return property;
 }
 
-Result<Header> read_header(std::span<const std::byte> bytes, const std::string& source) {
+Result<Header> read_header(std::span<const std::byte> bytes, const std::string& file_name) {
     const std::string_view text = as_text(bytes);
     constexpr std::string_view last = "\nend_header";
     const auto mark = text.find(last);
     const auto end = mark == text.npos ? mark : text.find('\n', mark + last.size());
     if (!text.starts_with("ply") || end == text.npos)
-        return Error{source, 0, "header of a .ply", "lines from ply to end_header",
+        return Error{file_name, 0, "header of a .ply", "lines from ply to end_header",
                      text.starts_with("ply") ? "no end_header" : quoted(trimmed(text.substr(0, text.find('\n'))))};
     Header header;
     header.end = end + 1;
@@ -144,7 +144,7 @@ Result<Header> read_header(std::span<const std::byte> bytes, const std::string& 
             else if (encoding == "binary_big_endian")
                 header.encoding = Encoding::big;
             else
-                return at_line(source, lines.number(), "format of a .ply",
+                return at_line(file_name, lines.number(), "format of a .ply",
                                "ascii, binary_little_endian or binary_big_endian", quoted(encoding));
         } else if (keyword == "element") {
             Element element;
@@ -152,37 +152,37 @@ Result<Header> read_header(std::span<const std::byte> bytes, const std::string& 
             const std::string_view word = next_word(*line);
             const auto count = to_number<std::uint64_t>(word);
             if (!count || header.elements.size() == k_most_elements)
-                return at_line(source, lines.number(), "element of a .ply",
+                return at_line(file_name, lines.number(), "element of a .ply",
                                fmt::format("at most {}, each with a count", k_most_elements), quoted(word));
             element.count = *count;
             header.elements.push_back(std::move(element));
         } else if (keyword == "property") {
             if (header.elements.empty() || header.elements.back().properties.size() == k_most_properties)
-                return at_line(source, lines.number(), "property of a .ply",
+                return at_line(file_name, lines.number(), "property of a .ply",
                                fmt::format("after its element, at most {}", k_most_properties), quoted(*line));
-            auto property = read_property(*line, source, lines.number());
+            auto property = read_property(*line, file_name, lines.number());
             if (!property) return property.error();
             header.elements.back().properties.push_back(*std::move(property));
         }
     }
-    if (!has_format) return Error{source, 0, "header of a .ply", "a line that begins with format", "none"};
+    if (!has_format) return Error{file_name, 0, "header of a .ply", "a line that begins with format", "none"};
     return header;
 }
 
-/// The numbers of a file's data one after the other.
+/// Reads consecutive numbers of a file's data.
 class Numbers {
   public:
     Numbers(std::span<const std::byte> bytes, std::size_t at, Encoding encoding)
         : bytes_(bytes), at_(at), encoding_(encoding) {}
     std::size_t at() const { return at_; }
-    /// The fewest bytes that a number of that type takes, what parts it from the next one included.
+    /// The minimum size in bytes of a number of that type, including its separator.
     std::size_t least_bytes(Type type) const { return encoding_ == Encoding::ascii ? 2 : size_of(type); }
-    /// Whether `count` numbers of that type may follow; the last one of a text needs nothing after it.
+    /// Whether `count` numbers of that type may follow; the last number of a text needs no separator.
     bool may_hold(std::uint64_t count, std::uint64_t bytes_each) const {
         return count == 0 || bytes_each == 0 || count <= (bytes_.size() - at_ + 1) / bytes_each;
     }
     std::optional<double> next(Type type) { return encoding_ == Encoding::ascii ? next_word_() : next_bytes(type); }
-    /// What stands where no number was found.
+    /// The text found instead of a number.
     std::string found() const {
         if (at_ >= bytes_.size() || encoding_ != Encoding::ascii) return "the end of the file";
         std::string_view rest = as_text(bytes_.subspan(at_, std::min<std::size_t>(bytes_.size() - at_, 60)));
@@ -239,13 +239,13 @@ class Numbers {
     Encoding encoding_;
 };
 
-/// The nearest float; NaN where there is none.
+/// The nearest float; NaN if there is none.
 float to_float(double x) {
     constexpr float most = std::numeric_limits<float>::max();
     return std::abs(x) <= double(most) ? float(x) : std::numeric_limits<float>::quiet_NaN();
 }
 
-/// Where a property of a vertex goes: a coordinate of its position (0 to 2) or normal (3 to 5), or nowhere (6).
+/// Destination of a vertex property: a coordinate of the position (0 to 2) or normal (3 to 5), or none (6).
 std::size_t place_of(const std::string& name) {
     constexpr std::array<std::string_view, 6> names{"x", "y", "z", "nx", "ny", "nz"};
     return std::size_t(std::ranges::find(names, name) - names.begin());
@@ -253,8 +253,8 @@ std::size_t place_of(const std::string& name) {
 
 class PlyReader {
   public:
-    PlyReader(std::span<const std::byte> bytes, const std::string& source, Header header)
-        : source_(source), header_(std::move(header)), numbers_(bytes, header_.end, header_.encoding) {}
+    PlyReader(std::span<const std::byte> bytes, const std::string& file_name, Header header)
+        : file_name_(file_name), header_(std::move(header)), numbers_(bytes, header_.end, header_.encoding) {}
 
     Result<Mesh> read() && {
         bool has_vertices = false, has_faces = false;
@@ -262,37 +262,37 @@ class PlyReader {
             if (auto fits = check_count(element); !fits) return fits.error();
             const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
             if ((is_vertex && has_vertices) || (is_face && has_faces))
-                return Error{source_, 0, "elements of a .ply", "one " + element.name, "another"};
+                return Error{file_name_, 0, "elements of a .ply", "one " + element.name, "another"};
             auto done = is_vertex ? read_vertices(element) : read_rows(element, is_face ? index_property(element) : -1);
             if (!done) return done.error();
             has_vertices |= is_vertex;
             has_faces |= is_face;
         }
-        if (!has_vertices) return Error{source_, 0, "elements of a .ply", "vertex", "none of that name"};
+        if (!has_vertices) return Error{file_name_, 0, "elements of a .ply", "vertex", "none of that name"};
         for (const Triangle& triangle : mesh_.triangles)
             for (const std::uint32_t i : triangle)
                 if (i >= mesh_.positions.size())
-                    return Error{source_,
+                    return Error{file_name_,
                                  {},
                                  "vertex index of a face",
                                  fmt::format("below {}", mesh_.positions.size()),
                                  std::to_string(i)};
-        return finished(std::move(mesh_), source_);
+        return finished(std::move(mesh_), file_name_);
     }
 
   private:
-    /// A row takes its scalars and the lengths of its lists at least.
+    /// A row has at least its scalars and the lengths of its lists.
     Result<Done> check_count(const Element& element) const {
         std::uint64_t row = 0;
         for (const Property& property : element.properties)
             row += numbers_.least_bytes(property.count.value_or(property.type));
         if (numbers_.may_hold(element.count, row) && element.count <= k_most_numbers) return Done{};
-        return Error{source_, numbers_.at(), fmt::format("number of elements {}", element.name),
+        return Error{file_name_, numbers_.at(), fmt::format("number of elements {}", element.name),
                      "as many as the file's size can hold", std::to_string(element.count)};
     }
 
     Error no_number(const Element& element, std::uint64_t row) const {
-        return Error{source_, numbers_.at(), fmt::format("{} {} of {}", element.name, row + 1, element.count),
+        return Error{file_name_, numbers_.at(), fmt::format("{} {} of {}", element.name, row + 1, element.count),
                      "a number", numbers_.found()};
     }
 
@@ -309,7 +309,7 @@ class PlyReader {
         for (const Property& property : element.properties)
             if (!property.count) has[place_of(property.name)] = true;
         if (!(has[0] && has[1] && has[2]))
-            return Error{source_, 0, "properties of a vertex", "x, y and z", "not all of them"};
+            return Error{file_name_, 0, "properties of a vertex", "x, y and z", "not all of them"};
         const bool has_normals = has[3] && has[4] && has[5];
         mesh_.positions.resize(std::size_t(element.count));
         if (has_normals) mesh_.normals.resize(std::size_t(element.count));
@@ -326,7 +326,7 @@ class PlyReader {
             }
             const Vec3f position{of[0], of[1], of[2]}, normal{of[3], of[4], of[5]};
             if (!is_finite(position) || (has_normals && !is_finite(normal)))
-                return Error{source_, numbers_.at(), fmt::format("vertex {} of {}", row + 1, element.count),
+                return Error{file_name_, numbers_.at(), fmt::format("vertex {} of {}", row + 1, element.count),
                              "finite numbers", "others"};
             mesh_.positions[std::size_t(row)] = position;
             if (has_normals) mesh_.normals[std::size_t(row)] = normal;
@@ -334,28 +334,28 @@ class PlyReader {
         return Done{};
     }
 
-    /// The list of a row; its numbers go to `list` unless that is null.
+    /// Reads the list of a row into `list`, or skips it if that is null.
     Result<Done> read_list(const Element& element, std::uint64_t row, const Property& property,
                            std::vector<std::uint32_t>* list) {
         const auto length = numbers_.next(*property.count);
         if (!length) return no_number(element, row);
         if (!(*length >= 0) || *length != std::floor(*length) || *length > double(k_most_numbers) ||
             !numbers_.may_hold(std::uint64_t(*length), numbers_.least_bytes(property.type)))
-            return Error{source_, numbers_.at(), fmt::format("length of a list of {} {}", element.name, row + 1),
+            return Error{file_name_, numbers_.at(), fmt::format("length of a list of {} {}", element.name, row + 1),
                          "one that the file's size can hold", fmt::format("{:.12g}", *length)};
         for (std::uint64_t k = 0; k < std::uint64_t(*length); ++k) {
             const auto number = numbers_.next(property.type);
             if (!number) return no_number(element, row);
             if (!list) continue;
             if (!(*number >= 0 && *number <= double(k_most_numbers)) || *number != std::floor(*number))
-                return Error{source_, numbers_.at(), fmt::format("vertex index of face {}", row + 1),
+                return Error{file_name_, numbers_.at(), fmt::format("vertex index of face {}", row + 1),
                              "a number from 0 on", fmt::format("{:.12g}", *number)};
             list->push_back(std::uint32_t(*number));
         }
         return Done{};
     }
 
-    /// Passes over an element's rows; property `index` of them, unless −1, holds the corners of a face.
+    /// Skips the rows of an element; property `index`, unless it is −1, holds the corners of a face.
     Result<Done> read_rows(const Element& element, int index) {
         if (element.properties.empty()) return Done{};
         std::vector<std::uint32_t> corners;
@@ -374,7 +374,7 @@ class PlyReader {
         return Done{};
     }
 
-    const std::string& source_;
+    const std::string& file_name_;
     Header header_;
     Numbers numbers_;
     Mesh mesh_;
@@ -382,7 +382,7 @@ class PlyReader {
 
 // ---- .obj --------------------------------------------------------------------------------------------------------
 
-/// The three numbers of a line `v` or `vn`; what follows them (a weight, a colour) is passed over.
+/// The three numbers of a line `v` or `vn`; further numbers (a weight, a colour) are ignored.
 std::optional<Vec3f> read_vector(std::string_view words) {
     const auto x = to_number<float>(next_word(words)), y = to_number<float>(next_word(words)),
                z = to_number<float>(next_word(words));
@@ -390,7 +390,7 @@ std::optional<Vec3f> read_vector(std::string_view words) {
     return Vec3f{*x, *y, *z};
 }
 
-/// An index of `count` things, from 1 on or, negative, from the last one back; counted from 0.
+/// An index into `count` elements, from 1 or, if negative, relative to the end; returned from 0.
 std::optional<std::uint32_t> read_index(std::string_view word, std::size_t count) {
     const auto number = to_number<std::int64_t>(word);
     if (!number || *number == 0) return {};
@@ -413,23 +413,24 @@ std::optional<Corner> read_corner(std::string_view word, std::size_t positions, 
 
 }  // namespace
 
-Result<Mesh> read_ply(std::span<const std::byte> bytes, const std::string& source) {
-    auto header = read_header(bytes, source);
+Result<Mesh> read_ply(std::span<const std::byte> bytes, const std::string& file_name) {
+    auto header = read_header(bytes, file_name);
     if (!header) return header.error();
-    return PlyReader(bytes, source, *std::move(header)).read();
+    return PlyReader(bytes, file_name, *std::move(header)).read();
 }
 
-Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& source) {
+Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_name) {
     std::vector<Vec3f> positions, normals;
     std::vector<Corner> corners, of_face;
-    std::vector<Triangle> triangles;  // of numbers of corners
+    std::vector<Triangle> triangles;  // indices of corners
     bool every_corner_has_a_normal = true;
     Lines lines(as_text(bytes));
     while (auto line = lines.next()) {
         const std::string_view keyword = next_word(*line);
         if (keyword == "v" || keyword == "vn") {
             const auto vector = read_vector(*line);
-            if (!vector) return at_line(source, lines.number(), std::string(keyword), "three numbers", quoted(*line));
+            if (!vector)
+                return at_line(file_name, lines.number(), std::string(keyword), "three numbers", quoted(*line));
             (keyword == "v" ? positions : normals).push_back(*vector);
         } else if (keyword == "f") {
             std::vector<std::uint32_t> polygon;
@@ -437,7 +438,7 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& sourc
                 const auto corner = read_corner(word, positions.size(), normals.size());
                 if (!corner || corners.size() >= k_none)
                     return at_line(
-                        source, lines.number(), "corner of a face",
+                        file_name, lines.number(), "corner of a face",
                         fmt::format("one of the {} vertices and {} normals so far", positions.size(), normals.size()),
                         quoted(word));
                 every_corner_has_a_normal &= corner->second != k_none;
@@ -453,9 +454,9 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& sourc
         mesh.positions = std::move(positions);
         for (const Triangle& t : triangles)
             mesh.triangles.push_back({corners[t[0]].first, corners[t[1]].first, corners[t[2]].first});
-        return finished(std::move(mesh), source);
+        return finished(std::move(mesh), file_name);
     }
-    // A vertex for each pair of a position and a normal.
+    // One vertex per pair of position and normal.
     std::map<Corner, std::uint32_t> vertex_of;
     for (const Triangle& t : triangles) {
         Triangle& triangle = mesh.triangles.emplace_back();
@@ -468,7 +469,7 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& sourc
             mesh.normals.push_back(normals[corner.second]);
         }
     }
-    return finished(std::move(mesh), source);
+    return finished(std::move(mesh), file_name);
 }
 
 }  // namespace srbf

@@ -29,7 +29,7 @@ bool has_client_extension(std::string_view name) {
     return all && std::string_view(all).find(name) != std::string_view::npos;
 }
 
-/// Displays that need no screen, those that a GPU may be behind first: the devices', Mesa's surfaceless one, the default.
+/// Displays without a screen, in the order: devices (possibly a GPU), Mesa's surfaceless one, the default.
 std::vector<EGLDisplay> offscreen_displays() {
     std::vector<EGLDisplay> displays;
     if (has_client_extension("EGL_EXT_platform_device") && has_client_extension("EGL_EXT_device_enumeration")) {
@@ -48,7 +48,7 @@ std::vector<EGLDisplay> offscreen_displays() {
     return displays;
 }
 
-/// A context of the dialect that is current; EGL_NO_CONTEXT where there is none.
+/// Makes a context of the dialect current; EGL_NO_CONTEXT if there is none.
 EGLContext current_context(EGLDisplay display, Dialect dialect) {
     const bool is_es = dialect == Dialect::es_300;
     if (!is_loadable(is_es ? "libGLESv2.so.2" : "libOpenGL.so.0") && !is_loadable("libGL.so.1")) return EGL_NO_CONTEXT;

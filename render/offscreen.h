@@ -1,4 +1,4 @@
-// A context to draw in without a window: level 6.
+// OpenGL contexts without a window: level 6.
 #pragma once
 #include <optional>
 #include <string>
@@ -7,18 +7,18 @@
 
 namespace srbf {
 
-/// A context of its own, current on this thread from when it is made until it goes: by EGL, without a display or window; on a
-/// machine without a GPU the library draws on the CPU (Mesa's llvmpipe).
+/// An own context, current on this thread for the lifetime of the object. It uses EGL without a display or window;
+/// without a GPU the library renders on the CPU (Mesa's llvmpipe).
 class OffscreenContext {
   public:
-    /// Of that dialect; without one OpenGL 4.5, or else OpenGL ES 3.0. Errors name what is missing.
+    /// A context for that dialect; by default OpenGL 4.5, or else OpenGL ES 3.0. Errors name what is missing.
     static Result<OffscreenContext> make(std::optional<Dialect> dialect = {});
     OffscreenContext(OffscreenContext&& other) noexcept;
     OffscreenContext& operator=(OffscreenContext&&) = delete;
     ~OffscreenContext();
 
     Dialect dialect() const { return dialect_; }
-    /// What the library says of itself: "llvmpipe (LLVM 15.0.6, 256 bits), 4.5 (Core Profile) Mesa 22.3.6".
+    /// The library's description of itself: "llvmpipe (LLVM 15.0.6, 256 bits), 4.5 (Core Profile) Mesa 22.3.6".
     std::string renderer() const;
 
   private:

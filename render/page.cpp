@@ -22,7 +22,7 @@ template <typename T> std::string base64_of(const std::vector<T>& numbers) {
     return base64(std::as_bytes(std::span(numbers)));
 }
 
-/// A texture as viewer.js takes it.
+/// A texture in the form that viewer.js expects.
 Json texture(const char* sampler, const char* target, const char* format, std::vector<std::uint32_t> size,
              std::string texels) {
     return {{"sampler", sampler},
@@ -32,7 +32,8 @@ Json texture(const char* sampler, const char* target, const char* format, std::v
             {"texels", std::move(texels)}};
 }
 
-/// What a material's shader looks up: "block", the numbers of PmNumbers; "vectors", of the uniform `ggx_numbers`; "textures".
+/// The inputs of a material's shader: "block", the numbers of PmNumbers; "vectors", of the uniform `ggx_numbers`;
+/// "textures".
 Json numbers_of(const Flat&) { return Json::object(); }
 Json numbers_of(const PmModel& model) { return {{"block", base64_of(pm_numbers(model))}}; }
 Json numbers_of(const GgxModel& model) {
@@ -81,7 +82,7 @@ Json json_of(const Mesh& mesh) {
 
 ShaderText text_of(const Material& material) { return shader_text(material, {.dialect = Dialect::es_300}); }
 
-/// What viewer.js works with, but for the shaders.
+/// The data of viewer.js, except for the shaders.
 Json data_of(const Page& page) {
     Json data;
     data["fov"] = Viewpoint{}.fov;
@@ -105,14 +106,14 @@ Json data_of(const Page& page) {
     return data;
 }
 
-/// JSON that no `</script>` ends.
+/// JSON without a `</script>`.
 std::string script_text(const Json& json) {
     std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     for (std::size_t at = 0; (at = text.find('<', at)) != text.npos;) text.replace(at, 1, "\\u003c");
     return text;
 }
 
-/// The first is the dark one, the others tell from each other by colour-blind eyes (Okabe & Ito 2008).
+/// The first colour is dark; the others are distinguishable with colour blindness (Okabe & Ito 2008).
 std::string colour_of(std::size_t i) {
     constexpr std::array<const char*, 6> others{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#b08000"};
     return i == 0 ? "#222" : others[(i - 1) % others.size()];
@@ -182,7 +183,7 @@ std::string copied(std::string_view title, std::string_view id, const std::strin
         "id='{}'>{}</pre></details>\n",
         html_escaped(title), id, html_escaped(text));
 }
-/// What a shader is given by name, four numbers a line.
+/// The named inputs of a shader, four numbers per line.
 using NamedNumbers = std::pair<std::string, std::string>;
 NamedNumbers named(std::string name, std::span<const Float4> numbers) {
     std::string text;

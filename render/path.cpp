@@ -12,8 +12,8 @@
 namespace srbf {
 namespace {
 
-constexpr int k_tile = 16;     // pixels along a side
-constexpr int k_roulette = 3;  // bounces that every path may do
+constexpr int k_tile = 16;     // pixels per side
+constexpr int k_roulette = 3;  // bounces before Russian roulette
 
 Rgb operator*(const Rgb& a, const Rgb& b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
 Rgb operator*(float s, const Rgb& a) { return {s * a.r, s * a.g, s * a.b}; }
@@ -21,7 +21,7 @@ Rgb& operator+=(Rgb& a, const Rgb& b) { return a = {a.r + b.r, a.g + b.g, a.b + 
 float largest(const Rgb& a) { return std::max({a.r, a.g, a.b}); }
 Vec3f operator-(Vec3f a) { return -1.f * a; }
 
-/// A number of 64 well-mixed bits for each x (SplitMix64, Steele, Lea & Flood 2014).
+/// A 64-bit hash of x (SplitMix64, Steele, Lea & Flood 2014).
 constexpr std::uint64_t k_step = 0x9e3779b97f4a7c15;
 std::uint64_t mixed(std::uint64_t x) {
     x += k_step;
@@ -30,30 +30,32 @@ std::uint64_t mixed(std::uint64_t x) {
     return x ^ (x >> 31);
 }
 
-/// Numbers even in [0,1) for one path. The first `k_even` of the paths of a pixel fill their cube evenly: path i has multiples i of powers of 1/g,
-/// g^(k_even+1) = g + 1 (Roberts 2018), from a random point on. The others are independent.
+/// Random numbers uniform in [0,1) for one path. The first `k_low_discrepancy` numbers of the paths of a pixel form an
+/// R sequence: path i has multiples i of powers of 1/g, g^(k_low_discrepancy+1) = g + 1 (Roberts 2018), with a random
+/// offset. The others are independent.
 class Random {
   public:
     Random(std::uint64_t seed, std::uint64_t pixel, std::uint64_t sample)
         : sample_(sample), shift_(mixed(mixed(seed) ^ pixel)), state_(mixed(shift_ ^ sample)) {}
     float next() {
         state_ += k_step;
-        if (taken_ >= k_even) return in_unit(mixed(state_));
+        if (taken_ >= k_low_discrepancy) return in_unit(mixed(state_));
         const auto d = taken_++;
         return in_unit(mixed(shift_ + k_step * (d + 1)) + sample_ * steps()[d]);
     }
-    /// Leaves out what is left of the first ones.
-    void independent() { taken_ = k_even; }
+    /// Skips the remaining low-discrepancy numbers.
+    void independent() { taken_ = k_low_discrepancy; }
 
   private:
-    static constexpr std::size_t k_even = 10;
+    static constexpr std::size_t k_low_discrepancy = 10;
     static float in_unit(std::uint64_t x) { return float(x >> 40) * 0x1p-24f; }
-    static const std::array<std::uint64_t, k_even>& steps() {
+    static const std::array<std::uint64_t, k_low_discrepancy>& steps() {
         static const auto all = [] {
             double g = 1.5;
-            for (int i = 0; i < 60; ++i) g = std::pow(1 + g, 1.0 / (k_even + 1));
-            std::array<std::uint64_t, k_even> step;
-            for (std::size_t d = 0; d < k_even; ++d) step[d] = std::uint64_t(std::pow(1 / g, double(d + 1)) * 0x1p64);
+            for (int i = 0; i < 60; ++i) g = std::pow(1 + g, 1.0 / (k_low_discrepancy + 1));
+            std::array<std::uint64_t, k_low_discrepancy> step;
+            for (std::size_t d = 0; d < k_low_discrepancy; ++d)
+                step[d] = std::uint64_t(std::pow(1 / g, double(d + 1)) * 0x1p64);
             return step;
         }();
         return all;
@@ -62,7 +64,7 @@ class Random {
     std::size_t taken_ = 0;
 };
 
-/// Three axes in float; shading is in a frame whose z is the normal.
+/// Three axes in float; shading uses a frame whose z axis is the normal.
 struct Axes {
     Vec3f x, y, z;
     Vec3f to(Vec3f w) const { return {dot(w, x), dot(w, y), dot(w, z)}; }
@@ -70,18 +72,18 @@ struct Axes {
 };
 Axes in_float(const Frame& frame) { return {to_float(frame.x), to_float(frame.y), to_float(frame.z)}; }
 
-/// The power heuristic's share of a draw of density `a`, which another way to draw has with density `b`.
+/// The power heuristic's weight of a sample with density `a` when another technique has density `b`.
 float share(float a, float b) { return a > 0 ? 1 / (1 + (b / a) * (b / a)) : 0; }
 
 struct Surface {
     Vec3f position;
-    Vec3f geometric;  ///< normal, to the viewer's side
-    Axes axes;        ///< about the shading normal, to the viewer's side as well
+    Vec3f geometric;  ///< normal on the viewer's side
+    Axes axes;        ///< about the shading normal, on the viewer's side
     const PreparedBrdf* material;
-    Vec3f wv;  ///< in them
+    Vec3f wv;  ///< in these axes
 };
 
-/// What one path brings home.
+/// The result of one path.
 struct Found {
     Rgb radiance, albedo;
     Vec3f normal{};
@@ -101,7 +103,7 @@ class Tracer {
         const Vec3d y = normalize(scene.camera.up), side = normalize(cross(y, frame(scene.camera).z)),
                     z = cross(side, y);
         environment_axes_ = in_float({side, y, z});
-        // A ray begins so far off the surface, of the size of what is to be seen.
+        // Offset of a ray's origin from the surface, proportional to the size of the scene.
         double size = 0;
         for (const Mesh* mesh : meshes_) {
             const Bounds box = bounds(*mesh);
@@ -119,7 +121,7 @@ class Tracer {
         Vec3f origin = eye_, direction = camera_.from(normalize(Vec3f{half_ * aspect * s, half_ * t, -1}));
         Found found;
         Rgb throughput{1, 1, 1};
-        float drawn_pdf = 0;  // of the direction; 0: it was not drawn, but is the picture's
+        float drawn_pdf = 0;  // of the direction; 0: a camera ray, which was not sampled
         for (int bounce = 0;; ++bounce) {
             ++found.rays;
             const auto hit = rays_.closest(origin, direction);
@@ -176,11 +178,11 @@ class Tracer {
         const float length = std::sqrt(dot(normal, normal));
         normal = length > 1e-6f ? (1 / length) * normal : surface.geometric;
         if (dot(normal, surface.geometric) < 0) normal = -normal;
-        // An interpolated normal may turn away from a viewer who sees the triangle.
+        // An interpolated normal may point away from a viewer who sees the triangle.
         if (!(dot(normal, direction) < 0)) normal = surface.geometric;
         surface.axes = in_float(surface_frame(to_double(normal)));
         surface.wv = surface.axes.to(-direction);
-        // Rounding must not put the viewer below the horizon, nor off the unit sphere.
+        // Rounding must not move the viewer below the horizon or off the unit sphere.
         surface.wv.z = std::max(surface.wv.z, 1e-5f);
         surface.position = surface.position + offset_ * surface.geometric;
         return surface;
@@ -191,8 +193,8 @@ class Tracer {
         return is_finite(f) ? f : Rgb{};
     }
 
-    /// Adds f cosθl times what arrives from `direction`, where nothing is nearer than `distance`; by draws of density `light_pdf`, or none
-    /// (0) where the light has a single direction.
+    /// Adds f cosθl times the radiance from `direction` if nothing is closer than `distance`; with multiple importance
+    /// sampling for density `light_pdf`, or without (0) for a light with a single direction.
     void add_light(Found& found, const Rgb& throughput, const Surface& surface, Vec3f direction, float distance,
                    const Rgb& arriving, float light_pdf) const {
         const Vec3f wl = surface.axes.to(direction);
@@ -229,14 +231,14 @@ class Tracer {
 
     bool has_environment() const { return scene_.environment && !scene_.environment->is_black(); }
 
-    /// Of drawing a direction by way of that light's point; 0 from behind it.
+    /// Density of sampling a direction by a point of that light; 0 from behind.
     float area_pdf(const AreaLight& light, Vec3f direction, float distance) const {
         const Vec3f across = cross(light.x, light.y);
         const float facing = -dot(across, direction);  // area times cosine
         return facing > 0 ? distance * distance / (facing * float(scene_.area_lights.size())) : 0;
     }
 
-    /// Adds what shines along a ray up to `distance`, of a direction drawn with density `drawn_pdf`.
+    /// Adds the emission along a ray up to `distance`, whose direction was sampled with density `drawn_pdf`.
     void add_lights(Rgb& radiance, const Rgb& throughput, Vec3f origin, Vec3f direction, float distance,
                     float drawn_pdf) const {
         const auto add = [&](const Rgb& arriving, float light_pdf) {
@@ -327,7 +329,7 @@ Mesh ground_below(const Mesh& mesh, Vec3d up, double size) {
                 across = most - least;
     const Vec3d n = normalize(up), x = normalize(cross(std::abs(n.x) < 0.7 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0), n)),
                 y = cross(n, x);
-    // The lowest corner of the box along `up`.
+    // The lowest corner of the bounding box along `up`.
     double lowest = 0;
     for (int i = 0; i < 8; ++i) {
         const Vec3d corner{i & 1 ? most.x : least.x, i & 2 ? most.y : least.y, i & 4 ? most.z : least.z};

@@ -1,5 +1,5 @@
-// A pixel of a surface under directional lights; after a material's text, LIGHTS, EACH_LIGHT, DEFERRED, SHOWN, and
-// shading.glsl.
+// Shades a pixel of a surface under directional lights; to follow a material's text, LIGHTS, EACH_LIGHT, DEFERRED,
+// SHOWN, and shading.glsl.
 out vec4 pixel;
 
 #if DEFERRED
@@ -12,11 +12,11 @@ in vec3 surface_normal;
 
 uniform vec3 eye;
 uniform vec3 light_direction[LIGHTS];   // to the light, unit vectors
-uniform vec3 light_irradiance[LIGHTS];  // on a surface that faces it
+uniform vec3 light_irradiance[LIGHTS];  // on a surface that faces the light
 uniform float exposure;
 
-// f_r max(0, n.l) E of one light, and 1 where f_r was asked for but not measured. Without a branch, so that what the values for
-// several lights have in common is found once.
+// f_r max(0, n.l) E of one light, and 1 where f_r was needed but not measured. Without branches, so that the compiler
+// shares common subexpressions between lights.
 vec4 reflected(SurfaceFrame frame, Vec3 wv, Vec3 towards, Vec3 irradiance) {
     Vec3 wl = to_surface(frame, towards);
     vec4 lit = vec4(wl.z * brdf(wl, wv) * irradiance, is_measured ? 0.0 : 1.0);

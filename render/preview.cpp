@@ -10,7 +10,7 @@ namespace srbf {
 
 namespace {
 
-/// Calls visit(n) with the sphere's normal at each point of pixel (x, y) that lies on it.
+/// Calls visit(n) with the sphere's normal at each sample point of pixel (x, y) that lies on it.
 template <typename Visit> void for_each_normal(int x, int y, const SphereOptions& options, const Visit& visit) {
     const double half = options.size / 2.0, radius = SphereOptions::k_radius * half;
     for (int j = 0; j < options.samples; ++j)
@@ -21,15 +21,15 @@ template <typename Visit> void for_each_normal(int x, int y, const SphereOptions
         }
 }
 
-/// The points of a row that a light reaches, as arrays for one evaluation.
+/// The lit points of a row, as arrays for one evaluation.
 struct LitPoints {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;
-    std::vector<Rgb> irradiance;  ///< max(0, n·l) E, divided by the number of the pixel's points on the sphere
+    std::vector<Rgb> irradiance;  ///< max(0, n·l) E over the number of the pixel's points on the sphere
     std::vector<int> column;
 };
 
-/// Puts row y of the sphere into `image`, which is 0 there.
+/// Adds row y of the sphere to `image`, which is 0 there.
 void render_row(const Evaluate& f, const SphereOptions& options, int y, Image& image) {
     LitPoints points;
     for (int x = 0; x < options.size; ++x) {

@@ -120,7 +120,7 @@ Result<Done> check_size(const char* what, std::uint64_t size, GLenum limit) {
     if (size <= std::uint64_t(integer(limit))) return Done{};
     return missing(what, fmt::format("at most {} here", integer(limit)), std::to_string(size));
 }
-/// Whether a material's numbers fit what the library has.
+/// Whether a material's numbers fit the limits of the library.
 Result<Done> check_limits(const Flat&) { return Done{}; }
 Result<Done> check_limits(const GgxModel&) { return Done{}; }
 Result<Done> check_limits(const MerlTable& table) {
@@ -138,7 +138,7 @@ Result<Done> check_limits(const SuModel& model) {
                       is_cube ? GL_MAX_CUBE_MAP_TEXTURE_SIZE : GL_MAX_TEXTURE_SIZE);
 }
 
-/// x, y, z, w to their places in the picture: OpenGL's clip coordinates, columns one after the other.
+/// The transform from x, y, z, w to OpenGL's clip coordinates, column-major.
 std::array<float, 16> to_clip(const Camera& camera, double aspect, const Bounds& box) {
     const Frame axes = frame(camera);
     double near = HUGE_VAL, far = 0;
@@ -167,7 +167,7 @@ void bind_texture(std::size_t unit, GLenum target, const GlObject& texture) {
     glBindTexture(target, texture.id());
 }
 
-/// By the current program, which is `program`.
+/// Uses the current program, `program`.
 void draw_mesh(const GlObject& program, const RasterMesh& mesh, const RasterView& view) {
     glUniformMatrix4fv(glGetUniformLocation(program.id(), "to_clip"), 1, GL_FALSE,
                        to_clip(view.camera, view.aspect, mesh.bounds()).data());
@@ -186,7 +186,7 @@ void RasterMaterial::add_texture(const char* sampler, Texture texture) {
 
 void RasterMaterial::load(const MerlTable& table) {
     const auto [h, d, p] = table.size;
-    // Linear interpolation of 32-bit floats is an extension of OpenGL ES.
+    // Linear interpolation of 32-bit floats is an extension in OpenGL ES.
     const bool is_fine = epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_OES_texture_float_linear");
     auto texels = merl_texels(table);
     if (!is_fine)
@@ -292,7 +292,7 @@ void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view) 
         glUniform1i(glGetUniformLocation(program_.id(), sampler), GLint(unit));
         bind_texture(unit, GL_TEXTURE_2D, *texture);
     }
-    // The triangle lies at the far end: what lies before it is where the surface is.
+    // The triangle lies at the far plane: the surface is where the depth is less.
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
     glDepthMask(GL_FALSE);
@@ -340,20 +340,20 @@ Result<Done> check_picture(int width, int height, bool floats) {
     return Done{};
 }
 
-/// Whether the framebuffer that is bound can be drawn into.
+/// Whether the bound framebuffer can be drawn into.
 Result<Done> check_framebuffer(int width, int height) {
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE && glGetError() != GL_OUT_OF_MEMORY)
         return Done{};
     return missing("picture", "memory and a format that can be drawn", fmt::format("{} x {}", width, height));
 }
 
-/// The floats of the colour buffer `colour` of the framebuffer that is read, rows from the top.
+/// The floats of colour buffer `colour` of the read framebuffer, rows from the top.
 std::vector<Float4> read_colour(GLenum colour, int columns, int rows) {
     const auto width = std::size_t(columns), height = std::size_t(rows);
     std::vector<Float4> pixels(width * height);
     glReadBuffer(colour);
     glReadPixels(0, 0, columns, rows, GL_RGBA, GL_FLOAT, pixels.data());
-    for (std::size_t y = 0; y < height / 2; ++y)  // its rows run upwards
+    for (std::size_t y = 0; y < height / 2; ++y)  // OpenGL's rows start at the bottom
         std::swap_ranges(&pixels[y * width], &pixels[y * width] + width, &pixels[(height - 1 - y) * width]);
     return pixels;
 }

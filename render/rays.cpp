@@ -23,7 +23,7 @@ RTCRay ray_of(Vec3f origin, Vec3f direction, float furthest) {
     return ray;
 }
 
-// The two versions differ in what a query takes beside the ray.
+// The two versions differ in the arguments of a query.
 #if RTC_VERSION_MAJOR >= 4
 void intersect(RTCScene scene, RTCRayHit& hit) { rtcIntersect1(scene, &hit); }
 void occlude(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray); }
@@ -43,7 +43,7 @@ void occlude(RTCScene scene, RTCRay& ray) {
 }  // namespace
 
 Rays::Rays(const std::vector<const Mesh*>& meshes) {
-    // One thread: the tree of a mesh as large as these is built at once, and does not depend on the machine.
+    // One thread: the tree of such a mesh is built quickly and independently of the machine.
     device_ = {rtcNewDevice("threads=1,set_affinity=0"),
                [](void* device) { rtcReleaseDevice(static_cast<RTCDevice>(device)); }};
     const auto device = static_cast<RTCDevice>(device_.get());
@@ -52,7 +52,7 @@ Rays::Rays(const std::vector<const Mesh*>& meshes) {
     for (unsigned i = 0; i < meshes.size(); ++i) {
         const Mesh& mesh = *meshes[i];
         const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        // Embree reads 16 bytes of a vertex of 12, so the vertices are copied into its own buffer, which has room behind them.
+        // Embree reads 16 bytes for a vertex of 12, so the vertices are copied into its own padded buffer.
         auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(
             geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.positions.size()));
         std::copy(mesh.positions.begin(), mesh.positions.end(), vertices);

@@ -1,4 +1,4 @@
-// Where rays meet meshes: level 5. By Embree, of version 3 or 4, which nothing else knows of.
+// Ray intersection with meshes by Embree 3 or 4, which is used only here: level 5.
 #pragma once
 #include <memory>
 #include <optional>
@@ -14,17 +14,17 @@ struct Hit {
     float distance;
     std::uint32_t mesh, triangle;
     float u, v;              ///< the point is (1−u−v) p0 + u p1 + v p2
-    Vec3f geometric_normal;  ///< of the triangle, unit vector, to the side from which it is counter-clockwise
+    Vec3f geometric_normal;  ///< unit normal of the triangle, on its counter-clockwise side
 };
 
-/// Meshes to be hit. They are referred to, and must outlive it.
+/// Meshes for ray intersection. Keeps references to them; they must outlive it.
 class Rays {
   public:
     explicit Rays(const std::vector<const Mesh*>& meshes);
 
     /// The first hit along a unit vector.
     std::optional<Hit> closest(Vec3f origin, Vec3f direction) const;
-    /// Whether anything is nearer than `distance`.
+    /// Whether any hit is closer than `distance`.
     bool occluded(Vec3f origin, Vec3f direction, float distance) const;
 
   private:

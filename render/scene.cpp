@@ -23,7 +23,7 @@ Camera camera_of(const Mesh& mesh, const Viewpoint& viewpoint, double aspect) {
     assert(!mesh.positions.empty() && aspect > 0);
     const double c = std::cos(viewpoint.elevation);
     const Vec3d from{c * std::sin(viewpoint.azimuth), std::sin(viewpoint.elevation), c * std::cos(viewpoint.azimuth)};
-    // The axes x, y, z of a mesh with y upwards are x, z, −y of one with z upwards.
+    // The axes x, y, z of a mesh with y upwards correspond to x, z, −y of one with z upwards.
     const auto turned = [&](Vec3d w) { return viewpoint.z_up ? Vec3d{w.x, -w.z, w.y} : w; };
 
     const Bounds box = bounds(mesh);
@@ -35,7 +35,7 @@ Camera camera_of(const Mesh& mesh, const Viewpoint& viewpoint, double aspect) {
                            : Vec3d{-from.y * std::sin(viewpoint.azimuth), 0, -from.y * std::cos(viewpoint.azimuth)});
     camera.eye = camera.target + turned(from);
 
-    // A point (x, y, z) of the frame about the target is seen at x / (distance − z).
+    // A point (x, y, z) of the frame about the target is projected to x / (distance − z).
     const Frame axes = frame(camera);
     const double half = std::tan(camera.fov / 2) * (1 - k_margin);
     double distance = 0;

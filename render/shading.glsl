@@ -1,14 +1,14 @@
-// From a point of a surface to the colour of a pixel, in the text that GLSL and C++ share, as kernel.glsl; the host names what that one
-// takes, and pow, normalize, cross and dot.
+// From a point of a surface to the colour of a pixel, in the common subset of GLSL and C++ like kernel.glsl. The host
+// also defines pow, normalize, cross and dot.
 
 // ---- To the screen -----------------------------------------------------------------------------------------------
 
 #define SRBF_KNEE 0.76
 #define SRBF_WHITENING 0.15
 
-// The colour in [0,1]^3 that a screen is to emit for x = exposure * radiance >= 0, m being its largest channel:
-//   x                          where m <= k,
-//   (1-g) x m'/m + g m'        elsewhere, m' = 1 - (1-k)^2/(m + 1 - 2k), g = 1 - 1/(1 + s(m - m')),
+// Tone mapping of x = exposure * radiance >= 0 to [0,1]^3, with m its largest channel:
+//   x                          if m <= k,
+//   (1-g) x m'/m + g m'        otherwise, m' = 1 - (1-k)^2/(m + 1 - 2k), g = 1 - 1/(1 + s(m - m')),
 // k = 0.76, s = 0.15: the Khronos PBR Neutral tone mapper (2024) without its toe.
 SRBF_FN Vec3 tone_mapped(Vec3 x) {
     Real knee = Real(SRBF_KNEE);
@@ -23,7 +23,7 @@ SRBF_FN Vec3 tone_mapped(Vec3 x) {
                 select(linear, x.z, (Real(1.0) - whitened) * (x.z / beyond) * new_peak + white));
 }
 
-// The transfer function of sRGB (IEC 61966-2-1) on [0,1]: 12.92 x where x <= 0.0031308, elsewhere 1.055 x^(1/2.4) - 0.055.
+// The transfer function of sRGB (IEC 61966-2-1) on [0,1]: 12.92 x if x <= 0.0031308, otherwise 1.055 x^(1/2.4) - 0.055.
 SRBF_FN Real srgb_transfer(Real x) {
     return select(x <= Real(0.0031308), Real(12.92) * x, Real(1.055) * pow(x, Real(1.0 / 2.4)) - Real(0.055));
 }
@@ -33,8 +33,9 @@ SRBF_FN Real srgb_transfer(Real x) {
 // The least cosine between a shading normal and the direction to the viewer: 89.4 degrees.
 #define SRBF_LEAST_COSINE 0.01
 
-// An interpolated normal, of any length but 0, as a unit vector that the viewer at wv sees: one that turns away from the viewer, as happens
-// along the outline of a mesh, is bent back by so much of wv that the cosine is SRBF_LEAST_COSINE before it is normalized.
+// The unit vector of an interpolated normal of any length but 0, visible to the viewer at wv. A normal that points away
+// from the viewer, as happens along the silhouette of a mesh, is first moved towards wv so that the cosine is
+// SRBF_LEAST_COSINE.
 SRBF_FN Vec3 visible_normal(Vec3 interpolated, Vec3 wv) {
     Vec3 n = normalize(interpolated);
     return normalize(n + max(Real(SRBF_LEAST_COSINE) - dot(n, wv), Real(0.0)) * wv);
@@ -46,8 +47,8 @@ struct SurfaceFrame {
     Vec3 normal;
 };
 
-// The frame about a unit normal n: t = (n_z, 0, -n_x) / sqrt(n_x^2 + n_z^2) along the circle of latitude about y, n x t, n. At the
-// poles t = (1, 0, 0).
+// The frame about a unit normal n: t = (n_z, 0, -n_x) / sqrt(n_x^2 + n_z^2) along the circle of latitude about y, n x
+// t, n. At the poles t = (1, 0, 0).
 SRBF_FN SurfaceFrame surface_frame_about(Vec3 n) {
     SurfaceFrame frame;
     Real squared = n.x * n.x + n.z * n.z;

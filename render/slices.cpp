@@ -14,7 +14,7 @@
 namespace srbf {
 namespace {
 
-/// The plot's frame within the drawing.
+/// The frame of the plot within the drawing.
 constexpr double k_width = 360, k_height = 250, k_left = 40, k_right = 344, k_top = 36, k_bottom = 210;
 
 std::vector<double> angles_of(double mirror) {
@@ -25,7 +25,8 @@ std::vector<double> angles_of(double mirror) {
     return degrees;
 }
 
-/// The points of a curve as a path: broken where `y` is not finite, without those that are next to the one before.
+/// The points of a curve as a path: interrupted where `y` is not finite, without points that nearly coincide with the
+/// previous one.
 struct Outline {
     std::string path;
     double x = 0, y = 0;
@@ -48,7 +49,7 @@ std::string drawn(const SliceCurve& curve, const Outline& outline, bool is_first
 /// "0.52", "1100".
 std::string two_digits(double x) { return fmt::format("{:g}", std::strtod(fmt::format("{:.2g}", x).c_str(), nullptr)); }
 
-/// The powers of ten about positive values, `decades` of them at most.
+/// The powers of ten about positive values, at most `decades` of them.
 struct Decades {
     int lowest = -1, highest = 0;
     Decades(double least, double most, int decades) {
@@ -56,7 +57,7 @@ struct Decades {
         highest = std::max(int(std::ceil(std::log10(most))), int(std::floor(std::log10(least))) + 1);
         lowest = std::max(int(std::floor(std::log10(least))), highest - decades);
     }
-    /// 0 at the lowest, 1 at the highest; a NaN stays one.
+    /// 0 at the lowest, 1 at the highest; NaN is kept.
     double share(double value) const {
         return std::isnan(value) ? value : (std::log10(std::max(value, 1e-300)) - lowest) / (highest - lowest);
     }

@@ -1,4 +1,4 @@
-// What a pixel sees of a mesh, for pixel.glsl to take up in a second pass.
+// Position and normal of the visible surface at a pixel, input of pixel.glsl in a second pass.
 in vec3 surface_position;
 in vec3 surface_normal;
 layout(location = 0) out vec4 position;

@@ -1,2 +1,2 @@
-// A triangle that covers the picture, at its far end.
+// A triangle at the far plane that covers the picture.
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 1.0, 1.0); }

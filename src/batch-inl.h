@@ -1,6 +1,5 @@
-// A batch of floats as wide as the machine's vectors, and the formulas of kernel.glsl on it. Included once
-// for each instruction set, inside of a file that Highway includes again and again; hence no ordinary include
-// guard.
+// A SIMD batch of floats with the widest vectors of the target, and the formulas of kernel.glsl on it. Included once
+// per instruction set, within a file that Highway includes repeatedly; hence no ordinary include guard.
 #if defined(SRBF_BATCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SRBF_BATCH_INL_H
 #undef SRBF_BATCH_INL_H
@@ -25,7 +24,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::ScalableTag<float>;
 
-// a b, not multiplied yet: what is added to it makes one fused operation of both, always the same one.
+// The product a b, not yet evaluated: adding to it gives a fused multiply-add, always the same one.
 template <typename B> struct Product {
     B a, b;
     HWY_INLINE Product(B a_, B b_) : a(a_), b(b_) {}
@@ -48,12 +47,12 @@ template <typename B, typename... More> HWY_INLINE B polynomial(B x, double c, M
 template <typename Real> struct Vec3;
 template <typename B> struct Scaled;
 
-// The lanes of a vector of that kind.
+// The lanes of a vector with that tag.
 template <typename D> struct BatchOf {
     using Bits = hn::RebindToSigned<D>;
     using Mask = hn::Mask<D>;
     hn::Vec<D> v;
-    BatchOf() = default;  // of no value yet, like a float
+    BatchOf() = default;  // uninitialised, like a float
     HWY_INLINE BatchOf(hn::Vec<D> x) : v(x) {}
     HWY_INLINE explicit BatchOf(double x) : v(hn::Set(D(), float(x))) {}
     static HWY_INLINE BatchOf load(const float* p) { return hn::Load(D(), p); }
@@ -86,22 +85,22 @@ template <typename D> struct BatchOf {
         return hn::IfThenElse(condition, a.v, b.v);
     }
 
-    // 2^a for a < 127.5: 2^n 2^r, n the nearest integer, with a minimax polynomial for 2^r. Relative error 2e-7 from
-    // -126 up; falls to 0 at -127, where the bits of 2^n 2^r are those of 0, and stays there.
+    // 2^a for a < 127.5: 2^n 2^r with n the nearest integer and a minimax polynomial for 2^r. Relative error 2e-7 from
+    // -126 up; falls to 0 at -127 and stays 0 below.
     friend HWY_INLINE BatchOf exp2(BatchOf a) {
         const Bits bits;
         const BatchOf magic(12582912.0);  // 1.5 * 2^23: adding it rounds to an integer, in the low bits of the sum
         const BatchOf x = max(a, BatchOf(-127.0));
         const BatchOf sum = x + magic;
         const BatchOf r = x - (sum - magic);
-        const BatchOf r2 = r * r;  // in three parts, which need not wait for each other
+        const BatchOf r2 = r * r;  // three independent parts
         const BatchOf power = polynomial(r, 1.0, 0.6931469768716529) +
                               r2 * (polynomial(r, 0.24022241112231937, 0.05550734515316676) +
                                     r2 * polynomial(r, 0.009671576407961614, 0.0013264645359974006));
         const auto n = hn::ShiftLeft<23>(hn::BitCast(bits, sum.v));
         return hn::BitCast(D(), hn::Add(hn::BitCast(bits, power.v), n));
     }
-    // e^a. Relative error 2e-7 (1 + |a| / 2), of which the part that grows is half an ulp of the exponent.
+    // e^a. Relative error 2e-7 (1 + |a| / 2); the growing part is half an ulp of the exponent.
     friend HWY_INLINE BatchOf exp(BatchOf a) { return exp2(BatchOf(1.4426950408889634) * a); }
 
     // The natural logarithm of a normal positive number: e log(2) + log(m), m in [sqrt(1/2), sqrt(2)), with a minimax
@@ -118,7 +117,7 @@ template <typename D> struct BatchOf {
         return log_m + BatchOf(hn::ConvertTo(D(), e)) * BatchOf(0.6931471805599453);
     }
 
-#if HWY_TARGET <= HWY_SSSE3  // x86, whose estimate has 12 bits or more: one step of Newton's. Relative error 3e-7.
+#if HWY_TARGET <= HWY_SSSE3  // x86, whose estimate has at least 12 bits: one Newton step. Relative error 3e-7.
     friend HWY_INLINE BatchOf inversesqrt(BatchOf a) {
         const BatchOf x = hn::ApproximateReciprocalSqrt(a.v);
         return x + BatchOf(0.5) * x * (BatchOf(1.0) - a * x * x);
@@ -127,8 +126,8 @@ template <typename D> struct BatchOf {
     friend HWY_INLINE BatchOf inversesqrt(BatchOf a) { return BatchOf(1.0) / sqrt(a); }
 #endif
 
-    // cos(a) and sin(a), |a| <= 2 pi: absolute error 2e-7. The angle less the nearest number of quarter turns, a
-    // polynomial of either, and by that number which of them it is and of which sign.
+    // cos(a) and sin(a), |a| <= 2 pi: absolute error 2e-7. The angle is reduced by the nearest multiple of pi / 2. The
+    // multiple selects one of two polynomials, and the sign.
     friend HWY_INLINE BatchOf cos(BatchOf a) { return turned_by(a, 1); }
     friend HWY_INLINE BatchOf sin(BatchOf a) { return turned_by(a, 0); }
 
@@ -150,14 +149,14 @@ template <typename D> struct BatchOf {
     }
 };
 
-// As wide as the machine has it; and of up to eight lanes, to work on one pair of directions.
+// With the widest vectors of the target; and with up to eight lanes, for a single pair of directions.
 using Batch = BatchOf<Lanes>;
 using BatchMask = Batch::Mask;
 using Group = BatchOf<hn::CappedTag<float, 8>>;
 
 #include "srbf/vec3.inl"
 
-// s v, likewise.
+// s v.
 template <typename B> struct Scaled {
     B s;
     Vec3<B> v;
@@ -176,8 +175,8 @@ template <typename B> struct Scaled {
     friend HWY_INLINE Vec3<B> operator-(Scaled p, Scaled q) { return Vec3<B>(p) - q; }
 };
 
-// Batches of x, y, z from and to x y z x y z ... in memory. Of the three vectors there, the lanes of one component never
-// meet, since their number is no multiple of 3: they are blended into one vector, and this is put in order.
+// Loads and stores batches of x, y, z as x y z x y z ... in memory. Since the number of lanes is no multiple of 3, the
+// lanes of one component in the three vectors never coincide: they are blended into one vector, which is then permuted.
 struct Interleaved {
     BatchMask third[3];  // the lanes r, r + 3, ...
     decltype(hn::IndicesFromVec(Lanes(), hn::Zero(Batch::Bits()))) gather[3], scatter[3];
@@ -199,7 +198,7 @@ struct Interleaved {
             third[c] = hn::Eq(hn::Load(Lanes(), phase), hn::Set(Lanes(), float(c)));
         }
     }
-    // In the lanes `first`, first + 3, ... those of a; in the lanes `second`, second + 3, ... those of b; in the others those of c.
+    // Selects a in the lanes `first`, first + 3, ..., b in the lanes `second`, second + 3, ..., and c in the others.
     HWY_INLINE Batch blended(std::size_t first, std::size_t second, Batch a, Batch b, Batch c) const {
         return select(third[first % 3], a, select(third[second % 3], b, c));
     }

@@ -8,7 +8,7 @@ namespace srbf {
 
 namespace {
 
-/// x̄, ȳ, z̄ of CIE 1931 (2°) and the power of D65, every 5 nm from 360 nm.
+/// x̄, ȳ, z̄ of CIE 1931 (2°) and the spectral power of D65, every 5 nm from 360 nm.
 struct Observer {
     double x, y, z, d65;
 };
@@ -110,7 +110,7 @@ constexpr std::array<Observer, 95> k_observer{{{0.0001299, 3.917e-06, 0.0006061,
                                                {1.251141e-06, 4.5181e-07, 0, 60.3125}}};
 constexpr int k_last = k_first + k_step * (int(k_observer.size()) - 1);
 
-/// D65 times x̄, ȳ, z̄ at a whole nm of the range, linear between the rows.
+/// D65 times x̄, ȳ, z̄ at an integer wavelength [nm] of the range, linear between the rows.
 Xyz seen_at(int nm) {
     const std::size_t i = std::min(std::size_t((nm - k_first) / k_step), k_observer.size() - 2);
     const double to = double(nm - k_first) / k_step - double(i);
@@ -119,7 +119,7 @@ Xyz seen_at(int nm) {
     return {a.x + to * (b.x - a.x), a.y + to * (b.y - a.y), a.z + to * (b.z - a.z)};
 }
 
-/// Σ over the nm of the range of D65 (x̄, ȳ, z̄) factor(nm), over that of D65 ȳ.
+/// Σ over the range, in steps of 1 nm, of D65 (x̄, ȳ, z̄) factor(nm), over that of D65 ȳ.
 template <typename Factor> Xyz tristimulus(Factor factor) {
     Xyz sum;
     double whole = 0;
@@ -153,7 +153,7 @@ std::array<double, 3> operator*(const Matrix& m, const std::array<double, 3>& v)
     return product;
 }
 
-/// XYZ to linear sRGB: the columns of the inverse are the primaries, in the amounts that make the white.
+/// XYZ to linear sRGB: the columns of the inverse are the primaries, scaled so that they sum to white.
 Matrix xyz_to_rgb() {
     constexpr double chromaticity[3][2] = {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}};
     Matrix primaries{};
@@ -205,7 +205,8 @@ std::vector<Rgb> rgb_weights(std::span<const float> wavelengths) {
     std::vector<Rgb> weights;
     for (std::size_t i = 0; i < wavelengths.size(); ++i) {
         const double here = double(wavelengths[i]);
-        // The hat of a sample: 1 at its wavelength, 0 at its neighbours'; the first and the last go on as they are.
+        // The hat function of a sample: 1 at its wavelength, 0 at its neighbours'. The first and the last are constant
+        // beyond the range.
         const auto hat = [&](int nm) {
             const bool before = nm < here;
             if (before ? i == 0 : i + 1 == wavelengths.size()) return 1.0;

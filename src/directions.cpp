@@ -22,7 +22,7 @@ std::vector<Vec3f> fibonacci_directions(int n, double theta_max) {
     return directions;
 }
 
-// From the elevation of w outwards, until z alone is further than the last of those found.
+// Searches outwards from the elevation of w, until z alone is farther away than all that were found.
 void find_nearest(std::span<const Vec3f> directions, Vec3f w, std::span<std::uint16_t> nearest) {
     assert(directions.size() >= nearest.size() && directions.size() <= 65536);
     struct Found {
@@ -59,7 +59,7 @@ void find_nearest(std::span<const Vec3f> directions, Vec3f w, std::span<std::uin
 
 namespace {
 
-// The axes along which s and t grow on a face of the cube, and its normal.
+// The axes of s and t on a face of the cube, and its normal.
 struct CubeFace {
     Vec3f s, t, normal;
 };
@@ -87,7 +87,7 @@ Vec3f texel_direction(DirectionMap map, int size, std::size_t texel) {
 
 std::size_t texel_of(DirectionMap map, int size, Vec3f w) {
     const auto side = std::size_t(size);
-    const auto at = [&](float x) {  // the column or row of a coordinate in [−1, 1]
+    const auto at = [&](float x) {  // column or row of a coordinate in [−1, 1]
         return std::size_t(std::clamp(int((0.5f * x + 0.5f) * float(size)), 0, size - 1));
     };
     if (map == DirectionMap::parabolic) {
@@ -126,10 +126,11 @@ Vec3d MirrorMixture::sample(Vec3d wv, double u0, double u1, double u2) const {
 }
 
 double MirrorMixture::pdf(Vec3d wl, Vec3d wv) const {
-    double density = contains(wl) ? k_even * cap_pdf() : 0;
+    double density = contains(wl) ? k_uniform * cap_pdf() : 0;
     const auto lobe = [](Vec3d w, Vec3d centre, double bandwidth, double scale) {
         const double exponent = Kernel<double>::gaussian_exponent(w, centre, bandwidth);
-        return exponent < -80 ? 0 : scale * std::exp(exponent);  // where it is so small the even part alone is seen
+        // smaller values are negligible relative to the uniform component
+        return exponent < -80 ? 0 : scale * std::exp(exponent);
     };
     for (std::size_t k = 0; k < mirror_scale_.size(); ++k)
         density += lobe(wl, mirror(wv), k_mirror_bandwidths[k], mirror_scale_[k]);

@@ -15,7 +15,7 @@ namespace srbf {
 
 namespace {
 
-/// A file descriptor, closed at the latest when it leaves its scope.
+/// A file descriptor that is closed at the end of its scope.
 class Descriptor {
   public:
     explicit Descriptor(int number) : number_(number) {}
@@ -24,7 +24,7 @@ class Descriptor {
     ~Descriptor() { (void)close(); }
 
     int number() const { return number_; }
-    /// 0, or errno: a full disk may be told only here.
+    /// Closes; returns 0 or errno. A full disk may be reported only here.
     int close() { return number_ < 0 || ::close(std::exchange(number_, -1)) == 0 ? 0 : errno; }
 
   private:
@@ -40,7 +40,7 @@ Error cannot_write(const std::string& path, std::string found) {
     return {path, {}, "cannot be written", "a writable file", std::move(found), ErrorCode::unreadable};
 }
 
-/// Writes all of `bytes` and closes; 0 or errno.
+/// Writes all of `bytes` and closes; returns 0 or errno.
 int write_all(Descriptor& file, std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
         const ssize_t written = ::write(file.number(), bytes.data(), bytes.size());
@@ -51,7 +51,7 @@ int write_all(Descriptor& file, std::span<const std::byte> bytes) {
     return file.close();
 }
 
-/// A new file beside `target`, by a name that no other file bears.
+/// A new file next to `target` with a unique name.
 Descriptor create_beside(const std::string& target, mode_t mode, std::string& name) {
     for (int attempt = 0;; ++attempt) {
         const auto folder = std::filesystem::path(target).parent_path();
@@ -73,8 +73,8 @@ Result<std::vector<std::byte>> read_file(const std::string& path) {
     const std::uint64_t size = S_ISREG(status.st_mode) ? std::uint64_t(status.st_size) : 0;
     if (size > k_largest_file) return too_large();
 
-    // One byte more than the file holds, so that its end shows without growing; a pipe has no size beforehand
-    // and grows.
+    // One byte more than the file size, so that the end is detected without growing; a pipe has no size in advance, and
+    // the buffer grows.
     std::vector<std::byte> bytes(size > 0 ? size + 1 : 1 << 16);
     for (std::size_t filled = 0;;) {
         const ssize_t count = ::read(file.number(), bytes.data() + filled, bytes.size() - filled);
@@ -91,7 +91,7 @@ Result<std::vector<std::byte>> read_file(const std::string& path) {
 }
 
 Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes) {
-    // A link is followed, else the rename would replace the link and leave what it points to.
+    // Follows a link; the rename would otherwise replace the link instead of its target.
     std::error_code unresolved;
     std::string target = path;
     if (std::filesystem::is_symlink(path, unresolved)) {
@@ -106,7 +106,7 @@ Result<Done> write_file(const std::string& path, std::span<const std::byte> byte
     struct stat status;
     const bool exists = ::stat(path.c_str(), &status) == 0;
     if (exists && S_ISDIR(status.st_mode)) return cannot_write(path, "a folder");
-    if (exists && !S_ISREG(status.st_mode)) {  // a device or a pipe takes the bytes itself
+    if (exists && !S_ISREG(status.st_mode)) {  // a device or a pipe is written directly
         Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
         if (file.number() < 0) return cannot_write(path, reason(errno));
         if (const int code = write_all(file, bytes)) return cannot_write(path, reason(code));

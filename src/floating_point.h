@@ -8,10 +8,10 @@
 
 namespace srbf {
 
-/// While it lives, the thread that made it computes in one known mode: it rounds to nearest, traps nothing, and takes subnormal floats and
-/// doubles (below 2⁻¹²⁶ and 2⁻¹⁰²²) for 0, as operands and as results. Lobes underflow into them and products of lobes all the more, and
-/// many processors take a hundred cycles and more for each. Afterwards the thread's mode and exception flags are what they were.
-/// x86 (SSE's MXCSR) and 64-bit ARM (FPCR, FPSR); elsewhere it changes nothing.
+/// Sets the floating-point mode of the current thread for its lifetime: round to nearest, no traps, and subnormal
+/// floats and doubles (below 2⁻¹²⁶ and 2⁻¹⁰²²) count as 0, as operands and as results. Lobes and their products often
+/// underflow, and many processors take a hundred cycles and more for a subnormal. The destructor restores the mode and
+/// the exception flags. x86 (SSE's MXCSR) and 64-bit ARM (FPCR, FPSR); no effect elsewhere.
 class FlushSubnormals {
   public:
     FlushSubnormals() : before_(get()) { set(k_flushing); }

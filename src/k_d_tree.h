@@ -1,4 +1,4 @@
-// Points by their nearness: level 1.
+// Nearest-neighbour search among points: level 1.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace srbf {
 
-/// Points of `dimensions` coordinates, as nanoflann asks for them.
+/// Points with `dimensions` coordinates, in the interface that nanoflann requires.
 template <typename Real, std::size_t dimensions> struct PointCloud {
     std::vector<std::array<Real, dimensions>> at;
     std::size_t kdtree_get_point_count() const { return at.size(); }
@@ -16,7 +16,7 @@ template <typename Real, std::size_t dimensions> struct PointCloud {
     template <typename Box> bool kdtree_get_bbox(Box&) const { return false; }
 };
 
-/// A tree over such points, of 32-bit numbers, by Euclidean distance. It refers to them.
+/// A k-d tree over such points with 32-bit indices and Euclidean distance. Keeps a reference to the points.
 template <typename Real, std::size_t dimensions>
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<Real, PointCloud<Real, dimensions>>,
                                                    PointCloud<Real, dimensions>, int(dimensions), std::uint32_t>;

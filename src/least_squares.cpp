@@ -5,12 +5,12 @@
 
 namespace srbf {
 
-// Products of float columns are known to about 1e-7 of their lengths; less than that is noise.
+// Inner products of float columns are accurate to about 1e-7 of the product of the norms; smaller values are noise.
 constexpr double k_ridge = 1e-6;
 
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::VectorXd& g_in,
                                       const Eigen::VectorXd& upper_in) {
-    // Columns are scaled to unit length, so that tolerances mean the same for each.
+    // Columns are scaled to unit length, so that the tolerances are relative.
     const Eigen::Index n = g_in.size();
     if (n == 0) return {};
     Eigen::VectorXd length = G_in.diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -25,7 +25,7 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
     Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
     std::vector<Eigen::Index> passive;
     for (int round = 0; round < 6 * int(n) + 6; ++round) {
-        // Free the variable whose release lowers the sum fastest.
+        // Free the variable whose release decreases the sum fastest.
         const Eigen::VectorXd descent = g - G * x;
         Eigen::Index best = -1;
         double best_rate = tolerance;
@@ -37,7 +37,7 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
         if (best < 0) break;
         place[std::size_t(best)] = free;
 
-        // Solve for the free ones, walking back to the first bound that is crossed until none is.
+        // Solve for the free variables; step back to the first bound that is crossed, until none is.
         for (int inner = 0; inner <= int(n); ++inner) {
             passive.clear();
             for (Eigen::Index i = 0; i < n; ++i)
@@ -63,7 +63,7 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
             x[crossed] = bound == at_zero ? 0 : upper[crossed];
         }
     }
-    // A bound is met exactly, which scaling back and forth would miss by a digit.
+    // Bounds are met exactly; scaling back and forth would lose a digit.
     for (Eigen::Index i = 0; i < n; ++i) {
         const Place p = place[std::size_t(i)];
         x[i] = p == at_zero ? 0 : p == at_upper ? upper_in[i] : std::clamp(reciprocal[i] * x[i], 0.0, upper_in[i]);

@@ -1,4 +1,4 @@
-// Bounded linear least squares and Levenberg-Marquardt: level 1; knows nothing of BRDFs.
+// Bounded linear least squares and Levenberg-Marquardt, independent of BRDFs: level 1.
 #pragma once
 #include <Eigen/Dense>
 #include <concepts>
@@ -7,48 +7,49 @@
 
 namespace srbf {
 
-/// The x within 0 ≤ x ≤ upper that minimises ½ xᵀGx − gᵀx, G symmetric and positive semidefinite: an
-/// active-set method (Lawson & Hanson 1974, Stark & Parker's bounds). A ridge of 1e-6 of G's diagonal keeps
-/// it defined where columns coincide; a column of zeros gets x = 0. `upper` may hold infinities.
+/// The x within 0 ≤ x ≤ upper that minimises ½ xᵀGx − gᵀx, with G symmetric and positive semidefinite: an active-set
+/// method (Lawson & Hanson 1974, bounds as in Stark & Parker). A ridge of 1e-6 of G's diagonal makes the solution
+/// unique if columns coincide; a zero column gets x = 0. `upper` may contain infinities.
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::VectorXd& g, const Eigen::VectorXd& upper);
 
-/// The x of A x = b, A symmetric and positive semidefinite.
+/// Solves A x = b, with A symmetric and positive semidefinite.
 Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
-/// G with a diagonal so much larger that it can be factored where columns coincide or are 0.
+/// G with a diagonal increased so that it can be factored even if columns coincide or are 0.
 Eigen::MatrixXd ridged(Eigen::MatrixXd G);
 
-/// What the sum of squares would rise by if column j were dropped and the others' x adapted, were none of them bounded: x_j² over
-/// (G⁻¹)_jj, summed over the right-hand sides, which x has a column for each.
+/// The increase of the sum of squares if column j were dropped and the others' x adapted without bounds: x_j² over
+/// (G⁻¹)_jj, summed over the right-hand sides; x has a column for each.
 std::vector<double> cost_of_dropping(const Eigen::MatrixXd& G, const Eigen::MatrixXd& x);
 
-/// A sum of squares whose linear variables have been eliminated: a function of x alone.
+/// A sum of squares whose linear variables have been eliminated: a function of x only.
 template <typename P>
 concept SeparableProblem = requires(P& problem, const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    { problem.loss(x) } -> std::convertible_to<double>;  // at x, with the best linear variables
+    { problem.loss(x) } -> std::convertible_to<double>;  // at x, with the optimal linear variables
     {problem.linearise(x, H, g)};                        // JᵀJ and Jᵀr at the x of the last call of `loss`
     { problem.lower(x) } -> std::convertible_to<Eigen::VectorXd>;  // bounds of an x of that size
     { problem.upper(x) } -> std::convertible_to<Eigen::VectorXd>;
     {
         problem.longest_step(x)
-        } -> std::convertible_to<Eigen::VectorXd>;  // of each variable; a longer step is shortened
+        } -> std::convertible_to<Eigen::VectorXd>;  // bound on the step of each variable; longer steps are shortened
 };
 
-/// Why an optimiser stopped.
+/// The reason why an optimiser stopped.
 enum class Stop {
     decrease,    ///< predicted decrease ≤ `decrease_tolerance` × loss
-    step,        ///< no step at any damping up to 1e10 lowers the loss
-    iterations,  ///< `max_iterations` linearisations done
-    target,  ///< the steps left, were each to lower the loss as much as the last one, would not take it below `target`
-    cancelled,  ///< the progress callback said so
+    step,        ///< no step with damping up to 1e10 lowers the loss
+    iterations,  ///< `max_iterations` linearisations were used
+    target,      ///< the remaining steps would not reach `target` even if each lowered the loss as much as the last one
+    cancelled,   ///< by the progress callback
 };
 
 struct LevenbergMarquardtOptions {
     int max_iterations = 40;           ///< linearisations
     double decrease_tolerance = 1e-7;  ///< relative
     double damping = 1e-3;             ///< initial μ, times the diagonal of JᵀJ
-    /// The loss that it is to reach. From the second step on it ends where that is out of sight: where the steps left, were each to lower the
-    /// loss as much as the last one, would not reach it. Steps lower it less and less, so that they seldom would have.
+    /// The loss to reach. From the second step on the optimiser stops if the remaining steps would not reach it, were
+    /// each to lower the loss as much as the last one. Since the decrease of the steps usually diminishes, this rarely
+    /// stops too early.
     double target = std::numeric_limits<double>::infinity();
 };
 
@@ -58,9 +59,9 @@ struct LevenbergMarquardtSummary {
     Stop stop = Stop::iterations;
 };
 
-/// Minimises problem.loss over lower ≤ x ≤ upper from x, by (JᵀJ + μ diag JᵀJ) δ = −Jᵀr with μ adapted to the
-/// ratio of actual to predicted decrease (Nielsen 1999); variables at a bound that the gradient pushes
-/// outwards are held. The last call of problem.loss is at the x that is returned.
+/// Minimises problem.loss over lower ≤ x ≤ upper from x, with steps (JᵀJ + μ diag JᵀJ) δ = −Jᵀr. μ adapts to the ratio
+/// of actual to predicted decrease (Nielsen 1999). Variables at a bound are fixed if the gradient pushes them outwards.
+/// The last call of problem.loss is at the returned x.
 template <SeparableProblem P>
 LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
                                               const LevenbergMarquardtOptions& options) {

@@ -12,7 +12,7 @@
 namespace srbf {
 namespace {
 
-/// The sums that measures are made of.
+/// The sums of which the measures consist.
 struct Sums {
     double squared = 0, squared_whole = 0, cosine = 0, cosine_whole = 0, logarithm = 0, log_weight = 0, root = 0,
            root_whole = 0;
@@ -63,7 +63,7 @@ struct Sums {
     }
 };
 
-/// Sums over blocks of pairs, each filled by `fill(block, wl, wv, weight)`, added up in the blocks' order.
+/// Sums over blocks of pairs, each filled by `fill(block, wl, wv, weight)`, added in the order of the blocks.
 template <typename Fill>
 std::vector<Measures> measure(const Channels& reference, std::span<const Channels> others, std::size_t blocks,
                               std::size_t block_size, const MeasureOptions& options, const Fill& fill) {

@@ -11,7 +11,8 @@
 
 namespace srbf {
 
-/// body() where `threads` threads work; 0, and more than the machine has: as many as it has. Asked for more, TBB would warn on standard error.
+/// Runs body() with `threads` threads; 0 or more than the machine has: as many as it has. (TBB prints a warning if it
+/// is asked for more.)
 template <typename Body> void on_threads(int threads, const Body& body) {
     const int most = tbb::info::default_concurrency();
     tbb::task_arena(threads > 0 ? std::min(threads, most) : most).execute([&] {
@@ -20,7 +21,7 @@ template <typename Body> void on_threads(int threads, const Body& body) {
     });
 }
 
-/// body(i) for i in 0..count−1, in any order, on the threads of the caller's `on_threads`.
+/// Runs body(i) for i in 0..count−1, in any order, on the threads of the caller's `on_threads`.
 template <typename Body> void parallel_for(std::size_t count, const Body& body) {
     tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
         const FlushSubnormals mode;

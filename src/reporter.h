@@ -1,4 +1,4 @@
-// Progress counted in work done on several threads: level 1.
+// Progress of work on several threads: level 1.
 #pragma once
 #include <algorithm>
 #include <mutex>
@@ -8,11 +8,11 @@
 
 namespace srbf {
 
-/// Reports the part of a stage's work that is done, from any thread.
+/// Reports the completed share of a stage's work, from any thread.
 class Reporter {
   public:
     Reporter(ProgressToken token, double total) : token_(std::move(token)), total_(total) {}
-    /// False once cancelled.
+    /// Returns false once cancelled.
     bool advance(std::string_view stage, double work) {
         const std::scoped_lock lock(mutex_);
         done_ += work;

@@ -20,7 +20,7 @@ std::string message(const Error& error) {
     if (!error.expected.empty()) contrast = "expected " + error.expected;
     if (!error.found.empty()) contrast += (contrast.empty() ? "found " : ", found ") + error.found;
     append(contrast);
-    // Names of files and of what they hold may carry any byte, but a message is one line.
+    // File names and contents may contain any byte, but a message is a single line.
     for (char& c : line)
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
     return line;

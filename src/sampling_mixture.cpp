@@ -19,7 +19,7 @@ namespace srbf {
 /// What the lobes are made of, side by side.
 struct LobeTable {
     static constexpr int k_count = MixtureProposal::k_lanes;
-    alignas(32) std::array<float, k_count> bandwidth, scale, rest, is_half_way;
+    alignas(32) std::array<float, k_count> bandwidth, scale, rest, is_half_vector;
 };
 
 /// Between which nodes a view is, and the part of the upper one.
@@ -67,9 +67,9 @@ struct SeenLobes {
         const Vec3<Group> viewer = F::stretched(v, everywhere<Group>(stretch));
         for (std::size_t k = 0; k < LobeTable::k_count; k += Group::size()) {
             const Group width = Group::load(&table.bandwidth[k]);
-            auto seen = F::half_way_lobe(viewer, width);
-            if (k < 8) {  // beyond, half-way lobes alone
-                const auto where = Group(0.0) < Group::load(&table.is_half_way[k]);
+            auto seen = F::half_vector_lobe(viewer, width);
+            if (k < 8) {  // beyond, half-vector lobes alone
+                const auto where = Group(0.0) < Group::load(&table.is_half_vector[k]);
                 seen.centre = select(where, seen.centre, specular);
                 seen.bandwidth = select(where, seen.bandwidth, width);
                 seen.scale = select(where, seen.scale, Group::load(&table.scale[k]));
@@ -84,22 +84,22 @@ struct SeenLobes {
 HWY_INLINE float density(const MixtureProposal& proposal, const LobeTable& table, const SeenLobes& lobes,
                          const NodesAbout& nodes, const Vec3f& wl, const Vec3f& wv) {
     using F = Formulas<Group, PmModel>;
-    // The half-way vectors of wl and of wl mirrored at the horizon, in the first two lanes.
+    // The half vectors of wl and of wl mirrored at the horizon, in the first two lanes.
     alignas(16) static constexpr float up_and_down[4] = {1, -1, 1, 1};
-    HWY_ALIGN float half_way[4][4];
+    HWY_ALIGN float half_vector[4][4];
     for (std::size_t i = 0; i < 2; i += Few::size()) {
-        const auto at = Formulas<Few, PmModel>::half_way(
+        const auto at = Formulas<Few, PmModel>::half_vector(
             {everywhere<Few>(wl.x), everywhere<Few>(wl.y), Few::load(up_and_down + i) * everywhere<Few>(wl.z)},
             everywhere<Few>(wv), everywhere<Few>(proposal.stretch));
-        at.direction.x.store(half_way[0] + i), at.direction.y.store(half_way[1] + i);
-        at.direction.z.store(half_way[2] + i), at.factor.store(half_way[3] + i);
+        at.direction.x.store(half_vector[0] + i), at.direction.y.store(half_vector[1] + i);
+        at.direction.z.store(half_vector[2] + i), at.factor.store(half_vector[3] + i);
     }
-    const auto of_half_way = [&](int i) HWY_ATTR {
-        return typename F::HalfWay{
-            {everywhere<Group>(half_way[0][i]), everywhere<Group>(half_way[1][i]), everywhere<Group>(half_way[2][i])},
-            everywhere<Group>(half_way[3][i])};
+    const auto of_half_vector = [&](int i) HWY_ATTR {
+        return typename F::HalfVector{{everywhere<Group>(half_vector[0][i]), everywhere<Group>(half_vector[1][i]),
+                                       everywhere<Group>(half_vector[2][i])},
+                                      everywhere<Group>(half_vector[3][i])};
     };
-    const typename F::HalfWay above = of_half_way(0), below = of_half_way(1);
+    const typename F::HalfVector above = of_half_vector(0), below = of_half_vector(1);
     const Vec3<Group> l = everywhere<Group>(wl);
     const auto itself = F::itself(l), mirrored = F::itself({l.x, l.y, -l.z});
     const auto &low = proposal.weight(nodes.below), &high = proposal.weight(nodes.below + 1);
@@ -111,12 +111,13 @@ HWY_INLINE float density(const MixtureProposal& proposal, const LobeTable& table
             Group::load(lobes.scale + k),
             Group(0.0)};
         Group of_lobes;
-        if (k >= 8) {  // half-way lobes alone
+        if (k >= 8) {  // half-vector lobes alone
             of_lobes = F::folded_pdf(lobe, above, below);
         } else {
-            const auto where = Group(0.0) < Group::load(&table.is_half_way[k]);
-            const auto either = [&](const typename F::HalfWay& a, const typename F::HalfWay& b) HWY_ATTR {
-                return typename F::HalfWay{select(where, a.direction, b.direction), select(where, a.factor, b.factor)};
+            const auto where = Group(0.0) < Group::load(&table.is_half_vector[k]);
+            const auto either = [&](const typename F::HalfVector& a, const typename F::HalfVector& b) HWY_ATTR {
+                return
+                    typename F::HalfVector{select(where, a.direction, b.direction), select(where, a.factor, b.factor)};
             };
             of_lobes = F::folded_pdf(lobe, either(above, itself), either(below, mirrored));
         }
@@ -162,7 +163,7 @@ void sample_mixture(const MixtureProposal& proposal, const LobeTable& table, con
     if (k == 0) {
         direction = F::sample_cosine(u1, u2);
     } else {  // both kinds of lobes without a branch, which would be guessed wrong every other time
-        const auto where = Few(0.0) < everywhere<Few>(table.is_half_way[k]);
+        const auto where = Few(0.0) < everywhere<Few>(table.is_half_vector[k]);
         const Vec3<Few> w =
             F::sample_sharp_vmf({everywhere<Few>(lobes.x[k]), everywhere<Few>(lobes.y[k]), everywhere<Few>(lobes.z[k])},
                                 everywhere<Few>(lobes.bandwidth[k]), everywhere<Few>(table.rest[k]), u1, u2);
@@ -199,7 +200,7 @@ const LobeTable& lobe_table() {
             const auto mirror = K::mirror_lobe({0, 0, 1}, table.bandwidth[i]);
             table.scale[i] = is_mirror ? mirror.scale : 0;  // the cosine is no lobe
             table.rest[i] = is_mirror ? mirror.rest : 0;
-            table.is_half_way[i] = k >= 5 ? 1 : 0;
+            table.is_half_vector[i] = k >= 5 ? 1 : 0;
         }
         return table;
     }();

@@ -1,4 +1,4 @@
-// The model that is asked for by its bytes or its error.
+// Selection of a model by bytes or error.
 #include "srbf/choose.h"
 
 #include "models.h"
@@ -7,7 +7,7 @@
 namespace srbf {
 namespace {
 
-/// Data of two lobes of form horizon, which 40 bytes hold.
+/// Data of two lobes of form horizon, which fit into 40 bytes.
 class Choose : public testing::Test {
   protected:
     Choose() {
@@ -20,7 +20,7 @@ class Choose : public testing::Test {
         truth_.parameterization = {{1, 1}};
         truth_.exponent = {0.5f, 0.2f};
         observed_ = *observe(evaluator(truth_), {.objective = Objective::raw, .count = 16384});
-        options_.starts = 4, options_.kicks = 3;
+        options_.starts = 4, options_.perturbations = 3;
     }
     double error(const PmModel& model) const {
         const Evaluate others[] = {evaluator(model)};
@@ -44,7 +44,7 @@ TEST_F(Choose, TheBudgetIsKeptAndUsed) {
         const double now = error(chosen->fit.model);
         EXPECT_LE(now, last);
         last = now;
-        // It is the best of what was fitted whole.
+        // It is the best of the full fits.
         for (const Step& step : chosen->path) {
             if (step.whole && step.bytes <= bytes) {
                 EXPECT_GE(step.error, now * 0.999);
@@ -85,7 +85,7 @@ TEST_F(Choose, ACancelledSearchIsAnErrorOrWhatItHad) {
             int called = 0;
             const auto chosen =
                 choose_pm(observed_, options_, goal, judge, [&](const Progress&) { return called++ < calls; });
-            EXPECT_LE(called, calls + 1) << "asked again once it was cancelled";
+            EXPECT_LE(called, calls + 1) << "called again after cancellation";
             if (chosen) {
                 EXPECT_GT(chosen->fit.model.lobes, 0);
             } else {

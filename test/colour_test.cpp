@@ -1,4 +1,4 @@
-// From spectra to colours: white is white, known colours, linearity.
+// Conversion of spectra to colours: white, known colours, linearity.
 #include "srbf/colour.h"
 #include "properties.h"
 
@@ -12,7 +12,7 @@ std::vector<float> every(float step, float first = 400, float last = 700) {
 }
 
 TEST(Colour, WhiteReflectorIsWhite) {
-    // ASTM E308 gives these for 5 nm.
+    // Values of ASTM E308 for 5 nm.
     const Xyz white = white_point();
     EXPECT_PRED3(near, white.x, 0.95047, 2e-4);
     EXPECT_PRED3(near, white.y, 1, 1e-12);
@@ -29,7 +29,7 @@ TEST(Colour, WhiteReflectorIsWhite) {
 }
 
 TEST(Colour, MatrixIsThatOfSrgb) {
-    // IEC 61966-2-1 gives four digits.
+    // IEC 61966-2-1 has four digits.
     const double expected[3][3] = {{3.2406, -1.5372, -0.4986}, {-0.9689, 1.8758, 0.0415}, {0.0557, -0.2040, 1.0570}};
     const Rgb column[3] = {to_rgb(Xyz{1, 0, 0}), to_rgb(Xyz{0, 1, 0}), to_rgb(Xyz{0, 0, 1})};
     for (int c = 0; c < 3; ++c)
@@ -37,7 +37,7 @@ TEST(Colour, MatrixIsThatOfSrgb) {
 }
 
 TEST(Colour, MonochromesLieWhereTheObserverSeesThem) {
-    // 520 nm is greener than sRGB can be, 450 nm bluer, 620 nm redder.
+    // 520 nm is outside of the sRGB gamut in green, 450 nm in blue, 620 nm in red.
     const auto colour_of = [](float nm) {
         const std::vector<float> three{nm - 5, nm, nm + 5};
         return rgb_weights(three)[1];

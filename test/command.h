@@ -1,4 +1,4 @@
-// What tests of the command line share: one small fit to look at, small input, and what a failure is.
+// Common parts of tests of the command line: a small fit, small input, and the properties of a failure.
 #pragma once
 #include <fmt/format.h>
 
@@ -50,7 +50,7 @@ class CommandLine : public testing::Test {
     TemporaryFolder folder;
 };
 
-/// One small fit of bundled data that several tests look at.
+/// A small fit of bundled data, shared by several tests.
 class Command : public CommandLine {
   protected:
     static void SetUpTestSuite() {

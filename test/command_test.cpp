@@ -1,4 +1,4 @@
-// What the other subcommands tell and write of a measurement and of a model.
+// Output of the subcommands other than fit.
 #include "command.h"
 #include "models.h"
 #include "srbf/measured.h"
@@ -8,7 +8,7 @@
 namespace srbf {
 namespace {
 
-/// A model that the tests look at. No fit: that takes a minute under sanitizers.
+/// A model without a fit, which would take a minute under sanitizers.
 class OfModel : public CommandLine {
   protected:
     static void SetUpTestSuite() {
@@ -34,7 +34,7 @@ TEST_F(OfModel, export_writes_a_page_or_nothing) {
     EXPECT_EQ(both.status, 0) << both.err;
     const std::string html = contents(folder / "both.html");
     EXPECT_NE(html.find("<title>paper_white_rgb</title>"), html.npos);
-    // The figures are those that `srbf compare` calls held out.
+    // The numbers are those that `srbf compare` calls held out.
     const auto measured = load_measured(k_paper);
     const auto model = load_model(*fitted / "m.srbf");
     ASSERT_TRUE(measured && model);
@@ -116,7 +116,7 @@ TEST_F(OfModel, eval_agrees_with_the_reference_values) {
 TEST_F(OfModel, eval_keeps_order_and_text_of_rows) {
     const auto model = load_model(*fitted / "m.srbf");
     ASSERT_TRUE(model);
-    // Columns in another order, others among them, quotes, a byte order mark, CRLF, no last line's end.
+    // Columns in another order, with additional ones, quotes, a byte-order mark, CRLF, and no line end at the end.
     write(folder / "pairs.csv",
           "\xef\xbb\xbfnote,\"wv_z\",wv_y,wv_x, wl_x ,wl_y,wl_z,r\r\n"
           "\"a, b\",1.0,0,0.000,6e-1,+0,0.8,x\r\n"
@@ -165,7 +165,7 @@ TEST_F(OfModel, help_shows_an_example) {
 }
 
 TEST_F(OfModel, convert_copies_and_converts) {
-    // Of the format already: byte for byte.
+    // Already of that format: byte for byte.
     const std::string merl = small_merl();
     write(folder / "m.binary", merl);
     write(folder / "s.csv", std::string(k_small_csv));
@@ -176,7 +176,7 @@ TEST_F(OfModel, convert_copies_and_converts) {
     // A measurement, samples and a model.
     for (const std::string& input : Arguments{k_paper, "s.csv", (*fitted / "m.srbf").string()})
         for (const std::string output : {"o.binary", "o.bsdf", "o.csv"}) {
-            if (output == "o.binary" && input == k_paper) continue;  // takes its time under sanitizers
+            if (output == "o.binary" && input == k_paper) continue;  // slow under sanitizers
             const ProgramRun made =
                 run(folder, {"convert", input, "-o", output, "--threads", "1", "--directions", "9"});
             ASSERT_EQ(made.status, 0) << made.err;

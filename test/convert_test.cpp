@@ -1,4 +1,4 @@
-// Tables made of any BRDF, and the files of the formats.
+// Conversion of BRDFs to tables, and the files of the formats.
 #include "srbf/convert.h"
 
 #include "measured/warp.h"
@@ -63,7 +63,7 @@ TEST(Convert, MerlTablesFollowWhatTheyAreMadeOf) {
               write_merl(to_merl(evaluator(model), {20, 20, 30}, 2)));
 }
 
-/// What a table that knows no order of the two directions cannot hold.
+/// The antisymmetric part, which a reciprocal table cannot represent.
 TEST(Convert, MerlTablesLoseWhatIsNotReciprocal) {
     for (const auto& name : k_bundled) {
         const Measured measured = bundled(name);
@@ -89,7 +89,7 @@ TEST(Convert, RglTablesFollowWhatTheyAreMadeOf) {
     }
 }
 
-/// The fields of a written file, and the numbers of one of floats.
+/// The fields of a written file, and the numbers of a field of floats.
 struct WrittenFile {
     std::vector<std::byte> bytes;
     TensorFile file;
@@ -110,7 +110,7 @@ RglOptions small_options() {
     return options;
 }
 
-/// What Mitsuba 3, pbrt-v4 and the database's loaders check before they take a file.
+/// Conditions that Mitsuba 3, pbrt-v4 and the database's loaders check.
 TEST(Convert, RglFilesHaveTheFieldsThatRenderersAskFor) {
     const PmModel model = glossy();
     const WrittenFile written(to_rgl(evaluator(model), small_options()));
@@ -238,8 +238,8 @@ TEST(Convert, WarpUndoesUnwarp) {
         }
 }
 
-/// How the renderers sample the written file: luminance, then visible normals. Relative variance of f cosθv / pdf, and the share of
-/// samples below the horizon, for light at 45°.
+/// Importance sampling of the written file as in renderers: luminance, then visible normals. Relative variance of f
+/// cosθv / pdf, and the share of samples below the horizon, for light at 45°.
 struct SamplingQuality {
     double theta, variance, wasted, albedo;
 };
@@ -311,7 +311,7 @@ TEST(Convert, SamplesAreWrittenAndReadAgain) {
         }
 
     const PmModel model = glossy();
-    const Scattered samples = to_samples(evaluator(model), true, 20, 89 * k_degree);
+    const ScatteredSamples samples = to_samples(evaluator(model), true, 20, 89 * k_degree);
     ASSERT_EQ(samples.wl.size(), 400u);
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
         for (int c = 0; c < 3; ++c)

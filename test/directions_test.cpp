@@ -156,7 +156,7 @@ TEST(MirrorMixture, EvenPartIsThereAllOverTheCap) {
             const double density = mixture.pdf(wl, wv);
             EXPECT_TRUE(std::isfinite(density) && density >= 0);
             if (mixture.contains(wl)) {
-                EXPECT_GE(density, MirrorMixture::k_even * mixture.cap_pdf());
+                EXPECT_GE(density, MirrorMixture::k_uniform * mixture.cap_pdf());
             }
             outside += !mixture.contains(wl);
         }
@@ -226,7 +226,8 @@ TEST(DirectionMaps, TexelsCoverTheHemisphere) {
     std::mt19937_64 random(6);
     for (const auto map : {DirectionMap::cube, DirectionMap::parabolic}) {
         const int size = 64;
-        // Half the diagonal of a texel at the cube's face's middle; at the parabolic map's middle, where it is coarsest.
+        // Half the diagonal of a texel at the centre of the cube's face, and at the centre of the parabolic map, where
+        // it is coarsest.
         const double widest = (map == DirectionMap::cube ? 1 : 2) * std::sqrt(2.0) / size;
         for (int trial = 0; trial < 20000; ++trial) {
             const Vec3d w = random_direction(random, map == DirectionMap::cube ? -1 : 0);

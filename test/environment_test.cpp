@@ -1,4 +1,4 @@
-// Light from afar: its files, and the directions drawn from it.
+// Environment maps: their files, and importance sampling.
 #include "render/environment.h"
 
 #include <cstring>

@@ -68,7 +68,7 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
     for (std::size_t i = 0; i < taken; ++i) EXPECT_EQ(o.weight[first + i], 4 * weight[i]);
 }
 
-// What the search looks at grows by places where a candidate shoots up, and by those alone.
+// The search's sample grows only by pairs at which a candidate exceeds the measurement.
 TEST(Sample, TakesInWhereCandidatesExceedTheMeasurement) {
     const Observations o = grey();
     const FitOptions options{.form = PmForm::gaussian, .axial = false, .lobes = 1, .variates = 1};

@@ -1,4 +1,4 @@
-// Whole files: what comes back is what went out, and a failed write leaves the old file.
+// Whole files: round trips, and a failed write that leaves the old file.
 #include "srbf/file.h"
 
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-// `srbf fit`: what it writes of each kind of model and measurement, and what that depends on.
+// `srbf fit`: its output for each kind of model and measurement, and its dependencies.
 #include "command.h"
 #include "srbf/file.h"
 #include "srbf/measured.h"
@@ -10,7 +10,7 @@ namespace {
 
 TEST_F(Command, fit_writes_model_picture_and_report) {
     ASSERT_EQ(first.status, 0) << first.err;
-    EXPECT_EQ(first.err, "");  // progress is for a terminal
+    EXPECT_EQ(first.err, "");  // progress only on a terminal
     EXPECT_EQ(fitted->files().size(), 3u);
     EXPECT_TRUE(contents(*fitted / "p.png").starts_with("\x89PNG\r\n\x1a\n"));
     const auto model = load_model(*fitted / "m.srbf");
@@ -109,7 +109,7 @@ TEST_F(Command, fit_chooses_the_lobes_of_scattered_samples) {
     EXPECT_EQ(json.value("folds", 0), 5);
     EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.1);
     EXPECT_GE(json.value("heldout_squared_error_ratio", 0.0), json.value("squared_error_ratio", 1.0));
-    // The path holds the model that was taken: the smallest of those that err hardly more than the best.
+    // The path contains the chosen model: the smallest of those whose error is close to the least.
     ASSERT_TRUE(json.contains("path") && json["path"].size() > 1);
     double least = 1;
     for (const Json& step : json["path"]) least = std::min(least, step.value("error", 1.0));
@@ -165,7 +165,7 @@ TEST_F(Command, fit_takes_spectra) {
     EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.03);
     EXPECT_NE(run(folder, {"info", "s.srbf"}).out.find("5, 400 to 700 nm"), std::string::npos);
 
-    // Spectra of the model unless colours are asked for, of the measurement where they are.
+    // Spectra of the model unless colours are requested; of the measurement only if requested.
     write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0.6,0,0.8\n0.6,0,0.8,-0.6,0,0.8\n");
     const std::string directions = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", nm = ",400nm,450.5nm,500nm,600nm,700nm\n";
     for (const Arguments& arguments :
@@ -201,7 +201,7 @@ TEST_F(Command, fit_su_takes_scattered_samples) {
                                         "--objective", "raw", "--max-theta", "70", "--json", "-"});
     ASSERT_EQ(fit.status, 0) << fit.err;
     const Json json = Json::parse(fit.out, nullptr, false);
-    // Interpolation's part is the larger one: the samples are 10° apart.
+    // Interpolation has the larger error: the samples are 10° apart.
     EXPECT_LT(json.value("squared_error_ratio", 1.0), 0.02);
     EXPECT_GT(json.value("squared_error_ratio", 0.0), 0.0);
     EXPECT_LT(json.value("heldout_squared_error_ratio", 1.0), 0.03);
@@ -250,7 +250,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     EXPECT_NE(eval.out.find(fmt::format("0,0,1,{:.9g},{:.9g},{:.9g}\n", f[0].r, f[0].g, f[0].b)), std::string::npos)
         << eval.out;
 
-    // Without the texture, by light, and with the interpolation of the source.
+    // Without the texture, by light, and with plain interpolation as in Tsai 2009.
     const Arguments otherwise{"-o",           "light.srbf", "--discretise", "light", "--interpolation", "plain",
                               "--neighbours", "4",          "--between",    "0"};
     ASSERT_EQ(run(folder, fit + otherwise).status, 0);
@@ -261,7 +261,7 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
     EXPECT_EQ(std::get<SuModel>(by_light->model).neighbours, 4);
     EXPECT_FALSE(std::get<SuModel>(by_light->model).index);
 
-    // As many lobes as there are directions within 80 degrees, and one more.
+    // As many lobes as directions within 80 degrees, and one more.
     expect_failure(1, {"fit", k_paper, "--model", "su", "--directions", "16", "--lobes", "14", "--objective", "raw"},
                    "paper_white_rgb.bsdf: directions with data in sampled view 0: expected none or at least 14");
     write(folder / "zero.binary", text_of(merl_file({9, 6, 8}, [](auto...) { return 0; })));

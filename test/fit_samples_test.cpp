@@ -1,4 +1,4 @@
-// Fits to scattered samples: folds, spacing, what a fit is worth away from the samples.
+// Fits to scattered samples: folds, spacing, errors away from the samples.
 #include "srbf/fit_samples.h"
 
 #include <set>
@@ -21,9 +21,9 @@ Vec3d draw(std::mt19937_64& random, double theta_max) {
     return {std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z};
 }
 
-Scattered samples_of(int count, double noise, std::uint64_t seed, double theta_max = 75 * k_degree) {
+ScatteredSamples samples_of(int count, double noise, std::uint64_t seed, double theta_max = 75 * k_degree) {
     std::mt19937_64 random(seed);
-    Scattered samples;
+    ScatteredSamples samples;
     for (int i = 0; i < count; ++i) {
         const Vec3d wl = draw(random, theta_max), wv = draw(random, theta_max);
         samples.wl.push_back(to_float(wl));
@@ -42,8 +42,8 @@ Scattered samples_of(int count, double noise, std::uint64_t seed, double theta_m
 constexpr double k_cap = 75 * k_degree;
 
 TEST(Folds, EachPlaceIsInOneAndAllAreOfOneSize) {
-    Scattered samples = samples_of(500, 0, 1);
-    // Of each tenth sample a copy: as it is, exchanged, mirrored, turned.
+    ScatteredSamples samples = samples_of(500, 0, 1);
+    // A copy of each tenth sample: unchanged, exchanged, mirrored, rotated.
     for (std::size_t i = 0; i < 500; i += 10) {
         const Vec3f l = samples.wl[i], v = samples.wv[i];
         const auto add = [&](Vec3f wl, Vec3f wv) {
@@ -52,15 +52,15 @@ TEST(Folds, EachPlaceIsInOneAndAllAreOfOneSize) {
         add(l, v), add(v, l), add({l.x, -l.y, l.z}, {v.x, -v.y, v.z}), add({-l.y, l.x, l.z}, {-v.y, v.x, v.z});
     }
     make_index(samples);
-    const auto fold = draw_folds(samples, k_cap, 7);
+    const auto fold = assign_folds(samples, k_cap, 7);
     ASSERT_TRUE(fold.ok());
     std::array<int, k_folds> size{};
     for (std::size_t i = 0; i < 500; ++i) ++size[std::size_t((*fold)[i])];
     for (const int n : size) EXPECT_TRUE(n >= 95 && n <= 105) << n;
     for (std::size_t i = 500; i < fold->size(); ++i) EXPECT_EQ((*fold)[i], (*fold)[(i - 500) / 4 * 10]);
-    // Anisotropic samples that are turned lie elsewhere.
+    // Rotated anisotropic samples are different places.
     samples.isotropic = false;
-    const auto turned = draw_folds(samples, k_cap, 7);
+    const auto turned = assign_folds(samples, k_cap, 7);
     ASSERT_TRUE(turned.ok());
     int apart = 0;
     for (std::size_t i = 503; i < fold->size(); i += 4) apart += (*turned)[i] != (*turned)[(i - 503) / 4 * 10];
@@ -68,8 +68,8 @@ TEST(Folds, EachPlaceIsInOneAndAllAreOfOneSize) {
 }
 
 TEST(Folds, TheBrightestAreLeftOutOneByOne) {
-    const Scattered samples = samples_of(300, 0, 2);
-    const auto fold = draw_folds(samples, k_cap, 3);
+    const ScatteredSamples samples = samples_of(300, 0, 2);
+    const auto fold = assign_folds(samples, k_cap, 3);
     ASSERT_TRUE(fold.ok());
     std::vector<std::size_t> order(samples.wl.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -79,24 +79,24 @@ TEST(Folds, TheBrightestAreLeftOutOneByOne) {
     std::set<int> of_brightest;
     for (int k = 0; k < k_folds; ++k) of_brightest.insert((*fold)[order[std::size_t(k)]]);
     EXPECT_EQ(of_brightest.size(), std::size_t(k_folds));
-    EXPECT_EQ(*fold, *draw_folds(samples, k_cap, 3));
-    EXPECT_NE(*fold, *draw_folds(samples, k_cap, 4));
+    EXPECT_EQ(*fold, *assign_folds(samples, k_cap, 3));
+    EXPECT_NE(*fold, *assign_folds(samples, k_cap, 4));
 }
 
 TEST(Folds, FewPlacesAreAnError) {
-    Scattered samples = samples_of(4, 0, 3);
+    ScatteredSamples samples = samples_of(4, 0, 3);
     for (int i = 0; i < 4; ++i)
         samples.wl.push_back(samples.wl[std::size_t(i)]), samples.wv.push_back(samples.wv[std::size_t(i)]),
             samples.colour.push_back({2, 2, 2});
     make_index(samples);
-    const auto fold = draw_folds(samples, k_cap, 0);
+    const auto fold = assign_folds(samples, k_cap, 0);
     ASSERT_FALSE(fold.ok());
     EXPECT_NE(message(fold.error()).find("expected at least 5, found 4"), std::string::npos) << message(fold.error());
 }
 
 TEST(Spacing, IsThatOfTheDensest) {
     // On a line of samples 2° apart in the plane of incidence.
-    Scattered samples;
+    ScatteredSamples samples;
     for (int i = 0; i < 30; ++i) {
         samples.wl.push_back(to_float(spherical(80 * k_degree, 0.0)));
         samples.wv.push_back(to_float(spherical((5 + 2 * i) * k_degree, k_pi)));
@@ -112,32 +112,32 @@ TEST(Spacing, IsThatOfTheDensest) {
 
 TEST(FitToSamples, NoiseIsNotFittedAndNoLobeIsSharperThanTheSpacing) {
     const double noise = 0.02;
-    const Scattered samples = samples_of(1500, noise, 4);
+    const ScatteredSamples samples = samples_of(1500, noise, 4);
     const double finest = spacing(samples);
     EXPECT_GT(finest, k_degree);
     const ObserveSamplesOptions options{Objective::raw, k_cap, 0};
-    const auto fit = [&](const Scattered& training) -> Result<std::vector<Model>> {
+    const auto fit = [&](const ScatteredSamples& training) -> Result<std::vector<Model>> {
         const auto observations = observe(training, options);
         if (!observations) return observations.error();
         SampleFitOptions how;
         how.pm.lobes = 3;
-        how.pm.starts = 4, how.pm.kicks = 5;
+        how.pm.starts = 4, how.pm.perturbations = 5;
         auto pm = fit_pm(*observations, how);
         if (!pm) return pm.error();
         return std::vector<Model>{{pm->model, {}}};
     };
-    const auto fold = draw_folds(samples, k_cap, 0);
+    const auto fold = assign_folds(samples, k_cap, 0);
     ASSERT_TRUE(fold.ok());
     const auto predicted = cross_validate(samples, *fold, fit);
     ASSERT_TRUE(predicted.ok());
     std::vector<float> measured;
     for (const Rgb& f : samples.colour) measured.insert(measured.end(), {f.r, f.g, f.b});
     const double error = measure_samples(samples.wl, samples.wv, measured, (*predicted)[0], k_cap).squared_error_ratio;
-    EXPECT_LT(error, 2 * noise * noise);    // of samples that are noisy themselves
-    EXPECT_GT(error, 0.7 * noise * noise);  // less would tell that they were seen
+    EXPECT_LT(error, 2 * noise * noise);    // the held-out samples are noisy themselves
+    EXPECT_GT(error, 0.7 * noise * noise);  // a smaller error would mean that they were used in the fit
     const auto whole = fit(samples);
     ASSERT_TRUE(whole.ok());
-    // Against the truth the fit is better than a sample is.
+    // Compared with the noise-free values the fit is better than a sample.
     double wrong = 0, all = 0;
     std::mt19937_64 random(5);
     for (int i = 0; i < 20000; ++i) {
@@ -152,7 +152,7 @@ TEST(FitToSamples, NoiseIsNotFittedAndNoLobeIsSharperThanTheSpacing) {
 
 TEST(FitToSamples, OneOfManyValuesAtOnePlaceIsTheirMean) {
     // Two values at every place, ±10 % of the smooth one.
-    Scattered samples = samples_of(400, 0, 6);
+    ScatteredSamples samples = samples_of(400, 0, 6);
     const std::size_t n = samples.wl.size();
     for (std::size_t i = 0; i < n; ++i) {
         const Rgb f = samples.colour[i];
@@ -166,7 +166,7 @@ TEST(FitToSamples, OneOfManyValuesAtOnePlaceIsTheirMean) {
     ASSERT_TRUE(observations.ok());
     EXPECT_TRUE(near(double(observations->places), double(n), 3));  // a few lie as near by chance
     SampleFitOptions how;
-    how.pm.lobes = 4, how.pm.starts = 4, how.pm.kicks = 3;
+    how.pm.lobes = 4, how.pm.starts = 4, how.pm.perturbations = 3;
     const auto fit = fit_pm(*observations, how);
     ASSERT_TRUE(fit.ok());
     const Measures at_samples = measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit->model), k_cap);
@@ -174,7 +174,7 @@ TEST(FitToSamples, OneOfManyValuesAtOnePlaceIsTheirMean) {
 }
 
 TEST(FitToSamples, SamplesOfOnePlaneAreFittedAndStayBounded) {
-    Scattered samples;
+    ScatteredSamples samples;
     double peak = 0;
     for (int l = 0; l <= 70; l += 10)
         for (int v = -75; v <= 75; v += 5) {
@@ -188,7 +188,7 @@ TEST(FitToSamples, SamplesOfOnePlaneAreFittedAndStayBounded) {
     ASSERT_TRUE(observations.ok());
     for (const bool fill : {false, true}) {
         SampleFitOptions how{{}, fill};
-        how.pm.lobes = 4, how.pm.starts = 4, how.pm.kicks = 3;
+        how.pm.lobes = 4, how.pm.starts = 4, how.pm.perturbations = 3;
         const auto fit = fit_pm(*observations, how);
         ASSERT_TRUE(fit.ok());
         std::mt19937_64 random(8);
@@ -205,10 +205,10 @@ TEST(FitToSamples, SpectraOfARealPaintHaveTheColoursOfItsFit) {
     const auto path = shared_data() / "cornell" / "krylon_blue.brdf";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
     const Measured paint = *load_measured(path.string());
-    const auto& samples = std::get<Scattered>(paint.table);
+    const auto& samples = std::get<ScatteredSamples>(paint.table);
     SampleFitOptions how;
     how.pm.lobes = 4;
-    how.pm.starts = 12, how.pm.kicks = 24;
+    how.pm.starts = 12, how.pm.perturbations = 24;
     const auto fit = [&](bool spectral) {
         return fit_pm(*observe(samples, ObserveSamplesOptions{Objective::raw, 80 * k_degree, 0, spectral}), how);
     };
@@ -234,21 +234,21 @@ TEST(FitToSamples, SpectraOfARealPaintHaveTheColoursOfItsFit) {
 }
 
 TEST(FitToSamples, WhatCannotBeFittedIsAnError) {
-    const auto why = [](const Scattered& samples, int lobes) {
+    const auto why = [](const ScatteredSamples& samples, int lobes) {
         const auto observations = observe(samples, {Objective::raw, k_cap, 0});
         if (!observations) return message(observations.error());
         SampleFitOptions how;
-        how.pm.lobes = lobes, how.pm.starts = 1, how.pm.kicks = 0;
+        how.pm.lobes = lobes, how.pm.starts = 1, how.pm.perturbations = 0;
         const auto fit = fit_pm(*observations, how);
         return fit ? std::string() : message(fit.error());
     };
     EXPECT_NE(why(samples_of(20, 0, 9), 8).find("samples: expected at least 96 values, found 60"), std::string::npos)
         << why(samples_of(20, 0, 9), 8);
     EXPECT_EQ(why(samples_of(40, 0, 9), 2), "");
-    Scattered black = samples_of(40, 0, 9);
+    ScatteredSamples black = samples_of(40, 0, 9);
     for (Rgb& f : black.colour) f = {0, -1, 0};
     EXPECT_NE(why(black, 1).find("some above 0"), std::string::npos);
-    Scattered grazing = samples_of(40, 0, 9);
+    ScatteredSamples grazing = samples_of(40, 0, 9);
     for (Vec3f& w : grazing.wl) w = to_float(spherical(88 * k_degree, 1.0));
     EXPECT_NE(why(grazing, 1).find("within the largest angle"), std::string::npos);
 }

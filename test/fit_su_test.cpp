@@ -1,4 +1,4 @@
-// The view-by-view fit: recovery of what was put in, how near it comes to measurements, what it refuses.
+// The view-by-view fit: recovery of synthetic input, accuracy for measurements, errors.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -21,7 +21,7 @@ const Measured& bundled(const std::string& name) {
     return files.at(name);
 }
 
-/// The raw matrix of a bundled measurement, of 384 directions unless said.
+/// The raw matrix of a bundled measurement, by default of 384 directions.
 RawMatrix matrix_of(const std::string& name, int directions = 384) {
     return *tabulate(signed_evaluator(bundled(name)), {.directions = directions});
 }
@@ -36,8 +36,8 @@ double heldout_error(const Evaluate& reference, const SuModel& model) {
     return measure_heldout(reference, others, {k_cap, 0}, 50000)[0].squared_error_ratio;
 }
 
-/// A model of J lobes a view that lie apart from each other in the upper hemisphere, each view's by themselves or the same in
-/// every view's own azimuth.
+/// A model with J lobes per view that are separated in the upper hemisphere: independent for each view, or the same
+/// relative to every view's azimuth.
 SuModel separated(int lobes, bool isotropic, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     SuModel model;
@@ -73,7 +73,7 @@ TEST(FitSu, RecoversSeparatedLobes) {
             const SuModel truth = separated(lobes, isotropic, std::uint64_t(lobes));
             SuFitOptions options = k_raw;
             options.lobes = lobes;
-            // Nothing lies between the samples of views that have nothing to do with each other.
+            // Interpolation between independent views is not meaningful.
             const auto matrix = tabulate(evaluator(truth), {.directions = 256, .between = isotropic ? 128 : 0});
             ASSERT_TRUE(matrix);
             const auto fit = fit_su(*matrix, options);
@@ -137,7 +137,7 @@ TEST(FitSu, DoesNotDependOnThreads) {
 }
 
 TEST(FitSu, ScalesWithItsData) {
-    // Three lobes by two, so that there is an error.
+    // Three lobes fitted by two, so that there is an error.
     RawMatrix matrix = *tabulate(evaluator(separated(3, true, 7)), {.directions = 128});
     SuFitOptions options = k_raw;
     options.lobes = 2;
@@ -237,13 +237,13 @@ TEST(FitSu, ViewsWithoutDataAreEmpty) {
             EXPECT_TRUE(is_finite(f));
             EXPECT_EQ(f == Rgb{}, view >= 10 && view <= 12) << view;
         }
-    // A matrix without any.
+    // A matrix without data.
     for (Rgb& f : matrix.f) f = {k_nan, k_nan, k_nan};
     const auto none = fit_su(matrix, k_raw);
     ASSERT_TRUE(none);
     EXPECT_EQ(none->empty, 64);
     EXPECT_EQ(value(none->model, {0, 0, 1}, {0, 0, 1}), Rgb{});
-    // Values are missing here and there.
+    // Some values are missing.
     matrix = matrix_of("paper_white_rgb", 64);
     for (std::size_t i = 0; i < matrix.f.size(); i += 3) matrix.f[i].g = k_nan;
     EXPECT_TRUE(fit_su(matrix, k_raw));
@@ -283,7 +283,7 @@ TEST(FitSu, RefusesBadOptionsAndMatrices) {
     for (const int bad : {-1, 0, 7, 8193, 1 << 30})
         EXPECT_FALSE(tabulate(signed_evaluator(bundled("paper_white_rgb")), {.directions = bad})) << bad;
     EXPECT_FALSE(tabulate(signed_evaluator(bundled("paper_white_rgb")), {.directions = 8, .between = -1}));
-    // As few directions as there may be.
+    // The smallest number of directions.
     const RawMatrix few = matrix_of("paper_white_rgb", k_least_views);
     const auto fit = fit_su(few, {.lobes = 2, .objective = Objective::raw});
     ASSERT_TRUE(fit);

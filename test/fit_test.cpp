@@ -1,4 +1,4 @@
-// The whole fit: what it recovers, what it promises, what it refuses.
+// The fit: recovery of synthetic input, documented properties, errors.
 #include "srbf/fit.h"
 
 #include <map>
@@ -20,7 +20,7 @@ const Measured& bundled(const std::string& name) {
 
 Observations observed(const Evaluate& f, Objective objective = Objective::raw) { return *observe(f, {objective, 0}); }
 
-/// A model of J axial lobes of N variates whose lobes reach the hemispheres.
+/// A model of J axial lobes of N variates that are visible within the hemispheres.
 PmModel model_of(int lobes, int variates, std::mt19937_64& random) {
     PmModel model;
     model.lobes = lobes;
@@ -92,7 +92,7 @@ TEST(Fit, OfScaledDataIsTheScaledFit) {
     options.variates = 2;
     const auto a = fit_pm(observed(once), options), b = fit_pm(observed(fourfold), options);
     ASSERT_TRUE(a && b);
-    // Fits that start from the same random numbers end in the same minimum, though not by the same roundings.
+    // Fits from the same random numbers reach the same minimum, with different rounding errors.
     const Evaluate others[] = {evaluator(b->unrounded)};
     const Evaluate reference = [&](auto wl, auto wv, auto f) {
         evaluator(a->unrounded)(wl, wv, f);
@@ -177,7 +177,7 @@ TEST(Fit, OfFurtherFormsIsBetterByFar) {
     }
 }
 
-TEST(Fit, IsReciprocalWhereAskedTo) {
+TEST(Fit, IsReciprocalIfRequested) {
     const Measured& paper = bundled("paper_white_rgb");
     for (const PmForm form : k_forms) {
         FitOptions options;
@@ -323,7 +323,7 @@ TEST(Fit, RefusesBadOptionsAndObservations) {
     for (const int bad : {0, -1, 9, 1 << 30}) EXPECT_FALSE(with([&](FitOptions& o) { o.variates = bad; })) << bad;
     EXPECT_FALSE(with([](FitOptions& o) { o.log_scale = false; }));  // form extended
     EXPECT_FALSE(with([](FitOptions& o) { o.starts = 0; }));
-    EXPECT_FALSE(with([](FitOptions& o) { o.kicks = -1; }));
+    EXPECT_FALSE(with([](FitOptions& o) { o.perturbations = -1; }));
     EXPECT_FALSE(with([](FitOptions& o) { o.threads = -1; }));
 
     const auto without = [&](auto change) {

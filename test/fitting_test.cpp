@@ -1,4 +1,4 @@
-// From a measurement to a judged model in one call: what it finds, that it can be cancelled, what it refuses.
+// Fits with measured errors in one call: results, cancellation, errors.
 #include "srbf/fitting.h"
 
 #include <thread>
@@ -35,7 +35,7 @@ FitRequest ggx(Objective objective = Objective::cosine) {
 
 /// Samples of a smooth BRDF on a grid.
 Measured samples() {
-    Scattered scattered;
+    ScatteredSamples scattered;
     scattered.isotropic = true;
     for (int l = 0; l < 8; ++l)
         for (int v = 0; v < 8; ++v)
@@ -49,11 +49,11 @@ Measured samples() {
     return {"samples", "CSV", 0, std::move(scattered)};
 }
 
-// ---- What ships by default ----
+// ---- Defaults ----
 
 struct Bound {
     const char* name;
-    double error, albedo_error;  // a quarter above what was measured
+    double error, albedo_error;  // 1.25 times the measured values
 };
 
 class DefaultFit : public testing::TestWithParam<Bound> {
@@ -77,7 +77,7 @@ TEST_P(DefaultFit, ErrsNoMoreThanItDid) {
 
 TEST_P(DefaultFit, IsBoundedToTheHorizon) {
     const Measured measured = bundled(GetParam().name);
-    // f cosθl cosθv nowhere exceeds the largest measured by a factor, however close to grazing.
+    // f cosθl cosθv exceeds the largest measured value by at most a factor everywhere, including close to the horizon.
     const auto largest = [](const auto& brdf, double most) {
         float peak = 0;
         for (double l = 0; l <= most; l += 2.5)
@@ -107,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
                                          Bound{"paper_white_rgb", 0.0014, 0.003}),
                          [](const auto& one) { return std::string(one.param.name); });
 
-// ---- One call and its stages ----
+// ---- A call and its stages ----
 
 TEST(Fitting, IsItsStagesOneAfterTheOther) {
     const Measured measured = bundled("paper_white_rgb");
@@ -115,7 +115,7 @@ TEST(Fitting, IsItsStagesOneAfterTheOther) {
     const auto at_once = fit(measured, request);
     ASSERT_TRUE(at_once);
     Fitter fitter(measured);
-    // Neither a draft nor an earlier fit changes what a later one finds.
+    // Neither a draft nor an earlier fit changes the result of a later one.
     ASSERT_TRUE(fitter.draft(request, 0));
     ASSERT_TRUE(fitter.fit(pm(LobeCount{1}, 1), {}));
     auto outcome = fitter.fit(request);
@@ -124,7 +124,7 @@ TEST(Fitting, IsItsStagesOneAfterTheOther) {
     ASSERT_TRUE(fitter.measure(*outcome, request));
     EXPECT_EQ(write_model(outcome->model), write_model(at_once->model));
     EXPECT_EQ(outcome->errors->heldout.squared_error_ratio, at_once->errors->heldout.squared_error_ratio);
-    // The same BRDF as a function is fitted alike.
+    // The same BRDF as a function has the same fit.
     const auto of_function = fit(signed_evaluator(measured), request);
     ASSERT_TRUE(of_function);
     EXPECT_EQ(std::get<PmModel>(of_function->model.model), std::get<PmModel>(at_once->model.model));
@@ -151,7 +151,7 @@ TEST(Fitting, SamplesAreCrossValidated) {
     EXPECT_EQ(outcome->samples, 8u * 8u * 7u);
     EXPECT_TRUE(outcome->filled.has_value());
     EXPECT_LT(outcome->errors->heldout.squared_error_ratio, 0.01);
-    // A draft is not judged.
+    // The errors of a draft are not measured.
     Fitter fitter(measured);
     auto draft = fitter.draft(request, 0);
     ASSERT_TRUE(draft);
@@ -229,7 +229,7 @@ TEST(Progress, PartsAreOfTheWhole) {
     EXPECT_FALSE(ProgressToken{}.cancelled());
 }
 
-// ---- What is refused ----
+// ---- Errors ----
 
 TEST(Fitting, RefusesWhatItCannotFit) {
     const Measured table = bundled("paper_white_rgb");

@@ -1,4 +1,4 @@
-// No subnormal number in the fit's inner loops, and no result that depends on the caller's floating-point mode.
+// No subnormal numbers in the inner loops of the fit, and no dependence of results on the caller's floating-point mode.
 #include "floating_point.h"
 
 #include <atomic>
@@ -20,12 +20,12 @@
 namespace srbf {
 namespace {
 
-/// What the loops read and wrote while it was counted.
+/// Statistics of the numbers that the loops read and wrote.
 std::atomic<std::uint64_t> seen = 0, subnormal = 0;
 void see(const float* numbers, std::size_t count = k_block) {
     std::uint64_t found = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        const auto bits = std::bit_cast<std::uint32_t>(numbers[i]);  // a comparison would take them for 0
+        const auto bits = std::bit_cast<std::uint32_t>(numbers[i]);  // a comparison would flush them to 0
         found += (bits & 0x7f800000) == 0 && (bits & 0x007fffff) != 0;
     }
     seen += count, subnormal += found;
@@ -36,7 +36,7 @@ void see(std::span<const float* const> columns) {
 
 }  // namespace
 
-// The linker puts each of these in the place of the loop of that name (its option --wrap, test/CMakeLists.txt).
+// The linker replaces the loop of that name by each of these (option --wrap, test/CMakeLists.txt).
 #define SRBF_WRAPPED(result, name, symbol, ...)               \
     result real_##name(__VA_ARGS__) asm("__real_" symbol);    \
     result wrapped_##name(__VA_ARGS__) asm("__wrap_" symbol); \
@@ -86,7 +86,7 @@ namespace {
 
 Measured film() { return *load_measured((bundled_data() / "cc_ibiza_sunset_rgb.bsdf").string()); }
 
-/// Spectra of which R, G, B are the ends and the middle: real measurements at wavelengths are not bundled.
+/// Spectra whose R, G, B are the ends and the middle: spectral measurements are not bundled.
 Channels rainbow(const Measured& measured) {
     const std::vector<float> nm{450, 500, 550, 600, 650};
     return {nm, [f = signed_evaluator(measured)](auto wl, auto wv, auto spectra) {
@@ -109,7 +109,7 @@ template <typename Body> Count counted(const Body& body) {
     return {seen, subnormal};
 }
 constexpr std::uint64_t k_many = 100'000'000;
-/// The body's loops look at more than so many numbers, of which none is subnormal.
+/// The loops of the body process more than this many numbers, none of them subnormal.
 template <typename Body> void expect_none(const Body& body, std::uint64_t many = k_many) {
     const Count count = counted(body);
     EXPECT_GT(count.seen, many);
@@ -134,7 +134,7 @@ TEST(InnerLoops, SeeNoneInTheDefaultFit) {
 
 TEST(InnerLoops, SeeNoneInTheFormOfTheSource) {
     const Measured measured = film();
-    const FitOptions options{.form = PmForm::gaussian, .starts = 4, .kicks = 8};
+    const FitOptions options{.form = PmForm::gaussian, .starts = 4, .perturbations = 8};
     expect_none([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {.objective = Objective::raw}), options);
         ASSERT_TRUE(fit.ok());
@@ -143,7 +143,7 @@ TEST(InnerLoops, SeeNoneInTheFormOfTheSource) {
 
 TEST(InnerLoops, SeeNoneInAFitOfGeneralLobes) {
     const Measured measured = film();
-    const FitOptions options{.axial = false, .lobes = 4, .variates = 3, .starts = 4, .kicks = 8};
+    const FitOptions options{.axial = false, .lobes = 4, .variates = 3, .starts = 4, .perturbations = 8};
     expect_none([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {.count = 16384}), options);
         ASSERT_TRUE(fit.ok());
@@ -164,7 +164,7 @@ TEST(InnerLoops, SeeNoneInASpectralFit) {
     expect_none([&] {
         auto observations = *observe(signed_evaluator(measured), {.count = 16384});
         observe_spectra(observations, rainbow(measured));
-        const auto fit = fit_pm(observations, {.lobes = 6, .variates = 3, .starts = 4, .kicks = 8});
+        const auto fit = fit_pm(observations, {.lobes = 6, .variates = 3, .starts = 4, .perturbations = 8});
         ASSERT_TRUE(fit.ok());
     });
 }
@@ -176,10 +176,11 @@ TEST(InnerLoops, SeeNoneInAFitOfMeasuredSpectra) {
     expect_none(
         [&] {
             const auto observations =
-                observe(std::get<Scattered>(measured.table),
+                observe(std::get<ScatteredSamples>(measured.table),
                         ObserveSamplesOptions{.objective = Objective::cube_root, .spectral = true});
             ASSERT_TRUE(observations.ok());
-            const auto fit = fit_pm(*observations, {{.lobes = 6, .variates = 3, .starts = 4, .kicks = 8}, true});
+            const auto fit =
+                fit_pm(*observations, {{.lobes = 6, .variates = 3, .starts = 4, .perturbations = 8}, true});
             ASSERT_TRUE(fit.ok());
         },
         k_many / 10);
@@ -188,14 +189,14 @@ TEST(InnerLoops, SeeNoneInAFitOfMeasuredSpectra) {
 // ---- The caller's mode ----
 
 #if defined(__SSE__)
-/// What a caller may have set, as MXCSR has it: what a process begins with; all that flushes; rounding down, up, and to 0, one of them with
-/// flags raised.
+/// Modes that a caller may have set, as values of MXCSR: the initial mode of a process; flushing; rounding down, up,
+/// and to 0, one of them with raised flags.
 constexpr unsigned k_modes[] = {0x1f80, 0x9fc0, 0x3f80, 0x5fbf, 0x7f80};
 unsigned mode_now() { return _mm_getcsr(); }
 unsigned without_flags(unsigned mode) { return mode & ~0x3fu; }
 void set_mode(unsigned mode) { _mm_setcsr(mode); }
 #else
-/// Rounding alone can be set by the standard library.
+/// The standard library can only set the rounding mode.
 constexpr int k_modes[] = {FE_TONEAREST, FE_DOWNWARD, FE_UPWARD, FE_TOWARDZERO};
 int mode_now() { return std::fegetround(); }
 int without_flags(int mode) { return mode; }
@@ -237,13 +238,14 @@ template <typename T> std::vector<std::byte> bytes_of(const std::vector<T>& numb
     return {bytes.begin(), bytes.end()};
 }
 
-/// Everything that the library computes of a small fit.
+/// All results of the library for a small fit.
 std::vector<std::vector<std::byte>> results(const Measured& measured, int threads) {
     std::vector<std::vector<std::byte>> all;
     const Evaluate f = signed_evaluator(measured);
     const auto observations = observe(f, {.count = 4096, .threads = threads});
     all.push_back(bytes_of(observations->f)), all.push_back(bytes_of(observations->weight));
-    const auto fit = fit_pm(*observations, {.lobes = 3, .variates = 3, .starts = 3, .kicks = 4, .threads = threads});
+    const auto fit =
+        fit_pm(*observations, {.lobes = 3, .variates = 3, .starts = 3, .perturbations = 4, .threads = threads});
     all.push_back(write_model({fit->model, {}}));
     const auto matrix = tabulate(f, {.directions = 64, .between = 64, .threads = threads});
     const auto su = fit_su(*matrix, {.lobes = 2, .threads = threads});

@@ -1,4 +1,4 @@
-// What docs/formats.md promises that no other test holds: its Python reads a model, reading takes no more memory than said.
+// Statements of docs/formats.md that no other test covers: its Python reads a model; bounds on the memory of reading.
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -13,7 +13,7 @@
 namespace srbf {
 namespace {
 
-/// Largest memory of the child processes so far [bytes].
+/// Peak memory of the child processes so far [bytes].
 std::uint64_t children_memory() {
     rusage usage{};
     ::getrusage(RUSAGE_CHILDREN, &usage);
@@ -28,7 +28,7 @@ void expect_frugal(const std::string& name, std::span<const std::byte> bytes, in
     EXPECT_LT(children_memory(), 4 * bytes.size() + (64 << 20)) << name;
 }
 
-/// From the smallest file to the largest, since the largest memory is all that is known.
+/// From the smallest file to the largest, since only the overall peak is known.
 TEST(Formats, ReadingTakesFourTimesTheFile) {
     const auto grey = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
         std::ranges::fill(f, Rgb{0.1f, 0.2f, 0.3f});
@@ -37,7 +37,7 @@ TEST(Formats, ReadingTakesFourTimesTheFile) {
     expect_frugal("t.bin", utia_file([](int, int, int, int, int) { return 0.1; }));
     expect_frugal("t.bsdf", write_rgl(to_rgl(grey, {8, 64, "grey", 1})));
     expect_frugal("t.csv", as_bytes(write_csv(to_samples(grey, true, 400, 80 * k_degree))));
-    // Rows too short to be a measurement's: more samples than fit are refused.
+    // Rows too short for real measurements: more samples than the limit are an error.
     std::string dense = "theta_l_rad,theta_v_rad,phi_v_rad,value\n";
     for (int i = 0; i < 3500000; ++i) dense += "1,1,1,1\n";
     expect_frugal("dense.csv", as_bytes(dense), 1);
@@ -47,7 +47,7 @@ TEST(Formats, ReadingTakesFourTimesTheFile) {
     expect_frugal("t.binary", write_merl(table));
 }
 
-/// A Python that has numpy; empty: none.
+/// A Python interpreter with numpy; empty: none.
 std::string python_with_numpy() {
     for (const std::string python : {"python3", "/usr/bin/python3"})
         if (std::system((python + " -c 'import numpy' >/dev/null 2>&1").c_str()) == 0) return python;

@@ -18,7 +18,7 @@ GgxModel random_ggx(std::mt19937_64& random, int lobes) {
     return model;
 }
 
-/// Directional albedo of one channel of the facets alone that reflect all light, by quadrature in the half-way vector's lobe.
+/// Directional albedo of one channel of perfectly reflecting facets, by quadrature in the lobe of the half vector.
 double facet_albedo(float alpha, double theta_v) {
     const GgxModel white{{}, {{alpha, {1, 1, 1}, 1}}};
     return double(albedo(evaluator(white), theta_v, k_pi / 2).g);
@@ -54,12 +54,12 @@ TEST(Ggx, ALambertianReflectsItsColour) {
 }
 
 TEST(Ggx, FacetsReflectNoMoreThanTheyGetAndSmoothOnesAll) {
-    // Facets that mask each other lose what they scatter among themselves.
+    // Masking and shadowing lose the light of multiple scattering.
     for (const float alpha : {0.02f, 0.1f, 0.3f, 1.0f})
         for (const double theta : {0.0, 0.7, 1.2})
             EXPECT_LT(facet_albedo(alpha, theta), 1 + 1e-3) << alpha << ' ' << theta;
     EXPECT_TRUE(near(facet_albedo(0.02f, 0.0), 1, 2e-3));
-    // At α = 1 and normal incidence 1 - ln 2 is left: ∫ cosθl / (2 (1 + cosθl)) dcosθl, twice.
+    // At α = 1 and normal incidence the albedo is 1 - ln 2: ∫ cosθl / (2 (1 + cosθl)) dcosθl, twice.
     EXPECT_TRUE(near(facet_albedo(1, 0.0), 1 - std::log(2.0), 1e-4));
 }
 

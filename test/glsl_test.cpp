@@ -1,4 +1,4 @@
-// kernel.glsl and the shaders made of it are accepted by a compiler of GLSL 4.50 and of GLSL ES 3.00.
+// Compilers accept kernel.glsl and the shaders made of it as GLSL 4.50 and GLSL ES 3.00.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,7 +15,7 @@
 namespace srbf {
 namespace {
 
-/// What a shader names before it includes the text: the model in uniform arrays, `Pm` the first of its lobes.
+/// Definitions of a shader before the included text: the model in uniform arrays, `Pm` is the index of its first lobe.
 const std::string k_host = R"(
 #define Real float
 #define Vec3 vec3
@@ -26,7 +26,7 @@ uniform int lobes, variates, features;
 uniform bool axial;
 uniform vec4 exponent_of_lobe[16];
 uniform vec2 weight[8];
-uniform vec4 variate_of_lobe[128];   // centre, sharpness
+uniform vec4 variate_of_lobe[128];   // centre, log2_falloff
 uniform vec4 coefficient_of_lobe[16];  // coefficient, scale
 Real select(Bool condition, Real a, Real b) { return condition ? a : b; }
 int pm_lobes(Pm pm) { return lobes; }
@@ -34,7 +34,7 @@ int pm_variates(Pm pm) { return variates; }
 Real pm_weight_l(Pm pm, int n) { return weight[n].x; }
 Real pm_weight_v(Pm pm, int n) { return weight[n].y; }
 Vec3 pm_centre(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].xyz; }
-Real pm_sharpness(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].w; }
+Real pm_log2_falloff(Pm pm, int j, int n) { return variate_of_lobe[(pm.first + j) * 8 + n].w; }
 Vec3 pm_coefficient(Pm pm, int j) { return coefficient_of_lobe[pm.first + j].rgb; }
 bool pm_axial(Pm pm) { return axial; }
 bool pm_down(Pm pm, int j, int n) { return pm_centre(pm, j, n).z < 0.0; }
@@ -76,10 +76,11 @@ void main() {
     f *= su_plain_weight(Su(5), nearest, wv, 3, 0) * su_rotated_part(Su(5), wl, wv, 0);
     GgxLobe sharp = GgxLobe(u.x, wl, u.y), broad = GgxLobe(ggx_facets(wl, wv, u.y), wv, schlick_weight(wl, wv));
     f += ggx_value(wl, sharp, broad, wl, wv) + ggx_lobe_value(broad, wl, wv);
-    f += sample_cosine(u.x, u.y) * cosine_pdf(wl) + visible_lobe(wv, 8.0).centre * half_way_pdf(wl, wv, 8.0, 2.0);
-    f += sample_half_way(wv, 8.0, 2.0, u.x, u.y) * proposal_lobe_pdf(5, proposal_point(wl, wv, 2.0)) * proposal_bandwidth(1);
-    f += sample_proposal_lobe(2, stretched(wv, 2.0), 2.0, u.x, u.y) * half_way(wl, wv, 2.0).factor;
-    f += folded_pdf(mirror_lobe(wl, 4.0), itself(wl), half_way(wl, wv, 2.0)) * half_way_lobe(wv, 8.0).centre;
+    f += sample_cosine(u.x, u.y) * cosine_pdf(wl) + visible_lobe(wv, 8.0).centre * half_vector_pdf(wl, wv, 8.0, 2.0);
+    f += sample_half_vector(wv, 8.0, 2.0, u.x, u.y) *
+         proposal_lobe_pdf(5, proposal_point(wl, wv, 2.0)) * proposal_bandwidth(1);
+    f += sample_proposal_lobe(2, stretched(wv, 2.0), 2.0, u.x, u.y) * half_vector(wl, wv, 2.0).factor;
+    f += folded_pdf(mirror_lobe(wl, 4.0), itself(wl), half_vector(wl, wv, 2.0)) * half_vector_lobe(wv, 8.0).centre;
     f += folded(light_of(sample_sharp_vmf(wl, 4.0, u.x, u.x, u.y), wv)) + off_centre(wl, u.x, u.y);
     f += times_cosine(wl, 4.0).centre;
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
@@ -95,7 +96,7 @@ std::string kernel_text() {
     return {reinterpret_cast<const char*>(bytes->data()), bytes->size()};
 }
 
-/// What glslangValidator has to say about a fragment shader, and whether it accepts it.
+/// The messages of glslangValidator about a fragment shader, and whether it accepts it.
 class Glsl : public testing::Test {
   protected:
     void SetUp() override {
@@ -125,7 +126,7 @@ TEST_F(Glsl, TheTextCompilesAsAShader) {
         EXPECT_TRUE(compiles(version + k_host + kernel_text() + k_main)) << version;
 }
 
-/// Of each kind one.
+/// One material of each kind.
 std::vector<Material> materials() {
     std::mt19937_64 random(1);
     std::vector<Material> materials{Flat{}, MerlTable{{90, 90, 180}, {}, 0}};
@@ -161,7 +162,7 @@ TEST_F(Glsl, EveryMaterialCompiles) {
     }
 }
 
-// What a program of somebody else needs of the component alone.
+// All that an external program needs from the component.
 TEST_F(Glsl, ABrdfStandsByItself) {
     for (const Dialect dialect : {Dialect::gl_450, Dialect::es_300})
         for (const Material& material : materials())
@@ -205,7 +206,7 @@ TEST_F(Glsl, WhatIsNoGlslIsRefused) {
         EXPECT_FALSE(compiles(version + k_host + broken("return exp(", "return std::exp(") + k_main));
         EXPECT_FALSE(compiles(version + k_host + broken("Real(-0.5) *", "double(-0.5) * Real(0) / wl *") + k_main));
         EXPECT_FALSE(compiles(version + k_host + broken("};", "}") + k_main));
-        EXPECT_FALSE(compiles(version + text + k_main));  // a host that names nothing
+        EXPECT_FALSE(compiles(version + text + k_main));  // a host without definitions
         std::string incomplete = k_host;
         incomplete.replace(incomplete.find("pm_log2_scale"), 13, "pm_other");
         EXPECT_FALSE(compiles(version + incomplete + text + k_main));
@@ -225,7 +226,7 @@ TEST_F(Glsl, EveryFunctionIsUsed) {
 }
 
 TEST_F(Glsl, TheTextIsAscii) {
-    // GLSL ES 3.00 admits other characters in comments alone, some drivers not even there.
+    // GLSL ES 3.00 allows other characters only in comments, some drivers not even there.
     for (const char c : kernel_text()) ASSERT_TRUE(c == '\n' || (c >= 0x20 && c < 0x7f)) << int(c);
 }
 

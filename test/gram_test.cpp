@@ -1,4 +1,4 @@
-// The fit's inner loops against plain ones, for each instruction set of this machine.
+// The inner loops of the fit compared with plain ones, for each instruction set of this machine.
 #include "fit/gram.h"
 
 #include "one_target.h"
@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t k_count = 2 * k_block + 300, k_checks = 7;
 
-/// Two whole blocks and a part of one; some weights are 0.
+/// Two whole blocks and part of a third; some weights are 0.
 Observations random_observations() {
     std::mt19937_64 random(1);
     Observations observations;
@@ -36,7 +36,7 @@ std::vector<const float*> pointers(const std::vector<Aligned<float>>& columns) {
     return p;
 }
 
-/// Each test once for each instruction set.
+/// Each test runs once per instruction set.
 class Gram : public testing::TestWithParam<Target> {
   protected:
     const OneTarget target_{GetParam()};

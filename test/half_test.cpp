@@ -1,4 +1,4 @@
-// Halves: each of the 65536, and what is rounded to them.
+// 16-bit floats: all 65536 values, and rounding.
 #include "srbf/half.h"
 
 #include "properties.h"
@@ -6,7 +6,7 @@
 namespace srbf {
 namespace {
 
-/// The number that 16 bits stand for, by the definition of IEEE 754 binary16.
+/// The value of 16 bits by the definition of IEEE 754 binary16.
 double defined(unsigned bits) {
     const int exponent = int(bits >> 10 & 31), fraction = int(bits & 1023);
     const double sign = bits >> 15 ? -1 : 1;
@@ -51,7 +51,7 @@ TEST(Half, LimitsAreTheStatedOnes) {
         EXPECT_EQ(to_half(-x), 0xfc00) << x;
     }
     EXPECT_EQ(k_half_min, from_half(0x0400));
-    // From it on, halves are 2^-10 of their power of two apart; below they stay 2^-24 apart.
+    // From here on the spacing is 2^-10 relative to the power of two; below it is constant, 2^-24.
     EXPECT_EQ(from_half(0x0401) - from_half(0x0400), 0x1p-10f * k_half_min);
     EXPECT_EQ(from_half(0x0200) - from_half(0x01ff), 0x1p-24f);
     EXPECT_EQ(to_half(0x1p-25f), 0);

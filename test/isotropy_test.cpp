@@ -1,4 +1,4 @@
-// Anisotropic data: told from isotropic ones, and fitted by lobes whose centres are free.
+// Anisotropic data: detection, and fits with general lobes.
 #include "properties.h"
 #include "srbf/directions.h"
 #include "srbf/fit.h"
@@ -7,7 +7,8 @@
 namespace srbf {
 namespace {
 
-/// A rough conductor of Beckmann's distribution with roughness ax along x, ay along y, over a diffuse part: synthetic.
+/// A rough conductor with the Beckmann distribution, roughness ax along x and ay along y, over a diffuse part:
+/// synthetic.
 Evaluate brushed(double ax, double ay) {
     return [=](auto wl, auto wv, auto f) {
         for (std::size_t i = 0; i < f.size(); ++i) {
@@ -22,7 +23,7 @@ Evaluate brushed(double ax, double ay) {
     };
 }
 
-/// `f` times numbers of standard deviation `noise`, other ones at every pair.
+/// `f` times random factors with standard deviation `noise`, independent at every pair.
 Evaluate noisy(Evaluate f, double noise) {
     return [=](auto wl, auto wv, auto out) {
         f(wl, wv, out);

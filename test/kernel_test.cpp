@@ -116,7 +116,7 @@ TYPED_TEST(KernelOf, GaussianIntegralIsTheIntegralOfTheGaussian) {
     using K = Kernel<Real>;
     for (const double lambda : {0.0, 1e-3, 0.0624, 0.0626, 1.0, 30.0, 1e3, 6e4}) {
         const Vec3d xi = random_direction(this->random);
-        // Simpson's rule over 1 - cos(theta), as far as the lobe reaches; even azimuths.
+        // Simpson's rule over 1 - cos(theta) within the lobe; uniform azimuths.
         const double reach = std::min(2.0, 40 / std::max(lambda, 1e-9));
         constexpr int steps = 2000, turns = 3;
         double sum = 0;

@@ -1,4 +1,4 @@
-// Who may include whom: a file includes only files before it in reading order, or of its own noun.
+// Include dependencies: a file includes only files of lower levels, or of its own name.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -12,11 +12,12 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path k_root = SRBF_SOURCE_DIR;
 
-// Groups of files in reading order, by the beginnings of their paths; a file may include its own group and those before it.
+// Groups of files in increasing level, by prefixes of their paths; a file may include its own group and those before
+// it.
 const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/vec", "include/srbf/half", "src/half", "include/srbf/colour", "src/colour", "include/srbf/result",
      "src/result", "include/srbf/progress", "src/progress", "src/reporter"},
-    {"src/floating_point", "src/parallel", "src/evenly", "src/k_d_tree", "src/least_squares", "include/srbf/file",
+    {"src/floating_point", "src/parallel", "src/r_sequence", "src/k_d_tree", "src/least_squares", "include/srbf/file",
      "src/file", "include/srbf/text"},
     {"include/srbf/kernel", "src/batch-inl"},
     {"include/srbf/directions", "src/directions"},
@@ -57,8 +58,8 @@ int place_of(const fs::path& path) {
 }
 
 struct Source {
-    fs::path path;                    // from the project's root
-    std::vector<fs::path> included;   // in quotes, likewise
+    fs::path path;                    // relative to the project's root
+    std::vector<fs::path> included;   // in quotes, relative to the project's root
     std::vector<std::string> system;  // in angle brackets, as written
 };
 std::vector<Source> sources() {

@@ -1,5 +1,5 @@
-// Bounded linear least squares by its optimality conditions and by trying every active set; Levenberg-Marquardt on
-// problems with known answers.
+// Bounded linear least squares, checked by optimality conditions and by enumeration of active sets; Levenberg-Marquardt
+// on problems with known solutions.
 #include "least_squares.h"
 
 #include "properties.h"
@@ -18,7 +18,7 @@ struct Linear {
 
 double draw(std::mt19937_64& random) { return 2 * uniform(random) - 1; }
 
-/// A problem AᵀA, Aᵀy; some columns twice, some zero, of lengths orders of magnitude apart.
+/// A problem AᵀA, Aᵀy; some columns are duplicates, some zero, with norms orders of magnitude apart.
 Linear random_problem(std::mt19937_64& random, Index n, bool degenerate, bool bounded) {
     MatrixXd A = MatrixXd::NullaryExpr(n + 4, n, [&] { return draw(random) + 0.4; });
     const VectorXd y = VectorXd::NullaryExpr(n + 4, [&] { return draw(random) + 0.2; });
@@ -43,8 +43,8 @@ constexpr double k_ridge = 1e-6;
 MatrixXd ridged(const MatrixXd& G) { return G + MatrixXd(k_ridge * G.diagonal().asDiagonal()); }
 double objective(const Linear& p, const VectorXd& x) { return 0.5 * x.dot(ridged(p.G) * x) - p.g.dot(x); }
 
-/// By how much x misses the conditions of the minimum, columns scaled to unit length, relative to the largest gᵢ;
-/// infinite where a bound is left.
+/// Violation of the optimality conditions by x, with columns scaled to unit length, relative to the largest gᵢ;
+/// infinite if a bound is violated.
 double violation(const Linear& p, const VectorXd& x) {
     const VectorXd descent = p.g - ridged(p.G) * x;
     double worst = 0, scale = 1e-300;
@@ -66,7 +66,7 @@ double violation(const Linear& p, const VectorXd& x) {
     return worst / scale;
 }
 
-/// The least objective over all choices of variables at 0, at their bound, and free.
+/// The minimum over all choices of variables at 0, at their bound, and free.
 double best_of_all(const Linear& p) {
     const Index n = p.g.size();
     const int sets = int(std::lround(std::pow(3, n)));
@@ -150,7 +150,7 @@ TEST(BoundedLeastSquares, EqualColumnsShareTheirSum) {
     EXPECT_GE(x.minCoeff(), 0);
 }
 
-/// The X that minimises |A X − B|; one function, for the compiler takes seconds over it.
+/// The X that minimises |A X − B|; one function, since it takes seconds to compile.
 MatrixXd solved_by_qr(const MatrixXd& A, const MatrixXd& B) { return A.colPivHouseholderQr().solve(B); }
 
 /// y(t) = Σ_k c_k exp(−x_k t), the c_k eliminated by orthogonal projection.
@@ -232,7 +232,7 @@ TEST(LevenbergMarquardt, EndsWhereTheGradientVanishes) {
 }
 
 TEST(LevenbergMarquardt, KeepsTheBounds) {
-    // The best exponents, 0.5 and 3, lie outside on one or on both sides.
+    // The optimal exponents, 0.5 and 3, lie outside on one or both sides.
     for (const auto& [low, high] : {std::pair(0.0, 2.0), {0.8, INFINITY}, {0.8, 2.0}, {1.0, 1.0}}) {
         Exponentials problem = two_exponentials();
         problem.lower_bound.setConstant(low);
@@ -250,7 +250,7 @@ TEST(LevenbergMarquardt, KeepsTheBounds) {
         EXPECT_EQ(problem.last_x, x);
         EXPECT_EQ(problem.loss(x), summary.loss);
         if (low == high) continue;
-        // What is not at a bound has no slope left.
+        // A variable that is not at a bound has zero gradient.
         MatrixXd H;
         VectorXd g;
         problem.linearise(x, H, g);
@@ -285,7 +285,8 @@ TEST(LevenbergMarquardt, EndsWhereItsTargetIsOutOfSight) {
     };
     VectorXd whole_x, x;
     const auto whole = from_start(twelve, INFINITY, whole_x);
-    // One that is reached changes nothing; one that noise keeps out of reach ends the steps as soon as they lower less than is left.
+    // A target that is reached has no effect; a target that noise makes unreachable stops the steps as soon as they
+    // lower less than the remaining difference.
     const auto reached = from_start(twelve, 1.01 * whole.loss, x);
     EXPECT_EQ(reached.loss, whole.loss);
     EXPECT_EQ(x, whole_x);
@@ -296,7 +297,7 @@ TEST(LevenbergMarquardt, EndsWhereItsTargetIsOutOfSight) {
     EXPECT_GE(missed.loss, whole.loss);
 }
 
-/// Promises a descent that is none, or leads where the loss is not a number.
+/// Predicts a descent that does not occur, or leads to a NaN.
 struct Deceiver : Exponentials {
     bool nan = false;
     VectorXd start;

@@ -1,4 +1,4 @@
-// How far pictures are apart, as seen.
+// Perceptual differences of images.
 #include "render/likeness.h"
 
 #include <algorithm>
@@ -58,16 +58,16 @@ TEST(Likeness, PsnrAndSsimOfPlainPictures) {
     const Likeness of = likeness(plain({51, 51, 51}), plain({102, 102, 102}));
     EXPECT_TRUE(near(of.psnr, -20 * std::log10(0.2), 1e-9));
     EXPECT_TRUE(near(of.ssim, (2 * 0.2 * 0.4 + 1e-4) / (0.04 + 0.16 + 1e-4), 1e-9));
-    // One channel of three, in one pixel of all.
+    // One channel of three in one pixel.
     Image8 other = plain({51, 51, 51});
     other.at(3, 4)[1] = 102;
     EXPECT_TRUE(near(likeness(plain({51, 51, 51}), other).psnr, -10 * std::log10(0.04 / (3 * 24 * 20)), 1e-9));
 }
 
 TEST(Likeness, FlipOfPlainPictures) {
-    // Green and blue are the furthest apart: 1 by definition.
+    // Green and blue have the largest distance: 1 by definition.
     for (const double x : flip_map(plain({0, 255, 0}), plain({0, 0, 255}))) EXPECT_TRUE(near(x, 1, 1e-4));
-    // Black and white, 100 of lightness: to the power 0.7 25.119, where the largest distance is 41.276.
+    // Black and white, a lightness difference of 100: to the power 0.7 25.119; the largest distance is 41.276.
     const double expected = 0.95 + 0.05 * (std::pow(100, 0.7) - 0.4 * 41.276) / (0.6 * 41.276);
     for (const double x : flip_map(plain({0, 0, 0}), plain({255, 255, 255}))) EXPECT_TRUE(near(x, expected, 1e-4));
     // Two greys below the knee: 0.95 / (0.4 cmax) |L - L'|^0.7, L = 116 (Y)^(1/3) - 16.
@@ -78,7 +78,7 @@ TEST(Likeness, FlipOfPlainPictures) {
 }
 
 TEST(Likeness, FlipSeesFeaturesMoreThanTheirColours) {
-    // The same change of grey as a point, whose edges count too, and as a plain picture filtered away by distance.
+    // The same change of grey as a point, whose edges also count, and as a uniform image, filtered by distance.
     Image8 point = plain({120, 120, 120}, 60, 60), line = point;
     point.at(30, 30) = {255, 255, 255};
     for (int y = 0; y < 60; ++y) line.at(30, y) = {255, 255, 255};
@@ -88,7 +88,7 @@ TEST(Likeness, FlipSeesFeaturesMoreThanTheirColours) {
     EXPECT_GT(of_line[middle], of_point[middle]);
     EXPECT_GT(of_point[middle], 0.05);
     EXPECT_TRUE(near(of_point[0], 0, 1e-9));  // far from it
-    // Seen from afar a point is seen less.
+    // From a greater distance a point is less visible.
     const auto from_afar = flip_map(plain({120, 120, 120}, 60, 60), point, 4 * k_pixels_per_degree);
     EXPECT_LT(from_afar[middle], of_point[middle]);
 }

@@ -10,7 +10,7 @@
 namespace srbf {
 namespace {
 
-/// Two lobes and a constant that no single lobe can follow.
+/// Two lobes and a constant, which no single lobe can fit.
 Observations observations(std::size_t count = 4096) {
     const Evaluate f = [](auto wl, auto wv, auto out) {
         for (std::size_t i = 0; i < out.size(); ++i) {
@@ -123,7 +123,7 @@ TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     const double bounded = problem.loss(x);
     LobeProblem free(rows(), {PmForm::gaussian, 3}, false);
-    ASSERT_GT(bounded, 1.05 * free.loss(x));  // the bound is felt
+    ASSERT_GT(bounded, 1.05 * free.loss(x));  // the bound is active
     check_gradient(problem, x);
 
     LobeProblem general(rows(), {PmForm::extended, 2, false}, false, 0.0);
@@ -133,7 +133,7 @@ TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
     check_gradient(general, y);
 }
 
-// Of an albedo the difference of the sums counts, squared and relative to the albedo's luminance.
+// For an albedo the squared difference of the sums counts, relative to the albedo's luminance.
 TEST(Lobes, LossCountsAlbedo) {
     const Observations o = observations();
     const double importance = 0.3;
@@ -169,7 +169,7 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
     const Lobes lobes = some_lobes();
     const Eigen::VectorXd x = LobeProblem::pack(lobes);
     const double loss = problem.loss(x);
-    // Σ w |f − Σ β E|² written out, for the coefficients found and for others near them.
+    // Σ w |f − Σ β E|² evaluated directly, for the coefficients found and for perturbed ones.
     const Observations o = observations();
     const auto sum = [&](const Eigen::MatrixXd& beta) {
         double total = 0;
@@ -225,7 +225,7 @@ TEST(Lobes, DroppingCostsWhatItSays) {
         fewer.weight.erase(fewer.weight.begin() + std::ptrdiff_t(3 * j),
                            fewer.weight.begin() + std::ptrdiff_t(3 * j + 3));
         const double rise = problem.loss(LobeProblem::pack(fewer)) - loss;
-        EXPECT_GE(rise, cost[j] * 0.99) << j;  // non-negativity can only make it dearer
+        EXPECT_GE(rise, cost[j] * 0.99) << j;  // non-negativity can only increase it
         EXPECT_LE(rise, cost[j] * 1.5) << j;
     }
 }
@@ -252,7 +252,7 @@ TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
     const auto chosen = std::find(candidates.begin(), candidates.end(), best) - candidates.begin();
     ASSERT_LT(chosen, 40);
     EXPECT_LT(losses[std::size_t(chosen)], before);
-    // The gain is that of signed coefficients; the choice is good, if not always the very best.
+    // The gain is that of signed coefficients; the choice is good, but not always optimal.
     const double least = *std::min_element(losses.begin(), losses.end());
     EXPECT_LT(losses[std::size_t(chosen)] - least, 0.2 * (before - least));
 }

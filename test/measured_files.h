@@ -1,4 +1,4 @@
-// Small files of the measured formats, made in memory, and the reference values of the real ones.
+// Small files of the measured formats, made in memory, and reference values for real ones.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -33,7 +33,7 @@ inline Bytes merl_file(std::array<int, 3> size, const std::function<double(int, 
     return bytes;
 }
 
-/// A field to be written, its numbers as bytes.
+/// A field to be written, with its numbers as bytes.
 struct FieldToWrite {
     std::string name;
     TensorType type;
@@ -50,7 +50,7 @@ inline FieldToWrite float_field(std::string name, std::vector<std::uint64_t> sha
     return {std::move(name), TensorType::f32, std::move(shape), std::move(numbers)};
 }
 
-/// A tensor file; `header` receives the bytes that come before the numbers.
+/// A tensor file; `header` receives the bytes before the numbers.
 inline Bytes tensor_file(const std::vector<FieldToWrite>& fields, std::size_t* header = nullptr) {
     std::uint64_t offset = k_tensor_magic.size() + 6;
     for (const auto& field : fields) offset += 13 + field.name.size() + 8 * field.shape.size();
@@ -99,7 +99,7 @@ inline FieldToWrite& field(std::vector<FieldToWrite>& fields, const std::string&
     throw std::out_of_range(name);
 }
 
-/// The same with spectra at three wavelengths in place of colours: at w the spectrum (w_x, w_y, w_x − ½).
+/// The same with spectra at three wavelengths instead of colours: at w the spectrum (w_x, w_y, w_x − ½).
 inline std::vector<FieldToWrite> spectral_rgl() {
     auto fields = simple_rgl();
     field(fields, "rgb").name = "spectra";
@@ -108,8 +108,9 @@ inline std::vector<FieldToWrite> spectral_rgl() {
     return fields;
 }
 
-/// An anisotropic measurement whose warp is the identity, over azimuths −π .. −π + 2π/symmetry in four steps: ndf(u, t) = 1 + u + t,
-/// sigma(u, t) = 1 − u/2 + t/4, and the colour at w and slice (i, j) of φ_l and θ_l: (w_x, w_y, 1 + i/2 + j).
+/// An anisotropic measurement with the identity as warp, over azimuths −π .. −π + 2π/symmetry in four steps: ndf(u, t)
+/// = 1 + u + t, sigma(u, t) = 1 − u/2 + t/4, and the colour at w and slice (i, j) of φ_l and θ_l: (w_x, w_y, 1 + i/2 +
+/// j).
 inline std::vector<FieldToWrite> anisotropic_rgl(int symmetry = 1) {
     auto fields = simple_rgl();
     const auto replace = [&](const char* name, std::vector<std::uint64_t> shape, auto f) {
@@ -172,7 +173,7 @@ inline std::vector<Reference> read_reference(const std::filesystem::path& path) 
     return rows;
 }
 
-/// A direction, one time in four within a degree of the horizon or of the normal.
+/// A direction, with probability ¼ within a degree of the horizon or of the normal.
 inline Vec3f direction_to_the_ends(std::mt19937_64& random) {
     const double pick = uniform(random);
     if (pick < 0.125) return to_float(spherical(k_pi / 2 - uniform(random) * k_degree, 7 * uniform(random)));
@@ -180,7 +181,7 @@ inline Vec3f direction_to_the_ends(std::mt19937_64& random) {
     return to_float(random_direction(random, 1e-4));
 }
 
-/// ω turned about the normal.
+/// ω rotated about the normal.
 inline Vec3f rotate(Vec3f w, double phi) {
     const double c = std::cos(phi), s = std::sin(phi);
     return to_float(Vec3d{c * double(w.x) - s * double(w.y), s * double(w.x) + c * double(w.y), double(w.z)});

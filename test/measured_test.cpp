@@ -60,7 +60,8 @@ TEST(DamagedInput, EveryTruncationIsAnError) {
     }
 }
 
-/// A text that ends early may end between two samples, or within the digits of the last number: then it is a shorter file.
+/// A truncated text may end between two samples or within the digits of the last number, and is then a valid shorter
+/// file.
 TEST(DamagedInput, EveryTruncationOfATextIsAnErrorOrAShorterOne) {
     std::mt19937_64 random(5);
     for (const std::string_view text : {k_small_cornell, k_small_astm, k_small_alta, k_small_csv}) {

@@ -79,7 +79,7 @@ TEST(Metrics, OfNothingAgainstSomethingAreOne) {
     EXPECT_EQ(matrix(black, black).squared_error_ratio, 0);
 }
 
-// Over the cap with μ = cosθ even in [c, 1]: the mean of log²(1 + a μ) weighted by the other cosine, which cancels.
+// Over the cap with μ = cosθ uniform in [c, 1]: the mean of log²(1 + a μ) weighted by the other cosine, which cancels.
 TEST(Metrics, LogarithmOfALambertianIsItsIntegral) {
     const double c = std::cos(k_cap), a = 0.6 / k_pi;
     double mean = 0;
@@ -90,8 +90,8 @@ TEST(Metrics, LogarithmOfALambertianIsItsIntegral) {
     EXPECT_TRUE(near_relative(heldout(grey, black).log_rms_cosine, std::sqrt(mean), 1e-2));
 }
 
-// Σ (f−f̂)² / Σ f² for f = .1 + G, f̂ = .1: the integrals of G and G² about the mirror direction are 2π/λ and 2π/2λ where
-// the cap does not cut the lobe. A cap of 80° cuts little of a lobe of bandwidth 2000, whose radius is 1.3°.
+// Σ (f−f̂)² / Σ f² for f = .1 + G, f̂ = .1: the integrals of G and G² about the mirror direction are 2π/λ and 2π/2λ if
+// the cap contains the lobe. A cap of 80° loses little of a lobe of bandwidth 2000, whose radius is 1.3°.
 TEST(Metrics, HeldOutPairsResolveSharpLobes) {
     const float bandwidth = 2000;
     const Glossy sharp{1, bandwidth, 20}, flat{1, bandwidth, 0};

@@ -88,8 +88,8 @@ TEST(ModelFile, TheUnspoiltOneIsRead) {
     EXPECT_EQ(spoilt([](File& f) { f.header["__metadata__"]["more"] = "\u2713"; }), "");
 }
 
-/// Expects that no beginning of a model's bytes is a model, and that any flipped byte is read without harm; returns how many of these
-/// are models all the same.
+/// Expects that no prefix of a model's bytes is a model, and that any flipped byte gives an error or a valid model;
+/// returns the number of the latter.
 int expect_errors_or_models(const Bytes& whole) {
     EXPECT_EQ(error_of(whole), "");
     for (std::size_t size = 0; size < whole.size(); ++size)
@@ -115,7 +115,7 @@ TEST(ModelFile, EveryTruncationIsAnErrorAndEveryFlipOneOrAModel) {
         longer.push_back(std::byte(0));
         EXPECT_TRUE(names(error_of(longer), "data"));
     }
-    EXPECT_GT(models, 0);  // bytes of numbers and of the story
+    EXPECT_GT(models, 0);  // bytes of numbers and of provenance
 }
 
 TEST(ModelFile, RandomBytesAreErrors) {

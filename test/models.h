@@ -13,7 +13,7 @@ struct RandomModelOptions {
     PmForm form = PmForm::gaussian;
 };
 
-/// A model whose numbers are drawn from what a fit yields.
+/// A model with random numbers in the range of fits.
 inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& options) {
     PmModel model;
     model.form = options.form;
@@ -39,7 +39,7 @@ inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& o
     return model;
 }
 
-/// The same with coefficients at so many wavelengths.
+/// The same with coefficients at this many wavelengths.
 inline PmModel spectral_model(std::mt19937_64& random, const RandomModelOptions& options, int wavelengths) {
     PmModel model = random_model(random, options);
     for (int c = 0; c < wavelengths; ++c) model.wavelength.push_back(400 + 10.25f * float(c));

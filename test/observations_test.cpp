@@ -21,7 +21,7 @@ TEST(Observations, EstimateTheIntegralOfTheirObjective) {
     for (const Objective objective : {Objective::raw, Objective::cosine}) {
         const auto o = observe(constant({1, 1, 1}), {objective, 80 * k_degree, 1 << 16, 3});
         ASSERT_TRUE(o);
-        // Shares of Σ w where wl, or wv, is within 50° of the normal: of dω for raw, of cos²θl dω and cosθv dω for cosine.
+        // Shares of Σ w with wl, or wv, within 50° of the normal: of dω for raw, of cos²θl dω and cosθv dω for cosine.
         double all = 0, near_l = 0, near_v = 0;
         for (std::size_t i = 0; i < fitted(*o); ++i) {
             if (!within(*o, i, 80 * k_degree)) continue;
@@ -54,7 +54,8 @@ TEST(Observations, EveryBeginningIsASampleOfTheWhole) {
     EXPECT_LT(guards, 4096u / 8 + 1);
 }
 
-// A highlight of half a degree holds nearly all of Σ w |f|²: were pairs drawn from the mixture alone, a few dozen of 4096 would carry it.
+// A highlight of half a degree contains nearly all of Σ w |f|². Sampled from the mixture alone, only a few dozen of
+// 4096 pairs would lie in it.
 TEST(Observations, AreManyWhereTheEnergyIs) {
     const auto o = observe(
         [](auto wl, auto wv, auto f) {
@@ -88,7 +89,7 @@ TEST(Observations, OfTheCosineAskForTheBodyUnderAHighlight) {
             f[i] = {x, x, x};
         }
     };
-    // What Σ w |f|² holds of the body: next to nothing, and most of what is asked for.
+    // The share of the body in Σ w |f|²: almost none, and most with the additional weights.
     const auto share_of_body = [&](Objective objective) {
         const auto o = observe(glossy, {objective, 80 * k_degree, 1 << 16, 0});
         double share = 0;

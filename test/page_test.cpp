@@ -126,7 +126,7 @@ TEST(Slices, AreLogarithmicAndPeakAtTheMirrorDirection) {
     for (const auto& [x, y] : curves[0]) EXPECT_EQ(y, ten);
     for (const auto& [x, y] : curves[1]) EXPECT_EQ(y, tenth);
     const auto peak = std::ranges::min(curves[2], {}, [](const auto& point) { return point[1]; });
-    EXPECT_TRUE(near(peak[1], (ten + tenth) / 2, 0.11));  // 1 lies half-way
+    EXPECT_TRUE(near(peak[1], (ten + tenth) / 2, 0.11));  // 1 lies halfway
     // x is linear from −90° to 90°; the curves end at ±89°.
     const double left = curves[0].front()[0], right = curves[0].back()[0];
     EXPECT_TRUE(near(peak[0], left + (60 + 89) / 178.0 * (right - left), 0.01 * (right - left)));

@@ -1,4 +1,4 @@
-// Path tracing: furnaces, closed forms of direct light, and that all ways to draw give one picture.
+// Path tracing: furnace tests, closed forms of direct light, and equal pictures by all sampling strategies.
 #include "render/path.h"
 
 #include <algorithm>
@@ -38,7 +38,8 @@ PathOptions small(int samples, int size = 24) {
     return options;
 }
 
-/// A square of 20 × 20 about the origin that faces +z, seen from (0, 0, 5) through so small a picture that it is one point.
+/// A square of 20 × 20 about the origin that faces +z, seen from (0, 0, 5) with a field of view so small that it is a
+/// single point.
 const Mesh& plane_mesh() {
     static const Mesh mesh{{{-10, -10, 0}, {10, -10, 0}, {10, 10, 0}, {-10, 10, 0}},
                            std::vector<Vec3f>(4, {0, 0, 1}),
@@ -54,7 +55,7 @@ PathScene plane_scene(const PreparedBrdf& brdf) {
 struct Mean {
     double value, deviation;
 };
-/// Of the green of all pixels, which are taken for independent draws of one number.
+/// Statistics of the green channel of all pixels, as independent samples of one number.
 Mean mean_of(const Image& image) {
     double sum = 0, squares = 0;
     for (const Rgb& pixel : image.pixels) sum += double(pixel.g), squares += double(pixel.g) * double(pixel.g);
@@ -62,7 +63,7 @@ Mean mean_of(const Image& image) {
     return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / n)};
 }
 
-/// A glossy model, and what else can be drawn of it.
+/// A glossy model, and other representations of it.
 PmModel glossy() {
     PmModel model;
     model.lobes = 2;
@@ -90,7 +91,7 @@ TEST(Path, WhiteSphereInEvenLightIsWhite) {
 }
 
 TEST(Path, NothingIsLostBetweenWhiteSurfaces) {
-    // A white ball on white ground reflects its light to and fro, and all of it comes out.
+    // A white ball on white ground: after interreflection all light leaves the scene.
     PathScene scene = sphere_scene(diffuse({1, 1, 1}), &even_light());
     const Mesh ground = ground_below(ball_mesh(), scene.camera.up, 4);
     scene.bodies.push_back({&ground, 0});
@@ -112,7 +113,7 @@ TEST(Path, DirectionalLightIsTheClosedForm) {
 }
 
 TEST(Path, AreaLightIsTheClosedForm) {
-    // Irradiance at a corner's foot below a square s × s at height d, and four of them about it.
+    // Irradiance at the point below a corner of a square s × s at height d; four of them form the light.
     const double s = 2, d = 1.5, x = s / d;
     const double quarter = x / std::sqrt(1 + x * x) * std::atan(x / std::sqrt(1 + x * x));  // times L
     for (const bool glossy_surface : {false, true}) {

@@ -132,7 +132,7 @@ TEST_P(PreparedOn, BelowTheHorizonIsNothing) {
     }
 }
 
-/// With the processor flushing subnormal numbers to 0, or not.
+/// With and without flushing of subnormal numbers by the processor.
 template <typename Ask> void in_mode(bool flushing, const Ask& ask) {
 #if defined(__SSE__)
     constexpr unsigned both = 0x8040;  // flush to zero, denormals are zero

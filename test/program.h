@@ -1,4 +1,4 @@
-// Running the command line as a user does: arguments in, output and exit status out.
+// Runs the program as a user does: arguments in, output and exit status out.
 #pragma once
 #include <fcntl.h>
 #include <gtest/gtest.h>

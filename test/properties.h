@@ -1,4 +1,4 @@
-// What the tests share: predicates that no NaN passes, where the data lie, random directions.
+// Common to all tests: comparisons that NaN fails, the location of data, random directions.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -20,13 +20,13 @@ inline bool near_relative(double a, double b, double tolerance) { return near(a,
 
 /// The measurements bundled with the project.
 inline std::filesystem::path bundled_data() { return std::filesystem::path(SRBF_SOURCE_DIR) / "data"; }
-/// More measurements, where they are at hand: $SRBF_DATA, else shared/data beside the checkout; may not exist.
+/// More measurements, if available: $SRBF_DATA, otherwise shared/data beside the checkout; may not exist.
 inline std::filesystem::path shared_data() {
     const char* folder = std::getenv("SRBF_DATA");
     return folder ? std::filesystem::path(folder) : std::filesystem::path(SRBF_SOURCE_DIR) / ".." / "shared" / "data";
 }
 
-/// A direction even over the sphere (z from z_min up).
+/// A direction uniform on the sphere (for z ≥ z_min).
 inline Vec3d random_direction(std::mt19937_64& random, double z_min = -1) {
     const double z = z_min + (1 - z_min) * uniform(random), phi = 2 * k_pi * uniform(random);
     const double r = std::sqrt(std::max(0.0, 1 - z * z));

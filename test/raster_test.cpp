@@ -1,4 +1,4 @@
-// What a graphics library draws is what the CPU makes of the same text, the same normals and positions.
+// Pictures of a graphics library agree with the CPU's evaluation of the same text at the same positions and normals.
 #include "render/raster.h"
 #include "render/offscreen.h"
 
@@ -231,8 +231,8 @@ double apart(const Image8& a, const Image8& b) {
 }
 
 TEST_P(Raster, NothingPopsAsTheViewTurns) {
-    // A model's pictures change from one to the next no more than the measurement's do: over a whole turn of 64 frames, and, where the
-    // object itself hardly moves, over steps of a quarter of a degree.
+    // A model's pictures change between frames no more than the measurement's do: over a full turn of 64 frames and,
+    // where the object itself hardly moves, over steps of a quarter of a degree.
     SuModel plain = film_su();
     plain.interpolation = SuInterpolation::plain;
     const auto surface = RasterSurface::make(GetParam(), k_width, k_height);
@@ -291,7 +291,7 @@ TEST_P(Raster, NumbersAreReplacedWithoutANewProgram) {
 }
 
 TEST_P(Raster, SamplesSmoothOutlines) {
-    // Of a white sphere's pixels, those at the outline alone lie between object and background.
+    // Only the silhouette pixels of a white sphere lie between object and background.
     const auto between = [&](int samples) {
         const auto target = RasterTarget::make(k_width, k_height, samples, RasterTarget::Format::floats);
         const auto of = RasterMaterial::make(Flat{}, {.dialect = GetParam(), .output = PixelOutput::radiance});

@@ -1,4 +1,4 @@
-// What the command line refuses, in one line that names it, leaving nothing behind.
+// Errors of the command line: one line that names the cause, and no output files.
 #include "command.h"
 #include "models.h"
 
@@ -53,7 +53,7 @@ TEST_F(CommandLine, outputs_that_cannot_be_written_leave_nothing_behind) {
     expect_failure(1, fit + Arguments{"-o", "./small.binary"}, "small.binary");
     expect_failure(1, fit + Arguments{"-o", "x.png", "--preview", "./x.png"}, "x.png");
     expect_failure(1, {"compare", "small.binary", k_paper, "--json", "small.binary"}, "small.binary");
-    // Full devices, of which only writing tells.
+    // Full devices, detected only by writing.
     expect_failure(1, fit + Arguments{"-o", "/dev/full", "--json", "r.json"}, "/dev/full");
     expect_failure(1, fit + Arguments{"--json", "/dev/full", "--preview", "p.png"}, "/dev/full");
     const Arguments eval{"eval", k_paper, "--pairs", bundled_data() / "paper_white_rgb.csv"};

@@ -1,4 +1,4 @@
-// Pictures show what was evaluated: the transfer to 8 bits, PNG, captions, and the spheres of a preview.
+// Pictures show the evaluated values: conversion to 8 bits, PNG, captions, and the spheres of a preview.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
@@ -330,7 +330,7 @@ TEST(RenderSphere, OfLambertIsTheClosedForm) {
 }
 
 TEST(RenderSphere, AsksInTheFrameOfTheLatitude) {
-    // With one point a pixel, the light of a pixel is told by wl·wv, which no frame changes.
+    // With one point per pixel, wl·wv identifies the light of a pixel; it is independent of the frame.
     const SphereOptions options{91, 1, 1};
     const auto view_cosine = [](int k) { return float(k_three_lights[std::size_t(k)].towards.z); };
     std::array<std::atomic<int>, 3> asked{};

@@ -1,4 +1,4 @@
-// `srbf report`: what it tells is in its tables, and what it has finished it does not do again.
+// `srbf report`: all numbers of the page are in its tables, and complete materials are skipped.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -43,7 +43,8 @@ Files files_of(const fs::path& report) {
         if (entry.is_regular_file()) all[fs::relative(entry.path(), report)] = contents(entry.path());
     return all;
 }
-/// What a clock has decided: in the folder of a material times.json and frames.json, beside it all that tells of them.
+/// Results that depend on time: in the folder of a material times.json and frames.json, beside it all files that
+/// contain them.
 bool is_of_clocks(const fs::path& file) {
     return file.filename() == "times.json" || file.filename() == "frames.json" || !file.has_parent_path();
 }
@@ -209,8 +210,8 @@ TEST_F(Report, NamesTheSourcesRowsBesideItsOwnMaterials) {
     };
     EXPECT_NE(of("krylon_blue").find("<data value='0.0102'>1.02 %</data>"), html.npos);
     EXPECT_EQ(of("matt").find("Tsai 2009, "), html.npos);
-    // A file that says by its name that it is a material of the source is taken at its word, a labelled one is not. Its bytes are those of
-    // a material that is finished.
+    // A file with the name of a material of Tsai 2009 is taken for that material, unless it is labelled. Its bytes are
+    // those of a material that is complete.
     const TemporaryFolder metal;
     fs::copy(*folder / "matt.binary", metal / "nickel.binary");
     for (const fs::path& done : finished(folder->path / "whole"))
@@ -242,14 +243,14 @@ TEST_F(Report, GoesOnWhereItWasKilled) {
     EXPECT_FALSE(fs::exists(report / "index.html"));
     const Files before = files_of(*kept.begin());
 
-    // The others may come side by side: that changes nothing either.
+    // Running the others in parallel does not change the results either.
     Arguments side_by_side = arguments("killed");
     side_by_side.insert(side_by_side.end(), {"--jobs", "2"});
     EXPECT_EQ(run(*folder, side_by_side).status, first.status);
-    // What was finished was not done again, times and all.
+    // Complete materials were not repeated, including their times.
     Files after = files_of(*kept.begin());
     for (const auto& [file, content] : before) EXPECT_TRUE(after[file] == content) << file;
-    // But for what clocks say, all is as if it had not been killed.
+    // Except for times, everything is as without the interruption.
     const Files whole = files_of(folder->path / "whole");
     Files resumed = files_of(report);
     EXPECT_EQ(resumed.size(), whole.size());

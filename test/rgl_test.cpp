@@ -1,4 +1,4 @@
-// RGL measurements: agreement with the authors' own loader, the formula, the warp.
+// RGL measurements: agreement with the authors' loader, the formula, the warp.
 #include <map>
 
 #include "measured/warp.h"
@@ -84,7 +84,7 @@ TEST(Rgl, WithoutJacobianTheColourIsTheValue) {
     }
 }
 
-/// Synthetic: no spectral file is at hand.
+/// Synthetic, since no spectral file is available.
 TEST(Rgl, SpectraBecomeColours) {
     const auto spectral = read_rgl(tensor_file(spectral_rgl()), "spectral"),
                rgb = read_rgl(tensor_file(simple_rgl()), "rgb");
@@ -116,7 +116,7 @@ TEST(Rgl, SpectraBecomeColours) {
     EXPECT_TRUE(wavelengths(Measured{"", "", 0, *rgb}).empty());
 }
 
-/// Synthetic: no anisotropic file is at hand. The formula of `anisotropic_rgl`, in double.
+/// Synthetic, since no anisotropic file is available. The formula of `anisotropic_rgl`, in double.
 TEST(Rgl, AnisotropicOnesComputeTheirFormula) {
     std::mt19937_64 random(10);
     for (const int symmetry : {1, 2, 4}) {
@@ -127,7 +127,7 @@ TEST(Rgl, AnisotropicOnesComputeTheirFormula) {
         for (int i = 0; i < 5000; ++i) {
             Vec3d wl = random_direction(random, 0.01), wv = random_direction(random, 0.01);
             const Rgb f = signed_value(*table, to_float(wl), to_float(wv));
-            // What the symmetry says: turned by π, or mirrored at both axes.
+            // By symmetry: rotated by π, or mirrored at both axes.
             if (symmetry == 2 && wl.y > 0) wl = mirror(wl), wv = mirror(wv);
             if (symmetry == 4 && wl.y > 0) wl.y = -wl.y, wv.y = -wv.y;
             if (symmetry == 4 && wl.x > 0) wl.x = -wl.x, wv.x = -wv.x;

@@ -1,4 +1,4 @@
-// Drawing the light: densities that integrate to one, draws that follow them, albedos that come out of them.
+// Importance sampling: densities integrate to one, samples follow them, and their weights estimate albedos.
 #include "srbf/sampling.h"
 
 #include <algorithm>
@@ -31,7 +31,7 @@ template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposa
     return sample(brdf, proposal, wv, Vec2f{u.x, u.y}, u.z);
 }
 
-/// A real material, fitted in a hurry, and what each of the three is drawn by.
+/// A real material with a quick fit, and a proposal for each of the three BRDFs.
 struct Material {
     std::string name;
     Measured measured;
@@ -70,7 +70,7 @@ const std::vector<std::unique_ptr<Material>>& materials() {
             material->name = path.stem().string();
             material->measured = *load_measured(path.string());
             const auto observations = observe(signed_evaluator(material->measured), {.count = 8192});
-            const auto pm = fit_pm(*observations, {.lobes = 5, .variates = 3, .starts = 2, .kicks = 0});
+            const auto pm = fit_pm(*observations, {.lobes = 5, .variates = 3, .starts = 2, .perturbations = 0});
             const auto matrix = tabulate(signed_evaluator(material->measured), {.directions = 128, .between = 256});
             const auto su = fit_su(*matrix, {.lobes = 4});
             EXPECT_TRUE(pm.ok() && su.ok()) << path;
@@ -99,39 +99,39 @@ class Sampling : public testing::Test {
     }
 };
 
-/// Rings of half-way vectors about the normal, narrow where lobes are.
-PolarBins half_way_bins() {
+/// Rings of half vectors about the normal, narrow where lobes are.
+PolarBins half_vector_bins() {
     PolarBins bins{{0, 0, 1}, {0}};
     for (double t = 2e-6; t < 0.02; t *= 4) bins.edge.push_back(t);
     for (const double t : {0.02, 0.06, 0.12, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 2.0}) bins.edge.push_back(t);
     return bins;
 }
-/// The density of the half-way vector h of wl and wv, where wl is of density pdf.
-double half_way_density(const Proposal& proposal, Vec3d h, Vec3f wv) {
+/// The density of the half vector h of wl and wv, where wl is of density pdf.
+double half_vector_density(const Proposal& proposal, Vec3d h, Vec3f wv) {
     const double along = dot(h, to_double(wv));
     if (along <= 0) return 0;
     return 4 * along * double(pdf(proposal, to_float(2 * along * h - to_double(wv)), wv));
 }
-Vec3d half_way(Vec3f wl, Vec3f wv) { return normalize(to_double(wl) + to_double(wv)); }
+Vec3d half_vector(Vec3f wl, Vec3f wv) { return normalize(to_double(wl) + to_double(wv)); }
 
 TEST_F(Sampling, DrawsFollowDensitiesThatIntegrateToOne) {
     const int tests = int(materials().size()) * 5 * int(std::size(k_thetas));
     const double significance = sidak(0.01, tests);
     constexpr int count = 20000;
-    const PolarBins bins = half_way_bins();
+    const PolarBins bins = half_vector_bins();
     const auto check = [&](const std::string& name, const Evaluate&, const Proposal& proposal) {
         for (const double theta : k_thetas) {
             const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
-            std::vector<double> expected = bins.masses([&](Vec3d h) { return half_way_density(proposal, h, wv); });
+            std::vector<double> expected = bins.masses([&](Vec3d h) { return half_vector_density(proposal, h, wv); });
             std::vector<double> observed(bins.size() + 1);
             for (int i = 0; i < count; ++i) {
                 const Vec3f wl = sample(proposal, wv, draw3());
-                observed[wl.z > 0 ? bins.index(half_way(wl, wv)) : bins.size()] += 1;
+                observed[wl.z > 0 ? bins.index(half_vector(wl, wv)) : bins.size()] += 1;
             }
             double within = 0;
             for (double& mass : expected) within += mass, mass *= count;
             const double lost = observed.back() / count;
-            // What is lost is known to its own chance error alone: none at all of most.
+            // The lost share has its own statistical error; it is 0 for most.
             EXPECT_TRUE(near(within + lost, 1, 1e-3 + 4 * std::sqrt(lost / count))) << name << ' ' << theta;
             expected.push_back(count * std::max(0.0, 1 - within));
             EXPECT_GT(chi2_p_value(observed, expected), significance) << name << ' ' << theta;
@@ -144,14 +144,14 @@ TEST_F(Sampling, DrawsFollowDensitiesThatIntegrateToOne) {
 }
 
 TEST_F(Sampling, LostDrawsAndTheDensityMakeOne) {
-    // Finer, on one material, so that 1e-3 holds of the sum itself.
+    // Finer bins, for one material, so that 1e-3 holds for the sum itself.
     const Material& material = *materials()[0];
-    PolarBins bins = half_way_bins();
+    PolarBins bins = half_vector_bins();
     for (const double theta : k_thetas) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
         const Proposal proposal = material.of_pm;
         double within = 0;
-        for (const double mass : bins.masses([&](Vec3d h) { return half_way_density(proposal, h, wv); }, 64))
+        for (const double mass : bins.masses([&](Vec3d h) { return half_vector_density(proposal, h, wv); }, 64))
             within += mass;
         constexpr int count = 400000;
         int lost = 0;
@@ -163,7 +163,7 @@ TEST_F(Sampling, LostDrawsAndTheDensityMakeOne) {
 
 TEST_F(Sampling, DrawsOfAnotherProposalAreToldApart) {
     const Material& material = *materials()[0];
-    const PolarBins bins = half_way_bins();
+    const PolarBins bins = half_vector_bins();
     MixtureProposal other = material.of_pm;
     for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
         auto weight = weights_of(other, node);
@@ -171,8 +171,8 @@ TEST_F(Sampling, DrawsOfAnotherProposalAreToldApart) {
         other.set_weights(node, weight);
     }
     const Vec3f wv = to_float(spherical(30 * k_degree, 0.7));
-    const auto density = [&](Vec3d h) { return half_way_density(other, h, wv); };
-    const auto drawn = [&] { return half_way(sample(material.of_pm, wv, draw3()), wv); };
+    const auto density = [&](Vec3d h) { return half_vector_density(other, h, wv); };
+    const auto drawn = [&] { return half_vector(sample(material.of_pm, wv, draw3()), wv); };
     EXPECT_LT(sampler_p_value(bins, density, 20000, drawn), 1e-6);
 }
 
@@ -244,10 +244,10 @@ TEST_F(Sampling, AreaOfEachWarpTimesItsDensityIsOne) {
         check([&](double u1, double u2) { return D::sample_cosine(u1, u2); }, [&](Vec3d w) { return D::cosine_pdf(w); },
               "cosine");
         for (int k = 5; k < SRBF_PROPOSAL_LOBES; ++k)
-            check(
-                [&](double u1, double u2) { return D::sample_half_way(wv, D::proposal_bandwidth(k), stretch, u1, u2); },
-                [&](Vec3d w) { return D::half_way_pdf(w, wv, D::proposal_bandwidth(k), stretch); },
-                "half-way " + std::to_string(k));
+            check([&](double u1,
+                      double u2) { return D::sample_half_vector(wv, D::proposal_bandwidth(k), stretch, u1, u2); },
+                  [&](Vec3d w) { return D::half_vector_pdf(w, wv, D::proposal_bandwidth(k), stretch); },
+                  "half-vector " + std::to_string(k));
     }
 }
 
@@ -261,7 +261,7 @@ TEST_F(Sampling, LobesAreMirroredAtTheHorizon) {
         if (!(wl.z > 0)) continue;
         const auto plain = [&](Vec3d w) {
             const double bandwidth = D::proposal_bandwidth(k);
-            return k < 5 ? D::vmf_pdf(w, specular, bandwidth) : D::half_way_pdf(w, wv, bandwidth, 3.0);
+            return k < 5 ? D::vmf_pdf(w, specular, bandwidth) : D::half_vector_pdf(w, wv, bandwidth, 3.0);
         };
         EXPECT_TRUE(near_relative(D::proposal_lobe_pdf(k, D::proposal_point(wl, wv, 3.0)),
                                   plain(wl) + plain({wl.x, wl.y, -wl.z}), 2e-7));
@@ -301,7 +301,7 @@ TEST_F(Sampling, LobesAreStretchedAlongTheGrain) {
     EXPECT_EQ(round.stretch, 1);
     EXPECT_TRUE(near(double(along.stretch), 5, 1.1));
     EXPECT_TRUE(near(std::atan2(double(along.sine), double(along.cosine)), 0.7, 0.14));
-    const PolarBins bins = half_way_bins();
+    const PolarBins bins = half_vector_bins();
     const double significance = sidak(0.01, 6);
     for (const double theta : {0.0, 45.0, 75.0})
         for (const double phi : {0.2, 1.5}) {
@@ -317,13 +317,14 @@ TEST_F(Sampling, LobesAreStretchedAlongTheGrain) {
             EXPECT_GT(of_round * count / (sum * sum) - 1, 0.7) << theta << ' ' << phi;
             // And of the density.
             const Proposal proposal = along;
-            std::vector<double> expected = bins.masses([&](Vec3d h) { return half_way_density(proposal, h, wv); }, 64),
+            std::vector<double> expected =
+                                    bins.masses([&](Vec3d h) { return half_vector_density(proposal, h, wv); }, 64),
                                 observed(bins.size() + 1);
             double within = 0;
             for (double& mass : expected) within += mass, mass *= count;
             for (int i = 0; i < count; ++i) {
                 const Vec3f wl = sample(along, wv, draw3());
-                observed[wl.z > 0 ? bins.index(half_way(wl, wv)) : bins.size()] += 1;
+                observed[wl.z > 0 ? bins.index(half_vector(wl, wv)) : bins.size()] += 1;
             }
             EXPECT_TRUE(near(within + observed.back() / count, 1, 2e-3)) << theta << ' ' << phi;
             expected.push_back(count * std::max(0.0, 1 - within));
@@ -352,7 +353,7 @@ TEST_F(Sampling, WhiteReflectsAllThatItReceives) {
     for (const Proposal& proposal : proposals)
         for (const double theta : k_thetas) {
             const Vec3f wv = to_float(spherical(theta * k_degree, 1.0));
-            // Within each cell of a grid: the mean of so many draws is good to 1e-3 where independent ones are to 1e-2.
+            // With stratification the mean of this many samples has an error of 1e-3; independent samples have 1e-2.
             constexpr int n = 64;
             double sum = 0;
             for (int i = 0; i < n; ++i)

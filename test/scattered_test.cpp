@@ -11,11 +11,11 @@
 namespace srbf {
 namespace {
 
-Result<Scattered> read(Result<Scattered> (*reader)(std::span<const std::byte>, const std::string&),
-                       std::string_view text) {
+Result<ScatteredSamples> read(Result<ScatteredSamples> (*reader)(std::span<const std::byte>, const std::string&),
+                              std::string_view text) {
     return reader(as_bytes(text), "f");
 }
-std::string error_of(Result<Scattered> (*reader)(std::span<const std::byte>, const std::string&),
+std::string error_of(Result<ScatteredSamples> (*reader)(std::span<const std::byte>, const std::string&),
                      std::string_view text) {
     const auto samples = read(reader, text);
     return samples ? "" : message(samples.error());
@@ -86,14 +86,14 @@ TEST(Astm, SaysWhatIsWrong) {
     has(error_of(read_astm, "LAB_NAME x\n1,2,3\n"), "a line VARS before the samples");
 }
 
-/// A parameterization of ALTA's, by its numbers and the pair they stand for, view first.
+/// A parameterization of ALTA, given by its numbers and the corresponding pair, view first.
 struct AltaCase {
     std::string name;
     std::vector<double> numbers;
     Vec3d view, light;
 };
 
-/// Numbers of a random pair, by ALTA's definitions from directions to numbers.
+/// Numbers of a random pair by ALTA's definitions, converting directions to numbers.
 std::vector<AltaCase> alta_cases(std::mt19937_64& random) {
     const Vec3d v = random_direction(random, 0.05);
     Vec3d l = random_direction(random, 0.05);
@@ -105,7 +105,7 @@ std::vector<AltaCase> alta_cases(std::mt19937_64& random) {
         {"SPHERICAL_TL_PL_TV_PV", {theta(l), phi(l), theta(v), phi(v)}, v, l},
         {"STEREOGRAPHIC", {v.x / (1 + v.z), v.y / (1 + v.z), l.x / (1 + l.z), l.y / (1 + l.z)}, v, l},
     };
-    // Half-way: θ_d and φ_d of the viewer in the frame that takes h to the normal.
+    // Half vector: θ_d and φ_d of the viewer in the frame that takes h to the normal.
     const auto in_half_frame = [&](Vec3d w) {
         const double c = std::cos(phi(h)), s = std::sin(phi(h));
         const Vec3d a{c * w.x + s * w.y, c * w.y - s * w.x, w.z};
@@ -136,7 +136,7 @@ std::vector<AltaCase> alta_cases(std::mt19937_64& random) {
     const double cos_at_l = (tv.z - tl.z * std::cos(between)) / (std::sin(theta(l)) * std::sin(between));
     const double sin_at_l = tv.y / std::sin(between);
     cases.push_back({"RETRO_TL_TVL_PROJ_DPHI", {theta(l), between * cos_at_l, between * sin_at_l}, tv, tl});
-    // Stark, Neumann: half-way vector (l + v)/2 and back vector (l − v)/2, whose azimuth counts from the former's.
+    // Stark, Neumann: half vector (l + v)/2 and back vector (l − v)/2, whose azimuth counts from the former's.
     const Vec3d half = 0.5 * (l + v), b = 0.5 * (l - v);
     const auto flat = [](Vec3d w) { return std::hypot(w.x, w.y); };
     const double angle = phi(b) - phi(half), c = std::cos(phi(half)), s = std::sin(phi(half));
@@ -162,7 +162,7 @@ TEST(Alta, ReadsItsParameterizations) {
             ++read_in[name];
         }
     EXPECT_EQ(read_in.size(), 11u);
-    // Of those that leave something out: what is left agrees.
+    // Parameterizations that omit something: the rest agrees.
     const auto two = [&](const std::string& name, double a, double b) {
         return *read(read_alta, "#DIM 2 1\n#PARAM_IN " + name + "\n" + fmt::format("{} {} 1\n", a, b));
     };
@@ -240,9 +240,9 @@ TEST(Csv, SaysWhatIsWrong) {
 }
 
 /// Samples of a smooth BRDF at random pairs.
-Scattered samples_of(const std::function<Rgb(Vec3d, Vec3d)>& f, int count, bool isotropic, std::uint64_t seed) {
+ScatteredSamples samples_of(const std::function<Rgb(Vec3d, Vec3d)>& f, int count, bool isotropic, std::uint64_t seed) {
     std::mt19937_64 random(seed);
-    Scattered s;
+    ScatteredSamples s;
     s.isotropic = isotropic;
     for (int i = 0; i < count; ++i) {
         const Vec3d wl = random_direction(random, 0.1), wv = random_direction(random, 0.1);
@@ -254,7 +254,7 @@ Scattered samples_of(const std::function<Rgb(Vec3d, Vec3d)>& f, int count, bool 
     return s;
 }
 
-TEST(Scattered, InterpolationMeetsItsSamples) {
+TEST(ScatteredSamples, InterpolationMeetsItsSamples) {
     std::mt19937_64 random(3);
     for (const bool isotropic : {true, false}) {
         const auto s = samples_of(
@@ -273,8 +273,8 @@ TEST(Scattered, InterpolationMeetsItsSamples) {
     }
 }
 
-TEST(Scattered, InterpolationApproachesWhatWasSampled) {
-    // A constant f cosθl cosθv is met everywhere; a smooth BRDF the better, the more samples there are.
+TEST(ScatteredSamples, InterpolationApproachesWhatWasSampled) {
+    // A constant f cosθl cosθv is reproduced everywhere; for a smooth BRDF the error falls with the number of samples.
     const auto flat = samples_of([](Vec3d wl, Vec3d wv) { return Rgb{float(1 / (wl.z * wv.z)), 0, 0}; }, 50, true, 5);
     std::mt19937_64 random(6);
     for (int i = 0; i < 500; ++i) {
@@ -303,7 +303,7 @@ TEST(Scattered, InterpolationApproachesWhatWasSampled) {
     EXPECT_LT(last, 2e-3);
 }
 
-TEST(Scattered, KeepsTheContract) {
+TEST(ScatteredSamples, KeepsTheContract) {
     std::mt19937_64 random(8);
     for (const int count : {1, 2, 9, 300}) {
         const auto s = samples_of([](Vec3d, Vec3d) { return Rgb{1, 0.5f, -0.1f}; }, count, count % 2 == 0, 9);
@@ -315,9 +315,9 @@ TEST(Scattered, KeepsTheContract) {
     }
 }
 
-TEST(Scattered, SpectraBetweenSamplesHaveTheirColour) {
+TEST(ScatteredSamples, SpectraBetweenSamplesHaveTheirColour) {
     std::mt19937_64 random(21);
-    Scattered samples;
+    ScatteredSamples samples;
     samples.wavelengths = {450, 500, 600, 650};
     const auto weights = rgb_weights(samples.wavelengths);
     for (int i = 0; i < 200; ++i) {
@@ -342,8 +342,8 @@ TEST(Scattered, SpectraBetweenSamplesHaveTheirColour) {
     }
 }
 
-TEST(Scattered, ManySamplesAtOnePlaceAreLookedUpAsOne) {
-    Scattered samples;
+TEST(ScatteredSamples, ManySamplesAtOnePlaceAreLookedUpAsOne) {
+    ScatteredSamples samples;
     const Vec3f wl = to_float(spherical(0.5, 0.0)), wv = to_float(spherical(0.7, 2.0));
     samples.wl.assign(200000, wl);
     samples.wv.assign(samples.wl.size(), wv);
@@ -356,14 +356,14 @@ TEST(Scattered, ManySamplesAtOnePlaceAreLookedUpAsOne) {
     }
 }
 
-TEST(Scattered, RealMeasurements) {
+TEST(ScatteredSamples, RealMeasurements) {
     const auto folder = shared_data();
     if (!std::filesystem::exists(folder / "cornell")) GTEST_SKIP() << folder << " is not here";
     for (const char* name : {"krylon_blue", "garnet_red", "acryl_blue"}) {
         const auto paint = load_measured((folder / "cornell" / (std::string(name) + ".brdf")).string());
         ASSERT_TRUE(paint.ok()) << message(paint.error());
         EXPECT_EQ(paint->format, "Cornell");
-        const auto& s = std::get<Scattered>(paint->table);
+        const auto& s = std::get<ScatteredSamples>(paint->table);
         EXPECT_EQ(s.wl.size(), 1439u);
         EXPECT_EQ(s.wavelengths.size(), 31u);
         EXPECT_TRUE(s.isotropic && s.masked == 0);
@@ -373,7 +373,8 @@ TEST(Scattered, RealMeasurements) {
     const auto colours = load_measured((folder / "cornell" / "krylon_blue_RGB.astm").string());
     ASSERT_TRUE(colours.ok()) << message(colours.error());
     EXPECT_EQ(colours->format, "ASTM E1392");
-    const auto &a = std::get<Scattered>(spectra->table).colour, &b = std::get<Scattered>(colours->table).colour;
+    const auto &a = std::get<ScatteredSamples>(spectra->table).colour,
+               &b = std::get<ScatteredSamples>(colours->table).colour;
     ASSERT_EQ(a.size(), b.size());
     double difference = 0, whole = 0;
     for (std::size_t i = 0; i < a.size(); ++i)
@@ -387,9 +388,9 @@ TEST(Scattered, RealMeasurements) {
     const auto tape = load_measured((folder / "alta" / "retro-gray-tape.dat").string());
     ASSERT_TRUE(tape.ok()) << message(tape.error());
     EXPECT_EQ(tape->format, "ALTA");
-    const auto& s = std::get<Scattered>(tape->table);
+    const auto& s = std::get<ScatteredSamples>(tape->table);
     EXPECT_EQ(s.wl.size() + s.masked, 7405u);  // those masked lie at 90°
-    // It throws light back: at 30° more towards the light than to the mirror direction.
+    // It is retroreflective: at 30° larger towards the light than in the mirror direction.
     const Vec3f light = to_float(spherical(30 * k_degree, 0.0));
     EXPECT_GT(value(s, light, light).g, 10 * value(s, light, mirror(light)).g);
 }

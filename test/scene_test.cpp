@@ -1,4 +1,4 @@
-// The camera sees the whole mesh, and nothing is seen askew.
+// The camera sees the whole mesh, without distortion.
 #include "render/scene.h"
 
 #include "properties.h"

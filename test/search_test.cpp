@@ -1,4 +1,4 @@
-// The search for lobes: growth, kicks, and what they get a candidate out of.
+// The search for lobes: growth and perturbations.
 #include "fit/search.h"
 
 #include "models.h"
@@ -9,7 +9,7 @@ namespace {
 
 constexpr double k_no_peak_limit = std::numeric_limits<double>::infinity();
 
-/// A broad lobe and one with an edge where ψ of a parameterization far from half-way vector, light and view has it.
+/// A broad lobe and one with an edge, for a ψ far from half vector, light and view.
 PmModel tilted() {
     PmModel model;
     model.lobes = model.variates = 2;
@@ -35,20 +35,20 @@ FitOptions options_of(std::uint64_t seed) {
     return options;
 }
 
-Candidate improved(Candidate candidate, const FitOptions& options, int kicks) {
+Candidate improved(Candidate candidate, const FitOptions& options, int perturbations) {
     Reporter reporter({}, 1);
-    improve(rows(), options, k_no_peak_limit, kicks, candidate, reporter);
+    improve(rows(), options, k_no_peak_limit, perturbations, candidate, reporter);
     return candidate;
 }
 
-TEST(Search, KicksFindAParameterizationThatStepsDoNotReach) {
+TEST(Search, PerturbationsFindAParameterizationThatStepsDoNotReach) {
     const Candidate beside{0, {{PmForm::gaussian, 2}, {k_pi / 4, 0.1}, {60, 3, 2, -300}}};
     int found = 0;
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         const Candidate before = improved(beside, options_of(seed), 3), after = improved(before, options_of(seed), 32);
-        EXPECT_EQ(after.kicks, 32);
+        EXPECT_EQ(after.perturbations, 32);
         EXPECT_LE(after.loss, before.loss * (1 + 1e-6));
-        EXPECT_GE(before.loss, 0.01) << "kicks of lobes alone";
+        EXPECT_GE(before.loss, 0.01) << "perturbations of lobes alone";
         found += after.loss <= 1e-6;
     }
     EXPECT_GE(found, 8);
@@ -85,13 +85,13 @@ TEST(Search, RandomExponentsAreOfTheRangeOfTheirTerms) {
     }
 }
 
-TEST(Search, InShortTakesNoMoreThanAskedFor) {
+TEST(Search, ShortFitsHaveNoMoreStartsAndPerturbations) {
     FitOptions options = options_of(0);
     EXPECT_EQ(starts_of(in_short(options, 4, 8)), 4);
-    EXPECT_EQ(kicks_of(in_short(options, 4, 8)), 8);
-    options.starts = 2, options.kicks = 0;
+    EXPECT_EQ(perturbations_of(in_short(options, 4, 8)), 8);
+    options.starts = 2, options.perturbations = 0;
     EXPECT_EQ(starts_of(in_short(options, 4, 8)), 2);
-    EXPECT_EQ(kicks_of(in_short(options, 4, 8)), 0);
+    EXPECT_EQ(perturbations_of(in_short(options, 4, 8)), 0);
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 
 namespace srbf {
 
-/// Q(a, x) = Γ(a, x) / Γ(a), the upper incomplete gamma function's ratio, a > 0, x ≥ 0: by the series of P where x < a + 1,
-/// else by the continued fraction (Lentz).
+/// Q(a, x) = Γ(a, x) / Γ(a), the regularised upper incomplete gamma function, a > 0, x ≥ 0: by the series of P for x <
+/// a + 1, otherwise by the continued fraction (Lentz).
 inline double upper_gamma_ratio(double a, double x) {
     if (x <= 0) return 1;
     const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
@@ -34,8 +34,8 @@ inline double upper_gamma_ratio(double a, double x) {
     return front * fraction;
 }
 
-/// The probability that counts drawn with these expectations differ from them by more than the observed ones do (Pearson).
-/// Bins that expect fewer than five are pooled. 0 where anything is not a number or the sums do not agree.
+/// The probability that counts with these expectations differ from them by more than the observed ones do (Pearson).
+/// Bins with an expectation below five are pooled. 0 if anything is not a number or the sums do not agree.
 inline double chi2_p_value(std::span<const double> observed, std::span<const double> expected) {
     double chi2 = 0, few_observed = 0, few_expected = 0, total_observed = 0, total_expected = 0;
     int bins = 0;
@@ -93,14 +93,14 @@ struct PolarBins {
     }
 };
 
-/// The p-value of `count` draws of `sample()` against `pdf`.
+/// The p-value of `count` samples of `sample()` against `pdf`.
 template <typename Sample>
 double sampler_p_value(const PolarBins& bins, const std::function<double(Vec3d)>& pdf, int count, Sample sample) {
     std::vector<double> expected = bins.masses(pdf), observed(bins.size());
     for (double& mass : expected) mass *= count;
     for (int i = 0; i < count; ++i) {
         const Vec3d w = sample();
-        // What is no direction falls into no bin, and then the sums do not agree.
+        // A vector that is not a direction falls into no bin, so that the sums do not agree.
         if (std::abs(dot(w, w) - 1) <= 1e-5) observed[bins.index(w)] += 1;
     }
     return chi2_p_value(observed, expected);

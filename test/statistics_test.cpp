@@ -1,4 +1,4 @@
-// The chi-square test itself: tabulated values, even p-values where the sampler is right, small ones where it is not.
+// The chi-square test itself: tabulated values, uniform p-values for a correct sampler, small ones for a wrong one.
 #include "statistics.h"
 
 #include "properties.h"
@@ -41,12 +41,12 @@ TEST(Statistics, WrongDistributionsAreRejected) {
     const auto sample = [&] { return random_direction(random); };
     EXPECT_GT(sampler_p_value(bins, even, 20000, sample), 0.01);
     EXPECT_LT(sampler_p_value(bins, tilted, 20000, sample), 1e-6);
-    // Draws that are no directions, and densities that do not integrate to 1.
+    // Samples that are not directions, and densities that do not integrate to 1.
     EXPECT_EQ(sampler_p_value(bins, even, 20000, [] { return Vec3d(NAN, 0, 0); }), 0);
     EXPECT_EQ(sampler_p_value(
                   bins, [](Vec3d) { return 1.02 / (4 * k_pi); }, 20000, sample),
               0);
-    // Many draws where next to none are expected.
+    // Many samples where almost none are expected.
     EXPECT_LT(chi2_p_value(std::vector{50.0, 50.0}, std::vector{99.0, 1.0}), 1e-6);
     EXPECT_EQ(chi2_p_value(std::vector{NAN, 50.0}, std::vector{50.0, 50.0}), 0);
 }

@@ -5,7 +5,8 @@
 
 namespace srbf {
 
-/// A model of n views, its lobes drawn for each view by itself: about the mirror direction, bandwidths from 1 to 300.
+/// A model with n views and independent random lobes for each view: about the mirror direction, bandwidths from 1 to
+/// 300.
 inline SuModel random_su(std::mt19937_64& random, int views, int lobes) {
     SuModel model;
     model.lobes = lobes;
@@ -18,8 +19,8 @@ inline SuModel random_su(std::mt19937_64& random, int views, int lobes) {
     return model;
 }
 
-/// A model that rotates with its views: the lobes of a view are those of azimuth 0 turned to its own; they change evenly with
-/// its elevation.
+/// A model invariant under rotation of its views: the lobes of a view are those of azimuth 0 rotated to its own, and
+/// vary linearly with its elevation.
 inline SuModel isotropic_su(int views) {
     SuModel model;
     model.lobes = 2;

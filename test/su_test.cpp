@@ -1,4 +1,4 @@
-// The view-by-view model: what it is at its samples and between them, its textures, its file.
+// The view-by-view model: values at sampled views and between them, index textures, file.
 #include "srbf/su.h"
 
 #include <gtest/gtest.h>
@@ -107,7 +107,7 @@ double largest_jump(const SuModel& model, bool through_the_pole) {
 }
 
 TEST(Su, IsContinuousInTheSampledDirection) {
-    // A sample's part comes and goes over some hundredths of a radian, so that a step of 1e-4 changes little.
+    // The weight of a sampled view changes over some hundredths of a radian, so that a step of 1e-4 changes little.
     std::mt19937_64 random(5);
     SuModel model = random_su(random, 1536, 3);
     for (Vec3f& xi : model.centre) xi = normalize(xi + Vec3f(0, 0, 3));
@@ -116,7 +116,7 @@ TEST(Su, IsContinuousInTheSampledDirection) {
     EXPECT_LE(largest_jump(model, false), 0.03);  // about where four views are equally near
     model.neighbours = 4;
     EXPECT_LE(largest_jump(model, false), 0.003);
-    // Rotated views next in elevation are as different as views can be here, and 1/1536 apart: a step goes a sixth of the way.
+    // Views adjacent in elevation are independent here and 1/1536 apart in z: a step goes a sixth of the way.
     model.interpolation = SuInterpolation::rotated;
     EXPECT_LE(largest_jump(model, false), 0.16);
     const SuModel isotropic = isotropic_su(1536);
@@ -135,7 +135,7 @@ TEST(Su, RotatedInterpolationOfAnIsotropicModelIsIsotropic) {
         const Rgb b =
             value(model, to_float(Kernel<double>::turned(wl, c, s)), to_float(Kernel<double>::turned(wv, c, s)));
         EXPECT_LE(difference(a, b), 3e-4) << wv.z;
-        // And what it is made of: a lobe about the mirror direction, another about the normal.
+        // Its lobes: one about the mirror direction, one about the normal.
         const double lobe = Kernel<double>::gaussian(wl, mirror(wv), 100.0);
         const double body = Kernel<double>::gaussian(wl, Vec3d(0, 0, 1), 0.5 + wv.z);
         EXPECT_TRUE(near(double(a.r), 0.3 * body + lobe, 4e-3)) << wv.z;

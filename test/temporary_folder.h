@@ -19,7 +19,7 @@ inline void write(const std::filesystem::path& path, const std::string& text) {
     std::ofstream(path, std::ios::binary) << text;
 }
 
-/// A folder of its own, gone with all it holds when it leaves its scope.
+/// A temporary folder that is deleted at the end of its scope.
 struct TemporaryFolder {
     std::filesystem::path path;
     TemporaryFolder() {

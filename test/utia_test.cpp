@@ -1,4 +1,4 @@
-// UTIA tables. No file of the database is at hand: these are synthetic.
+// UTIA tables. The tables are synthetic, since no file of the database is available.
 #include "measured_files.h"
 
 namespace srbf {
@@ -19,7 +19,7 @@ TEST(Utia, InterpolatesItsNodes) {
     EXPECT_EQ(t.masked, 0u);
     std::mt19937_64 random(1);
     for (int i = 0; i < 20000; ++i) {
-        // To 89°: beyond 75° it goes on linearly.
+        // To 89°: beyond 75° extrapolation is linear.
         const double l = 5.93 * uniform(random), v = 5.93 * uniform(random), p = 48 * uniform(random),
                      q = 48 * uniform(random);
         const Vec3f wl = to_float(spherical(l * 15 * k_degree, p * 7.5 * k_degree));
@@ -35,7 +35,7 @@ TEST(Utia, IsReadByItsSize) {
     ASSERT_TRUE(measured.ok()) << message(measured.error());
     EXPECT_EQ(measured->format, "UTIA");
     EXPECT_FALSE(is_isotropic(*measured));
-    // Negative values are no mask: a colour may leave the gamut.
+    // Negative values are not masked: a colour may lie outside of the gamut.
     const Vec3f wl{0, 0, 1}, wv{0.6f, 0, 0.8f};
     EXPECT_EQ(signed_value(*measured, wl, wv), (Rgb{-0.25f, 0.5f, 0.5f}));
     EXPECT_EQ(value(*measured, wl, wv), (Rgb{0, 0.5f, 0.5f}));

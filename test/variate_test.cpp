@@ -1,4 +1,4 @@
-// Parameterizations and multivariate models of kernel.glsl, also on a number type that is none of C++'s.
+// Parameterizations and multivariate models of kernel.glsl, also with a user-defined number type.
 #include "models.h"
 #include "srbf/kernel.h"
 
@@ -76,9 +76,9 @@ Vec3d written_value(const PmModel& model, Vec3d wl, Vec3d wv) {
             const long double area = std::max(l[2], 1e-6L) * std::max(v[2], 1e-6L);
             long double square = 0;
             for (int k = 0; k < 3; ++k) square += (l[k] + v[k]) * (l[k] + v[k]);
-            const long double half_way = (l[2] + v[2]) * (l[2] + v[2]) / square;  // cos²θh
+            const long double cos2_theta_h = (l[2] + v[2]) * (l[2] + v[2]) / square;  // cos²θh
             product *= std::pow(area, (long double)(kappa[0]));
-            const long double across = std::max(1 - half_way, 0.0L), apart = l[2] - v[2];
+            const long double across = std::max(1 - cos2_theta_h, 0.0L), apart = l[2] - v[2];
             if (F > 1)
                 product *= std::exp(kappa[1] * (std::sqrt(square) / 2 - 1) +
                                     kappa[2] * (1 / 20.0L - std::sqrt(apart * apart + across / 16 + 1 / 400.0L)) -

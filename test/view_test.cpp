@@ -1,5 +1,5 @@
-// The window's session without a window: fits follow the choice, are swapped and given up; what cannot be read is a message. And the window
-// itself, on a screen that nobody sees.
+// The window's session without a window: fits follow the choice, replace each other and are cancelled; files that
+// cannot be read become messages. And the window itself, on a virtual screen.
 #include <sys/wait.h>
 
 #include <chrono>
@@ -199,7 +199,7 @@ TEST(Lobes, TheirSumIsTheModelAndTheirSharesAreOne) {
         }
         EXPECT_TRUE(near(shares, 1, 1e-9));
     }
-    // One Gaussian lobe of the light's... view direction alone: half as large at the angle where e^(λ(cos a − 1)) = 1/2.
+    // One Gaussian lobe of the view direction: half of its peak at the angle a with e^(λ(cos a − 1)) = 1/2.
     PmModel one;
     one.lobes = one.variates = 1;
     one.coefficient = {{1, 1, 1}};
@@ -224,7 +224,7 @@ TEST(Slice, IsTheFunctionTimesTheCosine) {
     }
 }
 
-/// The program under a screen of its own; 77 where there is none.
+/// The program on a virtual screen; status 77 if there is none.
 struct Screenshot {
     int status;
     std::string err;

@@ -1,4 +1,4 @@
-// The von Mises-Fisher distribution of kernel.glsl: density, sampler, and that they belong together.
+// The von Mises-Fisher distribution of kernel.glsl: density, sampler, and their agreement.
 #include "properties.h"
 #include "srbf/kernel.h"
 #include "statistics.h"

@@ -1,4 +1,4 @@
-// Table 7.2 of the source: frames a second of what was fitted.
+// Frames per second of the fitted models, as in Table 7.2 of Tsai 2009.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,10 +18,10 @@ namespace {
 
 struct TimedModel {
     std::string id;
-    bool by_texture;  ///< a view-by-view model as the source draws it
+    bool by_texture;  ///< view-by-view model by index texture, as in Tsai 2009
 };
 
-/// The models that the source times, and what is the default here; those that there are.
+/// The models of Tsai 2009's timings and the default model, as far as they were fitted.
 std::vector<TimedModel> timed_models(const Study& study) {
     std::vector<TimedModel> all;
     const Json& fits = study.material.at("fits");
@@ -69,7 +69,7 @@ Result<Done> time_study(Study& study, const StudyOptions& options) {
     Json rows = Json::array();
     for (std::size_t i = 0; i < costs->size(); ++i) {
         const FrameCost& cost = (*costs)[i];
-        // Where the library draws on the CPU only our clock sees all of it.
+        // If the library renders on the CPU, only the wall clock measures all of its work.
         const double milliseconds = on_cpu ? cost.least.wall : cost.least.gpu;
         rows.push_back({{"id", i == 0 ? "constant" : models[i - 1].id},
                         {"drawn", i == 0                     ? "constant f_r"

@@ -1,4 +1,4 @@
-// The tables of a report for a document.
+// The tables of a report as Markdown.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace srbf {
 namespace {
 
-/// What docs/accuracy.md tells of each fit.
+/// The columns of docs/accuracy.md for each fit.
 struct Column {
     const char *title, *measure;
     double scale;
@@ -60,7 +60,7 @@ std::string over_materials(const Tables& tables, const std::string& objective) {
     return text;
 }
 
-/// A line for each fit of the ids, of tables held out, of samples "at the samples → held out".
+/// A line for each fit of the ids; for tables held-out errors, for samples "at the samples → held out".
 std::string each_material(const Tables& tables, const std::string& input, const std::vector<std::string>& ids) {
     std::string text = "\n" + head({"material", "model", "bytes"});
     for (const Json* material : rows_with(tables.materials, "input", input)) {

@@ -38,7 +38,7 @@ std::string lead_of(const View& view, const std::string& note) {
     else
         html += fmt::format("{} materials; the fit looks {} for {}, {} for {} and {} for {}.", count("done"), word(0),
                             count("alike"), word(k_close), count("close"), word(1), count("differs"));
-    // Of the default fits of tables, which are of one size.
+    // For the default fits of tables, which have the same size.
     const auto statistics = rows_with(view.tables.statistics, "id", "pm-extended-8x4-cosine");
     if (const Json* of = row_with(statistics, "measure", "heldout_squared_error_ratio_cosine")) {
         const Json* fit = rows_with(view.tables.fits, "id", of->at("id"))[0];
@@ -80,7 +80,7 @@ std::string card_of(const View& view, const Json& material) {
         number(fit, minimised->column, shown_as(*minimised)));
 }
 
-/// The three models that are compared throughout.
+/// The three models of the comparisons.
 constexpr const char* k_compared[] = {"pm", "su", "ggx"};
 const std::vector<std::string> k_compared_names{"multi­variate", "view by view", "GGX"};
 
@@ -107,26 +107,26 @@ std::string all_of(const View& view) {
                   {"multivariate", {"albedo error", "bytes", "seconds"}},
                   {"samples", {"masked", "clamped"}}},
                  rows) +
-           "<p class='note'>masked: pairs of directions that a fit looked at and that were not measured, left out; "
-           "clamped: "
-           "negative values of saturated colours, set to 0. Scattered samples: what is held out may be decided by one "
-           "bright sample that the others do not foretell.</p>";
+           "<p class='note'>masked: pairs of directions in a fit that were not measured, and are skipped; clamped: "
+           "negative "
+           "values of saturated colours, set to 0. Scattered samples: a single bright sample that the others do not "
+           "predict may dominate the held-out error.</p>";
 }
 
-/// What is told of a measure's values over materials.
+/// Statistics of a measure over materials.
 constexpr const char* k_spread[] = {"mean", "median", "percentile_95", "worst"};
 const std::vector<std::string> k_spread_names{"mean", "median", "95 % below", "worst"};
 
 const char* input_title(const std::string& input) { return input == "table" ? "Tables" : "Scattered samples"; }
 
-/// The statistics of the fits with that id, a row for each measure.
+/// The statistics of the fits with that id, a row per measure.
 Rows statistics_of(const View& view, const std::string& input, const std::string& id) {
     Rows rows = rows_with(view.tables.statistics, "id", id);
     std::erase_if(rows, [&](const Json* row) { return row->at("input") != input || row->at("materials") < 2; });
     return rows;
 }
 
-/// The models that are compared, over all materials of a kind: each measure a row.
+/// The compared models over all materials of a kind, a row per measure.
 std::string spread_of_compared(const View& view, const std::string& input) {
     std::vector<Rows> models;
     for (const char* role : k_compared) {
@@ -149,7 +149,7 @@ std::string spread_of_compared(const View& view, const std::string& input) {
            table(heads, rows);
 }
 
-/// Fits of all kinds of one objective over all materials of a kind.
+/// Fits of all kinds with one objective over all materials of a kind.
 std::string spread_of_all(const View& view, const std::string& input, const std::string& objective) {
     std::vector<std::string> ids;
     for (const Json& of : view.tables.statistics.rows)

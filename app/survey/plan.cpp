@@ -7,7 +7,7 @@
 namespace srbf {
 namespace {
 
-/// The list, each fit once.
+/// The list of fits, each of them once.
 class Plan {
   public:
     explicit Plan(int threads) : threads_(threads) {}
@@ -23,7 +23,7 @@ class Plan {
         su.lobes = lobes, su.directions = directions;
         add(su, objective, fmt::format("su-{}-{}", lobes, name(objective)), std::move(role));
     }
-    /// As the source draws it: the nearest samples by an index texture.
+    /// As in Tsai 2009: plain interpolation of the nearest samples by an index texture.
     void su_by_texture(int lobes, Objective objective) {
         SuRequest su;
         su.lobes = lobes, su.interpolation = SuInterpolation::plain, su.index = DirectionMap::cube;
@@ -49,7 +49,7 @@ class Plan {
 
 void plan_table(Plan& plan, bool quick) {
     using enum Objective;
-    // The sizes that the source names, those of this project's tables, and the default.
+    // The sizes of Tsai 2009, those of this project's tables, and the default.
     plan.pm(PmForm::gaussian, 6, 3, raw);
     for (const Objective objective : {raw, cosine}) {
         plan.pm(PmForm::gaussian, 8, 4, objective);
@@ -63,7 +63,7 @@ void plan_table(Plan& plan, bool quick) {
     plan.pm(PmForm::extended, 8, 4, cube_root, "pm2");
     plan.ggx(2, cube_root);
     plan.su_by_texture(5, raw);
-    // The error over the number of lobes.
+    // For the plot of error over the number of lobes.
     if (quick) {
         for (const int lobes : {2, 4, 8}) {
             for (const int variates : {2, 3, 4}) plan.pm(PmForm::gaussian, lobes, variates, raw);
@@ -83,8 +83,8 @@ void plan_table(Plan& plan, bool quick) {
 
 void plan_samples(Plan& plan, bool quick) {
     using enum Objective;
-    plan.pm(PmForm::gaussian, 8, 4, raw);  // Krylon Blue's size in the source
-    plan.su(4, raw);                       // likewise
+    plan.pm(PmForm::gaussian, 8, 4, raw);  // size of Krylon Blue in Tsai 2009
+    plan.su(4, raw);                       // size of Krylon Blue in Tsai 2009
     plan.pm(PmForm::gaussian, 8, 4, cube_root);
     plan.pm(PmForm::extended, 6, 4, cube_root, "pm");
     plan.su(4, cube_root, "su");
@@ -122,7 +122,7 @@ std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads)
     Plan all(threads);
     if (sweep == Sweep::least)
         plan_least(all);
-    else if (std::holds_alternative<Scattered>(measured.table))
+    else if (std::holds_alternative<ScatteredSamples>(measured.table))
         plan_samples(all, sweep == Sweep::quick);
     else
         plan_table(all, sweep == Sweep::quick);

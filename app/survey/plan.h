@@ -1,4 +1,4 @@
-// What is fitted to each material of a report.
+// The fits to each material of a report.
 #pragma once
 #include <string>
 #include <string_view>
@@ -11,20 +11,20 @@ namespace srbf {
 /// One `srbf fit`.
 struct PlannedFit {
     FitRequest request;
-    std::string id;    ///< "pm-extended-8x4-cosine": of all fits of a material another one
-    std::string role;  ///< of what is drawn: "pm", "pm2", "su" or "ggx"; empty: it is not
+    std::string id;    ///< "pm-extended-8x4-cosine"; unique among the fits of a material
+    std::string role;  ///< role in pictures: "pm", "pm2", "su" or "ggx"; empty: none
 };
 
-/// How much is fitted and drawn.
+/// The number of fits and pictures.
 enum class Sweep {
     whole,
-    quick,  ///< about a third of the fits, coarser pictures: about a minute a material on two cores
-    least,  ///< one small fit of each kind, hardly a picture: seconds, to try a report
+    quick,  ///< about a third of the fits, coarser pictures: about a minute per material on two cores
+    least,  ///< one small fit of each kind, tiny pictures: seconds, for tests
 };
 std::string_view name(Sweep sweep);
 
-/// The fits of a measurement: the sizes and forms of the source's Table 7.1 and Figure 7.6, the defaults of `srbf fit`, the baseline.
-/// Scattered samples are cross-validated, a dozen fits for one; they get fewer.
+/// The fits to a measurement: the sizes and forms of Table 7.1 and Figure 7.6 of Tsai 2009, the defaults of `srbf fit`,
+/// the baseline. Scattered samples have fewer fits, since each is cross-validated with a dozen fits.
 std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads);
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-// One material of the page.
+// The section of a material in the page.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ std::vector<std::string> fit_cells(const Json& fit) {
     return cells;
 }
 
-/// The source's rows of its own material, after a line that says what was minimised.
+/// The rows of Tsai 2009 for the same material, after a line that names the objective.
 std::string source_rows(const View& view, const Json& material, std::size_t columns) {
     std::string html;
     for (const Json* of : rows_with(view.tables.source, "material", material["source_material"])) {
@@ -68,7 +68,7 @@ std::string source_rows(const View& view, const Json& material, std::size_t colu
     return html.empty() ? html : group("the source: objective raw, its own matrix of this material", columns) + html;
 }
 
-/// Fits of a material that the page lists; of a whole sweep they would make half of it.
+/// The fits that the page lists; with all fits of the full sweep they would be half of the page.
 constexpr int k_most_listed = 40;
 
 std::string errors_of(const View& view, const Json& material, bool whole) {
@@ -96,7 +96,7 @@ std::string errors_of(const View& view, const Json& material, bool whole) {
     return table(heads, rows);
 }
 
-/// What a chart's lines are: a model, a form, a number of variates.
+/// The curves of a chart: a model, a form, a number of variates.
 struct Line {
     const char *name, *model, *form, *colour, *dash;
     int variates;
@@ -114,7 +114,7 @@ constexpr Line k_lines[] = {
     {"extended, N = 4", "pm", "extended", "--extended", "", 4},
 };
 
-/// The fits of a line, with the objective that the charts are of.
+/// The fits of a curve with the objective of the charts.
 Rows of_line(const View& view, const Json& material, const Line& line, const std::string& objective) {
     Rows rows = view.fits(material);
     std::erase_if(rows, [&](const Json* fit) {
@@ -211,10 +211,10 @@ std::string lobes_of(const View& view, const Json& material, const Study& study)
     for (const Json& of : study.material.at("lobes"))
         linear += of["linear"].get<std::string>(), logarithmic += of["logarithmic"].get<std::string>();
     return fmt::format(
-        "<p>How bright the surface is from each side, as the distance from the point that the light falls on; the "
-        "thick "
-        "line is measured. Beyond the angle that its objective is fitted to, a model is only held to the order of "
-        "magnitude.</p><p class='legend'>{}</p>\n<div class='polar'>{}</div>\n<div class='polar'>{}</div>\n",
+        "<p>Reflected light by direction, as the distance from the point of incidence. The thick line is the "
+        "measurement. "
+        "Beyond the largest angle of its objective a model is only constrained to the order of magnitude.</p><p "
+        "class='legend'>{}</p>\n<div class='polar'>{}</div>\n<div class='polar'>{}</div>\n",
         legend, linear, logarithmic);
 }
 

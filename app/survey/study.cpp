@@ -16,14 +16,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Counts up where what a folder holds changes, but not the program's version.
+/// Version of the folder's content; to be incremented if it changes without a new version of the program.
 constexpr int k_edition = 6;
-/// Pixels along a side and paths for each of them, of each sweep.
+/// Pixels per side and paths per pixel of each sweep.
 struct PictureSize {
     int pixels, paths;
 };
 constexpr std::array<PictureSize, 3> k_pictures_of{{{240, 256}, {176, 48}, {16, 1}}};
-/// What a page takes of pictures, and of differences.
+/// JPEG quality of pictures in the page, and of differences.
 constexpr int k_quality = 85, k_quality_of_differences = 70;
 
 /// FNV-1a, 64 bits.
@@ -38,14 +38,14 @@ class Hash {
     std::uint64_t state_ = 0xcbf29ce484222325;
 };
 
-/// The parts of a folder name that any file system takes.
+/// The characters of a folder name that every file system accepts.
 std::string plain(std::string text) {
     for (char& c : text)
         if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
     return text;
 }
 
-/// The colour of what has that role, as the page's style names it.
+/// The colour of a role in the page's style.
 std::string colour_of(const std::string& role) { return fmt::format("var(--{})", role); }
 
 /// What is drawn: the measurement first, then fits.
@@ -54,7 +54,7 @@ struct Drawn {
     std::vector<std::string> roles, ids;
 };
 
-/// A study on its way into a folder.
+/// Creates the folder of a study.
 class Maker {
   public:
     Maker(std::string folder, const StudyOptions& options,
@@ -69,7 +69,7 @@ class Maker {
         study.times["threads"] = options_.threads;
         study.times["jobs"] = options_.jobs;
         study.times["load_seconds"] = watch.seconds();
-        const bool of_samples = std::holds_alternative<Scattered>(measured->table);
+        const bool of_samples = std::holds_alternative<ScatteredSamples>(measured->table);
         study.material = {{"file", fs::path(file).filename().string()},
                           {"format", measured->format},
                           {"input", of_samples ? "samples" : "table"},
@@ -93,7 +93,7 @@ class Maker {
 
   private:
     std::string path(const std::string& name) const { return (fs::path(folder_) / name).string(); }
-    /// How the parts of the work compare.
+    /// Relative durations of the parts of the work.
     static constexpr double k_fits = 0.75, k_pictures = 1 - k_fits;
 
     Result<Done> fit(Study& study) {
@@ -192,7 +192,7 @@ class Maker {
         return Done{};
     }
 
-    /// As a PNG, and as a page takes it.
+    /// As a PNG, and as a JPEG for the page.
     Result<Done> write(const Image8& image, const std::string& name, int quality) const {
         if (const auto done = write_png(image, path(name + ".png")); !done) return done.error();
         return write_file(path(name + ".jpg"), jpeg(image, quality));
@@ -241,7 +241,7 @@ Result<Study> make_study(const std::string& file, const std::string& folder, con
                          const std::function<void(const std::string&, double)>& progress) {
     const fs::path whole = folder, unfinished = whole.parent_path() / ("." + whole.filename().string());
     std::error_code code;
-    fs::remove_all(unfinished, code);  // what a run that was ended left behind
+    fs::remove_all(unfinished, code);  // left behind by an interrupted run
     fs::remove_all(whole, code);
     if (fs::create_directory(unfinished, code); code)
         return Error{unfinished.string(), {}, "cannot be made", "a folder", code.message()};
@@ -252,7 +252,7 @@ Result<Study> make_study(const std::string& file, const std::string& folder, con
     }
     if (fs::rename(unfinished, whole, code); code)
         return Error{whole.string(), {}, "cannot be written", "a folder", code.message()};
-    // As it will be read by a later run: what is told of a study does not depend on which run made it.
+    // Read back from the folder, so that the result does not depend on which run created it.
     auto kept = load_study(folder);
     if (!kept) return Error{whole.string(), {}, "cannot be read", "the study that was written", "none"};
     return *std::move(kept);

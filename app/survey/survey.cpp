@@ -30,8 +30,8 @@ struct ReportCommand {
     int run() const;
 };
 
-/// The last steps of a fit have four candidates and then one to work on at a time, so that more than four cores mostly wait for them. One material of
-/// MERL's size takes less than half a GiB.
+/// The last stages of a fit use four candidates and then one at a time, so that more than four threads are mostly idle.
+/// A material with the size of MERL takes less than half a GiB.
 constexpr int k_cores_of_a_job = 4;
 constexpr std::uint64_t k_memory_of_a_job = std::uint64_t(1) << 29;
 
@@ -43,7 +43,7 @@ int jobs_for(int cores, std::size_t materials) {
     return int(std::max<std::uint64_t>(fit, 1));
 }
 
-/// Of the materials that are at work, one line.
+/// A line about the materials in progress.
 class Board {
   public:
     Board(std::size_t todo, ProgressLine& line) : fraction_(todo), line_(line) {}
@@ -61,7 +61,7 @@ class Board {
     ProgressLine& line_;
 };
 
-/// Fills in what is not there yet. Which materials are at work at a time decides nothing but the seconds.
+/// Studies the missing materials. The number of materials at a time affects only the durations.
 void study_all(std::vector<Surveyed>& materials, const std::vector<std::string>& folders, const StudyOptions& options) {
     std::vector<std::size_t> todo;
     for (std::size_t i = 0; i < materials.size(); ++i)
@@ -98,7 +98,7 @@ void study_all(std::vector<Surveyed>& materials, const std::vector<std::string>&
     }
 }
 
-/// The materials by name, and the folder of each; those that cannot be read say so.
+/// The materials by name, with the folder of each; reports those that cannot be read.
 std::vector<Surveyed> materials_of(const ReportCommand& command, const StudyOptions& options,
                                    std::vector<std::string>& folders) {
     std::map<std::string, std::string> label_of;
@@ -187,35 +187,35 @@ int ReportCommand::run() const {
 void add_report(CommandLine& app, int& status) {
     const auto command = std::make_shared<ReportCommand>();
     const Subcommand sub = app.add_subcommand(
-        "report", "How good all models are for your materials: one page, tables, pictures, the models");
+        "report", "Fit all kinds of models to materials and compare them: a page, tables, pictures, the models");
     sub.add_option("FILE", command->files, "Measurements").type_name("").required();
     sub.add_option("-o,--output", command->folder,
-                   "The folder to write. Materials that are finished there are not done again")
+                   "The folder to write. Materials that are already complete there are skipped")
         .type_name("DIR")
         .required();
     sub.add_flag(
         "--quick", [command] { command->sweep = Sweep::quick; },
-        "Fewer sizes, coarser pictures: about a minute a material on two cores");
-    // For tests, and no reader's: of each kind one small fit.
+        "Fewer sizes, coarser pictures: about a minute per material on two cores");
+    // For tests only: one small fit of each kind.
     sub.add_flag(
            "--least", [command] { command->sweep = Sweep::least; }, "")
         .hidden();
     add_mesh_options(sub, command->mesh, command->up);
     sub.add_option("--label", command->labels,
-                   "What to say beside a material's name, as in nickel=stand-in; may be given several times")
+                   "Text beside a material's name, for example nickel=stand-in; may be repeated")
         .type_name("NAME=TEXT")
         .one_at_a_time()  // what follows the text is a file
         .check([](std::string& text) -> std::string {
             const auto at = text.find('=');
             return at == 0 || at == text.npos ? fmt::format("expected NAME=TEXT, found {}", text) : "";
         });
-    sub.add_option("--note", command->note, "What to say on top of the page").type_name("TEXT");
-    sub.add_option("--threads", command->threads, "In all; 0: as many as the machine has")
+    sub.add_option("--note", command->note, "Text at the top of the page").type_name("TEXT");
+    sub.add_option("--threads", command->threads, "Total number of threads; 0: all of the machine")
         .type_name("T")
         .check(within(0, k_most_threads))
         .capture_default_str();
     sub.add_option("--jobs", command->jobs,
-                   "Materials at a time, among which the threads are shared out; 0: one for every four cores")
+                   "Number of materials at a time, which share the threads; 0: one for every four cores")
         .type_name("N")
         .check(within(0, k_most_threads))
         .capture_default_str();

@@ -17,7 +17,7 @@ const std::vector<MeasureText> k_measure_texts{
     {"heldout_squared_error_ratio_cosine", "image error",
      "What reaches an image: Σ(f cosθl − f̂ cosθl)² / Σ(f cosθl)², each view weighted by the area that it sees.", true},
     {"heldout_squared_error_ratio", "raw error",
-     "The source's measure, Σ(f − f̂)² / Σf², of the reflectance itself, which grazing angles decide.", true},
+     "The measure of Tsai 2009, Σ(f − f̂)² / Σf², of the reflectance itself, dominated by grazing angles.", true},
     {"squared_error_ratio", "raw error, matrix",
      "The same on the source's 1536 × 1536 pairs of directions, or at the samples themselves.", true},
     {"heldout_cube_root_error_ratio", "dark-part error",
@@ -70,7 +70,7 @@ const Json* row_with(const std::vector<const Json*>& rows, const std::string& co
 
 namespace {
 
-/// Columns of a set of measures, on both sets and of albedo.
+/// Columns for a set of measures, for both sets and for albedo.
 std::vector<std::string> measure_columns(const std::string& prefix) {
     std::vector<std::string> columns;
     for (const char* set : {"", "heldout_"})
@@ -79,8 +79,8 @@ std::vector<std::string> measure_columns(const std::string& prefix) {
     return columns;
 }
 
-/// Tsai 2009, Tables 7.1 and 7.2, for the materials whose measurements a user may have; the raw data are 1536 × 1536 RGB floats. Minutes and frames
-/// a second are the ranges over all its materials.
+/// Tables 7.1 and 7.2 of Tsai 2009, for the materials whose measurements are available; the raw data are 1536 × 1536
+/// RGB floats. Minutes and frames per second are the ranges over all its materials.
 struct SourceRow {
     const char *material, *model;
     int lobes, variates;
@@ -97,7 +97,7 @@ constexpr std::array<SourceRow, 6> k_source{{
 }};
 constexpr std::uint64_t k_source_raw_bytes = std::uint64_t(1536) * 1536 * 3 * 4, k_source_auxiliary_bytes = 1585152;
 
-/// The source's material that a file is, by its name; "": none. A labelled file is what its label says.
+/// The material of Tsai 2009 that a file holds, by its name; "": none. A labelled file is what its label says.
 std::string source_material(const Surveyed& of) {
     std::string name;
     for (const char c : std::filesystem::path(of.file).stem().string())
@@ -154,7 +154,7 @@ void add_material(Tables& tables, const Surveyed& of) {
     }
 }
 
-/// Of each kind of fit that several materials have, each measure.
+/// For each kind of fit that several materials have, each measure.
 void add_statistics(Tables& tables) {
     std::vector<std::pair<std::string, std::vector<const Json*>>> kinds;
     for (const Json& fit : tables.fits.rows) {

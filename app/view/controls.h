@@ -1,4 +1,4 @@
-// The column on the left: the files, what is asked of the fit, and how it is looked at.
+// The left column: files, options of the fit, and display options.
 #pragma once
 #include <imgui.h>
 
@@ -10,11 +10,12 @@
 
 namespace srbf {
 
-/// What has been typed and what is held stays here; all else goes to session and look at once.
+/// Holds only text that is being typed and the slider that is held; everything else changes session and look
+/// immediately.
 class Controls {
   public:
     void draw(Session& session, Look& look, ImVec2 at, ImVec2 size);
-    /// Writes the fit on display by the name that is typed; a message tells how it went.
+    /// Writes the displayed fit under the typed name; a message reports the result.
     void save(Session& session) const;
 
   private:

@@ -1,4 +1,4 @@
-// The colours in which the window is written.
+// Colours of the window's text.
 #pragma once
 #include <imgui.h>
 
@@ -9,7 +9,7 @@ namespace srbf {
 inline const ImVec4 k_white{1, 1, 1, 1}, k_red{1, 0.45f, 0.4f, 1}, k_dim{0.65f, 0.65f, 0.65f, 1},
     k_hint{1, 0.86f, 0.35f, 1};
 
-/// A colour, already encoded for display, as Dear ImGui's lists take it.
+/// A colour, already encoded for display, in Dear ImGui's format.
 inline ImU32 colour_of(Rgb c) { return ImColor(c.r, c.g, c.b); }
 
 }  // namespace srbf

@@ -7,7 +7,7 @@
 namespace srbf {
 namespace {
 
-/// The numbers of the largest `most` of `weight`.
+/// The indices of the `most` largest of `weight`.
 std::vector<std::size_t> largest(const std::vector<double>& weight, std::size_t most) {
     std::vector<std::size_t> order(weight.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
@@ -54,7 +54,7 @@ std::vector<Model> terms(const SuModel& model, std::size_t most) {
 std::vector<Model> terms(const GgxModel& model, std::size_t) {
     GgxModel black = model;
     black.diffuse = {};
-    for (GgxModel::Lobe& lobe : black.lobes) lobe.facing = {}, lobe.grazing = 0;
+    for (GgxModel::Lobe& lobe : black.lobes) lobe.f0 = {}, lobe.f90 = 0;
     std::vector<Model> all;
     GgxModel diffuse = black;
     diffuse.diffuse = model.diffuse;
@@ -107,7 +107,7 @@ std::vector<SeenLobe> seen_lobes(const Model& model, Vec3f wl) {
         if (!(most > 0)) continue;
         for (float& x : lobe.relative) x = std::min(1.f, float(double(x) / most));
         for (int ring = 0; ring <= k_rings; ++ring) {
-            // A ring's nodes stand for the band up to half way to its neighbours.
+            // Nodes of a ring represent the band up to halfway to its neighbours.
             const auto edge = [&](double at) {
                 return std::cos(k_last_ring * std::clamp(at, 0.0, double(k_rings)) / k_rings);
             };

@@ -1,4 +1,4 @@
-// What a model is made of, as seen under light from one direction; slices through BRDFs.
+// Lobes of a model under light from one direction; slices through BRDFs.
 #pragma once
 #include <vector>
 
@@ -7,32 +7,34 @@
 
 namespace srbf {
 
-/// Models of one term each whose sum is `model`: lobes of either fitted kind; of Lambert and GGX the diffuse term and each lobe. At most
-/// `most` of them, of a multivariate model those of the largest coefficients; the others are left out.
+/// Models of one term each whose sum is `model`: lobes of either fitted kind; for Lambert and GGX the diffuse term and
+/// each lobe. At most `most` of them; for a multivariate model those with the largest coefficients.
 std::vector<Model> terms_of(const Model& model, std::size_t most = 64);
 
-/// The hemisphere of view directions in rings of constant θv, `k_rings` + 1 from the normal to 89.5°, each of `k_around` azimuths.
+/// The hemisphere of view directions in rings of constant θv, `k_rings` + 1 from the normal to 89.5°, with `k_around`
+/// azimuths each.
 inline constexpr int k_rings = 36, k_around = 96;
 std::vector<Vec3f> view_directions();
 
 /// A term as a function of wv under light from wl.
 struct SeenLobe {
-    Vec3f centre;                 ///< wv where it is largest
+    Vec3f centre;                 ///< wv of its maximum
     Rgb peak;                     ///< f_r there [1/sr]
-    double width = 0;             ///< [rad] of the cap whose solid angle is that where it is at least half as large
-    double share = 0;             ///< of the luminance of ∫ f cosθv dωv, all terms together 1
+    double width = 0;             ///< [rad] of the cap with the solid angle in which it is at least half its maximum
+    double share = 0;             ///< of the luminance of ∫ f cosθv dωv; all terms sum to 1
     std::vector<float> relative;  ///< its luminance over that of its peak, at `view_directions`
 };
-/// Those that reflect anything under that light, by their share, largest first. The lobes of a view-by-view model that samples views are
-/// functions of the light: theirs are over wl, seen from the direction given, and light and view change places in the above.
+/// The lobes that reflect light from wl, by decreasing share. The lobes of a view-by-view model with sampled views are
+/// functions of the light: they are over wl, for the given view direction, with light and view exchanged in the above.
 std::vector<SeenLobe> seen_lobes(const Model& model, Vec3f wl);
 bool is_seen_over_lights(const Model& model);
 
-/// f_r cosθv in the plane of incidence, light at θl: `angle` from −89° to 89°, positive on the mirror direction's side.
+/// f_r cosθv in the plane of incidence for light at θl: `angle` from −89° to 89°, positive on the mirror direction's
+/// side.
 struct Slice {
     std::vector<float> angle;  ///< [rad]
     std::vector<Rgb> f;        ///< f_r cosθv [1/sr]; NaN: not measured
-    float most() const;        ///< the largest value of a channel
+    float most() const;        ///< maximum over values and channels
 };
 Slice slice(const Evaluate& brdf, double theta_l);
 

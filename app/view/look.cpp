@@ -12,7 +12,7 @@ Vec3d towards_eye(const Look& look) {
     return {c * std::sin(look.azimuth), std::sin(look.elevation), c * std::cos(look.azimuth)};
 }
 
-/// w turned about the unit vector `axis` (Rodrigues).
+/// w rotated about the unit vector `axis` (Rodrigues).
 Vec3d turned(Vec3d w, Vec3d axis, double angle) {
     return std::cos(angle) * w + std::sin(angle) * cross(axis, w) + (1 - std::cos(angle)) * dot(axis, w) * axis;
 }
@@ -25,7 +25,7 @@ Camera camera_of(const Look& look, const Bounds& bounds) {
     const Vec3d least = to_double(bounds.least), most = to_double(bounds.most);
     Camera camera;
     camera.target = 0.5 * (least + most);
-    // The ball around the box lies within the picture.
+    // The sphere around the bounding box lies within the picture.
     const Vec3d diagonal = most - least;
     const double radius = std::max(0.5 * std::sqrt(dot(diagonal, diagonal)), 1e-6);
     camera.eye = camera.target + 0.75 * radius / (std::sin(camera.fov / 2) * look.zoom) * towards_eye(look);
@@ -78,7 +78,7 @@ void next_reference(Session& session) {
     if (count > 0) session.set_reference((session.reference() + 1) % count);
 }
 void next_model(Session& session) {
-    // From the one shown through the models among the files, then back to fitting.
+    // From the displayed one through the models among the files, then back to fitting.
     const auto& subjects = session.subjects();
     std::size_t from = 0;
     if (session.fitted() && !session.fitted()->from.empty())

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::array<Panels::Which, 2> k_materials{Panels::reference, Panels::fit};
 
-/// What the radiances depend on, beside their materials.
+/// A key of everything but the materials that the radiances depend on.
 std::string key_of(const Look& look) {
     std::string key = fmt::format("{} {} {}", look.azimuth, look.elevation, look.zoom);
     for (const DirectionalLight& light : look.lights)
@@ -15,7 +15,7 @@ std::string key_of(const Look& look) {
     return key;
 }
 
-/// That of what was drawn.
+/// The key of what was drawn.
 float exposure_of(const RasterTarget& radiance, int width, int height) {
     Image image(width, height);
     const auto pixels = radiance.read_floats();

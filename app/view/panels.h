@@ -1,4 +1,4 @@
-// The three pictures of the window: reference, fit, and how they differ.
+// The three pictures of the window: reference, fit, and their difference.
 #pragma once
 #include <array>
 #include <optional>
@@ -9,19 +9,20 @@
 
 namespace srbf {
 
-/// Pictures of one mesh in two materials, from one camera, and of their difference. Works in the current context.
+/// Pictures of one mesh with two materials from one camera, and of their difference. Uses the current context.
 class Panels {
   public:
     enum Which { reference, fit, difference };
-    /// Errors: a graphics library that cannot draw floats.
+    /// Errors: a graphics library that cannot render to floats.
     static Result<Panels> make(Dialect dialect);
 
     void set_mesh(const Mesh& mesh);
-    /// Another material; none: its picture is empty. A multivariate model of the text that is there already costs its numbers alone.
+    /// Sets a material; none: an empty picture. A multivariate model with the same shader text only costs the upload of
+    /// its numbers.
     Result<Done> set_material(Which which, const std::optional<Material>& material);
 
-    /// Draws what has changed since the last time, each picture of width × height pixels. Exposure, where it is automatic, is found anew with
-    /// `expose` alone: it would flicker with every turn.
+    /// Redraws what has changed since the last call; each picture has width × height pixels. Automatic exposure is
+    /// updated only with `expose`, since it would flicker during rotation.
     Result<Done> draw(Look& look, int width, int height, bool expose);
     /// A picture as a texture, rows from the bottom.
     unsigned texture(Which which) const { return of(which).shown ? of(which).shown->texture() : 0; }
@@ -46,7 +47,7 @@ class Panels {
     std::optional<RasterSurface> surface_;
     std::optional<RasterDevelopment> development_;
     int width_ = 0, height_ = 0;
-    std::string drawn_;  ///< camera, lights and mesh of the pictures that are there
+    std::string drawn_;  ///< key of camera, lights and mesh of the current pictures
 };
 
 }  // namespace srbf

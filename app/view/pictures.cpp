@@ -13,7 +13,7 @@
 namespace srbf {
 namespace {
 
-/// A moving picture that takes longer than this is drawn smaller until it rests.
+/// During interaction, pictures that take longer than this are drawn smaller.
 constexpr double k_slow_frame = 0.04, k_rest = 0.25;
 
 std::string name_of_fit(const Session& session) {
@@ -126,7 +126,7 @@ void Pictures::draw_lights(Look& look, ImVec2 corner, float width, float height,
     }
 }
 
-/// Turns what is held: a light, or the camera.
+/// Rotates the held object: a light, or the camera.
 void Pictures::drag(Look& look, float height) {
     const ImVec2 delta = ImGui::GetIO().MouseDelta;
     if (delta.x == 0 && delta.y == 0) return;

@@ -1,4 +1,4 @@
-// The row of pictures: measured, fit and difference under one camera, with lights that can be dragged.
+// The row of pictures: measurement, fit and difference with one camera, and lights that can be dragged.
 #pragma once
 #include <imgui.h>
 
@@ -8,19 +8,19 @@
 
 namespace srbf {
 
-/// The panels in their places, what is written around them, and what the mouse does to them.
+/// The panels with their captions and mouse interaction.
 class Pictures {
   public:
     explicit Pictures(Panels panels) : panels_(std::move(panels)) {}
 
-    /// Takes the mesh that the look names, the session's reference and fit; `swapped`: the fit is another one since the last time. What cannot be
-    /// drawn becomes a message.
+    /// Updates the mesh from the look, and the materials from the session's reference and fit; `swapped`: the fit has
+    /// changed since the last call. What cannot be drawn becomes a message.
     void take(Session& session, Look& look, bool swapped);
     void draw(Session& session, Look& look, ImVec2 at, ImVec2 size);
-    /// Something moves, or may: for a quarter of a second `moves`, and pictures that take too long are drawn smaller.
+    /// Notes an interaction: for a quarter of a second `moves`, and slow pictures are drawn smaller.
     void touch() { touched_ = {}; }
     bool moves() const;
-    /// Whether the pictures that were drawn last are as fine as their places.
+    /// Whether the last pictures have the full resolution.
     bool is_whole() const { return is_whole_; }
 
   private:
@@ -32,15 +32,15 @@ class Pictures {
     void drag(Look& look, float height);
 
     Panels panels_;
-    std::string mesh_;         ///< the name of the one that is drawn
+    std::string mesh_;         ///< name of the current mesh
     int reference_ = -1;       ///< the subject whose material is on the left
-    bool is_exposed_ = false;  ///< automatic exposure has been found
+    bool is_exposed_ = false;  ///< whether automatic exposure has been computed
     bool is_whole_ = false;
     int dragged_light_ = -1;
     std::string shown_key_;  ///< camera and lights of the last pictures
-    Stopwatch touched_;      ///< since something moved
-    float reduction_ = 1;    ///< of pictures that move
-    std::string error_;      ///< that was told of
+    Stopwatch touched_;      ///< since the last interaction
+    float reduction_ = 1;    ///< of pictures during interaction
+    std::string error_;      ///< that was reported
 };
 
 }  // namespace srbf

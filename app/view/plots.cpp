@@ -35,7 +35,7 @@ void draw_slices(const Slice* reference, const Slice* fit, double theta_l, bool 
     const float most = reference ? reference->most() : fit ? fit->most() : 0;
     if (!(most > 0)) return label(list, corner, "nothing to plot");
 
-    // The light's side is on the left, as the plane is seen from the side.
+    // The light's side is on the left.
     const auto place = [&](double angle, double r) {
         return ImVec2{centre.x + radius * float(r * std::sin(angle)), centre.y - radius * float(r * std::cos(angle))};
     };
@@ -83,7 +83,7 @@ void draw_lobes(const std::vector<SeenLobe>& lobes, const char* other, double th
     ImGui::Dummy({width, height});
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const ImVec2 centre{corner.x + width / 2, corner.y + radius * 1.06f};
-    // Seen from far away: x right, the normal upwards by cos(elevation).
+    // Orthographic projection: x right, the normal upwards scaled by cos(elevation).
     struct Point {
         ImVec2 at;
         double depth;
@@ -120,7 +120,7 @@ void draw_lobes(const std::vector<SeenLobe>& lobes, const char* other, double th
                 const std::size_t corners[4] = {std::size_t(ring * k_around + i), std::size_t(ring * k_around + next),
                                                 std::size_t((ring + 1) * k_around + next),
                                                 std::size_t((ring + 1) * k_around + i)};
-                // Where the edges of the cell are crossed: marching squares.
+                // Crossings of the cell's edges: marching squares.
                 ImVec2 crossed[4];
                 int crossings = 0, above = 0;
                 bool visible = true;

@@ -68,7 +68,7 @@ void Readings::draw_measures(const Session& session) const {
     const auto& fitted = session.fitted();
     const Subject* reference = reference_ < 0 ? nullptr : session.subjects()[std::size_t(reference_)].get();
     const auto* measured = reference ? std::get_if<Measured>(&reference->content) : nullptr;
-    const bool is_scattered = measured && std::holds_alternative<Scattered>(measured->table);
+    const bool is_scattered = measured && std::holds_alternative<ScatteredSamples>(measured->table);
     ImGui::TextColored(k_hint, "%s",
                        fmt::format("Errors within {:.0f}\xC2\xB0, against {}", session.max_theta() / k_degree,
                                    is_scattered ? "interpolated samples"

@@ -1,4 +1,4 @@
-// What is read off the two materials, below their pictures: slices, lobes, errors.
+// Plots and tables of the two materials below their pictures: slices, lobes, errors.
 #pragma once
 #include <imgui.h>
 
@@ -14,7 +14,7 @@ namespace srbf {
 /// Plots and tables of the session's reference and fit, under light from the look's `theta_l`.
 class Readings {
   public:
-    /// Computes anew what has changed; `swapped`: the fit is another one since the last time.
+    /// Updates what has changed; `swapped`: the fit has changed since the last call.
     void take(const Session& session, double theta_l, bool swapped);
     void draw(const Session& session, Look& look, ImVec2 at, ImVec2 size);
 
@@ -24,11 +24,11 @@ class Readings {
     void draw_measures(const Session& session) const;
     void draw_lobe_table() const;
 
-    int reference_ = -1;  ///< the subject that was sliced
+    int reference_ = -1;  ///< the subject of the slices
     double theta_l_ = -1;
     std::optional<Slice> slice_of_reference_, slice_of_fit_;
     std::vector<SeenLobe> lobes_;
-    double dome_azimuth_ = 0, dome_elevation_ = 50 * k_degree;  ///< whence the lobes are seen
+    double dome_azimuth_ = 0, dome_elevation_ = 50 * k_degree;  ///< viewpoint of the lobes
 };
 
 }  // namespace srbf

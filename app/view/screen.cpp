@@ -1,7 +1,7 @@
 #include "app/view/screen.h"
 
 #include <epoxy/gl.h>
-// After epoxy, which stands for OpenGL's own header.
+// After epoxy, which replaces OpenGL's own header.
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 #include <imgui_impl_glfw.h>
@@ -16,7 +16,7 @@
 namespace srbf {
 namespace {
 
-/// The name of a key as `press` takes it; empty: none of ours.
+/// The name of a key for `press`; empty: not used.
 std::string name_of(int key, int scancode, int modifiers) {
     std::string name;
     switch (key) {
@@ -82,7 +82,7 @@ Result<Done> Screen::open(int width, int height) {
     if (!window_) return Error{"window", {}, "graphics library", std::string(name(Dialect::gl_450)), found()};
     glfwMakeContextCurrent(window_);
     glfwSetWindowUserPointer(window_, this);
-    // Before Dear ImGui's, which then call these.
+    // Before Dear ImGui's callbacks, which then call these.
     glfwSetKeyCallback(window_, [](GLFWwindow* of, int key, int scancode, int action, int modifiers) {
         if (action == GLFW_RELEASE || (modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)) != 0) return;
         if (const auto& told = screen_of(of).on_key; told && !ImGui::GetIO().WantTextInput)

@@ -1,4 +1,4 @@
-// The screen: a window of the desktop that OpenGL and Dear ImGui draw on, what reaches it, and what it shows.
+// The screen: a desktop window for OpenGL and Dear ImGui, with its input and output.
 #pragma once
 #include <functional>
 #include <string>
@@ -9,7 +9,7 @@ struct GLFWwindow;
 
 namespace srbf {
 
-/// GLFW, its window and Dear ImGui, ended in the order in which they can be.
+/// Owns GLFW, its window and Dear ImGui, and destroys them in the required order.
 class Screen {
   public:
     Screen() = default;
@@ -17,19 +17,21 @@ class Screen {
     Screen(const Screen&) = delete;
     Screen& operator=(const Screen&) = delete;
 
-    /// Opens it, so many pixels large; its OpenGL becomes the current one. Errors: no display, no OpenGL 4.5.
+    /// Opens a window of that size in pixels; its OpenGL context becomes current. Errors: no display, no OpenGL 4.5.
     Result<Done> open(int width, int height);
-    /// Whether `show` waits for the display, or frames come as fast as they can.
+    /// Whether `show` waits for the display's refresh.
     void set_paced(bool paced);
     bool is_closing() const;
 
-    /// Who is told, from within `wait`, of a key by the name that `press` takes, unless text is typed, and of a file dropped on it.
+    /// Callbacks from within `wait`: for a key, by its name in `press`, unless text is being typed, and for a file
+    /// dropped on the window.
     std::function<void(const std::string& key)> on_key;
     std::function<void(const std::string& path)> on_drop;
-    /// Until something reaches it, so many seconds at most; 0: takes what has.
+    /// Waits for input, at most this many seconds; 0: processes pending input.
     void wait(double seconds);
 
-    /// What Dear ImGui is told between the two is drawn by the second, to be read, and then shown.
+    /// Calls to Dear ImGui between the two are drawn by the second, which also makes the picture available and shows
+    /// it.
     void begin_frame();
     void end_frame();
     Image8 read() const;

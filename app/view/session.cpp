@@ -10,12 +10,12 @@
 #include "srbf/file.h"
 
 namespace srbf {
-/// The thread that works: one job at a time, the newest.
+/// The worker thread: one job at a time, the newest.
 class Session::Worker {
   public:
     Worker() : thread_([this](std::stop_token stop) { work(stop); }) {}
     ~Worker() {
-        newest_ = -1;  // what is under way is given up
+        newest_ = -1;  // cancels the current job
         thread_.request_stop();
     }
 
@@ -83,7 +83,7 @@ class Session::Worker {
         tell({job.number, Stage::measuring, fitted, {}});
     }
 
-    /// What is known of the reference stays known for its next fit.
+    /// Keeps what is known of the reference for its next fit.
     Fitter& fitter(const Job& job) {
         const Subject& reference = *job.reference;
         const auto at = fitters_.find(&reference);
@@ -92,7 +92,7 @@ class Session::Worker {
         return fitters_.emplace(&reference, measured ? Fitter(*measured) : Fitter(evaluator(reference))).first->second;
     }
 
-    /// Fits the reference better and better, and tells of each fit but the last.
+    /// Fits the reference with increasing effort, and reports each fit but the last.
     Result<FitOutcome> fit(const Job& job, const FitRequest& request, Fitted& fitted, const ProgressToken& progress) {
         for (int draft = 0; draft < Fitter::k_drafts; ++draft) {
             auto quick = fitter(job).draft(request, draft, progress.part(0.1 * draft, 0.1 * (draft + 1)));
@@ -123,7 +123,7 @@ class Session::Worker {
     std::atomic<int> newest_ = 0;
     std::atomic<double> fraction_ = 0;
     std::map<const Subject*, Fitter> fitters_;  // subjects live as long as the session
-    std::jthread thread_;                       // the last member: it ends before what it works with
+    std::jthread thread_;                       // last member: it ends before the data it uses
 };
 
 FitRequest FitChoice::request() const {
@@ -149,7 +149,7 @@ bool Session::open(const std::string& path) {
     } else if (reference_ < 0) {
         set_reference(added);
     } else if (!is_model && !had_measurement) {
-        // The models came first: they are what this one is held against.
+        // The models came first: they are compared with this one.
         const int shown = reference_;
         reference_ = added;
         show_model(shown);
@@ -169,7 +169,7 @@ void Session::refit() {
 
 void Session::show_model(int subject) {
     const auto& model = std::get<Model>(subjects_[std::size_t(subject)]->content);
-    // Its errors are those of what it was fitted for, where it tells.
+    // Its errors are by the objective of its fit, if it has that metadata.
     if (const auto told = model.provenance.find("objective"); told != model.provenance.end())
         if (const auto objective = objective_named(told->second)) choice_.objective = *objective;
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
@@ -204,7 +204,7 @@ void Session::cancel() {
 bool Session::poll() {
     bool swapped = false;
     for (News& news : worker_->take()) {
-        if (news.number != asked_) continue;  // of a choice that is not wanted any more
+        if (news.number != asked_) continue;  // for an outdated choice
         stage_ = news.stage;
         if (news.error) complain(*news.error);
         if (!news.fitted) continue;

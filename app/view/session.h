@@ -1,4 +1,4 @@
-// What the window knows and does, without a window: subjects, the fit on display, and the work behind it.
+// State and actions of the window, independent of it: subjects, the displayed fit, and the background work.
 #pragma once
 #include <array>
 #include <condition_variable>
@@ -14,37 +14,38 @@
 
 namespace srbf {
 
-/// What the sliders ask a fit for.
+/// The fit that the sliders request.
 struct FitChoice {
     PmForm form = PmRequest{}.form;
     int lobes = LobeCount{}.lobes, variates = PmRequest{}.variates;
     Objective objective = FitRequest{}.objective;
-    FitRequest request() const;  ///< all else as `srbf fit` has it by default
+    FitRequest request() const;  ///< everything else as by default in `srbf fit`
     friend bool operator==(const FitChoice&, const FitChoice&) = default;
 };
-inline constexpr int k_most_chosen_lobes = 24;  ///< that a slider goes to: beyond, a fit takes longer than one waits
+/// limit of a slider; a fit with more lobes takes longer than one waits
+inline constexpr int k_most_chosen_lobes = 24;
 
-/// How far the work behind the window is.
+/// State of the background work.
 enum class Stage {
     idle,
-    fitting,    ///< nothing of this choice is on display yet
-    refining,   ///< a quick fit is
-    measuring,  ///< the fit is as it will be; its errors are not all known
+    fitting,    ///< nothing for this choice is displayed yet
+    refining,   ///< a quick fit is displayed
+    measuring,  ///< the fit is final; its errors are not complete
 };
 
-/// The BRDF that is on display as the fit, and what is known of it.
+/// The BRDF displayed as the fit.
 struct Fitted {
     Model model;
-    FitChoice choice;    ///< that it was fitted for; for a file's model the objective alone means something
-    std::string from;    ///< the file that it was read from; empty: fitted here
-    bool quick = false;  ///< a finer one is on its way
-    double seconds = 0;  ///< from the choice until it was there
+    FitChoice choice;    ///< of the fit; for a model from a file only the objective is meaningful
+    std::string from;    ///< the file of the model; empty: fitted here
+    bool quick = false;  ///< a more accurate fit will follow
+    double seconds = 0;  ///< from the choice until the fit was complete
     std::optional<StopReason> stop;
     std::optional<Comparison> errors;  ///< against the reference, once they are known
 };
 
-/// Subjects, of which one is the reference; a fit that follows the choice in the background. All members are called from one thread, the
-/// window's; the work is another's, and what it has found shows after `poll`.
+/// Subjects, one of which is the reference, and a fit that follows the choice in the background. All members are called
+/// from the window's thread; the work runs on another thread, and its results become visible in `poll`.
 class Session {
   public:
     Session();
@@ -52,37 +53,37 @@ class Session {
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
-    /// Adds a file's subject. One that cannot be read becomes a message. The first measurement becomes the reference, and a first model what is
-    /// shown as the fit; without a model the reference is fitted.
+    /// Adds a file's subject. A file that cannot be read becomes a message. The first measurement becomes the
+    /// reference, the first model the displayed fit; without a model the reference is fitted.
     bool open(const std::string& path);
     const std::vector<std::shared_ptr<const Subject>>& subjects() const { return subjects_; }
 
-    /// The subject that fits are held against; −1: there is none.
+    /// The subject with which fits are compared; −1: none.
     int reference() const { return reference_; }
     void set_reference(int subject);
-    /// Shows a model that was read, or fits the reference again by the choice.
+    /// Displays a model from a file, or fits the reference again with the choice.
     void show_model(int subject);
     void refit();
-    /// Asks for another fit; work under way for an older choice is given up.
+    /// Requests another fit; work for an older choice is cancelled.
     void choose(const FitChoice& choice);
     const FitChoice& choice() const { return choice_; }
-    /// Gives up what is under way; what is on display stays.
+    /// Cancels the work; the display does not change.
     void cancel();
 
-    /// Takes what the work has brought; true where the fit on display is another one since.
+    /// Takes over results of the work; returns true if the displayed fit has changed.
     bool poll();
     Stage stage() const { return stage_; }
-    double fraction() const;                                                          ///< of the fit under way, 0..1
-    double waited() const { return stage_ == Stage::idle ? 0 : waiting_.seconds(); }  ///< [s] since it was asked for
-    /// What is shown as the fit; none before the first one is there.
+    double fraction() const;                                                          ///< of the current fit, 0..1
+    double waited() const { return stage_ == Stage::idle ? 0 : waiting_.seconds(); }  ///< [s] since it was requested
+    /// The displayed fit; none before the first one is complete.
     const std::optional<Fitted>& fitted() const { return fitted_; }
     /// θmax of the errors [rad].
     double max_theta() const { return default_max_theta(choice_.objective); }
 
-    /// Writes the fit on display; a message tells how it went.
+    /// Writes the displayed fit; a message reports the result.
     bool save(const std::string& path);
 
-    /// What there is to say, newest last.
+    /// Messages, newest last.
     struct Message {
         std::string text;
         bool is_error = false;
@@ -96,7 +97,7 @@ class Session {
         int number = 0;
         std::shared_ptr<const Subject> reference;
         FitChoice choice;
-        std::optional<Model> model;  ///< to be measured alone
+        std::optional<Model> model;  ///< to be measured only
         Stopwatch asked;
     };
     struct News {
@@ -116,7 +117,7 @@ class Session {
     std::vector<Message> messages_;
     Stage stage_ = Stage::idle;
     Stopwatch waiting_;
-    int asked_ = 0;  ///< the number of the job that was asked for last
+    int asked_ = 0;  ///< number of the last requested job
     std::unique_ptr<Worker> worker_;
 };
 

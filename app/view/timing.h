@@ -1,4 +1,4 @@
-// How long fits take while the picture turns, and how often it is drawn meanwhile.
+// Timing of fits while the picture rotates, and of the frame rate meanwhile.
 #pragma once
 #include <vector>
 
@@ -7,21 +7,22 @@
 
 namespace srbf {
 
-/// So many fits, the next asked for when the one before is there; of each a line on standard output.
+/// Runs a number of fits one after the other, and prints a line for each to standard output.
 class Refits {
   public:
     explicit Refits(int count) : count_(count) {}
-    /// Once a frame: turns the picture, asks for the next fit and prints the one that is there; quits after the last.
+    /// To be called once per frame: rotates the picture, requests the next fit and prints the completed one; quits
+    /// after the last.
     void step(Session& session, Look& look);
 
   private:
     int count_, timed_ = 0;
-    bool waits_ = false;  ///< for a fit that was asked for; then:
+    bool waits_ = false;  ///< for a requested fit; then:
     Stopwatch asked_, last_frame_;
     int frames_ = 0;
-    double slowest_ = 0;                 ///< [s] a frame
-    std::vector<double> swapped_after_;  ///< [s] the fits that came on display
-    double swapped_ = 0;                 ///< what the last of them says that it took
+    double slowest_ = 0;                 ///< [s] per frame
+    std::vector<double> swapped_after_;  ///< [s] of the fits that were displayed
+    double swapped_ = 0;                 ///< the duration that the last of them reports
 };
 
 }  // namespace srbf

@@ -18,12 +18,12 @@ namespace srbf {
 namespace {
 
 constexpr float k_controls = 262, k_messages = 58;  // pixels
-/// While a fit runs the picture leaves it the processor: a frame every so many seconds.
+/// While a fit runs the picture leaves the processor to it: seconds per frame.
 constexpr double k_frame_beside_fit = 0.05;
-/// With nothing to show the window looks round so often [s].
+/// Interval of updates without input [s].
 constexpr double k_idle = 0.1;
 
-/// Takes a file that was dropped on the window: a mesh, a measurement as the reference, a model as the fit.
+/// Adds a file that was dropped on the window: a mesh, a measurement as the reference, a model as the fit.
 void drop(const std::string& path, Session& session, Look& look) {
     const auto ending = std::filesystem::path(path).extension();
     if (ending == ".ply" || ending == ".obj") return void(look.mesh = path);
@@ -55,7 +55,7 @@ void draw_help(Look& look) {
     ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y / 2}, 0, {0.5f, 0.5f});
     ImGui::Begin("Keys", &look.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
     if (ImGui::BeginTable("keys", 4, ImGuiTableFlags_SizingFixedFit)) {
-        // Keys without words of their own go on with the line before.
+        // Keys without a text of their own continue the previous line.
         std::vector<std::pair<std::string, std::string>> lines;
         for (const Key& key : keys())
             if (key.what.empty())
@@ -77,7 +77,7 @@ void draw_help(Look& look) {
     ImGui::End();
 }
 
-/// Writes what the screen shows to the first of srbf-1.png, srbf-2.png, .. that is not there yet.
+/// Saves the screen to the first of srbf-1.png, srbf-2.png, .. that does not exist.
 void write_screenshot(const Screen& screen, Session& session) {
     std::string name;
     for (int i = 1; name.empty() || std::filesystem::exists(name); ++i) name = fmt::format("srbf-{}.png", i);
@@ -122,7 +122,7 @@ Result<Done> run_window(Session& session, Look& look, const WindowOptions& optio
         if (look.save) controls.save(session), look.save = false;
         screen.end_frame();
 
-        // With what it is waited for on display, some frames until everything has its place.
+        // A few frames after everything is displayed, so that the layout is final.
         settled = session.stage() == Stage::idle && pictures.is_whole() ? settled + 1 : 0;
         if (!options.screenshot.empty() && settled == 5) return write_png(screen.read(), options.screenshot);
         if (look.screenshot && pictures.is_whole()) write_screenshot(screen, session), look.screenshot = false;

@@ -1,4 +1,4 @@
-// The window around a session: its parts in their places, frame by frame.
+// The window of a session: its parts and its main loop.
 #pragma once
 #include <string>
 
@@ -9,8 +9,8 @@ namespace srbf {
 
 struct WindowOptions {
     int width = 1280, height = 800;
-    std::string screenshot;  ///< written when there is nothing left to wait for; then the window closes
-    int timed_refits = 0;    ///< asks for so many fits while the picture turns (`Refits`); then the window closes
+    std::string screenshot;  ///< written once everything is complete; then the window closes
+    int timed_refits = 0;    ///< number of fits while the picture rotates (`Refits`); then the window closes
 };
 
 /// Shows the session until the window is closed. Errors: no display, no OpenGL; a screenshot that cannot be written.

@@ -12,26 +12,26 @@
 
 namespace srbf {
 
-/// A BRDF answers `value(brdf, wl, wv)`: f_r(wl, wv) [1/sr] for each channel, without the cosine, on unit
-/// vectors in the local frame. Below the horizon (wl.z ≤ 0 or wv.z ≤ 0) it is 0; where a table holds no
-/// measurement it is NaN in every channel; elsewhere finite and ≥ 0.
+/// A BRDF is a type with `value(brdf, wl, wv)`: f_r(wl, wv) [1/sr] for each channel, without the cosine. `wl` and `wv`
+/// are unit vectors in the local frame. The value is 0 below the horizon (wl.z ≤ 0 or wv.z ≤ 0), NaN in every channel
+/// where a table holds no measurement, and finite and ≥ 0 everywhere else.
 template <typename B>
 concept Brdf = requires(const B& brdf, Vec3f wl, Vec3f wv) {
     { value(brdf, wl, wv) } -> std::same_as<Rgb>;
 };
 
-/// A BRDF as a function on arrays of pairs: f[i] = f_r(wl[i], wv[i]); the three spans are of one length. It
-/// may be called from several threads at once.
+/// A BRDF as a function on arrays of pairs: f[i] = f_r(wl[i], wv[i]). The three spans have the same length. Safe to
+/// call from several threads at once.
 using Evaluate = std::function<void(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f)>;
 
-/// `brdf` as such a function. It refers to `brdf`, which must outlive it.
+/// `brdf` as an `Evaluate`. It keeps a reference to `brdf`, which must outlive it.
 template <Brdf B> Evaluate evaluator(const B& brdf) {
     return [&brdf](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
         for (std::size_t i = 0; i < wl.size(); ++i) f[i] = value(brdf, wl[i], wv[i]);
     };
 }
 
-/// Of one that is given away it holds what it was given.
+/// The same for a temporary, which the function then owns.
 template <typename B>
 requires(Brdf<B> && !std::is_reference_v<B>) Evaluate evaluator(B&& brdf) {
     auto held = std::make_shared<const B>(std::move(brdf));
@@ -40,15 +40,15 @@ requires(Brdf<B> && !std::is_reference_v<B>) Evaluate evaluator(B&& brdf) {
     };
 }
 
-/// A BRDF of C channels on arrays of pairs: f[i C + c] = f_r(wl[i], wv[i]) [1/sr] of channel c, those of a pair side by side. The channels
-/// are wavelengths, or R, G, B. It may be called from several threads at once.
+/// A BRDF of C channels on arrays of pairs: f[i C + c] = f_r(wl[i], wv[i]) [1/sr] of channel c; the channels of a pair
+/// are contiguous. The channels are wavelengths, or R, G, B. Safe to call from several threads at once.
 struct Channels {
     std::vector<float> wavelengths;  ///< [nm], increasing; empty: the channels are R, G, B
     std::function<void(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<float> f)> evaluate;
     std::size_t count() const { return wavelengths.empty() ? 3 : wavelengths.size(); }
 };
 
-/// R, G and B of such a function.
+/// The channels R, G and B of `brdf`.
 inline Channels rgb_channels(Evaluate brdf) {
     return {{}, [brdf = std::move(brdf)](auto wl, auto wv, auto f) {
                 std::vector<Rgb> colour(wl.size());

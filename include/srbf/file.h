@@ -1,4 +1,4 @@
-// Whole files in and out: level 1.
+// Reading and writing of whole files: level 1.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -9,15 +9,16 @@
 
 namespace srbf {
 
-/// The bytes of the file at `path`. Errors: missing, a folder, unreadable, larger than `k_largest_file`.
+/// The bytes of the file at `path`. Errors: the file is missing, a folder, unreadable, or larger than `k_largest_file`.
 Result<std::vector<std::byte>> read_file(const std::string& path);
 inline constexpr std::uint64_t k_largest_file = std::uint64_t(1) << 34;
 
-/// Writes `bytes` beside `path` and renames, so that `path` holds either what it held before or all of
-/// `bytes`. Errors: the folder is missing or cannot be written, `path` is a folder, the disk is full.
+/// Writes `bytes` to a temporary file next to `path` and renames it, so that `path` holds either its previous content
+/// or all of `bytes`. Errors: the folder is missing or cannot be written, `path` is a folder, the disk is full.
 Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes);
 
-/// Whether the bytes begin as a safetensors container, a fitted model's, does: with the length of a header, then its brace.
+/// Whether the bytes begin like a safetensors container, the format of fitted models: the length of a header, then its
+/// brace.
 inline bool is_safetensors(std::span<const std::byte> bytes) {
     return bytes.size() > 9 && bytes[8] == std::byte('{') && bytes[7] == std::byte(0) && bytes[6] == std::byte(0);
 }

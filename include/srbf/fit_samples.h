@@ -1,4 +1,4 @@
-// From scattered samples to models, and what these are worth away from the samples: level 4.
+// Fits to scattered samples, and cross-validation of these fits: level 4.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -11,58 +11,61 @@
 
 namespace srbf {
 
-/// The fold, 0..k_folds−1, that each sample is left out with. Samples within `k_same_place` of each other are left out together, be it that one
-/// is the other with light and viewer exchanged, or, of isotropic samples, turned or mirrored. Places within max_theta [rad] that are next in
-/// brightness go to different folds, at random otherwise: a highlight is not left out as a whole.
+/// Assigns each sample to a fold, 0..k_folds−1, for cross-validation. Samples within `k_same_place` of each other
+/// belong to the same fold. That includes samples with light and viewer exchanged and, for isotropic samples, rotated
+/// or mirrored ones. Places within max_theta [rad] that are adjacent in brightness get different folds, otherwise at
+/// random, so that no fold contains a whole highlight.
 /// Errors: fewer than k_folds places.
-Result<std::vector<int>> draw_folds(const Scattered& samples, double max_theta, std::uint64_t seed);
+Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, double max_theta, std::uint64_t seed);
 inline constexpr int k_folds = 5;
 inline constexpr double k_same_place = 0.5 * k_degree;  ///< √(|Δωl|² + |Δωv|²), to first order
-/// The samples of all folds but this one.
-Scattered without_fold(const Scattered& samples, std::span<const int> fold, int left_out);
+/// The samples of all folds except `left_out`.
+ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const int> fold, int left_out);
 
-/// How far apart samples are where they are densest [rad]: of the distances of places to their nearest neighbours, as in
-/// `draw_folds`, that which a twentieth of them are below. 0 where there is one place.
-double spacing(const Scattered& samples);
+/// Spacing of the samples where they are densest [rad]: the 5th percentile of the distances of places (see
+/// `assign_folds`) to their nearest neighbours. 0 if there is only one place.
+double spacing(const ScatteredSamples& samples);
 
 struct ObserveSamplesOptions {
     Objective objective = Objective::cosine;
     double max_theta = 0;  ///< [rad], in (0, π/2); 0: the objective's default
     std::uint64_t seed = 0;
-    bool spectral = false;  ///< the spectra of spectral samples as well, not their colours alone
+    bool spectral = false;  ///< also observe the spectra of spectral samples, not only their colours
 };
 
-/// Samples made ready for fits. Each counts once as it is and once with light and viewer exchanged.
+/// Samples prepared for fits. Each sample counts twice: as it is, and with light and viewer exchanged.
 struct SampleObservations {
     ObserveSamplesOptions options;
-    Observations samples;    ///< within θmax, and guards and checks beyond
-    Observations between;    ///< interpolated values on a grid of pairs within θmax, their Σ w |f|² = 1
-    Measures interpolation;  ///< of interpolation, at samples left out
-    double finest = 0;       ///< a lobe may not be narrower [rad]: the samples' spacing
-    std::size_t places = 0;  ///< within θmax where samples are
+    Observations samples;    ///< within θmax, followed by guards and checks beyond it
+    Observations between;    ///< interpolated values on a grid of pairs within θmax, with Σ w |f|² = 1
+    Measures interpolation;  ///< errors of interpolation at samples that were left out
+    double finest = 0;       ///< lower bound on the width of a lobe [rad]: the spacing of the samples
+    std::size_t places = 0;  ///< number of places within θmax
 };
-/// Errors: no sample within θmax, all of them 0; fewer than k_folds places; spectra asked of samples without;
-/// cancelled.
-Result<SampleObservations> observe(const Scattered& samples, const ObserveSamplesOptions& options,
+/// Errors: no sample within θmax, or all of them 0; fewer than k_folds places; spectra requested of samples without
+/// spectra; cancelled.
+Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress = {});
 
 struct SampleFitOptions {
     FitOptions pm;
-    /// Whether the fit also follows what is interpolated between the samples. A short fit without tells what error remains; the grid then
-    /// weighs as that error to the one of interpolation, at most 1. It holds lobes where samples are wide apart, and misleads where
-    /// a fit knows better: cross-validation tells.
+    /// Whether the fit also follows values interpolated between the samples. A short fit without them estimates the
+    /// remaining error; the grid's weight is the ratio of that error to the error of interpolation, at most 1. The grid
+    /// constrains lobes where samples are sparse, but is harmful where a fit is better than interpolation.
+    /// Cross-validation decides.
     bool fill = false;
 };
 
-/// Fits parameterized multivariate SRBFs, of no lobe narrower than the samples' spacing. Errors: those of `fit_pm`; at fewer places
-/// than a third of the parameters, each being three values.
+/// Fits parameterized multivariate SRBFs, with no lobe narrower than the samples' spacing.
+/// Errors: those of `fit_pm`; fewer places than a third of the parameters (a place has three values).
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
                      const ProgressToken& progress = {});
 
-/// Models fitted to samples, as many each time; it may be called from several threads at once.
-using FitToSamples = std::function<Result<std::vector<Model>>(const Scattered& training)>;
-/// f̂ of each of the models at every sample, fitted to the other folds: [model][sample C + c], of the models' `channels`.
-Result<std::vector<std::vector<float>>> cross_validate(const Scattered& samples, std::span<const int> fold,
+/// Fits models to `training`, the same number of models each time. It is called from several threads at once.
+using FitToSamples = std::function<Result<std::vector<Model>>(const ScatteredSamples& training)>;
+/// The value f̂ of each model at every sample, from the fit to the other folds: [model][sample C + c], with the models'
+/// `channels`.
+Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& samples, std::span<const int> fold,
                                                        const FitToSamples& fit);
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-// From a measurement to a model whose errors are known, in one call: level 5.
+// Fits of measurements with measured errors, in one call: level 5.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -20,8 +20,8 @@ namespace srbf {
 struct LobeCount {
     int lobes = FitOptions{}.lobes;
 };
-/// The J of `k_tried_lobes` with the least product of bytes and held-out error; of samples the fewest lobes whose
-/// cross-validated error is within 3 % of the least.
+/// Chooses J from `k_tried_lobes`: for a table the least product of bytes and held-out error; for samples the fewest
+/// lobes whose cross-validated error is within 3 % of the least.
 struct AutomaticLobes {};
 /// A goal is looked for among all forms and sizes; of samples among the J of `k_tried_lobes` in the requested form.
 using PmSize = std::variant<LobeCount, AutomaticLobes, SizeGoal>;
@@ -34,77 +34,78 @@ struct PmRequest {
     std::optional<PmSize> size = {};       ///< none: 8 lobes for a table, automatic for samples
     std::optional<bool> axial = {};        ///< none: axial if the measurement is isotropic
     bool reciprocal = false;
-    bool log_scale = true;  ///< as in FitOptions
+    bool log_scale = true;  ///< see FitOptions
 };
 /// A view-by-view model (SU).
 struct SuRequest {
-    int lobes = SuFitOptions{}.lobes;  ///< J of each sampled direction, 1..k_most_view_lobes
+    int lobes = SuFitOptions{}.lobes;  ///< J per sampled direction, 1..k_most_view_lobes
     Discretise discretise = TabulateOptions{}.discretise;
     int directions = TabulateOptions{}.directions;
     int between = TabulateOptions{}.between;
     SuInterpolation interpolation = SuFitOptions{}.interpolation;
     int neighbours = SuFitOptions{}.neighbours;
-    std::optional<DirectionMap> index = {};  ///< with a texture that names the samples nearest to each direction
+    std::optional<DirectionMap> index = {};  ///< if set, the file contains an index texture with this map
 };
 /// Lambert and GGX.
 struct GgxRequest {
     int lobes = GgxFitOptions{}.lobes;  ///< 1..k_most_ggx_lobes
 };
 
-/// What is fitted, and how.
+/// What to fit, and how.
 struct FitRequest {
     std::variant<PmRequest, SuRequest, GgxRequest> model;
     Objective objective = Objective::cosine;
     std::optional<double> max_theta = {};  ///< θmax of the fit and of all errors [rad]; none: the objective's default
-    bool spectral = false;                 ///< a coefficient for each wavelength of the measurement; PM alone
-    std::uint64_t seed = 0;                ///< of the random choices
+    bool spectral = false;                 ///< a coefficient for each wavelength of the measurement; PM only
+    std::uint64_t seed = 0;                ///< of the random numbers
     int threads = 0;                       ///< 0: as many as the machine has; the outcome does not depend on it
 
     double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };
 
-/// A fitted model, and what is known of it.
+/// A fitted model with its errors and statistics.
 struct FitOutcome {
-    Model
-        model;  ///< every number as a file holds it; with provenance: objective, max_theta, seed, and errors once measured
+    Model model;  ///< as stored; its provenance has objective, max_theta, seed, and the errors once they are measured
     Model unrounded;                 ///< before rounding
     std::optional<StopReason> stop;  ///< of an iterative fit
     double max_theta = 0;            ///< [rad]
-    double fit_seconds = 0;          ///< without measuring the errors, which cross-validation is part of
-    std::uint64_t masked = 0;        ///< pairs looked up where nothing was measured
-    std::uint64_t clamped = 0;       ///< negative values among them, set to 0
+    double fit_seconds = 0;          ///< without the measurement of errors, which includes cross-validation
+    std::uint64_t masked = 0;        ///< number of evaluated pairs where nothing was measured
+    std::uint64_t clamped = 0;       ///< number of negative channel values among them, set to 0
     std::uint64_t raw_bytes =
-        0;                     ///< of f at all pairs of 1536 (SU: the sampled) directions, or at the samples, in floats
-    int empty_directions = 0;  ///< of SU: sampled directions without data
-    std::optional<std::uint64_t> samples;  ///< of a measurement of samples: how many are within θmax
-    std::optional<bool> filled;            ///< likewise, PM: whether the fit follows values interpolated between them
-    std::vector<Step> path;                ///< models that were tried, where the size was to be chosen
-    bool reached = true;                   ///< the requested error or bytes
-    /// Errors of `model` and `unrounded` against the measurement; none before they are measured. Of samples `matrix` is at the
-    /// samples themselves, `heldout` is 5-fold cross-validated, and albedo is against interpolated samples.
+        0;                     ///< of f in floats at all pairs of 1536 (SU: the sampled) directions, or at the samples
+    int empty_directions = 0;  ///< SU: number of sampled directions without data
+    std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
+    /// for scattered samples, PM: whether the fit follows values interpolated between them
+    std::optional<bool> filled;
+    std::vector<Step> path;  ///< models that were tried in choosing the size
+    bool reached = true;     ///< whether the requested error or size was reached
+    /// Errors of `model` and `unrounded` against the measurement; empty until they are measured. For scattered samples
+    /// `matrix` covers the samples themselves, `heldout` is the 5-fold cross-validated error, and albedo is compared
+    /// with interpolated samples.
     std::optional<Comparison> errors, unrounded_errors;
 };
 
-/// Fits one BRDF as often as asked, and keeps what it has observed of it, so that the next fit starts at once. One thread uses
-/// it at a time. Errors of all members: those of the stages (fit.h, choose.h, fit_samples.h), and `cancelled`.
+/// Fits one BRDF repeatedly. It keeps the observations, so that later fits start at once. Not thread-safe. Errors of
+/// all members: those of the stages (fit.h, choose.h, fit_samples.h), and `cancelled`.
 class Fitter {
   public:
-    /// It refers to `measured`, which must outlive it.
+    /// Keeps a reference to `measured`, which must outlive it.
     explicit Fitter(const Measured& measured);
     explicit Fitter(Measured&&) = delete;
-    /// A BRDF as a function, fitted like a table; negative values count as 0, NaN as not measured.
+    /// A BRDF as a function, treated like a table. Negative values count as 0, NaN as not measured.
     explicit Fitter(Evaluate f);
     Fitter(Fitter&&) noexcept;
     Fitter& operator=(Fitter&&) noexcept;
     ~Fitter();
 
-    /// The fit that is asked for; of samples its errors are measured with it.
+    /// Fits the requested model. For scattered samples this also measures the errors.
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress = {});
-    /// A quick fit of a few tens of milliseconds to a second, to look at until `fit` is done: the higher the draft,
-    /// 0..k_drafts−1, the finer. PM with a number of lobes (or 8) alone.
+    /// A fast preview of `fit`, from a few tens of milliseconds to a second. A higher `draft`, 0..k_drafts−1, is more
+    /// accurate. Only for PM with a given number of lobes (default 8).
     Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress = {});
     static constexpr int k_drafts = 2;
-    /// Measures the errors of an outcome, and adds them to its provenance.
+    /// Measures the errors of `outcome` and adds them to its provenance.
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress = {}) const;
 
   private:
@@ -112,13 +113,14 @@ class Fitter {
     std::unique_ptr<Work> work_;
 };
 
-/// Fits a measurement and measures the errors of what was found: all that `srbf fit` does between reading and writing.
+/// Fits a measurement and measures the errors of the model: everything that `srbf fit` does between reading and
+/// writing.
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
-/// The same of a BRDF as a function.
+/// The same for a BRDF as a function.
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress = {});
 
-/// The directions of the matrix on which a model is measured: a view-by-view model's own, else the Fibonacci set of
-/// k_matrix_directions within θmax [rad].
+/// The directions of the matrix on which a model is measured: the sampled directions of a view-by-view model, otherwise
+/// the Fibonacci set of k_matrix_directions within θmax [rad].
 std::vector<Vec3f> matrix_directions(const Model& model, double theta_max);
 
 }  // namespace srbf

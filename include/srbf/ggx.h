@@ -1,4 +1,4 @@
-// Lambert and GGX, the model that every engine has: the baseline of all others: level 3.
+// Lambert and GGX, the baseline model: level 3.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -10,13 +10,14 @@ namespace srbf {
 
 /// A diffuse term and one or two microfacet lobes, isotropic and reciprocal:
 ///   ρ(wl,wv) = kd/π + Σ_i D_i G_i (F0_i + (F90_i − F0_i)(1 − l·h)⁵) / (4 cosθl cosθv) [1/sr],
-/// with GGX' distribution D and height-correlated masking G of roughness α_i (Walter et al. 2007, Heitz 2014) and Schlick's Fresnel
-/// term; evaluated by kernel.glsl's ggx_value. The file's encoding is in `write_model`.
+/// with the GGX distribution D and the height-correlated masking-shadowing function G of roughness α_i (Walter et al.
+/// 2007, Heitz 2014), and Schlick's Fresnel term. Evaluated by `ggx_value` of kernel.glsl. `write_model` describes the
+/// file encoding.
 struct GgxModel {
     struct Lobe {
         float roughness = 1;  ///< α, k_least_roughness..1
-        Rgb facing;           ///< F0 ≥ 0
-        float grazing = 0;    ///< F90 ≥ 0, of all channels
+        Rgb f0;               ///< F0 ≥ 0
+        float f90 = 0;        ///< F90 ≥ 0, the same for all channels
         friend bool operator==(const Lobe&, const Lobe&) = default;
     };
     Rgb diffuse;              ///< kd ≥ 0
@@ -26,17 +27,17 @@ struct GgxModel {
 inline constexpr int k_most_ggx_lobes = 2;
 inline constexpr float k_least_roughness = 1.f / 1024;
 
-/// ρ(wl, wv) in float; 0 below the horizon.
+/// ρ(wl, wv) in single precision; 0 below the horizon.
 Rgb value(const GgxModel& model, Vec3f wl, Vec3f wv);
-/// f[i] = value(model, wl[i], wv[i]) for spans of one length.
+/// f[i] = value(model, wl[i], wv[i]). The spans have the same length.
 void evaluate(const GgxModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
-/// The same as a function. It refers to `model`.
+/// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const GgxModel& model);
 
-/// Bytes of the model's numbers as stored: 3 + 5 a lobe, two each.
+/// Size of the stored numbers: 3 + 5 per lobe, two bytes each.
 constexpr std::size_t payload_bytes(const GgxModel& model) { return 2 * (3 + 5 * model.lobes.size()); }
 constexpr std::size_t auxiliary_bytes(const GgxModel&) { return 0; }
-/// `model` with every number rounded to what a file holds.
+/// `model` with every number rounded to its stored precision.
 GgxModel rounded(const GgxModel& model);
 
 }  // namespace srbf

@@ -4,10 +4,11 @@
 
 namespace srbf {
 
-inline constexpr float k_half_max = 65504;             ///< the largest finite half
-inline constexpr float k_half_min = 6.103515625e-05f;  ///< the smallest half that has all 11 bits
+inline constexpr float k_half_max = 65504;  ///< the largest finite half
+/// the smallest normal half: the smallest with full precision (11 bits)
+inline constexpr float k_half_min = 6.103515625e-05f;
 
-/// The half nearest to `x`, ties to even; ±infinity beyond ±65520.
+/// The half nearest to `x`, ties to even; ±infinity from ±65520 on.
 std::uint16_t to_half(float x);
 float from_half(std::uint16_t bits);
 

@@ -1,24 +1,24 @@
-// The mathematics of srbf, written once, in the text that GLSL 4.50, GLSL ES 3.00 and C++ share.
+// The mathematics of srbf, written once in the common subset of GLSL 4.50, GLSL ES 3.00 and C++.
 //
-// A host includes it after having named
-//   Real, Vec3, Bool        a number, a vector of three, a truth value (GLSL: float, vec3, bool)
-//   SRBF_FN                 what stands before a function (GLSL: nothing; C++: static)
-//   select(Bool, Real, Real)  the second where the first holds, else the third
-//   Pm                      a handle of a multivariate model, answering
+// The host defines before including it
+//   Real, Vec3, Bool        a number, a vector of three components, a truth value (GLSL: float, vec3, bool)
+//   SRBF_FN                 a prefix for functions (GLSL: nothing; C++: static)
+//   select(Bool, Real, Real)  the second argument where the first holds, otherwise the third
+//   Pm                      a handle of a multivariate model with the functions
 //     pm_lobes(pm), pm_variates(pm)          J, N                            [int, N <= SRBF_MAX_VARIATES]
 //     pm_weight_l(pm, n), pm_weight_v(pm, n) a_n, b_n of variate n
-//     pm_centre(pm, j, n), pm_sharpness(pm, j, n)  xi_jn (unit vector), lambda_jn log2(e) / 2 >= 0
+//     pm_centre(pm, j, n), pm_log2_falloff(pm, j, n)  xi_jn (unit vector), lambda_jn log2(e) / 2 >= 0
 //     pm_axial(pm), pm_down(pm, j, n)        whether every centre is +z or -z; whether this one is -z  [bool]
 //     pm_coefficient(pm, j), pm_log2_scale(pm, j)  beta_j (R, G, B), s_j log2(e)
 //     pm_features(pm), pm_exponent(pm, j, k)       F [int, <= SRBF_TERMS], kappa_jk log2(e)
-//   Su                      a handle of a view-by-view model, answering
+//   Su                      a handle of a view-by-view model with the functions
 //     su_lobes(su), su_views(su)             J, n                            [int]
 //     su_direction(su, i)                    the direction of sampled view i (unit vector; z rises with i)
 //     su_centre(su, i, j), su_bandwidth(su, i, j), su_coefficient(su, i, j)   xi_ij, lambda_ij, beta_ij (R, G, B)
-//   SuNearest               a handle of the sampled views nearest to a direction, answering
+//   SuNearest               a handle of the sampled views nearest to a direction with the function
 //     su_nearest(nearest, k)                 the k-th nearest, from 0 on     [int]
-// No branch depends on a value, so that Real may be a batch of numbers; but for what chooses among sampled views
-// (su_rotated_..., su_plain_...), which is for one pair of directions. Directions are unit vectors; wl points to the
+// No branch depends on a value, so that Real may be a SIMD batch. The exception is the choice of sampled views
+// (su_rotated_..., su_plain_...), which works on one pair of directions. Directions are unit vectors; wl points to the
 // light, wv to the viewer, the shading normal is +z. Angles are in radians.
 
 #define SRBF_MAX_VARIATES 8
@@ -26,19 +26,19 @@
 
 // ---- Stable elementary functions ---------------------------------------------------------------------------------
 
-// e^x, x cut at -60, 9e-27 of the whole: products of it with what lobes have stay within float's normal numbers, below which
-// arithmetic takes many times as long.
+// e^x, with x clamped to at least -60 (9e-27). Products of it with coefficients of lobes then stay in the range of
+// normal floats; arithmetic on subnormal numbers is many times slower.
 SRBF_FN Real exp_of_lobe(Real x) { return exp(max(x, Real(-60.0))); }
 
-// 1 - exp(-x), x >= 0, without cancellation: relative error 3e-7 in float, 5e-8 in double.
+// 1 - exp(-x) for x >= 0, without cancellation: relative error 3e-7 in float, 5e-8 in double.
 SRBF_FN Real one_minus_exp(Real x) {
     Real small = x * (Real(1.0) - x * Real(0.5) * (Real(1.0) - x * Real(1.0 / 3.0) *
                  (Real(1.0) - x * Real(0.25) * (Real(1.0) - x * Real(0.2)))));
     return select(x < Real(0.125), small, Real(1.0) - exp_of_lobe(-x));
 }
 
-// The frame about a unit vector n: the vector whose coordinates in it are (x, y, z), n being its third axis
-// (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017).
+// The vector with coordinates (x, y, z) in the frame whose third axis is the unit vector n (Duff et al., "Building an
+// Orthonormal Basis, Revisited", JCGT 2017).
 SRBF_FN Vec3 from_frame(Vec3 n, Real x, Real y, Real z) {
     Real sign = select(n.z < Real(0.0), Real(-1.0), Real(1.0));
     Real a = Real(-1.0) / (sign + n.z);
@@ -49,20 +49,20 @@ SRBF_FN Vec3 from_frame(Vec3 n, Real x, Real y, Real z) {
 
 // ---- Gaussian SRBF -----------------------------------------------------------------------------------------------
 
-// The exponent of a Gaussian SRBF: lambda (omega . xi - 1) = -lambda |omega - xi|^2 / 2. The second form keeps its digits
-// in float: at lambda = 1e4, where G >= e^-4, its G errs by 2.2e-5 (relative) where that of the first errs by 1.6e-3.
+// The exponent of a Gaussian SRBF: lambda (omega . xi - 1) = -lambda |omega - xi|^2 / 2. The second form is more
+// accurate in float: at lambda = 1e4, where G >= e^-4, the relative error of G is 2.2e-5; with the first form it is
+// 1.6e-3.
 SRBF_FN Real gaussian_exponent(Vec3 omega, Vec3 centre, Real bandwidth) {
     Vec3 d = omega - centre;
     return Real(-0.5) * bandwidth * dot(d, d);
 }
 
-// G(omega . xi | lambda) = exp(lambda (omega . xi - 1)); lambda >= 0; 1 at its centre xi, e^-60 at least.
+// G(omega . xi | lambda) = exp(lambda (omega . xi - 1)), lambda >= 0. It is 1 at the centre xi, and at least e^-60.
 SRBF_FN Real gaussian(Vec3 omega, Vec3 centre, Real bandwidth) {
     return exp_of_lobe(gaussian_exponent(omega, centre, bandwidth));
 }
 
-// The integral of G over the sphere: 2 pi (1 - e^(-2 lambda)) / lambda [sr]; at lambda = 0 it is
-// 4 pi to 1e-6.
+// The integral of G over the sphere: 2 pi (1 - e^(-2 lambda)) / lambda [sr]. At lambda = 0 it is 4 pi within 1e-6.
 SRBF_FN Real gaussian_integral(Real bandwidth) {
     Real positive = max(bandwidth, Real(1.0e-6));
     return Real(SRBF_TWO_PI) * one_minus_exp(Real(2.0) * positive) / positive;
@@ -74,8 +74,8 @@ struct GaussianProduct {
     Real scale;
 };
 
-// G(omega.xi1 | l1) G(omega.xi2 | l2) = scale G(omega.centre | bandwidth): bandwidth = |l1 xi1 + l2 xi2| along that vector,
-// scale = exp(bandwidth - l1 - l2). The centre is the zero vector where the bandwidth is 0.
+// G(omega.xi1 | l1) G(omega.xi2 | l2) = scale G(omega.centre | bandwidth), where bandwidth centre = l1 xi1 + l2 xi2 and
+// scale = exp(bandwidth - l1 - l2). The centre is the zero vector if the bandwidth is 0.
 SRBF_FN GaussianProduct gaussian_product(Vec3 centre1, Real bandwidth1, Vec3 centre2, Real bandwidth2) {
     Vec3 axis = bandwidth1 * centre1 + bandwidth2 * centre2;
     Vec3 apart = centre1 - centre2;
@@ -89,26 +89,27 @@ SRBF_FN GaussianProduct gaussian_product(Vec3 centre1, Real bandwidth1, Vec3 cen
 
 // ---- von Mises-Fisher --------------------------------------------------------------------------------------------
 
-// The density of the von Mises-Fisher distribution, G / integral of G [1/sr].
+// The density of the von Mises-Fisher distribution, G over its integral [1/sr].
 SRBF_FN Real vmf_pdf(Vec3 omega, Vec3 centre, Real bandwidth) {
     return gaussian(omega, centre, bandwidth) / gaussian_integral(bandwidth);
 }
 
-// The direction off the centre by the angle of cosine 1 + below, u2 even in [0,1) turns it about.
+// The direction at the angle theta from the centre with cos(theta) = 1 + below, at azimuth 2 pi u2 about it.
 SRBF_FN Vec3 off_centre(Vec3 centre, Real below, Real u2) {
     Real sine = sqrt(max(-below * (Real(2.0) + below), Real(0.0)));
     Real phi = Real(SRBF_TWO_PI) * u2;
     return from_frame(centre, sine * cos(phi), sine * sin(phi), Real(1.0) + below);
 }
 
-// A direction of that density from u1, u2 even in [0,1): cos(theta) - 1 = ln(u1 + (1 - u1) e^(-2 lambda)) / lambda about the centre,
-// for lambda > 0.01 by that formula, with rest = e^(-2 lambda).
+// Samples vmf_pdf from u1, u2 uniform in [0,1): cos(theta) - 1 = ln(u1 + (1 - u1) e^(-2 lambda)) / lambda about the
+// centre. For lambda > 0.01, with rest = e^(-2 lambda).
 SRBF_FN Vec3 sample_sharp_vmf(Vec3 centre, Real bandwidth, Real rest, Real u1, Real u2) {
     Real below = log(max(u1 + (Real(1.0) - u1) * rest, Real(1.0e-35))) / bandwidth;
     return off_centre(centre, max(below, Real(-2.0)), u2);
 }
 
-// For any lambda; for lambda <= 0.01 by the logarithm's series, which has the limit 2 u1 - 1 for the cosine at 0.
+// The same for any lambda. For lambda <= 0.01 it uses the series of the logarithm; at lambda = 0 the cosine is 2 u1 -
+// 1.
 SRBF_FN Vec3 sample_vmf(Vec3 centre, Real bandwidth, Real u1, Real u2) {
     Real positive = max(bandwidth, Real(1.0e-6));
     Real x = (Real(1.0) - u1) * one_minus_exp(Real(2.0) * positive);
@@ -119,9 +120,9 @@ SRBF_FN Vec3 sample_vmf(Vec3 centre, Real bandwidth, Real u1, Real u2) {
     return off_centre(centre, below, u2);
 }
 
-// ---- Drawing the light -------------------------------------------------------------------------------------------
+// ---- Sampling of the light ---------------------------------------------------------------------------------------
 
-// The density max(z, 0) / pi [1/sr], and a direction of it from u1, u2 even in [0,1).
+// The density max(z, 0) / pi [1/sr], and a direction sampled from it with u1, u2 uniform in [0,1).
 SRBF_FN Real cosine_pdf(Vec3 wl) { return max(wl.z, Real(0.0)) * Real(2.0 / SRBF_TWO_PI); }
 SRBF_FN Vec3 sample_cosine(Real u1, Real u2) {
     Real radius = sqrt(u1);
@@ -129,73 +130,75 @@ SRBF_FN Vec3 sample_cosine(Real u1, Real u2) {
     return Vec3(radius * cos(phi), radius * sin(phi), sqrt(max(Real(1.0) - u1, Real(0.0))));
 }
 
-// The lobe G(h . z | lambda) of half-way vectors h as far as the viewer sees them, G(h . z | lambda) (h . wv): with the logarithm
-// of h . wv taken as linear about the normal that is again a lobe, the product with G(h . wv | 1 / (n . wv)). Towards
-// grazing its centre ends half-way between the normal and wv.
+// A lobe G(h . z | lambda) of half vectors h, weighted by their visibility from wv: G(h . z | lambda) (h . wv). With
+// the logarithm of h . wv linearised about the normal this is again a lobe, the product with G(h . wv | 1 / (n . wv)).
+// For a view direction close to the horizon its centre is halfway between the normal and wv.
 SRBF_FN GaussianProduct visible_lobe(Vec3 wv, Real bandwidth) {
     return gaussian_product(Vec3(Real(0.0), Real(0.0), Real(1.0)), bandwidth, wv,
                             min(Real(1.0) / max(wv.z, Real(1.0e-6)), bandwidth));
 }
 
-// The direction whose x has grown by the factor `stretch`.
+// The direction w with its x component multiplied by `stretch`, normalised.
 SRBF_FN Vec3 stretched(Vec3 w, Real stretch) {
     Vec3 grown = Vec3(stretch * w.x, w.y, w.z);
     return inversesqrt(max(dot(grown, grown), Real(1.0e-20))) * grown;
 }
 
-// The direction M h / |M h| that a half-way vector h comes from where it is of such a lobe stretched along x, M = diag(1 / stretch, 1, 1),
-// and what the lobe's density there is times to be that of wl: 1 / (stretch |M h|^3) / (4 h . wl), 2 h . wl = |wl + wv|.
-struct HalfWay {
+// For half vectors h from a lobe that is stretched along x: the direction M h / |M h| before stretching, M = diag(1 /
+// stretch, 1, 1), and the factor that converts the lobe's density there to the density of wl: 1 / (stretch |M h|^3) /
+// (4 h . wl), where 2 h . wl = |wl + wv|.
+struct HalfVector {
     Vec3 direction;
     Real factor;
 };
-SRBF_FN HalfWay half_way(Vec3 wl, Vec3 wv, Real stretch) {
+SRBF_FN HalfVector half_vector(Vec3 wl, Vec3 wv, Real stretch) {
     Vec3 sum = wl + wv;
     Real length = sqrt(max(dot(sum, sum), Real(1.0e-12)));
     Vec3 back = (Real(1.0) / length) * Vec3(sum.x / stretch, sum.y, sum.z);
     Real shrunk = sqrt(dot(back, back));
-    HalfWay half_way_;
-    half_way_.direction = (Real(1.0) / shrunk) * back;
-    half_way_.factor = Real(1.0) / (Real(2.0) * length * stretch * shrunk * shrunk * shrunk);
-    return half_way_;
+    HalfVector h;
+    h.direction = (Real(1.0) / shrunk) * back;
+    h.factor = Real(1.0) / (Real(2.0) * length * stretch * shrunk * shrunk * shrunk);
+    return h;
 }
 
-// The density of wl = 2 (h . wv) h - wv where h is of the lobe that a viewer at the stretched wv sees, stretched along x [1/sr].
-SRBF_FN Real half_way_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Real stretch) {
-    HalfWay at = half_way(wl, wv, stretch);
+// The density of wl = 2 (h . wv) h - wv [1/sr], with h from the lobe stretched along x, as visible from wv.
+SRBF_FN Real half_vector_pdf(Vec3 wl, Vec3 wv, Real bandwidth, Real stretch) {
+    HalfVector at = half_vector(wl, wv, stretch);
     GaussianProduct lobe = visible_lobe(stretched(wv, stretch), bandwidth);
     return vmf_pdf(at.direction, lobe.centre, lobe.bandwidth) * at.factor;
 }
 
-// The light of which h is the half-way vector; the zero vector where h . wv <= 0, which has none.
+// The light direction wl with half vector h. Where h . wv <= 0 there is none; the result is then the zero vector.
 SRBF_FN Vec3 light_of(Vec3 h, Vec3 wv) {
     Real along = dot(h, wv);
     return select(Real(0.0) < along, Real(1.0), Real(0.0)) * (Real(2.0) * along * h - wv);
 }
 
-// A direction of that density, if there is one.
-SRBF_FN Vec3 sample_half_way(Vec3 wv, Real bandwidth, Real stretch, Real u1, Real u2) {
+// Samples half_vector_pdf. The result is the zero vector where there is no direction.
+SRBF_FN Vec3 sample_half_vector(Vec3 wv, Real bandwidth, Real stretch, Real u1, Real u2) {
     GaussianProduct lobe = visible_lobe(stretched(wv, stretch), bandwidth);
     return light_of(stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), stretch), wv);
 }
 
-// What a mixture is made of that follows any BRDF of reflection: component 0 is the cosine; 1 to 4 are lobes about the mirror
-// direction, lambda = 4, 16, 64, 256; 5 to 13 lobes of half-way vectors, lambda = 8, 32, .. 8 4^8, stretched along x. What the lobes
-// send below the horizon is mirrored at it, so that no draw is lost there.
+// Components of a mixture that covers any reflective BRDF. 0: the cosine. 1 to 4: lobes about the mirror direction,
+// lambda = 4, 16, 64, 256. 5 to 13: lobes of half vectors, lambda = 8, 32, .. 8 4^8, stretched along x. Directions of
+// these lobes below the horizon are reflected to above it, so that no sample is lost.
 #define SRBF_PROPOSAL_LOBES 14
 SRBF_FN Real proposal_bandwidth(int k) {
     Real bandwidth = k < 5 ? Real(1.0) : Real(2.0);
     for (int i = k < 5 ? 0 : 4; i < k; ++i) bandwidth = Real(4.0) * bandwidth;
     return bandwidth;
 }
-// What the components' densities at (wl, wv) are made of: wl above the horizon and mirrored at it, with their half-way vectors.
+// Common subexpressions of the components' densities at (wl, wv): wl above the horizon and reflected at it, with their
+// half vectors.
 struct ProposalPoint {
     Vec3 wl;
     Vec3 mirrored;
     Vec3 specular;
     Vec3 viewer;
-    HalfWay above;
-    HalfWay below;
+    HalfVector above;
+    HalfVector below;
 };
 SRBF_FN ProposalPoint proposal_point(Vec3 wl, Vec3 wv, Real stretch) {
     ProposalPoint at;
@@ -203,11 +206,11 @@ SRBF_FN ProposalPoint proposal_point(Vec3 wl, Vec3 wv, Real stretch) {
     at.mirrored = Vec3(wl.x, wl.y, -wl.z);
     at.specular = Vec3(-wv.x, -wv.y, wv.z);
     at.viewer = stretched(wv, stretch);
-    at.above = half_way(wl, wv, stretch);
-    at.below = half_way(at.mirrored, wv, stretch);
+    at.above = half_vector(wl, wv, stretch);
+    at.below = half_vector(at.mirrored, wv, stretch);
     return at;
 }
-// A component that is a lobe, what G is to be multiplied by for its density, and e^(-2 lambda).
+// A component that is a lobe: its density is scale G, and rest is e^(-2 lambda).
 struct ProposalLobe {
     Vec3 centre;
     Real bandwidth;
@@ -222,8 +225,9 @@ SRBF_FN ProposalLobe mirror_lobe(Vec3 specular, Real bandwidth) {
     lobe.rest = exp_of_lobe(Real(-2.0) * bandwidth);
     return lobe;
 }
-// What the viewer sees of one is at least as narrow as itself: with lambda >= 8, e^(-2 lambda) is at most 1.2e-7, and counts as 0.
-SRBF_FN ProposalLobe half_way_lobe(Vec3 viewer, Real bandwidth) {
+// A lobe as visible from the viewer is at least as narrow as the lobe itself. With lambda >= 8, e^(-2 lambda) is at
+// most 1.2e-7 and is replaced by 0.
+SRBF_FN ProposalLobe half_vector_lobe(Vec3 viewer, Real bandwidth) {
     GaussianProduct product = visible_lobe(viewer, bandwidth);
     ProposalLobe lobe;
     lobe.centre = product.centre;
@@ -232,27 +236,27 @@ SRBF_FN ProposalLobe half_way_lobe(Vec3 viewer, Real bandwidth) {
     lobe.rest = Real(0.0);
     return lobe;
 }
-// Its density [1/sr] where it is drawn at `above`, or at `below` and then mirrored.
-SRBF_FN Real folded_pdf(ProposalLobe lobe, HalfWay above, HalfWay below) {
+// Its density [1/sr] for a direction sampled at `above`, or at `below` and then reflected.
+SRBF_FN Real folded_pdf(ProposalLobe lobe, HalfVector above, HalfVector below) {
     return lobe.scale * (gaussian(above.direction, lobe.centre, lobe.bandwidth) * above.factor +
                          gaussian(below.direction, lobe.centre, lobe.bandwidth) * below.factor);
 }
-// A direction that is drawn as it is.
-SRBF_FN HalfWay itself(Vec3 direction) {
-    HalfWay at;
+// For a component that samples the direction itself instead of a half vector.
+SRBF_FN HalfVector itself(Vec3 direction) {
+    HalfVector at;
     at.direction = direction;
     at.factor = Real(1.0);
     return at;
 }
-// The density of component k there, wl being above the horizon [1/sr].
+// The density of component k [1/sr]; wl is above the horizon.
 SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint at) {
     Real bandwidth = proposal_bandwidth(k);
     Real density = cosine_pdf(at.wl);
     if (k > 0 && k < 5) density = folded_pdf(mirror_lobe(at.specular, bandwidth), itself(at.wl), itself(at.mirrored));
-    if (k >= 5) density = folded_pdf(half_way_lobe(at.viewer, bandwidth), at.above, at.below);
+    if (k >= 5) density = folded_pdf(half_vector_lobe(at.viewer, bandwidth), at.above, at.below);
     return density;
 }
-// A direction of it from u1, u2 even in [0,1); not above the horizon (z = 0) where there is none.
+// Samples component k from u1, u2 uniform in [0,1). z = 0 where there is no direction.
 SRBF_FN Vec3 folded(Vec3 wl) { return Vec3(wl.x, wl.y, max(wl.z, -wl.z)); }
 SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Real stretch, Real u1, Real u2) {
     Vec3 wl = sample_cosine(u1, u2);
@@ -261,14 +265,15 @@ SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Real stretch, Real u1, Real u2
         wl = sample_sharp_vmf(lobe.centre, lobe.bandwidth, lobe.rest, u1, u2);
     }
     if (k >= 5) {
-        ProposalLobe lobe = half_way_lobe(stretched(wv, stretch), proposal_bandwidth(k));
+        ProposalLobe lobe = half_vector_lobe(stretched(wv, stretch), proposal_bandwidth(k));
         wl = light_of(stretched(sample_sharp_vmf(lobe.centre, lobe.bandwidth, lobe.rest, u1, u2), stretch), wv);
     }
     return folded(wl);
 }
 
-// A lobe of the light times the cosine to the normal, which is 1.17 G(wl . z | 2.133) to .06 (Wang et al. 2009): what a view's lobe
-// contributes to reflected light, and what to draw the light from.
+// A lobe of the light times the cosine to the normal, approximated as 1.17 G(wl . z | 2.133) with an error of up to .06
+// (Wang et al. 2009): the contribution of a view's lobe to reflected light, and the distribution to sample the light
+// from.
 SRBF_FN GaussianProduct times_cosine(Vec3 centre, Real bandwidth) {
     GaussianProduct product = gaussian_product(centre, bandwidth, Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(2.133));
     product.scale = Real(1.17) * product.scale;
@@ -277,14 +282,15 @@ SRBF_FN GaussianProduct times_cosine(Vec3 centre, Real bandwidth) {
 
 // ---- Parameterized multivariate SRBFs ----------------------------------------------------------------------------
 
-// psi = normalize(a wl + b wv): the half-way vector at (1,1), the light at (1,0), the view at (0,1). Where a wl + b wv
-// vanishes (b = -a, wl = wv) it is the zero vector, so that a kernel of it stays finite: exp(-lambda / 2).
+// psi = normalize(a wl + b wv): the half vector at (1,1), the light at (1,0), the view at (0,1). Where a wl + b wv
+// vanishes (b = -a, wl = wv) it is the zero vector; a kernel of it is then finite, exp(-lambda / 2).
 SRBF_FN Vec3 psi(Vec3 wl, Vec3 wv, Real a, Real b) {
     Vec3 d = a * wl + b * wv;
     return inversesqrt(max(dot(d, d), Real(1.0e-20))) * d;
 }
 
-// d psi / d angle for (a, b) = (cos angle, sin angle): the part of -b wl + a wv across psi, over |a wl + b wv|.
+// d psi / d angle for (a, b) = (cos angle, sin angle): the component of -b wl + a wv orthogonal to psi, over |a wl + b
+// wv|.
 SRBF_FN Vec3 psi_by_angle(Vec3 wl, Vec3 wv, Real a, Real b) {
     Vec3 d = a * wl + b * wv;
     Real reciprocal = inversesqrt(max(dot(d, d), Real(1.0e-20)));
@@ -293,22 +299,23 @@ SRBF_FN Vec3 psi_by_angle(Vec3 wl, Vec3 wv, Real a, Real b) {
     return across - dot(across, direction) * direction;
 }
 
-// What a lobe's exponent is linear in beside its variates: the features x_k of the terms in srbf/terms.h, each at most 0
-// above the horizon and the same for (wv, wl). With cl, cv the cosines of wl, wv to the normal, h their half-way vector:
+// The further features x_k of the terms in srbf/terms.h, in which the exponent of a lobe is linear. Each is at most 0
+// above the horizon and symmetric in (wl, wv). With cl, cv the cosines of wl, wv to the normal, and h their half
+// vector:
 //   x_0 = log(cl cv)
 //   x_1 = wl . h - 1
 //   x_2 = 1/20 - sqrt((cl - cv)^2 + sin^2(theta_h)/16 + 1/400)
 //   x_3 = -sin(theta_h)
-// Only x_0 is unbounded: an exponent >= 0 of it bounds the lobe at the horizon. The last two are for the mirror
-// direction: the peaks of measurements are pointed, and of one width in the plane of incidence, of another across it.
-// x_2 is nearly -|cl - cv|, without the crease at cl = cv that one would see in a highlight. Cosines below 1e-6 count
-// as 1e-6.
+// Only x_0 is unbounded; its exponent must be >= 0 so that the lobe is bounded at the horizon. The last two shape the
+// mirror direction: peaks of measurements are pointed, with different widths in the plane of incidence and across it.
+// x_2 is nearly -|cl - cv|, without the crease at cl = cv, which would be visible in a highlight. Cosines below 1e-6
+// count as 1e-6.
 #define SRBF_TERMS 4
 struct PmFeatures {
     Real x[SRBF_TERMS];
 };
 
-// The first `count` of them at least; each of the others may be 0.
+// Computes at least the first `count` features; any of the others may be 0.
 SRBF_FN PmFeatures pm_further_features(int count, Vec3 wl, Vec3 wv) {
     PmFeatures of;
     for (int k = 0; k < SRBF_TERMS; ++k) of.x[k] = Real(0.0);
@@ -325,7 +332,7 @@ SRBF_FN PmFeatures pm_further_features(int count, Vec3 wl, Vec3 wv) {
     return of;
 }
 
-// psi(wl, wv) as axial lobes see it: sin^2 and cos of its angle to the normal.
+// psi(wl, wv) as needed for axial lobes: sin^2 and cos of its angle to the normal.
 struct AxialPsi {
     Real across;
     Real along;
@@ -339,7 +346,7 @@ SRBF_FN AxialPsi axial_psi(Vec3 wl, Vec3 wv, Real a, Real b) {
     return psi_;
 }
 
-// |psi - xi|^2, of a pole xi = (0, 0, pole) and of any centre.
+// |psi - xi|^2 for a pole xi = (0, 0, pole), and for a general centre.
 SRBF_FN Real squared_distance_from_pole(AxialPsi psi_, Real pole) {
     Real apart = psi_.along - pole;
     return psi_.across + apart * apart;
@@ -349,14 +356,15 @@ SRBF_FN Real squared_distance(Vec3 psi_, Vec3 centre) {
     return dot(apart, apart);
 }
 
-// rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr], for R, G, B, with
-// x_k the further features. A lobe is taken as a power of two, of the exponent
+// rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr], for R,
+// G, B, with x_k the further features. A lobe is a power of two with the exponent
 //     s_j log2(e) + sum_k (kappa_jk log2(e)) x_k - sum_n (lambda_jn log2(e) / 2) |psi_n - xi_jn|^2,
-// which the first function carries on by a variate, the second by the features. The third cuts it at 100, so that every sum of lobes
-// of a stored model is finite in float, and at -100, so that no product with a stored coefficient falls below float's normal numbers,
-// where arithmetic takes many times as long: of a lobe far away 8e-31 of its coefficient is left. What is below 0 in the sum counts as 0.
+// pm_with_variate adds the term of a variate, pm_with_features those of the features. pm_power clamps the exponent to
+// at most 100, so that every sum of lobes of a stored model is finite in float, and to at least -100 (8e-31 of the
+// coefficient), so that no product with a stored coefficient is subnormal, where arithmetic is many times slower. A
+// negative sum counts as 0.
 SRBF_FN Real pm_with_variate(Pm pm, int j, int n, Real exponent, Real squared_distance_) {
-    return exponent - Real(pm_sharpness(pm, j, n)) * squared_distance_;
+    return exponent - Real(pm_log2_falloff(pm, j, n)) * squared_distance_;
 }
 SRBF_FN Real pm_with_features(Pm pm, int j, Real exponent, PmFeatures features) {
     Real sum = exponent;
@@ -405,13 +413,13 @@ SRBF_FN Vec3 su_view_value(Su su, int view, Vec3 wl) {
     return sum;
 }
 
-// w turned about the normal by the angle of that cosine and sine.
+// w rotated about the normal by the angle with that cosine and sine.
 SRBF_FN Vec3 turned(Vec3 w, Real cosine, Real sine) {
     return Vec3(cosine * w.x - sine * w.y, sine * w.x + cosine * w.y, w.z);
 }
 
-// A sampled view's part in the value at another view direction: its weight, and the turn about the normal that takes
-// the view direction to the sample's azimuth, and wl along with it.
+// The contribution of a sampled view to the value at another view direction: its weight, and the rotation about the
+// normal that takes the view direction to the azimuth of the sampled view, to be applied to wl too.
 struct SuNeighbour {
     int view;
     Real weight;
@@ -419,14 +427,15 @@ struct SuNeighbour {
     Real sine;
 };
 
-// Isotropic interpolation. Sampled views are rotated to the azimuth of wv, so that elevation alone tells them apart: the value
-// is linear in wv.z between the two samples that are next in elevation. Above the last sample the azimuth loses its meaning:
-// over that cap that sample's part falls linearly to the pole, and three copies of it, turned by thirds of a circle from
-// where it lies, take over. Continuous in wv; a sample's own function at a sample. Neighbour k of SU_ROTATED_NEIGHBOURS.
+// Interpolation for isotropic BRDFs. Sampled views are rotated to the azimuth of wv, so that they differ only in
+// elevation: the value is linear in wv.z between the two sampled views adjacent in elevation. Above the last sampled
+// view the azimuth is ill-defined: over that cap the weight of this view falls linearly to 0 at the pole, and three
+// copies of it, rotated by thirds of a circle, replace it. The interpolation is continuous in wv and exact at sampled
+// views. k: 0..SU_ROTATED_NEIGHBOURS-1.
 #define SU_ROTATED_NEIGHBOURS 5
 SRBF_FN SuNeighbour su_rotated_neighbour(Su su, Vec3 wv, int k) {
     int last = su_views(su) - 1;
-    Real at = max(wv.z * Real(su_views(su)) - Real(0.5), Real(0.0));  // the samples are even in z
+    Real at = max(wv.z * Real(su_views(su)) - Real(0.5), Real(0.0));  // the samples are uniform in z
     int below = at < Real(last) ? int(at) : last;
     int above = below < last ? below + 1 : last;
     Vec3 top = su_direction(su, last);
@@ -453,7 +462,8 @@ SRBF_FN Vec3 su_rotated_part(Su su, Vec3 wl, Vec3 wv, int k) {
     return neighbour.weight * su_view_value(su, neighbour.view, turned(wl, neighbour.cosine, neighbour.sine));
 }
 
-// The copies beyond the first two neighbours count within the cap alone. (A loop of no turns is passed over where a branch may not be.)
+// Neighbours beyond the first two contribute only within the cap. (A loop with no iterations is allowed where a branch
+// is not.)
 SRBF_FN Vec3 su_rotated_value(Su su, Vec3 wl, Vec3 wv) {
     Vec3 sum = su_rotated_part(su, wl, wv, 0) + su_rotated_part(su, wl, wv, 1);
     int count = wv.z > su_direction(su, su_views(su) - 1).z ? SU_ROTATED_NEIGHBOURS : 2;
@@ -461,10 +471,10 @@ SRBF_FN Vec3 su_rotated_value(Su su, Vec3 wl, Vec3 wv) {
     return sum;
 }
 
-// Interpolation as it comes: the K nearest views as they are. A view at distance d from wv weighs 1/d - 1/d_K, d_K being the
-// distance of the next nearest one, not yet divided by the sum over the views: it falls to 0 as the view leaves the K nearest,
-// and exceeds all others by far as wv reaches the sample. It is 1e-5/d_K at least, so that where all K+1 are equally far it is their mean
-// that counts, not what rounding leaves of 0/0.
+// Plain interpolation: the K nearest views, not rotated. The weight of a view at distance d from wv is 1/d - 1/d_K,
+// where d_K is the distance of the next nearest view; weights are not yet normalised. A weight falls to 0 as its view
+// leaves the K nearest, and dominates as wv approaches the view. It is at least 1e-5/d_K, so that the result is the
+// mean if all K+1 views are equally far, instead of rounding errors over 0.
 SRBF_FN Real su_plain_weight(Su su, SuNearest nearest, Vec3 wv, int neighbours, int k) {
     Vec3 apart = wv - su_direction(su, su_nearest(nearest, k));
     Vec3 leaving = wv - su_direction(su, su_nearest(nearest, neighbours));
@@ -485,16 +495,18 @@ SRBF_FN Vec3 su_plain_value(Su su, SuNearest nearest, Vec3 wl, Vec3 wv, int neig
 
 // ---- Lambert and GGX ---------------------------------------------------------------------------------------------
 
-// A GGX microfacet lobe: its roughness alpha > 0, and its Fresnel term where the light faces the facet and where it grazes it.
+// A GGX microfacet lobe: its roughness alpha > 0, and its Fresnel term at normal incidence (F0) and at grazing
+// incidence (F90).
 struct GgxLobe {
     Real roughness;
-    Vec3 facing;
-    Real grazing;
+    Vec3 f0;
+    Real f90;
 };
 
-// D G / (4 cl cv) of facets with normals distributed by D = alpha^2 / (pi (sin^2(theta_h) + alpha^2 cos^2(theta_h))^2) (Walter et al.,
-// "Microfacet Models for Refraction through Rough Surfaces", 2007) that mask each other at correlated heights (Heitz, "Understanding
-// the Masking-Shadowing Function", JCGT 2014) [1/sr]. Cosines below 1e-6 count as 1e-6.
+// D G / (4 cl cv) with the distribution of normals D = alpha^2 / (pi (sin^2(theta_h) + alpha^2 cos^2(theta_h))^2)
+// (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007) and height-correlated
+// masking-shadowing G (Heitz, "Understanding the Masking-Shadowing Function", JCGT 2014) [1/sr]. Cosines below 1e-6
+// count as 1e-6.
 SRBF_FN Real ggx_facets(Vec3 wl, Vec3 wv, Real roughness) {
     Vec3 sum = wl + wv;
     Real squared = max(dot(sum, sum), Real(1.0e-12));
@@ -502,11 +514,12 @@ SRBF_FN Real ggx_facets(Vec3 wl, Vec3 wv, Real roughness) {
     Real slope = (sum.x * sum.x + sum.y * sum.y + alpha2 * (sum.z * sum.z)) / squared;
     Real cl = max(wl.z, Real(1.0e-6));
     Real cv = max(wv.z, Real(1.0e-6));
-    Real masking = cv * sqrt(alpha2 + (Real(1.0) - alpha2) * (cl * cl)) + cl * sqrt(alpha2 + (Real(1.0) - alpha2) * (cv * cv));
+    Real masking = cv * sqrt(alpha2 + (Real(1.0) - alpha2) * (cl * cl)) +
+                   cl * sqrt(alpha2 + (Real(1.0) - alpha2) * (cv * cv));
     return alpha2 / (Real(SRBF_TWO_PI) * slope * slope * masking);
 }
 
-// (1 - l.h)^5, of which Schlick's Fresnel term is linear (Schlick 1994).
+// (1 - l.h)^5, in which Schlick's Fresnel term is linear (Schlick 1994).
 SRBF_FN Real schlick_weight(Vec3 wl, Vec3 wv) {
     Vec3 sum = wl + wv;
     Real x = max(Real(1.0) - Real(0.5) * sqrt(dot(sum, sum)), Real(0.0));
@@ -516,9 +529,9 @@ SRBF_FN Real schlick_weight(Vec3 wl, Vec3 wv) {
 // ggx_facets (F0 + (F90 - F0) (1 - l.h)^5) [1/sr], for R, G, B.
 SRBF_FN Vec3 ggx_lobe_value(GgxLobe lobe, Vec3 wl, Vec3 wv) {
     Real weight = schlick_weight(wl, wv);
-    Real grazing = weight * lobe.grazing;
+    Real f90 = weight * lobe.f90;
     return ggx_facets(wl, wv, lobe.roughness) *
-           ((Real(1.0) - weight) * lobe.facing + Vec3(grazing, grazing, grazing));
+           ((Real(1.0) - weight) * lobe.f0 + Vec3(f90, f90, f90));
 }
 
 // rho(wl, wv) = kd / pi + the two lobes [1/sr]; a model of one lobe has a second one whose Fresnel term is 0.

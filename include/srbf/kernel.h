@@ -1,4 +1,4 @@
-// kernel.glsl as C++: `Kernel<float>::gaussian(...)`: level 1.
+// kernel.glsl as C++, for example `Kernel<float>::gaussian(...)`: level 1.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -15,8 +15,8 @@ struct SuModel;
 
 namespace kernel {
 
-// The built-in functions of GLSL that the text uses, for a Real of C++; a number type of a test or of SIMD
-// brings its own, found by its namespace.
+// The built-in functions of GLSL that kernel.glsl uses, for floating-point numbers. Other number types (in tests, in
+// SIMD code) provide their own, found by argument-dependent lookup.
 template <typename Real>
 concept Number = std::is_floating_point_v<Real>;
 template <Number Real> inline Real exp(Real x) { return std::exp(x); }
@@ -35,8 +35,7 @@ template <typename Real> using Triple = srbf::Vec3<Real>;
 
 }  // namespace kernel
 
-/// The functions of kernel.glsl as static members, for Real = float, double or any type with their
-/// arithmetic.
+/// The functions of kernel.glsl as static members, for Real = float, double or any type with their arithmetic.
 template <typename Real> using Kernel = kernel::Formulas<Real, PmModel>;
 
 }  // namespace srbf

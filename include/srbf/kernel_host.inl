@@ -1,5 +1,5 @@
-// kernel.glsl as the body of a struct, without include guard: kernel.h includes it for numbers, SIMD code once more for
-// each instruction set. `Triple<Real>` is the Vec3 of the including namespace.
+// kernel.glsl as the body of a struct, without include guard. kernel.h includes it once for plain numbers; SIMD code
+// includes it once per instruction set. `Triple<Real>` is the Vec3 of the including namespace.
 #ifndef SRBF_FN
 #define SRBF_FN static
 #endif
@@ -9,7 +9,8 @@ template <typename Real_, typename Model, typename ByView = SuModel> struct Form
     using Bool = decltype(Real_() < Real_());
     using Pm = const Model&;
 
-    // A PmModel's exponents are to the base e; another model answers in the text's words, with its numbers as the text takes them.
+    // Exponents of a PmModel are to the base e; these functions convert them. Any other model type provides the numbers
+    // that kernel.glsl expects under the same names, without the prefix pm_.
     static constexpr bool is_plain = std::is_same_v<Model, PmModel>;
     static constexpr double k_bits = 1.4426950408889634;
     static std::size_t place(Pm pm, int j, int n) { return std::size_t(j * pm.variates + n); }
@@ -36,11 +37,11 @@ template <typename Real_, typename Model, typename ByView = SuModel> struct Form
         else
             return pm.log2_scale(j);
     }
-    static auto pm_sharpness(Pm pm, int j, int n) {
+    static auto pm_log2_falloff(Pm pm, int j, int n) {
         if constexpr (is_plain)
             return 0.5 * k_bits * double(pm.bandwidth[place(pm, j, n)]);
         else
-            return pm.sharpness(j, n);
+            return pm.log2_falloff(j, n);
     }
     static auto pm_exponent(Pm pm, int j, int k) {
         if constexpr (is_plain)

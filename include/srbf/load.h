@@ -1,4 +1,4 @@
-// Any BRDF that a file can hold: level 4.
+// Loading of any BRDF from a file: level 4.
 #pragma once
 #include <string>
 #include <variant>
@@ -10,7 +10,7 @@ namespace srbf {
 
 /// A measurement or a model.
 using AnyBrdf = std::variant<Measured, Model>;
-/// Reads either, told by the content. Errors: those of load_measured and load_model.
+/// Reads a measurement or a model, recognised by its content. Errors: those of load_measured and load_model.
 Result<AnyBrdf> load_brdf(const std::string& path);
 
 }  // namespace srbf

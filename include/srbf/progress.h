@@ -1,4 +1,4 @@
-// How far a computation is, and whether it goes on: level 0.
+// Progress and cancellation of a computation: level 0.
 #pragma once
 #include <concepts>
 #include <functional>
@@ -8,18 +8,18 @@
 
 namespace srbf {
 
-/// What a computation is doing.
+/// The state of a computation.
 struct Progress {
     std::string_view stage;  ///< "growing lobes"
-    double fraction = 0;     ///< of the whole that is done, 0..1; it never decreases
+    double fraction = 0;     ///< completed share of the whole, 0..1; never decreases
 };
 
 /// Receives progress; returning false cancels the computation.
 using ProgressCallback = std::function<bool(const Progress&)>;
 
 /// Reports progress to a callback and carries cancellation to every stage of a computation. Copies share one state, so
-/// the caller may keep one to cancel from another thread. A default token reports to nobody and is never cancelled.
-/// All members may be called from several threads at once; the callback runs on one thread at a time.
+/// that the caller can keep a copy and cancel from another thread. A default token reports nothing and is never
+/// cancelled. All members are thread-safe; the callback runs on one thread at a time.
 class ProgressToken {
   public:
     ProgressToken() = default;
@@ -28,11 +28,11 @@ class ProgressToken {
     requires std::is_invocable_r_v<bool, Callback&, const Progress&> ProgressToken(Callback callback)
         : ProgressToken(ProgressCallback(std::move(callback))) {}
 
-    /// Reports that `fraction` of this token's work is done. False once cancelled.
+    /// Reports that `fraction` of this token's work is complete. Returns false once cancelled.
     bool report(std::string_view stage, double fraction) const;
     void cancel() const;
     bool cancelled() const;
-    /// The token of a stage that takes the work from `begin` to `end` of this one.
+    /// The token of a stage that accounts for the work from `begin` to `end` of this one.
     ProgressToken part(double begin, double end) const;
 
   private:

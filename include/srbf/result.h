@@ -1,4 +1,4 @@
-// Errors of input are values: level 0.
+// Errors of input as values: level 0.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -9,9 +9,9 @@
 
 namespace srbf {
 
-/// What kind of error it is, for programs that react to it.
+/// The kind of an error, for programs that react to it.
 enum class ErrorCode {
-    malformed,   ///< the content of a file or an array is not what its format asks for
+    malformed,   ///< the content of a file or an array violates its format
     unreadable,  ///< a file cannot be read or written: missing, no permission, disk full
     wrong_kind,  ///< a fitted model where a measurement is expected, or the reverse
     argument,    ///< an option is out of its range, or two exclude each other
@@ -20,27 +20,27 @@ enum class ErrorCode {
 };
 std::string_view name(ErrorCode code);
 
-/// What is wrong with an input, where, what was expected there and what was found.
+/// The part of an input that is wrong, what was expected there and what was found.
 struct Error {
-    std::string source;                   ///< the file's name
-    std::optional<std::uint64_t> offset;  ///< byte (binary) or line (text), where one can be named
-    std::string what;                     ///< the part at fault, "field count"
+    std::string source;                   ///< the file name, or the computation that reports the error
+    std::optional<std::uint64_t> offset;  ///< byte (binary) or line (text), if known
+    std::string what;                     ///< the part that is wrong, "field count"
     std::string expected;                 ///< "between 1 and 1024"; empty: none
     std::string found;                    ///< "0"; empty: none
     ErrorCode code = ErrorCode::malformed;
 };
 
-/// One line: "SOURCE: at OFFSET: WHAT: expected EXPECTED, found FOUND", leaving out what is empty.
+/// One line: "SOURCE: at OFFSET: WHAT: expected EXPECTED, found FOUND", without the parts that are empty.
 std::string message(const Error& error);
 
 /// The error of a computation that was cancelled.
 Error cancelled_error(std::string source);
 
-/// Ends the program, with `what` on standard error: a programmer's mistake that must not pass in any build.
+/// Prints `what` to standard error and ends the program: for programming errors that must not pass in any build type.
 [[noreturn]] void misused(std::string_view what);
 
-/// A value or the Error that kept it from being made. Dereferencing the one that is not there ends the program, in every build
-/// type, with the error's message.
+/// A value or an Error. Dereferencing a Result without a value ends the program with the error's message, in every
+/// build type; so does asking a Result with a value for its error.
 template <typename T> class [[nodiscard]] Result {
   public:
     Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}
@@ -66,7 +66,7 @@ template <typename T> class [[nodiscard]] Result {
     std::variant<T, Error> content_;
 };
 
-/// The value of a Result that carries nothing but success.
+/// The value of a Result that only reports success.
 struct Done {};
 
 }  // namespace srbf

@@ -34,7 +34,7 @@ struct CosineProposal {};
 Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
 
-/// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine, lobes about the mirror direction, lobes of half-way
+/// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine, lobes about the mirror direction, lobes of half
 /// vectors. The weights are linear in √(1 − cosθv) between nodes, whose own are those of least variance for the BRDF.
 class MixtureProposal {
   public:
@@ -47,7 +47,7 @@ class MixtureProposal {
     const Row& running(std::size_t node) const { return running_[node]; }
     void set_weights(std::size_t node, std::span<const float, k_lobes> weight);
 
-    float stretch = 1;           ///< ≥ 1: half-way lobes are so many times as wide along the grain
+    float stretch = 1;           ///< ≥ 1: half-vector lobes are so many times as wide along the grain
     float cosine = 1, sine = 0;  ///< of the grain's azimuth
 
   private:

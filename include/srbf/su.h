@@ -18,10 +18,11 @@ enum class Discretise { view, light };
 std::string_view name(Discretise discretise);
 std::optional<Discretise> discretise_named(std::string_view text);
 
-/// How a function between the sampled views is made of theirs.
+/// How the function at a view direction between the sampled ones is interpolated.
 enum class SuInterpolation {
-    rotated,  ///< the two next in elevation, rotated to the azimuth asked for: for isotropic BRDFs
-    plain,    ///< the K nearest as they are (Tsai 2009)
+    /// from the two views adjacent in elevation, rotated to the azimuth of the view direction: for isotropic BRDFs
+    rotated,
+    plain,  ///< from the K nearest views, not rotated (Tsai 2009)
 };
 std::string_view name(SuInterpolation interpolation);
 std::optional<SuInterpolation> interpolation_named(std::string_view text);
@@ -29,14 +30,14 @@ std::optional<SuInterpolation> interpolation_named(std::string_view text);
 /// The eight sampled views nearest to a direction, the nearest first.
 using NearestViews = std::array<std::uint16_t, 8>;
 
-/// The nearest sampled views of each direction, as a texture of 16 bytes a texel (RGBA32UI): what a shader looks up.
+/// The nearest sampled views of each direction, as a texture with 16 bytes per texel (RGBA32UI) for shaders.
 struct IndexTexture {
     DirectionMap map = DirectionMap::cube;
     int size = 0;                      ///< texels along a side
-    std::vector<NearestViews> texels;  ///< of the directions at their centres
+    std::vector<NearestViews> texels;  ///< of the directions at the texels' centres
     friend bool operator==(const IndexTexture&, const IndexTexture&) = default;
 };
-/// The source's sizes: 6 × 128 × 128 and 256 × 256.
+/// The sizes in Tsai 2009: 6 × 128 × 128 and 256 × 256.
 constexpr int default_size(DirectionMap map) { return map == DirectionMap::cube ? 128 : 256; }
 inline constexpr int k_largest_texture = 1024;
 std::string_view name(DirectionMap map);
@@ -44,8 +45,8 @@ std::optional<DirectionMap> map_named(std::string_view text);
 
 /// Scattered univariate SRBFs (Tsai 2009, section 7.2): for each sampled view direction wv_i
 ///   ρ(wl, wv_i) = Σ_j β_ij G(wl·ξ_ij | λ_ij) [1/sr],
-/// between them by interpolation, evaluated by kernel.glsl's su_ functions. With `discretise` light, wl and wv change places.
-/// The file's encoding is in `write_model`.
+/// and between them interpolation. Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv
+/// are exchanged. `write_model` describes the file encoding.
 struct SuModel {
     Discretise discretise = Discretise::view;
     SuInterpolation interpolation = SuInterpolation::rotated;
@@ -55,36 +56,37 @@ struct SuModel {
     std::vector<Rgb> coefficient;       ///< n × J: β_ij ≥ 0; all 0 for a view without data
     std::vector<Vec3f> centre;          ///< n × J: ξ_ij, unit vectors
     std::vector<float> bandwidth;       ///< n × J: λ_ij ≥ 0
-    std::optional<IndexTexture> index;  ///< where the file holds it
+    std::optional<IndexTexture> index;  ///< only if the file contains it
     friend bool operator==(const SuModel&, const SuModel&) = default;
 };
 inline constexpr int k_most_view_lobes = 64;
-inline constexpr int k_most_neighbours = 7;  ///< of the eight that are known; the next one says when a neighbour leaves
+/// of the eight in the index; the weights need the distance of the next one
+inline constexpr int k_most_neighbours = 7;
 inline constexpr int k_least_views = 8, k_most_views = 8192;
 
-/// ρ(wl, wv) in float; 0 below the horizon. Continuous in both directions, but for plain interpolation where the K+1 nearest
-/// views are equally near.
+/// ρ(wl, wv) in single precision; 0 below the horizon. Continuous in both directions, except for plain interpolation
+/// where the K+1 nearest views are equally near.
 Rgb value(const SuModel& model, Vec3f wl, Vec3f wv);
-/// The same by plain interpolation with the views that the texture names: of its eight the nearest to the direction.
+/// The same by plain interpolation, from the nearest of the eight views that the texture holds for the direction.
 Rgb value(const SuModel& model, const IndexTexture& index, Vec3f wl, Vec3f wv);
 
-/// f[i] = value(model, wl[i], wv[i]) for spans of one length, in SIMD over neighbouring pairs that share the sampled
-/// direction: within 1e-4 of `value` or 1e-6 of the model's peak.
+/// f[i] = value(model, wl[i], wv[i]), in SIMD over consecutive pairs that share the sampled direction. The spans have
+/// the same length. Within 1e-4 of `value` or 1e-6 of the model's peak.
 void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
-/// The same as a function. It refers to `model`.
+/// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const SuModel& model);
 
 /// The eight sampled views nearest to `w`.
 NearestViews nearest_views(const SuModel& model, Vec3f w);
-/// The texture of nearest views; `size` 0: the source's.
+/// The texture of nearest views; `size` 0: `default_size`.
 IndexTexture index_texture(const SuModel& model, DirectionMap map, int size = 0);
 
-/// Bytes of the model's numbers as stored: n·J·(3 coefficients + 2 angles + 1 bandwidth) halves.
+/// Size of the stored numbers: n·J·(3 coefficients + 2 angles + 1 bandwidth) halves.
 std::size_t payload_bytes(const SuModel& model);
-/// Bytes of what plain interpolation looks up at run time, whether the file holds it or not: the index texture, a cube
-/// unless the model has another, and the direction table of four halves a view.
+/// Size of the tables that plain interpolation needs at run time, whether or not the file contains them: the index
+/// texture (a cube map unless the model has another) and the table of directions, four halves per view.
 std::size_t auxiliary_bytes(const SuModel& model);
-/// `model` with every number rounded to what a file holds.
+/// `model` with every number rounded to its stored precision.
 SuModel rounded(const SuModel& model);
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-// The terms that a lobe's exponent has beside its Gaussian SRBFs, and the forms made of them: level 3.
+// The terms of a lobe's exponent besides its Gaussian SRBFs, and the forms with these terms: level 3.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -7,14 +7,15 @@
 
 namespace srbf {
 
-/// Term κ_jk x_k(wl, wv) of the exponent of lobe j. The feature x_k is line k of kernel.glsl's pm_further_features.
+/// A term κ_jk x_k(wl, wv) of the exponent of lobe j. The feature x_k is line k of `pm_further_features` in
+/// kernel.glsl.
 struct ExponentTerm {
-    std::string_view symbol;      ///< of κ_jk, in print
-    std::string_view factor;      ///< e^{κ_jk x_k}, in print
-    std::string_view definition;  ///< of a symbol in the factor, in print; may be empty
-    double least, most;           ///< bounds of κ_jk in a fit; where `least` is 0, κ_jk ≥ 0 in files too
-    bool is_slope;                ///< a fit to samples ε [rad] apart bounds |κ_jk| by 1/ε, too
-    bool is_sharp;  ///< κ_jk starts as a bandwidth does: 0, 0.3 to 6e4 or -100 to -0.3; else 0, ±0.1 to ±10
+    std::string_view symbol;      ///< of κ_jk, for output
+    std::string_view factor;      ///< e^{κ_jk x_k}, for output
+    std::string_view definition;  ///< of a symbol in the factor, for output; may be empty
+    double least, most;           ///< bounds of κ_jk in a fit; if `least` is 0, κ_jk ≥ 0 in files too
+    bool is_slope;                ///< a fit to samples ε [rad] apart also bounds |κ_jk| by 1/ε
+    bool is_sharp;  ///< initial κ_jk like a bandwidth: 0, 0.3 to 6e4 or -100 to -0.3; otherwise 0, ±0.1 to ±10
 };
 inline constexpr std::array<ExponentTerm, 4> k_terms{{
     {"κ", "(cosθl cosθv)^κ", "", 0, 64, false, false},
@@ -23,24 +24,24 @@ inline constexpr std::array<ExponentTerm, 4> k_terms{{
     {"σ", "e^(-σ sinθh)", "", -1000, 65504, true, true},
 }};
 
-/// What a lobe of a multivariate model is made of; the numbers of 16 bits are for J lobes of N variates.
+/// The factors of a lobe. The sizes are in 16-bit numbers, for J lobes of N variates.
 enum class PmForm {
     gaussian,  ///< Gaussian SRBFs alone, as Tsai 2009 defines them: axial J(3+N)+2N, general J(3+3N)+2N
-    horizon,   ///< and (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N
-    extended,  ///< and e^{μ(l·h−1) − γδ − σ sinθh}, δ as in `k_terms`: axial J(3+N+5)+2N
+    horizon,   ///< also (cosθl cosθv)^κ, κ ≥ 0, always with a log scale: axial J(3+N+2)+2N
+    extended,  ///< also e^{μ(l·h−1) − γδ − σ sinθh}, δ as in `k_terms`: axial J(3+N+5)+2N
 };
-/// A form has the first terms of the table.
+/// A form has the first `terms` terms of `k_terms`.
 struct FormRow {
     PmForm form;
     std::string_view name;
-    std::string_view stored;  ///< its name in model files and reports
+    std::string_view stored;  ///< the name in model files and reports
     std::size_t terms;
-    std::string_view summary;  ///< what it adds to the form before it, in ASCII
+    std::string_view summary;  ///< what it adds to the previous form, in ASCII
 };
 inline constexpr std::array<FormRow, 3> k_form_rows{{
     {PmForm::gaussian, "gaussian", "source", 0, "as Tsai 2009 defines them"},
-    {PmForm::horizon, "horizon", "horizon", 1, "and an exponent of cos(theta_l) cos(theta_v)"},
-    {PmForm::extended, "extended", "extended", 4, "and three more"},
+    {PmForm::horizon, "horizon", "horizon", 1, "also a power of cos(theta_l) cos(theta_v)"},
+    {PmForm::extended, "extended", "extended", 4, "also three further factors"},
 }};
 inline constexpr auto k_forms = [] {
     std::array<PmForm, k_form_rows.size()> forms{};
@@ -54,11 +55,11 @@ static_assert([] {
     return k_form_rows.back().terms == k_terms.size();
 }());
 
-/// F: how many exponents a lobe of that form has beside its bandwidths.
+/// F: the number of exponents of a lobe of that form besides its bandwidths.
 constexpr int features(PmForm form) { return int(row_of(form).terms); }
 constexpr std::string_view name(PmForm form) { return row_of(form).name; }
 constexpr std::string_view stored_name(PmForm form) { return row_of(form).stored; }
-/// By either name.
+/// Accepts either name.
 constexpr std::optional<PmForm> form_named(std::string_view text) {
     for (const FormRow& row : k_form_rows)
         if (row.name == text || row.stored == text) return row.form;

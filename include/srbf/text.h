@@ -1,4 +1,4 @@
-// Lines, fields and numbers of text files: level 1.
+// Lines, fields and numbers in text files: level 1.
 #pragma once
 #include <algorithm>
 #include <charconv>
@@ -18,20 +18,20 @@ inline std::string_view as_text(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// `text` without the blanks around it; the '\r' of a DOS line counts as one.
+/// `text` without surrounding blanks; the '\r' of a DOS line end counts as a blank.
 inline std::string_view trimmed(std::string_view text) {
     constexpr std::string_view blank = " \t\r";
     const auto first = text.find_first_not_of(blank);
     return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
-/// The lines of a text one after the other, trimmed; a mark of the byte order before the first is left out.
+/// Iterates over the lines of a text, trimmed. Skips a byte-order mark at the beginning.
 class Lines {
   public:
     explicit Lines(std::string_view text) : rest_(text) {
         if (constexpr std::string_view mark = "\xef\xbb\xbf"; rest_.starts_with(mark)) rest_.remove_prefix(mark.size());
     }
-    /// The next line that holds anything.
+    /// The next line that is not empty.
     std::optional<std::string_view> next() {
         while (!rest_.empty()) {
             const auto end = std::min(rest_.find('\n'), rest_.size());
@@ -42,7 +42,7 @@ class Lines {
         }
         return {};
     }
-    /// Of the line that was read last, counted from 1.
+    /// Number of the last line that was returned, counted from 1.
     std::uint64_t number() const { return number_; }
 
   private:
@@ -50,7 +50,8 @@ class Lines {
     std::uint64_t number_ = 0;
 };
 
-/// The next word of a line, which it is taken from: up to a blank or one of `separators`. Empty at the line's end.
+/// Removes the next word from `line` and returns it. A word ends at a blank or at one of `separators`. Empty at the end
+/// of the line.
 inline std::string_view next_word(std::string_view& line, std::string_view separators = " \t") {
     const auto first = std::min(line.find_first_not_of(separators), line.size());
     const auto end = std::min(line.find_first_of(separators, first), line.size());
@@ -59,7 +60,7 @@ inline std::string_view next_word(std::string_view& line, std::string_view separ
     return word;
 }
 
-/// The fields of a line of CSV, without blanks and quotes around them; a comma within quotes parts nothing.
+/// The fields of a line of CSV, without surrounding blanks and quotes. A comma within quotes does not separate fields.
 inline void split_fields(std::string_view line, std::vector<std::string_view>& fields) {
     fields.clear();
     bool quoted = false;
@@ -74,7 +75,7 @@ inline void split_fields(std::string_view line, std::vector<std::string_view>& f
     }
 }
 
-/// The number that all of `text` spells, "nan" and "inf" too, a sign before it or none.
+/// The number that `text` consists of, including "nan" and "inf", with an optional sign.
 template <typename T> std::optional<T> to_number(std::string_view text) {
     if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
     T number{};
@@ -83,16 +84,16 @@ template <typename T> std::optional<T> to_number(std::string_view text) {
     return number;
 }
 
-/// A word of a file as a message may show it.
+/// A word of a file in quotes, shortened for error messages.
 inline std::string quoted(std::string_view text) {
     std::string shown = "'";
     shown += text.substr(0, 40);
     return shown += "'";
 }
 
-inline Error at_line(const std::string& source, std::uint64_t line, const std::string& what, std::string expected,
+inline Error at_line(const std::string& file_name, std::uint64_t line, const std::string& what, std::string expected,
                      std::string found) {
-    return {source, {}, "line " + std::to_string(line) + ": " + what, std::move(expected), std::move(found)};
+    return {file_name, {}, "line " + std::to_string(line) + ": " + what, std::move(expected), std::move(found)};
 }
 
 }  // namespace srbf

@@ -9,8 +9,8 @@ inline constexpr double k_degree = k_pi / 180;
 
 #include "srbf/vec3.inl"
 
-/// Directions are unit vectors in the local frame of the surface: the shading normal is +z, `wl` points to
-/// the light and `wv` to the viewer.
+/// Directions are unit vectors in the local frame of the surface: the shading normal is +z, `wl` points to the light
+/// and `wv` to the viewer.
 using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
 
@@ -22,7 +22,7 @@ struct Vec2f {
     float x = 0, y = 0;
 };
 
-/// Component by component.
+/// Componentwise.
 template <typename Real> constexpr bool operator==(Vec3<Real> a, Vec3<Real> b) {
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
@@ -44,12 +44,12 @@ template <typename Real> Vec3<Real> spherical(Real theta, Real phi) {
 template <typename Real> struct Angles {
     Real theta, phi;  ///< [0, π], [−π, π]
 };
-/// The inverse of `spherical`: 2 atan2 of the chords keeps its digits near the poles, where acos loses half of them.
+/// The inverse of `spherical`. 2 atan2 of the chords is accurate near the poles, where acos loses half of the digits.
 template <typename Real> Angles<Real> angles(Vec3<Real> w) {
     return {2 * std::atan2(std::hypot(w.x, w.y, w.z - 1), std::hypot(w.x, w.y, w.z + 1)), std::atan2(w.y, w.x)};
 }
 
-/// The mirror direction of ω about the normal: (−x, −y, z).
+/// The mirror direction of ω: ω rotated by 180° about the normal, (−x, −y, z).
 template <typename Real> constexpr Vec3<Real> mirror(Vec3<Real> w) { return {-w.x, -w.y, w.z}; }
 
 /// Rec.709 luminance 0.2126 R + 0.7152 G + 0.0722 B.

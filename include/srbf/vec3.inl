@@ -1,11 +1,11 @@
-// Vec3 and its operators, without include guard: vec.h includes them in namespace srbf, and SIMD code once more for each
-// instruction set, since a template defined outside of a target's region cannot be inlined into it.
+// Vec3 and its operators, without include guard. vec.h includes them in namespace srbf; SIMD code includes them once
+// per instruction set, since a template defined outside of a target's region cannot be inlined into it.
 
-/// A vector of three components, named as in the shading languages. `Real` is float, double, or any type with their
-/// arithmetic (a SIMD batch, a dual number).
+/// A vector of three components, named as in GLSL. `Real` is float, double, or any type with their arithmetic (a SIMD
+/// batch, a dual number).
 template <typename Real> struct Vec3 {
     Real x, y, z;
-    constexpr Vec3() : x(), y(), z() {}  // not defaulted: that would not be of the target
+    constexpr Vec3() : x(), y(), z() {}  // not defaulted, so that it belongs to the SIMD target
     constexpr Vec3(Real x_, Real y_, Real z_) : x(x_), y(y_), z(z_) {}
 };
 

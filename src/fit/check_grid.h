@@ -1,4 +1,4 @@
-// Pairs where a fit may run away unseen.
+// Pairs at which a fit is checked for excess between the observations.
 #pragma once
 #include <utility>
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace srbf {
 
-/// A grid of pairs (wl, wv) to 89.9°, in-plane ones and the horizon among them: where a sum of exponentials can run
-/// away unseen, it does so towards an edge.
+/// A grid of pairs (wl, wv) to 89.9°, including in-plane pairs and the horizon. A sum of exponentials that diverges
+/// between observations does so towards an edge.
 std::vector<std::pair<Vec3d, Vec3d>> check_grid();
 
 }  // namespace srbf

@@ -13,23 +13,24 @@
 namespace srbf {
 namespace {
 
-/// How closely a model is looked at before any is fitted whole.
+/// Effort of a short fit.
 struct Look {
     std::size_t rows;
-    int starts, kicks;
+    int starts, perturbations;
 };
 constexpr Look k_glance{4096, 2, 2}, k_look{8192, 4, 8};
-/// Of the kinds that are glanced at so many are looked at, those that then look best; and of their models so many fitted whole.
+/// Numbers of kinds that get the second short fit, and of models that get full fits.
 constexpr std::size_t k_looked_at = 8, k_fitted_whole = 3;
 
-/// What a whole fit errs of what a glance at it tells, before there is one that tells: of those that look best 0.75 to 1.
+/// Expected ratio of the error of a full fit to that of its first short fit, before one is known. For the most
+/// promising kinds it is 0.75 to 1.
 constexpr double k_of_glance = 0.75;
-/// On the way to the smallest model so many of the kinds that look best are glanced at once the bytes have been doubled often enough to tell,
-/// of so many all sizes, and so many models are fitted whole between one number of bytes and its double.
+/// In the search for the smallest model: the number of kinds that get first short fits once enough sizes are known, of
+/// kinds for which all sizes are tried, and of full fits per doubling of the bytes.
 constexpr std::size_t k_some_kinds = 8, k_few_kinds = 2, k_most_whole = 3;
 constexpr std::size_t k_telling_bytes = 64;
 
-/// A kind of model, of which only J is open.
+/// A kind of model: everything but J.
 struct Kind {
     PmForm form;
     bool axial;
@@ -46,7 +47,7 @@ struct Kind {
     std::size_t bytes(int lobes, bool log_scale) const {
         return payload_bytes(form, axial, log_scale || form != PmForm::gaussian, lobes, variates);
     }
-    /// The most lobes within so many bytes, maybe 0.
+    /// The largest number of lobes within a number of bytes, possibly 0.
     int most_lobes(std::size_t within, bool log_scale) const {
         int lobes = 0;
         while (lobes < k_most_fitted_lobes && bytes(lobes + 1, log_scale) <= within) ++lobes;
@@ -82,13 +83,13 @@ class Search {
         PmFit fit;
     };
 
-    /// Fits of these kinds and numbers of lobes in short, side by side; those first that look best.
+    /// Short fits of these kinds and numbers of lobes in parallel, most promising first.
     Result<std::vector<Step>> in_short(const std::vector<std::pair<Kind, int>>& asked, const Look& look) {
         const Observations some = beginning(observations_, look.rows);
         std::vector<Result<Tried>> tried(asked.size(), Error{});
         parallel_for(asked.size(), options_.threads, [&](std::size_t i) {
             const FitOptions options = asked[i].first.with_lobes(options_, asked[i].second);
-            tried[i] = attempt(some, srbf::in_short(options, look.starts, look.kicks), true);
+            tried[i] = attempt(some, srbf::in_short(options, look.starts, look.perturbations), true);
         });
         std::vector<Step> steps;
         for (const auto& one : tried) {
@@ -99,7 +100,8 @@ class Search {
         std::stable_sort(steps.begin(), steps.end(), by_error);
         return steps;
     }
-    /// A glance at each of these kinds, with the most lobes that the bytes hold; of those that hold none nothing.
+    /// A first short fit of each of these kinds with the largest number of lobes within the bytes; nothing for kinds
+    /// without one.
     Result<std::vector<Step>> glance(const std::vector<Kind>& of, std::size_t bytes) {
         std::vector<std::pair<Kind, int>> asked;
         for (const Kind& kind : of)
@@ -118,7 +120,7 @@ class Search {
         return progress_.report("choosing a size", fraction);
     }
     std::vector<Step> path() const {
-        // Where a model was fitted both ways the whole fit counts.
+        // If a model has both a short and a full fit, the full fit counts.
         std::map<std::tuple<std::size_t, PmForm, bool, int, int>, Step> best;
         for (const Step& step : path_) {
             auto& at = best[{step.bytes, step.form, step.axial, step.variates, step.lobes}];
@@ -143,7 +145,7 @@ class Search {
     FitOptions options_;
     const JudgeModel& judge_;
     ProgressToken progress_;
-    double done_ = 0;  // of the whole
+    double done_ = 0;  // share of the whole that is complete
     std::vector<Step> path_;
 };
 
@@ -154,7 +156,7 @@ Result<Search::Tried> found_or_cancelled(std::optional<Search::Tried>& best) {
     return *std::move(best);
 }
 
-/// The least error within the bytes, of each kind with the most lobes that fit into them.
+/// The least error within the bytes; each kind has the largest number of lobes that fits.
 Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, std::size_t bytes) {
     auto steps = search.glance(kinds(options), bytes);
     if (!steps) return steps.error();
@@ -177,22 +179,22 @@ Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, st
     return found_or_cancelled(best);
 }
 
-/// Whether a model takes the place of the best: one that reaches the error if it is smaller than another that does, one that does not if it
-/// errs less than others that do not.
+/// Whether a model replaces the best: a model that reaches the error must be smaller than a best that does; a model
+/// that does not must have a smaller error than a best that does not.
 bool is_better(const Step& step, const std::optional<Search::Tried>& best, double error) {
     if (!best) return true;
     const bool reaches = step.error <= error, best_reaches = best->step.error <= error;
     return reaches ? !best_reaches || by_bytes(step, best->step) : !best_reaches && by_error(step, best->step);
 }
 
-/// The fewest bytes at most that error. The bytes are doubled until a glance at the kinds' largest models within them tells that one may reach it, or
-/// that none will, were each further doubling to lower the error as much as the last one. Of the kinds that look best all sizes down to the
-/// bytes before are glanced at, and the smallest that is then expected to reach the error is fitted whole, which corrects what is expected of the
-/// others, and so on.
+/// The fewest bytes for at most that error. The bytes are doubled until short fits of the kinds' largest models predict
+/// that one may reach the error, or that none would even if each further doubling lowered the error as much as the last
+/// one. For the most promising kinds all sizes down to the previous number of bytes get short fits. The smallest model
+/// that is expected to reach the error gets a full fit, which corrects the expectation for the others; and so on.
 Result<Search::Tried> within_error(Search& search, const FitOptions& options, double error, bool& reached) {
     std::optional<Search::Tried> best;
     reached = false;
-    double expected = k_of_glance;  // whole fits' part of what a glance told
+    double expected = k_of_glance;  // ratio of the errors of full fits to those of short fits
     const auto fit_whole = [&](const Step& step) -> Result<Done> {
         auto tried = search.whole(step);
         if (!tried) return tried.error();
@@ -237,7 +239,7 @@ Result<Search::Tried> within_error(Search& search, const FitOptions& options, do
         open.insert(open.end(), glanced->begin(), glanced->end());
         std::stable_sort(open.begin(), open.end(), by_bytes);
         for (std::size_t whole = 0; whole < k_most_whole && !open.empty() && search.report(0.6); ++whole) {
-            // The smallest that is expected to reach it; if none is, the one that comes nearest.
+            // The smallest model that is expected to reach the error; if there is none, the one that comes closest.
             auto next = std::find_if(open.begin(), open.end(),
                                      [&](const Step& step) { return expected * step.error <= error; });
             if (next == open.end()) {

@@ -9,30 +9,30 @@
 namespace srbf {
 namespace {
 
-/// That many lobes tell whether to fill the gaps between samples.
+/// Number of lobes for the decision whether to fill the gaps between samples.
 constexpr int k_first_tried = 6;
-/// Of models that err no more than this times the least the smallest is taken.
+/// The smallest model whose error is at most this times the least is chosen.
 constexpr double k_as_good = 1.03;
 /// A few thousand samples need a shorter search than a table, and are searched a dozen times.
-constexpr int k_sample_starts = 6, k_sample_kicks = 14;
-constexpr int k_draft_starts = 3, k_draft_kicks = 2;
+constexpr int k_sample_starts = 6, k_sample_perturbations = 14;
+constexpr int k_draft_starts = 3, k_draft_perturbations = 2;
 
 ObserveSamplesOptions observe_options(const FitRequest& request) {
     return {request.objective, request.theta(), request.seed, request.spectral};
 }
 
-FitOptions sample_options(const Scattered& samples, const FitRequest& request, std::optional<int> lobes) {
+FitOptions sample_options(const ScatteredSamples& samples, const FitRequest& request, std::optional<int> lobes) {
     FitOptions options = pm_options(request, std::get<PmRequest>(request.model).axial.value_or(samples.isotropic));
     if (lobes) options.lobes = *lobes;
     options.starts = k_sample_starts;
-    options.kicks = k_sample_kicks;
+    options.perturbations = k_sample_perturbations;
     return options;
 }
 
-/// Fits of one measurement's samples: of all of them, and of the rest of each fold.
+/// Fits to the samples of one measurement: to all of them, and to those of all folds but one.
 class SampleFits {
   public:
-    SampleFits(const Scattered& samples, const SampleObservations* observed, const FitRequest& request,
+    SampleFits(const ScatteredSamples& samples, const SampleObservations* observed, const FitRequest& request,
                std::vector<int> fold, const ProgressToken& progress)
         : samples_(samples), observed_(observed), request_(request), fold_(std::move(fold)), progress_(progress) {}
 
@@ -77,8 +77,8 @@ class SampleFits {
     /// Three values of each sample outside a fold are at least twice as many as the numbers to find, of two bytes each.
     bool enough_samples(int lobes) const { return bytes(lobes) <= 3 * samples_.wl.size() * (k_folds - 1) / k_folds; }
 
-    /// The fit of `samples`, all of them or the rest of a fold.
-    Result<FitOutcome> fitted(const Scattered& samples, std::optional<int> lobes, bool fill,
+    /// The fit of `samples`, all of them or those of all folds but one.
+    Result<FitOutcome> fitted(const ScatteredSamples& samples, std::optional<int> lobes, bool fill,
                               const ProgressToken& progress) const {
         if (std::holds_alternative<SuRequest>(request_.model)) {
             const Measured measured{"", "", 0, samples};
@@ -111,14 +111,14 @@ class SampleFits {
         return outcome;
     }
 
-    /// The fit of all samples, measured at them, and held out by cross-validation.
+    /// The fit of all samples, with its errors at them and its cross-validated errors.
     Result<FitOutcome> judged(std::optional<int> lobes, bool fill) {
         const ProgressToken progress = progress_.part(done_ / validations_, (done_ + 1) / validations_);
         auto outcome = fitted(samples_, lobes, fill, progress.part(0, 1.0 / (k_folds + 1)));
         if (!outcome) return outcome;
         std::atomic<int> fits = 1;
         const auto predicted =
-            cross_validate(samples_, fold_, [&](const Scattered& training) -> Result<std::vector<Model>> {
+            cross_validate(samples_, fold_, [&](const ScatteredSamples& training) -> Result<std::vector<Model>> {
                 const int before = fits;
                 auto of_fold = fitted(training, lobes, fill,
                                       progress.part(double(before) / (k_folds + 1), (before + 1.0) / (k_folds + 1)));
@@ -169,7 +169,7 @@ class SampleFits {
         return outcome;
     }
 
-    const Scattered& samples_;
+    const ScatteredSamples& samples_;
     const SampleObservations* observed_;
     const FitRequest& request_;
     std::vector<int> fold_;
@@ -179,17 +179,17 @@ class SampleFits {
 
 }  // namespace
 
-Result<FitOutcome> fit_to_samples(const Scattered& samples, const SampleObservations* observed,
+Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
                                   const FitRequest& request, const ProgressToken& progress) {
-    auto fold = draw_folds(samples, request.theta(), request.seed);
+    auto fold = assign_folds(samples, request.theta(), request.seed);
     if (!fold) return fold.error();
     return SampleFits(samples, observed, request, *std::move(fold), progress).run();
 }
 
-Result<FitOutcome> draft_of_samples(const Scattered& samples, const SampleObservations& observed,
+Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
                                     const FitRequest& request, bool in_short, const ProgressToken& progress) {
     FitOptions options = sample_options(samples, request, {});
-    if (in_short) options = srbf::in_short(options, k_draft_starts, k_draft_kicks);
+    if (in_short) options = srbf::in_short(options, k_draft_starts, k_draft_perturbations);
     auto pm = fit_pm(observed, {options, !in_short}, progress);
     if (!pm) return pm.error();
     FitOutcome outcome;

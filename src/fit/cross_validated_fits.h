@@ -1,18 +1,18 @@
-// Fits to scattered samples, judged by cross-validation.
+// Fits to scattered samples, selected by cross-validation.
 #pragma once
 #include "srbf/fit_samples.h"
 #include "srbf/fitting.h"
 
 namespace srbf {
 
-/// The fit to samples that a request asks for: where it does not say how many lobes, several numbers are tried, and whether to
-/// follow what is interpolated between the samples is found out too. `observed` is of all samples, for the request's objective;
-/// PM and GGX need it.
-Result<FitOutcome> fit_to_samples(const Scattered& samples, const SampleObservations* observed,
+/// The requested fit to samples. If the request has no number of lobes, several are tried; whether to follow
+/// interpolated values between the samples is determined too. `observed` holds all samples, for the request's
+/// objective; it is required for PM and GGX.
+Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
                                   const FitRequest& request, const ProgressToken& progress);
 
-/// A fit without cross-validation, which follows what is interpolated; `in_short`: of a short search.
-Result<FitOutcome> draft_of_samples(const Scattered& samples, const SampleObservations& observed,
+/// A fit without cross-validation that follows interpolated values; with `in_short`, a short search.
+Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,
                                     const FitRequest& request, bool in_short, const ProgressToken& progress);
 
 }  // namespace srbf

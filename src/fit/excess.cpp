@@ -8,9 +8,9 @@
 namespace srbf {
 namespace {
 
-/// The fitted f cosθl cosθv may reach this multiple of the largest measured one (twice it is what we promise).
+/// The fitted f cosθl cosθv may reach this multiple of the largest measured value (documented: twice).
 constexpr double k_most_excess = 1.6;
-/// What exceeding a check by the largest measured value costs at first, relative to the loss.
+/// Initial cost, relative to the loss, of exceeding a check by the largest measured value.
 constexpr double k_excess_weight = 0.005;
 
 double area(const Observations& observations, std::size_t i) {

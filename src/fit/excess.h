@@ -1,4 +1,4 @@
-// Where fits exceed what was measured: between the rows that a fit sees a lobe may shoot up.
+// Detection of fits that exceed the measurement between the observations.
 #pragma once
 #include <vector>
 
@@ -9,15 +9,16 @@ namespace srbf {
 /// The largest measured f cosθl cosθv.
 double largest_measured(const Observations& observations);
 
-/// The observations from `first` on, checks among them, at which f cosθl cosθv of `model` is more than 1.6 times `largest`, in their order.
+/// Indices, in order, of the observations from `first` on, including checks, at which f cosθl cosθv of `model` is more
+/// than 1.6 times `largest`.
 std::vector<std::size_t> exceeded(const Observations& observations, std::size_t first, const PmModel& model,
                                   double largest);
 
-/// What check i weighs that becomes an observation, of a fit of such a loss.
+/// The weight of check i when it becomes an observation, for a fit with this loss.
 double check_weight(const Observations& observations, std::size_t i, double loss, double largest);
 
-/// Where `model` exceeds the checks they become observations, and those that had become so weigh more;
-/// returns how many. `first` is where the checks began.
+/// Turns checks that `model` exceeds into observations, and raises the weight of former checks that it still exceeds.
+/// Returns how many. `first` is the index of the first check.
 std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss);
 
 }  // namespace srbf

@@ -13,9 +13,10 @@
 namespace srbf {
 namespace {
 
-// For given roughness all else is linear: of each channel kd and F0_i, of all channels together F90_i. Over an observation these multiply
+// For given roughness the model is linear in kd and F0_i of each channel and in F90_i of all channels. At an
+// observation their factors are
 //   1/π,  D G / (4 cosθl cosθv) (1 − s),  D G / (4 cosθl cosθv) s,  s = (1 − l·h)⁵,
-// the same in every channel, so that one small matrix of moments serves all.
+// the same for every channel, so that one small matrix of moments is sufficient.
 constexpr int k_most_terms = 1 + 2 * k_most_ggx_lobes;
 constexpr std::size_t k_rows_at_once = 4096, k_scanned_rows = 16384;
 
@@ -41,12 +42,12 @@ class GgxProblem {
         GgxModel model;
         double loss = 0;  // Σ w |f−f̂|²
     };
-    /// The best model of that roughness.
+    /// The best model with that roughness.
     Solution solve(const Roughness& log_alpha) const {
         const Moments sums = moments(log_alpha);
         const auto L = log_alpha.size();
         const auto n = Eigen::Index(3 + 4 * L);
-        // Unknowns: kd of R, G, B; then of each lobe F0 of R, G, B and F90.
+        // Unknowns: kd of R, G, B; then for each lobe F0 of R, G, B and F90.
         const auto of_facing = [](std::size_t i, int c) { return Eigen::Index(3 + 4 * i) + c; };
         const auto of_grazing = [](std::size_t i) { return Eigen::Index(6 + 4 * i); };
         Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, n);
@@ -116,7 +117,7 @@ constexpr double k_least_log = -10;  // of k_least_roughness
 constexpr int k_root_rounds = 8;
 constexpr double k_most_root_change = 100;
 
-/// The best of all roughnesses on a grid of half octaves; of two lobes the first is the sharper one.
+/// The best roughness on a grid of half octaves; the first of two lobes is the narrower one.
 Roughness scanned(GgxProblem& problem, int lobes) {
     Roughness best;
     double least = std::numeric_limits<double>::infinity();
@@ -130,7 +131,7 @@ Roughness scanned(GgxProblem& problem, int lobes) {
     return best;
 }
 
-/// Goes to the neighbour that lowers the loss, or else halves the step (Hooke & Jeeves 1961).
+/// Moves to the neighbour that lowers the loss, or else halves the step (Hooke & Jeeves 1961).
 void refine(GgxProblem& problem, Roughness& log_alpha) {
     double least = problem.loss(log_alpha);
     for (double step = 0.25; step > 1e-4; step /= 2)
@@ -153,7 +154,7 @@ void refine(GgxProblem& problem, Roughness& log_alpha) {
 
 Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& options, const ProgressToken& progress) {
     const FlushSubnormals mode;
-    if (const auto valid = check(observations, std::size_t(3 + 5 * options.lobes)); !valid) return valid.error();
+    if (const auto valid = validate(observations, std::size_t(3 + 5 * options.lobes)); !valid) return valid.error();
     if (options.lobes < 1 || options.lobes > k_most_ggx_lobes)
         return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(options.lobes), ErrorCode::argument};
     Observations weighed = observations;
@@ -162,7 +163,7 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
     Roughness log_alpha = scanned(sample, options.lobes);
     if (!progress.report("refining roughness", 0.2)) return cancelled_error("fit");
     refine(all, log_alpha);
-    // A model of so few numbers errs by much: the cube root's weights follow its errors.
+    // A model with so few parameters has large errors: the cube-root weights are adapted to them.
     for (int round = 0; round < k_root_rounds && observations.root_mean > 0; ++round) {
         const GgxModel model = all.solve(log_alpha).model;
         for (std::size_t i = 0; i < weighed.f.size() - weighed.checks; ++i)
@@ -178,7 +179,7 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
     auto [unrounded, unrounded_loss] = all.solve(log_alpha);
     fit.unrounded = std::move(unrounded);
     fit.unrounded_loss = unrounded_loss;
-    // Roughness is rounded, then all else solved again.
+    // Roughness is rounded, then the other parameters are solved again.
     for (double& x : log_alpha) x = std::log2(double(round_to_half(float(std::exp2(x)))));
     auto [model, loss] = all.solve(log_alpha);
     fit.model = rounded(model);

@@ -15,38 +15,40 @@
 namespace srbf {
 namespace {
 
-/// A tournament: of the starts this share goes on, until this share of its kicks has been done.
+/// A round of the tournament: the share of the starts that continue, until this share of the perturbations is done.
 struct Round {
-    double starts, kicks;
+    double starts, perturbations;
     int candidates(const FitOptions& options) const {
         return std::max(int(std::lround(starts * starts_of(options))), 1);
     }
-    int kicks_until(const FitOptions& options) const { return int(std::lround(kicks * kicks_of(options))); }
+    int perturbations_until(const FitOptions& options) const {
+        return int(std::lround(perturbations * perturbations_of(options)));
+    }
 };
 constexpr Round k_rounds[] = {{1, 0.2}, {0.5, 0.5}, {0.25, 1}};
-// Of these so many go on to the next stage.
+// This many candidates advance to the next stage.
 constexpr std::size_t k_polished = 4, k_finished = 3;
 constexpr int k_check_rounds = 12;
-/// After the best another one is finished where it errs no more than this much more than what is finished: the last steps lower the loss by 1 to 4 %,
-/// or fail where a fit has to be held at many places that it exceeds.
+/// After the best candidate another one is finished only if its error is at most this much larger than the best
+/// finished one: the last steps lower the loss by 1 to 4 %, or fail where a fit exceeds many checks.
 constexpr double k_nearly_best = 0.01;
-/// The last steps come by tens, as long as one lowers the loss by more than this: most fits need two of them, one whose sharp lobes
-/// have an albedo to mend needs twenty.
+/// The last steps run in batches of ten until one lowers the loss by less than this. Most fits need two batches; a fit
+/// whose narrow lobes must match an albedo needs twenty.
 constexpr int k_last_steps = 10, k_most_tens = 26;
 constexpr double k_least_gain = 0.005;
-/// Bound on the log of the coefficient of a lobe whose peak is 1. Peaks lie where no pair of directions
-/// leads, but lobes made of ever larger opposing bandwidths gain nothing (less than 1 % in the measured
-/// materials) and cost digits in float.
+/// Upper bound on the log of the coefficient of a lobe with peak 1. The peak may lie where no pair of directions maps
+/// to; but opposing lobes of ever larger bandwidths gain less than 1 % on the measured materials and lose precision in
+/// float.
 constexpr double k_log_peak_limit = 300;
 
-/// Where rounding raises the loss by more than this factor, numbers are rounded in turn instead.
+/// If rounding raises the loss by more than this factor, parameters are rounded one after the other instead.
 struct CostlyRounding {
     double factor;
     Turns turns;
 };
 constexpr CostlyRounding k_costly_rounding[] = {{1.003, {4, 2, 2}}, {1.02, {12, 3, 6}}};
 
-Result<Done> check(const Observations& observations, const FitOptions& options) {
+Result<Done> validate(const Observations& observations, const FitOptions& options) {
     const auto in_range = [](const char* what, int x, int least, int most) -> Result<Done> {
         if (x >= least && x <= most) return Done{};
         return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x), ErrorCode::argument};
@@ -54,7 +56,7 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
     for (const auto& result : {in_range("number of lobes", options.lobes, 1, k_most_fitted_lobes),
                                in_range("number of variates", options.variates, 1, k_most_variates),
                                in_range("number of starts", starts_of(options), 1, 1000),
-                               in_range("number of kicks", kicks_of(options), 0, 100000),
+                               in_range("number of perturbations", perturbations_of(options), 0, 100000),
                                in_range("number of threads", options.threads, 0, 1024)})
         if (!result) return result.error();
     if (!(options.finest >= 0 && options.finest < 1))
@@ -69,10 +71,10 @@ Result<Done> check(const Observations& observations, const FitOptions& options) 
                      "an even one, for a reciprocal model",
                      fmt::format("{}", options.variates),
                      ErrorCode::argument};
-    return check(observations, parameter_count(options));
+    return validate(observations, parameter_count(options));
 }
 
-/// Weights of which Σ w |f|² over the wavelengths is what it was over R, G, B.
+/// Weights for which Σ w |f|² over the wavelengths equals that over R, G, B.
 void weigh_for_spectra(Observations& observations) {
     const std::size_t count = observations.f.size() - observations.checks, C = observations.wavelengths.size();
     const double of_colours =
@@ -85,7 +87,7 @@ void weigh_for_spectra(Observations& observations) {
     for (double& weight : observations.weight) weight *= of_colours / of_spectra;
 }
 
-/// Steps from x as long as they pay.
+/// Levenberg-Marquardt from x as long as the steps pay off.
 LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, const Reporter& reporter) {
     LevenbergMarquardtOptions steps;
     steps.max_iterations = reporter.cancelled() ? 0 : k_last_steps;
@@ -100,7 +102,8 @@ LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, c
     return summary;
 }
 
-/// Goes on with all observations, of spectral ones with the spectra; checks that the fit exceeds become some of them, until there are none; rounds.
+/// Optimises on all observations, for spectral ones with the spectra. Checks that the fit exceeds become observations,
+/// until none is exceeded. Then rounds.
 PmFit finish(Lobes lobes, const Observations& observations, double albedo_importance, const FitOptions& options,
              double log_peak_limit, const Reporter& reporter) {
     PmFit fit;
@@ -118,7 +121,7 @@ PmFit finish(Lobes lobes, const Observations& observations, double albedo_import
         fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
         fit.unrounded = to_model(problem, lobes, options.log_scale, all.wavelengths);
 
-        // The nonlinear numbers are rounded, then the coefficients solved again.
+        // The nonlinear parameters are rounded, then the coefficients are solved again.
         Lobes halves = to_lobes(to_halves(fit.unrounded, lobes), lobes.shape);
         fit.loss = problem.loss(LobeProblem::pack(halves));
         for (const auto& [factor, turns] : k_costly_rounding) {
@@ -151,17 +154,17 @@ std::string_view name(StopReason reason) {
 
 Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress) {
     const FlushSubnormals mode;
-    if (const auto valid = check(observations, options); !valid) return valid.error();
+    if (const auto valid = validate(observations, options); !valid) return valid.error();
     const double log_peak_limit = options.log_scale ? k_log_peak_limit : std::log(double(k_half_max));
-    // Work is counted in lobes grown and kicks.
-    int kicks = 0, before = 0;
+    // The unit of work is a grown lobe or a perturbation.
+    int perturbations = 0, before = 0;
     for (const Round& round : k_rounds) {
-        const int until = round.kicks_until(options);
-        kicks += round.candidates(options) * (until - before);
+        const int until = round.perturbations_until(options);
+        perturbations += round.candidates(options) * (until - before);
         before = until;
     }
-    const double polish_work = 0.2 * kicks + 1;
-    Reporter reporter(progress, starts_of(options) * options.lobes + kicks + 2 * polish_work);
+    const double polish_work = 0.2 * perturbations + 1;
+    Reporter reporter(progress, starts_of(options) * options.lobes + perturbations + 2 * polish_work);
 
     PmFit fit;
     std::vector<Candidate> found(std::size_t(starts_of(options)));
@@ -179,7 +182,7 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
             sample.look_about(found, options, log_peak_limit);
             found.resize(std::size_t(round.candidates(options)));
             const Rows rows = sample.to_search(first);
-            const int until = round.kicks_until(options);
+            const int until = round.perturbations_until(options);
             each([&](std::size_t i) {
                 if (!reporter.cancelled()) improve(rows, options, log_peak_limit, until, found[i], reporter);
             });
@@ -194,7 +197,7 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
             reporter.advance("polishing", polish_work / double(found.size()));
         });
 
-        // By all observations those that go on are chosen.
+        // The loss over all observations decides which candidates continue.
         const Rows all(observations, {.albedo_importance = sample.albedo_importance()});
         LobeProblem whole(all, shape_of(options), true, log_peak_limit);
         for (Candidate& candidate : found) candidate.loss = whole.loss(LobeProblem::pack(candidate.lobes));

@@ -16,14 +16,14 @@ namespace srbf {
 namespace {
 
 constexpr std::size_t k_chain =
-    32;  ///< views that are fitted one from the other; the first of them is fitted from nothing
-constexpr int k_first_steps = 40, k_steps = 15, k_kick_steps = 12;
-constexpr int k_kicks = 8;
-/// A view takes the lobes of its neighbour if that one's loss is below this part of its own; and starts from nothing if
-/// its own exceeds that of its neighbour by far.
+    32;  ///< number of consecutive views that are fitted one from the other; the first of them starts from clusterings
+constexpr int k_first_steps = 40, k_steps = 15, k_perturbation_steps = 12;
+constexpr int k_perturbations = 8;
+/// A view adopts the lobes of a neighbour whose loss is below this fraction of its own; it starts from clusterings if
+/// its loss exceeds the neighbour's by far.
 constexpr double k_better = 0.97, k_much_worse = 4;
 
-/// A view's fit on its way.
+/// State of the fit of a view.
 struct ViewFit {
     std::vector<ViewLobe> lobes;
     double loss = std::numeric_limits<double>::infinity();
@@ -40,15 +40,15 @@ ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<
     return {problem.lobes(x), summary.loss, summary.stop};
 }
 
-/// Lobes of the sampled direction `from` as those of `to`, for a BRDF that does not change when both directions are
-/// rotated.
+/// Lobes of the sampled direction `from` as those of `to`, for a BRDF that is invariant under rotation of both
+/// directions.
 std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
     const double angle = std::atan2(double(to.y), double(to.x)) - std::atan2(double(from.y), double(from.x));
     for (ViewLobe& lobe : lobes) lobe.centre = Kernel<double>::turned(lobe.centre, std::cos(angle), std::sin(angle));
     return lobes;
 }
 
-/// The rows of a view that count, as clusterings take them.
+/// The rows of a view with positive weight, as input of clusterings.
 struct Weighted {
     std::vector<Vec3f> direction;
     std::vector<double> weight;  ///< w f, summed over the channels
@@ -69,8 +69,8 @@ Weighted weighted(const ViewRows& rows) {
     return points;
 }
 
-/// Where J lobes may begin: of all sizes about the brightest direction, and far apart from each other where there is
-/// much.
+/// Initial positions of J lobes: of all sizes about the brightest direction, and at bright directions far apart from
+/// each other.
 std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_t J) {
     std::vector<std::vector<ViewLobe>> starts;
     for (const double factor : {3.0, 6.0, 30.0}) {
@@ -95,8 +95,8 @@ std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_
     return starts;
 }
 
-/// The best of fits from clusterings of the view's values, improved by dropping the lobe that costs least and adding one at
-/// random, again and again.
+/// The best of the fits from clusterings of the view's values, improved by repeatedly dropping the least useful lobe
+/// and adding a random one.
 ViewFit from_nothing(ViewProblem& problem, const ViewRows& rows, std::size_t J, std::mt19937_64& random) {
     const Weighted points = weighted(rows);
     ViewFit best;
@@ -106,7 +106,7 @@ ViewFit from_nothing(ViewProblem& problem, const ViewRows& rows, std::size_t J, 
                 optimised(problem, rows, vmf_clusters(points.direction, points.weight, start, rounds), k_first_steps);
             if (fit.loss < best.loss) best = std::move(fit);
         }
-    for (int kick = 0; kick < k_kicks; ++kick) {
+    for (int perturbation = 0; perturbation < k_perturbations; ++perturbation) {
         problem.loss(problem.start(rows, best.lobes));
         const std::vector<double> cost = problem.cost_of_dropping();
         std::vector<ViewLobe> next = best.lobes;
@@ -114,13 +114,13 @@ ViewFit from_nothing(ViewProblem& problem, const ViewRows& rows, std::size_t J, 
         const double pick = uniform(random), size = uniform(random);
         least = {to_double(points.direction[std::size_t(pick * double(points.direction.size()))]),
                  0.3 * std::pow(1e5, size)};
-        ViewFit fit = optimised(problem, rows, next, k_kick_steps);
+        ViewFit fit = optimised(problem, rows, next, k_perturbation_steps);
         if (fit.loss < best.loss) best = std::move(fit);
     }
     return best;
 }
 
-Result<Done> check(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
+Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
     const auto in_range = [](const char* what, double x, double least, double most) -> Result<Done> {
         if (x >= least && x <= most) return Done{};
         return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x), ErrorCode::argument};
@@ -142,7 +142,7 @@ Result<Done> check(const RawMatrix& matrix, const SuFitOptions& options, double 
 Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressToken& progress) {
     const FlushSubnormals mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
-    if (const auto valid = check(matrix, options, theta_max); !valid) return valid.error();
+    if (const auto valid = validate(matrix, options, theta_max); !valid) return valid.error();
     const std::size_t n = matrix.direction.size(), J = std::size_t(options.lobes), chains = (n + k_chain - 1) / k_chain;
     Reporter reporter(progress, 4 * double(n));
     SuFit result;
@@ -180,7 +180,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
         for_chains("fitting views", [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
             std::seed_seq seeds{std::uint32_t(options.seed), std::uint32_t(options.seed >> 32), std::uint32_t(begin)};
             std::mt19937_64 random(seeds);
-            std::size_t last = n;  // the one to start from
+            std::size_t last = n;  // the view to start from
             for (std::size_t i = begin; i < end; ++i) {
                 const ViewRows rows = views.rows(i);
                 if (!(rows.scale > 0)) continue;
@@ -194,13 +194,13 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
                 last = i;
             }
         });
-        // What one view found its neighbours try as well, down and up again.
+        // Neighbouring views try each other's lobes, upwards and downwards.
         for (const bool down : {true, false}) {
             const std::vector<ViewFit> before = fits;
             for_chains("comparing views", [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
                 for (std::size_t k = begin; k < end; ++k) {
                     const std::size_t i = down ? end - 1 - (k - begin) : k, from = down ? i + 1 : i - 1;
-                    if (from >= n) continue;  // either end of all views
+                    if (from >= n) continue;  // beyond the first or last view
                     const ViewFit& neighbour = from >= begin && from < end ? fits[from] : before[from];
                     if (fits[i].is_empty() || neighbour.is_empty() || neighbour.loss > k_better * fits[i].loss)
                         continue;
@@ -212,7 +212,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
             });
         }
 
-        // The nonlinear numbers are rounded, then the coefficients solved again.
+        // The nonlinear parameters are rounded, then the coefficients are solved again.
         const auto solve = [&](ViewProblem& problem, SuModel& model, std::size_t i) {
             std::vector<ViewLobe> lobes;
             for (std::size_t k = i * J; k < (i + 1) * J; ++k)

@@ -1,4 +1,4 @@
-// All that `srbf fit` does between reading a measurement and writing a model.
+// All stages of `srbf fit` between reading a measurement and writing a model.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 #include <map>
 #include <tuple>
 
-#include "fit/requests.h"
 #include "fit/cross_validated_fits.h"
+#include "fit/requests.h"
 #include "floating_point.h"
 #include "srbf/directions.h"
 #include "srbf/fitting.h"
@@ -17,24 +17,24 @@
 namespace srbf {
 namespace {
 
-/// Held-out pairs that tell a choice in short.
+/// Number of held-out pairs for short comparisons in a choice.
 constexpr std::uint64_t k_pairs_in_short = 20000;
 
-/// Drafts look at the beginning of the observations.
+/// Drafts use the first observations.
 struct Draft {
     std::size_t pairs;
-    int starts, kicks;
+    int starts, perturbations;
 };
 constexpr Draft k_draft[Fitter::k_drafts] = {{4096, 3, 0}, {16384, 4, 8}};
 
-/// What part of a fit's time its stages take, about.
+/// Approximate shares of the stages in the time of a fit.
 constexpr double k_observed = 0.1, k_fitted = 0.75;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Result<Done> check(const FitRequest& request, bool has_spectra) {
+Result<Done> validate(const FitRequest& request, bool has_spectra) {
     const auto refused = [](const char* what, const char* expected, std::string found) {
         return Error{"fit", {}, what, expected, std::move(found), ErrorCode::argument};
     };
@@ -49,7 +49,7 @@ Result<Done> check(const FitRequest& request, bool has_spectra) {
 
 }  // namespace
 
-// ---- The stages that tables and samples share ----
+// ---- Stages common to tables and samples ----
 
 Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress) {
     const SuRequest& su = std::get<SuRequest>(request.model);
@@ -100,20 +100,20 @@ class Fitter::Work {
             f(wl, wv, values);
             for (Rgb& value : values)
                 for (int c = 0; c < 3; ++c)
-                    if (value[c] < 0) value[c] = 0;  // a NaN stays
+                    if (value[c] < 0) value[c] = 0;  // NaN is kept
         };
     }
 
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress) {
         const auto start = std::chrono::steady_clock::now();
-        if (const auto valid = check(request, has_spectra()); !valid) return valid.error();
+        if (const auto valid = validate(request, has_spectra()); !valid) return valid.error();
         auto outcome = samples() ? fit_to(*samples(), request, progress) : fit_table(request, progress);
         return finished(std::move(outcome), request, start, progress);
     }
 
     Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress) {
         const auto start = std::chrono::steady_clock::now();
-        if (const auto valid = check(request, has_spectra()); !valid) return valid.error();
+        if (const auto valid = validate(request, has_spectra()); !valid) return valid.error();
         if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
             return Error{"fit", {}, "draft", "one of a multivariate model", "another", ErrorCode::argument};
         return finished(drafted(request, draft, progress), request, start, progress);
@@ -140,7 +140,7 @@ class Fitter::Work {
             outcome.errors.reset(), outcome.unrounded_errors.reset();
             return cancelled_error("measure");
         }
-        if (!outcome.errors) return Done{};  // a draft of samples
+        if (!outcome.errors) return Done{};  // a draft of a fit to samples
         const auto tell = [&](const char* name, double value) {
             outcome.model.provenance[name] = fmt::format("{:.4g}", value);
         };
@@ -152,9 +152,11 @@ class Fitter::Work {
     }
 
   private:
-    const Scattered* samples() const { return measured_ ? std::get_if<Scattered>(&measured_->table) : nullptr; }
+    const ScatteredSamples* samples() const {
+        return measured_ ? std::get_if<ScatteredSamples>(&measured_->table) : nullptr;
+    }
     bool has_spectra() const { return measured_ && !wavelengths(*measured_).empty(); }
-    /// What is fitted, and what errors are measured against.
+    /// What is fitted, and what the errors are measured against.
     Channels channels_of(const FitRequest& request) const {
         return request.spectral ? spectra(*measured_) : rgb_channels(clamped_);
     }
@@ -172,7 +174,7 @@ class Fitter::Work {
         return outcome;
     }
 
-    // What was observed, by all that it depends on: the objective, θmax, the seed, and whether it is spectral.
+    // Observations, by everything that they depend on: the objective, θmax, the seed, and whether they are spectral.
     using Key = std::tuple<Objective, double, std::uint64_t, bool>;
     static Key key(const FitRequest& request) {
         return {request.objective, request.theta(), request.seed, request.spectral};
@@ -216,7 +218,8 @@ class Fitter::Work {
         return at->second;
     }
 
-    Result<FitOutcome> fit_to(const Scattered& samples, const FitRequest& request, const ProgressToken& progress) {
+    Result<FitOutcome> fit_to(const ScatteredSamples& samples, const FitRequest& request,
+                              const ProgressToken& progress) {
         if (std::holds_alternative<SuRequest>(request.model))
             return fit_to_samples(samples, nullptr, request, progress);
         const auto observations = observed_samples(request, progress.part(0, 0.05));
@@ -265,7 +268,7 @@ class Fitter::Work {
             take(outcome, *std::move(fitted));
             return outcome;
         }
-        // The best trade of bytes and error.
+        // The best compromise between bytes and error.
         double least = std::numeric_limits<double>::infinity(), done = 0, all = 0;
         for (const int lobes : k_tried_lobes) all += lobes;
         for (const int lobes : k_tried_lobes) {
@@ -292,7 +295,7 @@ class Fitter::Work {
         return outcome;
     }
 
-    /// The objective's own measure, held out.
+    /// The held-out error by the objective's own measure.
     double error_of_model(const PmModel& model, const FitRequest& request, bool in_short) const {
         const Channels others[] = {request.spectral ? spectra(model) : rgb_channels(evaluator(model))};
         const Measures measures = measure_heldout(channels_of(request), others, {request.theta(), request.threads},
@@ -308,9 +311,9 @@ class Fitter::Work {
         }
         const auto observations = observed(request, progress.part(0, 0.3));
         if (!observations) return observations.error();
-        const auto& [pairs, starts, kicks] = k_draft[draft];
+        const auto& [pairs, starts, perturbations] = k_draft[draft];
         FitOptions options = pm_options(request, axial(request));
-        options.starts = starts, options.kicks = kicks;
+        options.starts = starts, options.perturbations = perturbations;
         auto fitted = fit_pm(beginning(**observations, pairs), options, progress.part(0.3, 1));
         if (!fitted) return fitted.error();
         FitOutcome outcome;

@@ -11,7 +11,7 @@
 namespace srbf {
 namespace {
 
-/// Sets that grow together.
+/// Disjoint sets.
 class Sets {
   public:
     explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -25,21 +25,21 @@ class Sets {
     std::vector<std::size_t> parent_;
 };
 
-/// A point for each pair, such that distances between points are, to first order, √(|Δωl|² + |Δωv|²), of isotropic samples the least over
-/// all turns about the normal and mirrored ones.
+/// A point for each pair such that distances between points are, to first order, √(|Δωl|² + |Δωv|²); for isotropic
+/// samples the minimum over all rotations about the normal and reflections.
 std::array<double, 6> place_of(Vec3f l, Vec3f v, bool isotropic) {
     const Vec3d wl = to_double(l), wv = to_double(v);
     if (!isotropic) return {wl.x, wl.y, wl.z, wv.x, wv.y, wv.z};
     const double rl = std::hypot(wl.x, wl.y), rv = std::hypot(wv.x, wv.y), both = std::max(std::hypot(rl, rv), 1e-30);
-    // Turned against each other by δ, the pair is rl rv / √(rl² + rv²) δ away: each goes part of the way.
+    // Under a relative rotation by δ the distance is rl rv / √(rl² + rv²) δ, shared between both directions.
     const double across = std::abs(wl.x * wv.y - wl.y * wv.x) / both, along = (wl.x * wv.x + wl.y * wv.y) / both;
     return {rl, wl.z, rv, wv.z, along, across};
 }
 
 }  // namespace
 
-Places find_places(const Scattered& samples) {
-    // Sample i is point 2i, exchanged it is point 2i + 1.
+Places find_places(const ScatteredSamples& samples) {
+    // Sample i is point 2i; with exchanged directions it is point 2i + 1.
     const std::size_t n = samples.wl.size();
     PointCloud<double, 6> cloud;
     for (std::size_t i = 0; i < n; ++i) {
@@ -63,7 +63,7 @@ Places find_places(const Scattered& samples) {
         places.of[i] = of_set;
     }
 
-    // The nearest point of another place, among as many as need be.
+    // The nearest point of another place, among as many neighbours as necessary.
     std::vector<double> nearest;
     std::vector<std::uint32_t> point;
     std::vector<double> distance;
@@ -85,14 +85,14 @@ Places find_places(const Scattered& samples) {
     return places;
 }
 
-double spacing(const Scattered& samples) { return find_places(samples).spacing; }
+double spacing(const ScatteredSamples& samples) { return find_places(samples).spacing; }
 
-Result<std::vector<int>> draw_folds(const Scattered& samples, double max_theta, std::uint64_t seed) {
-    return draw_folds(samples, find_places(samples), max_theta, seed);
+Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, double max_theta, std::uint64_t seed) {
+    return assign_folds(samples, find_places(samples), max_theta, seed);
 }
 
-Result<std::vector<int>> draw_folds(const Scattered& samples, const Places& places, double max_theta,
-                                    std::uint64_t seed) {
+Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, const Places& places, double max_theta,
+                                      std::uint64_t seed) {
     if (places.count < k_folds)
         return Error{"samples",
                      {},
@@ -128,8 +128,8 @@ Result<std::vector<int>> draw_folds(const Scattered& samples, const Places& plac
     return of_sample;
 }
 
-Scattered without_fold(const Scattered& samples, std::span<const int> fold, int left_out) {
-    Scattered rest;
+ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const int> fold, int left_out) {
+    ScatteredSamples rest;
     rest.description = samples.description;
     rest.isotropic = samples.isotropic;
     rest.wavelengths = samples.wavelengths;
@@ -147,7 +147,7 @@ Scattered without_fold(const Scattered& samples, std::span<const int> fold, int 
     return rest;
 }
 
-Result<std::vector<std::vector<float>>> cross_validate(const Scattered& samples, std::span<const int> fold,
+Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& samples, std::span<const int> fold,
                                                        const FitToSamples& fit) {
     std::array<std::optional<Result<std::vector<Model>>>, k_folds> models;
     const FlushSubnormals mode;
@@ -159,7 +159,7 @@ Result<std::vector<std::vector<float>>> cross_validate(const Scattered& samples,
         if (!of_fold) return of_fold.error();
         predicted.resize(of_fold->size());
         for (std::size_t k = 0; k < predicted.size(); ++k) {
-            // Colours by `value`, which is the same on any machine.
+            // Colours come from `value`, which is the same on any machine.
             const Model& fitted = (*of_fold)[k];
             const Channels model =
                 wavelengths(fitted).empty() ? rgb_channels(evaluator<Model>(fitted)) : channels(fitted);

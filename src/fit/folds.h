@@ -1,4 +1,4 @@
-// Where pairs of directions lie among each other.
+// Places: groups of close samples, for cross-validation.
 #pragma once
 #include <vector>
 
@@ -6,15 +6,16 @@
 
 namespace srbf {
 
-/// Samples within `k_same_place` of each other have one number, from 0 on; places as they are and with wl and wv exchanged.
+/// Samples within `k_same_place` of each other have the same number, from 0 on; so do samples that are close to them
+/// with wl and wv exchanged.
 struct Places {
-    std::vector<int> of;  ///< the number of each sample
+    std::vector<int> of;  ///< the place of each sample
     int count = 0;
     double spacing = 0;  ///< see `spacing`
 };
-Places find_places(const Scattered& samples);
-/// `draw_folds` of samples whose places are known.
-Result<std::vector<int>> draw_folds(const Scattered& samples, const Places& places, double max_theta,
-                                    std::uint64_t seed);
+Places find_places(const ScatteredSamples& samples);
+/// `assign_folds` for known places.
+Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, const Places& places, double max_theta,
+                                      std::uint64_t seed);
 
 }  // namespace srbf

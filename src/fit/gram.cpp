@@ -57,11 +57,11 @@ void further_features(const Rows& rows, std::size_t block, int count, float* fea
     }
 }
 
-// Four batches at once: a weight is spread and a column's place looked up for all of them.
+// Processes four batches at once: a weight is broadcast and a column addressed once for all four.
 constexpr std::size_t k_together = 4;
 static_assert(k_block % (k_together * HWY_MAX_BYTES / sizeof(float)) == 0);
 
-// store(i, sum), for the rows from each i on, of start(i) + Σ_n weight[n] s[n].
+// Calls store(i, sum) for the rows from each i on, with sum = start(i) + Σ_n weight[n] s[n].
 template <typename Start, typename Store>
 HWY_INLINE void add_weighted(std::span<const float> weight, std::span<const float* const> s, const Start& start,
                              const Store& store) {
@@ -115,7 +115,7 @@ void add_product(const float* a, const float* b, float* out) {
 
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
     Batch sum(0.0);
-    // The rest with its sign turned: Σ_j beta[j] columns[j] − y.
+    // The negative residual: Σ_j beta[j] columns[j] − y.
     const auto start = [&](std::size_t i) HWY_ATTR { return -Batch::load(y + i); };
     add_weighted(beta, columns, start, [&](std::size_t i, Batch rest) HWY_ATTR {
         (-rest).store(r + i);
@@ -145,7 +145,7 @@ HWY_INLINE void add_sums(const Batch (&x)[4], double* to) {
     for (std::size_t k = 0; k < 4; ++k) to[k] += double(x[k].sum());
 }
 #else
-// The sum of the vector's quadruples of lanes.
+// Sums groups of four lanes of the vector.
 template <typename D> HWY_INLINE void store_sum_of_fours(D d, hn::Vec<D> x, float* to) {
     if constexpr (hn::MaxLanes(D()) <= 4) {
         hn::Store(x, d, to);
@@ -154,7 +154,7 @@ template <typename D> HWY_INLINE void store_sum_of_fours(D d, hn::Vec<D> x, floa
         store_sum_of_fours(half, hn::Add(hn::LowerHalf(half, x), hn::UpperHalf(half, x)), to);
     }
 }
-// The lanes are added four by four as the matrix of four vectors is transposed.
+// Adds lanes in groups of four while transposing the matrix of four vectors.
 HWY_INLINE void add_sums(const Batch (&x)[4], double* to) {
     const Lanes d;
     const hn::RepartitionToWide<Lanes> pairs;
@@ -170,13 +170,13 @@ HWY_INLINE void add_sums(const Batch (&x)[4], double* to) {
 }
 #endif
 
-// Products by tiles of 4 columns and as many rows as leave registers for a sum each, for the rows' numbers and one of a column's.
+// Products in tiles of 4 columns and as many rows as leave registers for the sums, the rows' numbers and one column's.
 #if HWY_TARGET <= HWY_AVX3 || HWY_ARCH_ARM_A64
 constexpr std::size_t k_tile = 6;
 #else
 constexpr std::size_t k_tile = 3;
 #endif
-// Of row i `columns_of(i)` are asked for.
+// For row i only the first `columns_of(i)` columns are computed.
 template <typename ColumnsOf>
 HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
                           const ColumnsOf& columns_of) {
@@ -288,7 +288,7 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     for (std::size_t k = 0; k < albedos; ++k)
         albedo_blocks =
             std::max(albedo_blocks, blocks_for((observations.albedo[k * every].wl.size() + step - 1) / step));
-    // Rows that fill up: any direction will do, their weight is 0.
+    // Padding rows: any direction is fine, the weight is 0.
     const std::size_t rows = whole_blocks() * k_block;
     for (std::size_t k = 0; k < 3; ++k) {
         wl[k].assign(rows, k == 2 ? 1.f : 0.f);
@@ -296,7 +296,7 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     }
     const std::size_t C = extent.spectra ? observations.wavelengths.size() : 3;
     y.assign(C, Aligned<float>(rows, 0.f));
-    // Channel c of an observation or of an albedo's light.
+    // Channel c of an observation or of a light direction of an albedo.
     const auto value_of = [C, spectra = extent.spectra](const auto& of, std::size_t i) {
         return [&of, i, C, spectra](std::size_t c) { return spectra ? of.spectrum[i * C + c] : of.f[i][int(c)]; };
     };

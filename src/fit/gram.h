@@ -1,5 +1,5 @@
-// The inner loops of the fit: lobes on blocks of weighted observations, and the products of their columns.
-// Float SIMD inside of a block of rows, sums over blocks in double: the same on any number of threads.
+// The inner loops of the fit: lobes on blocks of weighted observations, and inner products of their columns. Float SIMD
+// within a block of rows, sums over blocks in double, so that the result does not depend on the number of threads.
 #pragma once
 #include <tbb/cache_aligned_allocator.h>
 
@@ -13,51 +13,54 @@
 
 namespace srbf {
 
-inline constexpr std::size_t k_block = 512;  ///< rows in a block
-inline constexpr std::size_t k_chunk = 8;    ///< blocks in a chunk: what is summed in one go
+inline constexpr std::size_t k_block = 512;  ///< rows per block
+inline constexpr std::size_t k_chunk = 8;    ///< blocks per chunk, the unit of summation
 
 template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
 
-/// What of the observations Rows hold.
+/// Which parts of the observations Rows hold.
 struct Extent {
     double albedo_importance =
-        0;  ///< what the sum rises by where every albedo is off by its luminance in one channel; 0: no albedo
-    bool roughly = false;  ///< every other albedo, of each every ninth direction
-    bool spectra = false;  ///< the spectra of spectral observations in place of their colours
+        0;  ///< increase of the sum if every albedo is off by its luminance in one channel; 0: no albedos
+    bool roughly = false;  ///< only every other albedo, and of each every ninth direction
+    bool spectra = false;  ///< the spectra of spectral observations instead of their colours
 };
 
-/// Observations as the loops take them: an array a component, filled up to whole blocks with rows of weight
-/// 0. First those of pairs, of which the sum of squares is asked for; then as many blocks for each albedo, of which the
+/// Observations in the layout of the loops: an array per component, padded to whole blocks with rows of weight 0. First
+/// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each albedo, which
+/// contributes the square of a sum.
 /// square of the sum is asked for.
 struct Rows {
-    /// All but the checks.
+    /// All observations except the checks.
     explicit Rows(const Observations& observations, const Extent& extent = {});
     std::size_t blocks = 0;                      ///< of pairs
-    std::size_t albedos = 0, albedo_blocks = 0;  ///< how many, and of each so many blocks
+    std::size_t albedos = 0, albedo_blocks = 0;  ///< number of albedos, blocks per albedo
     std::array<Aligned<float>, 3> wl, wv;
-    double scale = 1;               ///< values are counted in multiples of it, whatever the data's unit: 1 / √Σw
+    double scale = 1;               ///< unit of the values: 1 / √Σw
     Aligned<float> root_weight;     ///< √w × scale, so that its squares sum to 1 over pairs
     std::vector<Aligned<float>> y;  ///< √w f for each channel
 
     std::size_t whole_blocks() const { return blocks + albedos * albedo_blocks; }
 
   private:
-    /// Row i for these directions: `factor` is √w, or what stands in its place in a sum; f(c) the value of channel c.
+    /// Row i for these directions: `factor` is √w, or its replacement in a sum; f(c) the value of channel c.
     template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
 };
 
-// Every array below holds k_block numbers and is aligned for vectors.
+// All arrays below hold k_block numbers and are aligned for SIMD.
 
-/// For rows of one block and ψ of angle (a, b): s = −|ψ−ẑ|²/2 = ψ_z − 1 and its derivative by the angle.
+/// For the rows of a block and ψ of angle (a, b): s = −|ψ−ẑ|²/2 = ψ_z − 1 and its derivative with respect to the angle.
 void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle);
-/// The same for centres anywhere: ψ_x, ψ_y, ψ_z − 1, one after the other, and their derivatives: 3 × k_block numbers each.
+/// The same for general centres: ψ_x, ψ_y, ψ_z − 1 one after the other, and their derivatives: 3 × k_block numbers
+/// each.
 void general_features(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle);
-/// The first `count` further features (kernel.glsl: pm_further_features), one after the other: `count` × k_block numbers.
+/// The first `count` further features (pm_further_features of kernel.glsl), one after the other: `count` × k_block
+/// numbers.
 void further_features(const Rows& rows, std::size_t block, int count, float* features);
-/// x = Σ_n weight[n] s[n]; returns the largest of the rows with a positive weight, the lowest float where there is none.
+/// x = Σ_n weight[n] s[n]; returns the maximum over rows with positive weight, or the lowest float if there are none.
 float exponent(const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
                float* x);
-/// x ← √w exp(x − offset), for x ≤ offset; rows of weight 0 may exceed it and become 0.
+/// x ← √w exp(x − offset), for x ≤ offset. Rows of weight 0 may exceed `offset`; they become 0.
 void exponentiate(const Rows& rows, std::size_t block, float offset, float* x);
 /// x = Σ_n weight[n] s[n].
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x);
@@ -67,7 +70,7 @@ void multiply(const float* a, const float* b, float* out);
 void add_product(const float* a, const float* b, float* out);
 /// r = y − Σ_j beta[j] columns[j]; returns Σ r².
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r);
-/// Σ of the column, and of its squares.
+/// Σ of the column, and Σ of its squares.
 double sum(const float* column);
 double sum_of_squares(const float* column);
 /// G[i × n + k] += columns[i] · columns[k] for k ≤ i, n the number of columns.

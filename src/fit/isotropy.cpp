@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::size_t k_pairs = 16384;
 constexpr double k_small_turn = 15 * k_degree;
-/// Relative mean squares of f(Rωl, Rωv) − f(ωl, ωv): what rounding alone may leave, and what noise may.
+/// Relative mean squares of f(Rωl, Rωv) − f(ωl, ωv): tolerance for rounding alone, and for noise.
 constexpr double k_rounding = 1e-6, k_noise = 0.02;
-/// Noise differs by as much after a small turn as after any; a brushed surface by far less.
+/// Noise changes as much under a small rotation as under any; a brushed surface changes far less.
 constexpr double k_most_growth = 2.5;
 
 Vec3f turned(Vec3f w, double angle) { return Kernel<float>::turned(w, float(std::cos(angle)), float(std::sin(angle))); }
@@ -39,7 +39,7 @@ bool is_isotropic(const Evaluate& f, double max_theta) {
     f(wl, wv, at);
     f(wl_small, wv_small, at_small);
     f(wl_any, wv_any, at_any);
-    // Of f cosθl cosθv: towards the horizon f has more of everything, noise among it.
+    // For f cosθl cosθv: towards the horizon f grows, and so does its noise.
     double whole = 0, by_small = 0, by_any = 0;
     for (std::size_t i = 0; i < k_pairs; ++i) {
         if (!is_finite(at[i]) || !is_finite(at_small[i]) || !is_finite(at_any[i])) continue;

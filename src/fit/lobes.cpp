@@ -71,13 +71,13 @@ template <typename Body> void LobeProblem::for_chunks(const Body& body) const {
 template <typename Columns, typename Sums>
 Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, const Columns& columns,
                                   const Sums& sums) const {
-    std::vector<std::vector<double>> parts(chunks());  // of pairs products, of an albedo the columns' sums
+    std::vector<std::vector<double>> parts(chunks());  // for pairs products, for an albedo the columns' sums
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
         if (observes_albedo(begin)) {
             parts[chunk] = sums(begin, end);
             return;
         }
-        thread_local Aligned<float> scratch;  // some hundred kilobytes, for the thread's life
+        thread_local Aligned<float> scratch;  // a few hundred kilobytes, allocated once per thread
         scratch.resize(std::max(scratch.size(), scratch_columns * k_block));
         std::vector<const float*> pointers;
         std::vector<double>& part = parts[chunk];
@@ -97,7 +97,7 @@ Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, co
         const Eigen::Map<const Eigen::VectorXd> of_albedo(part.data(), G.rows());
         G.selfadjointView<Eigen::Upper>().rankUpdate(of_albedo);
     }
-    // Row-major lower triangles read as column-major upper ones.
+    // Row-major lower triangles are column-major upper ones.
     return G.selfadjointView<Eigen::Upper>();
 }
 
@@ -126,7 +126,7 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
                 features(rows_, block, b, a, swapped.data(), swapped_by_angle.data());
                 for (std::size_t i = 0; i < swapped.size(); ++i) {
                     at[i] += swapped[i];
-                    by_angle[i] -= swapped_by_angle[i];  // the angle of (b, a) is π/2 less that of (a, b)
+                    by_angle[i] -= swapped_by_angle[i];  // the angle of (b, a) is π/2 minus that of (a, b)
                 }
             }
             for (int n = 0; n < shape_.width(); ++n) s.push_back(feature(block, n));
@@ -196,14 +196,15 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     return whole;
 }
 
-// With D the columns E_j s_i (s_i what weight i multiplies), those of the angles and E_j, the derivative of channel c's residual is
-// −D B_c, B_c made of β. By angle n it is −Σ_j β_jc E_j p_jn·∂ψ_n/∂angle, and columns for it are either these sums, C of them for each
-// angle, or their terms without β, J of them, whichever are fewer. A coefficient between its bounds follows the others, so that of D only
-// the part across those lobes counts (Kaufman's approximation). One at its upper bound follows the bound: β_j E_j is then a lobe of a
-// given peak, and that of exp(p·(ψ − ẑ)) is exp(|p| − p_z).
+// Let D hold the columns E_j s_i (s_i is the factor of weight i), those of the angles, and E_j. The derivative of the
+// residual of channel c is −D B_c, with B_c made of β. With respect to angle n it is −Σ_j β_jc E_j p_jn·∂ψ_n/∂angle.
+// The columns for it are either these sums, C per angle, or their terms without β, J of them, whichever are fewer. A
+// coefficient strictly between its bounds adapts, so that only the component of D orthogonal to those lobes counts
+// (Kaufman's approximation). A coefficient at its upper bound follows the bound: β_j E_j is then a lobe of given peak,
+// and the peak of exp(p·(ψ − ẑ)) is exp(|p| − p_z).
 void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
     const Eigen::Index J = lobes_, N = shape_.variates, C = shape_.components(), W = shape_.width();
-    // βᵀ = in_channel × of_lobe, by way of the smaller number of sums.
+    // βᵀ = in_channel × of_lobe, evaluated with the smaller number of sums.
     const Eigen::Index sums = std::min(beta_.cols(), J);
     Eigen::MatrixXd in_channel = beta_.transpose(), of_lobe = in_channel;
     (beta_.cols() < J ? in_channel : of_lobe).setIdentity(sums, sums);
@@ -235,7 +236,8 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
         for (int j = 0; j < J; ++j) columns.push_back(lobe(block, j));
         for (std::size_t c = 0; c < channels(); ++c) columns.push_back(rest(block, c));
     };
-    // Of an albedo's blocks the sums alone are asked for, which are products of lobes and what weights or angles multiply.
+    // For an albedo's blocks only the sums are needed, which are products of lobes and the factors of weights or
+    // angles.
     const auto sums_of = [&](std::size_t begin, std::size_t end) {
         const Eigen::Index F = W + shape_.directional();
         Eigen::MatrixXd products = Eigen::MatrixXd::Zero(F, J);  // row-major, read as columns of lobes
@@ -281,7 +283,7 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
                 const double bandwidth = std::hypot(p.x, p.y, p.z);
                 if (bandwidth == 0) continue;
                 const double factor = (shape_.reciprocal ? 2 : 1) * beta;
-                const Eigen::Index last = N + j * W + (n + 1) * C - 1;  // of p_z
+                const Eigen::Index last = N + j * W + (n + 1) * C - 1;  // index of p_z
                 entries.emplace_back(first_e + j, last, factor * (1 - p.z / bandwidth));
                 if (shape_.axial) continue;
                 entries.emplace_back(first_e + j, last - 2, -factor * p.x / bandwidth);
@@ -304,7 +306,7 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
 std::vector<double> LobeProblem::cost_of_dropping() const { return srbf::cost_of_dropping(gram_, beta_); }
 
 std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<double>>& candidates) {
-    // What a group of candidates is on all blocks stays in the cache.
+    // The values of a group of candidates on all blocks fit in the cache.
     constexpr std::size_t group = 16;
     const std::size_t blocks = rows_.blocks, J = std::size_t(lobes_), C = channels();
     Aligned<float> added(group * blocks * k_block);
@@ -314,7 +316,7 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
     double best_gain = -1;
     for (std::size_t first = 0; first < candidates.size(); first += group) {
         const std::size_t count = std::min(group, candidates.size() - first);
-        std::vector<double> whole(count, 0.0);  // a candidate's product with itself
+        std::vector<double> whole(count, 0.0);  // squared norms of the candidates
         std::vector<const float*> s, rows, columns;
         for (std::size_t k = 0; k < count; ++k) {
             const std::vector<float> weight(candidates[first + k].begin(), candidates[first + k].end());
@@ -329,7 +331,7 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
                 whole[k] += sum_of_squares(of(k, block));
             }
         }
-        // With the lobes there are, and with the residuals; row-major, read as columns of candidates.
+        // Products with the current lobes and with the residuals; row-major, read as columns of candidates.
         Eigen::MatrixXd products = Eigen::MatrixXd::Zero(Eigen::Index(J + C), Eigen::Index(count));
         for (std::size_t block = 0; block < blocks; ++block) {
             rows.clear(), columns.clear();

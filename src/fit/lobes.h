@@ -1,5 +1,4 @@
-// Lobes as a separable least-squares problem: what Levenberg-Marquardt and the search for lobes work
-// on.
+// Lobes as a separable least-squares problem, the interface of Levenberg-Marquardt and of the search.
 #pragma once
 #include <Eigen/Dense>
 #include <algorithm>
@@ -12,22 +11,23 @@
 
 namespace srbf {
 
-/// What the lobes of a fit are made of.
+/// Structure of the lobes of a fit.
 struct LobeShape {
     PmForm form = PmForm::gaussian;
     int variates = 0;         ///< N
-    bool axial = true;        ///< centres at +z or −z alone
+    bool axial = true;        ///< only centres at +z or −z
     bool reciprocal = false;  ///< a variate is a pair, ψ of (a, b) and of (b, a), with one centre and one bandwidth
-    double finest = 0;        ///< no factor of a lobe is narrower than this [rad]; 0: than halves can hold
+    double finest = 0;        ///< least width of any factor of a lobe [rad]; 0: the limit of 16-bit floats
 
-    int components() const { return axial ? 1 : 3; }             ///< C: weights of a variate
+    int components() const { return axial ? 1 : 3; }             ///< C: weights per variate
     int directional() const { return variates * components(); }  ///< weights of all variates of a lobe
     int width() const { return directional() + features(form); }
 };
 
-/// The nonlinear numbers of J lobes of N variates. Lobe j is E_j = exp(Σ_n p_jn·(ψ_n − ẑ) + Σ_k κ_jk x_k − o_j), so that it is a product
-/// of Gaussian SRBFs of bandwidths |p_jn| about p_jn / |p_jn| and of the form's further factors, up to a factor; o_j makes its largest
-/// value on the rows 1. Of p_jn an axial lobe has the third component alone. In a reciprocal one ψ_n − ẑ is the sum of a pair's.
+/// The nonlinear parameters of J lobes of N variates. Lobe j is E_j = exp(Σ_n p_jn·(ψ_n − ẑ) + Σ_k κ_jk x_k − o_j): up
+/// to a factor a product of Gaussian SRBFs with bandwidths |p_jn| and centres p_jn / |p_jn| and of the form's further
+/// factors. o_j normalises its maximum over the rows to 1. An axial lobe has only the third component of p_jn. In a
+/// reciprocal lobe ψ_n − ẑ is the sum over the pair.
 struct Lobes {
     LobeShape shape;
     std::vector<double> angle;   ///< N: (a_n, b_n) = (cos, sin)
@@ -37,7 +37,7 @@ struct Lobes {
         return {weight.data() + std::size_t(j * shape.width()), std::size_t(shape.width())};
     }
 };
-/// The least and the most that weight n of a lobe may be.
+/// Lower and upper bound of weight n of a lobe.
 struct Interval {
     double least, most;
 };
@@ -50,17 +50,17 @@ inline Interval weight_range(int n, const LobeShape& shape) {
         const double slope = term.is_slope ? most(1 / shape.finest) : double(k_half_max);
         return {std::max(term.least, -slope), std::min(term.most, slope)};
     }
-    const double bandwidth = most(std::pow(shape.finest, -2));  // |p|, which a half holds
+    const double bandwidth = most(std::pow(shape.finest, -2));  // |p|, representable in 16 bits
     const double component = shape.axial ? bandwidth : bandwidth / std::sqrt(3.0);
     return {-component, component};
 }
 
-/// Σ w |f − Σ_j β_j E_j|², of C channels, over the rows of pairs, and over those of an albedo the square of the sum, β eliminated by
-/// non-negative least squares per channel. Variables are x = (angles, weights).
+/// Σ w |f − Σ_j β_j E_j|² over C channels, over the rows of pairs, plus the squares of sums for albedos. β is
+/// eliminated by non-negative least squares per channel. The variables are x = (angles, weights).
 class LobeProblem {
   public:
-    /// `parallel`: the loops run over the rows on several threads; the result does not depend on it.
-    /// `log_peak_limit`: bound on the log of a coefficient of a lobe whose peak is 1.
+    /// `parallel`: loops over rows use several threads; the result does not depend on it.
+    /// `log_peak_limit`: upper bound on the log of the coefficient of a lobe with peak 1.
     LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel,
                 double log_peak_limit = std::numeric_limits<double>::infinity());
 
@@ -69,17 +69,18 @@ class LobeProblem {
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::least); }
     Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return bounds(x.size(), &Interval::most); }
 
-    /// Half of a weight and 2 more, half a radian: a lobe that is of little use for a moment is not flung out of sight.
+    /// Step bounds: half a weight plus 2, and half a radian, so that a lobe that is temporarily useless does not
+    /// diverge.
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
-    // Of the last call of `loss`:
+    // Results of the last call of `loss`:
     const Eigen::MatrixXd& beta() const { return beta_; }  ///< J × C, in multiples of `scale`
     double scale() const { return rows_.scale; }
     const std::vector<double>& offset() const { return offset_; }  ///< o_j
 
-    /// What the loss would rise by, to first order, if lobe j were dropped and the others' β adapted.
+    /// First-order estimate of the increase of the loss if lobe j is dropped and the others' β adapt.
     std::vector<double> cost_of_dropping() const;
-    /// Of `candidates` the one that would lower the loss most, were it added; call after `loss`.
+    /// The one of `candidates` that would lower the loss most if added; valid after `loss`.
     std::vector<double> best_addition(const std::vector<std::vector<double>>& candidates);
 
     static Eigen::VectorXd pack(const Lobes& lobes);
@@ -94,12 +95,13 @@ class LobeProblem {
     std::size_t channels() const { return rows_.y.size(); }
     float* rest(std::size_t block, std::size_t c) { return &rest_[(block * channels() + c) * k_block]; }
     bool observes_albedo(std::size_t block) const { return block >= rows_.blocks; }
-    /// Chunks are of k_chunk blocks of pairs, or of those of an albedo.
+    /// A chunk consists of k_chunk blocks of pairs, or of the blocks of an albedo.
     std::size_t chunks_of_pairs() const { return (rows_.blocks + k_chunk - 1) / k_chunk; }
     std::size_t chunks() const { return chunks_of_pairs() + rows_.albedos; }
     template <typename Body> void for_chunks(const Body& body) const;
-    /// Σ over blocks of pairs of products of n columns, and over albedos of products of the columns' sums. `columns(block, scratch)` appends n
-    /// pointers; `sums(begin, end)` is what the columns sum to over an albedo's blocks.
+    /// Σ over blocks of pairs of products of n columns, and over albedos of products of the columns' sums.
+    /// `columns(block, scratch)` appends n pointers; `sums(begin, end)` returns the columns' sums over the blocks of an
+    /// albedo.
     template <typename Columns, typename Sums>
     Eigen::MatrixXd gram(std::size_t n, std::size_t scratch_columns, const Columns& columns, const Sums& sums) const;
 
@@ -109,15 +111,16 @@ class LobeProblem {
     bool parallel_;
     double log_peak_limit_;
     Aligned<float> lobe_, feature_,
-        rest_;  ///< blocks × (J, width + directional, C) × k_block: E_j; what weights multiply, d(ψ−ẑ)/dangle; residuals
+        /// blocks × (J, width + directional, C) × k_block: E_j; factors of the weights, d(ψ−ẑ)/dangle; residuals
+        rest_;
     std::vector<double> offset_;
     Eigen::MatrixXd beta_, gram_;  ///< J × C; E·E
-    Eigen::VectorXd beta_limit_;   ///< J: bound on β by that on the peaks
+    Eigen::VectorXd beta_limit_;   ///< J: bound on β from the bound on peaks
 };
 
-/// The log of what β_j of the problem, in the data's unit, must be multiplied by to be the coefficient of a lobe whose peak is 1.
+/// Log of the factor from β_j in the problem's units to the coefficient of a lobe with peak 1.
 double log_peak_factor(std::span<const double> of_lobe, const LobeShape& shape, double offset);
-/// p_n of a lobe's weights.
+/// p_n from the weights of a lobe.
 Vec3d vector_of(std::span<const double> of_lobe, const LobeShape& shape, int n);
 
 }  // namespace srbf

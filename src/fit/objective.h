@@ -1,4 +1,4 @@
-// What an observation weighs.
+// Weights of observations.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -9,29 +9,29 @@
 
 namespace srbf {
 
-/// What an objective is: a row of the table in objective.cpp.
+/// Definition of an objective: a row of the table in objective.cpp.
 struct ObjectiveTraits {
     Objective objective;
     std::string_view name;
     double Measures::*measure;  ///< that it minimises
-    double max_theta;           ///< θmax by default [degrees]
-    /// The weight of (f−f̂)² per solid angle of both directions, where the channels of f have mean `f`; `mean` is that of all
-    /// f over both caps.
+    double max_theta;           ///< default θmax [degrees]
+    /// The weight of (f−f̂)² per solid angle of both directions, for a pair with mean `f` over its channels; `mean` is
+    /// the mean f over both caps.
     double (*weight)(double f, double mean, double cos_l, double cos_v);
-    bool
-        of_small_errors;  ///< the weights hold for small errors; where errors stay large, `large_error_weight` corrects them
+    bool of_small_errors;  ///< weights are accurate for small errors only; `large_error_weight` corrects them elsewhere
 };
 const ObjectiveTraits& traits(Objective objective);
 
-/// Where a highlight holds nearly all of Σ w |f|², nothing asks for the body under it, which is what one sees wherever the light is not reflected.
-/// The objective cosine does so by weights of the cube root times cosθl cosθv: off by all of f everywhere costs this much of Σ w |f|² besides.
+/// If a highlight contains nearly all of Σ w |f|², the body under it, which dominates away from the mirror direction,
+/// has almost no weight. The objective cosine therefore adds cube-root weights times cosθl cosθv, so that an error of
+/// 100 % everywhere adds this fraction of Σ w |f|².
 inline constexpr double k_body_importance = 5e-3;
 
-/// Multiplies the weights of pairs, their solid angles, by what the objective asks for there; `mean` as above.
+/// Multiplies the weights of pairs (their solid angles) by the weights of the objective; `mean` as above.
 void weigh(Objective objective, double mean, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
            std::span<const Rgb> f, std::span<double> weight);
 
-/// Negative channels become 0; returns how many.
+/// Sets negative channels to 0; returns how many.
 inline int clamp_negative(Rgb& f) {
     int clamped = 0;
     for (int c = 0; c < 3; ++c) {
@@ -50,7 +50,7 @@ inline int clamp_negative(std::span<float> f) {
     return clamped;
 }
 
-/// Two observations in each other's place.
+/// Swaps two observations.
 inline void exchange(Observations& observations, std::size_t i, std::size_t k) {
     if (i == k) return;
     std::swap(observations.wl[i], observations.wl[k]);
@@ -73,18 +73,19 @@ inline double energy_of(std::span<const Rgb> f, std::span<const double> weight) 
     return energy;
 }
 
-/// w so that Σ w |f|² = 1; where it is 0 they stay.
+/// Normalises w so that Σ w |f|² = 1; no change if it is 0.
 inline void normalise(Observations& observations) {
     const double energy = energy_of(observations.f, observations.weight);
     if (energy > 0)
         for (double& weight : observations.weight) weight /= energy;
 }
 
-/// Whether the measure of an objective is the root of a mean square, not a ratio of sums of squares.
+/// Whether the measure of an objective is a root mean square, as opposed to a ratio of sums of squares.
 bool is_root(Objective objective);
 
-/// The cube root's weights are those of small errors. Where f̂ = g errs by much, this is what they are to be multiplied by, to make the weighted
-/// square what the error is: Σ_c (∛f−∛g)² / Σ_c (f−g)² over the weight of a small one; as far as a factor `most`.
+/// The cube-root weights are accurate for small errors. For a large error, f̂ = g, this is the correction factor that
+/// makes the weighted square the actual error, Σ_c (∛f−∛g)² / Σ_c (f−g)² over the small-error weight; clamped to a
+/// factor of `most`.
 inline double large_error_weight(const Rgb& f, const Rgb& g, double mean, double most) {
     double roots = 0;
     for (int c = 0; c < 3; ++c) roots += std::pow(std::cbrt(double(f[c])) - std::cbrt(double(g[c])), 2);
@@ -93,8 +94,8 @@ inline double large_error_weight(const Rgb& f, const Rgb& g, double mean, double
     return squares > 0 ? std::clamp(roots / squares / small, 1 / most, most) : 1;
 }
 
-/// Σ over the guards, the observations beyond θmax, relative to Σ w |f|², if the fit were off by the largest measured
-/// f cosθl cosθv at each of them.
+/// Σ over the guards (observations beyond θmax) if the fit were off by the largest measured f cosθl cosθv at each of
+/// them, relative to Σ w |f|².
 inline constexpr double k_guard_importance = 1e-2;
 
 }  // namespace srbf

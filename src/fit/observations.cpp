@@ -4,10 +4,10 @@
 #include <cmath>
 #include <optional>
 
-#include "evenly.h"
 #include "fit/check_grid.h"
 #include "fit/objective.h"
 #include "parallel.h"
+#include "r_sequence.h"
 #include "reporter.h"
 #include "srbf/colour.h"
 #include "srbf/directions.h"
@@ -18,32 +18,32 @@ namespace {
 
 constexpr std::size_t k_pairs_a_guard = 7;
 constexpr std::size_t k_mirror_checks = 32768;
-/// Of so many times the pairs, but no more than k_most_pairs, those that are observed are chosen.
+/// The pool of pairs is this many times as large as the observations, at most k_most_pairs.
 constexpr std::size_t k_pool = 8, k_most_pairs = std::size_t(1) << 20;
-/// This part of them by what they add to Σ w |f|², the others alike.
+/// This share is chosen with probability proportional to Σ w |f|², the rest uniformly.
 constexpr double k_by_energy = 0.5;
 constexpr double k_guard_theta = 89.9 * k_degree;
 
-/// Directions of view: even over the cap, a quarter of them even in log cosθ, so that grazing ones are not
-/// rare.
+/// Distribution of view directions: uniform over the cap, but a quarter uniform in log cosθ, so that directions close
+/// to the horizon are not rare.
 class ViewMixture {
   public:
     explicit ViewMixture(double cos_max) : cos_max_(cos_max) {}
     Vec3d sample(double u0, double u1, double u2) const {
-        const double z = u0 < k_even ? 1 - u1 * (1 - cos_max_) : std::pow(cos_max_, u1);
+        const double z = u0 < k_uniform ? 1 - u1 * (1 - cos_max_) : std::pow(cos_max_, u1);
         const double r = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * k_pi * u2;
         return {r * std::cos(phi), r * std::sin(phi), z};
     }
     double pdf(Vec3d w) const {  // [1/sr]
-        return (k_even / (1 - cos_max_) + (1 - k_even) / (w.z * -std::log(cos_max_))) / (2 * k_pi);
+        return (k_uniform / (1 - cos_max_) + (1 - k_uniform) / (w.z * -std::log(cos_max_))) / (2 * k_pi);
     }
 
   private:
-    static constexpr double k_even = 0.75;
+    static constexpr double k_uniform = 0.75;
     double cos_max_;
 };
 
-/// Albedo at θv [degrees] is observed by so many directions.
+/// Number of directions of an albedo observation at θv [degrees].
 constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
 constexpr int k_albedo_points = 4096;
 
@@ -52,16 +52,16 @@ struct Draw {
     double weight = 0;  // 1 / density within the caps, 0 for a guard
 };
 
-/// Pairs, and what was measured there.
+/// Pairs and their measured values.
 struct Drawn {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;          // ≥ 0
-    std::vector<double> weight;  // of a draw
+    std::vector<double> weight;  // of a sample
     std::uint64_t masked = 0, clamped = 0;
     std::size_t size() const { return f.size(); }
 };
 
-/// `draw(i)`, i < count, those that exist and that have a value, in their order.
+/// Evaluates f at `draw(i)`, i < count. Keeps the pairs that exist and have a value, in order.
 template <typename DrawAt>
 Drawn measured(const Evaluate& f, std::size_t count, int threads, const DrawAt& draw, Reporter& reporter) {
     constexpr std::size_t k_part = 4096;
@@ -102,8 +102,9 @@ struct Chosen {
     double weight;
 };
 
-/// About `count` of the pairs, in their order: half of them by their share of Σ w |f|², half alike. One that is chosen more often than
-/// another weighs as much less, so that sums over what is chosen estimate those over all; one that is chosen several times is one.
+/// Chooses about `count` of the pairs, in order: half by their share of Σ w |f|², half uniformly. Weights are divided
+/// by the expected number of choices, so that sums over the chosen pairs are unbiased; pairs that are chosen several
+/// times are merged.
 std::vector<Chosen> choose(const Drawn& pool, std::span<const double> weight, std::size_t count) {
     const double energy = energy_of(pool.f, weight);
     std::vector<Chosen> chosen;
@@ -118,7 +119,7 @@ std::vector<Chosen> choose(const Drawn& pool, std::span<const double> weight, st
     return chosen;
 }
 
-/// Adds pair i, with this weight.
+/// Appends pair i with this weight.
 void append(Observations& observations, const Drawn& drawn, std::size_t i, double weight) {
     observations.wl.push_back(drawn.wl[i]), observations.wv.push_back(drawn.wv[i]);
     observations.f.push_back(drawn.f[i]), observations.weight.push_back(weight);
@@ -128,7 +129,7 @@ std::vector<AlbedoObservation> observe_albedo(const Evaluate& f, double theta_ma
     std::vector<AlbedoObservation> all;
     for (const double theta : k_albedo_angles) {
         if (theta * k_degree > theta_max) continue;
-        // Of isotropic data any azimuth will do; of others these are spread.
+        // Any azimuth is sufficient for isotropic data; the azimuths are spread for other data.
         const Vec3d wv = spherical(theta * k_degree, 2.4 * double(all.size()));
         Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_albedo_points);
         AlbedoObservation albedo{to_float(wv), std::move(points.w), {}, std::move(points.weight), {}};
@@ -151,14 +152,14 @@ std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
     std::vector<double> theta{0, 2, 5};
     for (double t = 10; t < 80; t += 5) theta.push_back(t);
     for (const double t : {79.0, 82.0, 85.0, 87.0, 88.0, 89.0, 89.5, 89.9}) theta.push_back(t);
-    // Light and view are never quite the same: there ψ of (1, −1) has no direction, and that of its neighbours another one than a little aside.
+    // Light and view are never exactly equal: there ψ of (1, −1) has no direction, and its direction is discontinuous.
     std::vector<double> phi{0.5, 1,   3,   6,   10,  15,  20,  30,  40,  50,  60,  75, 90,
                             105, 120, 130, 140, 150, 160, 165, 170, 174, 177, 179, 180};
     std::vector<std::pair<Vec3d, Vec3d>> grid;
     for (const double l : theta)
         for (const double v : theta)
             for (const double p : phi) {
-                const double turn = 2.4 * double(grid.size());  // of isotropic data any will do
+                const double turn = 2.4 * double(grid.size());  // any azimuth is sufficient for isotropic data
                 const double of_view = l == 0 && v == 0 ? 0.25 : v;
                 grid.emplace_back(spherical(l * k_degree, p * k_degree + turn), spherical(of_view * k_degree, turn));
             }
@@ -180,7 +181,7 @@ Observations beginning(const Observations& observations, std::size_t count) {
     return some;
 }
 
-Result<Done> check(const Observations& observations, std::size_t parameters) {
+Result<Done> validate(const Observations& observations, std::size_t parameters) {
     const std::size_t count = observations.f.size();
     if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)
         return Error{"fit", {}, "observations", "arrays of one length", "different lengths"};
@@ -222,7 +223,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
         for (double& x : point) x = uniform(random);
         return point;
     };
-    const Evenly<6> pair_points(random_point()), guard_points(random_point()), check_points(random_point());
+    const RSequence<6> pair_points(random_point()), guard_points(random_point()), check_points(random_point());
     const double cos_max = std::cos(theta_max), cos_guard = std::cos(k_guard_theta);
     const ViewMixture views(cos_max);
     const MirrorMixture lights(theta_max), guard_lights(k_guard_theta);
@@ -234,8 +235,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
         if (!lights.contains(wl)) return std::nullopt;
         return Draw{wl, wv, 1 / (views.pdf(wv) * lights.pdf(wl, wv))};
     };
-    // Half of the guards have at least one direction between θmax and 89.9°, the others are nodes of the grid
-    // of checks.
+    // Half of the guards have at least one direction between θmax and 89.9°; the others are nodes of the check grid.
     const auto grid = check_grid();
     const auto draw_guard = [&](std::size_t i) -> std::optional<Draw> {
         const auto u = guard_points.at(i);
@@ -249,7 +249,8 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
         if (other.z < cos_guard) return std::nullopt;
         return u[0] < 0.75 ? Draw{edge, other} : Draw{other, edge};
     };
-    // The checks: the grid, and as many pairs about the mirror direction as may find a lobe between its nodes.
+    // The checks: the grid, and as many pairs about the mirror direction as are needed to find a lobe between its
+    // nodes.
     const auto draw_check = [&](std::size_t i) -> std::optional<Draw> {
         if (i < grid.size()) return Draw{grid[i].first, grid[i].second};
         const auto u = check_points.at(i - grid.size());
@@ -293,7 +294,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     const std::vector<Chosen> chosen = choose(pool, weight, pair_count);
     double chosen_energy = 0;
     for (const Chosen& pair : chosen) chosen_energy += pair.weight * square_of(pool.f[pair.index]);
-    // After every seventh of them a guard.
+    // A guard follows every seventh of them.
     const std::size_t guarded = std::min(guards.size(), chosen.size() / k_pairs_a_guard);
     for (std::size_t k = 0; k < chosen.size(); ++k) {
         append(observations, pool, chosen[k].index, chosen[k].weight / chosen_energy);

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "evenly.h"
 #include "fit/check_grid.h"
-#include "fit/objective.h"
 #include "fit/folds.h"
+#include "fit/objective.h"
 #include "fit/search.h"
 #include "floating_point.h"
+#include "r_sequence.h"
 #include "srbf/directions.h"
 #include "srbf/fit_samples.h"
 #include "srbf/metrics.h"
@@ -19,13 +19,13 @@ namespace srbf {
 namespace {
 
 constexpr std::size_t k_mirror_checks = 8192;
-/// Of the grid's ten thousand pairs so many hold lobes in place as well.
+/// Number of pairs of the grid (of ten thousand) that also constrain lobes.
 constexpr std::size_t k_most_between_samples = 4096;
-/// Beyond θmax what is carried on is believed less than a table.
+/// Extrapolation beyond θmax gets a smaller weight than values of a table.
 constexpr double k_guard_share = 0.1;
 constexpr double k_guard_theta = 89.9 * k_degree;
-// The short fit: what its error is, is asked for to a factor of two or so.
-constexpr int k_short_starts = 4, k_short_kicks = 10;
+// The short fit: its error is needed within a factor of about two.
+constexpr int k_short_starts = 4, k_short_perturbations = 10;
 
 void add(Observations& to, Vec3f wl, Vec3f wv, const Rgb& f, double weight, std::span<const float> spectrum) {
     to.wl.push_back(wl);
@@ -46,7 +46,7 @@ void shuffle(Observations& observations, std::mt19937_64& random) {
     }
 }
 
-/// The observations of a fit that believes the grid between the samples so far.
+/// The observations of a fit in which the grid between the samples has this weight.
 Observations together(const SampleObservations& from, double weight_between, std::uint64_t seed) {
     const Observations &samples = from.samples, &between = from.between;
     const std::size_t fitted = samples.f.size() - samples.checks;
@@ -69,14 +69,14 @@ void weigh_large_errors(Observations& observations, const PmModel& fitted, doubl
     const PreparedBrdf model = prepare(Model{fitted, {}});
     for (std::size_t i = 0; i < observations.f.size() - observations.checks; ++i) {
         const Vec3f wl = observations.wl[i], wv = observations.wv[i];
-        if (std::min(wl.z, wv.z) >= sample_cap(max_theta))  // else a guard
+        if (std::min(wl.z, wv.z) >= sample_cap(max_theta))  // otherwise a guard
             observations.weight[i] *= large_error_weight(observations.f[i], value(model, wl, wv), mean, k_most_change);
     }
 }
 
 }  // namespace
 
-Result<SampleObservations> observe(const Scattered& samples, const ObserveSamplesOptions& options,
+Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress) {
     const FlushSubnormals mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
@@ -133,25 +133,25 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
     }
     weigh_all(observed.samples);
 
-    // How well a sample is interpolated from the others.
-    const auto fold = draw_folds(samples, places, theta_max, options.seed);
+    // Errors of the interpolation of each sample from the others.
+    const auto fold = assign_folds(samples, places, theta_max, options.seed);
     if (!fold) return fold.error();
     std::vector<Rgb> interpolated(samples.wl.size());
     for (int left_out = 0; left_out < k_folds; ++left_out) {
         if (!progress.report("interpolating", 0.5 * left_out / k_folds)) return cancelled_error("observe");
-        const Scattered rest = without_fold(samples, *fold, left_out);
+        const ScatteredSamples rest = without_fold(samples, *fold, left_out);
         for (const std::size_t i : within)
             if ((*fold)[i] == left_out) interpolated[i] = value(rest, samples.wl[i], samples.wv[i]);
     }
     observed.interpolation = measure_samples(samples.wl, samples.wv, samples.colour, interpolated, theta_max);
 
-    // What the samples foretell of a pair: the colour, and the spectrum if it is asked for.
+    // Interpolated values at a pair: the colour, and the spectrum if requested.
     const auto foretold = [&](Vec3f wl, Vec3f wv) {
         if (C > 0) signed_spectrum(samples, wl, wv, spectrum);
         clamp_negative(spectrum);
         return value(samples, wl, wv);
     };
-    // Between the samples, beyond them, and where the fit is to be checked.
+    // Pairs between the samples, beyond them, and for checks.
     if (!progress.report("interpolating", 0.5)) return cancelled_error("observe");
     std::mt19937_64 random(options.seed);
     const auto grid = check_grid();
@@ -188,7 +188,7 @@ Result<SampleObservations> observe(const Scattered& samples, const ObserveSample
     const MirrorMixture lights(k_guard_theta);
     std::array<double, 6> first;
     for (double& x : first) x = uniform(random);
-    for (Evenly<6> points(first); observed.samples.f.size() < fitted + grid.size() + k_mirror_checks;) {
+    for (RSequence<6> points(first); observed.samples.f.size() < fitted + grid.size() + k_mirror_checks;) {
         const auto u = points.next();
         const Vec3d v = lights.sample_cap(u[1], u[2]), l = lights.sample(v, u[3], u[4], u[5]);
         if (!lights.contains(l)) continue;
@@ -213,7 +213,7 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
     if (!options.fill) return fit_pm(together(observations, 0, seed), bounded, progress);
 
     const Observations alone = together(observations, 0, seed);
-    const auto first = fit_pm(alone, in_short(bounded, k_short_starts, k_short_kicks), progress.part(0, 0.3));
+    const auto first = fit_pm(alone, in_short(bounded, k_short_starts, k_short_perturbations), progress.part(0, 0.3));
     if (!first) return first;
     const std::size_t fitted = observations.samples.f.size() - observations.samples.checks;
     const auto beginning = [&](const auto& of) { return std::span(of).first(fitted); };

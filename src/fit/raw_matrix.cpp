@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "evenly.h"
 #include "parallel.h"
+#include "r_sequence.h"
 #include "reporter.h"
 #include "srbf/fit.h"
 
@@ -54,8 +54,8 @@ Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options, co
             if (is_finite(value)) counts[i].clamped += clamp(value);
         }
         if (m == 0) return;
-        // Each view's points are the even ones shifted by its own.
-        Evenly<3> points({double(i % 97) / 97, double(i % 89) / 89, double(i % 83) / 83});
+        // Each view has the same points, shifted by its own offset.
+        RSequence<3> points({double(i % 97) / 97, double(i % 89) / 89, double(i % 83) / 83});
         std::vector<Vec3f> others;
         const std::span<RawMatrix::Between> between(&matrix.between[i * m], m);
         const Vec3d about = to_double(sampled);

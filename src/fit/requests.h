@@ -18,7 +18,7 @@ inline std::optional<SizeGoal> goal_of(const PmRequest& pm) {
     return goal ? std::optional(*goal) : std::nullopt;
 }
 
-/// The number of lobes that is asked for; none: it is to be chosen.
+/// The requested number of lobes; none: it is chosen by the fit.
 inline std::optional<int> lobes_of(const PmRequest& pm) {
     const auto* count = pm.size ? std::get_if<LobeCount>(&*pm.size) : nullptr;
     return count ? std::optional(count->lobes) : std::nullopt;

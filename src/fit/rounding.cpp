@@ -29,7 +29,7 @@ Parameterization rounded_direction(double angle) {
 namespace {
 Parameterization swapped(Parameterization p) { return {p.b, p.a}; }
 
-/// Their model, black.
+/// Their model, with coefficients 0.
 PmModel without_coefficients(const Lobes& lobes) {
     PmModel model;
     const LobeShape& shape = lobes.shape;
@@ -121,7 +121,7 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
 
 namespace {
 
-/// A problem of which only some of the variables may change.
+/// A problem in which only some of the variables may change.
 struct PartlyHeld {
     LobeProblem& problem;
     const std::vector<bool>& held;
@@ -140,8 +140,8 @@ struct PartlyHeld {
     }
 };
 
-/// What rounding each variable by itself costs, up to a factor: halves err relatively. Angles come first of all; the components of a centre
-/// are stored as one.
+/// Estimated cost of rounding each variable alone, up to a factor: rounding errors are relative. Angles come first; the
+/// components of a centre are stored together.
 std::vector<double> cost_of_rounding(const Eigen::VectorXd& x, const Eigen::MatrixXd& H, const LobeShape& shape) {
     const Eigen::Index N = shape.variates, W = shape.width(), C = shape.components();
     const Eigen::VectorXd of_each = x.cwiseAbs2().cwiseProduct(H.diagonal());
@@ -172,12 +172,13 @@ Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes, const Turns& tur
     steps.max_iterations = turns.steps;
     std::size_t first = 0;
     for (int turn = 0; first < order.size(); ++turn) {
-        std::size_t end = order.size();  // of the last turn
+        std::size_t end = order.size();  // end of the previous pass
         if (turn == 0)
             end = lobes.angle.size();
         else if (turn + 1 < turns.count)
             end = first + std::max<std::size_t>((order.size() - first) / turns.part, 1);
-        while (end > first && end < order.size() && cost[order[end]] == cost[order[end - 1]]) ++end;  // of one centre
+        // components of one centre stay together
+        while (end > first && end < order.size() && cost[order[end]] == cost[order[end - 1]]) ++end;
         const Lobes now = problem.unpack(x);
         const Eigen::VectorXd halves =
             LobeProblem::pack(to_lobes(to_halves(without_coefficients(now), now), lobes.shape));

@@ -10,17 +10,18 @@
 namespace srbf {
 namespace {
 
-/// Pairs that the search looks at while there are many candidates, then, and the polish. A fit in short, of fewer observations than the polish of
-/// another has, looks at the second number from the start: there its first candidates are all that it has.
+/// Numbers of pairs in the search while there are many candidates, afterwards, and in the polish. A short fit, with
+/// fewer observations than another's polish, uses the second number from the start: its first candidates are its only
+/// ones.
 constexpr std::size_t k_few = 2048, k_some = 4096, k_more = 16384;
-/// Of each candidate no more than so many places are taken in where it exceeds the measurement.
+/// Maximum number of exceeded checks that are added for each candidate.
 constexpr std::size_t k_most_places = 16;
 
-/// Every albedo off by 10 % costs as much as the fit's loss without regard to albedo, but no more than 0.004: a fit that cannot
-/// follow the data gains nothing from an albedo that is right by chance.
+/// An error of 10 % in every albedo costs as much as the fit's loss without albedo, but at most 0.004: a fit that
+/// cannot follow the data does not benefit from an accidentally correct albedo.
 constexpr double k_albedo_error = 0.1, k_most_albedo_loss = 0.004;
 
-/// At most so many of them, evenly.
+/// At most this many of them, uniformly spaced.
 std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {
     if (all.size() <= most) return all;
     std::vector<std::size_t> some;

@@ -1,4 +1,4 @@
-// What the search for lobes looks at: not all observations.
+// The subsets of the observations that the search for lobes uses.
 #pragma once
 #include <vector>
 
@@ -6,22 +6,22 @@
 
 namespace srbf {
 
-/// The beginnings of the observations by which lobes are grown, searched and polished, as colours; and more and more of those beyond, where
-/// candidates were found to exceed the measurement.
+/// Prefixes of the observations for growing, searching and polishing lobes, in colours; plus a growing set of further
+/// observations at which candidates exceeded the measurement.
 class Sample {
   public:
-    /// `observations` must outlive it.
+    /// Keeps a reference to `observations`, which must outlive it.
     explicit Sample(const Observations& observations);
 
-    /// Evaluates the candidates where they have not been looked at: takes in where they exceed the measurement, and learns how large a
-    /// loss is that albedo is to be weighed against.
+    /// Evaluates the candidates at the other observations. Adds those at which they exceed the measurement, and updates
+    /// the loss to which the weight of albedo is relative.
     void look_about(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit);
 
-    /// What the sum is to rise by where every albedo is off by its luminance in one of three channels.
+    /// The increase of the sum if every albedo is off by its luminance in one of three channels.
     double albedo_importance() const;
 
     Rows to_grow_on() const { return Rows(few_.observations); }
-    /// `first`: of the many candidates there are at first.
+    /// `first`: for the many initial candidates.
     Rows to_search(bool first) const {
         return Rows((first ? few_ : some_).observations, {.albedo_importance = albedo_importance(), .roughly = true});
     }
@@ -30,7 +30,7 @@ class Sample {
   private:
     struct Part {
         Observations observations;
-        std::size_t begin;  ///< of all the first so many; those behind them were taken in
+        std::size_t begin;  ///< this many of the first of all observations; those after them were added
     };
     Part beginning_of_all(std::size_t count) const;
 

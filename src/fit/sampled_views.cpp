@@ -9,11 +9,12 @@
 namespace srbf {
 namespace {
 
-/// The largest value of a lobe over the hemisphere, times the cosine there, relative to the largest measured such product about
-/// its view: a lobe between the samples cannot explode. Beyond θmax, where nobody asks for the peak between them, less.
+/// Upper bound on the maximum of a lobe over the hemisphere times the cosine there, relative to the largest measured
+/// such product of neighbouring views, so that a lobe between the samples cannot diverge. The bound is lower beyond
+/// θmax, where no peak is needed.
 constexpr double k_most_peak = 2, k_most_peak_beyond = 1;
-constexpr std::size_t k_peak_views = 24;  ///< views on either side that count as about it
-/// What directions between those of the matrix weigh, relative to those of the matrix, per solid angle.
+constexpr std::size_t k_peak_views = 24;  ///< number of views on either side that count as neighbouring
+/// Weight of directions between those of the matrix, relative to those of the matrix, per solid angle.
 constexpr double k_between = 0.1;
 
 }  // namespace
@@ -83,7 +84,7 @@ ViewRows SampledViews::rows(std::size_t view) const {
             weights[i] = k_guard_importance * energy * cosine * cosine / (guards * peak);
         whole += weights[i];
     }
-    const double density = double(n) / (2 * k_pi);  // of the matrix's directions [1/sr]
+    const double density = double(n) / (2 * k_pi);  // density of the matrix's directions [1/sr]
     for (std::size_t i = view * m; i < (view + 1) * m; ++i) {
         const RawMatrix::Between& between = matrix_.between[i];
         if (!within(between.direction) || !is_finite(between.f)) continue;

@@ -1,24 +1,24 @@
-// What was measured in each sampled view, as a fit of that view takes it.
+// The measurement of each sampled view in the form that a fit of that view uses.
 #pragma once
 #include "fit/view_problem.h"
 #include "srbf/fit.h"
 
 namespace srbf {
 
-/// The functions of the sampled directions of a raw matrix, weighted for an objective.
+/// The functions of the sampled directions of a raw matrix, with the weights of an objective.
 class SampledViews {
   public:
-    /// It refers to `matrix`, which has as many values as its directions ask for.
+    /// Keeps a reference to `matrix`, whose arrays must have the sizes that its directions require.
     SampledViews(const RawMatrix& matrix, Objective objective, double theta_max);
 
     std::size_t count() const { return matrix_.direction.size(); }
     Vec3f direction(std::size_t view) const { return matrix_.direction[view]; }
-    /// Directions within θmax at which view `view` has data.
+    /// Number of directions within θmax at which view `view` has data.
     std::size_t valid(std::size_t view) const;
 
-    /// The rows of a view: those of the matrix within θmax weigh what the objective says; those beyond are guards, which weigh
-    /// little, as in `observe`; those between the matrix's directions weigh as much as k_between of an even
-    /// density of them. Nothing (scale 0) where there is no value above 0 within θmax.
+    /// The rows of a view. Directions of the matrix within θmax have the weights of the objective. Those beyond are
+    /// guards with small weights, as in `observe`. Directions between those of the matrix together weigh as much as
+    /// k_between times a uniform density of them. Empty (scale 0) if there is no value above 0 within θmax.
     ViewRows rows(std::size_t view) const;
 
   private:
@@ -33,8 +33,9 @@ class SampledViews {
     const RawMatrix& matrix_;
     Objective objective_;
     double cos_max_;
-    double mean_ = 0;           ///< of f within both caps
-    std::vector<Rgb> largest_;  ///< f times the other direction's cosine, of each channel, within θmax about each view
+    double mean_ = 0;  ///< mean f within both caps
+    /// maximum of f times the other direction's cosine, per channel, within θmax, over neighbouring views
+    std::vector<Rgb> largest_;
 };
 
 }  // namespace srbf

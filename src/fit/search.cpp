@@ -71,11 +71,11 @@ std::mt19937_64 generator(std::uint64_t seed, int start, int stage) {
 namespace {
 
 constexpr int k_candidates = 256;
-/// Steps after each lobe that is grown but the last, and after that.
+/// Number of steps after each lobe that is grown except the last, and after the last.
 constexpr int k_growth_steps = 6, k_grown_steps = 12;
-constexpr int k_kick_steps = 12;
-/// So many kicks are of lobes for one of a variate.
-constexpr int k_lobe_kicks = 3;
+constexpr int k_perturbation_steps = 12;
+/// Number of lobe perturbations per variate perturbation.
+constexpr int k_lobe_perturbations = 3;
 
 /// Adds the best of many random lobes to those of the problem's last call of `loss`.
 void add_lobe(LobeProblem& problem, Lobes& lobes, std::mt19937_64& random) {
@@ -103,14 +103,15 @@ void keep_better(Candidate& best, Candidate next) {
     if (next.loss < best.loss) best = std::move(next);
 }
 
-/// The lobes with the weights of variate n 0.
+/// The lobes with the weights of variate n set to 0.
 Lobes without_variate(Lobes lobes, int n) {
     const int C = lobes.shape.components();
     for (int j = 0; j < lobes.count(); ++j) std::fill_n(lobes.weight.begin() + j * lobes.shape.width() + n * C, C, 0.0);
     return lobes;
 }
 
-/// Drops the lobe that costs least and adds another, after the problem's call of `loss` for `best`; keeps what is better.
+/// Drops the least useful lobe and adds another, after the problem's call of `loss` for `best`; keeps the result if it
+/// is better.
 void replace_lobe(LobeProblem& problem, Candidate& best, std::mt19937_64& random) {
     const std::vector<double> cost = problem.cost_of_dropping();
     const auto least = std::min_element(cost.begin(), cost.end()) - cost.begin();
@@ -119,12 +120,12 @@ void replace_lobe(LobeProblem& problem, Candidate& best, std::mt19937_64& random
     next.lobes.weight.erase(at, at + best.lobes.shape.width());
     problem.loss(LobeProblem::pack(next.lobes));
     add_lobe(problem, next.lobes, random);
-    next.loss = optimise(problem, next.lobes, k_kick_steps, best.loss);
+    next.loss = optimise(problem, next.lobes, k_perturbation_steps, best.loss);
     keep_better(best, std::move(next));
 }
 
-/// The same of the variate that costs least: all weights of it become 0, and the other has a parameterization drawn at random. Steps alone seldom
-/// turn one far, since on the way no lobe fits.
+/// The same for the least useful variate: its weights become 0, and its parameterization becomes a random one. Steps
+/// alone rarely rotate a parameterization far, since no lobe fits in between.
 void replace_variate(LobeProblem& problem, Candidate& best, std::mt19937_64& random) {
     Candidate next = best;
     int least = 0;
@@ -135,7 +136,7 @@ void replace_variate(LobeProblem& problem, Candidate& best, std::mt19937_64& ran
         if (loss < next.loss) next.lobes = std::move(without), next.loss = loss, least = n;
     }
     next.lobes.angle[std::size_t(least)] = k_pi * uniform(random);
-    next.loss = optimise(problem, next.lobes, k_kick_steps, best.loss);
+    next.loss = optimise(problem, next.lobes, k_perturbation_steps, best.loss);
     keep_better(best, std::move(next));
 }
 
@@ -157,10 +158,10 @@ Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limi
 void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, int until, Candidate& best,
              Reporter& reporter) {
     LobeProblem problem(rows, shape_of(options), false, log_peak_limit);
-    if (best.kicks < until) best.loss = optimise(problem, best.lobes, 6);
-    while (best.kicks < until) {
-        std::mt19937_64 random = generator(options.seed, best.start, 2 + best.kicks++);
-        if (best.kicks % (k_lobe_kicks + 1) == 0) {
+    if (best.perturbations < until) best.loss = optimise(problem, best.lobes, 6);
+    while (best.perturbations < until) {
+        std::mt19937_64 random = generator(options.seed, best.start, 2 + best.perturbations++);
+        if (best.perturbations % (k_lobe_perturbations + 1) == 0) {
             replace_variate(problem, best, random);
         } else {
             problem.loss(LobeProblem::pack(best.lobes));
@@ -174,7 +175,7 @@ void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, 
     std::mt19937_64 random = generator(options.seed, candidate.start, 1);
     LobeProblem problem(rows, shape_of(options), false, log_peak_limit);
     candidate.loss = optimise(problem, candidate.lobes, 25);
-    // On more rows than it was found on, a lobe may turn out to be good for nothing.
+    // On more rows than it was found on, a lobe may become useless.
     for (int attempt = 0; attempt < 3; ++attempt) {
         const std::vector<double> cost = problem.cost_of_dropping();
         if (*std::min_element(cost.begin(), cost.end()) > 1e-4 * candidate.loss) break;

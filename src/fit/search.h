@@ -1,4 +1,4 @@
-// The search for lobes on a sample of the observations.
+// The search for lobes on subsets of the observations.
 #pragma once
 #include <limits>
 #include <random>
@@ -13,55 +13,58 @@ inline LobeShape shape_of(const FitOptions& options) {
             options.finest};
 }
 
-/// Starts and kicks where none are asked for: fewer of more lobes, of which each takes longer and matters less.
+/// Default numbers of starts and perturbations. Fits of more lobes have fewer, since each takes longer and matters
+/// less.
 inline int starts_of(const FitOptions& options) {
     return options.starts.value_or(std::clamp(128 / std::max(options.lobes, 1), 16, 20));
 }
-inline int kicks_of(const FitOptions& options) {
-    return options.kicks.value_or(std::clamp(1600 / std::max(options.lobes * options.lobes, 1), 25, 45));
+inline int perturbations_of(const FitOptions& options) {
+    return options.perturbations.value_or(std::clamp(1600 / std::max(options.lobes * options.lobes, 1), 25, 45));
 }
 
-/// The same fit with no more starts and kicks than these: for a look at what it will come to.
-inline FitOptions in_short(FitOptions options, int starts, int kicks) {
+/// The same options with at most this many starts and perturbations: a short fit that estimates what a full one will
+/// reach.
+inline FitOptions in_short(FitOptions options, int starts, int perturbations) {
     options.starts = std::min(starts_of(options), starts);
-    options.kicks = std::min(kicks_of(options), kicks);
+    options.perturbations = std::min(perturbations_of(options), perturbations);
     return options;
 }
 
-/// Numbers that a fit is free to choose.
+/// Number of free parameters of a fit.
 inline std::size_t parameter_count(const FitOptions& options) {
     return std::size_t(options.lobes * (3 + shape_of(options).width()) + 2 * options.variates);
 }
 
-/// The random numbers of a stage of a start.
+/// The random generator of one stage of one start.
 std::mt19937_64 generator(std::uint64_t seed, int start, int stage);
 
-/// The parameterizations to start from: half-way vector, light, view (Tsai 2009), the half-way vector once more, since a peak
-/// sharper than a half's largest bandwidth takes two, further ones at random. In every other start those of light and view are turned by up to a
-/// radian, since some optima lie far from both, and of three the last is the half-way vector.
+/// Initial parameterizations: half vector, light, view (Tsai 2009), the half vector again (a peak narrower than the
+/// largest bandwidth in 16 bits needs two), further ones at random. In every other start those of light and view are
+/// rotated by up to a radian, since some optima are far from both, and of three the last is the half vector.
 Lobes without_lobes(const LobeShape& shape, int start, std::mt19937_64& random);
 
-/// A lobe drawn at random: weights of either sign, even in the logarithm, some of them 0; or one of `lobes`
-/// disturbed. Half of the centres that are free to are at a pole all the same, the others even over the sphere.
+/// A random lobe: weights of either sign, log-uniform, some of them 0; or a perturbed copy of one of `lobes`. Half of
+/// the general centres are poles, the others uniform on the sphere.
 std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes);
 
-/// A fit on its way.
+/// A candidate of the search.
 struct Candidate {
-    int start = 0;  ///< which of the starts it grew from; chooses its random numbers, beside the seed
+    int start = 0;  ///< index of its start, which determines its random numbers together with the seed
     Lobes lobes;
-    double loss = std::numeric_limits<double>::infinity();  ///< the one last known
-    int kicks = 0;                                          ///< attempts to replace a lobe or a variate so far
+    double loss = std::numeric_limits<double>::infinity();  ///< most recent value
+    int perturbations = 0;                                  ///< number of perturbations so far
 };
 
 /// Grows J lobes one by one.
 Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter);
 
-/// Goes on from where it was, maybe with other rows; then again and again drops the lobe that costs least, adds another, and keeps what is better, until the candidate has had so many kicks.
-/// Every fourth is of a variate instead.
+/// Optimises the candidate on the problem, possibly on other rows than before. Then applies perturbations until the
+/// candidate has had `until` of them: each drops the least useful lobe and adds another, and is kept if the loss falls.
+/// Every fourth one replaces a variate instead.
 void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, int until, Candidate& candidate,
              Reporter& reporter);
 
-/// Goes on with more rows; lobes that turn out to be of no use are replaced.
+/// Optimises on more rows; lobes that become useless there are replaced.
 void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate);
 
 }  // namespace srbf

@@ -41,7 +41,7 @@ void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe
     const Vec3<Batch> first = spread(lobe.bandwidth * lobe.along[0]), second = spread(lobe.bandwidth * lobe.along[1]),
                       centre = spread(lobe.centre);
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        // The tangents are at right angles to the centre, so that it may be taken off: small numbers keep their digits.
+        // The tangents are orthogonal to the centre, which may therefore be subtracted: differences keep precision.
         const Vec3<Batch> apart = load(rows, block * k_block + i) - centre;
         const Batch value = Batch::load(e + i);
         (value * dot(apart, first)).store(by_first + i);
@@ -74,7 +74,7 @@ void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe
 }
 
 DirectionRows::DirectionRows(std::span<const Vec3f> directions) : blocks((directions.size() + k_block - 1) / k_block) {
-    // Rows that fill up the last block: any direction will do, their weight is 0.
+    // Padding rows: any direction is fine, the weight is 0.
     for (std::size_t k = 0; k < 3; ++k) w[k].assign(blocks * k_block, k == 2 ? 1.f : 0.f);
     for (std::size_t i = 0; i < directions.size(); ++i)
         w[0][i] = directions[i].x, w[1][i] = directions[i].y, w[2][i] = directions[i].z;

@@ -10,11 +10,12 @@
 namespace srbf {
 namespace {
 
-/// A lobe may hide between the rows: where they see less than a quarter of it, it is bounded by what they see.
+/// A lobe may lie between the rows: if less than a quarter of its peak is visible on them, it is bounded by the visible
+/// part.
 constexpr double k_unseen = 4;
-constexpr double k_most_shift = 1;  // 45°; a lobe that wants to go further does so from a new start
+constexpr double k_most_shift = 1;  // 45°; a larger shift needs a new start
 
-/// Row-major lower triangles, as add_gram leaves them, as a symmetric matrix.
+/// Row-major lower triangles, as from add_gram, as a symmetric matrix.
 Eigen::MatrixXd symmetric(const std::vector<double>& triangle, Eigen::Index n) {
     return Eigen::Map<const Eigen::MatrixXd>(triangle.data(), n, n).selfadjointView<Eigen::Upper>();
 }
@@ -90,10 +91,11 @@ double ViewProblem::loss(const Eigen::VectorXd& x) {
                 most, gaussian_exponents(view_->directions, block, lobe.centre, lobe.bandwidth,
                                          &view_->root_weight[block * k_block], part(exponent_, std::size_t(j), block)));
         offset_[std::size_t(j)] = double(most);
-        // The lobe's largest value over the hemisphere, relative to its peak: that at the horizon, if the peak is below.
+        // The maximum of the lobe over the hemisphere relative to its peak: the value at the horizon if the peak is
+        // below it.
         const double z = double(lobe.centre.z), lambda = double(lobe.bandwidth);
         const double log_visible = z < 0 ? lambda * (std::sqrt(std::max(0.0, 1 - z * z)) - 1) : 0;
-        const double seen = std::exp(double(most) - log_visible);  // the part of it that is seen on the rows
+        const double seen = std::exp(double(most) - log_visible);  // the fraction of it that is visible on the rows
         for (int c = 0; c < 3; ++c) {
             const double of_hemisphere = view_->largest[std::size_t(c)] / std::max(z, view_->least_cosine) * seen *
                                          std::min(1.0, k_unseen * seen);
@@ -130,8 +132,9 @@ double ViewProblem::loss(const Eigen::VectorXd& x) {
     return sum;
 }
 
-// With D the columns ∂G_j and G_j, the derivative of channel c's residual is −β_jc ∂G_j. A coefficient between its bounds follows
-// the others, so that of D only the part across those lobes counts (Kaufman's approximation); one at a bound stays.
+// Let D hold the columns ∂G_j and G_j. The derivative of the residual of channel c is −β_jc ∂G_j. A coefficient
+// strictly between its bounds adapts, so that only the component of D orthogonal to those lobes counts (Kaufman's
+// approximation). A coefficient at a bound is constant.
 void ViewProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
     const Eigen::Index J = lobes_, derivatives = 3 * J, total = 4 * J + 3;
     std::vector<double> sums(std::size_t(total * total), 0.0);
@@ -152,7 +155,7 @@ void ViewProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
     H = Eigen::MatrixXd::Zero(derivatives, derivatives);
     g = Eigen::VectorXd::Zero(derivatives);
     std::vector<Eigen::Index> passive, last_passive;
-    Eigen::MatrixXd across;  // DD less its part along the passive lobes
+    Eigen::MatrixXd across;  // DD minus its component along the passive lobes
     for (Eigen::Index c = 0; c < 3; ++c) {
         passive.clear();
         for (Eigen::Index j = 0; j < J; ++j)

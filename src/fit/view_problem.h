@@ -6,32 +6,33 @@
 
 namespace srbf {
 
-/// The nonlinear numbers of a lobe.
+/// The nonlinear parameters of a lobe.
 struct ViewLobe {
     Vec3d centre;
     double bandwidth = 0;
 };
-inline constexpr double k_least_bandwidth = 1e-3;  ///< of a fit: constant to 0.2 %
+inline constexpr double k_least_bandwidth = 1e-3;  ///< lower bound in a fit: constant within 0.2 %
 
-/// What was measured in one sampled view, weighted.
+/// The weighted measurement of one sampled view.
 struct ViewRows {
     DirectionRows directions;
     Aligned<float> root_weight;       ///< √w, Σ w = 1; 0 where nothing was measured
     std::array<Aligned<float>, 3> y;  ///< √w f / scale for each channel; their squares sum to 1
-    double scale = 0;                 ///< 0: there is nothing to fit
-    /// Bound for each lobe and channel: its largest value over the hemisphere times the cosine there, f / scale. Cosines below
-    /// the least count as that.
+    double scale = 0;                 ///< 0: no data to fit
+    /// Upper bound per lobe and channel: its maximum over the hemisphere times the cosine there, f / scale. Smaller
+    /// cosines are replaced by the least cosine.
     std::array<double, 3> largest{};
     double least_cosine = 0;
 };
 
-/// Σ w |f − Σ_j β_j G_j|² / Σ w |f|² of one view, β eliminated by non-negative least squares per channel. Variables are for each
-/// lobe two shifts u along the tangents t of its centre at the start, ξ = normalize(ξ_0 + u_1 t_1 + u_2 t_2), and log λ.
+/// Σ w |f − Σ_j β_j G_j|² / Σ w |f|² of one view, with β eliminated by non-negative least squares per channel. The
+/// variables of each lobe are two shifts u along the tangents t of its initial centre, ξ = normalize(ξ_0 + u_1 t_1 +
+/// u_2 t_2), and log λ.
 class ViewProblem {
   public:
     explicit ViewProblem(int lobes);
 
-    /// The problem of `view`, which must outlive its use, about these lobes: x of length 3 J, its shifts 0.
+    /// The problem of `view`, which must outlive it, linearised about these lobes: x has length 3 J, with shifts 0.
     Eigen::VectorXd start(const ViewRows& view, std::span<const ViewLobe> lobes);
     std::vector<ViewLobe> lobes(const Eigen::VectorXd& x) const;
 
@@ -39,13 +40,14 @@ class ViewProblem {
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const;
     Eigen::VectorXd upper(const Eigen::VectorXd& x) const;
-    /// A lobe moves by no more than its width, nor half a radian; its bandwidth changes by no more than a factor of e.
+    /// Step bounds: a lobe moves by at most its width and at most half a radian; its bandwidth changes by at most a
+    /// factor of e.
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
-    // Of the last call of `loss`:
-    /// β_jc of G_j, whose peak is 1 [1/sr].
+    // Results of the last call of `loss`:
+    /// β_jc of G_j with peak 1 [1/sr].
     double coefficient(int j, int c) const;
-    /// What the loss would rise by, to first order, if lobe j were dropped and the others' β adapted.
+    /// First-order estimate of the increase of the loss if lobe j is dropped and the others' β adapt.
     std::vector<double> cost_of_dropping() const;
 
   private:
@@ -63,7 +65,7 @@ class ViewProblem {
     std::vector<Frame> frame_;
     Aligned<float> exponent_, value_, derivative_, rest_;  ///< blocks × (J, J, 3 J, 3) × k_block
     std::vector<double> offset_;
-    Eigen::MatrixXd beta_, limit_, gram_;  ///< J × 3, J × 3, J × J: of lobes whose largest value on the rows is 1
+    Eigen::MatrixXd beta_, limit_, gram_;  ///< J × 3, J × 3, J × J: for lobes normalised to a maximum of 1 on the rows
 };
 
 }  // namespace srbf

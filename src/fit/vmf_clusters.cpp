@@ -24,7 +24,8 @@ std::vector<ViewLobe> vmf_clusters(std::span<const Vec3f> directions, std::span<
             for (std::size_t j = 0; j < lobes.size(); ++j) {
                 const double exponent = Kernel<double>::gaussian_exponent(w, lobes[j].centre, lobes[j].bandwidth);
                 part[j] =
-                    exponent > -100 ? share[j] * normaliser[j] * std::exp(exponent) : 0;  // far from it exp is slow
+                    // exp is slow for large negative arguments
+                    exponent > -100 ? share[j] * normaliser[j] * std::exp(exponent) : 0;
                 sum += part[j];
             }
             whole += weight[i];
@@ -36,7 +37,7 @@ std::vector<ViewLobe> vmf_clusters(std::span<const Vec3f> directions, std::span<
         }
         for (std::size_t j = 0; j < lobes.size(); ++j) {
             const double length = std::sqrt(dot(moment[j], moment[j]));
-            if (!(length > 1e-9 * whole)) continue;  // nothing is left of it: it stays as it is
+            if (!(length > 1e-9 * whole)) continue;  // the cluster is empty and remains unchanged
             const double r = std::min(length / mass[j], 1 - 1e-6);
             share[j] = mass[j] / whole;
             lobes[j] = {(1 / length) * moment[j],

@@ -8,15 +8,15 @@ namespace srbf {
 
 namespace {
 
-/// ALTA writes the viewer first where it writes vectors.
+/// In vector form ALTA stores the viewer first.
 struct ViewAndLight {
     Vec3d view, light;
 };
 
-/// A direction whose θ and φ stand as the plane vector (θ cosφ, θ sinφ).
+/// The direction whose θ and φ are given as the plane vector (θ cosφ, θ sinφ).
 Vec3d unrolled(double x, double y) { return spherical(std::hypot(x, y), std::atan2(y, x)); }
 
-/// From θ_h, φ_h, θ_d, φ_d: the viewer at (θ_d, φ_d) about the half-way vector, the light its mirror direction.
+/// From θ_h, φ_h, θ_d, φ_d: the viewer at (θ_d, φ_d) relative to the half vector, the light its mirror direction.
 ViewAndLight from_half(double theta_h, double phi_h, double theta_d, double phi_d) {
     const Vec3d d = spherical(theta_d, phi_d), h = spherical(theta_h, phi_h);
     const double c = std::cos(theta_h), s = std::sin(theta_h), x = c * d.x + s * d.z, z = c * d.z - s * d.x;
@@ -24,7 +24,7 @@ ViewAndLight from_half(double theta_h, double phi_h, double theta_d, double phi_
     return {view, 2 * dot(view, h) * h - view};
 }
 
-/// The direction above the plane point (x, y); below the horizon where there is none.
+/// The direction above the plane point (x, y); below the horizon if there is none.
 Vec3d lifted(double x, double y) {
     const double z2 = 1 - x * x - y * y;
     return z2 > 0 ? Vec3d{x, y, std::sqrt(z2)} : Vec3d{0, 0, -1};
@@ -42,8 +42,8 @@ struct AltaParameterization {
     ViewAndLight (*directions)(const double*);
 };
 
-/// As ALTA's params.h defines them. Where its own conversion loses a hemisphere or is not the inverse of the other way (RETRO,
-/// STEREOGRAPHIC), this is the inverse of the other way.
+/// As defined by ALTA's params.h. Where its own conversion loses a hemisphere or is not the inverse of the opposite
+/// conversion (RETRO, STEREOGRAPHIC), this is the inverse of the opposite conversion.
 constexpr AltaParameterization k_parameterizations[] = {
     {"CARTESIAN", 6, false,
      [](const double* x) {
@@ -107,7 +107,7 @@ constexpr AltaParameterization k_parameterizations[] = {
      }},
 };
 
-/// What the lines say that begin with '#'.
+/// The header, from the lines that begin with '#'.
 struct Header {
     std::optional<std::size_t> inputs, outputs;
     const AltaParameterization* parameterization = nullptr;
@@ -116,10 +116,10 @@ struct Header {
     std::uint64_t line = 0;
 };
 
-std::optional<Error> read_header_line(std::string_view line, Header& header, const std::string& source) {
+std::optional<Error> read_header_line(std::string_view line, Header& header, const std::string& file_name) {
     const std::string_view key = next_word(line), rest = trimmed(line);
     const auto wrong = [&](std::string expected) {
-        return at_line(source, header.line, std::string(key.substr(0, 40)), std::move(expected), quoted(rest));
+        return at_line(file_name, header.line, std::string(key.substr(0, 40)), std::move(expected), quoted(rest));
     };
     if (key == "#DIM") {
         header.inputs = to_number<std::size_t>(next_word(line));
@@ -159,7 +159,7 @@ bool is_alta(std::string_view text) {
     return false;
 }
 
-Result<Scattered> read_alta_samples(std::span<const std::byte> bytes, const std::string& source) {
+Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, const std::string& file_name) {
     Lines lines(as_text(bytes));
     Header header;
     std::optional<SampleBuilder> builder;
@@ -168,21 +168,22 @@ Result<Scattered> read_alta_samples(std::span<const std::byte> bytes, const std:
     while (auto line = lines.next()) {
         header.line = lines.number();
         if (line->starts_with('#')) {
-            // What the rows are is settled with the first of them.
-            if (auto error = builder ? std::nullopt : read_header_line(*line, header, source)) return *error;
+            // The first row ends the header.
+            if (auto error = builder ? std::nullopt : read_header_line(*line, header, file_name)) return *error;
             continue;
         }
         if (!builder) {
-            if (!header.inputs) return at_line(source, header.line, "header", "a line #DIM before the samples", "none");
+            if (!header.inputs)
+                return at_line(file_name, header.line, "header", "a line #DIM before the samples", "none");
             if (!header.parameterization)
-                return at_line(source, header.line, "header", "a line #PARAM_IN before the samples", "none");
+                return at_line(file_name, header.line, "header", "a line #PARAM_IN before the samples", "none");
             if (*header.inputs != header.parameterization->numbers)
                 return at_line(
-                    source, header.line, "#DIM",
+                    file_name, header.line, "#DIM",
                     fmt::format("{} inputs for {}", header.parameterization->numbers, header.parameterization->name),
                     fmt::format("{}", *header.inputs));
             if (*header.outputs != 1 && *header.outputs != 3)
-                return at_line(source, header.line, "#DIM", "1 or 3 outputs", fmt::format("{}", *header.outputs));
+                return at_line(file_name, header.line, "#DIM", "1 or 3 outputs", fmt::format("{}", *header.outputs));
             builder.emplace(*header.outputs == 1           ? Values::grey
                             : header.output == "XYZ_COLOR" ? Values::xyz
                                                            : Values::rgb,
@@ -194,7 +195,7 @@ Result<Scattered> read_alta_samples(std::span<const std::byte> bytes, const std:
             const std::string_view word = next_word(*line);
             const auto number = to_number<double>(word);
             if (!number)
-                return at_line(source, header.line, fmt::format("number {} of {}", i + 1, row.size()), "a number",
+                return at_line(file_name, header.line, fmt::format("number {} of {}", i + 1, row.size()), "a number",
                                word.empty() ? "the end of the line" : quoted(word));
             row[i] = *number;
         }
@@ -203,12 +204,12 @@ Result<Scattered> read_alta_samples(std::span<const std::byte> bytes, const std:
         for (std::size_t i = 0; i < f.size(); ++i) f[i] = float(scale * row[*header.inputs + i]);
         builder->add(light, view, f);
     }
-    if (!builder) return at_line(source, lines.number(), "samples", "at least one", "the end of the file");
-    return std::move(*builder).finish(source, header.description, header.parameterization->isotropic);
+    if (!builder) return at_line(file_name, lines.number(), "samples", "at least one", "the end of the file");
+    return std::move(*builder).finish(file_name, header.description, header.parameterization->isotropic);
 }
 
-Result<Scattered> read_alta(std::span<const std::byte> bytes, const std::string& source) {
-    return indexed(read_alta_samples(bytes, source));
+Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name) {
+    return indexed(read_alta_samples(bytes, file_name));
 }
 
 }  // namespace srbf

@@ -1,5 +1,5 @@
-// Angles of vectors without arc functions of the C library, which take half the time of a look-up: private to
-// the tables.
+// Angles of vectors without the C library's arc functions, which would take half the time of a look-up. Private to the
+// tables.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace srbf {
 
-/// No angle is that of a vector shorter than this, in squares.
+/// Lower bound on the squared length of a vector with an angle.
 inline constexpr double k_least_length = 1e-37;
 
 namespace of_numbers {
@@ -18,7 +18,7 @@ inline float select(bool condition, float a, float b) { return condition ? a : b
 }  // namespace of_numbers
 using of_numbers::azimuth, of_numbers::polar_angle;
 
-/// The angle from the normal of a vector of the upper half space, of any length.
+/// The angle from the normal of a vector of any length in the upper half space.
 inline float polar_angle(Vec3f w) { return polar_angle(w.x * w.x + w.y * w.y, w.z); }
 
 }  // namespace srbf

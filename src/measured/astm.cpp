@@ -11,9 +11,9 @@ namespace {
 constexpr std::array<std::string_view, 4> k_angles{"theta_i", "phi_i", "theta_s", "phi_s"};
 constexpr std::size_t k_absent = k_most_columns;
 
-/// Cornell's files say "RGB for Trinitron phosphors". To linear sRGB: the least-squares map from krylon_blue_RGB.astm to the
-/// colours of the same samples' spectra (krylon_blue.brdf), which leaves a squared error ratio of 2e-8. Its rows sum to 2.8: the scale
-/// of those files is that much below white = 1.
+/// Cornell's files say "RGB for Trinitron phosphors". The conversion to linear sRGB is the least-squares map from
+/// krylon_blue_RGB.astm to the colours of the spectra of the same samples (krylon_blue.brdf); its squared error ratio
+/// is 2e-8. Its rows sum to 2.8: the scale of those files is lower than white = 1 by this factor.
 constexpr std::string_view k_trinitron = "RGB for Trinitron phosphors";
 constexpr double k_from_trinitron[3][3] = {
     {3.10689, -0.26651, -0.04211}, {0.08512, 2.62439, 0.07920}, {0.04650, 0.06312, 2.68701}};
@@ -25,7 +25,7 @@ Rgb from_trinitron(std::span<const float> f) {
     return rgb;
 }
 
-/// Where the columns stand that VARS names.
+/// Positions of the columns that VARS names.
 struct Columns {
     std::array<std::size_t, 4> angle{k_absent, k_absent, k_absent, k_absent};
     std::vector<std::size_t> value;
@@ -33,13 +33,13 @@ struct Columns {
     std::size_t count = 0;
 };
 
-Result<Columns> columns_of(std::string_view vars, const std::string& source, std::uint64_t line) {
+Result<Columns> columns_of(std::string_view vars, const std::string& file_name, std::uint64_t line) {
     Columns columns;
     std::vector<std::string_view> names, values;
     split_fields(vars, names);
     columns.count = names.size();
     if (columns.count > k_most_columns)
-        return at_line(source, line, "VARS", fmt::format("at most {} columns", k_most_columns),
+        return at_line(file_name, line, "VARS", fmt::format("at most {} columns", k_most_columns),
                        fmt::format("{}", columns.count));
     for (std::size_t i = 0; i < names.size(); ++i) {
         const auto angle = std::ranges::find(k_angles, names[i]);
@@ -49,17 +49,17 @@ Result<Columns> columns_of(std::string_view vars, const std::string& source, std
             continue;
         }
         std::size_t& at = columns.angle[std::size_t(angle - k_angles.begin())];
-        if (at != k_absent) return at_line(source, line, "VARS", "each column once", quoted(names[i]) + " again");
+        if (at != k_absent) return at_line(file_name, line, "VARS", "each column once", quoted(names[i]) + " again");
         at = i;
     }
-    // The light's azimuth may be left out where it is always 0.
+    // The azimuth of the light is optional; it is then 0.
     for (const std::size_t a : {std::size_t(0), std::size_t(2), std::size_t(3)})
         if (columns.angle[a] == k_absent)
-            return at_line(source, line, "VARS", fmt::format("a column {}", k_angles[a]), "none");
+            return at_line(file_name, line, "VARS", fmt::format("a column {}", k_angles[a]), "none");
     const std::vector<std::string_view> rgb{"R", "G", "B"}, xyz{"X", "Y", "Z"};
     columns.values = values == rgb ? Values::rgb : values == xyz ? Values::xyz : Values::grey;
     if (columns.values == Values::grey && values.size() != 1)
-        return at_line(source, line, "VARS", "values R,G,B or X,Y,Z or one column",
+        return at_line(file_name, line, "VARS", "values R,G,B or X,Y,Z or one column",
                        values.empty() ? "none" : fmt::format("{} from {}", values.size(), quoted(values[0])));
     return columns;
 }
@@ -78,22 +78,23 @@ bool is_astm(std::string_view text) {
     return false;
 }
 
-Result<Scattered> read_astm_samples(std::span<const std::byte> bytes, const std::string& source) {
+Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, const std::string& file_name) {
     Lines lines(as_text(bytes));
     std::string description;
     std::optional<std::uint64_t> points;
     std::optional<Columns> columns;
     while (!columns) {
         auto line = lines.next();
-        if (!line) return at_line(source, lines.number(), "header", "a line VARS", "the end of the file");
+        if (!line) return at_line(file_name, lines.number(), "header", "a line VARS", "the end of the file");
         const std::string_view key = next_word(*line), rest = trimmed(*line);
         if (key.starts_with('#')) continue;
-        if (opens_row(key)) return at_line(source, lines.number(), "header", "a line VARS before the samples", "none");
+        if (opens_row(key))
+            return at_line(file_name, lines.number(), "header", "a line VARS before the samples", "none");
         if (key == "NUM_POINTS") {
             points = to_number<std::uint64_t>(rest);
-            if (!points) return at_line(source, lines.number(), "NUM_POINTS", "a number", quoted(rest));
+            if (!points) return at_line(file_name, lines.number(), "NUM_POINTS", "a number", quoted(rest));
         } else if (key == "VARS") {
-            const auto named = columns_of(rest, source, lines.number());
+            const auto named = columns_of(rest, file_name, lines.number());
             if (!named) return named.error();
             columns = *named;
         } else if (key == "SAMPLE_NAME" || key == "SAMPLE_TYPE" || key == "LAB_COMMENTS") {
@@ -114,7 +115,7 @@ Result<Scattered> read_astm_samples(std::span<const std::byte> bytes, const std:
         }
         split_fields(*line, fields);
         if (fields.size() != columns->count)
-            return at_line(source, lines.number(), "sample", fmt::format("{} numbers", columns->count),
+            return at_line(file_name, lines.number(), "sample", fmt::format("{} numbers", columns->count),
                            fmt::format("{}", fields.size()));
         std::array<double, 4> angle{};
         const auto read = [&](std::size_t column, auto& number) {
@@ -125,11 +126,11 @@ Result<Scattered> read_astm_samples(std::span<const std::byte> bytes, const std:
         };
         for (std::size_t a = 0; a < 4; ++a)
             if (columns->angle[a] != k_absent && !read(columns->angle[a], angle[a]))
-                return at_line(source, lines.number(), std::string(k_angles[a]), "a number",
+                return at_line(file_name, lines.number(), std::string(k_angles[a]), "a number",
                                quoted(fields[columns->angle[a]]));
         for (std::size_t v = 0; v < f.size(); ++v)
             if (!read(columns->value[v], f[v]))
-                return at_line(source, lines.number(), "value", "a number", quoted(fields[columns->value[v]]));
+                return at_line(file_name, lines.number(), "value", "a number", quoted(fields[columns->value[v]]));
         if (is_trinitron) {
             const Rgb rgb = from_trinitron(f);
             f = {rgb.r, rgb.g, rgb.b};
@@ -138,12 +139,12 @@ Result<Scattered> read_astm_samples(std::span<const std::byte> bytes, const std:
         builder.add(spherical(angle[0], angle[1]), spherical(angle[2], angle[3]), f);
     }
     if (points && *points != rows)
-        return Error{source, {}, "samples", fmt::format("{} (NUM_POINTS)", *points), fmt::format("{}", rows)};
-    return std::move(builder).finish(source, std::move(description), !turned);
+        return Error{file_name, {}, "samples", fmt::format("{} (NUM_POINTS)", *points), fmt::format("{}", rows)};
+    return std::move(builder).finish(file_name, std::move(description), !turned);
 }
 
-Result<Scattered> read_astm(std::span<const std::byte> bytes, const std::string& source) {
-    return indexed(read_astm_samples(bytes, source));
+Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::string& file_name) {
+    return indexed(read_astm_samples(bytes, file_name));
 }
 
 }  // namespace srbf

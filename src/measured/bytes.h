@@ -1,4 +1,4 @@
-// Numbers out of bytes, and the formats told apart: private to the readers.
+// Numbers in bytes, and recognition of the formats: private to the readers.
 #pragma once
 #include <bit>
 #include <cstddef>
@@ -10,21 +10,21 @@ namespace srbf {
 
 static_assert(std::endian::native == std::endian::little, "the formats read here are little-endian");
 
-/// The number stored at `bytes`, at any alignment.
+/// Reads a number at `bytes`, without alignment requirements.
 template <typename T> T load(const std::byte* bytes) {
     T number;
     std::memcpy(&number, bytes, sizeof number);
     return number;
 }
 
-/// Appends the number as it is stored.
+/// Appends the bytes of a number.
 template <typename T> void store(std::vector<std::byte>& bytes, const T& number) {
     const auto raw = std::as_bytes(std::span(&number, 1));
     bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
-/// Whether `bytes` open a file of the format: for MERL, three dimensions that give the size, or those of the
-/// database (so that a truncated table is known for what it is); for RGL, the name of the container; for UTIA, the size.
+/// Whether `bytes` begin a file of the format. MERL: three dimensions that match the size, or those of the database (so
+/// that a truncated table is recognised); RGL: the name of the container; UTIA: the size.
 bool is_merl(std::span<const std::byte> bytes);
 bool is_rgl(std::span<const std::byte> bytes);
 bool is_utia(std::span<const std::byte> bytes);

@@ -21,10 +21,10 @@ namespace {
 
 constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
 
-/// Closer to the horizon than this cosine (89.7°) f_r, which may grow without bound there, is not asked for.
+/// f_r may grow without bound towards the horizon; it is not evaluated below this cosine (89.7°).
 constexpr float k_horizon = 5e-3f;
 
-/// f of many pairs at once.
+/// f for arrays of pairs.
 std::vector<Rgb> values_at(const Evaluate& brdf, std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
     std::vector<Rgb> f(wl.size());
     brdf(wl, wv, f);
@@ -77,14 +77,14 @@ std::vector<std::byte> write_merl(const MerlTable& table) {
 namespace {
 
 constexpr std::size_t k_profile = 256;    // nodes of D and σ
-constexpr std::uint32_t k_normals = 128;  // of the visible normals, as in the database
+constexpr std::uint32_t k_normals = 128;  // nodes of the visible normals, as in the database
 constexpr int k_around = 64;              // azimuths of φ_d
-constexpr double k_least_cosine = 0.1;    // of the directions that decide on D
-constexpr double k_floor = 1e-5;          // least D, of its largest value
+constexpr double k_least_cosine = 0.1;    // of the directions that determine D
+constexpr double k_floor = 1e-5;          // lower bound on D, relative to its maximum
 
-/// D at the nodes u = i/(n−1), not yet normalised. It decides where the warp puts nodes: were it the mean over directions, highlights
-/// that show at grazing angles alone would fall between them.
-std::vector<float> half_way_profile(const Evaluate& brdf, int threads) {
+/// D at the nodes u = i/(n−1), not yet normalised. It determines the positions of the warp's nodes. With the mean over
+/// directions, highlights that are visible only close to the horizon would fall between nodes.
+std::vector<float> half_vector_profile(const Evaluate& brdf, int threads) {
     std::vector<double> most(k_profile);
     parallel_for(k_profile, threads, [&](std::size_t i) {
         std::vector<Vec3f> wl, wv;
@@ -100,7 +100,7 @@ std::vector<float> half_way_profile(const Evaluate& brdf, int threads) {
             if (is_finite(f[k]))
                 most[i] = std::max(most[i], luminance(f[k]) * std::pow(double(wl[k].z) * double(wv[k].z), 0.75));
     });
-    // Towards the horizon no pair is left: there the last one stands.
+    // Towards the horizon there are no pairs; the last value is repeated.
     const double largest = *std::ranges::max_element(most);
     double last = 1;
     std::vector<float> profile;
@@ -111,24 +111,24 @@ std::vector<float> half_way_profile(const Evaluate& brdf, int threads) {
     return profile;
 }
 
-/// ∫ D(m) max(0, m·ω) dm by midpoints in u, ω at θ.
+/// ∫ D(m) max(0, m·ω) dm by the midpoint rule in u, with ω at θ.
 double projected_area(const RglTable::Profile& ndf, double theta) {
     constexpr int polar = 1024;
     double sum = 0;
     for (int i = 0; i < polar; ++i) {
         const double u = (i + 0.5) / polar, m = theta_of(u), s = std::sin(m) * std::sin(theta),
                      c = std::cos(m) * std::cos(theta);
-        // Over azimuth: ∫ max(0, c + s cosφ) dφ in closed form.
+        // Closed form in azimuth: ∫ max(0, c + s cosφ) dφ.
         const double edge = c >= s ? k_pi : c <= -s ? 0 : std::acos(-c / s);
         sum += double(at(ndf, float(u))) * 2 * (c * edge + s * std::sin(edge)) * std::sin(m) * k_pi * u / polar;
     }
     return sum;
 }
 
-/// The direction that `seen` is mirrored to at the micro-normal m.
+/// The mirror direction of `seen` about the microfacet normal m.
 Vec3d reflected(Vec3d seen, Vec3d m) { return 2 * dot(seen, m) * m - seen; }
 
-/// Gives nodes without a value the mean of their neighbours that have one, layer by layer.
+/// Sets nodes without a value to the mean of their neighbours with a value, layer by layer.
 void fill(std::vector<Rgb>& nodes, std::vector<char> known, std::size_t side) {
     const auto neighbours = [&](std::size_t at, const auto& visit) {
         const std::size_t x = at % side, y = at / side;
@@ -166,7 +166,7 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
     RglTable table;
     table.description = options.description;
     for (std::uint32_t k = 0; k < options.polar; ++k) table.theta_l.push_back(float(k_pi / 2 * u_of(k, options.polar)));
-    table.ndf = {std::uint32_t(k_profile), 1, half_way_profile(brdf, options.threads)};
+    table.ndf = {std::uint32_t(k_profile), 1, half_vector_profile(brdf, options.threads)};
     const double whole = projected_area(table.ndf, 0);
     for (float& d : table.ndf.nodes) d = float(double(d) / whole);
     table.sigma = {std::uint32_t(k_profile), 1, std::vector<float>(k_profile)};
@@ -218,7 +218,7 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
 
 namespace {
 
-/// A tensor file's fields, gathered and then written one after the other.
+/// Collects the fields of a tensor file and writes them.
 class TensorWriter {
   public:
     template <typename T> void add(std::string name, std::vector<std::uint64_t> shape, std::span<const T> numbers) {
@@ -260,7 +260,7 @@ class TensorWriter {
     std::vector<Field> fields_;
 };
 
-/// Whether the warp leads a node and all around it below the horizon: sampling there would be in vain.
+/// Whether the warp maps a node and its surroundings to below the horizon, so that samples there would be useless.
 std::vector<char> lies_in_vain(const RglTable& table, std::size_t slice) {
     const std::size_t side = table.colour.width, rows = table.colour.height;
     const Vec3d light = spherical(double(table.theta_l[slice]), 0.0);
@@ -289,7 +289,7 @@ std::vector<std::byte> write_rgl(const RglTable& table) {
         const auto vain = lies_in_vain(table, slice);
         for (std::size_t i = 0; i < size; ++i)
             luminances.push_back(vain[i] ? 0 : float(std::max(0.0, luminance(nodes[i]))));
-        // A slice that could not be sampled at all is sampled evenly.
+        // A slice that cannot be importance sampled at all is sampled uniformly.
         if (std::all_of(luminances.end() - std::ptrdiff_t(size), luminances.end(), [](float x) { return x == 0; }))
             std::fill(luminances.end() - std::ptrdiff_t(size), luminances.end(), 1.0f);
         for (int c = 0; c < 3; ++c)
@@ -303,7 +303,7 @@ std::vector<std::byte> write_rgl(const RglTable& table) {
     }
     std::vector<float> vndf;
     for (const auto& node : table.visible.nodes) vndf.push_back(node.density);
-    // Two rows alike: the loaders interpolate between azimuths.
+    // Two equal rows, since the loaders interpolate between azimuths.
     const auto twice = [](const RglTable::Profile& profile) {
         std::vector<float> rows = profile.nodes;
         rows.insert(rows.end(), profile.nodes.begin(), profile.nodes.end());
@@ -333,10 +333,10 @@ std::vector<std::byte> write_rgl(const RglTable& table) {
     return file.bytes();
 }
 
-Scattered to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_max) {
+ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_max) {
     const FlushSubnormals mode;
     const auto directions = fibonacci_directions(n, theta_max);
-    Scattered samples;
+    ScatteredSamples samples;
     samples.isotropic = isotropic;
     for (const Vec3f& wv : directions)
         for (const Vec3f& wl : directions) samples.wl.push_back(wl), samples.wv.push_back(wv);
@@ -353,7 +353,7 @@ Scattered to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_m
     return samples;
 }
 
-std::string write_csv(const Scattered& samples) {
+std::string write_csv(const ScatteredSamples& samples) {
     std::string csv = samples.isotropic ? "# isotropic\n" : "";
     csv += "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z";
     if (samples.wavelengths.empty()) csv += ",r,g,b";

@@ -6,7 +6,7 @@ namespace srbf {
 
 namespace {
 
-/// The words of a text that are no comments, over the ends of lines.
+/// The words of a text without its comments, across line ends.
 class Words {
   public:
     explicit Words(std::string_view text) : lines_(text) {}
@@ -26,7 +26,7 @@ class Words {
     std::string_view line_;
 };
 
-/// The first line that is all comment: what was measured.
+/// The first comment line: a description of the measurement.
 std::string description_of(std::string_view text) {
     std::string description;
     for (Lines lines(text); auto line = lines.next();) {
@@ -50,49 +50,49 @@ bool is_cornell(std::string_view text) {
     return false;
 }
 
-Result<Scattered> read_cornell_samples(std::span<const std::byte> bytes, const std::string& source) {
+Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, const std::string& file_name) {
     const std::string_view text = as_text(bytes);
     Words words(text);
     std::string_view word = words.next();
     const auto count = to_number<std::uint32_t>(word);
     if (!count || *count < 1 || *count > k_most_columns)
-        return at_line(source, words.line(), "number of wavelengths", fmt::format("between 1 and {}", k_most_columns),
-                       quoted(word));
+        return at_line(file_name, words.line(), "number of wavelengths",
+                       fmt::format("between 1 and {}", k_most_columns), quoted(word));
     std::vector<float> wavelengths;
     for (std::uint32_t i = 0; i < *count; ++i) {
         word = words.next();
         const auto nm = to_number<float>(word);
         if (!nm)
-            return at_line(source, words.line(), fmt::format("wavelength {} of {}", i + 1, *count), "a number",
+            return at_line(file_name, words.line(), fmt::format("wavelength {} of {}", i + 1, *count), "a number",
                            word.empty() ? "the end of the file" : quoted(word));
         wavelengths.push_back(*nm);
     }
     if (!are_wavelengths(wavelengths))
-        return at_line(source, words.line(), "wavelengths", "increasing ones in nm, from 100 up",
+        return at_line(file_name, words.line(), "wavelengths", "increasing ones in nm, from 100 up",
                        fmt::format("{} to {}", wavelengths.front(), wavelengths.back()));
 
     std::vector<float> row(4 + wavelengths.size());
-    // A row may stand on several lines, or several on one: by its words it takes two bytes for each.
+    // A row may span several lines, and a line may hold several rows; a word takes at least two bytes.
     SampleBuilder builder(Values::spectrum, std::move(wavelengths), bytes.size(), bytes.size() / (2 * row.size()) + 1);
     bool turned = false;
     for (;;) {
         for (std::size_t i = 0; i < row.size(); ++i) {
             word = words.next();
-            if (word.empty() && i == 0) return std::move(builder).finish(source, description_of(text), !turned);
+            if (word.empty() && i == 0) return std::move(builder).finish(file_name, description_of(text), !turned);
             const auto number = to_number<float>(word);
             if (!number)
-                return at_line(source, words.line(), fmt::format("number {} of a sample of {}", i + 1, row.size()),
+                return at_line(file_name, words.line(), fmt::format("number {} of a sample of {}", i + 1, row.size()),
                                "a number", word.empty() ? "the end of the file" : quoted(word));
             row[i] = *number;
         }
-        turned |= std::abs(std::remainder(row[1], float(2 * k_pi))) > 1e-4f;  // of the light, from azimuth 0
+        turned |= std::abs(std::remainder(row[1], float(2 * k_pi))) > 1e-4f;  // azimuth of the light differs from 0
         builder.add(spherical(double(row[0]), double(row[1])), spherical(double(row[2]), double(row[3])),
                     std::span(row).subspan(4));
     }
 }
 
-Result<Scattered> read_cornell(std::span<const std::byte> bytes, const std::string& source) {
-    return indexed(read_cornell_samples(bytes, source));
+Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name) {
+    return indexed(read_cornell_samples(bytes, file_name));
 }
 
 }  // namespace srbf

@@ -19,7 +19,7 @@ std::string lower(std::string_view text) {
     return copy;
 }
 
-/// The wavelength that a column is named by: "450nm", "nm450", "450.5nm".
+/// The wavelength in the name of a column: "450nm", "nm450", "450.5nm".
 std::optional<float> wavelength_of(std::string_view name) {
     if (name.starts_with("nm"))
         name.remove_prefix(2);
@@ -30,21 +30,21 @@ std::optional<float> wavelength_of(std::string_view name) {
     return to_number<float>(trimmed(name));
 }
 
-/// Where the columns stand that a header names.
+/// Positions of the columns that a header names.
 struct Columns {
     std::array<std::size_t, 6> vector{};
     std::array<std::size_t, 4> angle{};
     bool has_vectors = false;
-    double unit = 1;  ///< of the angles [rad]
+    double unit = 1;  ///< unit of the angles [rad]
     Values values = Values::grey;
     std::vector<std::size_t> value;
     std::vector<float> wavelengths;
     std::size_t count = 0;
 };
 
-Result<Columns> columns_of(std::span<const std::string_view> header, const std::string& source, std::uint64_t line) {
+Result<Columns> columns_of(std::span<const std::string_view> header, const std::string& file_name, std::uint64_t line) {
     const auto wrong = [&](std::string expected, std::string found) {
-        return at_line(source, line, "header", std::move(expected), std::move(found));
+        return at_line(file_name, line, "header", std::move(expected), std::move(found));
     };
     if (header.size() > k_most_columns)
         return wrong(fmt::format("at most {} columns", k_most_columns), fmt::format("{}", header.size()));
@@ -111,7 +111,7 @@ bool is_csv(std::string_view text) {
     return false;
 }
 
-Result<Scattered> read_csv_samples(std::span<const std::byte> bytes, const std::string& source) {
+Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name) {
     Lines lines(as_text(bytes));
     std::vector<std::string_view> fields;
     std::optional<Columns> columns;
@@ -125,7 +125,7 @@ Result<Scattered> read_csv_samples(std::span<const std::byte> bytes, const std::
         }
         split_fields(*line, fields);
         if (!columns) {
-            const auto named = columns_of(fields, source, lines.number());
+            const auto named = columns_of(fields, file_name, lines.number());
             if (!named) return named.error();
             columns = *named;
             builder.emplace(columns->values, columns->wavelengths, bytes.size(), lines_of(bytes));
@@ -133,13 +133,13 @@ Result<Scattered> read_csv_samples(std::span<const std::byte> bytes, const std::
             continue;
         }
         if (fields.size() != columns->count)
-            return at_line(source, lines.number(), "sample", fmt::format("{} numbers", columns->count),
+            return at_line(file_name, lines.number(), "sample", fmt::format("{} numbers", columns->count),
                            fmt::format("{}", fields.size()));
         std::optional<Error> error;
         const auto read = [&](std::size_t column) {
             const auto number = to_number<double>(fields[column]);
             if (!number && !error)
-                error = at_line(source, lines.number(), fmt::format("column {}", column + 1), "a number",
+                error = at_line(file_name, lines.number(), fmt::format("column {}", column + 1), "a number",
                                 quoted(fields[column]));
             return number.value_or(0);
         };
@@ -151,7 +151,7 @@ Result<Scattered> read_csv_samples(std::span<const std::byte> bytes, const std::
             for (Vec3d* w : {&wl, &wv}) {
                 const double length = std::sqrt(dot(*w, *w));
                 if (!error && !(std::abs(length - 1) <= 0.01))
-                    error = at_line(source, lines.number(), w == &wl ? "direction wl" : "direction wv", "length 1",
+                    error = at_line(file_name, lines.number(), w == &wl ? "direction wl" : "direction wv", "length 1",
                                     fmt::format("{:.6g}", length));
                 *w = normalize(*w);
             }
@@ -169,13 +169,13 @@ Result<Scattered> read_csv_samples(std::span<const std::byte> bytes, const std::
         builder->add(wl, wv, f);
     }
     if (!builder)
-        return at_line(source, std::max<std::uint64_t>(lines.number(), 1), "header", "names of columns",
+        return at_line(file_name, std::max<std::uint64_t>(lines.number(), 1), "header", "names of columns",
                        "an empty file");
-    return std::move(*builder).finish(source, {}, is_isotropic || !turned);
+    return std::move(*builder).finish(file_name, {}, is_isotropic || !turned);
 }
 
-Result<Scattered> read_csv(std::span<const std::byte> bytes, const std::string& source) {
-    return indexed(read_csv_samples(bytes, source));
+Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name) {
+    return indexed(read_csv_samples(bytes, file_name));
 }
 
 }  // namespace srbf

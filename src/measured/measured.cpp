@@ -14,7 +14,7 @@ namespace srbf {
 
 namespace {
 
-/// "01 02 0a ..": the first bytes of a file, for a reader of the error who knows the format.
+/// The first bytes as "01 02 0a ..", for readers of the error who know the format.
 std::string opening(std::span<const std::byte> bytes) {
     if (bytes.empty()) return "an empty file";
     std::string text = fmt::format("{} bytes that begin with", bytes.size());
@@ -24,42 +24,43 @@ std::string opening(std::span<const std::byte> bytes) {
 }
 
 template <typename Table>
-Result<Measured> labelled(Result<Table> table, const std::string& source, std::string format, std::size_t bytes) {
+Result<Measured> labelled(Result<Table> table, const std::string& file_name, std::string format, std::size_t bytes) {
     if (!table) return table.error();
-    return Measured{source, std::move(format), bytes, *std::move(table)};
+    return Measured{file_name, std::move(format), bytes, *std::move(table)};
 }
 
-/// A measurement of any format, but for the index of samples.
-Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::string& source) {
-    if (is_rgl(bytes)) return labelled(read_rgl(bytes, source), source, "RGL", bytes.size());
-    if (is_merl(bytes)) return labelled(read_merl(bytes, source), source, "MERL", bytes.size());
+/// Reads a measurement of any format, without the index of samples.
+Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::string& file_name) {
+    if (is_rgl(bytes)) return labelled(read_rgl(bytes, file_name), file_name, "RGL", bytes.size());
+    if (is_merl(bytes)) return labelled(read_merl(bytes, file_name), file_name, "MERL", bytes.size());
     if (is_text(bytes)) {
         const std::string_view text = as_text(bytes);
-        if (is_alta(text)) return labelled(read_alta_samples(bytes, source), source, "ALTA", bytes.size());
-        if (is_astm(text)) return labelled(read_astm_samples(bytes, source), source, "ASTM E1392", bytes.size());
-        if (is_csv(text)) return labelled(read_csv_samples(bytes, source), source, "CSV", bytes.size());
-        if (is_cornell(text)) return labelled(read_cornell_samples(bytes, source), source, "Cornell", bytes.size());
+        if (is_alta(text)) return labelled(read_alta_samples(bytes, file_name), file_name, "ALTA", bytes.size());
+        if (is_astm(text)) return labelled(read_astm_samples(bytes, file_name), file_name, "ASTM E1392", bytes.size());
+        if (is_csv(text)) return labelled(read_csv_samples(bytes, file_name), file_name, "CSV", bytes.size());
+        if (is_cornell(text))
+            return labelled(read_cornell_samples(bytes, file_name), file_name, "Cornell", bytes.size());
     }
     if (is_safetensors(bytes))
-        return Error{source, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
-    if (is_utia(bytes)) return labelled(read_utia(bytes, source), source, "UTIA", bytes.size());
-    return Error{source, {}, "unknown format", "MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA or CSV", opening(bytes)};
+        return Error{file_name, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
+    if (is_utia(bytes)) return labelled(read_utia(bytes, file_name), file_name, "UTIA", bytes.size());
+    return Error{file_name, {}, "unknown format", "MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA or CSV", opening(bytes)};
 }
 
 Result<Measured> indexed(Result<Measured> measured) {
     if (!measured) return measured;
-    if (auto* samples = std::get_if<Scattered>(&measured->table)) make_index(*samples);
+    if (auto* samples = std::get_if<ScatteredSamples>(&measured->table)) make_index(*samples);
     return measured;
 }
 
 }  // namespace
 
-Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& source) {
-    return indexed(read_unindexed(bytes, source));
+Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name) {
+    return indexed(read_unindexed(bytes, file_name));
 }
 
-Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& source) {
-    auto measured = read_unindexed(bytes, source);
+Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& file_name) {
+    auto measured = read_unindexed(bytes, file_name);
     std::vector<std::byte>().swap(bytes);
     return indexed(std::move(measured));
 }
@@ -72,7 +73,7 @@ Result<Measured> load_measured(const std::string& path) {
 
 bool is_isotropic(const Measured& measured) {
     if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return rgl->phi_l.empty();
-    if (const auto* samples = std::get_if<Scattered>(&measured.table)) return samples->isotropic;
+    if (const auto* samples = std::get_if<ScatteredSamples>(&measured.table)) return samples->isotropic;
     return !std::holds_alternative<UtiaTable>(measured.table);
 }
 
@@ -96,13 +97,13 @@ Evaluate evaluator(const Measured& measured) {
     return [of = signed_evaluator(measured)](auto wl, auto wv, auto f) {
         of(wl, wv, f);
         for (Rgb& c : f)
-            for (int k = 0; k < 3; ++k) c[k] = c[k] < 0 ? 0 : c[k];  // a NaN stays
+            for (int k = 0; k < 3; ++k) c[k] = c[k] < 0 ? 0 : c[k];  // NaN is kept
     };
 }
 
 std::span<const float> wavelengths(const Measured& measured) {
     if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return rgl->wavelengths;
-    if (const auto* samples = std::get_if<Scattered>(&measured.table)) return samples->wavelengths;
+    if (const auto* samples = std::get_if<ScatteredSamples>(&measured.table)) return samples->wavelengths;
     return {};
 }
 
@@ -116,7 +117,7 @@ Channels signed_spectra(const Measured& measured) {
                         signed_spectrum(table, wl[i], wv[i], f.subspan(i * C, C));
                 };
                 if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return each(*rgl);
-                each(std::get<Scattered>(measured.table));
+                each(std::get<ScatteredSamples>(measured.table));
             }};
 }
 

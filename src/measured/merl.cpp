@@ -26,12 +26,12 @@ bool in_range(const Dimensions& n) {
     return std::ranges::all_of(n, [](std::int32_t i) { return 1 <= i && i <= k_largest_dimension; });
 }
 
-/// Bytes of a file of these dimensions, at most 2⁴¹.
+/// Size in bytes of a file with these dimensions, at most 2⁴¹.
 std::uint64_t file_size(const Dimensions& n) {
     return k_header + std::uint64_t(n[0]) * std::uint64_t(n[1]) * std::uint64_t(n[2]) * 3 * sizeof(double);
 }
 
-/// Where a pair lies, in units of nodes: h in [0, n_h − 1], d in [0, n_d − 1], p in [0, n_p].
+/// The position of a pair in units of nodes: h in [0, n_h − 1], d in [0, n_d − 1], p in [0, n_p].
 struct Position {
     float h, d, p;
 };
@@ -39,17 +39,16 @@ struct Position {
 /// With h = ωl + ωv and d = ωl − ωv, which are orthogonal:
 ///   tan θ_h = √(h_x² + h_y²) / h_z,  tan θ_d = |d| / |h|,
 ///   tan φ_d = |h| (h_x d_y − h_y d_x) / (h_z (h_x d_x + h_y d_y) − (h_x² + h_y²) d_z).
-/// Of near directions d is exact, so the angles keep their digits where an arc cosine of a dot product loses
-/// half of them. Where φ_d has no meaning (h along the normal, ωl = ωv) it is 0, for every rotation about the
-/// normal.
+/// For close directions d is exact, so that the angles are accurate where an arc cosine of a dot product loses half of
+/// its digits. Where φ_d is undefined (h along the normal, ωl = ωv) it is 0, under every rotation about the normal.
 Position position(const MerlTable& table, Vec3f wl, Vec3f wv) {
     const Vec3f h = wl + wv, d = wl - wv;
     const float planar2 = h.x * h.x + h.y * h.y, length = std::sqrt(planar2 + h.z * h.z);
     const float theta_h = polar_angle(planar2, h.z), theta_d = polar_angle(dot(d, d), length);
     const float across = length * (h.x * d.y - h.y * d.x);
     const float along = h.z * (h.x * d.x + h.y * d.y) - planar2 * d.z;
-    // Exchanging ωl and ωv negates both: turning (along, across) into the upper half plane takes φ_d modulo
-    // π.
+    // Exchanging ωl and ωv negates both coordinates; reflecting (along, across) to the upper half plane reduces φ_d
+    // modulo π.
     const bool turn = across < 0 || (across == 0 && along < 0);
     const float phi_d = azimuth(std::abs(across), turn ? -along : along);
 
@@ -74,15 +73,15 @@ bool is_merl(std::span<const std::byte> bytes) {
     return n == Dimensions{90, 90, 180} || (in_range(n) && file_size(n) == bytes.size());
 }
 
-Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string& source) {
+Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string& file_name) {
     if (bytes.size() < k_header)
-        return Error{source, bytes.size(), "MERL header", "3 dimensions in 12 bytes", "the end of the file"};
+        return Error{file_name, bytes.size(), "MERL header", "3 dimensions in 12 bytes", "the end of the file"};
     const Dimensions n = dimensions(bytes);
     if (!in_range(n))
-        return Error{source, 0, "MERL dimensions", fmt::format("each between 1 and {}", k_largest_dimension),
+        return Error{file_name, 0, "MERL dimensions", fmt::format("each between 1 and {}", k_largest_dimension),
                      fmt::format("{} x {} x {}", n[0], n[1], n[2])};
     if (bytes.size() != file_size(n))
-        return Error{source, k_header, fmt::format("size of a MERL table of {} x {} x {}", n[0], n[1], n[2]),
+        return Error{file_name, k_header, fmt::format("size of a MERL table of {} x {} x {}", n[0], n[1], n[2]),
                      fmt::format("{} bytes", file_size(n)), fmt::format("{} bytes", bytes.size())};
 
     MerlTable table;
@@ -99,7 +98,7 @@ Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string&
         ++table.masked;
     }
     if (table.masked == count)
-        return Error{source, k_header, "MERL cells", "at least one measured (finite and not negative)", "none"};
+        return Error{file_name, k_header, "MERL cells", "at least one measured (finite and not negative)", "none"};
     return table;
 }
 
@@ -131,7 +130,7 @@ Rgb value(const MerlTable& table, Vec3f wl, Vec3f wv) {
     add_line(next_h, d, to_h * (1 - to_d));
     add_line(next_h, next_d, to_h * to_d);
     if (!(weight > 0)) return {k_nan, k_nan, k_nan};
-    // Rounding may lift the mean of cells at the end of the range of float past it.
+    // Rounding may take the mean of cells beyond the largest float.
     return {std::min(sum.r / weight, k_max), std::min(sum.g / weight, k_max), std::min(sum.b / weight, k_max)};
 }
 

@@ -1,4 +1,4 @@
-// What MERL's layout means: private to its reader and writer.
+// The layout of MERL tables: private to their reader and writer.
 #pragma once
 #include <array>
 
@@ -6,14 +6,14 @@
 
 namespace srbf {
 
-/// f_r [1/sr] of a number of the file, by channel.
+/// f_r [1/sr] from a number of the file, by channel.
 inline constexpr std::array<double, 3> k_merl_channel_scale{1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
 
 struct MerlPair {
     Vec3d wl, wv;
 };
 
-/// The directions at θ_h, θ_d, φ_d [rad], the half-way vector at azimuth 0: the light at (θ_d, φ_d) about it.
+/// The directions at θ_h, θ_d, φ_d [rad], with the half vector at azimuth 0 and the light at (θ_d, φ_d) relative to it.
 inline MerlPair merl_pair(double theta_h, double theta_d, double phi_d) {
     const double c = std::cos(theta_h), s = std::sin(theta_h);
     const auto place = [&](Vec3d w) { return Vec3d{c * w.x + s * w.z, w.y, c * w.z - s * w.x}; };

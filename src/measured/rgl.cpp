@@ -13,11 +13,11 @@ namespace srbf {
 namespace {
 
 constexpr std::uint64_t k_largest_extent = 65536;
-/// No quantity of a measurement comes near, and sums and differences of such numbers stay finite.
+/// Larger than any quantity of a measurement, and small enough that sums and differences stay finite.
 constexpr float k_largest_value = 1e12f;
 constexpr double k_max = std::numeric_limits<float>::max();
 
-/// What a field must be; extent 0 stands for any from `least_extent` up.
+/// Requirements on a field; extent 0 stands for any extent from `least_extent` up.
 struct Expected {
     const char* name;
     TensorType type;
@@ -25,25 +25,25 @@ struct Expected {
     std::uint64_t least_extent = 1;
 };
 
-Error wrong(const std::string& source, const std::string& name, const TensorField& field, std::string expected,
+Error wrong(const std::string& file_name, const std::string& name, const TensorField& field, std::string expected,
             std::string found) {
-    return {source, field.offset, "tensor field " + name, std::move(expected), std::move(found)};
+    return {file_name, field.offset, "tensor field " + name, std::move(expected), std::move(found)};
 }
 
-Result<TensorField> find(const TensorFile& file, const std::string& source, const Expected& expected) {
+Result<TensorField> find(const TensorFile& file, const std::string& file_name, const Expected& expected) {
     std::string shape;
     for (const std::uint64_t extent : expected.shape)
         shape += (shape.empty() ? "" : " x ") + (extent ? fmt::format("{}", extent) : "n");
     const std::string wanted = fmt::format("{} of {}", shape, k_tensor_type_names[std::size_t(expected.type)]);
     const auto entry = file.find(expected.name);
     if (entry == file.end())
-        return Error{source, {}, fmt::format("tensor field {}", expected.name), wanted, "no such field"};
+        return Error{file_name, {}, fmt::format("tensor field {}", expected.name), wanted, "no such field"};
     const TensorField& field = entry->second;
     bool fits = field.type == expected.type && field.shape.size() == expected.shape.size();
     for (std::size_t i = 0; fits && i < field.shape.size(); ++i)
         fits = expected.least_extent <= field.shape[i] && field.shape[i] <= k_largest_extent &&
                (expected.shape[i] == 0 || expected.shape[i] == field.shape[i]);
-    if (!fits) return wrong(source, expected.name, field, wanted, describe(field.type, field.shape));
+    if (!fits) return wrong(file_name, expected.name, field, wanted, describe(field.type, field.shape));
     return field;
 }
 
@@ -53,21 +53,21 @@ struct Floats {
     std::vector<float> values;
 };
 
-Result<Floats> find_floats(const TensorFile& file, const std::string& source, const Expected& expected,
+Result<Floats> find_floats(const TensorFile& file, const std::string& file_name, const Expected& expected,
                            float least = -k_largest_value) {
-    const auto field = find(file, source, expected);
+    const auto field = find(file, file_name, expected);
     if (!field) return field.error();
     std::vector<float> values(field->bytes.size() / sizeof(float));
     std::memcpy(values.data(), field->bytes.data(), field->bytes.size());
     for (std::size_t i = 0; i < values.size(); ++i)
         if (!(least <= values[i] && values[i] <= k_largest_value))
-            return Error{source, field->offset + i * sizeof(float), fmt::format("tensor field {}", expected.name),
+            return Error{file_name, field->offset + i * sizeof(float), fmt::format("tensor field {}", expected.name),
                          fmt::format("values between {} and {}", least, k_largest_value), fmt::format("{}", values[i])};
     return Floats{*field, std::move(values)};
 }
 
-/// Keeps the first of `copies` equal parts: an isotropic material repeats itself from azimuth to azimuth.
-/// False where the others differ from it by more than rounding.
+/// Keeps the first of `copies` equal parts, since the file of an isotropic material may repeat the data for each
+/// azimuth. Returns false if the others differ from it by more than rounding.
 bool keep_first(std::vector<float>& values, std::uint64_t copies) {
     const std::size_t part = values.size() / copies;
     for (std::size_t i = part; i < values.size(); ++i)
@@ -78,7 +78,7 @@ bool keep_first(std::vector<float>& values, std::uint64_t copies) {
 
 constexpr const char* k_one_azimuth = "the same values at every azimuth (isotropic)";
 
-/// How many azimuths of the light a file has slices for, and how often they stand there: an isotropic one may repeat itself.
+/// Azimuths of the light in a file. The file of an isotropic material may repeat its slices.
 struct Azimuths {
     std::vector<float> phi;  ///< empty: isotropic
     std::uint64_t in_file = 1;
@@ -86,37 +86,38 @@ struct Azimuths {
     std::uint64_t kept() const { return isotropic() ? 1 : in_file; }
 };
 
-/// A function of the polar angle and the azimuth; an isotropic one is stored for two or more azimuths alike.
-Result<RglTable::Profile> read_profile(const TensorFile& file, const std::string& source, const char* name,
+/// A function of the polar angle and the azimuth; an isotropic one is stored for two or more equal azimuths.
+Result<RglTable::Profile> read_profile(const TensorFile& file, const std::string& file_name, const char* name,
                                        const Azimuths& azimuths, float least) {
-    auto table = find_floats(file, source, {name, TensorType::f32, {0, 0}}, least);
+    auto table = find_floats(file, file_name, {name, TensorType::f32, {0, 0}}, least);
     if (!table) return table.error();
     const TensorField& field = table->field;
     if (field.shape[1] < 2 || (!azimuths.isotropic() && field.shape[0] < 2))
-        return wrong(source, name, field, "at least 2 nodes", describe(field.type, field.shape));
+        return wrong(file_name, name, field, "at least 2 nodes", describe(field.type, field.shape));
     if (azimuths.isotropic() && !keep_first(table->values, field.shape[0]))
-        return wrong(source, name, field, k_one_azimuth, "different ones");
+        return wrong(file_name, name, field, k_one_azimuth, "different ones");
     const std::uint64_t rows = azimuths.isotropic() ? 1 : field.shape[0];
     return RglTable::Profile{std::uint32_t(field.shape[1]), std::uint32_t(rows), std::move(table->values)};
 }
 
-/// A field of slices φ_l × θ_l (× channels) × rows × columns, of which an isotropic file's repetitions are dropped.
-Result<Floats> read_slices(const TensorFile& file, const std::string& source, const Expected& expected,
+/// A field of slices φ_l × θ_l (× channels) × rows × columns, without the repetitions of an isotropic file.
+Result<Floats> read_slices(const TensorFile& file, const std::string& file_name, const Expected& expected,
                            const Azimuths& azimuths, float least = -k_largest_value) {
-    auto floats = find_floats(file, source, expected, least);
+    auto floats = find_floats(file, file_name, expected, least);
     if (!floats) return floats.error();
     const auto& shape = floats->field.shape;
     if (shape[shape.size() - 1] < 2 || shape[shape.size() - 2] < 2)
-        return wrong(source, expected.name, floats->field, "at least 2 x 2 nodes", describe(floats->field.type, shape));
+        return wrong(file_name, expected.name, floats->field, "at least 2 x 2 nodes",
+                     describe(floats->field.type, shape));
     if (azimuths.isotropic() && !keep_first(floats->values, azimuths.in_file))
-        return wrong(source, expected.name, floats->field, k_one_azimuth, "different ones");
+        return wrong(file_name, expected.name, floats->field, k_one_azimuth, "different ones");
     return floats;
 }
 
-Result<RglTable::VisibleNormals> read_visible(const TensorFile& file, const std::string& source,
+Result<RglTable::VisibleNormals> read_visible(const TensorFile& file, const std::string& file_name,
                                               const Azimuths& azimuths, std::uint64_t polar) {
     const auto vndf =
-        read_slices(file, source, {"vndf", TensorType::f32, {azimuths.in_file, polar, 0, 0}}, azimuths, 0);
+        read_slices(file, file_name, {"vndf", TensorType::f32, {azimuths.in_file, polar, 0, 0}}, azimuths, 0);
     if (!vndf) return vndf.error();
     const TensorField& field = vndf->field;
     RglTable::VisibleNormals visible{std::uint32_t(field.shape[3]), std::uint32_t(field.shape[2]), {}, {}};
@@ -124,12 +125,12 @@ Result<RglTable::VisibleNormals> read_visible(const TensorFile& file, const std:
     const std::size_t size = std::size_t(visible.width) * visible.height;
     for (std::size_t slice = 0; slice < azimuths.kept() * polar; ++slice)
         if (!integrate(std::span(vndf->values).subspan(slice * size, size), visible))
-            return wrong(source, "vndf", field, "a positive integral in every slice",
+            return wrong(file_name, "vndf", field, "a positive integral in every slice",
                          fmt::format("0 in slice {}", slice));
     return visible;
 }
 
-/// The colours of a field of any number of channels: Σ_c weight_c channel_c.
+/// Colours from a field with any number of channels: Σ_c weight_c channel_c.
 RglTable::Colours coloured(const Floats& floats, std::span<const Rgb> weights) {
     const auto& shape = floats.field.shape;
     RglTable::Colours colour{std::uint32_t(shape[4]), std::uint32_t(shape[3]), {}};
@@ -145,28 +146,29 @@ RglTable::Colours coloured(const Floats& floats, std::span<const Rgb> weights) {
     return colour;
 }
 
-Result<std::vector<float>> read_wavelengths(const TensorFile& file, const std::string& source) {
-    auto wavelengths = find_floats(file, source, {"wavelengths", TensorType::f32, {0}});
+Result<std::vector<float>> read_wavelengths(const TensorFile& file, const std::string& file_name) {
+    auto wavelengths = find_floats(file, file_name, {"wavelengths", TensorType::f32, {0}});
     if (!wavelengths) return wavelengths.error();
     const std::vector<float>& nm = wavelengths->values;
     if (nm.size() > 4096 || !are_wavelengths(nm))
-        return wrong(source, "wavelengths", wavelengths->field, "increasing ones in nm, from 100 up",
+        return wrong(file_name, "wavelengths", wavelengths->field, "increasing ones in nm, from 100 up",
                      fmt::format("{} from {} to {}", nm.size(), nm.front(), nm.back()));
     return std::move(wavelengths->values);
 }
 
-Result<RglTable::Colours> read_rgb(const TensorFile& file, const std::string& source, const Azimuths& azimuths,
+Result<RglTable::Colours> read_rgb(const TensorFile& file, const std::string& file_name, const Azimuths& azimuths,
                                    std::uint64_t polar) {
-    const auto rgb = read_slices(file, source, {"rgb", TensorType::f32, {azimuths.in_file, polar, 3, 0, 0}}, azimuths);
+    const auto rgb =
+        read_slices(file, file_name, {"rgb", TensorType::f32, {azimuths.in_file, polar, 3, 0, 0}}, azimuths);
     if (!rgb) return rgb.error();
     const std::array<Rgb, 3> unit{Rgb{1, 0, 0}, Rgb{0, 1, 0}, Rgb{0, 0, 1}};
     return coloured(*rgb, unit);
 }
 
-Result<RglTable::Colours> read_spectra(const TensorFile& file, const std::string& source, const Azimuths& azimuths,
+Result<RglTable::Colours> read_spectra(const TensorFile& file, const std::string& file_name, const Azimuths& azimuths,
                                        std::uint64_t polar, RglTable& table) {
     auto spectra =
-        read_slices(file, source,
+        read_slices(file, file_name,
                     {"spectra", TensorType::f32, {azimuths.in_file, polar, table.wavelengths.size(), 0, 0}}, azimuths);
     if (!spectra) return spectra.error();
     RglTable::Colours colour = coloured(*spectra, rgb_weights(table.wavelengths));
@@ -174,9 +176,9 @@ Result<RglTable::Colours> read_spectra(const TensorFile& file, const std::string
     return colour;
 }
 
-/// The azimuths of the light: one or two mean an isotropic material.
-Result<Azimuths> read_azimuths(const TensorFile& file, const std::string& source, int& symmetry) {
-    auto phi = find_floats(file, source, {"phi_i", TensorType::f32, {0}});
+/// The azimuths of the light; one or two mean an isotropic material.
+Result<Azimuths> read_azimuths(const TensorFile& file, const std::string& file_name, int& symmetry) {
+    auto phi = find_floats(file, file_name, {"phi_i", TensorType::f32, {0}});
     if (!phi) return phi.error();
     const std::uint64_t count = phi->values.size();
     if (count <= 2) return Azimuths{{}, count};
@@ -184,7 +186,7 @@ Result<Azimuths> read_azimuths(const TensorFile& file, const std::string& source
     symmetry = int(std::lround(std::clamp(2 * k_pi / double(range), 0.0, 9.0)));
     if (std::ranges::adjacent_find(phi->values, std::greater_equal()) != phi->values.end() ||
         (symmetry != 1 && symmetry != 2 && symmetry != 4))
-        return wrong(source, "phi_i", phi->field, "increasing azimuths over a whole turn, a half or a quarter",
+        return wrong(file_name, "phi_i", phi->field, "increasing azimuths over a whole turn, a half or a quarter",
                      fmt::format("{} from {} to {}", count, phi->values.front(), phi->values.back()));
     return Azimuths{std::move(phi->values), count};
 }
@@ -220,16 +222,16 @@ void spectrum_at(const RglTable& table, const AnySlices& slices, const Warped& w
         });
 }
 
-/// An azimuth in [−π, π] as a place on [0, 1].
+/// Maps an azimuth in [−π, π] to [0, 1].
 float turn(float phi) { return (phi + float(k_pi)) * float(0.5 / k_pi); }
 
-/// Looks a pair of directions up: calls `look(slices, w)` with the place of the colour; returns what f_r cosθ_v is in multiples of it,
-/// ndf / 4 sigma.
+/// Looks up a pair of directions: calls `look(slices, w)` with the position of the colour, and returns the factor from
+/// the colour to f_r cosθ_v, ndf / 4 sigma.
 template <typename Look> double look_up_isotropic(const RglTable& table, Vec3f wl, Vec3f wv, const Look& look) {
     const Vec3f h = wl + wv;
     const float u_h = to_unit(polar_angle(h)), theta_l = polar_angle(wl);
-    // Of near opposite azimuths h.x and h.y are exact, so the azimuth of h from ωl keeps its digits in this
-    // form.
+    // For nearly opposite azimuths h.x and h.y are exact, so that this form of the azimuth of h relative to ωl is
+    // accurate.
     const float phi = azimuth(wl.x * h.y - wl.y * h.x, wl.x * h.x + wl.y * h.y);
     const Slices slices = slices_at(table.theta_l, theta_l);
     look(slices, unwarp(table.visible, slices, u_h, turn(phi)));
@@ -237,7 +239,7 @@ template <typename Look> double look_up_isotropic(const RglTable& table, Vec3f w
 }
 
 template <typename Look> double look_up_anisotropic(const RglTable& table, Vec3f wl, Vec3f wv, const Look& look) {
-    // Into the azimuths that were measured, −π to 0 or to −π/2: turned by π, or mirrored at both axes.
+    // Maps to the measured azimuths, −π to 0 or to −π/2: rotated by π, or mirrored at both axes.
     const bool above = wl.y > 0, right = wl.x > 0;
     const float flip_y = table.symmetry > 1 && above ? -1.0f : 1.0f;
     const float flip_x = table.symmetry == 2 ? flip_y : table.symmetry == 4 && right ? -1.0f : 1.0f;
@@ -256,7 +258,7 @@ template <typename Look> double look_up(const RglTable& table, Vec3f wl, Vec3f w
     return table.phi_l.empty() ? look_up_isotropic(table, wl, wv, look) : look_up_anisotropic(table, wl, wv, look);
 }
 
-/// At the very horizon the quotient may leave the range of float; a value stays finite.
+/// At the horizon the quotient may exceed the range of float; values are kept finite.
 float finite(double x) { return float(std::clamp(x, -k_max, k_max)); }
 
 }  // namespace
@@ -266,47 +268,47 @@ bool is_rgl(std::span<const std::byte> bytes) {
            std::memcmp(bytes.data(), k_tensor_magic.data(), k_tensor_magic.size()) == 0;
 }
 
-Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& source) {
-    const auto parsed = parse_tensor_file(bytes, source);
+Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& file_name) {
+    const auto parsed = parse_tensor_file(bytes, file_name);
     if (!parsed) return parsed.error();
     const TensorFile& file = *parsed;
 
-    const auto description = find(file, source, {"description", TensorType::u8, {0}, 0});
+    const auto description = find(file, file_name, {"description", TensorType::u8, {0}, 0});
     if (!description) return description.error();
     RglTable table;
     const char* const text = reinterpret_cast<const char*>(description->bytes.data());
     table.description.assign(text, description->bytes.size());
-    const auto azimuths = read_azimuths(file, source, table.symmetry);
+    const auto azimuths = read_azimuths(file, file_name, table.symmetry);
     if (!azimuths) return azimuths.error();
     table.phi_l = azimuths->phi;
-    auto theta = find_floats(file, source, {"theta_i", TensorType::f32, {0}});
+    auto theta = find_floats(file, file_name, {"theta_i", TensorType::f32, {0}});
     if (!theta) return theta.error();
     for (std::size_t i = 1; i < theta->values.size(); ++i)
         if (theta->values[i] <= theta->values[i - 1])
-            return wrong(source, "theta_i", theta->field, "increasing angles",
+            return wrong(file_name, "theta_i", theta->field, "increasing angles",
                          fmt::format("{} after {}", theta->values[i], theta->values[i - 1]));
     table.theta_l = std::move(theta->values);
-    const auto jacobian = find(file, source, {"jacobian", TensorType::u8, {1}});
+    const auto jacobian = find(file, file_name, {"jacobian", TensorType::u8, {1}});
     if (!jacobian) return jacobian.error();
     table.jacobian = jacobian->bytes[0] != std::byte(0);
 
-    auto ndf = read_profile(file, source, "ndf", *azimuths, 0);
+    auto ndf = read_profile(file, file_name, "ndf", *azimuths, 0);
     if (!ndf) return ndf.error();
     table.ndf = *std::move(ndf);
-    auto sigma = read_profile(file, source, "sigma", *azimuths, std::numeric_limits<float>::min());
+    auto sigma = read_profile(file, file_name, "sigma", *azimuths, std::numeric_limits<float>::min());
     if (!sigma) return sigma.error();
     table.sigma = *std::move(sigma);
-    auto visible = read_visible(file, source, *azimuths, table.theta_l.size());
+    auto visible = read_visible(file, file_name, *azimuths, table.theta_l.size());
     if (!visible) return visible.error();
     table.visible = *std::move(visible);
     const bool is_spectral = !file.contains("rgb") && file.contains("spectra");
     if (is_spectral) {
-        auto wavelengths = read_wavelengths(file, source);
+        auto wavelengths = read_wavelengths(file, file_name);
         if (!wavelengths) return wavelengths.error();
         table.wavelengths = *std::move(wavelengths);
     }
-    auto colour = is_spectral ? read_spectra(file, source, *azimuths, table.theta_l.size(), table)
-                              : read_rgb(file, source, *azimuths, table.theta_l.size());
+    auto colour = is_spectral ? read_spectra(file, file_name, *azimuths, table.theta_l.size(), table)
+                              : read_rgb(file, file_name, *azimuths, table.theta_l.size());
     if (!colour) return colour.error();
     table.colour = *std::move(colour);
     return table;

@@ -1,4 +1,4 @@
-// Isotropic RGL measurements on arrays of pairs, in batches as wide as the machine's vectors: the steps of rgl.cpp and warp.h.
+// Isotropic RGL measurements on arrays of pairs in SIMD batches: the steps of rgl.cpp and warp.h.
 #include "srbf/measured.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -31,7 +31,7 @@ HWY_INLINE Indices scaled(Indices at, std::size_t by) {
 
 #include "measured/angles.inl"
 
-/// As `between_nodes` of warp.h.
+/// Like `between_nodes` of warp.h.
 struct Between {
     Indices first;
     Batch to;
@@ -49,7 +49,7 @@ HWY_INLINE Batch at(const std::vector<float>& profile, Batch u) {
     return mix(gather(profile.data(), node.first), gather(profile.data() + 1, node.first), node.to);
 }
 
-/// f_r, signed, of isotropic tables whose indices fit in 32 bits.
+/// f_r without clamping, for isotropic tables whose indices fit in 32 bits.
 HWY_INLINE Vec3<Batch> rgl_value(const RglTable& table, Vec3<Batch> wl, Vec3<Batch> wv) {
     const Vec3<Batch> h = wl + wv;
     const Batch u_h = to_unit(polar_angle(h.x * h.x + h.y * h.y, h.z));
@@ -112,7 +112,7 @@ void evaluate_rgl(const RglTable& table, const Vec3f* wl, const Vec3f* wv, Rgb* 
     for (std::size_t i = 0; i < count; i += lanes) {
         HWY_ALIGN float number[6][most];
         for (std::size_t k = 0; k < lanes; ++k) {
-            // The rest is filled up with the normal, and so is what lies below the horizon.
+            // The remainder is padded with the normal, which also replaces directions below the horizon.
             const bool is_pair = i + k < count && wl[i + k].z > 0 && wv[i + k].z > 0;
             const Vec3f l = is_pair ? wl[i + k] : Vec3f(0, 0, 1), v = is_pair ? wv[i + k] : Vec3f(0, 0, 1);
             number[0][k] = l.x, number[1][k] = l.y, number[2][k] = l.z;
@@ -141,7 +141,7 @@ HWY_EXPORT(evaluate_rgl);
 void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const FlushSubnormals mode;
     assert(wl.size() == wv.size() && wl.size() == f.size());
-    constexpr std::size_t most = std::size_t(1) << 29;  // floats, so that their indices fit in 32 bits
+    constexpr std::size_t most = std::size_t(1) << 29;  // number of floats, so that their indices fit in 32 bits
     if (table.phi_l.empty() && 2 * table.visible.nodes.size() < most && 3 * table.colour.nodes.size() < most)
         return HWY_DYNAMIC_DISPATCH(evaluate_rgl)(table, wl.data(), wv.data(), f.data(), f.size());
     for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);

@@ -13,11 +13,11 @@ namespace srbf {
 namespace {
 
 constexpr std::uint32_t k_neighbours = 8;
-constexpr float k_largest_value = 1e12f;  // as of the tables: sums and products of such numbers stay finite
+constexpr float k_largest_value = 1e12f;  // as for tables: sums and products of such numbers stay finite
 
 using Point = std::array<float, 5>;
 
-/// Where a pair lies for the search of neighbours: the docstring of `Scattered`.
+/// Coordinates of a pair for the neighbour search, as documented for `ScatteredSamples`.
 Point place_of(Vec3f wl, Vec3f wv, bool isotropic) {
     constexpr float sharpness = 20, right_angle = float(k_pi / 2);
     const float scale = right_angle / std::log1p(sharpness * right_angle);
@@ -32,8 +32,8 @@ Point place_of(Vec3f wl, Vec3f wv, bool isotropic) {
 using Points = PointCloud<float, 5>;
 using Tree = KdTree<float, 5>;
 
-/// The nearest points, as nanoflann gathers them. Of millions of samples at one distance any will do: after so many questions that
-/// found nothing nearer, the search is over.
+/// The nearest points, in the interface that nanoflann requires. If millions of samples are at one distance, any of
+/// them are valid: the search ends after this many candidates that were not nearer.
 class Nearest : public nanoflann::KNNResultSet<float, std::uint32_t> {
   public:
     using KNNResultSet::KNNResultSet;
@@ -44,13 +44,13 @@ class Nearest : public nanoflann::KNNResultSet<float, std::uint32_t> {
     float worstDist() const { return full() && ++asked_ > k_patience ? -1 : KNNResultSet::worstDist(); }
 
   private:
-    static constexpr int k_patience = 2000;  // 108 is the most on the measurements at hand
+    static constexpr int k_patience = 2000;  // at most 108 are needed for known measurements
     mutable int asked_ = 0;
 };
 
 }  // namespace
 
-/// A k-d tree over the places of the samples. It refers to no sample: a copy of the measurement may share it.
+/// A k-d tree over the coordinates of the samples. It keeps no reference to them: copies of a measurement may share it.
 class SampleIndex {
   public:
     explicit SampleIndex(Points points)
@@ -63,7 +63,7 @@ class SampleIndex {
         std::array<std::uint32_t, k_neighbours + 1> sample;
         std::array<float, k_neighbours + 1> distance2;
     };
-    /// The samples nearest to `place`, as far as there are that many, nearest first.
+    /// The samples nearest to `place`, nearest first, as many as there are.
     Neighbours nearest(const Point& place) const {
         Neighbours found;
         Nearest result(std::min<std::size_t>(k_neighbours + 1, points_.at.size()));
@@ -78,7 +78,7 @@ class SampleIndex {
     Tree tree_;
 };
 
-void make_index(Scattered& samples) {
+void make_index(ScatteredSamples& samples) {
     Points points;
     points.at.reserve(samples.wl.size());
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
@@ -88,14 +88,14 @@ void make_index(Scattered& samples) {
 
 namespace {
 
-/// What f_r between samples is: scale Σ_k weight_k f of sample_k.
+/// f_r between samples: scale Σ_k weight_k f of sample_k.
 struct Blend {
     std::uint32_t count = 0;
     std::array<std::size_t, k_neighbours> sample;
     std::array<double, k_neighbours> weight;
     double scale = 0;
 
-    /// Σ of these numbers, brought to the range of float: at the very horizon the quotient may leave it; a value stays finite.
+    /// Σ of these numbers, clamped to the range of float: at the horizon the quotient may exceed it.
     template <typename Of> float of(const Of& number) const {
         constexpr double most = std::numeric_limits<float>::max();
         double sum = 0;
@@ -104,10 +104,10 @@ struct Blend {
     }
 };
 
-Blend blend(const Scattered& samples, Vec3f wl, Vec3f wv) {
+Blend blend(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
     assert(samples.index);
     const auto near = samples.index->nearest(place_of(wl, wv, samples.isotropic));
-    // Distances below rounding are none: the sample itself.
+    // Distances below rounding count as 0: the value of the sample itself.
     const double own = 1e-6, reach = std::sqrt(double(near.distance2[near.count - 1]));
     const bool is_sample = double(near.distance2[0]) <= own * own;
     Blend blend;
@@ -124,7 +124,7 @@ Blend blend(const Scattered& samples, Vec3f wl, Vec3f wv) {
         blend.weight[k] = w * w;
         weights += w * w;
     }
-    if (!(weights > 0)) {  // all of them lie at one distance
+    if (!(weights > 0)) {  // all of them are at one distance
         blend.weight.fill(1);
         weights = blend.count;
     }
@@ -136,14 +136,14 @@ Blend blend(const Scattered& samples, Vec3f wl, Vec3f wv) {
 
 }  // namespace
 
-Rgb signed_value(const Scattered& samples, Vec3f wl, Vec3f wv) {
+Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return {};
     const Blend between = blend(samples, wl, wv);
     const auto channel = [&](int c) { return between.of([&](std::size_t i) { return samples.colour[i][c]; }); };
     return {channel(0), channel(1), channel(2)};
 }
 
-void signed_spectrum(const Scattered& samples, Vec3f wl, Vec3f wv, std::span<float> f) {
+void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::span<float> f) {
     std::ranges::fill(f, 0.0f);
     if (!(wl.z > 0 && wv.z > 0)) return;
     const Blend between = blend(samples, wl, wv);
@@ -151,7 +151,7 @@ void signed_spectrum(const Scattered& samples, Vec3f wl, Vec3f wv, std::span<flo
         f[c] = between.of([&](std::size_t i) { return samples.spectrum[i * f.size() + c]; });
 }
 
-Rgb value(const Scattered& samples, Vec3f wl, Vec3f wv) {
+Rgb value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
     const Rgb f = signed_value(samples, wl, wv);
     return {std::max(f.r, 0.0f), std::max(f.g, 0.0f), std::max(f.b, 0.0f)};
 }
@@ -160,7 +160,7 @@ SampleBuilder::SampleBuilder(Values values, std::vector<float> wavelengths, std:
     : values_(values), bytes_(bytes) {
     if (values == Values::spectrum) weights_ = rgb_weights(wavelengths);
     samples_.wavelengths = std::move(wavelengths);
-    // The text and the samples are in memory together, then the samples and their index.
+    // Memory holds the text and the samples together, then the samples and their index.
     constexpr std::size_t slack = 32 << 20, index = 32;
     const std::size_t sample = 2 * sizeof(Vec3f) + sizeof(Rgb) + sizeof(float) * weights_.size();
     most_ = std::min((3 * bytes + slack) / sample, (4 * bytes + slack) / (sample + index));
@@ -202,21 +202,22 @@ void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f) {
     }
 }
 
-Result<Scattered> SampleBuilder::finish(const std::string& source, std::string description, bool isotropic) && {
+Result<ScatteredSamples> SampleBuilder::finish(const std::string& file_name, std::string description,
+                                               bool isotropic) && {
     if (samples_.wl.empty())
-        return Error{source,
+        return Error{file_name,
                      {},
                      "samples",
                      "at least one that is finite and above the horizon",
                      samples_.masked == 0 ? "none" : fmt::format("{} that are not", samples_.masked)};
     if (too_many_)
-        return Error{source, {}, "samples", fmt::format("at most {} in a file of {} bytes", most_, bytes_), "more"};
+        return Error{file_name, {}, "samples", fmt::format("at most {} in a file of {} bytes", most_, bytes_), "more"};
     samples_.description = std::move(description);
     samples_.isotropic = isotropic;
     return std::move(samples_);
 }
 
-Result<Scattered> indexed(Result<Scattered> samples) {
+Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples) {
     if (samples) make_index(*samples);
     return samples;
 }

@@ -20,18 +20,18 @@ namespace srbf {
 
 inline constexpr std::string_view k_tensor_magic("tensor_file\0", 12);
 
-/// Types of numbers, by their codes in the file.
+/// Element types with their codes in the file.
 enum class TensorType : std::uint8_t { u8 = 1, i8, u16, i16, u32, i32, u64, i64, f16, f32, f64 };
 inline constexpr std::array<std::uint64_t, 12> k_tensor_type_bytes{0, 1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8};
 inline constexpr std::array<std::string_view, 12> k_tensor_type_names{"",    "u8",  "i8",  "u16", "i16", "u32",
                                                                       "i32", "u64", "i64", "f16", "f32", "f64"};
 
-/// A field, its numbers still where the file holds them.
+/// A field; its numbers remain in the file's bytes.
 struct TensorField {
     TensorType type{};
-    std::uint64_t offset = 0;  ///< of the numbers, in the file
+    std::uint64_t offset = 0;  ///< of the numbers in the file
     std::vector<std::uint64_t> shape;
-    std::span<const std::byte> bytes;  ///< exactly the numbers
+    std::span<const std::byte> bytes;  ///< the bytes of the numbers
 };
 
 using TensorFile = std::map<std::string, TensorField, std::less<>>;
@@ -42,7 +42,7 @@ inline std::string describe(TensorType type, std::span<const std::uint64_t> shap
     return fmt::format("{} of {}", fmt::join(shape, " x "), k_tensor_type_names[std::size_t(type)]);
 }
 
-/// Reads numbers one after the other; past the end there is none.
+/// Reads consecutive numbers; none past the end.
 class ByteReader {
   public:
     explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -64,7 +64,7 @@ class ByteReader {
     std::size_t offset_ = 0;
 };
 
-/// Bytes of numbers of this type and shape; none where they do not fit in 64 bits.
+/// Size in bytes of numbers of this type and shape; none if it does not fit in 64 bits.
 inline std::optional<std::uint64_t> tensor_bytes(TensorType type, std::span<const std::uint64_t> shape) {
     std::uint64_t size = k_tensor_type_bytes[std::size_t(type)];
     for (const std::uint64_t extent : shape)
@@ -72,12 +72,12 @@ inline std::optional<std::uint64_t> tensor_bytes(TensorType type, std::span<cons
     return size;
 }
 
-/// Reads the next field's entry in the table of fields.
+/// Reads the next entry of the table of fields.
 inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader& reader,
                                                                       std::span<const std::byte> bytes,
-                                                                      const std::string& source) {
+                                                                      const std::string& file_name) {
     const std::uint64_t begin = reader.offset();
-    const Error truncated{source, begin, "tensor field", "an entry in the table of fields", "the end of the file"};
+    const Error truncated{file_name, begin, "tensor field", "an entry in the table of fields", "the end of the file"};
     const auto name_length = reader.take<std::uint16_t>();
     const auto raw_name = name_length ? reader.take_bytes(*name_length) : std::nullopt;
     const auto rank = reader.take<std::uint16_t>();
@@ -87,7 +87,7 @@ inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader
     const std::string name(reinterpret_cast<const char*>(raw_name->data()), raw_name->size());
     const std::string shown = name.substr(0, 40);
     if (*type == 0 || *type >= k_tensor_type_bytes.size())
-        return Error{source, begin, "type of tensor field " + shown, "between 1 and 11", fmt::format("{}", *type)};
+        return Error{file_name, begin, "type of tensor field " + shown, "between 1 and 11", fmt::format("{}", *type)};
 
     TensorField field{TensorType(*type), *offset, {}, {}};
     for (int i = 0; i < *rank; ++i) {
@@ -97,31 +97,31 @@ inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader
     }
     const auto size = tensor_bytes(field.type, field.shape);
     if (!size || *offset > bytes.size() || *size > bytes.size() - *offset)
-        return Error{source, begin, "tensor field " + shown, fmt::format("to lie within {} bytes", bytes.size()),
+        return Error{file_name, begin, "tensor field " + shown, fmt::format("to lie within {} bytes", bytes.size()),
                      fmt::format("{} from byte {}", describe(field.type, field.shape), *offset)};
     field.bytes = bytes.subspan(*offset, *size);
     return std::pair(name, std::move(field));
 }
 
-inline Result<TensorFile> parse_tensor_file(std::span<const std::byte> bytes, const std::string& source) {
+inline Result<TensorFile> parse_tensor_file(std::span<const std::byte> bytes, const std::string& file_name) {
     ByteReader reader(bytes);
     const auto magic = reader.take_bytes(k_tensor_magic.size());
     if (!magic || std::memcmp(magic->data(), k_tensor_magic.data(), k_tensor_magic.size()) != 0)
-        return Error{source, 0, "tensor file", "to begin with \"tensor_file\"", ""};
+        return Error{file_name, 0, "tensor file", "to begin with \"tensor_file\"", ""};
     const auto major = reader.take<std::uint8_t>(), minor = reader.take<std::uint8_t>();
     const auto count = reader.take<std::uint32_t>();
-    if (!count) return Error{source, bytes.size(), "tensor file header", "18 bytes", "the end of the file"};
+    if (!count) return Error{file_name, bytes.size(), "tensor file header", "18 bytes", "the end of the file"};
     if (*major != 1 || *minor != 0)
-        return Error{source, 12, "version of the tensor file", "1.0", fmt::format("{}.{}", *major, *minor)};
+        return Error{file_name, 12, "version of the tensor file", "1.0", fmt::format("{}.{}", *major, *minor)};
 
     TensorFile file;
     for (std::uint32_t i = 0; i < *count; ++i) {
         const std::uint64_t begin = reader.offset();
-        auto field = parse_tensor_field(reader, bytes, source);
+        auto field = parse_tensor_field(reader, bytes, file_name);
         if (!field) return field.error();
         const std::string name = field->first;
         if (!file.insert(*std::move(field)).second)
-            return Error{source, begin, "tensor field " + name.substr(0, 40), "each name once", "the name again"};
+            return Error{file_name, begin, "tensor field " + name.substr(0, 40), "each name once", "the name again"};
     }
     return file;
 }

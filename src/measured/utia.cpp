@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::size_t k_cells = std::size_t(UtiaTable::k_directions) * UtiaTable::k_directions;
 constexpr std::size_t k_bytes = 3 * k_cells * sizeof(double);
-constexpr double k_largest_value = 1e12;  // no measurement comes near
+constexpr double k_largest_value = 1e12;  // far above any measurement
 constexpr float k_nan = std::numeric_limits<float>::quiet_NaN(), k_max = std::numeric_limits<float>::max();
 
-/// The four nodes about a direction and their weights, which sum to 1; beyond the last polar angle some are negative.
+/// The four nodes about a direction and their weights, which sum to 1; some are negative beyond the last polar angle.
 struct Corners {
     std::array<std::uint32_t, 4> node;
     std::array<float, 4> weight;
@@ -38,9 +38,9 @@ Corners corners(Vec3f w) {
 
 bool is_utia(std::span<const std::byte> bytes) { return bytes.size() == k_bytes; }
 
-Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string& source) {
+Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name) {
     if (bytes.size() != k_bytes)
-        return Error{source,
+        return Error{file_name,
                      {},
                      "size of a UTIA table",
                      fmt::format("{} bytes", k_bytes),
@@ -59,7 +59,7 @@ Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string&
         f = {k_nan, k_nan, k_nan};
         ++table.masked;
     }
-    if (table.masked == k_cells) return Error{source, 0, "UTIA cells", "at least one that is finite", "none"};
+    if (table.masked == k_cells) return Error{file_name, 0, "UTIA cells", "at least one that is finite", "none"};
     return table;
 }
 

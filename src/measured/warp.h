@@ -1,5 +1,4 @@
-// The warp of an RGL measurement: from the unit square of half-way directions to that of the measured
-// colours.
+// The warp of an RGL measurement: from the unit square of half-vector directions to that of the measured colours.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -11,13 +10,14 @@
 
 namespace srbf {
 
-/// A place between two nodes of a regular line: node `first`, then `first + 1`, `to` of the way, 0 ≤ to ≤ 1.
+/// A position between two nodes of a uniform grid: between nodes `first` and `first + 1` with fraction `to`, 0 ≤ to ≤
+/// 1.
 struct Between {
     std::size_t first;
     float to;
 };
 
-/// u in [0,1] on a line of `size` ≥ 2 nodes; what lies outside, or is no number, goes to an end.
+/// The position of u in [0,1] on a grid of `size` ≥ 2 nodes. Values outside, and NaN, are clamped to an end.
 inline Between between_nodes(float u, std::size_t size) {
     const float x = std::min(std::max(0.0f, u), 1.0f) * float(size - 1);
     const std::size_t first = std::min(std::size_t(x), size - 2);
@@ -26,7 +26,7 @@ inline Between between_nodes(float u, std::size_t size) {
 
 inline float mix(float a, float b, float to) { return a + to * (b - a); }
 
-/// Four numbers at once, as they lie in memory.
+/// Four consecutive numbers in memory.
 using Four [[gnu::vector_size(16)]] = float;
 inline Four four_at(const void* numbers) {
     Four four;
@@ -35,17 +35,17 @@ inline Four four_at(const void* numbers) {
 }
 inline Four mix(Four a, Four b, float to) { return a + to * (b - a); }
 
-/// Two slices, `to` of the way from one to the other; they are the same at and past the ends.
+/// Two slices and the fraction `to` between them; both are equal at and beyond the ends.
 struct Slices {
     std::size_t first, second;
     float to;
-    /// What `of(slice)` is between them.
+    /// Interpolates `of(slice)`.
     template <typename Of> auto blend(Of of) const { return mix(of(first), of(second), to); }
 };
 
-/// Between the values of an increasing list, of which there is one at least.
+/// The position in an increasing list with at least one value.
 inline Slices slices_at(std::span<const float> values, float x) {
-    std::size_t after = 0;  // a table has eight: counting is faster than a search, whose branches cannot be foreseen
+    std::size_t after = 0;  // tables have eight values: counting is faster than a search with unpredictable branches
     for (const float value : values) after += value <= x;
     const std::size_t first = std::max<std::size_t>(after, 1) - 1, second = std::min(after, values.size() - 1);
     if (first == second) return {first, first, 0};
@@ -55,13 +55,13 @@ inline Slices slices_at(std::span<const float> values, float x) {
 /// Slices of a table of azimuths × polar angles.
 struct TurnedSlices {
     Slices phi, theta;
-    std::size_t polar;  ///< how many polar angles there are
+    std::size_t polar;  ///< number of polar angles
     template <typename Of> auto blend(Of of) const {
         return phi.blend([&](std::size_t p) { return theta.blend([&](std::size_t t) { return of(p * polar + t); }); });
     }
 };
 
-/// Normalises a slice of densities and integrates it; false where its integral is no positive number.
+/// Normalises a slice of densities and integrates it; returns false if its integral is not a positive number.
 inline bool integrate(std::span<const float> density, RglTable::VisibleNormals& visible) {
     const std::size_t width = visible.width, height = visible.height;
     std::vector<double> left(density.size());
@@ -94,7 +94,7 @@ inline float at(const RglTable::Profile& profile, float u) {
     return mix(profile.nodes[i], profile.nodes[i + 1], to);
 }
 
-/// A point of the unit square and the density there, which integrates to 1 over the square.
+/// A point of the unit square and the density there; the density integrates to 1 over the square.
 struct Warped {
     float x, y, density;
 };
@@ -107,7 +107,7 @@ Warped unwarp(const RglTable::VisibleNormals& visible, const AnySlices& slices, 
     const auto [column, x] = between_nodes(u_x, width);
     const auto [row, y] = between_nodes(u_y, height);
 
-    // Two nodes beside each other are density, left, density, left; two rows whole, below, whole, below.
+    // Two adjacent nodes are density, left, density, left; two rows are whole, below, whole, below.
     const RglTable::VisibleNormals::Node* const nodes = &visible.nodes[row * width + column];
     const std::size_t size = width * height;
     const auto two_nodes = [&](std::size_t i) {
@@ -122,19 +122,18 @@ Warped unwarp(const RglTable::VisibleNormals& visible, const AnySlices& slices, 
     const float w0 = two_rows[0], w1 = two_rows[2], total = mix(w0, w1, y);
     const float below = two_rows[1] + y * (w0 + 0.5f * y * (w1 - w0));
 
-    // Rounding may leave the square by a hair. Where a row has no density, no warp is defined and any will
-    // do.
+    // Rounding may exceed the square slightly. If a row has no density, the warp is undefined and any value will do.
     return {total > 0 ? std::min(to_left / total, 1.0f) : u_x, std::min(below, 1.0f),
             mix(p0, p1, x) * float(width - 1) * float(height - 1)};
 }
 
-/// s in [0, 1] with s (a + s (b − a) / 2) = area, the inverse of the area below a line from a to b ≥ 0.
+/// Solves s (a + s (b − a) / 2) = area for s in [0, 1]: the inverse of the integral of a line from a to b ≥ 0.
 inline float along_line(float a, float b, float area) {
     const float root = std::sqrt(std::max(0.0f, a * a + 2 * area * (b - a)));
     return a + root > 0 ? std::clamp(2 * area / (a + root), 0.0f, 1.0f) : 0;
 }
 
-/// The inverse of `unwarp` on one slice: a place even over the square, led to where the density is.
+/// The inverse of `unwarp` on one slice: maps the uniform density on the square to the slice's density.
 inline Warped warp(const RglTable::VisibleNormals& visible, std::size_t slice, float w_x, float w_y) {
     const std::size_t width = visible.width, height = visible.height;
     const RglTable::VisibleNormals::Row* const rows = &visible.rows[slice * height];

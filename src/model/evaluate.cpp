@@ -1,5 +1,5 @@
-// A model on arrays of pairs: the formulas of kernel.glsl on batches as wide as the machine's vectors; and on one pair,
-// its lobes in the lanes of a vector.
+// Evaluation of a model: on arrays of pairs by the formulas of kernel.glsl in SIMD batches, and on one pair with its
+// lobes in the lanes of a vector.
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -21,7 +21,7 @@ HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
 
-// Two batches at once: a machine that waits for the one has the other to work on.
+// Two batches at a time, to hide latency.
 struct Both {
     Batch a, b;
     Both() = default;
@@ -59,7 +59,8 @@ HWY_INLINE Both select(BothMasks where, Both x, Both y) {
     return {select(where.a, x.a, y.a), select(where.b, x.b, y.b)};
 }
 
-// A model as pm_value takes it, of which the compiler knows the number of variates and the kind: it lays out the loops flat.
+// A model in the form of pm_value with the number of variates and the kind known at compile time, so that loops are
+// unrolled.
 template <int N, bool is_axial> struct Sized {
     static constexpr int variates = N;
     static constexpr bool axial = is_axial;
@@ -71,7 +72,7 @@ template <int N, bool is_axial> struct Sized {
     float weight_l(int n) const { return *numbers.weight_l(n); }
     float weight_v(int n) const { return *numbers.weight_v(n); }
     float log2_scale(int j) const { return at(j, PmLanes::log2_scale()); }
-    float sharpness(int j, int n) const { return at(j, PmLanes::sharpness(axial, n)); }
+    float log2_falloff(int j, int n) const { return at(j, PmLanes::log2_falloff(axial, n)); }
     float exponent(int j, int k) const { return at(j, PmLanes::exponent(axial, N, k)); }
     bool down(int j, int n) const { return std::bit_cast<std::int32_t>(at(j, PmLanes::pole(n))) < 0; }
     Vec3f centre(int j, int n) const {
@@ -103,7 +104,7 @@ void evaluate_sized(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb*
     }
 }
 
-/// choose.operator()<N, axial>() for the model's own.
+/// Calls choose.operator()<N, axial>() for the model's N and kind.
 template <int N = 1, typename Choose> auto for_size_of(const PmLanes& model, const Choose& choose) {
     if constexpr (N < k_most_variates)
         if (model.variates() > N) return for_size_of<N + 1>(model, choose);
@@ -122,7 +123,7 @@ void evaluate(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, st
     const std::size_t width = 2 * Batch::size(), rest = count % width, whole = count - rest;
     if (whole > 0) evaluator(model, wl, wv, f, whole);
     if (rest == 0) return;
-    // The rest, filled up with the normal.
+    // The remainder, padded with the normal.
     constexpr std::size_t most = 2 * HWY_MAX_BYTES / sizeof(float);
     Vec3f last_wl[most], last_wv[most];
     Rgb last_f[most];
@@ -134,7 +135,7 @@ void evaluate(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, st
     std::copy_n(last_f, rest, f + whole);
 }
 
-// A model whose lobe j, as the text has it, is as many lobes as a vector has lanes.
+// A model whose lobe j is a group of as many lobes as a vector has lanes.
 template <int N, bool is_axial, PmForm of_form> struct Grouped {
     static constexpr int variates = N;
     static constexpr bool axial = is_axial;
@@ -144,7 +145,7 @@ template <int N, bool is_axial, PmForm of_form> struct Grouped {
 
     HWY_INLINE Group at(int j, int row) const { return Group::load(PmLanes::row(numbers.lobe(j * lanes), row)); }
     HWY_INLINE Group log2_scale(int j) const { return at(j, PmLanes::log2_scale()); }
-    HWY_INLINE Group sharpness(int j, int n) const { return at(j, PmLanes::sharpness(axial, n)); }
+    HWY_INLINE Group log2_falloff(int j, int n) const { return at(j, PmLanes::log2_falloff(axial, n)); }
     HWY_INLINE Group exponent(int j, int k) const { return at(j, PmLanes::exponent(axial, N, k)); }
     HWY_INLINE Group pole(int j, int n) const { return at(j, PmLanes::pole(n)); }
     HWY_INLINE Group place(int j, int n) const { return at(j, PmLanes::place(n)); }
@@ -172,8 +173,8 @@ HWY_INLINE hn::Vec<Four> in_four(Group a) {
     return a.v;
 #endif
 }
-// The sums of the lanes of x, y and z, or 0 where that is less, in one store: what loads several of them need not wait
-// for each.
+// Stores the sums of the lanes of x, y and z, clamped to at least 0, in one instruction, which avoids store-forwarding
+// stalls of a later vector load.
 HWY_INLINE void store_colour(const Vec3<Group>& sum, float* to) {
     const Four d;
     const auto x = in_four(sum.x), y = in_four(sum.y), z = in_four(sum.z), none = hn::Zero(d);
@@ -199,7 +200,7 @@ template <typename Formula, int N, bool axial> struct VariatesOf {
     }
 };
 #if HWY_MAX_BYTES >= 32
-// Of four variates the distances from either pole are eight lanes, from which each lobe takes its own.
+// For four variates the distances from either pole fill eight lanes, from which each lobe selects its own.
 template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
     Group distance[(N + 3) / 4];
 
@@ -234,7 +235,7 @@ template <typename Formula, int N> struct VariatesOf<Formula, N, true> {
 };
 #endif
 
-// First the variates in lanes, then the lobes. `f` is of four numbers, R, G, B and one to spare.
+// First the variates in lanes, then the lobes. `f` has four elements: R, G, B and padding.
 template <int N, bool axial, PmForm form>
 void value_sized(const void* model, const Vec3f& l, const Vec3f& v, float* f) {
     using Formula = Formulas<Group, Grouped<N, axial, form>>;
@@ -293,14 +294,15 @@ PmLanes::PmLanes(const PmModel& model)
         Row* const rows = &numbers_[k_first + j / k_lanes * std::size_t(rows_)];
         const auto set = [&](int row, float x) { rows[row].of[j % k_lanes] = x; };
         set(log2_scale(), in_bits(model.log_scale[j]));
-        // Less is of a spectrum alone, and less than its halves tell apart; its products might be subnormal.
+        // Smaller values occur only in spectra and are below their resolution in 16 bits; products of them might be
+        // subnormal.
         for (int c = 0; c < 3; ++c) {
             const float beta = model.coefficient[j][c];
             set(coefficient(c), std::abs(beta) < 0x1p-26f ? 0 : beta);
         }
         for (std::size_t n = 0; n < std::size_t(variates_); ++n) {
             const Vec3f xi = n < N ? model.centre[j * N + n] : Vec3f(0, 0, 1);
-            set(sharpness(axial_, int(n)), n < N ? 0.5f * in_bits(model.bandwidth[j * N + n]) : 0);
+            set(log2_falloff(axial_, int(n)), n < N ? 0.5f * in_bits(model.bandwidth[j * N + n]) : 0);
             if (axial_)
                 set(pole(int(n)), xi.z < 0 ? -1.f : 1.f),
                     set(place(int(n)), std::bit_cast<float>(std::int32_t(n % 4 + (xi.z < 0 ? 4 : 0))));
@@ -334,7 +336,7 @@ Evaluate evaluator(const PmModel& model) {
 Channels spectra(const PmModel& model) {
     return {model.wavelength, [&model](auto wl, auto wv, auto f) {
                 const std::size_t C = model.wavelength.size();
-                PmModel three = model;  // of whose wavelengths R, G, B are three
+                PmModel three = model;  // a model with three of the wavelengths as R, G, B
                 std::vector<Rgb> rgb(wl.size());
                 for (std::size_t first = 0; first < C; first += 3) {
                     const std::size_t count = std::min<std::size_t>(3, C - first);

@@ -1,5 +1,5 @@
-// A view-by-view model on arrays of pairs: what neighbouring pairs that share the sampled direction need of the model is found
-// once, and their values in batches as wide as the machine's vectors.
+// Evaluation of a view-by-view model on arrays of pairs. The sampled views and weights are computed once for
+// consecutive pairs that share the sampled direction; their values are evaluated in SIMD batches.
 #include "srbf/su.h"
 
 #include <cassert>
@@ -15,7 +15,7 @@
 #define SRBF_EVALUATE_SU
 namespace srbf {
 
-/// Sampled views with their weights, which sum to 1.
+/// Sampled views with weights that sum to 1.
 struct Neighbours {
     std::array<Kernel<float>::SuNeighbour, k_most_neighbours> of;
     int count = 0;

@@ -18,7 +18,7 @@ using Formula = Kernel<float>;
 Formula::GgxLobe kernel_lobe(const GgxModel& model, std::size_t i) {
     if (i >= model.lobes.size()) return {1, {0, 0, 0}, 0};
     const GgxModel::Lobe& lobe = model.lobes[i];
-    return {lobe.roughness, {lobe.facing.r, lobe.facing.g, lobe.facing.b}, lobe.grazing};
+    return {lobe.roughness, {lobe.f0.r, lobe.f0.g, lobe.f0.b}, lobe.f90};
 }
 
 }  // namespace
@@ -46,27 +46,27 @@ Evaluate evaluator(const GgxModel& model) {
 
 GgxModel rounded(const GgxModel& model) {
     Result<GgxModel> decoded = decode_ggx(encode_ggx(model), "");
-    assert(decoded.ok());  // a valid model has no number that its encoding could not hold
+    assert(decoded.ok());  // a valid model can be encoded
     return *std::move(decoded);
 }
 
 std::map<std::string, Tensor16> encode_ggx(const GgxModel& model) {
     const auto L = std::uint64_t(model.lobes.size());
-    Tensor16 diffuse{Type16::half, {3}, {}}, roughness{Type16::half, {L}, {}}, facing{Type16::half, {L, 3}, {}},
-        grazing{Type16::half, {L}, {}};
+    Tensor16 diffuse{Type16::half, {3}, {}}, roughness{Type16::half, {L}, {}}, f0{Type16::half, {L, 3}, {}},
+        f90{Type16::half, {L}, {}};
     const auto add = [](Tensor16& tensor, float x) { tensor.data.push_back(to_half(std::min(x, k_half_max))); };
     for (int c = 0; c < 3; ++c) add(diffuse, model.diffuse[c]);
     for (const GgxModel::Lobe& lobe : model.lobes) {
         add(roughness, std::clamp(lobe.roughness, k_least_roughness, 1.f));
-        for (int c = 0; c < 3; ++c) add(facing, lobe.facing[c]);
-        add(grazing, lobe.grazing);
+        for (int c = 0; c < 3; ++c) add(f0, lobe.f0[c]);
+        add(f90, lobe.f90);
     }
-    return {{"diffuse", diffuse}, {"roughness", roughness}, {"facing", facing}, {"grazing", grazing}};
+    return {{"diffuse", diffuse}, {"roughness", roughness}, {"facing", f0}, {"grazing", f90}};
 }
 
-Result<GgxModel> decode_ggx(const std::map<std::string, Tensor16>& tensors, const std::string& source) {
+Result<GgxModel> decode_ggx(const std::map<std::string, Tensor16>& tensors, const std::string& file_name) {
     const auto fail = [&](std::string what, std::string expected, std::string found) {
-        return Error{source, std::nullopt, std::move(what), std::move(expected), std::move(found)};
+        return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
     const auto roughness_at = tensors.find("roughness");
     if (roughness_at == tensors.end()) return fail("tensor 'roughness'", "present", "none");
@@ -78,7 +78,7 @@ Result<GgxModel> decode_ggx(const std::map<std::string, Tensor16>& tensors, cons
                                                       {"roughness", {Type16::half, {L}}},
                                                       {"facing", {Type16::half, {L, 3}}},
                                                       {"grazing", {Type16::half, {L}}}};
-    if (const auto valid = check_tensors(tensors, expected, source); !valid) return valid.error();
+    if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
 
     for (const char* name : {"diffuse", "facing", "grazing"})
         for (const std::uint16_t x : tensors.at(name).data)

@@ -8,10 +8,10 @@
 
 namespace srbf {
 
-/// The tensors of a model: its numbers, rounded to halves; see `write_model`.
+/// The tensors of a model, with its numbers rounded to 16-bit floats; see `write_model`.
 std::map<std::string, Tensor16> encode_ggx(const GgxModel& model);
 
-/// The model of these tensors, or what is wrong with them.
-Result<GgxModel> decode_ggx(const std::map<std::string, Tensor16>& tensors, const std::string& source);
+/// The model of these tensors, or an error.
+Result<GgxModel> decode_ggx(const std::map<std::string, Tensor16>& tensors, const std::string& file_name);
 
 }  // namespace srbf

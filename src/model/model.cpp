@@ -22,7 +22,7 @@ constexpr std::string_view k_version = "1";
 
 static_assert(k_terms.size() == SRBF_TERMS);
 
-/// The tensors of a model: its numbers, rounded to halves.
+/// The tensors of a model, with its numbers rounded to 16-bit floats.
 std::map<std::string, Tensor16> encode(const PmModel& model) {
     const auto J = std::uint64_t(model.lobes), N = std::uint64_t(model.variates);
     std::map<std::string, Tensor16> tensors;
@@ -63,7 +63,7 @@ std::map<std::string, Tensor16> encode(const PmModel& model) {
 
     Tensor16& parameterization = tensors["parameterization"] = {Type16::half, {N, 2}, {}};
     for (const Parameterization& p : model.parameterization) {
-        // Only the direction of (a, b) counts: one that would leave the range of halves is brought to length 1.
+        // Only the direction of (a, b) matters: one outside of the range of 16-bit floats is normalised.
         const float largest = std::max(std::abs(p.a), std::abs(p.b));
         const float scale = largest > 1024 || largest < 1.f / 1024 ? 1 / largest : 1;
         parameterization.data.push_back(to_half(scale * p.a));
@@ -72,11 +72,11 @@ std::map<std::string, Tensor16> encode(const PmModel& model) {
     return tensors;
 }
 
-/// The model of these tensors, or what is wrong with them.
+/// The model of these tensors, or an error.
 Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm form, bool axial,
-                       std::vector<float> wavelength, const std::string& source) {
+                       std::vector<float> wavelength, const std::string& file_name) {
     const auto fail = [&](std::string what, std::string expected, std::string found) {
-        return Error{source, std::nullopt, std::move(what), std::move(expected), std::move(found)};
+        return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
     const auto bandwidth_at = tensors.find("bandwidth");
     if (bandwidth_at == tensors.end()) return fail("tensor 'bandwidth'", "present", "none");
@@ -95,7 +95,7 @@ Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm fo
     const auto F = std::uint64_t(features(form));
     if (F > 0) expected["exponent"] = {Type16::half, {J, F}};
     if (F > 0 || tensors.contains("log_scale")) expected["log_scale"] = {Type16::half, {J}};
-    if (const auto valid = check_tensors(tensors, expected, source); !valid) return valid.error();
+    if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
 
     const auto number = [&](const char* name, std::size_t i) { return from_half(tensors.at(name).data[i]); };
     PmModel model;
@@ -140,8 +140,8 @@ Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm fo
     return model;
 }
 
-/// Wavelengths as a file's metadata spell them: parted by blanks.
-Result<std::vector<float>> wavelengths_of(std::string_view text, const std::string& source) {
+/// Wavelengths in the metadata of a file, separated by blanks.
+Result<std::vector<float>> wavelengths_of(std::string_view text, const std::string& file_name) {
     std::vector<float> wavelengths;
     for (std::string_view rest = text; wavelengths.size() <= k_most_wavelengths;) {
         const std::string_view word = next_word(rest);
@@ -149,7 +149,7 @@ Result<std::vector<float>> wavelengths_of(std::string_view text, const std::stri
         wavelengths.push_back(to_number<float>(word).value_or(0));
     }
     if (are_wavelengths(wavelengths) && wavelengths.size() <= k_most_wavelengths) return wavelengths;
-    return Error{source, 8, "metadata 'wavelengths'",
+    return Error{file_name, 8, "metadata 'wavelengths'",
                  fmt::format("1 to {} increasing ones in nm, from 100 up", k_most_wavelengths), quoted(text)};
 }
 
@@ -221,7 +221,7 @@ Channels channels(const Model& model) {
 PmModel rounded(const PmModel& model) {
     const FlushSubnormals mode;
     Result<PmModel> decoded = decode(encode(model), model.form, model.axial, model.wavelength, "");
-    assert(decoded.ok());  // a valid model has no number that its encoding could not hold
+    assert(decoded.ok());  // a valid model can be encoded
     return *std::move(decoded);
 }
 
@@ -249,19 +249,20 @@ std::vector<std::byte> write_model(const Model& model) {
     return write_safetensors(content);
 }
 
-Result<Model> read_model(std::span<const std::byte> bytes, const std::string& source) {
+Result<Model> read_model(std::span<const std::byte> bytes, const std::string& file_name) {
     const FlushSubnormals mode;
-    Result<Safetensors> content = read_safetensors(bytes, source);
+    Result<Safetensors> content = read_safetensors(bytes, file_name);
     if (!content) return content.error();
     auto& metadata = content->metadata;
-    // The metadata that tell what the tensors mean; the others are the model's story. The first that is not known is the error.
+    // The metadata that determine the meaning of the tensors; all other metadata are provenance. The first unknown
+    // value is reported.
     std::optional<Error> error;
     const auto take = [&](const char* key, const std::vector<std::string_view>& known) {
         const auto at = metadata.find(key);
         const std::string found = at == metadata.end() ? "" : at->second;
         if (std::find(known.begin(), known.end(), found) == known.end()) {
             if (!error)
-                error = {source, 8, fmt::format("metadata '{}'", key), fmt::format("{}", fmt::join(known, " or ")),
+                error = {file_name, 8, fmt::format("metadata '{}'", key), fmt::format("{}", fmt::join(known, " or ")),
                          at == metadata.end() ? "none" : fmt::format("{:.40}", found)};
         } else {
             metadata.erase(at);
@@ -278,12 +279,12 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& so
         if (error) return *error;
         Result<SuModel> su = decode_su(
             content->tensors, {*discretise_named(discretise), *interpolation_named(interpolation), neighbours[0] - '0'},
-            source);
+            file_name);
         if (!su) return su.error();
         return Model{*std::move(su), std::move(metadata)};
     }
     if (kind == "ggx") {
-        Result<GgxModel> ggx = decode_ggx(content->tensors, source);
+        Result<GgxModel> ggx = decode_ggx(content->tensors, file_name);
         if (!ggx) return ggx.error();
         return Model{*std::move(ggx), std::move(metadata)};
     }
@@ -293,12 +294,12 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& so
     if (error) return *error;
     std::vector<float> wavelength;
     if (const auto at = metadata.find("wavelengths"); at != metadata.end()) {
-        auto known = wavelengths_of(at->second, source);
+        auto known = wavelengths_of(at->second, file_name);
         if (!known) return known.error();
         wavelength = *std::move(known);
         metadata.erase(at);
     }
-    Result<PmModel> pm = decode(content->tensors, *form_named(form), axial == "true", std::move(wavelength), source);
+    Result<PmModel> pm = decode(content->tensors, *form_named(form), axial == "true", std::move(wavelength), file_name);
     if (!pm) return pm.error();
     return Model{*std::move(pm), std::move(metadata)};
 }

@@ -1,4 +1,4 @@
-// The numbers of a multivariate model as evaluation takes them.
+// The numbers of a multivariate model in the layout of its evaluation.
 #pragma once
 #include <array>
 #include <bit>
@@ -11,8 +11,8 @@
 
 namespace srbf {
 
-/// The numbers of a multivariate model in kernel.glsl's terms, exponents to the base 2, lobes side by side in groups of
-/// eight: a vector of up to eight lanes loads as many lobes at once. What fills the last group up adds nothing.
+/// The numbers of a multivariate model as kernel.glsl expects them, with exponents to the base 2, in groups of eight
+/// lobes, so that a vector of up to eight lanes loads as many lobes at once. Padding lobes contribute 0.
 class PmLanes {
   public:
     static constexpr int k_lanes = 8;
@@ -22,39 +22,39 @@ class PmLanes {
     PmForm form() const { return form_; }
     bool axial() const { return axial_; }
     int lobes() const { return lobes_; }
-    int variates() const { return variates_; }  ///< with those that fill it up
+    int variates() const { return variates_; }  ///< including padding
 
-    /// The number of variates that a model of N is filled up to by ones of bandwidth 0, so that evaluation is compiled for few
-    /// numbers of them alone.
+    /// The number of variates after padding with variates of bandwidth 0, so that evaluation is compiled for few
+    /// numbers of variates.
     static constexpr int filled_up(int variates, bool axial) {
         if (!axial) return variates <= 4 ? 4 : 8;
         return variates <= 4 ? variates : variates <= 6 ? 6 : 8;
     }
 
-    /// Of variate n on, the next ones following.
+    /// Weights of variate n, followed by those of the next variates.
     const float* weight_l(int n) const { return &numbers_[0].of[std::size_t(n)]; }
     const float* weight_v(int n) const { return &numbers_[1].of[std::size_t(n)]; }
-    /// Of the four variates from n on, a multiple of four, and once more.
+    /// Weights of the four variates from n on, n a multiple of four, twice.
     const float* four_weights_l(int n) const { return numbers_[std::size_t(2 + n / 4)].of.data(); }
     const float* four_weights_v(int n) const { return numbers_[std::size_t(4 + n / 4)].of.data(); }
     alignas(32) static constexpr float k_poles[] = {1, 1, 1, 1, -1, -1, -1, -1};
 
-    /// The first number of lobe j; `row` of it, that of the group's next lobe following.
+    /// The first number of lobe j in `row`; the numbers of the next lobes of its group follow.
     const float* lobe(int j) const {
         return &numbers_[std::size_t(k_first + j / k_lanes * rows_)].of[std::size_t(j % k_lanes)];
     }
     static const float* row(const float* lobe, int row) { return lobe + row * k_lanes; }
 
-    // The rows of a lobe.
+    // The rows of a group.
     static constexpr int log2_scale() { return 0; }
     static constexpr int coefficient(int channel) { return 1 + channel; }
-    static constexpr int sharpness(bool axial, int n) { return 4 + (axial ? 3 : 4) * n; }
+    static constexpr int log2_falloff(bool axial, int n) { return 4 + (axial ? 3 : 4) * n; }
     static constexpr int pole(int n) { return 5 + 3 * n; }  ///< z of an axial centre
     static constexpr int place(int n) {
         return 6 + 3 * n;
-    }  ///< of it among `k_poles` for the variate, an integer's bits
-    static constexpr int centre(int n, int axis) { return 5 + 4 * n + axis; }  ///< of any other
-    static constexpr int exponent(bool axial, int variates, int k) { return sharpness(axial, variates) + k; }
+    }  ///< index of the pole in `k_poles` for the variate, as the bits of an integer
+    static constexpr int centre(int n, int axis) { return 5 + 4 * n + axis; }  ///< general centre
+    static constexpr int exponent(bool axial, int variates, int k) { return log2_falloff(axial, variates) + k; }
 
   private:
     struct alignas(k_lanes * sizeof(float)) Row {
@@ -67,12 +67,12 @@ class PmLanes {
     std::vector<Row> numbers_;  // the weights, then the rows of each group
 };
 
-/// A BRDF on one pair of directions above the horizon: R, G, B and a number to spare, aligned to 16 bytes.
+/// A BRDF on one pair of directions above the horizon: R, G, B and padding, aligned to 16 bytes.
 using OfPair = void (*)(const void* model, const Vec3f& wl, const Vec3f& wv, float* colour);
-/// kernel.glsl's pm_value as one of a `PmLanes`, its lobes in the lanes of a vector: within 1e-4 of the exact value or
+/// pm_value of kernel.glsl for a `PmLanes`, with lobes in the lanes of a vector: within 1e-4 of the exact value or
 /// 1e-6 of the model's peak.
 OfPair pair_evaluator(const PmLanes& model);
-/// The same for spans of one length.
+/// The same on arrays of pairs; the spans have the same length.
 void evaluate(const PmLanes& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 
 }  // namespace srbf

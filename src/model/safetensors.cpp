@@ -22,7 +22,7 @@ std::uint64_t little_endian_64(std::span<const std::byte> bytes) {
     return x;
 }
 
-/// JSON as an error shows it: short, and not by recursion, since the file chooses how deep it is.
+/// A short text of a JSON value for error messages. Not recursive, since the file determines the depth.
 std::string brief(const Json& json) {
     if (json.is_array() && json.size() <= 8 &&
         std::none_of(json.begin(), json.end(), [](const Json& entry) { return entry.is_structured(); })) {
@@ -33,7 +33,7 @@ std::string brief(const Json& json) {
     return json.is_structured() ? "something else" : fmt::format("{:.40}", json.dump());
 }
 
-/// The product of a JSON shape, or nothing where an entry is no count or the product exceeds `most`.
+/// The product of a JSON shape, or nothing if an entry is not a non-negative integer or the product exceeds `most`.
 std::optional<std::vector<std::uint64_t>> shape_within(const Json& json, std::uint64_t most) {
     if (!json.is_array() || json.size() > 8) return std::nullopt;
     std::vector<std::uint64_t> shape;
@@ -55,9 +55,9 @@ constexpr const char* name_of(Type16 type) { return type == Type16::half ? "F16"
 std::string shape_text(const std::vector<std::uint64_t>& shape) { return fmt::format("[{}]", fmt::join(shape, ", ")); }
 
 Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
-                           const std::map<std::string, TensorShape>& expected, const std::string& source) {
+                           const std::map<std::string, TensorShape>& expected, const std::string& file_name) {
     const auto fail = [&](std::string what, std::string wanted, std::string found) {
-        return Error{source, std::nullopt, std::move(what), std::move(wanted), std::move(found)};
+        return Error{file_name, std::nullopt, std::move(what), std::move(wanted), std::move(found)};
     };
     for (const auto& [name, wanted] : expected) {
         const auto at = tensors.find(name);
@@ -90,7 +90,7 @@ std::vector<std::byte> write_safetensors(const Safetensors& content) {
         header[name] = {
             {"dtype", name_of(tensor.type)}, {"shape", tensor.shape}, {"data_offsets", {begin, data.size()}}};
     }
-    // Metadata hold file names, which need not be UTF-8.
+    // Metadata contain file names, which need not be UTF-8.
     std::string text = header.dump(-1, ' ', false, Json::error_handler_t::replace);
     text.append((8 - text.size() % 8) % 8, ' ');
 
@@ -102,15 +102,16 @@ std::vector<std::byte> write_safetensors(const Safetensors& content) {
     return bytes;
 }
 
-Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std::string& source) {
+Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std::string& file_name) {
     const auto fail = [&](std::uint64_t offset, std::string what, std::string expected, std::string found) {
-        return Error{source, offset, std::move(what), std::move(expected), std::move(found)};
+        return Error{file_name, offset, std::move(what), std::move(expected), std::move(found)};
     };
     if (bytes.size() < k_length_bytes)
         return fail(0, "header length", "8 bytes", fmt::format("{} bytes", bytes.size()));
     constexpr std::string_view k_tensor_file = "tensor_file";
     if (std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()).starts_with(k_tensor_file))
-        return Error{source, {}, "input", "a fitted model", "a measurement (RGL tensor file)", ErrorCode::wrong_kind};
+        return Error{
+            file_name, {}, "input", "a fitted model", "a measurement (RGL tensor file)", ErrorCode::wrong_kind};
     const std::uint64_t length = little_endian_64(bytes);
     if (length > bytes.size() - k_length_bytes)
         return fail(0, "header length", fmt::format("at most {}", bytes.size() - k_length_bytes),

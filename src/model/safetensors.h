@@ -11,39 +11,39 @@
 
 namespace srbf {
 
-/// What the numbers of a tensor are.
+/// Element type of a tensor.
 enum class Type16 { half, count };  // "F16", "U16"
 
-/// A tensor of numbers of 16 bits.
+/// A tensor of 16-bit elements.
 struct Tensor16 {
     Type16 type = Type16::half;
     std::vector<std::uint64_t> shape;
-    std::vector<std::uint16_t> data;  ///< as many as the product of the shape
+    std::vector<std::uint16_t> data;  ///< as many elements as the product of the shape
 };
 
-/// What is asked of a tensor: its numbers' type and its shape.
+/// Expected element type and shape of a tensor.
 struct TensorShape {
     Type16 type;
     std::vector<std::uint64_t> shape;
 };
-/// An error where `tensors` are not those of `expected`, no more and no fewer, or where a half is not finite.
+/// Returns an error unless `tensors` has exactly the tensors of `expected` and every 16-bit float is finite.
 Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
-                           const std::map<std::string, TensorShape>& expected, const std::string& source);
+                           const std::map<std::string, TensorShape>& expected, const std::string& file_name);
 /// "[2, 3]".
 std::string shape_text(const std::vector<std::uint64_t>& shape);
 
-/// What a file holds: tensors by name and the string metadata.
+/// The content of a file: tensors by name, and the string metadata.
 struct Safetensors {
     std::map<std::string, Tensor16> tensors;
     std::map<std::string, std::string> metadata;
 };
 
-/// The container's bytes, tensors in the order of their names; the header is padded so that data begin at a
+/// The bytes of the container, with tensors in the order of their names. The header is padded so that data begin at a
 /// multiple of 8.
 std::vector<std::byte> write_safetensors(const Safetensors& content);
 
-/// Every size is checked before anything is allocated: tensors must be F16 or U16, their offsets must agree with
-/// their shapes and tile the data without overlap, gap or rest.
-Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std::string& source);
+/// Checks every size before it allocates: tensors must be F16 or U16, their offsets must match their shapes and cover
+/// the data without overlaps, gaps or a remainder.
+Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std::string& file_name);
 
 }  // namespace srbf

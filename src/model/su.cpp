@@ -10,7 +10,7 @@
 namespace srbf {
 namespace {
 
-/// The directions of which the lobes are functions and which is sampled.
+/// The direction of which the lobes are functions, and the sampled one.
 struct Roles {
     Vec3f of_lobes, sampled;
 };
@@ -97,7 +97,7 @@ std::size_t auxiliary_bytes(const SuModel& model) {
 SuModel rounded(const SuModel& model) {
     Result<SuModel> decoded =
         decode_su(encode_su(model), {model.discretise, model.interpolation, model.neighbours}, "");
-    assert(decoded.ok());  // a valid model has no number that its encoding could not hold
+    assert(decoded.ok());  // a valid model can be encoded
     return *std::move(decoded);
 }
 

@@ -10,8 +10,8 @@
 namespace srbf {
 namespace {
 
-// A centre is stored by its angles from the mirror direction of its view: small numbers keep small errors where
-// highlights are.
+// A centre is stored as its angles relative to the mirror direction of its view: small numbers have small rounding
+// errors, where highlights are.
 Angles<float> relative(Vec3f centre, Vec3f view) {
     const Angles<float> a = angles(centre), origin = angles(mirror(view));
     return {a.theta - origin.theta, std::remainder(a.phi - origin.phi, float(2 * k_pi))};
@@ -58,9 +58,9 @@ std::map<std::string, Tensor16> encode_su(const SuModel& model) {
 }
 
 Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const SuHeader& header,
-                          const std::string& source) {
+                          const std::string& file_name) {
     const auto fail = [&](std::string what, std::string expected, std::string found) {
-        return Error{source, std::nullopt, std::move(what), std::move(expected), std::move(found)};
+        return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
     const auto bandwidth_at = tensors.find("bandwidth");
     if (bandwidth_at == tensors.end()) return fail("tensor 'bandwidth'", "present", "none");
@@ -88,7 +88,7 @@ Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const 
         expected["aux.index"] = {Type16::count, shape};
     }
     if (has_index || tensors.contains("aux.directions")) expected["aux.directions"] = {Type16::half, {n, 4}};
-    if (const auto valid = check_tensors(tensors, expected, source); !valid) return valid.error();
+    if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
 
     SuModel model;
     model.discretise = header.discretise;

@@ -8,18 +8,18 @@
 
 namespace srbf {
 
-/// What the metadata of the file say of the model.
+/// The metadata of the file that describe the model.
 struct SuHeader {
     Discretise discretise;
     SuInterpolation interpolation;
     int neighbours;
 };
 
-/// The tensors of a model: its numbers, rounded to halves; see `write_model`.
+/// The tensors of a model, with its numbers rounded to 16-bit floats; see `write_model`.
 std::map<std::string, Tensor16> encode_su(const SuModel& model);
 
-/// The model of these tensors, or what is wrong with them.
+/// The model of these tensors, or an error.
 Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const SuHeader& header,
-                          const std::string& source);
+                          const std::string& file_name);
 
 }  // namespace srbf

@@ -1,5 +1,5 @@
-// What kernel.glsl takes of a shader. A material's shape stands before it: PM_LOBES and what belongs to it, or SU_LOBES,
-// MERL_SIZE, GGX, FLAT.
+// The definitions that kernel.glsl requires, for shaders. Macros of the material's sizes precede it: PM_LOBES and those
+// that belong to it, or SU_LOBES, MERL_SIZE, GGX, FLAT.
 #define Real float
 #define Vec3 vec3
 #define Bool bool
@@ -13,8 +13,8 @@ layout(std140) uniform PmNumbers {
 #if PM_FEATURES > 0
     vec4 pm_exponents[PM_LOBES * ((PM_FEATURES + 3) / 4)];  // times log2(e)
 #endif
-    vec4 pm_kernels[PM_KERNELS];    // axial: four sharpnesses; else centre and sharpness
-    vec4 pm_weights[PM_VARIATES];   // a, b; of the first, PM_OPEN: the number of lobes
+    vec4 pm_kernels[PM_KERNELS];  // axial: falloffs of four variates; general: centre and falloff
+    vec4 pm_weights[PM_VARIATES];  // a, b; with PM_OPEN the first also holds the number of lobes
 };
 #if PM_OPEN
 int pm_lobes(Pm pm) { return int(pm_weights[0].z); }
@@ -29,17 +29,18 @@ Real pm_weight_v(Pm pm, int n) { return pm_weights[n].y; }
 Vec3 pm_coefficient(Pm pm, int j) { return pm_colours[j].rgb; }
 Real pm_log2_scale(Pm pm, int j) { return pm_colours[j].w; }
 #if PM_AXIAL && PM_OPEN
-Real pm_kernel(int j, int n) { return pm_kernels[j * ((PM_VARIATES + 3) / 4) + n / 4][n % 4]; }  // below 0: the centre is -z
-Real pm_sharpness(Pm pm, int j, int n) { return abs(pm_kernel(j, n)); }
+// negative: the centre is -z
+Real pm_kernel(int j, int n) { return pm_kernels[j * ((PM_VARIATES + 3) / 4) + n / 4][n % 4]; }
+Real pm_log2_falloff(Pm pm, int j, int n) { return abs(pm_kernel(j, n)); }
 bool pm_down(Pm pm, int j, int n) { return pm_kernel(j, n) < 0.0; }
 Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, pm_down(pm, j, n) ? -1.0 : 1.0); }
 #elif PM_AXIAL
 const int pm_downs[PM_LOBES] = int[PM_LOBES](PM_DOWNS);  // bit n of a lobe: whether centre n is -z
-Real pm_sharpness(Pm pm, int j, int n) { return pm_kernels[j * ((PM_VARIATES + 3) / 4) + n / 4][n % 4]; }
+Real pm_log2_falloff(Pm pm, int j, int n) { return pm_kernels[j * ((PM_VARIATES + 3) / 4) + n / 4][n % 4]; }
 bool pm_down(Pm pm, int j, int n) { return (pm_downs[j] >> n & 1) != 0; }
 Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, pm_down(pm, j, n) ? -1.0 : 1.0); }
 #else
-Real pm_sharpness(Pm pm, int j, int n) { return pm_kernels[j * PM_VARIATES + n].w; }
+Real pm_log2_falloff(Pm pm, int j, int n) { return pm_kernels[j * PM_VARIATES + n].w; }
 Vec3 pm_centre(Pm pm, int j, int n) { return pm_kernels[j * PM_VARIATES + n].xyz; }
 bool pm_down(Pm pm, int j, int n) { return false; }
 #endif
@@ -57,7 +58,7 @@ Real pm_weight_l(Pm pm, int n) { return 0.0; }
 Real pm_weight_v(Pm pm, int n) { return 0.0; }
 Vec3 pm_coefficient(Pm pm, int j) { return Vec3(0.0); }
 Real pm_log2_scale(Pm pm, int j) { return 0.0; }
-Real pm_sharpness(Pm pm, int j, int n) { return 0.0; }
+Real pm_log2_falloff(Pm pm, int j, int n) { return 0.0; }
 bool pm_down(Pm pm, int j, int n) { return false; }
 Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0); }
 Real pm_exponent(Pm pm, int j, int k) { return 0.0; }
@@ -67,8 +68,8 @@ struct Su { int unused; };
 struct SuNearest { uvec4 pairs; };  // a texel of eight 16-bit numbers
 int su_nearest(SuNearest nearest, int k) { return int(nearest.pairs[k / 2] >> uint(16 * (k % 2)) & 0xffffu); }
 #ifdef SU_LOBES
-uniform sampler2D su_numbers;     // halves, a row a view, a lobe's two texels: coefficient, bandwidth; centre - mirrored view
-uniform sampler2D su_directions;  // a row a view
+uniform sampler2D su_numbers;  // one row per view, two texels per lobe: coefficient, bandwidth; centre - mirrored view
+uniform sampler2D su_directions;  // one row per view
 int su_lobes(Su su) { return SU_LOBES; }
 int su_views(Su su) { return SU_VIEWS; }
 Vec3 su_direction(Su su, int view) { return texelFetch(su_directions, ivec2(0, view), 0).xyz; }

@@ -1,7 +1,7 @@
-// The BRDF of a material; after its shape, host.glsl and kernel.glsl.
-bool is_measured = true;  // whether the value that was asked for last was measured
+// The BRDF of a material, to follow its macros, host.glsl and kernel.glsl.
+bool is_measured = true;  // whether the last value was measured
 
-// f_r(wl, wv) [1/sr] for R, G, B, of unit vectors in the local frame, wl.z, wv.z > 0.
+// f_r(wl, wv) [1/sr] for R, G, B, of unit vectors in the local frame with wl.z, wv.z > 0.
 #if defined PM_LOBES
 Vec3 brdf(Vec3 wl, Vec3 wv) { return pm_value(Pm(0), wl, wv); }
 
@@ -27,8 +27,9 @@ Vec3 brdf(Vec3 wl, Vec3 wv) { return su_value(wl, wv); }
 #endif
 
 #elif defined MERL_SIZE
-// A table in Rusinkiewicz' angles: axes phi_d (periodic), theta_d, theta_h; colours times weight, and the weight, which
-// is 0 where nothing was measured. With h = wl + wv, d = wl - wv as in srbf/measured.h's table.
+// A table in Rusinkiewicz coordinates, with axes phi_d (periodic), theta_d, theta_h. A texel holds colour times weight,
+// and the weight, which is 0 where nothing was measured. With h = wl + wv, d = wl - wv as for the table of
+// srbf/measured.h.
 uniform sampler3D merl_table;
 Vec3 brdf(Vec3 wl, Vec3 wv) {
     Vec3 h = wl + wv;

@@ -12,7 +12,7 @@
 namespace srbf {
 namespace {
 
-/// The shape of a material, as the macros of host.glsl and material.glsl.
+/// The sizes of a material as macros for host.glsl and material.glsl.
 std::string shape(const Flat&) { return fmt::format("#define FLAT {:.9f}\n", Flat::k_value); }
 std::string shape(const MerlTable& table) {
     const auto [h, d, p] = table.size;
@@ -20,7 +20,7 @@ std::string shape(const MerlTable& table) {
 }
 bool has_open_text(const PmModel& model) { return model.lobes <= k_most_open_lobes; }
 int kernel_texels(const PmModel& model) { return model.axial ? (model.variates + 3) / 4 : model.variates; }
-/// The same function in the form of most terms and with four or eight variates.
+/// The same function in the form with the most terms, and with four or eight variates.
 PmModel widened(const PmModel& model) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
     PmModel wide = model;
@@ -38,7 +38,7 @@ PmModel widened(const PmModel& model) {
     }
     return wide;
 }
-/// With lobes that add nothing, as many as an open text has room for.
+/// Padded with lobes that contribute 0, up to the capacity of an open text.
 PmModel filled(PmModel model) {
     const auto J = std::size_t(k_most_open_lobes), N = std::size_t(model.variates);
     model.lobes = k_most_open_lobes;
@@ -109,8 +109,8 @@ std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
         {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};
     for (std::size_t i = 0; i < model.lobes.size(); ++i) {
         const GgxModel::Lobe& lobe = model.lobes[i];
-        numbers[1 + i] = {lobe.facing.r, lobe.facing.g, lobe.facing.b, lobe.roughness};
-        numbers[3 * i][3] = lobe.grazing;
+        numbers[1 + i] = {lobe.f0.r, lobe.f0.g, lobe.f0.b, lobe.roughness};
+        numbers[3 * i][3] = lobe.f90;
     }
     return numbers;
 }
@@ -132,14 +132,14 @@ std::vector<Float4> pm_numbers(const PmModel& of, bool open) {
         }
     for (int j = 0; j < J; ++j)
         for (int n = 0; n < N; ++n) {
-            const float sharpness = float(Formulas::pm_sharpness(model, j, n));
+            const float log2_falloff = float(Formulas::pm_log2_falloff(model, j, n));
             const Vec3f centre = Formulas::pm_centre(model, j, n);
             if (!model.axial) {
-                numbers.push_back({centre.x, centre.y, centre.z, sharpness});
+                numbers.push_back({centre.x, centre.y, centre.z, log2_falloff});
                 continue;
             }
             if (n % 4 == 0) numbers.emplace_back();
-            numbers.back()[std::size_t(n % 4)] = open && Formulas::pm_down(model, j, n) ? -sharpness : sharpness;
+            numbers.back()[std::size_t(n % 4)] = open && Formulas::pm_down(model, j, n) ? -log2_falloff : log2_falloff;
         }
     for (const Parameterization& weights : model.parameterization)
         numbers.push_back({weights.a, weights.b, open ? float(of.lobes) : 0, 0});

@@ -1,4 +1,4 @@
-// Uses a bit of every header: reads the measurement that is named, tabulates it, fits it and saves the fit.
+// Uses part of every header: reads the named measurement, tabulates it, fits it and saves the fit.
 #include <cstdio>
 #include <numeric>
 

@@ -1,4 +1,4 @@
-// Low-discrepancy points: level 0.
+// Low-discrepancy sequences: level 0.
 #pragma once
 #include <array>
 #include <cmath>
@@ -7,16 +7,17 @@
 
 namespace srbf {
 
-/// Points that fill a cube of `D` dimensions evenly: fractions of multiples of powers of 1/g with g^(D+1) = g
-/// + 1 (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018), from a given point on.
-template <std::size_t D> class Evenly {
+/// The R_D sequence, low-discrepancy points in the D-dimensional unit cube: fractional parts of multiples of powers of
+/// 1/g with g^(D+1) = g + 1 (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018), offset by
+/// `start`.
+template <std::size_t D> class RSequence {
   public:
-    explicit Evenly(const std::array<double, D>& start = {}) : at_(start) {
+    explicit RSequence(const std::array<double, D>& start = {}) : at_(start) {
         double g = 1.5;
         for (int i = 0; i < 60; ++i) g = std::pow(1 + g, 1.0 / (D + 1));
         for (std::size_t d = 0; d < D; ++d) step_[d] = std::pow(1 / g, double(d + 1));
     }
-    /// Point i of those to come, from 0 on.
+    /// Point i after the current one, counted from 0.
     std::array<double, D> at(std::size_t i) const {
         std::array<double, D> point;
         for (std::size_t d = 0; d < D; ++d) point[d] = fraction(at_[d] + double(i + 1) * step_[d]);

@@ -17,7 +17,7 @@ const std::vector<MeasureText> k_measure_texts{
     {"heldout_squared_error_ratio_cosine", "image error",
      "What reaches an image: Σ(f cosθl − f̂ cosθl)² / Σ(f cosθl)², each view weighted by the area that it sees.", true},
     {"heldout_squared_error_ratio", "raw error",
-     "The measure of Tsai 2009, Σ(f − f̂)² / Σf², of the reflectance itself, dominated by grazing angles.", true},
+     "Σ(f − f̂)² / Σf² of the reflectance itself, as in Tsai 2009; dominated by grazing angles.", true},
     {"squared_error_ratio", "raw error, matrix",
      "The same on the source's 1536 × 1536 pairs of directions, or at the samples themselves.", true},
     {"heldout_cube_root_error_ratio", "dark-part error",

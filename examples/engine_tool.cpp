@@ -1,5 +1,6 @@
-// An engine's import tool: fits a measurement with a progress bar, until Ctrl-C, and writes a fragment shader and the model's
-// numbers. engine_tool MEASUREMENT OUT.frag
+// An engine's import tool: fits a measurement with a progress bar, can be cancelled with Ctrl-C, and writes a fragment
+// shader and the model's numbers.
+//   engine_tool MEASUREMENT OUT.frag
 #include <csignal>
 #include <cstdio>
 #include <string>

@@ -1,6 +1,6 @@
-// A renderer's material: loads a model, then evaluates and samples it ray by ray from several threads, and estimates how much
-// of a sky of radiance 1 it reflects, by light sampling and by BRDF sampling, combined by the power heuristic.
-// path_material MODEL
+// A renderer's material: loads a model, then evaluates and samples it ray by ray from several threads, and estimates
+// how much of a sky of radiance 1 it reflects, by light sampling and by BRDF sampling, combined by the power heuristic.
+//   path_material MODEL
 #include <cmath>
 #include <cstdio>
 #include <random>

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "fit/cross_validated_fits.h"
+#include "fit/objective.h"
 #include "fit/requests.h"
 #include "floating_point.h"
 #include "srbf/directions.h"
@@ -98,9 +99,7 @@ class Fitter::Work {
     explicit Work(Evaluate f) : signed_(std::move(f)) {
         clamped_ = [f = signed_](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
             f(wl, wv, values);
-            for (Rgb& value : values)
-                for (int c = 0; c < 3; ++c)
-                    if (value[c] < 0) value[c] = 0;  // NaN is kept
+            for (Rgb& value : values) clamp_negative(value);  // NaN is kept
         };
     }
 
@@ -180,35 +179,32 @@ class Fitter::Work {
         return {request.objective, request.theta(), request.seed, request.spectral};
     }
 
+    /// What `make()` observes for the request, kept for the next one.
+    template <typename Kept, typename Make>
+    static Result<const Kept*> observed_once(std::map<Key, Kept>& all, const FitRequest& request, const Make& make) {
+        if (const auto at = all.find(key(request)); at != all.end()) return &at->second;
+        auto made = make();
+        if (!made) return made.error();
+        return &all.emplace(key(request), *std::move(made)).first->second;
+    }
     Result<const Observations*> observed(const FitRequest& request, const ProgressToken& progress) {
-        const auto [at, is_new] = observations_.try_emplace(key(request));
-        if (!is_new) return &at->second;
-        auto made = observe(signed_,
-                            {.objective = request.objective,
-                             .max_theta = request.theta(),
-                             .seed = request.seed,
-                             .threads = request.threads},
-                            progress);
-        if (!made) {
-            observations_.erase(at);
-            return made.error();
-        }
-        if (request.spectral) observe_spectra(*made, signed_spectra(*measured_));
-        at->second = *std::move(made);
-        return &at->second;
+        return observed_once(observations_, request, [&] {
+            auto made = observe(signed_,
+                                {.objective = request.objective,
+                                 .max_theta = request.theta(),
+                                 .seed = request.seed,
+                                 .threads = request.threads},
+                                progress);
+            if (made && request.spectral) observe_spectra(*made, signed_spectra(*measured_));
+            return made;
+        });
     }
     Result<const SampleObservations*> observed_samples(const FitRequest& request, const ProgressToken& progress) {
-        const auto [at, is_new] = sample_observations_.try_emplace(key(request));
-        if (!is_new) return &at->second;
-        auto made = observe(*samples(),
-                            ObserveSamplesOptions{request.objective, request.theta(), request.seed, request.spectral},
-                            progress);
-        if (!made) {
-            sample_observations_.erase(at);
-            return made.error();
-        }
-        at->second = *std::move(made);
-        return &at->second;
+        return observed_once(sample_observations_, request, [&] {
+            return observe(*samples(),
+                           ObserveSamplesOptions{request.objective, request.theta(), request.seed, request.spectral},
+                           progress);
+        });
     }
     bool axial(const FitRequest& request) {
         const PmRequest& pm = std::get<PmRequest>(request.model);

@@ -1,7 +1,7 @@
-// What a picture by path tracing costs: the ball on its ground in the bundled studio, 256 × 192 pixels, 4 paths a pixel of at most 8
-// bounces, on one thread, of the bundled vinyl film: its fit of 208 bytes, the fit view by view, the measurement, and that as a table
-// of MERL's layout. `evaluation` is the share of the time that f takes: what a second evaluation of each f adds. Then ns for one
-// draw and one density of the proposals, and making them.
+// What a picture by path tracing costs: the ball on its ground in the bundled studio, 256 × 192 pixels, 4 paths a pixel
+// of at most 8 bounces, on one thread, of the bundled vinyl film: its fit of 208 bytes, the fit view by view, the
+// measurement, and that as a table of MERL's layout. `evaluation` is the share of the time that f takes: what a second
+// evaluation of each f adds. Then ns for one draw and one density of the proposals, and making them.
 #include <benchmark/benchmark.h>
 
 #include <ctime>

@@ -19,7 +19,8 @@ constexpr int k_points = 128;           // of each lobe
 constexpr double k_lowest_view = 0.02;  // cosθv at which the last node is made, for at 0 nothing is reflected
 constexpr float k_least_weight = 1e-3f;
 
-/// Splits u even in [0,1) by shares that sum to 1: the first whose running sum exceeds u, and u anew even in [0,1) within it.
+/// Splits u even in [0,1) by shares that sum to 1: the first whose running sum exceeds u, and u anew even in [0,1)
+/// within it.
 struct Choice {
     int k;
     float u;
@@ -52,8 +53,8 @@ struct Lobes {
     std::function<void(Vec3f wl, std::span<double> density)> pdf;  ///< of each of them
 };
 
-/// Adds to `points` each lobe's own lattice of `count` directions, weighted by the even mixture's density; the albedo (luminance) of the
-/// view.
+/// Adds to `points` each lobe's own lattice of `count` directions, weighted by the even mixture's density; the albedo
+/// (luminance) of the view.
 double add_points(const Evaluate& brdf, Vec3f wv, const Lobes& lobes, int count, Points& points) {
     std::vector<Vec3f> wl;
     std::vector<double> density;
@@ -87,7 +88,8 @@ double add_points(const Evaluate& brdf, Vec3f wv, const Lobes& lobes, int count,
     return albedo;
 }
 
-/// The weights of least variance over the points, of which lobe 0 (the cosine) keeps `k_least_cosine`; without points the cosine alone.
+/// The weights of least variance over the points, of which lobe 0 (the cosine) keeps `k_least_cosine`; without points
+/// the cosine alone.
 std::vector<float> best_weights(const Points& points, int steps) {
     Weights weight(points.lobes, 1 / double(points.lobes));
     if (points.weight.empty()) weight.assign(points.lobes, 0);
@@ -140,7 +142,8 @@ std::vector<float> node_weights(const Evaluate& brdf, int node, int azimuths, co
     return best_weights(points_at(brdf, z, azimuths, k_points, proposal), k_steps);
 }
 
-/// The second moment of f cosθl / pdf at 45° with the best weights for the proposal's stretch, over the square of its mean.
+/// The second moment of f cosθl / pdf at 45° with the best weights for the proposal's stretch, over the square of its
+/// mean.
 double moment_stretched(const Evaluate& brdf, const MixtureProposal& proposal) {
     constexpr int azimuths = 8, count = 32, steps = 40;
     const Points points = points_at(brdf, std::sqrt(0.5), azimuths, count, proposal);

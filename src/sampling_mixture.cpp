@@ -142,7 +142,8 @@ HWY_INLINE void store_first(const Vec3<Few>& w, float* to) {
 #endif
 }
 
-// The direction's x, y, z and its density, 0 where there is no direction. `wv` is in the frame of the grain, the direction is not.
+// The direction's x, y, z and its density, 0 where there is no direction. `wv` is in the frame of the grain, the
+// direction is not.
 void sample_mixture(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wv, Vec2f u, float selector,
                     float* drawn) {
     using F = Formulas<Few, PmModel>;

@@ -11,10 +11,10 @@
 
 namespace srbf {
 
-/// A BRDF ready for a renderer: value, batch evaluation, importance sampling with its density, directional albedo. It is made by
-/// `prepare` from a model, a measurement or any other BRDF, owns what it holds, and copies share it: nothing that it was made
-/// from need stay. All functions of it may be called from several threads at once, and no answer depends on whether the
-/// processor flushes subnormal numbers to 0.
+/// A BRDF ready for a renderer: value, batch evaluation, importance sampling with its density, directional albedo. It
+/// is made by `prepare` from a model, a measurement or any other BRDF, owns what it holds, and copies share it: nothing
+/// that it was made from need stay. All functions of it may be called from several threads at once, and no answer
+/// depends on whether the processor flushes subnormal numbers to 0.
 class PreparedBrdf {
   public:
     /// Writes R, G, B of f_r and one number to spare to `colour`, which is aligned to 16 bytes.
@@ -66,8 +66,8 @@ template <Brdf B> PreparedBrdf prepare(B brdf, Proposal proposal) {
 /// f = reflectance / π.
 PreparedBrdf diffuse(Rgb reflectance);
 
-/// f_r(wl, wv) [1/sr]: within 1e-4 of the model's `value` or 1e-6 of its peak; 0 below the horizon, and where a cosine is
-/// subnormal.
+/// f_r(wl, wv) [1/sr]: within 1e-4 of the model's `value` or 1e-6 of its peak; 0 below the horizon, and where a cosine
+/// is subnormal.
 inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
     if (!above_horizon(wl, wv)) return {};
     alignas(16) float colour[4];
@@ -88,9 +88,9 @@ inline LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float sel
 /// Its density [1/sr]; 0 below the horizon.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
 
-/// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], in the mean over azimuths: linear in √(1 − cosθv) between 33
-/// nodes, within 1 % or 0.002 for smooth and glossy BRDFs. The first call makes the nodes, which takes some tens of
-/// milliseconds.
+/// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], in the mean over azimuths: linear in √(1 − cosθv)
+/// between 33 nodes, within 1 % or 0.002 for smooth and glossy BRDFs. The first call makes the nodes, which takes some
+/// tens of milliseconds.
 Rgb albedo(const PreparedBrdf& brdf, float cos_v);
 
 }  // namespace srbf

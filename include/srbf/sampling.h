@@ -18,12 +18,13 @@ struct LightSample {
 };
 
 // A proposal answers
-//   sample(proposal, wv, u, selector)   a direction from a point and a selector of a lobe, all uniform in [0,1); z ≤ 0 where the
-//                                       draw has none
+//   sample(proposal, wv, u, selector)   a direction from a point and a selector of a lobe, all uniform in
+//                                       [0,1); z ≤ 0 where the draw has none
 //   pdf(proposal, wl, wv)               its density [1/sr]; 0 below the horizon, above it positive wherever f cosθl is
 // for wv.z > 0, with ∫ pdf + P(no direction) = 1.
 
-/// Whether both are above the horizon. Compared so, a subnormal cosine is not, whether the processor takes it for 0 or not.
+/// Whether both are above the horizon. Compared so, a subnormal cosine is not, whether the processor takes it for 0 or
+/// not.
 inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
     constexpr float least = std::numeric_limits<float>::min();
     return wl.z >= least && wv.z >= least;
@@ -34,8 +35,9 @@ struct CosineProposal {};
 Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
 
-/// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine, lobes about the mirror direction, lobes of half
-/// vectors. The weights are linear in √(1 − cosθv) between nodes, whose own are those of least variance for the BRDF.
+/// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine, lobes about the mirror direction, lobes of
+/// half vectors. The weights are linear in √(1 − cosθv) between nodes, whose own are those of least variance for the
+/// BRDF.
 class MixtureProposal {
   public:
     static constexpr int k_nodes = 13, k_lobes = 14, k_lanes = 16;
@@ -69,17 +71,19 @@ struct ProposeOptions {
     int azimuths = 1;  ///< of the view, over which the variance is averaged; with several the lobes may be stretched
     int threads = 0;   ///< 0: as many as the machine has; the result does not depend on it
 };
-/// The mixture for a BRDF: at each node the weights that minimise ∫ (f cosθl)² / pdf dωl, f in luminance, by 200 steps of
+/// The mixture for a BRDF: at each node the weights that minimise ∫ (f cosθl)² / pdf dωl, f in luminance, by 200 steps
+/// of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
-/// each of which lowers it (Silvey, Titterington & Torgersen 1978). The cosine keeps `k_least_cosine`. The stretch is that of
-/// `k_stretches`, along one of 12 azimuths, with which the variance at the views of 45° is least. What was not measured counts as 0.
+/// each of which lowers it (Silvey, Titterington & Torgersen 1978). The cosine keeps `k_least_cosine`. The stretch is
+/// that of `k_stretches`, along one of 12 azimuths, with which the variance at the views of 45° is least. What was not
+/// measured counts as 0.
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});
 inline constexpr float k_least_cosine = 0.02f;
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};
 
-/// Mixtures for a view-by-view model: for each sampled view its own lobes, each times the cosine and mirrored at the horizon, and the
-/// cosine itself, with weights of least variance; between the sampled views by interpolation weight and albedo. It refers to
-/// the model, whose sampled direction is the view.
+/// Mixtures for a view-by-view model: for each sampled view its own lobes, each times the cosine and mirrored at the
+/// horizon, and the cosine itself, with weights of least variance; between the sampled views by interpolation weight
+/// and albedo. It refers to the model, whose sampled direction is the view.
 struct ViewProposal {
     struct Lobe {
         Vec3f centre;

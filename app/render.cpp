@@ -13,7 +13,7 @@
 #include "app/report.h"
 #include "render/exr.h"
 #include "render/image.h"
-#include "render/likeness.h"
+#include "srbf/likeness.h"
 #include "render/scene.h"
 #include "srbf/file.h"
 

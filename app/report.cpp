@@ -62,6 +62,16 @@ void add_measures(Json& json, const Comparison& comparison, std::string_view pre
     for (const MeasureName& m : k_measures)
         json[fmt::format("{}heldout_{}", prefix, m.name)] = comparison.heldout.*m.member;
     json[fmt::format("{}albedo_error", prefix)] = comparison.albedo_error;
+    const auto errors = [](const PictureErrors& of) {
+        Json named;
+        for (const PictureErrorName& e : k_picture_errors) named[e.name] = of.*e.member;
+        return named;
+    };
+    Json pictures = errors(comparison.appearance.mean);
+    pictures["worst_delta_e_itp"] = comparison.appearance.worst_delta_e;
+    for (std::size_t k = 0; k < comparison.appearance.lighting.size(); ++k)
+        pictures["lightings"][standard_lightings()[k].name] = errors(comparison.appearance.lighting[k]);
+    json[fmt::format("{}pictures", prefix)] = std::move(pictures);
 }
 
 void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons) {
@@ -81,7 +91,18 @@ void print_measures(const std::vector<std::pair<std::string, const Comparison*>>
     }
     fmt::print("{:<26}", "albedo error, largest");
     for (const auto& [title, comparison] : comparisons) fmt::print("{:>26}", percent(comparison->albedo_error));
+    fmt::print("\n\n{:<26}", "pictures of a sphere");
+    for (std::size_t k = 0; k < comparisons.size(); ++k) fmt::print("{:>13}{:>13}", "mean", "worst light");
     fmt::print("\n");
+    for (const PictureErrorName& e : k_picture_errors) {
+        fmt::print("{:<26}", e.title);
+        for (const auto& [title, comparison] : comparisons) {
+            const bool has_worst = e.member == &PictureErrors::delta_e;
+            fmt::print("{:>13.3g}{:>13}", comparison->appearance.mean.*e.member,
+                       has_worst ? fmt::format("{:.3g}", comparison->appearance.worst_delta_e) : "");
+        }
+        fmt::print("\n");
+    }
 }
 
 Result<Done> write_json(const Json& json, const std::string& path) {

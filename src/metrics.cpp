@@ -15,7 +15,7 @@ namespace {
 /// The sums of which the measures consist.
 struct Sums {
     double squared = 0, squared_whole = 0, cosine = 0, cosine_whole = 0, logarithm = 0, log_weight = 0, root = 0,
-           root_whole = 0;
+           root_whole = 0, sixth = 0, sixth_whole = 0;
     std::uint64_t pairs = 0, masked = 0;
 
     void add(std::span<const float> f, std::span<const float> g, Vec3f wl, Vec3f wv, double weight) {
@@ -40,6 +40,10 @@ struct Sums {
             const double root_a = double(std::cbrt(f[c]));
             root += weight * square(root_a - double(std::cbrt(g[c])));
             root_whole += weight * square(root_a);
+            const auto sixth_root = [&](float x) { return double(std::sqrt(std::cbrt(x * wl.z))); };
+            const double sixth_a = sixth_root(f[c]);
+            sixth += seen * square(sixth_a - sixth_root(g[c]));
+            sixth_whole += seen * square(sixth_a);
         }
     }
     Sums& operator+=(const Sums& s) {
@@ -47,6 +51,7 @@ struct Sums {
         cosine += s.cosine, cosine_whole += s.cosine_whole;
         logarithm += s.logarithm, log_weight += s.log_weight;
         root += s.root, root_whole += s.root_whole;
+        sixth += s.sixth, sixth_whole += s.sixth_whole;
         pairs += s.pairs, masked += s.masked;
         return *this;
     }
@@ -58,6 +63,7 @@ struct Sums {
                 ratio(cosine, cosine_whole),
                 std::sqrt(ratio(logarithm, log_weight)),
                 ratio(root, root_whole),
+                ratio(sixth, sixth_whole),
                 pairs,
                 masked};
     }
@@ -219,9 +225,11 @@ std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evalu
                                 const MeasureOptions& options, std::span<const Vec3f> directions) {
     const auto matrix = measure_matrix(reference, others, options, directions),
                heldout = measure_heldout(reference, others, options);
+    const auto appearance = compare_pictures(reference, others, options.threads, options.progress);
     std::vector<Comparison> comparisons;
     for (std::size_t k = 0; k < others.size(); ++k)
-        comparisons.push_back({matrix[k], heldout[k], albedo_error(reference, others[k], options.max_theta)});
+        comparisons.push_back(
+            {matrix[k], heldout[k], albedo_error(reference, others[k], options.max_theta), appearance[k]});
     return comparisons;
 }
 

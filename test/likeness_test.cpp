@@ -1,5 +1,5 @@
 // Perceptual differences of images.
-#include "render/likeness.h"
+#include "srbf/likeness.h"
 
 #include <algorithm>
 

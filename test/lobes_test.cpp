@@ -94,12 +94,12 @@ TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
                       }
                   }};
     observe_spectra(o, five);
-    const Rows spectral(o, {.spectra = true}), with_albedo(o, {.albedo_importance = 0.01, .spectra = true});
+    const Rows spectral(o, {.spectra = true}), with_radiances(o, {.radiance_importance = 0.01, .spectra = true});
     EXPECT_EQ(spectral.y.size(), 5u);
-    LobeProblem problem(spectral, {PmForm::gaussian, 3}, false), and_albedo(with_albedo, {PmForm::gaussian, 3}, false);
+    LobeProblem problem(spectral, {PmForm::gaussian, 3}, false), and_radiances(with_radiances, {PmForm::gaussian, 3}, false);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     check_gradient(problem, x);
-    check_gradient(and_albedo, x);
+    check_gradient(and_radiances, x);
     problem.loss(x);
     EXPECT_EQ(problem.beta().cols(), 5);
     const PmModel model = to_model(problem, some_lobes(), true, o.wavelengths);
@@ -133,11 +133,11 @@ TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
     check_gradient(general, y);
 }
 
-// For an albedo the squared difference of the sums counts, relative to the albedo's luminance.
+// For a radiance the squared difference of the sums counts, relative to the radiance's luminance.
 TEST(Lobes, LossCountsAlbedo) {
     const Observations o = observations();
     const double importance = 0.3;
-    const Rows with(o, {.albedo_importance = importance});
+    const Rows with(o, {.radiance_importance = importance});
     for (const Lobes& lobes : {some_lobes(), general_lobes(), reciprocal(general_lobes())}) {
         LobeProblem problem(with, lobes.shape, false);
         const Eigen::VectorXd x = LobeProblem::pack(lobes);
@@ -148,17 +148,17 @@ TEST(Lobes, LossCountsAlbedo) {
         for (std::size_t i = 0; i < o.f.size() - o.checks; ++i)
             for (int c = 0; c < 3; ++c)
                 expected += o.weight[i] * std::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
-        for (const AlbedoObservation& albedo : o.albedo) {
+        for (const RadianceObservation& seen : o.radiances) {
             double whole = 0;
             std::array<double, 3> off{};
-            for (std::size_t i = 0; i < albedo.wl.size(); ++i) {
-                whole += albedo.weight[i] * luminance(albedo.f[i]);
-                const Rgb f = value(model, albedo.wl[i], albedo.wv);
+            for (std::size_t i = 0; i < seen.wl.size(); ++i) {
+                whole += seen.weight[i] * luminance(seen.f[i]);
+                const Rgb f = value(model, seen.wl[i], seen.wv);
                 for (int c = 0; c < 3; ++c)
-                    off[std::size_t(c)] += albedo.weight[i] * (double(albedo.f[i][c]) - double(f[c]));
+                    off[std::size_t(c)] += seen.weight[i] * (double(seen.f[i][c]) - double(f[c]));
             }
             for (const double difference : off)
-                expected += importance / double(o.albedo.size()) * std::pow(difference / whole, 2);
+                expected += importance / double(o.radiances.size()) * std::pow(difference / whole, 2);
         }
         EXPECT_TRUE(near_relative(loss, expected, 2e-3));
     }

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "app/path.h"
-#include "render/likeness.h"
+#include "srbf/likeness.h"
 #include "render/slices.h"
 #include "srbf/file.h"
 

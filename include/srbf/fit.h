@@ -21,25 +21,34 @@ enum class Objective {
     /// Σ (f cosθl − f̂ cosθl)² cosθv; for a multivariate model plus 0.005 times the cube-root weights, times cosθl
     /// cosθv
     cosine,
-    // The next two are second-order approximations in f − f̂, with the mean of the channels in place of each channel:
+    // The next three are second-order approximations in f − f̂, with the mean of the channels in place of each channel:
     log,        ///< Σ (log(1 + f cosθl) − log(1 + f̂ cosθl))² cosθv
     cube_root,  ///< Σ (∛f − ∛f̂)²; where f is below a hundredth of its mean, with the weight at that value
+    /// What is seen of a picture: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_share times the upper
+    /// quartile of f cosθl, and for a multivariate model the radiances reflected under extended lights and 0.03 times
+    /// the weights of cosine. The eye's response to a display is about the sixth root of its luminance (the exponent
+    /// 0.159 of the perceptual quantiser, ITU-R BT.2100).
+    appearance,
 };
+inline constexpr Objective k_default_objective = Objective::appearance;
+inline constexpr double k_dark_share = 0.07;
 std::span<const Objective> objectives();  ///< all objectives
 std::string_view name(Objective objective);
 std::optional<Objective> objective_named(std::string_view text);
 /// The measure that an objective minimises and by which its fits are judged.
 double Measures::*measure_of(Objective objective);
 inline double error_of(const Measures& measures, Objective objective) { return measures.*measure_of(objective); }
-/// Default θmax of the fit and of its measures [rad]: 80° for raw and cube-root, 89° for cosine and log.
+/// Default θmax of the fit and of its measures [rad]: 80° for raw and cube-root, 88° for appearance, 89° for cosine and
+/// log.
 double default_max_theta(Objective objective);
 
-/// A directional albedo as a quadrature: Σ_i weight_i f(wl_i, wv).
-struct AlbedoObservation {
+/// Radiance reflected towards wv under an extended light, as a quadrature: Σ_i weight_i f(wl_i, wv). In uniform light
+/// of radiance 1 it is the directional albedo.
+struct RadianceObservation {
     Vec3f wv;
     std::vector<Vec3f> wl;
     std::vector<Rgb> f;           ///< [1/sr], ≥ 0
-    std::vector<double> weight;   ///< solid angle times cosθl [sr]
+    std::vector<double> weight;   ///< solid angle times cosθl [sr], times the light's radiance
     std::vector<float> spectrum;  ///< of spectral observations: f at each wavelength, ≥ 0
 };
 
@@ -49,15 +58,17 @@ struct Observations {
     std::vector<Rgb> f;          ///< [1/sr], ≥ 0
     std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
     std::size_t checks = 0;      ///< the last `checks` pairs are not part of Σ unless a fit exceeds them by far
-    double root_mean = 0;        ///< the mean f to which cube-root weights are relative; 0 for other objectives
-    std::vector<AlbedoObservation> albedo;  ///< albedos that a fit also matches, from its first perturbation on
-    std::uint64_t masked = 0;               ///< number of sampled pairs where nothing was measured
-    std::uint64_t clamped = 0;              ///< number of negative channel values at sampled pairs, set to 0
-    std::vector<float> wavelengths;         ///< C [nm] of spectral observations; otherwise empty
-    std::vector<float> spectrum;            ///< f at each wavelength: observations × C [1/sr], ≥ 0
+    Objective objective = Objective::raw;        ///< that the weights are of
+    double typical = 0;                          ///< the value of f or f cosθl to which they are relative
+    std::vector<RadianceObservation> radiances;  ///< that a fit also matches, from its first perturbation on
+    double radiance_error = 0.1;  ///< an error of this share in every radiance costs as much as the loss of the pairs
+    std::uint64_t masked = 0;     ///< number of sampled pairs where nothing was measured
+    std::uint64_t clamped = 0;    ///< number of negative channel values at sampled pairs, set to 0
+    std::vector<float> wavelengths;  ///< C [nm] of spectral observations; otherwise empty
+    std::vector<float> spectrum;     ///< f at each wavelength: observations × C [1/sr], ≥ 0
 };
 
-/// The first `count` observations, without checks and albedos: for short fits.
+/// The first `count` observations, without checks and radiances: for short fits.
 Observations beginning(const Observations& observations, std::size_t count);
 
 /// Returns an error unless all arrays have the same length, values are finite, weights are ≥ 0 with one of them > 0,
@@ -65,7 +76,7 @@ Observations beginning(const Observations& observations, std::size_t count);
 Result<Done> validate(const Observations& observations, std::size_t parameters);
 
 struct ObserveOptions {
-    Objective objective = Objective::cosine;
+    Objective objective = k_default_objective;
     double max_theta = 0;       ///< [rad], in (0, π/2); 0: the objective's default
     std::size_t count = 65536;  ///< maximum number of pairs, 1024..2^24; an eighth of them are guards
     std::uint64_t seed = 0;
@@ -77,8 +88,10 @@ struct ObserveOptions {
 /// them estimate the objective's integrals over both caps. A pair that is chosen several times becomes one observation.
 /// An eighth are guards between θmax and 89.9° with small weights proportional to f cosθl cosθv; they keep the fit at
 /// the measurement's order of magnitude where it is not fitted. After these follow the checks: a grid over the whole
-/// hemisphere to 89.9°, including its edges, and 32,768 pairs about the mirror direction. Albedo is observed at those
-/// of 0, 15, 30, 45, 60, 70, 75, 80 and 85° that lie within θmax. `f` may be negative (see signed_value) or NaN.
+/// hemisphere to 89.9°, including its edges, and 32,768 pairs about the mirror direction. Radiances are observed at
+/// those of 0, 15, 30, 45, 60, 70, 75, 80 and 85° that lie within θmax: in uniform light, which is albedo, and for
+/// appearance also under broad lights about the mirror direction or beside the viewer. `f` may be negative (see
+/// signed_value) or NaN.
 /// Errors: no pair has a value; all values are 0; cancelled.
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress = {});
 
@@ -153,7 +166,8 @@ std::string_view name(StopReason reason);
 struct PmFit {
     PmModel model;      ///< every number rounded to a 16-bit float
     PmModel unrounded;  ///< before rounding
-    double loss = 0;  ///< Σ w |f−f̂|² of `model` over the observations, including guards, exceeded checks and albedos
+    double loss = 0;    ///< Σ w |f−f̂|² of `model` over the observations, including guards, exceeded checks and
+                        ///< radiances
     double unrounded_loss = 0;  ///< loss of `unrounded`
     StopReason stop = StopReason::converged;
 };
@@ -167,7 +181,7 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
 
 struct SuFitOptions {
     int lobes = 8;  ///< J, 1..k_most_view_lobes
-    Objective objective = Objective::cosine;
+    Objective objective = k_default_objective;
     double max_theta = 0;  ///< [rad], 1 to 89.9°; 0: the objective's default. Pairs beyond it are guards
     SuInterpolation interpolation = SuInterpolation::rotated;  ///< stored in the model; the fit does not depend on it
     int neighbours = 3;                                        ///< K of plain interpolation, 1..k_most_neighbours

@@ -27,7 +27,7 @@ ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const i
 double spacing(const ScatteredSamples& samples);
 
 struct ObserveSamplesOptions {
-    Objective objective = Objective::cosine;
+    Objective objective = k_default_objective;
     double max_theta = 0;  ///< [rad], in (0, π/2); 0: the objective's default
     std::uint64_t seed = 0;
     bool spectral = false;  ///< also observe the spectra of spectral samples, not only their colours

@@ -54,7 +54,7 @@ struct GgxRequest {
 /// What to fit, and how.
 struct FitRequest {
     std::variant<PmRequest, SuRequest, GgxRequest> model;
-    Objective objective = Objective::cosine;
+    Objective objective = k_default_objective;
     std::optional<double> max_theta = {};  ///< θmax of the fit and of all errors [rad]; none: the objective's default
     bool spectral = false;                 ///< a coefficient for each wavelength of the measurement; PM only
     std::uint64_t seed = 0;                ///< of the random numbers

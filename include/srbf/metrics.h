@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "srbf/brdf.h"
+#include "srbf/pictures.h"
 #include "srbf/progress.h"
 
 namespace srbf {
@@ -22,6 +23,9 @@ struct Measures {
     double log_rms_cosine = 0;
     /// Σ(∛f−∛f̂)² / Σ∛f².
     double cube_root_error_ratio = 0;
+    /// Σ(⁶√g−⁶√ĝ)² / Σ∛g of g = f cosθl, each pair weighted by cosθv: differences of dark and bright as a display shows
+    /// them.
+    double sixth_root_error_ratio = 0;
     std::uint64_t pairs = 0;   ///< number of pairs compared
     std::uint64_t masked = 0;  ///< number of pairs skipped
 };
@@ -33,11 +37,12 @@ struct MeasureName {
     double Measures::*member;
     bool is_ratio;  ///< printed in per cent
 };
-inline constexpr std::array<MeasureName, 4> k_measures{{
+inline constexpr std::array<MeasureName, 5> k_measures{{
     {"squared_error_ratio", "squared error ratio", &Measures::squared_error_ratio, true},
     {"squared_error_ratio_cosine", "  of f cosθl", &Measures::squared_error_ratio_cosine, true},
     {"log_rms_cosine", "RMS of log(1 + f cosθl)", &Measures::log_rms_cosine, false},
     {"cube_root_error_ratio", "cube root error ratio", &Measures::cube_root_error_ratio, true},
+    {"sixth_root_error_ratio", "sixth root error ratio", &Measures::sixth_root_error_ratio, true},
 }};
 
 struct MeasureOptions {
@@ -92,10 +97,12 @@ Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta);
 /// Largest relative error |Â/A − 1| of the luminance of the albedo over the angles of `k_albedo_theta` within θmax.
 double albedo_error(const Evaluate& reference, const Evaluate& other, double max_theta);
 
-/// The measures of one BRDF against another: over a matrix of directions, over held-out pairs, and of albedo.
+/// The measures of one BRDF against another: over a matrix of directions, over held-out pairs, of albedo, and of
+/// pictures.
 struct Comparison {
     Measures matrix, heldout;
     double albedo_error = 0;
+    Appearance appearance = {};
 };
 /// Compares each of `others` with `reference`; the matrix covers all pairs of `directions`.
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,

@@ -163,14 +163,15 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
     Roughness log_alpha = scanned(sample, options.lobes);
     if (!progress.report("refining roughness", 0.2)) return cancelled_error("fit");
     refine(all, log_alpha);
-    // A model with so few parameters has large errors: the cube-root weights are adapted to them.
-    for (int round = 0; round < k_root_rounds && observations.root_mean > 0; ++round) {
+    // A model with so few parameters has large errors: weights that hold for small ones are adapted to them.
+    for (int round = 0; round < k_root_rounds && traits(observations.objective).seen; ++round) {
         const GgxModel model = all.solve(log_alpha).model;
         for (std::size_t i = 0; i < weighed.f.size() - weighed.checks; ++i)
             weighed.weight[i] =
-                observations.weight[i] * large_error_weight(observations.f[i],
+                observations.weight[i] * large_error_weight(observations.objective, observations.f[i],
                                                             value(model, observations.wl[i], observations.wv[i]),
-                                                            observations.root_mean, k_most_root_change);
+                                                            observations.typical, double(observations.wl[i].z),
+                                                            k_most_root_change);
         if (!progress.report("refining roughness", 0.3 + 0.7 * round / k_root_rounds)) return cancelled_error("fit");
         if (round == 0) log_alpha = scanned(sample, options.lobes);
         refine(all, log_alpha);

@@ -33,7 +33,7 @@ constexpr int k_check_rounds = 12;
 /// finished one: the last steps lower the loss by 1 to 4 %, or fail where a fit exceeds many checks.
 constexpr double k_nearly_best = 0.01;
 /// The last steps run in batches of ten until one lowers the loss by less than this. Most fits need two batches; a fit
-/// whose narrow lobes must match an albedo needs twenty.
+/// whose narrow lobes must match a radiance needs twenty.
 constexpr int k_last_steps = 10, k_most_tens = 26;
 constexpr double k_least_gain = 0.005;
 /// Upper bound on the log of the coefficient of a lobe with peak 1. The peak may lie where no pair of directions maps
@@ -104,7 +104,7 @@ LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, c
 
 /// Optimises on all observations, for spectral ones with the spectra. Checks that the fit exceeds become observations,
 /// until none is exceeded. Then rounds.
-PmFit finish(Lobes lobes, const Observations& observations, double albedo_importance, const FitOptions& options,
+PmFit finish(Lobes lobes, const Observations& observations, double radiance_importance, const FitOptions& options,
              double log_peak_limit, const Reporter& reporter) {
     PmFit fit;
     Observations all = observations;
@@ -112,7 +112,7 @@ PmFit finish(Lobes lobes, const Observations& observations, double albedo_import
     if (spectral) weigh_for_spectra(all);
     const std::size_t first_check = all.f.size() - all.checks;
     for (int round = 0;; ++round) {
-        const Rows rows(all, {.albedo_importance = albedo_importance, .spectra = spectral});
+        const Rows rows(all, {.radiance_importance = radiance_importance, .spectra = spectral});
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = LobeProblem::pack(lobes);
         const auto summary = last_steps(problem, x, reporter);
@@ -198,16 +198,16 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
         });
 
         // The loss over all observations decides which candidates continue.
-        const Rows all(observations, {.albedo_importance = sample.albedo_importance()});
+        const Rows all(observations, {.radiance_importance = sample.radiance_importance()});
         LobeProblem whole(all, shape_of(options), true, log_peak_limit);
         for (Candidate& candidate : found) candidate.loss = whole.loss(LobeProblem::pack(candidate.lobes));
         std::stable_sort(found.begin(), found.end(), by_loss);
         found.resize(std::min(found.size(), k_finished));
         const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
-        const double albedo_importance = sample.albedo_importance() * 3 / channels;
+        const double radiance_importance = sample.radiance_importance() * 3 / channels;
         for (std::size_t i = 0; i < found.size(); ++i) {
             if (i > 0 && (found[i].loss > (1 + k_nearly_best) * fit.loss || reporter.cancelled())) break;
-            PmFit next = finish(found[i].lobes, observations, albedo_importance, options, log_peak_limit, reporter);
+            PmFit next = finish(found[i].lobes, observations, radiance_importance, options, log_peak_limit, reporter);
             if (i == 0 || next.loss < fit.loss) fit = std::move(next);
         }
         if (!reporter.advance("polishing", polish_work)) fit.stop = StopReason::cancelled;

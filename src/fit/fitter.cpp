@@ -124,9 +124,9 @@ class Fitter::Work {
         if (!samples()) {
             const Channels f = channels_of(request);
             const Channels others[] = {channels(outcome.model), channels(outcome.unrounded)};
-            const auto matrix = measure_matrix(f, others, {theta_max, request.threads, progress.part(0, 0.8)},
+            const auto matrix = measure_matrix(f, others, {theta_max, request.threads, progress.part(0, 0.75)},
                                                matrix_directions(outcome.model, theta_max)),
-                       heldout = measure_heldout(f, others, {theta_max, request.threads, progress.part(0.8, 0.95)});
+                       heldout = measure_heldout(f, others, {theta_max, request.threads, progress.part(0.75, 0.9)});
             outcome.errors = {matrix[0], heldout[0], 0};
             outcome.unrounded_errors = {matrix[1], heldout[1], 0};
         }
@@ -134,6 +134,11 @@ class Fitter::Work {
              {std::pair(&outcome.model, &outcome.errors), std::pair(&outcome.unrounded, &outcome.unrounded_errors)}) {
             if (progress.cancelled()) break;
             if (*errors) (*errors)->albedo_error = albedo_error(clamped_, evaluator(*model), theta_max);
+        }
+        if (outcome.errors && !progress.cancelled()) {
+            const Evaluate others[] = {evaluator(outcome.model), evaluator(outcome.unrounded)};
+            const auto appearance = compare_pictures(clamped_, others, request.threads, progress.part(0.95, 1));
+            outcome.errors->appearance = appearance[0], outcome.unrounded_errors->appearance = appearance[1];
         }
         if (!progress.report("measuring the error", 1)) {
             outcome.errors.reset(), outcome.unrounded_errors.reset();
@@ -147,6 +152,8 @@ class Fitter::Work {
         tell("heldout_squared_error_ratio", outcome.errors->heldout.squared_error_ratio);
         tell("heldout_squared_error_ratio_cosine", outcome.errors->heldout.squared_error_ratio_cosine);
         tell("albedo_error", outcome.errors->albedo_error);
+        for (const PictureErrorName& error : k_picture_errors)
+            tell(error.name, outcome.errors->appearance.mean.*error.member);
         return Done{};
     }
 

@@ -284,10 +284,10 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     const std::size_t count = observations.f.size() - observations.checks;
     blocks = blocks_for(count);
     const std::size_t every = extent.roughly ? 2 : 1, step = extent.roughly ? 9 : 1;
-    if (extent.albedo_importance > 0) albedos = (observations.albedo.size() + every - 1) / every;
-    for (std::size_t k = 0; k < albedos; ++k)
-        albedo_blocks =
-            std::max(albedo_blocks, blocks_for((observations.albedo[k * every].wl.size() + step - 1) / step));
+    if (extent.radiance_importance > 0) radiances = (observations.radiances.size() + every - 1) / every;
+    for (std::size_t k = 0; k < radiances; ++k)
+        radiance_blocks =
+            std::max(radiance_blocks, blocks_for((observations.radiances[k * every].wl.size() + step - 1) / step));
     // Padding rows: any direction is fine, the weight is 0.
     const std::size_t rows = whole_blocks() * k_block;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -296,7 +296,7 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     }
     const std::size_t C = extent.spectra ? observations.wavelengths.size() : 3;
     y.assign(C, Aligned<float>(rows, 0.f));
-    // Channel c of an observation or of a light direction of an albedo.
+    // Channel c of an observation or of a light direction of a radiance.
     const auto value_of = [C, spectra = extent.spectra](const auto& of, std::size_t i) {
         return [&of, i, C, spectra](std::size_t c) { return spectra ? of.spectrum[i * C + c] : of.f[i][int(c)]; };
     };
@@ -306,16 +306,15 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     if (sum > 0) scale = 1 / std::sqrt(sum);
     for (std::size_t i = 0; i < count; ++i)
         set(i, observations.wl[i], observations.wv[i], std::sqrt(observations.weight[i]), value_of(observations, i));
-    for (std::size_t k = 0; k < albedos; ++k) {
-        const AlbedoObservation& albedo = observations.albedo[k * every];
+    for (std::size_t k = 0; k < radiances; ++k) {
+        const RadianceObservation& seen = observations.radiances[k * every];
         double whole = 0;
-        for (std::size_t i = 0; i < albedo.wl.size(); i += step)
-            whole += albedo.weight[i] * double(luminance(albedo.f[i]));
+        for (std::size_t i = 0; i < seen.wl.size(); i += step) whole += seen.weight[i] * double(luminance(seen.f[i]));
         if (!(whole > 0)) continue;
-        const double factor = std::sqrt(extent.albedo_importance / double(albedos)) / whole;
-        std::size_t row = (blocks + k * albedo_blocks) * k_block;
-        for (std::size_t i = 0; i < albedo.wl.size(); i += step)
-            set(row++, albedo.wl[i], albedo.wv, factor * albedo.weight[i], value_of(albedo, i));
+        const double factor = std::sqrt(extent.radiance_importance / double(radiances)) / whole;
+        std::size_t row = (blocks + k * radiance_blocks) * k_block;
+        for (std::size_t i = 0; i < seen.wl.size(); i += step)
+            set(row++, seen.wl[i], seen.wv, factor * seen.weight[i], value_of(seen, i));
     }
 }
 

@@ -20,27 +20,27 @@ template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocato
 
 /// Which parts of the observations Rows hold.
 struct Extent {
-    double albedo_importance =
-        0;  ///< increase of the sum if every albedo is off by its luminance in one channel; 0: no albedos
-    bool roughly = false;  ///< only every other albedo, and of each every ninth direction
+    double radiance_importance =
+        0;  ///< increase of the sum if every radiance is off by its luminance in one channel; 0: no radiances
+    bool roughly = false;  ///< only every other radiance, and of each every ninth direction
     bool spectra = false;  ///< the spectra of spectral observations instead of their colours
 };
 
 /// Observations in the layout of the loops: an array per component, padded to whole blocks with rows of weight 0. First
-/// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each albedo, which
+/// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each radiance, which
 /// contributes the square of a sum.
 /// square of the sum is asked for.
 struct Rows {
     /// All observations except the checks.
     explicit Rows(const Observations& observations, const Extent& extent = {});
-    std::size_t blocks = 0;                      ///< of pairs
-    std::size_t albedos = 0, albedo_blocks = 0;  ///< number of albedos, blocks per albedo
+    std::size_t blocks = 0;                          ///< of pairs
+    std::size_t radiances = 0, radiance_blocks = 0;  ///< number of radiances, blocks per radiance
     std::array<Aligned<float>, 3> wl, wv;
     double scale = 1;               ///< unit of the values: 1 / √Σw
     Aligned<float> root_weight;     ///< √w × scale, so that its squares sum to 1 over pairs
     std::vector<Aligned<float>> y;  ///< √w f for each channel
 
-    std::size_t whole_blocks() const { return blocks + albedos * albedo_blocks; }
+    std::size_t whole_blocks() const { return blocks + radiances * radiance_blocks; }
 
   private:
     /// Row i for these directions: `factor` is √w, or its replacement in a sum; f(c) the value of channel c.

@@ -59,8 +59,8 @@ template <typename Body> void LobeProblem::for_chunks(const Body& body) const {
     const auto run = [&](std::size_t chunk) {
         if (chunk < chunks_of_pairs())
             return body(chunk, chunk * k_chunk, std::min((chunk + 1) * k_chunk, rows_.blocks));
-        const std::size_t begin = rows_.blocks + (chunk - chunks_of_pairs()) * rows_.albedo_blocks;
-        body(chunk, begin, begin + rows_.albedo_blocks);
+        const std::size_t begin = rows_.blocks + (chunk - chunks_of_pairs()) * rows_.radiance_blocks;
+        body(chunk, begin, begin + rows_.radiance_blocks);
     };
     if (parallel_)
         parallel_for(chunks(), run);
@@ -71,9 +71,9 @@ template <typename Body> void LobeProblem::for_chunks(const Body& body) const {
 template <typename Columns, typename Sums>
 Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, const Columns& columns,
                                   const Sums& sums) const {
-    std::vector<std::vector<double>> parts(chunks());  // for pairs products, for an albedo the columns' sums
+    std::vector<std::vector<double>> parts(chunks());  // for pairs products, for a radiance the columns' sums
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        if (observes_albedo(begin)) {
+        if (observes_radiance(begin)) {
             parts[chunk] = sums(begin, end);
             return;
         }
@@ -94,8 +94,8 @@ Eigen::MatrixXd LobeProblem::gram(std::size_t n, std::size_t scratch_columns, co
             G += Eigen::Map<const Eigen::MatrixXd>(part.data(), G.rows(), G.cols());
             continue;
         }
-        const Eigen::Map<const Eigen::VectorXd> of_albedo(part.data(), G.rows());
-        G.selfadjointView<Eigen::Upper>().rankUpdate(of_albedo);
+        const Eigen::Map<const Eigen::VectorXd> of_radiance(part.data(), G.rows());
+        G.selfadjointView<Eigen::Upper>().rankUpdate(of_radiance);
     }
     // Row-major lower triangles are column-major upper ones.
     return G.selfadjointView<Eigen::Upper>();
@@ -177,19 +177,19 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
     for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::vector<float> beta(J);
         std::vector<const float*> columns(J);
-        std::vector<double> albedo(C, 0.0);
+        std::vector<double> radiance(C, 0.0);
         for (std::size_t block = begin; block < end; ++block) {
             for (int j = 0; j < lobes_; ++j) columns[std::size_t(j)] = lobe(block, j);
             for (std::size_t c = 0; c < C; ++c) {
                 for (int j = 0; j < lobes_; ++j) beta[std::size_t(j)] = float(beta_(j, Eigen::Index(c)));
                 const double squares = residual(&rows_.y[c][block * k_block], beta, columns, rest(block, c));
-                if (observes_albedo(block))
-                    albedo[c] += sum(rest(block, c));
+                if (observes_radiance(block))
+                    radiance[c] += sum(rest(block, c));
                 else
                     sums[chunk] += squares;
             }
         }
-        for (const double difference : albedo) sums[chunk] += difference * difference;
+        for (const double difference : radiance) sums[chunk] += difference * difference;
     });
     double whole = 0;
     for (const double part : sums) whole += part;
@@ -236,7 +236,7 @@ void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
         for (int j = 0; j < J; ++j) columns.push_back(lobe(block, j));
         for (std::size_t c = 0; c < channels(); ++c) columns.push_back(rest(block, c));
     };
-    // For an albedo's blocks only the sums are needed, which are products of lobes and the factors of weights or
+    // For a radiance's blocks only the sums are needed, which are products of lobes and the factors of weights or
     // angles.
     const auto sums_of = [&](std::size_t begin, std::size_t end) {
         const Eigen::Index F = W + shape_.directional();

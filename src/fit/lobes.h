@@ -55,7 +55,7 @@ inline Interval weight_range(int n, const LobeShape& shape) {
     return {-component, component};
 }
 
-/// Σ w |f − Σ_j β_j E_j|² over C channels, over the rows of pairs, plus the squares of sums for albedos. β is
+/// Σ w |f − Σ_j β_j E_j|² over C channels, over the rows of pairs, plus the squares of sums for radiances. β is
 /// eliminated by non-negative least squares per channel. The variables are x = (angles, weights).
 class LobeProblem {
   public:
@@ -94,14 +94,14 @@ class LobeProblem {
     }
     std::size_t channels() const { return rows_.y.size(); }
     float* rest(std::size_t block, std::size_t c) { return &rest_[(block * channels() + c) * k_block]; }
-    bool observes_albedo(std::size_t block) const { return block >= rows_.blocks; }
-    /// A chunk consists of k_chunk blocks of pairs, or of the blocks of an albedo.
+    bool observes_radiance(std::size_t block) const { return block >= rows_.blocks; }
+    /// A chunk consists of k_chunk blocks of pairs, or of the blocks of a radiance.
     std::size_t chunks_of_pairs() const { return (rows_.blocks + k_chunk - 1) / k_chunk; }
-    std::size_t chunks() const { return chunks_of_pairs() + rows_.albedos; }
+    std::size_t chunks() const { return chunks_of_pairs() + rows_.radiances; }
     template <typename Body> void for_chunks(const Body& body) const;
-    /// Σ over blocks of pairs of products of n columns, and over albedos of products of the columns' sums.
+    /// Σ over blocks of pairs of products of n columns, and over radiances of products of the columns' sums.
     /// `columns(block, scratch)` appends n pointers; `sums(begin, end)` returns the columns' sums over the blocks of an
-    /// albedo.
+    /// radiance.
     template <typename Columns, typename Sums>
     Eigen::MatrixXd gram(std::size_t n, std::size_t scratch_columns, const Columns& columns, const Sums& sums) const;
 

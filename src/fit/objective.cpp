@@ -7,15 +7,61 @@
 namespace srbf {
 namespace {
 
+constexpr double k_bright_quantile = 0.75;
+
+/// If a highlight contains nearly all of Σ w |f|², the body under it, which dominates away from the mirror direction,
+/// has almost no weight in the objective cosine; and the highlight has little weight in appearance.
+constexpr double k_body_importance = 5e-3, k_highlight_importance = 0.03;
+
+double cosine_weight(double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }
+double cube_root_weight(double f, double mean, double, double) {
+    return std::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
+}
+double cube_root_slope(double f, double mean, double) { return std::pow(std::max(f, 0.01 * mean), -2.0 / 3) / 3; }
+/// f cosθl as a display shows it, with s of `Objective::appearance`.
+double displayed(double f, double bright, double cos_l) { return std::pow(f * cos_l + k_dark_share * bright, 1.0 / 6); }
+double displayed_slope(double f, double bright, double cos_l) {
+    return cos_l * std::pow(f * cos_l + k_dark_share * bright, -5.0 / 6) / 6;
+}
+
 constexpr ObjectiveTraits k_traits[] = {
-    {Objective::raw, "raw", &Measures::squared_error_ratio, 80, [](double, double, double, double) { return 1.0; },
-     false},
-    {Objective::cosine, "cosine", &Measures::squared_error_ratio_cosine, 89,
-     [](double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }, false},
-    {Objective::log, "log", &Measures::log_rms_cosine, 89,
-     [](double f, double, double cos_l, double cos_v) { return std::pow(cos_l / (1 + f * cos_l), 2) * cos_v; }, false},
-    {Objective::cube_root, "cube-root", &Measures::cube_root_error_ratio, 80,
-     [](double f, double mean, double, double) { return std::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3); }, true},
+    {.objective = Objective::raw,
+     .name = "raw",
+     .measure = &Measures::squared_error_ratio,
+     .max_theta = 80,
+     .weight = [](double, double, double, double) { return 1.0; }},
+    {.objective = Objective::cosine,
+     .name = "cosine",
+     .measure = &Measures::squared_error_ratio_cosine,
+     .max_theta = 89,
+     .weight = cosine_weight,
+     .further = [](double f, double mean, double cos_l,
+                   double cos_v) { return cos_l * cos_v * cube_root_weight(f, mean, cos_l, cos_v); },
+     .importance = k_body_importance},
+    {.objective = Objective::log,
+     .name = "log",
+     .measure = &Measures::log_rms_cosine,
+     .max_theta = 89,
+     .weight = [](double f, double, double cos_l,
+                  double cos_v) { return std::pow(cos_l / (1 + f * cos_l), 2) * cos_v; }},
+    {.objective = Objective::cube_root,
+     .name = "cube-root",
+     .measure = &Measures::cube_root_error_ratio,
+     .max_theta = 80,
+     .weight = cube_root_weight,
+     .seen = [](double f, double, double) { return std::cbrt(f); },
+     .slope = cube_root_slope},
+    {.objective = Objective::appearance,
+     .name = "appearance",
+     .measure = &Measures::sixth_root_error_ratio,
+     .max_theta = 88,
+     .weight = [](double f, double bright, double cos_l,
+                  double cos_v) { return std::pow(displayed_slope(f, bright, cos_l), 2) * cos_v; },
+     .further = cosine_weight,
+     .importance = k_highlight_importance,
+     .seen = displayed,
+     .slope = displayed_slope,
+     .of_pictures = true},
 };
 constexpr auto k_objectives = [] {
     std::array<Objective, std::size(k_traits)> all{};
@@ -43,21 +89,39 @@ bool is_root(Objective objective) {
     return !std::ranges::find(k_measures, measure_of(objective), &MeasureName::member)->is_ratio;
 }
 
-void weigh(Objective objective, double mean, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
+double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                     std::span<const double> weight) {
+    double sum = 0, whole = 0;
+    if (!traits(objective).of_pictures) {
+        for (std::size_t i = 0; i < f.size(); ++i) sum += weight[i] * mean_of(f[i]), whole += weight[i];
+        return whole > 0 ? sum / whole : 0;
+    }
+    std::vector<std::pair<double, double>> seen;  // f cosθl and its weight
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        if (!(mean_of(f[i]) > 0)) continue;
+        seen.emplace_back(mean_of(f[i]) * double(wl[i].z), weight[i] * double(wv[i].z));
+        whole += seen.back().second;
+    }
+    std::ranges::sort(seen);
+    for (const auto& [radiance, of_pair] : seen)
+        if ((sum += of_pair) >= k_bright_quantile * whole) return radiance;
+    return 0;
+}
+
+void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
            std::span<const Rgb> f, std::span<double> weight) {
-    const auto asks_for = [&](Objective of, std::size_t i) {
-        return traits(of).weight(mean_of(f[i]), mean, double(wl[i].z), double(wv[i].z));
+    const ObjectiveTraits& of = traits(objective);
+    const auto weighed = [&](const auto& rule, std::size_t i) {
+        return weight[i] * rule(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
     };
-    std::vector<double> of_body;
-    if (objective == Objective::cosine)
-        for (std::size_t i = 0; i < f.size(); ++i)
-            of_body.push_back(weight[i] * double(wl[i].z) * double(wv[i].z) * asks_for(Objective::cube_root, i));
-    for (std::size_t i = 0; i < f.size(); ++i) weight[i] *= asks_for(objective, i);
-    if (of_body.empty()) return;
-    const double body_energy = energy_of(f, of_body);
-    if (!(body_energy > 0)) return;
-    const double factor = k_body_importance * energy_of(f, weight) / body_energy;
-    for (std::size_t i = 0; i < f.size(); ++i) weight[i] += factor * of_body[i];
+    std::vector<double> further(f.size(), 0.0);
+    if (of.further)
+        for (std::size_t i = 0; i < f.size(); ++i) further[i] = weighed(of.further, i);
+    for (std::size_t i = 0; i < f.size(); ++i) weight[i] = weighed(of.weight, i);
+    const double energy = energy_of(f, further);
+    if (!(energy > 0)) return;
+    const double factor = of.importance * energy_of(f, weight) / energy;
+    for (std::size_t i = 0; i < f.size(); ++i) weight[i] += factor * further[i];
 }
 
 }  // namespace srbf

@@ -15,20 +15,29 @@ struct ObjectiveTraits {
     std::string_view name;
     double Measures::*measure;  ///< that it minimises
     double max_theta;           ///< default θmax [degrees]
-    /// The weight of (f−f̂)² per solid angle of both directions, for a pair with mean `f` over its channels; `mean` is
-    /// the mean f over both caps.
-    double (*weight)(double f, double mean, double cos_l, double cos_v);
-    bool of_small_errors;  ///< weights are accurate for small errors only; `large_error_weight` corrects them elsewhere
+    /// The weight of (f−f̂)² per solid angle of both directions, for a pair with mean `f` over its channels; `typical` is
+    /// their `typical_value`.
+    double (*weight)(double f, double typical, double cos_l, double cos_v);
+    /// Weights that are added for pairs which `weight` alone neglects: an error of 100 % everywhere adds to Σ w |f|²
+    /// this share of it. null: none.
+    double (*further)(double f, double typical, double cos_l, double cos_v) = nullptr;
+    double importance = 0;
+    /// The g of an objective Σ (g(f) − g(f̂))² whose weights, squares of its slope, hold for small errors only;
+    /// `large_error_weight` corrects them elsewhere. null: weights hold for errors of any size.
+    double (*seen)(double f, double typical, double cos_l) = nullptr;
+    double (*slope)(double f, double typical, double cos_l) = nullptr;
+    bool of_pictures = false;  ///< relative to f cosθl, the radiance seen under a light; also observes extended lights
 };
 const ObjectiveTraits& traits(Objective objective);
 
-/// If a highlight contains nearly all of Σ w |f|², the body under it, which dominates away from the mirror direction,
-/// has almost no weight. The objective cosine therefore adds cube-root weights times cosθl cosθv, so that an error of
-/// 100 % everywhere adds this fraction of Σ w |f|².
-inline constexpr double k_body_importance = 5e-3;
+/// The value to which an objective's weights are relative: the mean f, or for an objective of pictures the upper quartile
+/// of f cosθl, weighted by cosθv, which a display exposed for the picture shows as bright. f by its mean over the
+/// channels; `weight`: solid angles of the pairs. 0 if all of f is 0.
+double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                     std::span<const double> weight);
 
-/// Multiplies the weights of pairs (their solid angles) by the weights of the objective; `mean` as above.
-void weigh(Objective objective, double mean, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
+/// Multiplies the weights of pairs (their solid angles) by the weights of the objective.
+void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
            std::span<const Rgb> f, std::span<double> weight);
 
 /// Sets negative channels to 0; returns how many.
@@ -83,15 +92,19 @@ inline void normalise(Observations& observations) {
 /// Whether the measure of an objective is a root mean square, as opposed to a ratio of sums of squares.
 bool is_root(Objective objective);
 
-/// The cube-root weights are accurate for small errors. For a large error, f̂ = g, this is the correction factor that
-/// makes the weighted square the actual error, Σ_c (∛f−∛g)² / Σ_c (f−g)² over the small-error weight; clamped to a
-/// factor of `most`.
-inline double large_error_weight(const Rgb& f, const Rgb& g, double mean, double most) {
-    double roots = 0;
-    for (int c = 0; c < 3; ++c) roots += std::pow(std::cbrt(double(f[c])) - std::cbrt(double(g[c])), 2);
-    const double squares = square_of({f.r - g.r, f.g - g.g, f.b - g.b});
-    const double small = std::pow(std::max(mean_of(f), 0.01 * mean), -4.0 / 3) / 9;
-    return squares > 0 ? std::clamp(roots / squares / small, 1 / most, most) : 1;
+/// For an objective whose weights hold for small errors, and a fitted value `fitted`: the factor that makes the weighted
+/// square the actual error, Σ_c (g(f_c) − g(f̂_c))² / Σ_c (f_c−f̂_c)² over the square of g's slope; clamped to a factor
+/// of `most`. 1 for the other objectives.
+inline double large_error_weight(Objective objective, const Rgb& f, const Rgb& fitted, double typical, double cos_l,
+                                 double most) {
+    const ObjectiveTraits& of = traits(objective);
+    if (!of.seen) return 1;
+    double seen = 0;
+    for (int c = 0; c < 3; ++c)
+        seen += std::pow(of.seen(double(f[c]), typical, cos_l) - of.seen(double(fitted[c]), typical, cos_l), 2);
+    const double squares = square_of({f.r - fitted.r, f.g - fitted.g, f.b - fitted.b});
+    const double small = std::pow(of.slope(mean_of(f), typical, cos_l), 2);
+    return squares > 0 ? std::clamp(seen / squares / small, 1 / most, most) : 1;
 }
 
 /// Σ over the guards (observations beyond θmax) if the fit were off by the largest measured f cosθl cosθv at each of

@@ -43,9 +43,11 @@ class ViewMixture {
     double cos_max_;
 };
 
-/// Number of directions of an albedo observation at θv [degrees].
+/// θv of the observed radiances [degrees], and the number of directions of each.
 constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
-constexpr int k_albedo_points = 4096;
+constexpr int k_radiance_points = 4096;
+/// `radiance_error` of an objective of pictures. Under an environment most of what is seen is such a radiance.
+constexpr double k_picture_error = 0.02;
 
 struct Draw {
     Vec3d wl, wv;
@@ -125,25 +127,42 @@ void append(Observations& observations, const Drawn& drawn, std::size_t i, doubl
     observations.f.push_back(drawn.f[i]), observations.weight.push_back(weight);
 }
 
-std::vector<AlbedoObservation> observe_albedo(const Evaluate& f, double theta_max) {
-    std::vector<AlbedoObservation> all;
+std::vector<RadianceObservation> observe_albedos(const Evaluate& f, double theta_max) {
+    std::vector<RadianceObservation> all;
     for (const double theta : k_albedo_angles) {
         if (theta * k_degree > theta_max) continue;
         // Any azimuth is sufficient for isotropic data; the azimuths are spread for other data.
         const Vec3d wv = spherical(theta * k_degree, 2.4 * double(all.size()));
-        Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_albedo_points);
-        AlbedoObservation albedo{to_float(wv), std::move(points.w), {}, std::move(points.weight), {}};
-        albedo.f.resize(albedo.wl.size());
-        f(albedo.wl, std::vector<Vec3f>(albedo.wl.size(), albedo.wv), albedo.f);
-        for (std::size_t i = 0; i < albedo.f.size(); ++i) {
-            const bool valid = is_finite(albedo.f[i]);
-            albedo.weight[i] *= valid ? double(albedo.wl[i].z) : 0;
-            if (!valid) albedo.f[i] = {};
-            clamp_negative(albedo.f[i]);
+        Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_radiance_points);
+        RadianceObservation seen{to_float(wv), std::move(points.w), {}, std::move(points.weight), {}};
+        seen.f.resize(seen.wl.size());
+        f(seen.wl, std::vector<Vec3f>(seen.wl.size(), seen.wv), seen.f);
+        for (std::size_t i = 0; i < seen.f.size(); ++i) {
+            const bool valid = is_finite(seen.f[i]);
+            seen.weight[i] *= valid ? double(seen.wl[i].z) : 0;
+            if (!valid) seen.f[i] = {};
+            clamp_negative(seen.f[i]);
         }
-        all.push_back(std::move(albedo));
+        all.push_back(std::move(seen));
     }
     return all;
+}
+
+/// Adds to the albedos at each of their views the radiance under a broad light, e^{κ(wl·d − 1)}: about the mirror
+/// direction, as a window is seen in the material, or beside the viewer. Which one changes with every second view, so
+/// that a search on every other radiance sees both.
+void observe_broad_lights(std::vector<RadianceObservation>& albedos) {
+    constexpr double k_about_mirror = 2, k_beside = 4, k_elevation = 0.5;
+    const std::size_t views = albedos.size();
+    for (std::size_t view = 0; view < views; ++view) {
+        RadianceObservation lit = albedos[view];
+        const Vec3d v = to_double(lit.wv), beside = normalize(Vec3d{-v.y, v.x, k_elevation * std::hypot(v.x, v.y)});
+        const bool about_mirror = view / 2 % 2 == 0;  // at θv = 0, where nothing is beside
+        const Vec3d d = about_mirror ? mirror(v) : beside;
+        for (std::size_t i = 0; i < lit.weight.size(); ++i)
+            lit.weight[i] *= std::exp((about_mirror ? k_about_mirror : k_beside) * (dot(to_double(lit.wl[i]), d) - 1));
+        albedos.push_back(std::move(lit));
+    }
 }
 
 }  // namespace
@@ -172,6 +191,8 @@ Observations beginning(const Observations& observations, std::size_t count) {
         return std::remove_cvref_t<decltype(of)>(of.begin(), of.begin() + std::ptrdiff_t(count));
     };
     Observations some;
+    some.objective = observations.objective, some.typical = observations.typical;
+    some.radiance_error = observations.radiance_error;
     some.wavelengths = observations.wavelengths;
     const std::size_t C = observations.wavelengths.size();
     some.spectrum.assign(observations.spectrum.begin(), observations.spectrum.begin() + std::ptrdiff_t(count * C));
@@ -187,8 +208,8 @@ Result<Done> validate(const Observations& observations, std::size_t parameters) 
         return Error{"fit", {}, "observations", "arrays of one length", "different lengths"};
     const std::size_t C = observations.wavelengths.size();
     bool has_spectra = observations.spectrum.size() == C * count;
-    for (const AlbedoObservation& albedo : observations.albedo)
-        has_spectra = has_spectra && albedo.spectrum.size() == C * albedo.f.size();
+    for (const RadianceObservation& seen : observations.radiances)
+        has_spectra = has_spectra && seen.spectrum.size() == C * seen.f.size();
     if (!has_spectra || (C > 0 && !are_wavelengths(observations.wavelengths)))
         return Error{"fit", {}, "observations", "spectra at all of them, at increasing wavelengths", "others"};
     if (!std::ranges::all_of(observations.spectrum, [](float f) { return std::isfinite(f); }))
@@ -275,17 +296,12 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     observations.clamped = pool.clamped + guards.clamped + checks.clamped;
     if (pool.size() + guards.size() == 0)
         return Error{"observe", {}, "pairs with a measurement", "some", "none", ErrorCode::no_data};
-    double mean = 0, solid_angle = 0;
-    for (std::size_t i = 0; i < pool.size(); ++i) {
-        mean += pool.weight[i] * mean_of(pool.f[i]);
-        solid_angle += pool.weight[i];
-    }
-    if (!(mean > 0)) return Error{"observe", {}, "values", "some above 0", "none", ErrorCode::no_data};
-    mean /= solid_angle;
-    if (traits(options.objective).of_small_errors) observations.root_mean = mean;
+    observations.objective = options.objective;
+    observations.typical = typical_value(options.objective, pool.wl, pool.wv, pool.f, pool.weight);
+    if (!(observations.typical > 0)) return Error{"observe", {}, "values", "some above 0", "none", ErrorCode::no_data};
 
     std::vector<double> weight = pool.weight;
-    weigh(options.objective, mean, pool.wl, pool.wv, pool.f, weight);
+    weigh(options.objective, observations.typical, pool.wl, pool.wv, pool.f, weight);
     double peak = 0;
     for (const Drawn* some : {&pool, &guards, &checks})
         for (std::size_t i = 0; i < some->size(); ++i)
@@ -305,7 +321,11 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     }
     for (std::size_t i = 0; i < checks.size(); ++i) append(observations, checks, i, 0);
     observations.checks = checks.size();
-    observations.albedo = observe_albedo(f, theta_max);
+    observations.radiances = observe_albedos(f, theta_max);
+    if (traits(options.objective).of_pictures) {
+        observe_broad_lights(observations.radiances);
+        observations.radiance_error = k_picture_error;
+    }
     return observations;
 }
 
@@ -316,10 +336,10 @@ void observe_spectra(Observations& observations, const Channels& spectra) {
     observations.spectrum.resize(C * observations.f.size());
     spectra.evaluate(observations.wl, observations.wv, observations.spectrum);
     observations.clamped = std::uint64_t(clamp_negative(observations.spectrum));
-    for (AlbedoObservation& albedo : observations.albedo) {
-        albedo.spectrum.resize(C * albedo.wl.size());
-        spectra.evaluate(albedo.wl, std::vector<Vec3f>(albedo.wl.size(), albedo.wv), albedo.spectrum);
-        clamp_negative(albedo.spectrum);
+    for (RadianceObservation& seen : observations.radiances) {
+        seen.spectrum.resize(C * seen.wl.size());
+        spectra.evaluate(seen.wl, std::vector<Vec3f>(seen.wl.size(), seen.wv), seen.spectrum);
+        clamp_negative(seen.spectrum);
     }
 }
 

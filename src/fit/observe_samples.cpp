@@ -65,12 +65,14 @@ Observations together(const SampleObservations& from, double weight_between, std
 }
 
 constexpr double k_most_change = 3;
-void weigh_large_errors(Observations& observations, const PmModel& fitted, double max_theta, double mean) {
+void weigh_large_errors(Observations& observations, const PmModel& fitted, const ObserveSamplesOptions& options,
+                        double typical) {
     const PreparedBrdf model = prepare(Model{fitted, {}});
     for (std::size_t i = 0; i < observations.f.size() - observations.checks; ++i) {
         const Vec3f wl = observations.wl[i], wv = observations.wv[i];
-        if (std::min(wl.z, wv.z) >= sample_cap(max_theta))  // otherwise a guard
-            observations.weight[i] *= large_error_weight(observations.f[i], value(model, wl, wv), mean, k_most_change);
+        if (std::min(wl.z, wv.z) >= sample_cap(options.max_theta))  // otherwise a guard
+            observations.weight[i] *= large_error_weight(options.objective, observations.f[i], value(model, wl, wv),
+                                                         typical, double(wl.z), k_most_change);
     }
 }
 
@@ -96,8 +98,9 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     if (options.spectral) observed.samples.wavelengths = observed.between.wavelengths = samples.wavelengths;
     std::vector<float> spectrum(C);
 
-    double mean = 0, peak = 0;
+    double peak = 0;
     std::vector<std::size_t> within;
+    Observations inside;  // samples within θmax
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
         if (std::min(samples.wl[i].z, samples.wv[i].z) < cos_max) continue;
         within.push_back(i);
@@ -105,14 +108,11 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         for (std::size_t c = 0; c < C; ++c) observed.samples.clamped += samples.spectrum[i * C + c] < 0;
         const int clamped = clamp_negative(f);
         if (C == 0) observed.samples.clamped += std::uint64_t(clamped);
-        mean += mean_of(f);
+        add(inside, samples.wl[i], samples.wv[i], f, 1, {});
         peak = std::max(peak, square_of(f) * std::pow(double(samples.wl[i].z) * double(samples.wv[i].z), 2));
     }
     if (within.empty())
         return Error{"samples", {}, "samples within the largest angle", "some", "none", ErrorCode::no_data};
-    if (!(mean > 0)) return Error{"samples", {}, "values", "some above 0", "none", ErrorCode::no_data};
-    mean /= double(within.size());
-    if (traits(options.objective).of_small_errors) observed.samples.root_mean = mean;
     std::vector<bool> seen(std::size_t(places.count), false);
     for (const std::size_t i : within) {
         const auto place = std::size_t(places.of[i]);
@@ -120,7 +120,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         seen[place] = true;
     }
     const auto weigh_all = [&](Observations& of) {
-        weigh(options.objective, mean, of.wl, of.wv, of.f, of.weight);
+        weigh(options.objective, observed.samples.typical, of.wl, of.wv, of.f, of.weight);
         normalise(of);
     };
     for (const std::size_t i : within) {
@@ -131,6 +131,10 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         add(observed.samples, samples.wl[i], samples.wv[i], f, 1, spectrum);
         add(observed.samples, samples.wv[i], samples.wl[i], f, 1, spectrum);
     }
+    observed.samples.objective = options.objective;
+    observed.samples.typical = typical_value(options.objective, inside.wl, inside.wv, inside.f, inside.weight);
+    if (!(observed.samples.typical > 0))
+        return Error{"samples", {}, "values", "some above 0", "none", ErrorCode::no_data};
     weigh_all(observed.samples);
 
     // Errors of the interpolation of each sample from the others.
@@ -220,9 +224,8 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
     const Measures remaining = measure_samples(beginning(alone.wl), beginning(alone.wv), beginning(alone.f),
                                                evaluator(first->unrounded), max_theta);
     SampleObservations weighed = observations;
-    if (traits(objective).of_small_errors)
-        for (Observations* of : {&weighed.samples, &weighed.between})
-            weigh_large_errors(*of, first->unrounded, max_theta, observations.samples.root_mean);
+    for (Observations* of : {&weighed.samples, &weighed.between})
+        weigh_large_errors(*of, first->unrounded, observations.options, observations.samples.typical);
     double belief = std::min(error_of(remaining, objective) / error_of(observations.interpolation, objective), 1.0);
     if (is_root(objective)) belief *= belief;
     return fit_pm(together(weighed, std::isfinite(belief) ? belief : 1, seed), bounded, progress.part(0.3, 1));

@@ -17,9 +17,9 @@ constexpr std::size_t k_few = 2048, k_some = 4096, k_more = 16384;
 /// Maximum number of exceeded checks that are added for each candidate.
 constexpr std::size_t k_most_places = 16;
 
-/// An error of 10 % in every albedo costs as much as the fit's loss without albedo, but at most 0.004: a fit that
-/// cannot follow the data does not benefit from an accidentally correct albedo.
-constexpr double k_albedo_error = 0.1, k_most_albedo_loss = 0.004;
+/// An error of `radiance_error` in every radiance costs as much as the fit's loss without them, but at most this: a fit
+/// that cannot follow the data does not benefit from an accidentally correct albedo.
+constexpr double k_most_radiance_loss = 0.004;
 
 /// At most this many of them, uniformly spaced.
 std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {
@@ -41,7 +41,7 @@ Sample::Sample(const Observations& observations)
 Sample::Part Sample::beginning_of_all(std::size_t count) const {
     Observations some = beginning(all_, count);
     some.wavelengths.clear(), some.spectrum.clear();
-    some.albedo = all_.albedo;
+    some.radiances = all_.radiances;
     const std::size_t begin = some.f.size();
     return {std::move(some), begin};
 }
@@ -74,8 +74,8 @@ void Sample::look_about(const std::vector<Candidate>& candidates, const FitOptio
     }
 }
 
-double Sample::albedo_importance() const {
-    return std::min(loss_, k_most_albedo_loss) / (3 * k_albedo_error * k_albedo_error);
+double Sample::radiance_importance() const {
+    return std::min(loss_, k_most_radiance_loss) / (3 * all_.radiance_error * all_.radiance_error);
 }
 
 }  // namespace srbf

@@ -14,18 +14,19 @@ class Sample {
     explicit Sample(const Observations& observations);
 
     /// Evaluates the candidates at the other observations. Adds those at which they exceed the measurement, and updates
-    /// the loss to which the weight of albedo is relative.
+    /// the loss to which the weight of radiances is relative.
     void look_about(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit);
 
-    /// The increase of the sum if every albedo is off by its luminance in one of three channels.
-    double albedo_importance() const;
+    /// The increase of the sum if every radiance is off by its luminance in one of three channels.
+    double radiance_importance() const;
 
     Rows to_grow_on() const { return Rows(few_.observations); }
     /// `first`: for the many initial candidates.
     Rows to_search(bool first) const {
-        return Rows((first ? few_ : some_).observations, {.albedo_importance = albedo_importance(), .roughly = true});
+        return Rows((first ? few_ : some_).observations,
+                    {.radiance_importance = radiance_importance(), .roughly = true});
     }
-    Rows to_polish() const { return Rows(more_.observations, {.albedo_importance = albedo_importance()}); }
+    Rows to_polish() const { return Rows(more_.observations, {.radiance_importance = radiance_importance()}); }
 
   private:
     struct Part {

@@ -13,7 +13,8 @@ namespace {
 /// such product of neighbouring views, so that a lobe between the samples cannot diverge. The bound is lower beyond
 /// θmax, where no peak is needed.
 constexpr double k_most_peak = 2, k_most_peak_beyond = 1;
-constexpr std::size_t k_peak_views = 24;  ///< number of views on either side that count as neighbouring
+constexpr std::size_t k_peak_views = 24;    ///< number of views on either side that count as neighbouring
+constexpr std::size_t k_typical_views = 8;  ///< every eighth view tells the typical value
 /// Weight of directions between those of the matrix, relative to those of the matrix, per solid angle.
 constexpr double k_between = 0.1;
 
@@ -24,7 +25,8 @@ SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double 
     const std::size_t n = count(), m = matrix.between.size() / n;
     struct OfView {
         Rgb largest;
-        double sum = 0, values = 0;
+        std::vector<Vec3f> wl, wv;  // of some views: pairs within both caps, and their f
+        std::vector<Rgb> f;
     };
     std::vector<OfView> views(n);
     parallel_for(n, [&](std::size_t view) {
@@ -35,12 +37,19 @@ SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double 
             return true;
         };
         for (std::size_t i = 0; i < n; ++i)
-            if (take(direction(i), f(view, i)) && within(direction(view))) of.sum += mean_of(f(view, i)), ++of.values;
+            if (take(direction(i), f(view, i)) && within(direction(view)) && view % k_typical_views == 0) {
+                const auto [wl, wv] = pair(view, direction(i));
+                of.wl.push_back(wl), of.wv.push_back(wv), of.f.push_back(f(view, i));
+            }
         for (std::size_t i = view * m; i < (view + 1) * m; ++i) take(matrix.between[i].direction, matrix.between[i].f);
     });
-    double sum = 0, values = 0;
-    for (const OfView& of : views) sum += of.sum, values += of.values;
-    mean_ = sum / std::max(values, 1.0);
+    OfView some;
+    for (const OfView& of : views) {
+        some.wl.insert(some.wl.end(), of.wl.begin(), of.wl.end());
+        some.wv.insert(some.wv.end(), of.wv.begin(), of.wv.end());
+        some.f.insert(some.f.end(), of.f.begin(), of.f.end());
+    }
+    typical_ = typical_value(objective, some.wl, some.wv, some.f, std::vector<double>(some.f.size(), 1.0));
     largest_.resize(n);
     for (std::size_t view = 0; view < n; ++view)
         for (std::size_t i = view - std::min(view, k_peak_views); i < std::min(n, view + k_peak_views + 1); ++i)
@@ -54,9 +63,8 @@ std::size_t SampledViews::valid(std::size_t view) const {
 }
 
 double SampledViews::weight(std::size_t view, Vec3f other, const Rgb& value) const {
-    double cos_l = double(other.z), cos_v = double(direction(view).z);
-    if (matrix_.discretise == Discretise::light) std::swap(cos_l, cos_v);
-    return traits(objective_).weight(mean_of(value), mean_, cos_l, cos_v);
+    const auto [wl, wv] = pair(view, other);
+    return traits(objective_).weight(mean_of(value), typical_, double(wl.z), double(wv.z));
 }
 
 ViewRows SampledViews::rows(std::size_t view) const {

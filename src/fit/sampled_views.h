@@ -28,12 +28,17 @@ class SampledViews {
         return matrix_.f[by_view ? view * count() + other : other * count() + view];
     }
     bool within(Vec3f w) const { return double(w.z) >= cos_max_; }
+    /// A sampled direction and another one as light and viewer.
+    std::pair<Vec3f, Vec3f> pair(std::size_t view, Vec3f other) const {
+        return matrix_.discretise == Discretise::light ? std::pair(direction(view), other)
+                                                       : std::pair(other, direction(view));
+    }
     double weight(std::size_t view, Vec3f other, const Rgb& f) const;
 
     const RawMatrix& matrix_;
     Objective objective_;
     double cos_max_;
-    double mean_ = 0;  ///< mean f within both caps
+    double typical_ = 0;  ///< see `typical_value`
     /// maximum of f times the other direction's cosine, per channel, within θmax, over neighbouring views
     std::vector<Rgb> largest_;
 };

@@ -1,12 +1,12 @@
-// Perceptual differences between images: level 5.
+// Perceptual differences between images: level 1.
 #pragma once
 #include <vector>
 
-#include "render/image.h"
+#include "srbf/picture.h"
 
 namespace srbf {
 
-// Images are as displayed: 8-bit sRGB. Both have the same size, with at least one pixel.
+// Images are as displayed, unless said otherwise: 8-bit sRGB. Both have the same size, with at least one pixel.
 
 /// Errors of a displayed image against a reference of the same size.
 struct Likeness {
@@ -25,6 +25,9 @@ inline constexpr double k_pixels_per_degree = 3840 * k_degree;
 /// Difference Evaluator for Alternating Images", 2020), for a display with `pixels_per_degree`; the default is a
 /// viewing distance of 0.7 m from a display 0.7 m wide with 3840 pixels.
 std::vector<double> flip_map(const Image8& reference, const Image8& other,
+                             double pixels_per_degree = k_pixels_per_degree);
+/// The same for linear colours in [0,1]³.
+std::vector<double> flip_map(const Image& reference, const Image& other,
                              double pixels_per_degree = k_pixels_per_degree);
 
 /// A map in [0, 1] as colours from black over violet and orange to pale yellow.

@@ -1,4 +1,4 @@
-#include "render/likeness.h"
+#include "srbf/likeness.h"
 
 #include <algorithm>
 #include <cassert>
@@ -104,8 +104,10 @@ double redistributed(double distance) {
     return distance < knee ? 0.95 * distance / knee : 0.95 + 0.05 * (distance - knee) / (largest - knee);
 }
 
+Triplet linear_rgb(const Rgb& colour) { return {double(colour.r), double(colour.g), double(colour.b)}; }
+
 /// The opponent colours Y, Cx, Cz of an image.
-std::array<Plane, 3> opponent(const Image8& image) {
+template <typename Pixel> std::array<Plane, 3> opponent(const Picture<Pixel>& image) {
     const Plane blank(image.width, image.height);
     std::array<Plane, 3> planes{blank, blank, blank};
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
@@ -189,6 +191,23 @@ double mean(const std::vector<double>& map) {
     return total / double(map.size());
 }
 
+template <typename Pixel>
+std::vector<double> flip_of(const Picture<Pixel>& reference, const Picture<Pixel>& other, double pixels_per_degree) {
+    assert(reference.width == other.width && reference.height == other.height);
+    const auto a = opponent(reference), b = opponent(other);
+    const auto seen_a = seen(a, pixels_per_degree), seen_b = seen(b, pixels_per_degree);
+    const Features fa = features_of(a[0], pixels_per_degree), fb = features_of(b[0], pixels_per_degree);
+    std::vector<double> map;
+    for (std::size_t i = 0; i < seen_a.size(); ++i) {
+        const double colour = redistributed(colour_distance(seen_a[i], seen_b[i]));
+        const double difference =
+            std::max(std::abs(fa.edges.x[i] - fb.edges.x[i]), std::abs(fa.points.x[i] - fb.points.x[i]));
+        const double feature = std::sqrt(std::min(difference / std::sqrt(2.0), 1.0));
+        map.push_back(std::pow(colour, 1 - feature));
+    }
+    return map;
+}
+
 }  // namespace
 
 std::vector<double> ssim_map(const Image8& reference, const Image8& other) {
@@ -210,19 +229,10 @@ std::vector<double> ssim_map(const Image8& reference, const Image8& other) {
 }
 
 std::vector<double> flip_map(const Image8& reference, const Image8& other, double pixels_per_degree) {
-    assert(reference.width == other.width && reference.height == other.height);
-    const auto a = opponent(reference), b = opponent(other);
-    const auto seen_a = seen(a, pixels_per_degree), seen_b = seen(b, pixels_per_degree);
-    const Features fa = features_of(a[0], pixels_per_degree), fb = features_of(b[0], pixels_per_degree);
-    std::vector<double> map;
-    for (std::size_t i = 0; i < seen_a.size(); ++i) {
-        const double colour = redistributed(colour_distance(seen_a[i], seen_b[i]));
-        const double difference =
-            std::max(std::abs(fa.edges.x[i] - fb.edges.x[i]), std::abs(fa.points.x[i] - fb.points.x[i]));
-        const double feature = std::sqrt(std::min(difference / std::sqrt(2.0), 1.0));
-        map.push_back(std::pow(colour, 1 - feature));
-    }
-    return map;
+    return flip_of(reference, other, pixels_per_degree);
+}
+std::vector<double> flip_map(const Image& reference, const Image& other, double pixels_per_degree) {
+    return flip_of(reference, other, pixels_per_degree);
 }
 
 Likeness likeness(const Image8& reference, const Image8& other) {

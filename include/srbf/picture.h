@@ -1,0 +1,29 @@
+// Images in memory: level 0.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "srbf/vec.h"
+
+namespace srbf {
+
+/// Pixels in rows, row 0 at the top.
+template <typename Pixel> struct Picture {
+    int width = 0, height = 0;
+    std::vector<Pixel> pixels;  ///< height × width
+    Picture() = default;
+    Picture(int w, int h, Pixel fill = {}) : width(w), height(h), pixels(std::size_t(w) * std::size_t(h), fill) {}
+    Pixel& at(int x, int y) { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
+    const Pixel& at(int x, int y) const { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
+    friend bool operator==(const Picture&, const Picture&) = default;
+};
+
+/// Linear radiance; NaN where there is no measurement.
+using Image = Picture<Rgb>;
+/// Display colours: sRGB, 8 bits per channel.
+using Rgb8 = std::array<std::uint8_t, 3>;
+using Image8 = Picture<Rgb8>;
+
+}  // namespace srbf

@@ -1,0 +1,81 @@
+// Pictures of a sphere, and how different two of them look: level 2.
+#pragma once
+#include <array>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "srbf/brdf.h"
+#include "srbf/picture.h"
+#include "srbf/progress.h"
+
+namespace srbf {
+
+/// Light on a sphere by formula: a sky above a ground, both distant, and sources. World axes: +x to the right, +y up, +z
+/// to the viewer.
+struct Lighting {
+    /// A disc of uniform radiance with a soft edge, or, with radius 0, a direction.
+    struct Source {
+        Vec3d direction;  ///< to the source, unit
+        double radius;    ///< as seen from the sphere [degrees], below 90
+        Rgb power;        ///< radiance; of a direction its irradiance, π for the radiance 1 from a white surface
+    };
+    std::string_view name;
+    Rgb zenith, horizon, ground;  ///< radiance; between them it changes smoothly with height
+    std::vector<Source> sources;
+};
+/// The radiance from direction w, without sources of radius 0.
+Rgb radiance(const Lighting& lighting, Vec3d w);
+
+/// Eight lightings of which none is used by a fit: `overcast`, `window`, `sunset`, `studio`; and each by one distant
+/// light `flash` beside the viewer, `lamp`, `side`, and `back` behind the sphere.
+std::span<const Lighting> standard_lightings();
+
+inline constexpr int k_sphere_pixels = 64;
+/// The radiance of a sphere seen from far away by direct light alone, at the centres of `size` × `size` pixels of which
+/// it touches the border; 0 outside of it. The same directions for every BRDF: points of `MirrorMixture` and points on
+/// the sources, weighted by their common density (balance heuristic of Veach 1997), without random numbers. Pairs at
+/// which one of the BRDFs is not measured count as black for all of them: [lighting][BRDF].
+std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs, std::span<const Lighting> lightings,
+                                                int size = k_sphere_pixels, int threads = 0,
+                                                const ProgressToken& progress = {});
+/// Whether pixel (x, y) of such a picture shows the sphere.
+bool shows_sphere(int size, int x, int y);
+
+/// Differences between pictures of a sphere as a display shows them: exposed so that the 90th percentile of the
+/// reference's lit pixels, by their largest channel, is 3/4 of white; clipped at white. Means over the sphere's pixels.
+struct PictureErrors {
+    double delta_e = 0;  ///< ΔE_ITP (ITU-R BT.2124) for a display of 100 cd/m²; 1 is just noticeable
+    double flip = 0;     ///< ꟻLIP, 0 to 1; see `flip_map`
+    double psnr = 0;     ///< of the sRGB encoded picture [dB], at most 100
+    double rms = 0;      ///< √(Σ(L−L̂)² / ΣL²) of linear radiance, before exposure
+};
+PictureErrors picture_errors(const Image& reference, const Image& other);
+
+/// Names of a picture's error in output.
+struct PictureErrorName {
+    const char* name;   ///< in JSON
+    const char* title;  ///< in tables
+    double PictureErrors::*member;
+};
+inline constexpr std::array<PictureErrorName, 4> k_picture_errors{{
+    {"delta_e_itp", "ΔE_ITP", &PictureErrors::delta_e},
+    {"flip", "ꟻLIP", &PictureErrors::flip},
+    {"psnr", "PSNR, dB", &PictureErrors::psnr},
+    {"rms", "RMS of radiance", &PictureErrors::rms},
+}};
+
+/// The errors under `standard_lightings`.
+struct Appearance {
+    PictureErrors mean;
+    double worst_delta_e = 0;
+    std::vector<PictureErrors> lighting;  ///< of each
+};
+std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads = 0,
+                                         const ProgressToken& progress = {});
+
+/// ΔE_ITP of two linear sRGB colours in [0,1]³, displayed with white at 100 cd/m²: 720 times the distance of (I, C_T/2,
+/// C_P) of ITU-R BT.2100.
+double delta_e_itp(const Rgb& a, const Rgb& b);
+
+}  // namespace srbf

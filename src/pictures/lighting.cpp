@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <cmath>
+
+#include "srbf/pictures.h"
+
+namespace srbf {
+namespace {
+
+/// 0 up to a, 1 from b on, smooth between.
+double smooth_step(double a, double b, double x) {
+    x = std::clamp((x - a) / (b - a), 0.0, 1.0);
+    return x * x * (3 - 2 * x);
+}
+Rgb mixed(const Rgb& a, const Rgb& b, double share_of_b) {
+    Rgb c;
+    for (int i = 0; i < 3; ++i) c[i] = std::lerp(a[i], b[i], float(share_of_b));
+    return c;
+}
+
+constexpr double k_horizon = 0.1;    ///< height between sky and ground
+constexpr double k_soft_edge = 0.1;  ///< of a source, relative to the cosine's range over it
+
+}  // namespace
+
+Rgb radiance(const Lighting& lighting, Vec3d w) {
+    const Rgb sky = mixed(lighting.horizon, lighting.zenith, smooth_step(0, 1, w.y));
+    Rgb sum = mixed(lighting.ground, sky, smooth_step(-k_horizon, k_horizon, w.y));
+    for (const Lighting::Source& source : lighting.sources) {
+        if (source.radius == 0) continue;
+        const double cosine = dot(w, source.direction), edge = std::cos(source.radius * k_degree);
+        if (cosine <= edge) continue;
+        const double share = smooth_step(edge, edge + k_soft_edge * (1 - edge), cosine);
+        for (int c = 0; c < 3; ++c) sum[c] += float(share) * source.power[c];
+    }
+    return sum;
+}
+
+std::span<const Lighting> standard_lightings() {
+    static const std::vector<Lighting> all = [] {
+        const auto towards = [](double x, double y, double z) { return normalize(Vec3d{x, y, z}); };
+        const auto light = [&](std::string_view name, Vec3d direction) {
+            constexpr auto pi = float(k_pi);
+            return Lighting{name, {}, {}, {}, {{direction, 0, {pi, pi, pi}}}};
+        };
+        constexpr Rgb dark{0.03f, 0.03f, 0.03f};
+        return std::vector<Lighting>{
+            {"overcast", {1, 1.05f, 1.1f}, {0.7f, 0.75f, 0.8f}, {0.25f, 0.23f, 0.2f}, {}},
+            {"window",
+             {0.1f, 0.09f, 0.08f},
+             {0.06f, 0.06f, 0.06f},
+             {0.05f, 0.04f, 0.03f},
+             {{towards(-0.8, 0.35, 0.45), 22, {9, 9.5f, 10}}, {towards(0.6, 0.5, -0.2), 4, {12, 9, 6}}}},
+            {"sunset",
+             {0.25f, 0.35f, 0.6f},
+             {0.9f, 0.5f, 0.3f},
+             {0.12f, 0.1f, 0.08f},
+             {{towards(0.75, 0.18, 0.4), 2.5, {180, 110, 60}}}},
+            {"studio",
+             dark,
+             dark,
+             dark,
+             {{towards(-0.5, 0.7, 0.5), 14, {20, 20, 20}},
+              {towards(0.85, 0.1, 0.5), 18, {5, 5, 5}},
+              {towards(0.3, 0.4, -0.85), 10, {25, 25, 25}}}},
+            light("flash", towards(0, 0.1, 1)),
+            light("lamp", towards(-0.35, 0.45, 0.82)),
+            light("side", towards(0.9, 0.25, 0.35)),
+            light("back", towards(-0.55, 0.35, -0.75)),
+        };
+    }();
+    return all;
+}
+
+}  // namespace srbf

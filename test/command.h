@@ -17,7 +17,7 @@ using Arguments = std::vector<std::string>;
 
 inline const std::string k_paper = bundled_data() / "paper_white_rgb.bsdf";
 inline const Arguments k_measure_names{"squared_error_ratio", "squared_error_ratio_cosine", "log_rms_cosine",
-                                       "cube_root_error_ratio"};
+                                       "sixth_root_error_ratio", "cube_root_error_ratio"};
 
 inline Arguments operator+(Arguments a, const Arguments& b) {
     a.insert(a.end(), b.begin(), b.end());

@@ -78,7 +78,7 @@ TEST(Sample, TakesInWhereCandidatesExceedTheMeasurement) {
         sample.look_about({{0, {shape_of(options), {0}, {p.x, p.y, p.z}}, 1, 0}}, options, 300);
         return sample.to_grow_on().wl[0].size();
     };
-    EXPECT_EQ(look_at({0, 0, 0}), before);                   // the constant
+    EXPECT_EQ(look_at({0, 0, 0}), before);                     // the constant
     EXPECT_TRUE(near(sample.radiance_importance(), 0, 1e-6));  // which leaves no loss
     // A lobe of a quarter of a degree, as large as the constant where it is seen first, a degree from its centre.
     EXPECT_GT(look_at(60000.0 * spherical(0.7, 1.3)), before);

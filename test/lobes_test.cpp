@@ -96,7 +96,8 @@ TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
     observe_spectra(o, five);
     const Rows spectral(o, {.spectra = true}), with_radiances(o, {.radiance_importance = 0.01, .spectra = true});
     EXPECT_EQ(spectral.y.size(), 5u);
-    LobeProblem problem(spectral, {PmForm::gaussian, 3}, false), and_radiances(with_radiances, {PmForm::gaussian, 3}, false);
+    LobeProblem problem(spectral, {PmForm::gaussian, 3}, false),
+        and_radiances(with_radiances, {PmForm::gaussian, 3}, false);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     check_gradient(problem, x);
     check_gradient(and_radiances, x);

@@ -171,7 +171,8 @@ TEST(Session, KeysDoWhatTheySay) {
     ASSERT_TRUE(session.open(k_film));
     const FitChoice choice = session.choice();
     press("J", look, session), press("Shift+N", look, session), press("O", look, session), press("K", look, session);
-    EXPECT_EQ(session.choice(), (FitChoice{PmForm::gaussian, choice.lobes + 1, choice.variates - 1, Objective::log}));
+    EXPECT_EQ(session.choice(),
+              (FitChoice{PmForm::gaussian, choice.lobes + 1, choice.variates - 1, objectives().front()}));
     press("Escape", look, session);
     EXPECT_EQ(session.stage(), Stage::idle);
 }

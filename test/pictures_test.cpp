@@ -1,0 +1,145 @@
+// Pictures of a sphere and their differences.
+#include "srbf/pictures.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "properties.h"
+#include "srbf/metrics.h"
+
+namespace srbf {
+namespace {
+
+Evaluate lambert(const Rgb& f) {
+    return [f](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> values) { std::ranges::fill(values, f); };
+}
+/// A highlight of this bandwidth about the mirror direction on a dark body.
+Evaluate glossy(double bandwidth) {
+    return [bandwidth](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            const double lobe = std::exp(bandwidth * (double(dot(wl[i], mirror(wv[i]))) - 1));
+            f[i] = {float(0.02 + lobe), float(0.03 + lobe), float(0.05 + lobe)};
+        }
+    };
+}
+
+constexpr float k_white = 1 / float(k_pi);
+const Lighting k_uniform{"uniform", {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {}};
+
+TEST(Pictures, UniformLightShowsTheAlbedo) {
+    // In uniform light a pixel is the directional albedo at its angle.
+    for (const auto& [brdf, tolerance] :
+         {std::pair(lambert({k_white, k_white / 2, 0}), 0.025), {glossy(30), 0.02}, {glossy(3000), 0.05}}) {
+        const Evaluate brdfs[] = {brdf};
+        const Image image = sphere_pictures(brdfs, {&k_uniform, 1})[0][0];
+        for (const int x : {32, 44, 56, 61}) {
+            const double across = (2 * x + 1 - 64) / 64.0, theta = std::asin(std::hypot(across, 1 / 64.0));
+            const Rgb expected = albedo(brdf, theta, k_pi / 2);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_TRUE(near(double(image.at(x, 32)[c]), double(expected[c]), tolerance))
+                    << x << ' ' << c << ' ' << image.at(x, 32)[c] << ' ' << expected[c];
+        }
+        EXPECT_EQ(image.at(0, 0), Rgb());
+        EXPECT_FALSE(shows_sphere(64, 0, 0));
+    }
+}
+
+TEST(Pictures, ADistantLightShowsTheBrdfItself) {
+    const Vec3d l = normalize(Vec3d{-0.5, 0.5, 0.7});
+    const Lighting light{"light", {}, {}, {}, {{l, 0, {2, 2, 2}}}};
+    const Evaluate brdfs[] = {lambert({0.25f, 0.5f, 1})};
+    const Image image = sphere_pictures(brdfs, {&light, 1})[0][0];
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 64; ++x) {
+            const double nx = (2 * x + 1 - 64) / 64.0, ny = (63 - 2 * y) / 64.0, nz2 = 1 - nx * nx - ny * ny;
+            const double cosine = nz2 > 0 ? std::max(0.0, dot(l, Vec3d{nx, ny, std::sqrt(nz2)})) : 0;
+            ASSERT_TRUE(near(double(image.at(x, y).r), 0.5 * cosine, 1e-5));
+            ASSERT_TRUE(near(double(image.at(x, y).b), 2 * cosine, 1e-5));
+        }
+}
+
+TEST(Pictures, ASmallSourceShowsTheSameAsADistantLightOfItsPower) {
+    const Vec3d d = normalize(Vec3d{0.3, 0.5, 0.8});
+    const double radius = 2;
+    // The mean over a disc with a soft edge, by quadrature.
+    const Lighting unit{"disc", {}, {}, {}, {{d, radius, {1, 1, 1}}}};
+    double power = 0;
+    const double cap = 2 * k_pi * (1 - std::cos(radius * k_degree));
+    for (int i = 0; i < 4000; ++i) {
+        const double z = 1 - (i + 0.5) / 4000 * (1 - std::cos(radius * k_degree));
+        const Vec3d across = normalize(cross(d, Vec3d{0, 1, 0}));
+        power += double(radiance(unit, z * d + std::sqrt(1 - z * z) * across).r) * cap / 4000;
+    }
+    const auto e = float(power);
+    const Lighting lights[] = {unit, {"light", {}, {}, {}, {{d, 0, {e, e, e}}}}};
+    const Evaluate brdfs[] = {glossy(20)};
+    const auto images = sphere_pictures(brdfs, lights);
+    // By mean over the sphere: points of the mixture seldom meet so small a source, and then count little.
+    double of_disc = 0, of_light = 0;
+    for (std::size_t i = 0; i < images[0][0].pixels.size(); ++i)
+        of_disc += double(images[0][0].pixels[i].g), of_light += double(images[1][0].pixels[i].g);
+    EXPECT_TRUE(near(of_disc, of_light, 0.02 * of_light));
+}
+
+TEST(Pictures, DoNotDependOnThreads) {
+    const Evaluate brdfs[] = {glossy(100), lambert({0.1f, 0.2f, 0.3f})};
+    EXPECT_EQ(sphere_pictures(brdfs, standard_lightings(), 32, 1), sphere_pictures(brdfs, standard_lightings(), 32, 4));
+}
+
+TEST(Pictures, WhatIsNotMeasuredIsBlackInBoth) {
+    const Evaluate holey = [](std::span<const Vec3f> wl, std::span<const Vec3f>, std::span<Rgb> f) {
+        const float nan = std::numeric_limits<float>::quiet_NaN();
+        for (std::size_t i = 0; i < f.size(); ++i) f[i] = wl[i].z < 0.5f ? Rgb{nan, nan, nan} : Rgb{1, 1, 1};
+    };
+    const Evaluate others[] = {lambert({1, 1, 1})};
+    const Appearance same = compare_pictures(holey, others)[0];
+    EXPECT_LE(same.mean.delta_e, 1e-3);
+    EXPECT_LE(same.mean.rms, 1e-6);
+}
+
+TEST(Pictures, ErrorsOfABrdfWithItselfAndWithOthers) {
+    const Evaluate others[] = {glossy(40), glossy(44), glossy(60), lambert({0.3f, 0.3f, 0.3f})};
+    const auto all = compare_pictures(glossy(40), others);
+    EXPECT_EQ(all[0].mean.delta_e, 0);
+    EXPECT_EQ(all[0].mean.flip, 0);
+    EXPECT_EQ(all[0].mean.rms, 0);
+    EXPECT_EQ(all[0].mean.psnr, 100);
+    for (std::size_t k = 1; k < all.size(); ++k) {
+        EXPECT_GT(all[k].mean.delta_e, all[k - 1].mean.delta_e);
+        EXPECT_GT(all[k].mean.flip, all[k - 1].mean.flip);
+        EXPECT_GT(all[k].mean.rms, all[k - 1].mean.rms);
+        EXPECT_LT(all[k].mean.psnr, all[k - 1].mean.psnr);
+        EXPECT_GE(all[k].worst_delta_e, all[k].mean.delta_e);
+        EXPECT_EQ(all[k].lighting.size(), standard_lightings().size());
+    }
+}
+
+TEST(Pictures, OnlyBrightnessRelativeToTheReferenceMatters) {
+    const auto scaled = [](double by) {
+        return Evaluate([by](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+            glossy(40)(wl, wv, f);
+            for (Rgb& c : f) c = {float(by) * c.r, float(by) * c.g, float(by) * c.b};
+        });
+    };
+    const Evaluate one[] = {scaled(1.1)}, hundred[] = {scaled(110)};
+    const Appearance a = compare_pictures(scaled(1), one)[0], b = compare_pictures(scaled(100), hundred)[0];
+    EXPECT_TRUE(near(a.mean.delta_e, b.mean.delta_e, 1e-3));
+    EXPECT_TRUE(near(a.mean.rms, 0.1, 1e-5));
+    EXPECT_TRUE(near(b.mean.rms, 0.1, 1e-5));
+    // A tenth more light is seen, and not much: a few just noticeable differences.
+    EXPECT_GT(a.mean.delta_e, 1);
+    EXPECT_LT(a.mean.delta_e, 10);
+}
+
+TEST(DeltaEItp, OfKnownColours) {
+    // White of 100 cd/m² has I = 0.508 on the perceptual quantiser's scale, black 7e-7; grey is neither red nor blue.
+    EXPECT_TRUE(near(delta_e_itp({1, 1, 1}, {0, 0, 0}), 720 * 0.50808, 0.1));
+    EXPECT_EQ(delta_e_itp({0.2f, 0.3f, 0.4f}, {0.2f, 0.3f, 0.4f}), 0);
+    EXPECT_TRUE(
+        near(delta_e_itp({0.2f, 0.3f, 0.4f}, {0.5f, 0.1f, 0}), delta_e_itp({0.5f, 0.1f, 0}, {0.2f, 0.3f, 0.4f}), 1e-9));
+    // Hue counts: the same luminance in red and in green is far apart.
+    EXPECT_GT(delta_e_itp({0.5f, 0, 0}, {0, 0.1486f, 0}), 100);
+}
+
+}  // namespace
+}  // namespace srbf

@@ -28,8 +28,8 @@ struct FitCommand {
     int variates = PmRequest{}.variates, threads = 0;
     int directions = SuRequest{}.directions, between = SuRequest{}.between, neighbours = SuRequest{}.neighbours;
     std::uint64_t seed = 0;
-    double target_error = 0;  // 0: none
-    std::size_t budget = 0;   // 0: none
+    double target_error = 0, target_delta_e = 0;  // 0: none
+    std::size_t budget = 0;                       // 0: none
 
     PmRequest pm() const {
         PmRequest pm;
@@ -42,6 +42,7 @@ struct FitCommand {
         if (lobes_auto) pm.size = AutomaticLobes{};
         if (budget > 0) pm.size = ByteBudget{budget};
         if (target_error > 0) pm.size = TargetError{target_error};
+        if (target_delta_e > 0) pm.size = TargetDeltaE{target_delta_e};
         return pm;
     }
     SuRequest su() const {
@@ -248,6 +249,12 @@ void add_fit(CommandLine& app, int& status) {
                        "by the objective's own measure, as a ratio: 0.005 is half a per cent")
             .type_name("E")
             .check(within(1e-6, 1.0));
+    const Option target_delta_e =
+        sub.add_option("--target-delta-e", command->target_delta_e,
+                       "pm: the smallest model of all forms and sizes that looks the same: mean Delta E (ITP)\n"
+                       "of pictures of a sphere, where 1 is just noticeable")
+            .type_name("E")
+            .check(within(0.01, k_most_delta_e));
     const Option budget = sub.add_option("--budget", command->budget,
                                          "pm: the best model of all forms and sizes with at most this many bytes")
                               .type_name("BYTES")
@@ -270,8 +277,8 @@ void add_fit(CommandLine& app, int& status) {
         "Examples:\n  srbf fit paper_white_rgb.bsdf\n"
         "  srbf fit nickel.binary --lobes 6 --variates 3 --objective raw --preview nickel.png --json -\n"
         "  srbf fit paper_white_rgb.bsdf --model su --lobes 5 --with-index cube\n"
-        "  srbf fit paper_white_rgb.bsdf --budget 160\n  srbf fit krylon_blue.brdf --objective cube-root");
-    const std::vector<Option> of_pm{form, variates, axial, reciprocal, no_scale, target_error, budget},
+        "  srbf fit paper_white_rgb.bsdf --target-delta-e 2\n  srbf fit krylon_blue.brdf --objective cube-root");
+    const std::vector<Option> of_pm{form, variates, axial, reciprocal, no_scale, target_error, target_delta_e, budget},
         of_su{discretise, directions, interpolation, neighbours, between, with_index};
     sub.callback([=, &status] {
         for (const auto& [kind, options] : {std::pair("pm", &of_pm), {"su", &of_su}})
@@ -279,12 +286,15 @@ void add_fit(CommandLine& app, int& status) {
                 if (option.given() && command->model != kind) option.fail(fmt::format("only with --model {}", kind));
         if (command->no_scale && form_named(command->form) != PmForm::gaussian)
             no_scale.fail("only with --form gaussian; other forms always store log scales");
-        if (target_error.given() && budget.given()) budget.fail("not together with --target-error");
+        const std::vector<Option> goals{target_error, target_delta_e, budget};
+        for (std::size_t k = 0; k < goals.size(); ++k)
+            for (std::size_t i = 0; i < k; ++i)
+                if (goals[i].given() && goals[k].given()) goals[k].fail("not together with another goal of the size");
         const bool spectral = command->channels == "spectral";
         if (spectral && command->model != "pm") channels.fail("spectral only with --model pm");
-        for (const Option& option : {target_error, budget})
+        for (const Option& option : goals)
             if (option.given() && spectral) option.fail("only with --channels rgb");
-        for (const Option& option : {target_error, budget})
+        for (const Option& option : goals)
             if (option.given() && lobes.given() && !command->lobes_auto)
                 option.fail("chooses the number of lobes; not together with --lobes");
         if (command->lobes_auto && command->model != "pm") lobes.fail("auto only with --model pm");

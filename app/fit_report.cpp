@@ -49,12 +49,27 @@ std::string words(const GgxModel& model) {
     return fmt::format("ggx, {} and Lambert", model.lobes.size() == 1 ? "one lobe" : "two lobes");
 }
 
+/// The reason for the size of a multivariate model.
+struct SizeWish {
+    std::optional<std::size_t> bytes;
+    std::optional<double> error, delta_e;
+};
+SizeWish chosen_by(const FitRequest& request) {
+    const auto* pm = std::get_if<PmRequest>(&request.model);
+    const auto* goal = pm && pm->size ? std::get_if<SizeGoal>(&*pm->size) : nullptr;
+    if (!goal) return {};
+    if (const auto* budget = std::get_if<ByteBudget>(goal)) return {budget->bytes, {}, {}};
+    if (const auto* seen = std::get_if<TargetDeltaE>(goal)) return {{}, {}, seen->delta_e};
+    return {{}, std::get<TargetError>(*goal).error, {}};
+}
+
 /// The models that were tried: the best of each size; of short fits only those whose error is smaller than that of all
 /// smaller models.
 void print_path(const FitRequest& request, const FitOutcome& outcome) {
     if (outcome.path.empty()) return;
-    const bool is_ratio = measure_named_for(request.objective).is_ratio;
-    fmt::print("\n  {:>9}  {:>10}   {}\n", "bytes", is_ratio ? "error, %" : "error", "tried");
+    const bool is_delta_e = chosen_by(request).delta_e.has_value();
+    const bool is_ratio = !is_delta_e && measure_named_for(request.objective).is_ratio;
+    fmt::print("\n  {:>9}  {:>10}   {}\n", "bytes", is_delta_e ? "Delta E" : is_ratio ? "error, %" : "error", "tried");
     double least = std::numeric_limits<double>::infinity();
     for (const Step& step : outcome.path) {
         if (!step.whole && step.error >= least) continue;
@@ -63,19 +78,6 @@ void print_path(const FitRequest& request, const FitOutcome& outcome) {
                    is_ratio ? 100 * step.error : step.error, name(step.form), step.lobes, step.variates,
                    step.axial ? "axial" : "general", step.whole ? "" : ", short fit");
     }
-}
-
-/// The reason for the size of a multivariate model.
-struct SizeWish {
-    std::optional<std::size_t> bytes;
-    std::optional<double> error;
-};
-SizeWish chosen_by(const FitRequest& request) {
-    const auto* pm = std::get_if<PmRequest>(&request.model);
-    const auto* goal = pm && pm->size ? std::get_if<SizeGoal>(&*pm->size) : nullptr;
-    if (!goal) return {};
-    if (const auto* budget = std::get_if<ByteBudget>(goal)) return {budget->bytes, {}};
-    return {{}, std::get<TargetError>(*goal).error};
 }
 
 /// An angle [rad] in degrees, rounded to what was given.
@@ -121,7 +123,8 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     const SizeWish chosen = chosen_by(request);
     if (chosen.error) json["target_error"] = *chosen.error;
     if (chosen.bytes) json["budget"] = *chosen.bytes;
-    if (chosen.error || chosen.bytes) json["reached"] = outcome.reached;
+    if (chosen.delta_e) json["target_delta_e"] = *chosen.delta_e;
+    if (chosen.error || chosen.bytes || chosen.delta_e) json["reached"] = outcome.reached;
     for (const Step& step : outcome.path)
         json["path"].push_back({{"bytes", step.bytes},
                                 {"error", step.error},
@@ -161,8 +164,9 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     if (!outcome.reached) {
         const SizeWish chosen = chosen_by(request);
         fmt::print("  Not reached: {}; this is the best model found.\n",
-                   chosen.bytes ? fmt::format("{} bytes", *chosen.bytes)
-                                : fmt::format("an error of {:g}", chosen.error.value_or(0)));
+                   chosen.bytes     ? fmt::format("{} bytes", *chosen.bytes)
+                   : chosen.delta_e ? fmt::format("a Delta E of {:g}", *chosen.delta_e)
+                                    : fmt::format("an error of {:g}", chosen.error.value_or(0)));
     }
     fmt::print("\n  model     {}\n", fit.output);
     if (!fit.preview.empty()) fmt::print("  picture   {}\n", fit.preview);

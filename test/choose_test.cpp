@@ -80,7 +80,7 @@ TEST_F(Choose, ThePathIsInOrderAndEachModelStandsOnce) {
 
 TEST_F(Choose, ACancelledSearchIsAnErrorOrWhatItHad) {
     const auto judge = [&](const PmModel& model, bool) { return error(model); };
-    for (const SizeGoal& goal : {SizeGoal{ByteBudget{40}}, SizeGoal{TargetError{1e-3}}})
+    for (const SizeGoal& goal : {SizeGoal{ByteBudget{40}}, SizeGoal{TargetError{1e-3}}, SizeGoal{TargetDeltaE{1}}})
         for (const int calls : {0, 1, 2}) {
             int called = 0;
             const auto chosen =

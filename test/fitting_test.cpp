@@ -242,6 +242,24 @@ TEST(Progress, PartsAreOfTheWhole) {
 
 // ---- Errors ----
 
+TEST(Fitting, AsSmallAsLooksTheSame) {
+    const Measured paper = bundled("paper_white_rgb");
+    std::size_t bytes = 0;
+    for (const double delta_e : {6.0, 4.0}) {
+        const auto outcome = fit(paper, pm(TargetDeltaE{delta_e}));
+        ASSERT_TRUE(outcome) << message(outcome.error());
+        EXPECT_TRUE(outcome->reached);
+        EXPECT_LE(outcome->errors->appearance.mean.delta_e, delta_e);
+        EXPECT_GT(payload_bytes(outcome->model), bytes);
+        bytes = payload_bytes(outcome->model);
+    }
+    EXPECT_LT(bytes, 208u);
+    // Between samples there is no picture to compare with.
+    const auto of_samples = fit(samples(), pm(TargetDeltaE{2}));
+    ASSERT_FALSE(of_samples);
+    EXPECT_EQ(of_samples.error().code, ErrorCode::argument);
+}
+
 TEST(Fitting, RefusesWhatItCannotFit) {
     const Measured table = bundled("paper_white_rgb");
     const auto code = [&](FitRequest request) {
@@ -253,6 +271,7 @@ TEST(Fitting, RefusesWhatItCannotFit) {
     EXPECT_EQ(code(spectral), "argument");
     EXPECT_EQ(code(pm(ByteBudget{4})), "argument");
     EXPECT_EQ(code(pm(TargetError{0})), "argument");
+    EXPECT_EQ(code(pm(TargetDeltaE{0})), "argument");
     EXPECT_EQ(code(pm(LobeCount{65})), "argument");
     EXPECT_EQ(code(su(1)), "argument");
     FitRequest steep = ggx();

@@ -95,6 +95,15 @@ void Readings::draw_measures(const Session& session) const {
         ImGui::Text("albedo error");
         ImGui::TableNextColumn();
         ImGui::Text("%s", fitted->errors ? percent(fitted->errors->albedo_error).c_str() : "...");
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        ImGui::Text("pictures: Delta E, worst");
+        for (const bool worst : {false, true}) {
+            const Appearance* seen = fitted->errors ? &fitted->errors->appearance : nullptr;
+            ImGui::TableNextColumn();
+            ImGui::Text("%s",
+                        seen ? fmt::format("{:.3g}", worst ? seen->worst_delta_e : seen->mean.delta_e).c_str() : "...");
+        }
         ImGui::EndTable();
     }
     ImGui::TextColored(k_dim, "Yellow: what the objective follows.");

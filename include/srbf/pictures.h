@@ -72,7 +72,7 @@ struct Appearance {
     std::vector<PictureErrors> lighting;  ///< of each
 };
 std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads = 0,
-                                         const ProgressToken& progress = {});
+                                         const ProgressToken& progress = {}, int size = k_sphere_pixels);
 
 /// ΔE_ITP of two linear sRGB colours in [0,1]³, displayed with white at 100 cd/m²: 720 times the distance of (I, C_T/2,
 /// C_P) of ITU-R BT.2100.

@@ -264,7 +264,9 @@ Result<Chosen> choose_pm(const Observations& observations, const FitOptions& opt
     Search search(observations, options, judge, progress);
     Chosen chosen;
     const auto* budget = std::get_if<ByteBudget>(&goal);
-    const double error = budget ? 1 : std::get<TargetError>(goal).error;
+    const auto* target = std::get_if<TargetError>(&goal);
+    const auto* seen = std::get_if<TargetDeltaE>(&goal);
+    const double error = target ? target->error : seen ? seen->delta_e : 1;
     if (budget && budget->bytes > k_most_chosen_bytes)
         return Error{"fit",
                      {},
@@ -272,8 +274,13 @@ Result<Chosen> choose_pm(const Observations& observations, const FitOptions& opt
                      fmt::format("12 to {} bytes", k_most_chosen_bytes),
                      fmt::format("{}", budget->bytes),
                      ErrorCode::argument};
-    if (!(error > 0 && error <= 1))
-        return Error{"fit", {}, "target error", "above 0, at most 1", fmt::format("{}", error), ErrorCode::argument};
+    if (!(error > 0 && error <= (seen ? k_most_delta_e : 1)))
+        return Error{"fit",
+                     {},
+                     seen ? "target delta E" : "target error",
+                     fmt::format("above 0, at most {}", seen ? k_most_delta_e : 1),
+                     fmt::format("{}", error),
+                     ErrorCode::argument};
     auto found =
         budget ? within_bytes(search, options, budget->bytes) : within_error(search, options, error, chosen.reached);
     if (!found) return found.error();

@@ -20,6 +20,7 @@ namespace {
 
 /// Number of held-out pairs for short comparisons in a choice.
 constexpr std::uint64_t k_pairs_in_short = 20000;
+constexpr int k_pixels_in_short = 16;
 
 /// Drafts use the first observations.
 struct Draft {
@@ -35,7 +36,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Result<Done> validate(const FitRequest& request, bool has_spectra) {
+Result<Done> validate(const FitRequest& request, bool has_spectra, bool is_samples) {
     const auto refused = [](const char* what, const char* expected, std::string found) {
         return Error{"fit", {}, what, expected, std::move(found), ErrorCode::argument};
     };
@@ -45,6 +46,8 @@ Result<Done> validate(const FitRequest& request, bool has_spectra) {
     if (request.spectral && !pm) return refused("spectral channels", "a multivariate model", "another");
     if (pm && request.spectral && goal_of(*pm))
         return refused("spectral channels", "a number of lobes", "a budget or a target error");
+    if (pm && is_samples && is_delta_e(goal_of(*pm)))
+        return refused("target delta E", "a measured table", "scattered samples");
     return Done{};
 }
 
@@ -105,14 +108,14 @@ class Fitter::Work {
 
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress) {
         const auto start = std::chrono::steady_clock::now();
-        if (const auto valid = validate(request, has_spectra()); !valid) return valid.error();
+        if (const auto valid = validate(request, has_spectra(), samples() != nullptr); !valid) return valid.error();
         auto outcome = samples() ? fit_to(*samples(), request, progress) : fit_table(request, progress);
         return finished(std::move(outcome), request, start, progress);
     }
 
     Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress) {
         const auto start = std::chrono::steady_clock::now();
-        if (const auto valid = validate(request, has_spectra()); !valid) return valid.error();
+        if (const auto valid = validate(request, has_spectra(), samples() != nullptr); !valid) return valid.error();
         if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
             return Error{"fit", {}, "draft", "one of a multivariate model", "another", ErrorCode::argument};
         return finished(drafted(request, draft, progress), request, start, progress);
@@ -298,8 +301,13 @@ class Fitter::Work {
         return outcome;
     }
 
-    /// The held-out error by the objective's own measure.
+    /// The held-out error by the objective's own measure, or the mean ΔE_ITP if that is the goal.
     double error_of_model(const PmModel& model, const FitRequest& request, bool in_short) const {
+        if (is_delta_e(goal_of(std::get<PmRequest>(request.model)))) {
+            const Evaluate others[] = {evaluator(model)};
+            const int size = in_short ? k_pixels_in_short : k_sphere_pixels;
+            return compare_pictures(clamped_, others, request.threads, {}, size)[0].mean.delta_e;
+        }
         const Channels others[] = {request.spectral ? spectra(model) : rgb_channels(evaluator(model))};
         const Measures measures = measure_heldout(channels_of(request), others, {request.theta(), request.threads},
                                                   in_short ? k_pairs_in_short : k_heldout_pairs)[0];

@@ -18,6 +18,10 @@ inline std::optional<SizeGoal> goal_of(const PmRequest& pm) {
     return goal ? std::optional(*goal) : std::nullopt;
 }
 
+inline bool is_delta_e(const std::optional<SizeGoal>& goal) {
+    return goal && std::holds_alternative<TargetDeltaE>(*goal);
+}
+
 /// The requested number of lobes; none: it is chosen by the fit.
 inline std::optional<int> lobes_of(const PmRequest& pm) {
     const auto* count = pm.size ? std::get_if<LobeCount>(&*pm.size) : nullptr;

@@ -50,6 +50,7 @@ SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double 
         some.f.insert(some.f.end(), of.f.begin(), of.f.end());
     }
     typical_ = typical_value(objective, some.wl, some.wv, some.f, std::vector<double>(some.f.size(), 1.0));
+    if (!(typical_ > 0)) typical_ = 1;  // black in those views
     largest_.resize(n);
     for (std::size_t view = 0; view < n; ++view)
         for (std::size_t i = view - std::min(view, k_peak_views); i < std::min(n, view + k_peak_views + 1); ++i)

@@ -101,10 +101,10 @@ PictureErrors picture_errors(const Image& reference, const Image& other) {
 }
 
 std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads,
-                                         const ProgressToken& progress) {
+                                         const ProgressToken& progress, int size) {
     std::vector<Evaluate> brdfs{reference};
     brdfs.insert(brdfs.end(), others.begin(), others.end());
-    const auto images = sphere_pictures(brdfs, standard_lightings(), k_sphere_pixels, threads, progress);
+    const auto images = sphere_pictures(brdfs, standard_lightings(), size, threads, progress);
     std::vector<Appearance> all(others.size());
     for (Appearance& of : all) of.lighting.resize(images.size());
     parallel_for(images.size() * others.size(), threads, [&](std::size_t i) {

@@ -121,6 +121,14 @@ int run(FileFit fit) {
     return written ? k_done : complain(written.error());
 }
 
+/// Each objective with its θmax.
+std::vector<std::string> default_angles() {
+    std::vector<std::string> angles;
+    for (const Objective objective : objectives())
+        angles.push_back(fmt::format("{} {:g}", name(objective), default_max_theta(objective) / k_degree));
+    return angles;
+}
+
 std::vector<std::string> names_of_objectives() {
     std::vector<std::string> names;
     for (const Objective objective : objectives()) names.emplace_back(name(objective));
@@ -192,13 +200,15 @@ void add_fit(CommandLine& app, int& status) {
                      "Store no log scales: bounds the coefficients in the fit.\nSaves 2 J bytes; larger errors");
     sub.add_option("--objective", command->objective,
                    "Minimise the squared error of\nraw: f; cosine: f cos(theta_l), weighted by cos(theta_v);\n"
-                   "log: log(1 + f cos(theta_l)), weighted by cos(theta_v); cube-root: the cube root of f")
+                   "log: log(1 + f cos(theta_l)), weighted by cos(theta_v); cube-root: the cube root of f;\n"
+                   "appearance: what is seen of a picture, about the sixth root of f cos(theta_l)")
         .type_name("NAME")
         .check(one_of(names_of_objectives()))
         .capture_default_str();
-    sub.add_option("--max-theta", command->max_theta,
-                   "Largest angle from the normal in the fit and in all errors,\n"
-                   "1 to 89.9 degrees; default: raw and cube-root 80, cosine and log 89")
+    sub.add_option(
+           "--max-theta", command->max_theta,
+           fmt::format("Largest angle from the normal in the fit and in all errors,\n1 to 89.9 degrees; default: {}",
+                       fmt::join(default_angles(), ", ")))
         .type_name("DEG")
         .check(within(1.0, 89.9));
     const Option discretise = sub.add_option("--discretise", command->discretise,

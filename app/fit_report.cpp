@@ -49,25 +49,29 @@ std::string words(const GgxModel& model) {
     return fmt::format("ggx, {} and Lambert", model.lobes.size() == 1 ? "one lobe" : "two lobes");
 }
 
-/// The reason for the size of a multivariate model.
-struct SizeWish {
-    std::optional<std::size_t> bytes;
-    std::optional<double> error, delta_e;
+/// A goal of the size in JSON and in text.
+struct GoalWords {
+    const char* key;
+    Json value;
+    std::string text;
 };
-SizeWish chosen_by(const FitRequest& request) {
-    const auto* pm = std::get_if<PmRequest>(&request.model);
-    const auto* goal = pm && pm->size ? std::get_if<SizeGoal>(&*pm->size) : nullptr;
-    if (!goal) return {};
-    if (const auto* budget = std::get_if<ByteBudget>(goal)) return {budget->bytes, {}, {}};
-    if (const auto* seen = std::get_if<TargetDeltaE>(goal)) return {{}, {}, seen->delta_e};
-    return {{}, std::get<TargetError>(*goal).error, {}};
+GoalWords words(const ByteBudget& goal) { return {"budget", goal.bytes, fmt::format("{} bytes", goal.bytes)}; }
+GoalWords words(const TargetError& goal) {
+    return {"target_error", goal.error, fmt::format("an error of {:g}", goal.error)};
+}
+GoalWords words(const TargetDeltaE& goal) {
+    return {"target_delta_e", goal.delta_e, fmt::format("a Delta E of {:g}", goal.delta_e)};
+}
+GoalWords words(const SizeGoal& goal) {
+    return std::visit([](const auto& one) { return words(one); }, goal);
 }
 
 /// The models that were tried: the best of each size; of short fits only those whose error is smaller than that of all
 /// smaller models.
 void print_path(const FitRequest& request, const FitOutcome& outcome) {
     if (outcome.path.empty()) return;
-    const bool is_delta_e = chosen_by(request).delta_e.has_value();
+    const auto goal = goal_of(request);
+    const bool is_delta_e = goal && std::holds_alternative<TargetDeltaE>(*goal);
     const bool is_ratio = !is_delta_e && measure_named_for(request.objective).is_ratio;
     fmt::print("\n  {:>9}  {:>10}   {}\n", "bytes", is_delta_e ? "Delta E" : is_ratio ? "error, %" : "error", "tried");
     double least = std::numeric_limits<double>::infinity();
@@ -120,11 +124,11 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         json["folds"] = k_folds;
     }
     if (outcome.filled) json["filled_between_samples"] = *outcome.filled;
-    const SizeWish chosen = chosen_by(request);
-    if (chosen.error) json["target_error"] = *chosen.error;
-    if (chosen.bytes) json["budget"] = *chosen.bytes;
-    if (chosen.delta_e) json["target_delta_e"] = *chosen.delta_e;
-    if (chosen.error || chosen.bytes || chosen.delta_e) json["reached"] = outcome.reached;
+    if (const auto goal = goal_of(request)) {
+        const GoalWords of = words(*goal);
+        json[of.key] = of.value;
+        json["reached"] = outcome.reached;
+    }
     for (const Step& step : outcome.path)
         json["path"].push_back({{"bytes", step.bytes},
                                 {"error", step.error},
@@ -161,13 +165,8 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
         if (outcome.filled && *outcome.filled) fmt::print("  Between samples the fit follows interpolated values.\n");
     }
     print_path(request, outcome);
-    if (!outcome.reached) {
-        const SizeWish chosen = chosen_by(request);
-        fmt::print("  Not reached: {}; this is the best model found.\n",
-                   chosen.bytes     ? fmt::format("{} bytes", *chosen.bytes)
-                   : chosen.delta_e ? fmt::format("a Delta E of {:g}", *chosen.delta_e)
-                                    : fmt::format("an error of {:g}", chosen.error.value_or(0)));
-    }
+    if (const auto goal = goal_of(request); goal && !outcome.reached)
+        fmt::print("  Not reached: {}; this is the best model found.\n", words(*goal).text);
     fmt::print("\n  model     {}\n", fit.output);
     if (!fit.preview.empty()) fmt::print("  picture   {}\n", fit.preview);
     if (!fit.json.empty()) fmt::print("  report    {}\n", fit.json);

@@ -13,9 +13,9 @@
 #include "app/report.h"
 #include "render/exr.h"
 #include "render/image.h"
-#include "srbf/likeness.h"
 #include "render/scene.h"
 #include "srbf/file.h"
+#include "srbf/likeness.h"
 
 namespace srbf {
 namespace {

@@ -49,16 +49,7 @@ Rgb8 to_srgb8(Rgb shown) {
 
 Rgb8 to_srgb8(Rgb radiance, float exposure) { return to_srgb8(tone_map(radiance, exposure)); }
 
-float automatic_exposure(const Image& image) {
-    std::vector<double> lit;
-    for (const Rgb& pixel : image.pixels)
-        if (const float largest = std::max({pixel.r, pixel.g, pixel.b}); is_finite(pixel) && largest > 0)
-            lit.push_back(largest);
-    if (lit.empty()) return 1;
-    const auto at = lit.begin() + std::ptrdiff_t(k_exposed * double(lit.size() - 1));
-    std::nth_element(lit.begin(), at, lit.end());
-    return float(std::min(k_knee / *at, double(std::numeric_limits<float>::max())));
-}
+float automatic_exposure(const Image& image) { return exposure_to(image, double(k_knee)); }
 
 Image8 shown(const Rendering& rendering, float exposure) {
     const Image& radiance = rendering.radiance;

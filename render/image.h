@@ -36,11 +36,8 @@ Rgb8 to_srgb8(Rgb shown);
 /// The same for tone_map(radiance, exposure).
 Rgb8 to_srgb8(Rgb radiance, float exposure);
 
-/// The exposure that maps the `k_exposed` quantile of the pixels' largest channels to the knee, over lit pixels only
-/// (finite, some channel above 0). This share of the pixels is displayed linearly; a highlight that covers less than
-/// the rest does not darken the image, however bright. 1 if no pixel is lit.
+/// `exposure_to` the knee: this share of the pixels is displayed linearly.
 float automatic_exposure(const Image& image);
-inline constexpr double k_exposed = 0.9;
 
 /// The output of a renderer: the radiance of visible surfaces, and their coverage of each pixel.
 struct Rendering {

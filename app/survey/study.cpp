@@ -7,9 +7,9 @@
 #include <filesystem>
 
 #include "app/path.h"
-#include "srbf/likeness.h"
 #include "render/slices.h"
 #include "srbf/file.h"
+#include "srbf/likeness.h"
 
 namespace srbf {
 namespace {

@@ -35,8 +35,8 @@ struct Step {
     bool whole = false;  ///< a full fit, as `fit_pm` does by itself; false: a short fit, whose error only ranks models
 };
 
-/// Returns the error of a model by the objective's measure, for a target ΔE_ITP the mean ΔE_ITP. With `in_short`, a few thousand pairs are enough. It is
-/// called from several threads at once.
+/// Returns the error of a model by the objective's measure, for a target ΔE_ITP the mean ΔE_ITP. With `in_short`, a few
+/// thousand pairs are enough. It is called from several threads at once.
 using JudgeModel = std::function<double(const PmModel& model, bool in_short)>;
 
 struct Chosen {

@@ -63,6 +63,13 @@ struct FitRequest {
     double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };
 
+/// What the size is chosen by; none: it is a number of lobes or automatic, or the model is not multivariate.
+inline std::optional<SizeGoal> goal_of(const FitRequest& request) {
+    const auto* pm = std::get_if<PmRequest>(&request.model);
+    const auto* goal = pm && pm->size ? std::get_if<SizeGoal>(&*pm->size) : nullptr;
+    return goal ? std::optional(*goal) : std::nullopt;
+}
+
 /// A fitted model with its errors and statistics.
 struct FitOutcome {
     Model model;  ///< as stored; its provenance has objective, max_theta, seed, and the errors once they are measured

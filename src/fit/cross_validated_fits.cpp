@@ -40,7 +40,7 @@ class SampleFits {
         const auto* pm = std::get_if<PmRequest>(&request_.model);
         if (!pm) return judged({}, false);
         const std::optional<int> asked = lobes_of(*pm);
-        const auto goal = goal_of(*pm);
+        const auto goal = goal_of(request_);
         std::vector<int> lobes;
         if (asked)
             lobes = {*asked};

@@ -42,11 +42,11 @@ Result<Done> validate(const FitRequest& request, bool has_spectra, bool is_sampl
     };
     if (request.spectral && !has_spectra)
         return refused("spectral channels", "a measurement at wavelengths", "one of colours");
-    const auto* pm = std::get_if<PmRequest>(&request.model);
-    if (request.spectral && !pm) return refused("spectral channels", "a multivariate model", "another");
-    if (pm && request.spectral && goal_of(*pm))
+    if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
+        return refused("spectral channels", "a multivariate model", "another");
+    if (request.spectral && goal_of(request))
         return refused("spectral channels", "a number of lobes", "a budget or a target error");
-    if (pm && is_samples && is_delta_e(goal_of(*pm)))
+    if (is_samples && is_delta_e(goal_of(request)))
         return refused("target delta E", "a measured table", "scattered samples");
     return Done{};
 }
@@ -254,7 +254,7 @@ class Fitter::Work {
         const PmRequest& pm = std::get<PmRequest>(request.model);
         const FitOptions options = pm_options(request, axial(request));
         FitOutcome outcome;
-        if (const auto goal = goal_of(pm)) {
+        if (const auto goal = goal_of(request)) {
             const auto judge = [&](const PmModel& model, bool in_short) {
                 return error_of_model(model, request, in_short);
             };
@@ -303,7 +303,7 @@ class Fitter::Work {
 
     /// The held-out error by the objective's own measure, or the mean ΔE_ITP if that is the goal.
     double error_of_model(const PmModel& model, const FitRequest& request, bool in_short) const {
-        if (is_delta_e(goal_of(std::get<PmRequest>(request.model)))) {
+        if (is_delta_e(goal_of(request))) {
             const Evaluate others[] = {evaluator(model)};
             const int size = in_short ? k_pixels_in_short : k_sphere_pixels;
             return compare_pictures(clamped_, others, request.threads, {}, size)[0].mean.delta_e;

@@ -29,7 +29,6 @@ struct Extent {
 /// Observations in the layout of the loops: an array per component, padded to whole blocks with rows of weight 0. First
 /// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each radiance, which
 /// contributes the square of a sum.
-/// square of the sum is asked for.
 struct Rows {
     /// All observations except the checks.
     explicit Rows(const Observations& observations, const Extent& extent = {});

@@ -114,11 +114,10 @@ void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::
     const auto weighed = [&](const auto& rule, std::size_t i) {
         return weight[i] * rule(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
     };
-    std::vector<double> further(f.size(), 0.0);
-    if (of.further)
-        for (std::size_t i = 0; i < f.size(); ++i) further[i] = weighed(of.further, i);
+    std::vector<double> further;
+    for (std::size_t i = 0; of.further && i < f.size(); ++i) further.push_back(weighed(of.further, i));
     for (std::size_t i = 0; i < f.size(); ++i) weight[i] = weighed(of.weight, i);
-    const double energy = energy_of(f, further);
+    const double energy = of.further ? energy_of(f, further) : 0;
     if (!(energy > 0)) return;
     const double factor = of.importance * energy_of(f, weight) / energy;
     for (std::size_t i = 0; i < f.size(); ++i) weight[i] += factor * further[i];

@@ -67,6 +67,7 @@ Observations together(const SampleObservations& from, double weight_between, std
 constexpr double k_most_change = 3;
 void weigh_large_errors(Observations& observations, const PmModel& fitted, const ObserveSamplesOptions& options,
                         double typical) {
+    if (!traits(options.objective).seen) return;
     const PreparedBrdf model = prepare(Model{fitted, {}});
     for (std::size_t i = 0; i < observations.f.size() - observations.checks; ++i) {
         const Vec3f wl = observations.wl[i], wv = observations.wv[i];

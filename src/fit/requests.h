@@ -12,12 +12,6 @@ constexpr std::uint64_t raw_bytes(std::uint64_t n, std::uint64_t channels = 3) {
     return n * n * channels * sizeof(float);
 }
 
-/// What the size is chosen by; none: it is a number of lobes or automatic.
-inline std::optional<SizeGoal> goal_of(const PmRequest& pm) {
-    const auto* goal = pm.size ? std::get_if<SizeGoal>(&*pm.size) : nullptr;
-    return goal ? std::optional(*goal) : std::nullopt;
-}
-
 inline bool is_delta_e(const std::optional<SizeGoal>& goal) {
     return goal && std::holds_alternative<TargetDeltaE>(*goal);
 }

@@ -23,38 +23,29 @@ constexpr double k_between = 0.1;
 SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double theta_max)
     : matrix_(matrix), objective_(objective), cos_max_(std::cos(theta_max)) {
     const std::size_t n = count(), m = matrix.between.size() / n;
-    struct OfView {
-        Rgb largest;
-        std::vector<Vec3f> wl, wv;  // of some views: pairs within both caps, and their f
-        std::vector<Rgb> f;
-    };
-    std::vector<OfView> views(n);
+    std::vector<Rgb> largest_of(n);
     parallel_for(n, [&](std::size_t view) {
-        OfView& of = views[view];
         const auto take = [&](Vec3f w, const Rgb& value) {
-            if (!within(w) || !is_finite(value)) return false;
-            for (int c = 0; c < 3; ++c) of.largest[c] = std::max(of.largest[c], value[c] * w.z);
-            return true;
+            if (!within(w) || !is_finite(value)) return;
+            for (int c = 0; c < 3; ++c) largest_of[view][c] = std::max(largest_of[view][c], value[c] * w.z);
         };
-        for (std::size_t i = 0; i < n; ++i)
-            if (take(direction(i), f(view, i)) && within(direction(view)) && view % k_typical_views == 0) {
-                const auto [wl, wv] = pair(view, direction(i));
-                of.wl.push_back(wl), of.wv.push_back(wv), of.f.push_back(f(view, i));
-            }
+        for (std::size_t i = 0; i < n; ++i) take(direction(i), f(view, i));
         for (std::size_t i = view * m; i < (view + 1) * m; ++i) take(matrix.between[i].direction, matrix.between[i].f);
     });
-    OfView some;
-    for (const OfView& of : views) {
-        some.wl.insert(some.wl.end(), of.wl.begin(), of.wl.end());
-        some.wv.insert(some.wv.end(), of.wv.begin(), of.wv.end());
-        some.f.insert(some.f.end(), of.f.begin(), of.f.end());
-    }
-    typical_ = typical_value(objective, some.wl, some.wv, some.f, std::vector<double>(some.f.size(), 1.0));
+    std::vector<Vec3f> wl, wv;
+    std::vector<Rgb> some;
+    for (std::size_t view = 0; view < n; view += k_typical_views)
+        for (std::size_t i = 0; i < n; ++i) {
+            if (!within(direction(view)) || !within(direction(i)) || !is_finite(f(view, i))) continue;
+            const auto [l, v] = pair(view, direction(i));
+            wl.push_back(l), wv.push_back(v), some.push_back(f(view, i));
+        }
+    typical_ = typical_value(objective, wl, wv, some, std::vector<double>(some.size(), 1.0));
     if (!(typical_ > 0)) typical_ = 1;  // black in those views
     largest_.resize(n);
     for (std::size_t view = 0; view < n; ++view)
         for (std::size_t i = view - std::min(view, k_peak_views); i < std::min(n, view + k_peak_views + 1); ++i)
-            for (int c = 0; c < 3; ++c) largest_[view][c] = std::max(largest_[view][c], views[i].largest[c]);
+            for (int c = 0; c < 3; ++c) largest_[view][c] = std::max(largest_[view][c], largest_of[i][c]);
 }
 
 std::size_t SampledViews::valid(std::size_t view) const {

@@ -11,7 +11,7 @@ namespace srbf {
 namespace {
 
 constexpr double k_white = 100;  ///< luminance of the display's white [cd/m²]
-constexpr double k_exposed = 0.9, k_exposed_value = 0.75, k_most_psnr = 100;
+constexpr double k_exposed_value = 0.75, k_most_psnr = 100;
 constexpr float k_surroundings = 0.16f;
 
 /// The perceptual quantiser of ITU-R BT.2100, of a luminance [cd/m²].
@@ -47,16 +47,6 @@ Triplet itp(const Rgb& colour) {
 
 double srgb_encoded(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055; }
 
-float exposure_of(const Image& reference) {
-    std::vector<float> lit;
-    for (const Rgb& pixel : reference.pixels)
-        if (const float largest = std::max({pixel.r, pixel.g, pixel.b}); largest > 0) lit.push_back(largest);
-    if (lit.empty()) return 1;
-    const auto at = lit.begin() + std::ptrdiff_t(k_exposed * double(lit.size() - 1));
-    std::nth_element(lit.begin(), at, lit.end());
-    return float(k_exposed_value / double(*at));
-}
-
 Image displayed(const Image& radiance, float exposure) {
     Image shown = radiance;
     for (int y = 0; y < shown.height; ++y)
@@ -77,7 +67,7 @@ double delta_e_itp(const Rgb& a, const Rgb& b) {
 
 PictureErrors picture_errors(const Image& reference, const Image& other) {
     assert(reference.width == other.width && reference.height == other.height && reference.width == reference.height);
-    const float exposure = exposure_of(reference);
+    const float exposure = exposure_to(reference, k_exposed_value);
     const Image a = displayed(reference, exposure), b = displayed(other, exposure);
     const std::vector<double> flip = flip_map(a, b);
     const auto square = [](double x) { return x * x; };

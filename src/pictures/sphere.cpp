@@ -5,6 +5,7 @@
 #include "parallel.h"
 #include "reporter.h"
 #include "srbf/directions.h"
+#include "srbf/kernel.h"
 #include "srbf/pictures.h"
 
 namespace srbf {
@@ -114,10 +115,7 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
             const std::size_t first = wl.size();
             const double across = std::hypot(v.x, v.y), cosine = across > 0 ? v.x / across : 1,
                          sine = across > 0 ? v.y / across : 0;
-            for (const Vec3f& w : mirrored.points.w) {
-                const Vec3d l = to_double(w);
-                add_pair({cosine * l.x - sine * l.y, sine * l.x + cosine * l.y, l.z});
-            }
+            for (const Vec3f& w : mirrored.points.w) add_pair(Kernel<double>::turned(to_double(w), cosine, sine));
             for (std::size_t k = 0; k < lightings.size(); ++k) {
                 const Lighting& lighting = lightings[k];
                 const auto add_term = [&](std::size_t pair, double z, double measure, const Rgb& light) {

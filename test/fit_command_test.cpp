@@ -20,7 +20,7 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
     const Json json = report();
     ASSERT_TRUE(json.is_object());
     const Json expected = Json::parse(R"({"model": "pm", "form": "extended", "lobes": 2, "variates": 2, "axial": true,
-        "channels": 3, "objective": "appearance", "max_theta": 88.0, "raw_bytes": 28311552, "auxiliary_bytes": 0, "seed": 0,
+        "channels": 3, "objective": "appearance", "max_theta": 89.0, "raw_bytes": 28311552, "auxiliary_bytes": 0, "seed": 0,
         "threads": 1, "masked_samples": 0, "clamped_samples": 0})");
     EXPECT_EQ(json.value("payload_bytes", std::size_t(0)), payload_bytes(pm));
     for (const auto& [key, value] : expected.items()) EXPECT_EQ(json.value(key, Json()), value) << key;
@@ -44,7 +44,7 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
 
 TEST_F(Command, compare_finds_the_errors_that_fit_reports) {
     const Json fit = report();
-    for (const Arguments& theta : {Arguments{}, Arguments{"--max-theta", "88"}}) {
+    for (const Arguments& theta : {Arguments{}, Arguments{"--max-theta", "89"}}) {
         const ProgramRun compared =
             run(*fitted, Arguments{"compare", k_paper, "m.srbf", "--json", "-", "--threads", "2"} + theta);
         ASSERT_EQ(compared.status, 0) << compared.err;
@@ -136,7 +136,7 @@ TEST_F(Command, fit_ggx_is_a_model_as_the_others) {
     EXPECT_EQ(json.value("payload_bytes", 0), 26);
     EXPECT_EQ(json.value("model", ""), "ggx");
     EXPECT_LT(json.value("heldout_squared_error_ratio_cosine", 1.0), 0.01);
-    const ProgramRun compare = run(folder, {"compare", k_paper, "g.srbf", "--max-theta", "88", "--json", "-"});
+    const ProgramRun compare = run(folder, {"compare", k_paper, "g.srbf", "--max-theta", "89", "--json", "-"});
     ASSERT_EQ(compare.status, 0) << compare.err;
     EXPECT_EQ(Json::parse(compare.out, nullptr, false).value("heldout_squared_error_ratio_cosine", 1.0),
               json.value("heldout_squared_error_ratio_cosine", 0.0));

@@ -30,8 +30,8 @@ void see(const float* numbers, std::size_t count = k_block) {
     }
     seen += count, subnormal += found;
 }
-void see(std::span<const float* const> columns) {
-    for (const float* column : columns) see(column);
+void see(std::span<const float* const> columns, std::size_t count = k_block) {
+    for (const float* column : columns) see(column, count);
 }
 
 }  // namespace
@@ -70,10 +70,10 @@ SRBF_WRAPPED(void, add_gram, "_ZN4srbf8add_gramESt4spanIKPKfLm184467440737095516
     see(columns);
     real_add_gram(columns, G);
 }
-SRBF_WRAPPED(void, add_products, "_ZN4srbf12add_productsESt4spanIKPKfLm18446744073709551615EES4_Pd",
-             std::span<const float* const> rows, std::span<const float* const> columns, double* G) {
-    see(rows), see(columns);
-    real_add_products(rows, columns, G);
+SRBF_WRAPPED(void, add_products, "_ZN4srbf12add_productsESt4spanIKPKfLm18446744073709551615EES4_Pdm",
+             std::span<const float* const> rows, std::span<const float* const> columns, double* G, std::size_t count) {
+    see(rows, count), see(columns, count);
+    real_add_products(rows, columns, G, count);
 }
 SRBF_WRAPPED(void, exponentiate_view, "_ZN4srbf12exponentiateEPKfS1_fPf", const float* x, const float* root_weight,
              float offset, float* e) {

@@ -267,6 +267,18 @@ TEST_P(Gram, AddProductsAddsThoseOfRowsAndColumns) {
         }
 }
 
+TEST_P(Gram, AddProductsOfTheFirstRowsOfColumns) {
+    const auto a = column(random_, -0.5, 1), b = column(random_, -0.5, 1);
+    const float *const rows[] = {a.data()}, *const columns[] = {b.data()};
+    for (std::size_t count = k_least_view_rows; count <= k_block; count *= 2) {
+        double product = 0, sum = 0, size = 0;
+        add_products(rows, columns, &product, count);
+        for (std::size_t l = 0; l < count; ++l)
+            sum += double(a[l]) * double(b[l]), size += std::abs(double(a[l]) * double(b[l]));
+        EXPECT_TRUE(near(product, sum, 3e-6 * size));
+    }
+}
+
 TEST_P(Gram, AddGramAddsTheProductsBelowTheDiagonal) {
     for (std::size_t n = 1; n <= 30; ++n) {
         std::vector<Aligned<float>> columns;

@@ -6,12 +6,13 @@
 #include "properties.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
+#include "srbf/pictures.h"
 
 namespace srbf {
 namespace {
 
 /// Two lobes and a constant, which no single lobe can fit.
-Observations observations(std::size_t count = 4096) {
+Observations observations(Objective objective, std::size_t count = 4096) {
     const Evaluate f = [](auto wl, auto wv, auto out) {
         for (std::size_t i = 0; i < out.size(); ++i) {
             const Vec3f h = Kernel<float>::psi(wl[i], wv[i], 1, 1);
@@ -19,8 +20,9 @@ Observations observations(std::size_t count = 4096) {
             out[i] = {0.2f + g, 0.3f * b + 0.5f * g, 0.1f * g + 0.05f * b * b};
         }
     };
-    return *observe(f, {Objective::raw, 0, count, 7});
+    return *observe(f, {objective, 0, count, 7});
 }
+Observations observations(std::size_t count = 4096) { return observations(Objective::raw, count); }
 
 Lobes general_lobes() {
     return {{PmForm::extended, 2, false}, {0.7, 1.4}, {3,         -2, 40, 0.5, 1,   1, 0.5, 3,  0.2, 2,
@@ -165,6 +167,59 @@ TEST(Lobes, LossCountsAlbedo) {
     }
 }
 
+/// The same function, with pictures.
+const Rows& rows_with_views() {
+    static const Rows all(observations(Objective::appearance), {.picture_importance = 0.01});
+    return all;
+}
+
+TEST(Lobes, GradientIsThatOfTheLossWithPictures) {
+    const Lobes extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
+    for (const Lobes& lobes : {some_lobes(), extended, general_lobes(), reciprocal(general_lobes())})
+        for (const double limit : {std::numeric_limits<double>::infinity(), -3.0}) {
+            LobeProblem problem(rows_with_views(), lobes.shape, false, limit);
+            const Eigen::VectorXd x = LobeProblem::pack(lobes);
+            for (int i = 0; i < 10; ++i) problem.loss(x);  // each goes on from the coefficients of the last
+            check_gradient(problem, x);
+        }
+}
+
+TEST(Lobes, LossCountsWhatIsSeen) {
+    const Observations o = observations(Objective::appearance);
+    ASSERT_FALSE(o.views.empty());
+    LobeProblem problem(rows_with_views(), {PmForm::gaussian, 3}, false);
+    const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
+    double loss = 0;
+    for (int i = 0; i < 10; ++i) loss = problem.loss(x);
+    const PmModel model = to_model(problem, some_lobes(), true);
+    double of_pairs = 0, error = 0, delta_e = 0;
+    for (std::size_t i = 0; i < o.f.size() - o.checks; ++i)
+        for (int c = 0; c < 3; ++c)
+            of_pairs += o.weight[i] * std::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
+    int pixels = 0;
+    for (const SeenView& view : o.views)
+        for (const SeenPixel& pixel : view.pixels) {
+            Rgb measured, fitted;
+            for (std::size_t i = 0; i < pixel.weight.size(); ++i)
+                for (int c = 0; c < 3; ++c) {
+                    measured[c] += pixel.weight[i] * view.f[pixel.first + i][c];
+                    fitted[c] += pixel.weight[i] * value(model, view.wl[pixel.first + i], view.wv)[c];
+                }
+            for (int c = 0; c < 3; ++c)
+                if (measured[c] >= 1) measured[c] = 1, fitted[c] = std::min(fitted[c], 1.f);
+            const double difference = delta_e_itp(measured, fitted);
+            delta_e += difference, error += 2 * (std::sqrt(difference * difference + 1) - 1);
+            ++pixels;
+        }
+    EXPECT_TRUE(near_relative(loss, of_pairs + 0.01 * error / pixels, 2e-3));
+    EXPECT_TRUE(near_relative(problem.delta_e(), delta_e / pixels, 1e-3));
+    // The coefficients are those of pictures as well: those of the pairs alone look worse.
+    const Rows hardly(o, {.picture_importance = 1e-9});
+    LobeProblem alone(hardly, {PmForm::gaussian, 3}, false);
+    alone.loss(x);
+    EXPECT_LT(problem.delta_e(), 0.98 * alone.delta_e());
+}
+
 TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
     LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     const Lobes lobes = some_lobes();
@@ -204,7 +259,7 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
 }
 
 TEST(Lobes, AreTheSameInParallel) {
-    const Rows many(observations(1 << 16));
+    const Rows many(observations(Objective::appearance, 1 << 16), {.picture_importance = 0.01});
     LobeProblem serial(many, {PmForm::gaussian, 3}, false), parallel(many, {PmForm::gaussian, 3}, true);
     const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
     EXPECT_EQ(serial.loss(x), parallel.loss(x));

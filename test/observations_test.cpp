@@ -1,9 +1,11 @@
 // What a fit sees of a BRDF.
 #include <algorithm>
+#include <map>
 
 #include "properties.h"
 #include "srbf/fit.h"
 #include "srbf/kernel.h"
+#include "srbf/pictures.h"
 
 namespace srbf {
 namespace {
@@ -137,6 +139,45 @@ TEST(Observations, AreOfTheSeed) {
     EXPECT_EQ(with(1).weight,
               observe(constant({1, 1, 1}), {Objective::raw, 0, 4096, 1, 1})->weight);  // whatever the threads
     EXPECT_NE(with(1).weight, with(2).weight);
+}
+
+TEST(Observations, ViewsOfPicturesAreExposedAndWithinTheCap) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const double theta_max = 80 * k_degree;
+    const Evaluate f = [&](auto wl, auto wv, auto out) {
+        for (std::size_t i = 0; i < out.size(); ++i)
+            out[i] = wl[i].x < -0.9f ? Rgb{nan, nan, nan} : Rgb{-1, 0.2f, 0.1f + wl[i].z * wv[i].z};
+    };
+    EXPECT_TRUE(observe(f, {Objective::cosine, theta_max, 4096})->views.empty());
+    const auto views = observe(f, {Objective::appearance, theta_max, 4096})->views;
+    std::map<std::size_t, std::vector<double>> largest;
+    bool any_masked = false;
+    for (const SeenView& view : views) {
+        EXPECT_GE(double(view.wv.z), std::cos(theta_max) - 1e-6);
+        ASSERT_EQ(view.f.size(), view.wl.size());
+        for (std::size_t i = 0; i < view.wl.size(); ++i) {
+            EXPECT_GE(double(view.wl[i].z), std::cos(theta_max) - 1e-6);
+            ASSERT_TRUE(is_finite(view.f[i]) && view.f[i].r == 0);
+        }
+        for (const SeenPixel& pixel : view.pixels) {
+            Rgb colour;
+            for (std::size_t i = 0; i < pixel.weight.size(); ++i) {
+                const bool masked = view.wl[pixel.first + i].x < -0.9f;
+                any_masked |= masked;
+                EXPECT_EQ(masked, pixel.weight[i] == 0);
+                for (int c = 0; c < 3; ++c) colour[c] += pixel.weight[i] * view.f[pixel.first + i][c];
+            }
+            if (const double most = std::max({colour.r, colour.g, colour.b}); most > 0)
+                largest[pixel.lighting].push_back(most);
+        }
+    }
+    EXPECT_TRUE(any_masked);
+    ASSERT_GT(largest.size(), 8u);
+    for (auto& [lighting, of_pixels] : largest) {
+        std::ranges::sort(of_pixels);
+        EXPECT_TRUE(near(of_pixels[std::size_t(0.9 * double(of_pixels.size() - 1))], k_exposed_value, 1e-3))
+            << lighting;
+    }
 }
 
 TEST(Observations, RefuseWhatCannotBeFitted) {

@@ -25,8 +25,8 @@ enum class Objective {
     log,        ///< Σ (log(1 + f cosθl) − log(1 + f̂ cosθl))² cosθv
     cube_root,  ///< Σ (∛f − ∛f̂)²; where f is below a hundredth of its mean, with the weight at that value
     /// What is seen of a picture: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_share times the upper
-    /// quartile of f cosθl, and for a multivariate model the radiances reflected under extended lights and 0.03 times
-    /// the weights of cosine. The eye's response to a display is about the sixth root of its luminance (the exponent
+    /// quartile of f cosθl; and for a multivariate model 0.1 times the weights of cosine, and ΔE_ITP of pictures of a
+    /// sphere. The eye's response to a display is about the sixth root of its luminance (the exponent
     /// 0.159 of the perceptual quantiser, ITU-R BT.2100).
     appearance,
 };
@@ -38,8 +38,7 @@ std::optional<Objective> objective_named(std::string_view text);
 /// The measure that an objective minimises and by which its fits are judged.
 double Measures::*measure_of(Objective objective);
 inline double error_of(const Measures& measures, Objective objective) { return measures.*measure_of(objective); }
-/// Default θmax of the fit and of its measures [rad]: 80° for raw and cube-root, 88° for appearance, 89° for cosine and
-/// log.
+/// Default θmax of the fit and of its measures [rad]: 80° for raw and cube-root, 89° for the others.
 double default_max_theta(Objective objective);
 
 /// Radiance reflected towards wv under an extended light, as a quadrature: Σ_i weight_i f(wl_i, wv). In uniform light
@@ -52,6 +51,22 @@ struct RadianceObservation {
     std::vector<float> spectrum;  ///< of spectral observations: f at each wavelength, ≥ 0
 };
 
+/// A pixel of a displayed picture, where 1 is white: Σ_i weight_i f(wl_i, wv), over the directions of its view from
+/// `first` on.
+struct SeenPixel {
+    std::size_t lighting = 0;  ///< index of the picture
+    std::size_t first = 0;
+    std::vector<float> weight;  ///< solid angle times cosθl, radiance and exposure [sr]
+};
+/// A point of a surface in pictures under several lights.
+struct SeenView {
+    Vec3f wv;
+    std::vector<Vec3f> wl;  ///< at most k_most_view_directions
+    std::vector<Rgb> f;     ///< [1/sr], ≥ 0
+    std::vector<SeenPixel> pixels;
+};
+inline constexpr std::size_t k_most_view_directions = 512;
+
 /// Weighted samples of a BRDF, in an order such that every prefix is a representative subset.
 struct Observations {
     std::vector<Vec3f> wl, wv;
@@ -62,6 +77,7 @@ struct Observations {
     double typical = 0;                          ///< the value of f or f cosθl to which they are relative
     std::vector<RadianceObservation> radiances;  ///< that a fit also matches, from its first perturbation on
     double radiance_error = 0.1;  ///< an error of this share in every radiance costs as much as the loss of the pairs
+    std::vector<SeenView> views;  ///< of pictures that a fit also matches, in its last stages
     std::uint64_t masked = 0;     ///< number of sampled pairs where nothing was measured
     std::uint64_t clamped = 0;    ///< number of negative channel values at sampled pairs, set to 0
     std::vector<float> wavelengths;  ///< C [nm] of spectral observations; otherwise empty
@@ -89,9 +105,9 @@ struct ObserveOptions {
 /// An eighth are guards between θmax and 89.9° with small weights proportional to f cosθl cosθv; they keep the fit at
 /// the measurement's order of magnitude where it is not fitted. After these follow the checks: a grid over the whole
 /// hemisphere to 89.9°, including its edges, and 32,768 pairs about the mirror direction. Radiances are observed at
-/// those of 0, 15, 30, 45, 60, 70, 75, 80 and 85° that lie within θmax: in uniform light, which is albedo, and for
-/// appearance also under broad lights about the mirror direction or beside the viewer. `f` may be negative (see
-/// signed_value) or NaN.
+/// those of 0, 15, 30, 45, 60, 70, 75, 80 and 85° that lie within θmax, in uniform light: albedos. For appearance 100
+/// views of a sphere follow, under four extended and eleven single white lights of which none is one of
+/// `standard_lightings`. `f` may be negative (see signed_value) or NaN.
 /// Errors: no pair has a value; all values are 0; cancelled.
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress = {});
 
@@ -144,12 +160,13 @@ struct FitOptions {
     double finest = 0;
     /// form gaussian: true stores a log scale per lobe where β leaves the range of 16-bit floats; false bounds β
     bool log_scale = true;
-    /// Number of starts: independent growths of J lobes. The best four are polished, one to three of them finished.
+    /// Number of starts: independent growths of J lobes. The best four are polished, one to three of them finished; with
+    /// views, which decide among the better half, one.
     /// Default: 20, or 16 for 8 lobes and more.
     std::optional<int> starts = {};
     /// Maximum number of perturbations of a candidate, replacements of the least useful lobe, or every fourth time of
     /// the least useful variate. All starts get a fifth of them, the better half another three tenths, the best quarter
-    /// the remaining half. Default: 45 for up to 5 lobes, falling to 25 for 8 and more.
+    /// the remaining half; with views the better half gets half of them. Default: 45 for up to 5 lobes, falling to 25 for 8 and more.
     std::optional<int> perturbations = {};
     std::uint64_t seed = 0;  ///< of the random numbers
     int threads = 0;         ///< 0: as many as the machine has; the result does not depend on it

@@ -42,8 +42,11 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
 /// Whether pixel (x, y) of such a picture shows the sphere.
 bool shows_sphere(int size, int x, int y);
 
-/// Differences between pictures of a sphere as a display shows them: exposed so that the 90th percentile of the
-/// reference's lit pixels, by their largest channel, is 3/4 of white; clipped at white. Means over the sphere's pixels.
+/// A picture is exposed so that the 90th percentile of its lit pixels, by their largest channel, is this share of white.
+inline constexpr double k_exposed_value = 0.75;
+
+/// Differences between pictures of a sphere as a display shows them: with the reference's exposure, clipped at white.
+/// Means over the sphere's pixels.
 struct PictureErrors {
     double delta_e = 0;  ///< ΔE_ITP (ITU-R BT.2124) for a display of 100 cd/m²; 1 is just noticeable
     double flip = 0;     ///< ꟻLIP, 0 to 1; see `flip_map`

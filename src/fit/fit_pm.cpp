@@ -26,6 +26,11 @@ struct Round {
     }
 };
 constexpr Round k_rounds[] = {{1, 0.2}, {0.5, 0.5}, {0.25, 1}};
+/// Candidates with the same loss of pairs look different: more of them remain for pictures to choose from.
+constexpr Round k_rounds_to_pictures[] = {{1, 0.2}, {0.5, 0.7}};
+std::span<const Round> rounds_of(const Observations& observations) {
+    return observations.views.empty() ? std::span<const Round>(k_rounds) : k_rounds_to_pictures;
+}
 // This many candidates advance to the next stage.
 constexpr std::size_t k_polished = 4, k_finished = 3;
 constexpr int k_check_rounds = 12;
@@ -35,7 +40,7 @@ constexpr double k_nearly_best = 0.01;
 /// The last steps run in batches of ten until one lowers the loss by less than this. Most fits need two batches; a fit
 /// whose narrow lobes must match a radiance needs twenty.
 constexpr int k_last_steps = 10, k_most_tens = 26;
-constexpr double k_least_gain = 0.005;
+constexpr double k_least_gain = 0.005, k_least_gain_with_pictures = 0.02;
 /// Upper bound on the log of the coefficient of a lobe with peak 1. The peak may lie where no pair of directions maps
 /// to; but opposing lobes of ever larger bandwidths gain less than 1 % on the measured materials and lose precision in
 /// float.
@@ -88,14 +93,15 @@ void weigh_for_spectra(Observations& observations) {
 }
 
 /// Levenberg-Marquardt from x as long as the steps pay off.
-LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, const Reporter& reporter) {
+LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, double least_gain,
+                                     const Reporter& reporter) {
     LevenbergMarquardtOptions steps;
     steps.max_iterations = reporter.cancelled() ? 0 : k_last_steps;
     LevenbergMarquardtSummary summary;
     double before = std::numeric_limits<double>::infinity();
     for (int i = 0; i < k_most_tens; ++i) {
         summary = levenberg_marquardt(problem, x, steps);
-        const bool pays = summary.loss <= (1 - k_least_gain) * before;
+        const bool pays = summary.loss <= (1 - least_gain) * before;
         if (!pays || summary.stop != Stop::iterations || reporter.cancelled()) break;
         before = summary.loss;
     }
@@ -104,18 +110,21 @@ LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, c
 
 /// Optimises on all observations, for spectral ones with the spectra. Checks that the fit exceeds become observations,
 /// until none is exceeded. Then rounds.
-PmFit finish(Lobes lobes, const Observations& observations, double radiance_importance, const FitOptions& options,
-             double log_peak_limit, const Reporter& reporter) {
+PmFit finish(Lobes lobes, const Observations& observations, double radiance_importance, double picture_importance,
+             const FitOptions& options, double log_peak_limit, const Reporter& reporter) {
     PmFit fit;
     Observations all = observations;
     const bool spectral = !all.wavelengths.empty();
     if (spectral) weigh_for_spectra(all);
     const std::size_t first_check = all.f.size() - all.checks;
     for (int round = 0;; ++round) {
-        const Rows rows(all, {.radiance_importance = radiance_importance, .spectra = spectral});
+        const Rows rows(all, {.radiance_importance = radiance_importance,
+                              .spectra = spectral,
+                              .picture_importance = spectral ? 0 : picture_importance});
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = LobeProblem::pack(lobes);
-        const auto summary = last_steps(problem, x, reporter);
+        const auto summary =
+            last_steps(problem, x, rows.views > 0 ? k_least_gain_with_pictures : k_least_gain, reporter);
         lobes = problem.unpack(x);
         fit.unrounded_loss = summary.loss;
         fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
@@ -158,7 +167,7 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
     const double log_peak_limit = options.log_scale ? k_log_peak_limit : std::log(double(k_half_max));
     // The unit of work is a grown lobe or a perturbation.
     int perturbations = 0, before = 0;
-    for (const Round& round : k_rounds) {
+    for (const Round& round : rounds_of(observations)) {
         const int until = round.perturbations_until(options);
         perturbations += round.candidates(options) * (until - before);
         before = until;
@@ -177,38 +186,51 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
             [&](std::size_t start) { found[start] = grow(to_grow_on, options, log_peak_limit, int(start), reporter); });
         std::stable_sort(found.begin(), found.end(), by_loss);
 
-        for (const Round& round : k_rounds) {
-            const bool first = &round == k_rounds;
+        for (const Round& round : rounds_of(observations)) {
             sample.look_about(found, options, log_peak_limit);
             found.resize(std::size_t(round.candidates(options)));
-            const Rows rows = sample.to_search(first);
+            const Rows rows = sample.to_search(round.starts == 1);
             const int until = round.perturbations_until(options);
             each([&](std::size_t i) {
                 if (!reporter.cancelled()) improve(rows, options, log_peak_limit, until, found[i], reporter);
             });
             std::stable_sort(found.begin(), found.end(), by_loss);
         }
-        found.resize(std::min(found.size(), k_polished));
-
         sample.look_about(found, options, log_peak_limit);
-        const Rows to_polish = sample.to_polish();
-        each([&](std::size_t i) {
-            if (!reporter.cancelled()) polish(to_polish, options, log_peak_limit, found[i]);
-            reporter.advance("polishing", polish_work / double(found.size()));
-        });
-
-        // The loss over all observations decides which candidates continue.
-        const Rows all(observations, {.radiance_importance = sample.radiance_importance()});
-        LobeProblem whole(all, shape_of(options), true, log_peak_limit);
-        for (Candidate& candidate : found) candidate.loss = whole.loss(LobeProblem::pack(candidate.lobes));
-        std::stable_sort(found.begin(), found.end(), by_loss);
-        found.resize(std::min(found.size(), k_finished));
         const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
-        const double radiance_importance = sample.radiance_importance() * 3 / channels;
-        for (std::size_t i = 0; i < found.size(); ++i) {
-            if (i > 0 && (found[i].loss > (1 + k_nearly_best) * fit.loss || reporter.cancelled())) break;
-            PmFit next = finish(found[i].lobes, observations, radiance_importance, options, log_peak_limit, reporter);
-            if (i == 0 || next.loss < fit.loss) fit = std::move(next);
+        const auto finished = [&](const Candidate& candidate, double picture_importance) {
+            const double radiance_importance = sample.radiance_importance() * 3 / channels;
+            return finish(candidate.lobes, observations, radiance_importance, picture_importance, options,
+                          log_peak_limit, reporter);
+        };
+        const auto advance = [&] { reporter.advance("polishing", polish_work / double(found.size())); };
+
+        if (!observations.views.empty()) {
+            const double importance = sample.picture_importance(found.front(), options, log_peak_limit);
+            const Rows to_see = sample.to_see(importance);
+            each([&](std::size_t i) {
+                if (!reporter.cancelled()) see(to_see, options, log_peak_limit, found[i]);
+                advance();
+            });
+            fit = finished(*std::min_element(found.begin(), found.end(), by_loss), importance);
+        } else {
+            found.resize(std::min(found.size(), k_polished));
+            const Rows to_polish = sample.to_polish();
+            each([&](std::size_t i) {
+                if (!reporter.cancelled()) polish(to_polish, options, log_peak_limit, found[i]);
+                advance();
+            });
+            // The loss over all observations decides which candidates continue.
+            const Rows all(observations, {.radiance_importance = sample.radiance_importance()});
+            LobeProblem whole(all, shape_of(options), true, log_peak_limit);
+            for (Candidate& candidate : found) candidate.loss = whole.loss(LobeProblem::pack(candidate.lobes));
+            std::stable_sort(found.begin(), found.end(), by_loss);
+            found.resize(std::min(found.size(), k_finished));
+            for (std::size_t i = 0; i < found.size(); ++i) {
+                if (i > 0 && (found[i].loss > (1 + k_nearly_best) * fit.loss || reporter.cancelled())) break;
+                PmFit next = finished(found[i], 0);
+                if (i == 0 || next.loss < fit.loss) fit = std::move(next);
+            }
         }
         if (!reporter.advance("polishing", polish_work)) fit.stop = StopReason::cancelled;
     });

@@ -1,6 +1,7 @@
 #include "fit/gram.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -60,6 +61,7 @@ void further_features(const Rows& rows, std::size_t block, int count, float* fea
 // Processes four batches at once: a weight is broadcast and a column addressed once for all four.
 constexpr std::size_t k_together = 4;
 static_assert(k_block % (k_together * HWY_MAX_BYTES / sizeof(float)) == 0);
+static_assert(k_least_view_rows % (HWY_MAX_BYTES / sizeof(float)) == 0);
 
 // Calls store(i, sum) for the rows from each i on, with sum = start(i) + Σ_n weight[n] s[n].
 template <typename Start, typename Store>
@@ -179,7 +181,7 @@ constexpr std::size_t k_tile = 3;
 // For row i only the first `columns_of(i)` columns are computed.
 template <typename ColumnsOf>
 HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
-                          const ColumnsOf& columns_of) {
+                          std::size_t count, const ColumnsOf& columns_of) {
     const std::size_t m = rows.size(), n = columns.size();
     for (std::size_t row = 0; row < m; row += k_tile) {
         const float* a[k_tile];
@@ -190,7 +192,7 @@ HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const fl
             Batch sum[k_tile][4];
             for (auto& of_row : sum)
                 for (Batch& x : of_row) x = Batch(0.0);
-            for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+            for (std::size_t i = 0; i < count; i += Batch::size()) {
                 Batch of_rows[k_tile];
                 for (std::size_t t = 0; t < k_tile; ++t) of_rows[t] = Batch::load(a[t] + i);
                 for (std::size_t u = 0; u < 4; ++u) {
@@ -213,11 +215,12 @@ HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const fl
 }
 
 void add_gram(std::span<const float* const> columns, double* G) {
-    add_tiles(columns, columns, G, [](std::size_t row) { return row + 1; });
+    add_tiles(columns, columns, G, k_block, [](std::size_t row) { return row + 1; });
 }
 
-void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G) {
-    add_tiles(rows, columns, G, [&](std::size_t) { return columns.size(); });
+void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
+                  std::size_t count) {
+    add_tiles(rows, columns, G, count, [&](std::size_t) { return columns.size(); });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -268,8 +271,9 @@ double residual(const float* y, std::span<const float> beta, std::span<const flo
 double sum(const float* column) { return HWY_DYNAMIC_DISPATCH(sum)(column); }
 double sum_of_squares(const float* column) { return HWY_DYNAMIC_DISPATCH(sum_of_squares)(column); }
 void add_gram(std::span<const float* const> columns, double* G) { HWY_DYNAMIC_DISPATCH(add_gram)(columns, G); }
-void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G) {
-    HWY_DYNAMIC_DISPATCH(add_products)(rows, columns, G);
+void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
+                  std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(add_products)(rows, columns, G, count);
 }
 
 template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f) {
@@ -288,6 +292,11 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     for (std::size_t k = 0; k < radiances; ++k)
         radiance_blocks =
             std::max(radiance_blocks, blocks_for((observations.radiances[k * every].wl.size() + step - 1) / step));
+    if (extent.picture_importance > 0) {
+        picture_importance = extent.picture_importance;
+        views = observations.views.size(), view_rows = k_least_view_rows;
+        for (const SeenView& view : observations.views) view_rows = std::max(view_rows, std::bit_ceil(view.wl.size()));
+    }
     // Padding rows: any direction is fine, the weight is 0.
     const std::size_t rows = whole_blocks() * k_block;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -316,6 +325,31 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
         for (std::size_t i = 0; i < seen.wl.size(); i += step)
             set(row++, seen.wl[i], seen.wv, factor * seen.weight[i], value_of(seen, i));
     }
+    if (views > 0) add_views(observations.views);
+}
+
+void Rows::add_views(const std::vector<SeenView>& all) {
+    const std::size_t begin = first_view_block() * k_block;
+    for (std::size_t k = 0; k < views; ++k) {
+        const SeenView& view = all[k];
+        const std::size_t first = begin + k * view_rows;
+        for (std::size_t i = 0; i < view.wl.size(); ++i)
+            set(first + i, view.wl[i], view.wv, 1, [&](std::size_t c) { return view.f[i][int(c)]; });
+        first_pixel.push_back(pixel.size());
+        for (const SeenPixel& seen : view.pixels) {
+            const bool single = seen.weight.size() == 1;
+            pixel.push_back({single ? first + seen.first : first, single, seen.weight[0], light.size()});
+            if (!single) light.resize(light.size() + view_rows);
+            Pixels::Triplet colour{};
+            for (std::size_t i = 0; i < seen.weight.size(); ++i) {
+                if (!single) light[pixel.back().light + seen.first + i] = seen.weight[i];
+                for (std::size_t c = 0; c < 3; ++c)
+                    colour[c] += double(seen.weight[i]) * double(view.f[seen.first + i][int(c)]);
+            }
+            pixels.add(colour);
+        }
+    }
+    first_pixel.push_back(pixel.size());
 }
 
 }  // namespace srbf

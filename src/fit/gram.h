@@ -9,12 +9,14 @@
 #include <span>
 #include <vector>
 
+#include "fit/pixels.h"
 #include "srbf/fit.h"
 
 namespace srbf {
 
 inline constexpr std::size_t k_block = 512;  ///< rows per block
 inline constexpr std::size_t k_chunk = 8;    ///< blocks per chunk, the unit of summation
+inline constexpr std::size_t k_least_view_rows = 64;
 
 template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
 
@@ -22,13 +24,14 @@ template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocato
 struct Extent {
     double radiance_importance =
         0;  ///< increase of the sum if every radiance is off by its luminance in one channel; 0: no radiances
-    bool roughly = false;  ///< only every other radiance, and of each every ninth direction
-    bool spectra = false;  ///< the spectra of spectral observations instead of their colours
+    bool roughly = false;           ///< only every other radiance, and of each every ninth direction
+    bool spectra = false;           ///< the spectra of spectral observations instead of their colours
+    double picture_importance = 0;  ///< factor of the mean error of all `Pixels`; 0: no views
 };
 
 /// Observations in the layout of the loops: an array per component, padded to whole blocks with rows of weight 0. First
 /// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each radiance, which
-/// contributes the square of a sum.
+/// contributes the square of a sum; then the blocks of views, whose pixels are sums over rows.
 struct Rows {
     /// All observations except the checks.
     explicit Rows(const Observations& observations, const Extent& extent = {});
@@ -39,10 +42,27 @@ struct Rows {
     Aligned<float> root_weight;     ///< √w × scale, so that its squares sum to 1 over pairs
     std::vector<Aligned<float>> y;  ///< √w f for each channel
 
-    std::size_t whole_blocks() const { return blocks + radiances * radiance_blocks; }
+    /// A pixel: weight f(row), or over all rows of its view Σ light[i] f(row + i).
+    struct Pixel {
+        std::size_t row;
+        bool single;
+        float weight;
+        std::size_t light;
+    };
+    /// The views: each has `view_rows` rows, a power of two from k_least_view_rows to k_block.
+    std::size_t views = 0, view_rows = 0;
+    std::vector<Pixel> pixel;              ///< in the order of the views
+    std::vector<std::size_t> first_pixel;  ///< of each view, and their number
+    Aligned<float> light;
+    Pixels pixels;
+    double picture_importance = 0;
+
+    std::size_t first_view_block() const { return blocks + radiances * radiance_blocks; }
+    std::size_t whole_blocks() const { return first_view_block() + (views * view_rows + k_block - 1) / k_block; }
 
   private:
     /// Row i for these directions: `factor` is √w, or its replacement in a sum; f(c) the value of channel c.
+    void add_views(const std::vector<SeenView>& views);
     template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
 };
 
@@ -74,7 +94,8 @@ double sum(const float* column);
 double sum_of_squares(const float* column);
 /// G[i × n + k] += columns[i] · columns[k] for k ≤ i, n the number of columns.
 void add_gram(std::span<const float* const> columns, double* G);
-/// G[i × n + k] += rows[i] · columns[k], n the number of columns.
-void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G);
+/// G[i × n + k] += rows[i] · columns[k], n the number of columns, over `count` numbers, a multiple of k_least_view_rows.
+void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
+                  std::size_t count = k_block);
 
 }  // namespace srbf

@@ -56,7 +56,8 @@ inline Interval weight_range(int n, const LobeShape& shape) {
 }
 
 /// Σ w |f − Σ_j β_j E_j|² over C channels, over the rows of pairs, plus the squares of sums for radiances. β is
-/// eliminated by non-negative least squares per channel. The variables are x = (angles, weights).
+/// eliminated by non-negative least squares per channel. The variables are x = (angles, weights). With views the mean
+/// error of their pixels is added, of which β is eliminated by Gauss-Newton steps.
 class LobeProblem {
   public:
     /// `parallel`: loops over rows use several threads; the result does not depend on it.
@@ -74,6 +75,7 @@ class LobeProblem {
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
     // Results of the last call of `loss`:
+    double delta_e();                                      ///< mean ΔE_ITP of the views' pixels
     const Eigen::MatrixXd& beta() const { return beta_; }  ///< J × C, in multiples of `scale`
     double scale() const { return rows_.scale; }
     const std::vector<double>& offset() const { return offset_; }  ///< o_j
@@ -95,15 +97,44 @@ class LobeProblem {
     std::size_t channels() const { return rows_.y.size(); }
     float* rest(std::size_t block, std::size_t c) { return &rest_[(block * channels() + c) * k_block]; }
     bool observes_radiance(std::size_t block) const { return block >= rows_.blocks; }
-    /// A chunk consists of k_chunk blocks of pairs, or of the blocks of a radiance.
+    /// A chunk consists of k_chunk blocks of pairs, or of the blocks of a radiance, or of a block of views.
     std::size_t chunks_of_pairs() const { return (rows_.blocks + k_chunk - 1) / k_chunk; }
     std::size_t chunks() const { return chunks_of_pairs() + rows_.radiances; }
-    template <typename Body> void for_chunks(const Body& body) const;
+    std::size_t whole_chunks() const { return chunks() + rows_.whole_blocks() - rows_.first_view_block(); }
+    template <typename Body> void for_each(std::size_t count, const Body& body) const;
+    template <typename Body> void for_chunks(std::size_t count, const Body& body) const;
     /// Σ over blocks of pairs of products of n columns, and over radiances of products of the columns' sums.
     /// `columns(block, scratch)` appends n pointers; `sums(begin, end)` returns the columns' sums over the blocks of an
     /// radiance.
     template <typename Columns, typename Sums>
     Eigen::MatrixXd gram(std::size_t n, std::size_t scratch_columns, const Columns& columns, const Sums& sums) const;
+
+    // Of pixels:
+    std::size_t pixel_blocks() const { return (rows_.pixel.size() + k_block - 1) / k_block; }
+    float* moment(std::size_t block, std::size_t column) {
+        const auto of_lobe = std::size_t(1 + shape_.width() + shape_.directional());
+        return &moment_[(block * std::size_t(lobes_) * of_lobe + column) * k_block];
+    }
+    /// Sets the moments of all pixels: Σ light E_j, in column j; with `all` also Σ light E_j times each feature, in J +
+    /// j (width + directional) + feature.
+    void take_moments(bool all);
+    Pixels::Triplet colour(const Eigen::MatrixXd& beta, std::size_t p);
+    /// Second-order terms of the sum in the coefficients, in the order of β's columns.
+    struct Coefficients {
+        Coefficients(Eigen::Index variables, Eigen::Index count)
+            : H(Eigen::MatrixXd::Zero(count, count)),
+              across(Eigen::MatrixXd::Zero(variables, count)),
+              g(Eigen::VectorXd::Zero(count)) {}
+        Eigen::MatrixXd H, across;       ///< Hessian, and with the variables
+        Eigen::VectorXd g;               ///< half the gradient
+        std::vector<Eigen::Index> free;  ///< strictly between their bounds
+        /// Changes the variables' Hessian and gradient to those of a sum to which these coefficients adapt.
+        void eliminate(Eigen::MatrixXd& of_x, Eigen::VectorXd& by_x) const;
+    };
+    double pixel_loss(const Eigen::MatrixXd& beta, Coefficients& adapting);
+    void fit_to_pixels(const Eigen::MatrixXd& G, const Eigen::MatrixXd& last);
+    void add_pixels(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g, Coefficients& adapting);
+    template <typename Add> void for_limit(const Eigen::VectorXd& x, int j, const Add& add) const;
 
     const Rows& rows_;
     LobeShape shape_;
@@ -113,6 +144,8 @@ class LobeProblem {
     Aligned<float> lobe_, feature_,
         /// blocks × (J, width + directional, C) × k_block: E_j; factors of the weights, d(ψ−ẑ)/dangle; residuals
         rest_;
+    Aligned<float> moment_;  ///< pixel blocks × columns × k_block
+    double of_pixels_ = 0;   ///< their part of the last loss
     std::vector<double> offset_;
     Eigen::MatrixXd beta_, gram_;  ///< J × C; E·E
     Eigen::VectorXd beta_limit_;   ///< J: bound on β from the bound on peaks

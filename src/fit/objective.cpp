@@ -11,7 +11,7 @@ constexpr double k_bright_quantile = 0.75;
 
 /// If a highlight contains nearly all of Σ w |f|², the body under it, which dominates away from the mirror direction,
 /// has almost no weight in the objective cosine; and the highlight has little weight in appearance.
-constexpr double k_body_importance = 5e-3, k_highlight_importance = 0.03;
+constexpr double k_body_importance = 5e-3, k_highlight_importance = 0.1;
 
 double cosine_weight(double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }
 double cube_root_weight(double f, double mean, double, double) {
@@ -54,7 +54,7 @@ constexpr ObjectiveTraits k_traits[] = {
     {.objective = Objective::appearance,
      .name = "appearance",
      .measure = &Measures::sixth_root_error_ratio,
-     .max_theta = 88,
+     .max_theta = 89,
      .weight = [](double f, double bright, double cos_l,
                   double cos_v) { return std::pow(displayed_slope(f, bright, cos_l), 2) * cos_v; },
      .further = cosine_weight,

@@ -6,6 +6,7 @@
 
 #include "fit/check_grid.h"
 #include "fit/objective.h"
+#include "fit/observe_views.h"
 #include "parallel.h"
 #include "r_sequence.h"
 #include "reporter.h"
@@ -46,7 +47,7 @@ class ViewMixture {
 /// θv of the observed radiances [degrees], and the number of directions of each.
 constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
 constexpr int k_radiance_points = 4096;
-/// `radiance_error` of an objective of pictures. Under an environment most of what is seen is such a radiance.
+/// `radiance_error` of an objective of pictures.
 constexpr double k_picture_error = 0.02;
 
 struct Draw {
@@ -148,23 +149,6 @@ std::vector<RadianceObservation> observe_albedos(const Evaluate& f, double theta
     return all;
 }
 
-/// Adds to the albedos at each of their views the radiance under a broad light, e^{κ(wl·d − 1)}: about the mirror
-/// direction, as a window is seen in the material, or beside the viewer. Which one changes with every second view, so
-/// that a search on every other radiance sees both.
-void observe_broad_lights(std::vector<RadianceObservation>& albedos) {
-    constexpr double k_about_mirror = 2, k_beside = 4, k_elevation = 0.5;
-    const std::size_t views = albedos.size();
-    for (std::size_t view = 0; view < views; ++view) {
-        RadianceObservation lit = albedos[view];
-        const Vec3d v = to_double(lit.wv), beside = normalize(Vec3d{-v.y, v.x, k_elevation * std::hypot(v.x, v.y)});
-        const bool about_mirror = view / 2 % 2 == 0;  // at θv = 0, where nothing is beside
-        const Vec3d d = about_mirror ? mirror(v) : beside;
-        for (std::size_t i = 0; i < lit.weight.size(); ++i)
-            lit.weight[i] *= std::exp((about_mirror ? k_about_mirror : k_beside) * (dot(to_double(lit.wl[i]), d) - 1));
-        albedos.push_back(std::move(lit));
-    }
-}
-
 }  // namespace
 
 std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
@@ -220,6 +204,20 @@ Result<Done> validate(const Observations& observations, std::size_t parameters) 
     if (values < parameters)
         return Error{
             "fit", {}, "observations", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
+    for (const SeenView& view : observations.views) {
+        bool valid = view.f.size() == view.wl.size() && view.wl.size() <= k_most_view_directions &&
+                     std::ranges::all_of(view.f, [](const Rgb& f) { return is_finite(f); });
+        for (const SeenPixel& pixel : view.pixels)
+            valid = valid && !pixel.weight.empty() && pixel.first < view.wl.size() &&
+                    pixel.weight.size() <= view.wl.size() - pixel.first &&
+                    std::ranges::all_of(pixel.weight, [](float w) { return std::isfinite(w); });
+        if (!valid)
+            return Error{"fit",
+                         {},
+                         "views",
+                         fmt::format("at most {} directions, and pixels of these", k_most_view_directions),
+                         "others"};
+    }
     for (std::size_t i = 0; i < count; ++i)
         if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
             return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
@@ -323,7 +321,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     observations.checks = checks.size();
     observations.radiances = observe_albedos(f, theta_max);
     if (traits(options.objective).of_pictures) {
-        observe_broad_lights(observations.radiances);
+        observations.views = observe_views(f, theta_max, options.threads);
         observations.radiance_error = k_picture_error;
     }
     return observations;

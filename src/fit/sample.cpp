@@ -21,6 +21,9 @@ constexpr std::size_t k_most_places = 16;
 /// that cannot follow the data does not benefit from an accidentally correct albedo.
 constexpr double k_most_radiance_loss = 0.004;
 
+/// The pictures' share of the sum relative to that of the pairs.
+constexpr double k_picture_share = 2;
+
 /// At most this many of them, uniformly spaced.
 std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {
     if (all.size() <= most) return all;
@@ -42,6 +45,7 @@ Sample::Part Sample::beginning_of_all(std::size_t count) const {
     Observations some = beginning(all_, count);
     some.wavelengths.clear(), some.spectrum.clear();
     some.radiances = all_.radiances;
+    some.views = all_.views;
     const std::size_t begin = some.f.size();
     return {std::move(some), begin};
 }
@@ -76,6 +80,14 @@ void Sample::look_about(const std::vector<Candidate>& candidates, const FitOptio
 
 double Sample::radiance_importance() const {
     return std::min(loss_, k_most_radiance_loss) / (3 * all_.radiance_error * all_.radiance_error);
+}
+
+double Sample::picture_importance(const Candidate& candidate, const FitOptions& options, double log_peak_limit) const {
+    constexpr double k_negligible = 1e-9, k_least_delta_e = 1e-3;
+    const Rows rows = to_see(k_negligible);
+    LobeProblem problem(rows, shape_of(options), true, log_peak_limit);
+    problem.loss(LobeProblem::pack(candidate.lobes));
+    return k_picture_share * loss_ / std::max(problem.delta_e(), k_least_delta_e);
 }
 
 }  // namespace srbf

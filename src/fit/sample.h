@@ -27,6 +27,15 @@ class Sample {
                     {.radiance_importance = radiance_importance(), .roughly = true});
     }
     Rows to_polish() const { return Rows(more_.observations, {.radiance_importance = radiance_importance()}); }
+    /// With the views of pictures.
+    Rows to_see(double picture_importance) const {
+        return Rows(
+            some_.observations,
+            {.radiance_importance = radiance_importance(), .roughly = true, .picture_importance = picture_importance});
+    }
+    /// The factor with which the mean error of pixels costs about k_picture_share times as much as the loss, for this
+    /// candidate.
+    double picture_importance(const Candidate& candidate, const FitOptions& options, double log_peak_limit) const;
 
   private:
     struct Part {

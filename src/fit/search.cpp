@@ -74,6 +74,7 @@ constexpr int k_candidates = 256;
 /// Number of steps after each lobe that is grown except the last, and after the last.
 constexpr int k_growth_steps = 6, k_grown_steps = 12;
 constexpr int k_perturbation_steps = 12;
+constexpr int k_seen_steps = 12;
 /// Number of lobe perturbations per variate perturbation.
 constexpr int k_lobe_perturbations = 3;
 
@@ -182,6 +183,11 @@ void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, 
         replace_lobe(problem, candidate, random);
         problem.loss(LobeProblem::pack(candidate.lobes));
     }
+}
+
+void see(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate) {
+    LobeProblem problem(rows, shape_of(options), false, log_peak_limit);
+    candidate.loss = optimise(problem, candidate.lobes, k_seen_steps);
 }
 
 }  // namespace srbf

@@ -67,4 +67,7 @@ void improve(const Rows& rows, const FitOptions& options, double log_peak_limit,
 /// Optimises on more rows; lobes that become useless there are replaced.
 void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate);
 
+/// Optimises on rows with views.
+void see(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate);
+
 }  // namespace srbf

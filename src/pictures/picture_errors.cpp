@@ -1,49 +1,17 @@
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 
 #include "parallel.h"
+#include "pictures/itp.h"
 #include "srbf/likeness.h"
 #include "srbf/pictures.h"
 
 namespace srbf {
 namespace {
 
-constexpr double k_white = 100;  ///< luminance of the display's white [cd/m²]
-constexpr double k_exposed_value = 0.75, k_most_psnr = 100;
+constexpr double k_most_psnr = 100;
 constexpr float k_surroundings = 0.16f;
-
-/// The perceptual quantiser of ITU-R BT.2100, of a luminance [cd/m²].
-double perceptual_quantiser(double luminance) {
-    constexpr double m1 = 2610.0 / 16384, m2 = 128 * 2523.0 / 4096, c1 = 3424.0 / 4096, c2 = 32 * 2413.0 / 4096,
-                     c3 = 32 * 2392.0 / 4096;
-    const double y = std::pow(std::max(luminance, 0.0) / 10000, m1);
-    return std::pow((c1 + c2 * y) / (1 + c3 * y), m2);
-}
-
-using Triplet = std::array<double, 3>;
-Triplet times(const double (&m)[3][3], const Triplet& x) {
-    Triplet y;
-    for (std::size_t i = 0; i < 3; ++i) y[i] = m[i][0] * x[0] + m[i][1] * x[1] + m[i][2] * x[2];
-    return y;
-}
-
-/// (I, C_T / 2, C_P) of a linear sRGB colour.
-Triplet itp(const Rgb& colour) {
-    constexpr double to_bt2020[3][3] = {{0.627403896, 0.329283038, 0.043313066},
-                                        {0.069097289, 0.919540395, 0.011362316},
-                                        {0.016391439, 0.088013308, 0.895595253}};
-    constexpr double to_lms[3][3] = {{1688.0 / 4096, 2146.0 / 4096, 262.0 / 4096},
-                                     {683.0 / 4096, 2951.0 / 4096, 462.0 / 4096},
-                                     {99.0 / 4096, 309.0 / 4096, 3688.0 / 4096}};
-    constexpr double to_itp[3][3] = {{0.5, 0.5, 0},
-                                     {6610.0 / 8192, -13613.0 / 8192, 7003.0 / 8192},
-                                     {17933.0 / 4096, -17390.0 / 4096, -543.0 / 4096}};
-    Triplet lms = times(to_lms, times(to_bt2020, {double(colour.r), double(colour.g), double(colour.b)}));
-    for (double& x : lms) x = perceptual_quantiser(k_white * x);
-    return times(to_itp, lms);
-}
 
 double srgb_encoded(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055; }
 
@@ -61,8 +29,11 @@ Image displayed(const Image& radiance, float exposure) {
 }  // namespace
 
 double delta_e_itp(const Rgb& a, const Rgb& b) {
-    const Triplet x = itp(a), y = itp(b);
-    return 720 * std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
+    const auto itp = [](const Rgb& colour) {
+        return Itp({double(colour.r), double(colour.g), double(colour.b)}).value();
+    };
+    const Itp::Triplet x = itp(a), y = itp(b);
+    return std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
 }
 
 PictureErrors picture_errors(const Image& reference, const Image& other) {

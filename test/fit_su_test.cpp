@@ -108,6 +108,18 @@ TEST(FitSu, ComesNearToMeasurements) {
     }
 }
 
+TEST(FitSu, FollowsTheAlbedoWherePicturesCount) {
+    const std::string name = "cc_ibiza_sunset_rgb";
+    const RawMatrix matrix = matrix_of(name);
+    const auto error = [&](Objective objective) {
+        const auto fit = fit_su(matrix, {.lobes = 4, .objective = objective, .max_theta = k_cap});
+        return albedo_error(evaluator(bundled(name)), evaluator(fit->model), k_cap);
+    };
+    const double followed = error(Objective::appearance);
+    EXPECT_LT(followed, 0.04);
+    EXPECT_LT(followed, 0.7 * error(Objective::cube_root));  // which also takes less of a highlight
+}
+
 TEST(FitSu, ErrorFallsWithTheNumberOfLobes) {
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const RawMatrix matrix = matrix_of(name);

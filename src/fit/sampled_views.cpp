@@ -5,6 +5,7 @@
 
 #include "fit/objective.h"
 #include "parallel.h"
+#include "srbf/directions.h"
 
 namespace srbf {
 namespace {
@@ -17,6 +18,9 @@ constexpr std::size_t k_peak_views = 24;    ///< number of views on either side 
 constexpr std::size_t k_typical_views = 8;  ///< every eighth view tells the typical value
 /// Weight of directions between those of the matrix, relative to those of the matrix, per solid angle.
 constexpr double k_between = 0.1;
+/// An error of 1 % in the radiances under all lights costs three channels times 1e-4 times this.
+constexpr double k_light_importance = 3;
+constexpr double k_elevation = 0.5;  ///< of the light beside, relative to 1
 
 }  // namespace
 
@@ -85,11 +89,13 @@ ViewRows SampledViews::rows(std::size_t view) const {
         whole += weights[i];
     }
     const double density = double(n) / (2 * k_pi);  // density of the matrix's directions [1/sr]
+    std::vector<double> pdf_between;
     for (std::size_t i = view * m; i < (view + 1) * m; ++i) {
         const RawMatrix::Between& between = matrix_.between[i];
         if (!within(between.direction) || !is_finite(between.f)) continue;
         directions.push_back(between.direction);
         values.push_back(between.f);
+        pdf_between.push_back(double(between.pdf));
         weights.push_back(k_between * density / (density + double(m) * double(between.pdf)) *
                           weight(view, between.direction, between.f));
     }
@@ -104,10 +110,43 @@ ViewRows SampledViews::rows(std::size_t view) const {
         rows.root_weight[i] = float(root);
         for (int c = 0; c < 3; ++c) rows.y[std::size_t(c)][i] = float(root / rows.scale * double(values[i][c]));
     }
+    if (traits(objective_).of_pictures) {
+        // Directions of the matrix and between them count by their common density.
+        const MirrorMixture mixture(k_pi / 2);
+        std::vector<double> solid_angle;
+        for (std::size_t i = 0; i < directions.size(); ++i) {
+            const double pdf =
+                i < n ? mixture.pdf(to_double(directions[i]), to_double(direction(view))) : pdf_between[i - n];
+            solid_angle.push_back(1 / (density + double(m) * pdf));
+        }
+        add_lights(rows, view, directions, values, solid_angle);
+    }
     rows.least_cosine = 0.5 * cos_max_;
     const double most = within(direction(view)) ? k_most_peak : k_most_peak_beyond;
     for (int c = 0; c < 3; ++c) rows.largest[std::size_t(c)] = most * double(largest_[view][c]) / rows.scale;
     return rows;
+}
+
+void SampledViews::add_lights(ViewRows& rows, std::size_t view, std::span<const Vec3f> directions,
+                              std::span<const Rgb> values, std::span<const double> solid_angle) const {
+    const Vec3d about = to_double(direction(view));
+    const Vec3d beside = normalize(Vec3d{-about.y, about.x, k_elevation});
+    const std::pair<Vec3d, double> lights[] = {{about, 0}, {mirror(about), 2}, {beside, 4}, {about, 4}};
+    for (const auto& [centre, kappa] : lights) {
+        Aligned<float> light(rows.root_weight.size(), 0.f);
+        double luminous = 0;
+        for (std::size_t i = 0; i < directions.size(); ++i) {
+            if (!(rows.root_weight[i] > 0) || !within(directions[i])) continue;
+            const double of_light = std::exp(kappa * (dot(to_double(directions[i]), centre) - 1)),
+                         measure = solid_angle[i] * double(directions[i].z) * of_light;
+            light[i] = float(measure / double(rows.root_weight[i]));
+            luminous += measure * double(luminance(values[i]));
+        }
+        if (!(luminous > 0)) continue;
+        const auto factor = float(rows.scale / luminous * std::sqrt(k_light_importance / std::size(lights)));
+        for (float& x : light) x *= factor;
+        rows.lights.push_back(std::move(light));
+    }
 }
 
 }  // namespace srbf

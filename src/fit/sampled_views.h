@@ -18,7 +18,7 @@ class SampledViews {
 
     /// The rows of a view. Directions of the matrix within θmax have the weights of the objective. Those beyond are
     /// guards with small weights, as in `observe`. Directions between those of the matrix together weigh as much as
-    /// k_between times a uniform density of them. Empty (scale 0) if there is no value above 0 within θmax.
+    /// k_between times a uniform density of them. For an objective of pictures radiances are matched too. Empty (scale 0) if there is no value above 0 within θmax.
     ViewRows rows(std::size_t view) const;
 
   private:
@@ -33,6 +33,10 @@ class SampledViews {
         return matrix_.discretise == Discretise::light ? std::pair(direction(view), other)
                                                        : std::pair(other, direction(view));
     }
+    /// Adds the radiances that a view reflects under four lights: a uniform one, and broad ones about the mirror
+    /// direction, beside the view, and about it.
+    void add_lights(ViewRows& rows, std::size_t view, std::span<const Vec3f> directions, std::span<const Rgb> values,
+                    std::span<const double> solid_angle) const;
     double weight(std::size_t view, Vec3f other, const Rgb& f) const;
 
     const RawMatrix& matrix_;

@@ -81,6 +81,22 @@ Eigen::VectorXd ViewProblem::longest_step(const Eigen::VectorXd& x) const {
     return longest;
 }
 
+template <typename OfBlock> Eigen::MatrixXd ViewProblem::gram(std::size_t count, const OfBlock& of_block) {
+    const std::size_t K = view_->lights.size();
+    std::vector<double> products(count * count, 0.0), lit(K * count, 0.0);
+    std::vector<const float*> columns(count), lights(K);
+    for (std::size_t block = 0; block < blocks(); ++block) {
+        of_block(block, columns);
+        add_gram(columns, products.data());
+        for (std::size_t k = 0; k < K; ++k) lights[k] = &view_->lights[k][block * k_block];
+        if (K > 0) add_products(lights, columns, lit.data());
+    }
+    Eigen::MatrixXd G = symmetric(products, Eigen::Index(count));
+    lit_ = Eigen::Map<const Eigen::MatrixXd>(lit.data(), Eigen::Index(count), Eigen::Index(K));
+    if (K > 0) G += lit_ * lit_.transpose();
+    return G;
+}
+
 double ViewProblem::loss(const Eigen::VectorXd& x) {
     const auto J = std::size_t(lobes_);
     for (int j = 0; j < lobes_; ++j) {
@@ -103,25 +119,21 @@ double ViewProblem::loss(const Eigen::VectorXd& x) {
             limit_(j, c) = std::min(of_hemisphere, of_halves);
         }
     }
-    std::vector<double> sums((J + 3) * (J + 3), 0.0);
-    std::vector<const float*> columns(J + 3);
-    for (std::size_t block = 0; block < blocks(); ++block) {
+    const Eigen::MatrixXd G = gram(J + 3, [&](std::size_t block, std::vector<const float*>& columns) {
         for (std::size_t j = 0; j < J; ++j) {
             exponentiate(part(exponent_, j, block), &view_->root_weight[block * k_block], float(offset_[j]),
                          part(value_, j, block));
             columns[j] = part(value_, j, block);
         }
         for (std::size_t c = 0; c < 3; ++c) columns[J + c] = &view_->y[c][block * k_block];
-        add_gram(columns, sums.data());
-    }
-    const Eigen::MatrixXd G = symmetric(sums, lobes_ + 3);
+    });
     gram_ = G.topLeftCorner(lobes_, lobes_);
     for (int c = 0; c < 3; ++c)
         beta_.col(c) = bounded_least_squares(gram_, G.block(0, lobes_ + c, lobes_, 1), limit_.col(c));
 
-    double sum = 0;
+    double sum = (lit_.bottomRows(3) - beta_.transpose() * lit_.topRows(lobes_)).squaredNorm();
     std::vector<float> beta(J);
-    columns.resize(J);
+    std::vector<const float*> columns(J);
     for (std::size_t c = 0; c < 3; ++c) {
         for (std::size_t j = 0; j < J; ++j) beta[j] = float(beta_(Eigen::Index(j), Eigen::Index(c)));
         for (std::size_t block = 0; block < blocks(); ++block) {
@@ -137,9 +149,7 @@ double ViewProblem::loss(const Eigen::VectorXd& x) {
 // approximation). A coefficient at a bound is constant.
 void ViewProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
     const Eigen::Index J = lobes_, derivatives = 3 * J, total = 4 * J + 3;
-    std::vector<double> sums(std::size_t(total * total), 0.0);
-    std::vector<const float*> columns(static_cast<std::size_t>(total));
-    for (std::size_t block = 0; block < blocks(); ++block) {
+    const Eigen::MatrixXd G = gram(std::size_t(total), [&](std::size_t block, std::vector<const float*>& columns) {
         for (std::size_t j = 0; j < std::size_t(J); ++j) {
             float* by[3];
             for (std::size_t k = 0; k < 3; ++k) columns[3 * j + k] = by[k] = part(derivative_, 3 * j + k, block);
@@ -147,9 +157,7 @@ void ViewProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
             derive(view_->directions, block, moving(x, int(j)), e, part(exponent_, j, block), by[0], by[1], by[2]);
         }
         for (std::size_t c = 0; c < 3; ++c) columns[std::size_t(4 * J) + c] = part(rest_, c, block);
-        add_gram(columns, sums.data());
-    }
-    const Eigen::MatrixXd G = symmetric(sums, total);
+    });
     const auto DD = G.topLeftCorner(derivatives, derivatives), DE = G.block(0, derivatives, derivatives, J);
 
     H = Eigen::MatrixXd::Zero(derivatives, derivatives);

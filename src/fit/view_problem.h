@@ -18,7 +18,10 @@ struct ViewRows {
     DirectionRows directions;
     Aligned<float> root_weight;       ///< √w, Σ w = 1; 0 where nothing was measured
     std::array<Aligned<float>, 3> y;  ///< √w f / scale for each channel; their squares sum to 1
-    double scale = 0;                 ///< 0: no data to fit
+    /// Of each radiance that is also matched: Σ light √w f / scale over the rows is the reflected radiance under some
+    /// light, in units of which an error of 1 adds 1 to the loss. Where nothing was measured it is dark.
+    std::vector<Aligned<float>> lights;
+    double scale = 0;  ///< 0: no data to fit
     /// Upper bound per lobe and channel: its maximum over the hemisphere times the cosine there, f / scale. Smaller
     /// cosines are replaced by the least cosine.
     std::array<double, 3> largest{};
@@ -56,6 +59,8 @@ class ViewProblem {
         return &of[(block * (of.size() / (blocks() * k_block)) + column) * k_block];
     }
     std::size_t blocks() const { return view_->directions.blocks; }
+    /// Adds to the Gram matrix of `columns` those of their sums under each light; `of_block` sets the columns.
+    template <typename OfBlock> Eigen::MatrixXd gram(std::size_t columns, const OfBlock& of_block);
 
     const ViewRows* view_ = nullptr;
     int lobes_;
@@ -65,6 +70,7 @@ class ViewProblem {
     std::vector<Frame> frame_;
     Aligned<float> exponent_, value_, derivative_, rest_;  ///< blocks × (J, J, 3 J, 3) × k_block
     std::vector<double> offset_;
+    Eigen::MatrixXd lit_;                  ///< columns × lights, of the last call of `gram`
     Eigen::MatrixXd beta_, limit_, gram_;  ///< J × 3, J × 3, J × J: for lobes normalised to a maximum of 1 on the rows
 };
 

@@ -187,7 +187,8 @@ void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, 
 
 void see(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate) {
     LobeProblem problem(rows, shape_of(options), false, log_peak_limit);
-    candidate.loss = optimise(problem, candidate.lobes, k_seen_steps);
+    optimise(problem, candidate.lobes, k_seen_steps);
+    candidate.loss = problem.delta_e();
 }
 
 }  // namespace srbf

@@ -67,7 +67,7 @@ void improve(const Rows& rows, const FitOptions& options, double log_peak_limit,
 /// Optimises on more rows; lobes that become useless there are replaced.
 void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate);
 
-/// Optimises on rows with views.
+/// Optimises on rows with views. The candidate's loss becomes the mean ΔE_ITP of their pixels.
 void see(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate);
 
 }  // namespace srbf

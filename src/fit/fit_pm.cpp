@@ -29,7 +29,7 @@ constexpr Round k_rounds[] = {{1, 0.2}, {0.5, 0.5}, {0.25, 1}};
 /// Candidates with the same loss of pairs look different: more of them remain for pictures to choose from.
 constexpr Round k_rounds_to_pictures[] = {{1, 0.2}, {0.5, 0.7}};
 std::span<const Round> rounds_of(const Observations& observations) {
-    return observations.views.empty() ? std::span<const Round>(k_rounds) : k_rounds_to_pictures;
+    return observations.views.empty() ? std::span<const Round>(k_rounds) : std::span<const Round>(k_rounds_to_pictures);
 }
 // This many candidates advance to the next stage.
 constexpr std::size_t k_polished = 4, k_finished = 3;
@@ -120,7 +120,7 @@ PmFit finish(Lobes lobes, const Observations& observations, double radiance_impo
     for (int round = 0;; ++round) {
         const Rows rows(all, {.radiance_importance = radiance_importance,
                               .spectra = spectral,
-                              .picture_importance = spectral ? 0 : picture_importance});
+                              .picture_importance = picture_importance});
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = LobeProblem::pack(lobes);
         const auto summary =

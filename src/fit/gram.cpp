@@ -292,7 +292,9 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     for (std::size_t k = 0; k < radiances; ++k)
         radiance_blocks =
             std::max(radiance_blocks, blocks_for((observations.radiances[k * every].wl.size() + step - 1) / step));
-    if (extent.picture_importance > 0) {
+    const bool any_pixel =
+        std::ranges::any_of(observations.views, [](const auto& view) { return !view.pixels.empty(); });
+    if (extent.picture_importance > 0 && !extent.spectra && any_pixel) {
         picture_importance = extent.picture_importance;
         views = observations.views.size(), view_rows = k_least_view_rows;
         for (const SeenView& view : observations.views) view_rows = std::max(view_rows, std::bit_ceil(view.wl.size()));

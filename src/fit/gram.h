@@ -26,7 +26,7 @@ struct Extent {
         0;  ///< increase of the sum if every radiance is off by its luminance in one channel; 0: no radiances
     bool roughly = false;           ///< only every other radiance, and of each every ninth direction
     bool spectra = false;           ///< the spectra of spectral observations instead of their colours
-    double picture_importance = 0;  ///< factor of the mean error of all `Pixels`; 0: no views
+    double picture_importance = 0;  ///< factor of the mean error of all `Pixels`; 0, or with spectra: no views
 };
 
 /// Observations in the layout of the loops: an array per component, padded to whole blocks with rows of weight 0. First

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "fit/gram.h"
+#include "parallel.h"
 #include "srbf/half.h"
 #include "srbf/model.h"
 
@@ -101,7 +102,12 @@ class LobeProblem {
     std::size_t chunks_of_pairs() const { return (rows_.blocks + k_chunk - 1) / k_chunk; }
     std::size_t chunks() const { return chunks_of_pairs() + rows_.radiances; }
     std::size_t whole_chunks() const { return chunks() + rows_.whole_blocks() - rows_.first_view_block(); }
-    template <typename Body> void for_each(std::size_t count, const Body& body) const;
+    template <typename Body> void for_each(std::size_t count, const Body& body) const {
+        if (parallel_)
+            parallel_for(count, body);
+        else
+            for (std::size_t i = 0; i < count; ++i) body(i);
+    }
     template <typename Body> void for_chunks(std::size_t count, const Body& body) const;
     /// Σ over blocks of pairs of products of n columns, and over radiances of products of the columns' sums.
     /// `columns(block, scratch)` appends n pointers; `sums(begin, end)` returns the columns' sums over the blocks of an
@@ -131,9 +137,14 @@ class LobeProblem {
         /// Changes the variables' Hessian and gradient to those of a sum to which these coefficients adapt.
         void eliminate(Eigen::MatrixXd& of_x, Eigen::VectorXd& by_x) const;
     };
+    /// The pixels' part of the loss for coefficients β, and its terms in them.
     double pixel_loss(const Eigen::MatrixXd& beta, Coefficients& adapting);
+    /// Sets β, from that of the last call of `loss` if it had as many lobes. G: Gram matrix of the lobes and the pairs'
+    /// data.
     void fit_to_pixels(const Eigen::MatrixXd& G, const Eigen::MatrixXd& last);
+    /// Adds the pixels' terms in the variables and coefficients.
     void add_pixels(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g, Coefficients& adapting);
+    /// add(variable, derivative of log β_j by it) for a coefficient at its upper bound.
     template <typename Add> void for_limit(const Eigen::VectorXd& x, int j, const Add& add) const;
 
     const Rows& rows_;
@@ -155,5 +166,20 @@ class LobeProblem {
 double log_peak_factor(std::span<const double> of_lobe, const LobeShape& shape, double offset);
 /// p_n from the weights of a lobe.
 Vec3d vector_of(std::span<const double> of_lobe, const LobeShape& shape, int n);
+
+template <typename Add> void LobeProblem::for_limit(const Eigen::VectorXd& x, int j, const Add& add) const {
+    const int N = shape_.variates, W = shape_.width(), C = shape_.components();
+    const double factor = shape_.reciprocal ? 2 : 1;
+    for (int n = 0; n < N; ++n) {
+        const Vec3d p = vector_of({&x[N + j * W], std::size_t(W)}, shape_, n);
+        const double bandwidth = std::hypot(p.x, p.y, p.z);
+        if (bandwidth == 0) continue;
+        const Eigen::Index last = N + j * W + (n + 1) * C - 1;  // index of p_z
+        add(last, factor * (1 - p.z / bandwidth));
+        if (shape_.axial) continue;
+        add(last - 2, -factor * p.x / bandwidth);
+        add(last - 1, -factor * p.y / bandwidth);
+    }
+}
 
 }  // namespace srbf

@@ -70,8 +70,7 @@ GoalWords words(const SizeGoal& goal) {
 /// smaller models.
 void print_path(const FitRequest& request, const FitOutcome& outcome) {
     if (outcome.path.empty()) return;
-    const auto goal = goal_of(request);
-    const bool is_delta_e = goal && std::holds_alternative<TargetDeltaE>(*goal);
+    const bool is_delta_e = is_by_pictures(request);
     const bool is_ratio = !is_delta_e && measure_named_for(request.objective).is_ratio;
     fmt::print("\n  {:>9}  {:>10}   {}\n", "bytes", is_delta_e ? "Delta E" : is_ratio ? "error, %" : "error", "tried");
     double least = std::numeric_limits<double>::infinity();

@@ -9,10 +9,7 @@
 
 namespace srbf {
 
-Frame frame(const Camera& camera) {
-    const Vec3d z = normalize(camera.eye - camera.target), x = normalize(cross(camera.up, z));
-    return {x, cross(z, x), z};
-}
+Frame frame(const Camera& camera) { return frame_about(normalize(camera.eye - camera.target), camera.up); }
 
 Vec3d direction_through(const Camera& camera, double aspect, double s, double t) {
     const double half = std::tan(camera.fov / 2);

@@ -15,14 +15,6 @@ struct Camera {
     double fov = 30 * k_degree;  ///< vertical field of view [rad], in (0, π)
 };
 
-/// Three orthonormal axes.
-struct Frame {
-    Vec3d x, y, z;
-    /// The vector with coordinates w in the frame.
-    Vec3d from(Vec3d w) const { return w.x * x + w.y * y + w.z * z; }
-    /// The coordinates of w in the frame.
-    Vec3d to(Vec3d w) const { return {dot(w, x), dot(w, y), dot(w, z)}; }
-};
 Frame frame(const Camera& camera);
 /// The unit vector from the eye through the point (s, t) of the picture: s from −1 (left) to 1 (right), t from −1
 /// (bottom) to 1 (top); aspect = width / height.

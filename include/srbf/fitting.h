@@ -70,6 +70,12 @@ inline std::optional<SizeGoal> goal_of(const FitRequest& request) {
     return goal ? std::optional(*goal) : std::nullopt;
 }
 
+/// Whether the size is chosen by what is seen.
+inline bool is_by_pictures(const FitRequest& request) {
+    const auto goal = goal_of(request);
+    return goal && std::holds_alternative<TargetDeltaE>(*goal);
+}
+
 /// A fitted model with its errors and statistics.
 struct FitOutcome {
     Model model;  ///< as stored; its provenance has objective, max_theta, seed, and the errors once they are measured

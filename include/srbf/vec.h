@@ -52,6 +52,22 @@ template <typename Real> Angles<Real> angles(Vec3<Real> w) {
 /// The mirror direction of ω: ω rotated by 180° about the normal, (−x, −y, z).
 template <typename Real> constexpr Vec3<Real> mirror(Vec3<Real> w) { return {-w.x, -w.y, w.z}; }
 
+/// Three orthonormal axes.
+struct Frame {
+    Vec3d x, y, z;
+    /// The vector with coordinates w in the frame.
+    Vec3d from(Vec3d w) const { return w.x * x + w.y * y + w.z * z; }
+    /// The coordinates of w in the frame.
+    Vec3d to(Vec3d w) const { return {dot(w, x), dot(w, y), dot(w, z)}; }
+};
+/// The frame about the unit vector z with x perpendicular to `up`; with any x if they are parallel.
+inline Frame frame_about(Vec3d z, Vec3d up) {
+    Vec3d x = cross(up, z);
+    if (dot(x, x) < 1e-12) x = cross(Vec3d{1, 0, 0}, z);
+    x = normalize(x);
+    return {x, cross(z, x), z};
+}
+
 /// Rec.709 luminance 0.2126 R + 0.7152 G + 0.0722 B.
 constexpr double luminance(const Rgb& c) { return 0.2126 * double(c.r) + 0.7152 * double(c.g) + 0.0722 * double(c.b); }
 

@@ -46,7 +46,7 @@ Result<Done> validate(const FitRequest& request, bool has_spectra, bool is_sampl
         return refused("spectral channels", "a multivariate model", "another");
     if (request.spectral && goal_of(request))
         return refused("spectral channels", "a number of lobes", "a budget or a target error");
-    if (is_samples && is_delta_e(goal_of(request)))
+    if (is_samples && is_by_pictures(request))
         return refused("target delta E", "a measured table", "scattered samples");
     return Done{};
 }
@@ -303,7 +303,7 @@ class Fitter::Work {
 
     /// The held-out error by the objective's own measure, or the mean ΔE_ITP if that is the goal.
     double error_of_model(const PmModel& model, const FitRequest& request, bool in_short) const {
-        if (is_delta_e(goal_of(request))) {
+        if (is_by_pictures(request)) {
             const Evaluate others[] = {evaluator(model)};
             const int size = in_short ? k_pixels_in_short : k_sphere_pixels;
             return compare_pictures(clamped_, others, request.threads, {}, size)[0].mean.delta_e;

@@ -292,9 +292,8 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     for (std::size_t k = 0; k < radiances; ++k)
         radiance_blocks =
             std::max(radiance_blocks, blocks_for((observations.radiances[k * every].wl.size() + step - 1) / step));
-    const bool any_pixel =
-        std::ranges::any_of(observations.views, [](const auto& view) { return !view.pixels.empty(); });
-    if (extent.picture_importance > 0 && !extent.spectra && any_pixel) {
+    const auto has_pixels = [](const SeenView& view) { return !view.pixels.empty(); };
+    if (extent.picture_importance > 0 && !extent.spectra && std::ranges::any_of(observations.views, has_pixels)) {
         picture_importance = extent.picture_importance;
         views = observations.views.size(), view_rows = k_least_view_rows;
         for (const SeenView& view : observations.views) view_rows = std::max(view_rows, std::bit_ceil(view.wl.size()));

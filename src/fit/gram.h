@@ -61,8 +61,8 @@ struct Rows {
     std::size_t whole_blocks() const { return first_view_block() + (views * view_rows + k_block - 1) / k_block; }
 
   private:
-    /// Row i for these directions: `factor` is √w, or its replacement in a sum; f(c) the value of channel c.
     void add_views(const std::vector<SeenView>& views);
+    /// Row i for these directions: `factor` is √w, or its replacement in a sum; f(c) the value of channel c.
     template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
 };
 

@@ -169,11 +169,13 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
         const double factor = log_peak_factor(of_lobe, shape_, offset_[std::size_t(j)]);
         beta_limit_[j] = std::exp(std::min(log_peak_limit_ - std::log(rows_.scale) - factor, 700.0));
     }
-    const Eigen::MatrixXd last = beta_;
-    beta_.resize(lobes_, Eigen::Index(C));
-    for (Eigen::Index c = 0; c < beta_.cols(); ++c)
-        beta_.col(c) = bounded_least_squares(gram_, G.block(0, lobes_ + c, lobes_, 1), beta_limit_);
-    if (rows_.views > 0) fit_to_pixels(G, last);
+    // With pixels the coefficients of the last call are a better start than those of the pairs alone.
+    if (rows_.views == 0 || beta_.rows() != lobes_ || beta_.cols() != Eigen::Index(C)) {
+        beta_.resize(lobes_, Eigen::Index(C));
+        for (Eigen::Index c = 0; c < beta_.cols(); ++c)
+            beta_.col(c) = bounded_least_squares(gram_, G.block(0, lobes_ + c, lobes_, 1), beta_limit_);
+    }
+    if (rows_.views > 0) fit_to_pixels(G);
 
     std::vector<double> sums(chunks(), 0.0);
     for_chunks(chunks(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {

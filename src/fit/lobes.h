@@ -139,9 +139,8 @@ class LobeProblem {
     };
     /// The pixels' part of the loss for coefficients β, and its terms in them.
     double pixel_loss(const Eigen::MatrixXd& beta, Coefficients& adapting);
-    /// Sets β, from that of the last call of `loss` if it had as many lobes. G: Gram matrix of the lobes and the pairs'
-    /// data.
-    void fit_to_pixels(const Eigen::MatrixXd& G, const Eigen::MatrixXd& last);
+    /// Improves β. G: Gram matrix of the lobes and the pairs' data.
+    void fit_to_pixels(const Eigen::MatrixXd& G);
     /// Adds the pixels' terms in the variables and coefficients.
     void add_pixels(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g, Coefficients& adapting);
     /// add(variable, derivative of log β_j by it) for a coefficient at its upper bound.

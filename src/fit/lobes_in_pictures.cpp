@@ -110,14 +110,13 @@ double LobeProblem::pixel_loss(const Eigen::MatrixXd& beta, Coefficients& adapti
     return sum;
 }
 
-// From the coefficients of the last call, or those of the pairs alone, by a few steps of Gauss and Newton: the gradient
-// of what remains is part of `linearise`.
-void LobeProblem::fit_to_pixels(const Eigen::MatrixXd& G, const Eigen::MatrixXd& last) {
+// By a few steps of Gauss and Newton: the gradient of what remains is part of `linearise`.
+void LobeProblem::fit_to_pixels(const Eigen::MatrixXd& G) {
     constexpr int k_most_steps = 2;
     constexpr double k_tolerance = 1e-7, k_least_share = 0.05;
     const Eigen::Index J = lobes_, C = beta_.cols();
     take_moments(false);
-    if (last.rows() == J && last.cols() == C) beta_ = last.cwiseMin(beta_limit_.replicate(1, C));
+    beta_ = beta_.cwiseMin(beta_limit_.replicate(1, C)).eval();
     // The sum, its gradient and Hessian.
     const auto loss_at = [&](const Eigen::MatrixXd& beta, double& of_pixels, Coefficients& at) {
         of_pixels = pixel_loss(beta, at);

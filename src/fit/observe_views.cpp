@@ -5,7 +5,6 @@
 #include "fit/objective.h"
 #include "parallel.h"
 #include "srbf/directions.h"
-#include "srbf/kernel.h"
 #include "srbf/pictures.h"
 
 namespace srbf {
@@ -35,17 +34,14 @@ std::vector<Lighting> lights() {
     return all;
 }
 
-/// A view of the sphere from +z: `normal` and tangents, turned about it by some angle.
-struct ViewFrame {
-    Vec3d x, y, normal;
-    ViewFrame(Vec3d n, double turn) : normal(n) {
-        const Vec3d across = normalize(cross(std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, n)),
-                    along = cross(n, across);
-        x = std::cos(turn) * across + std::sin(turn) * along, y = cross(n, x);
-    }
-    Vec3d to_world(Vec3d w) const { return w.x * x + w.y * y + w.z * normal; }
-    Vec3d to_local(Vec3d w) const { return {dot(w, x), dot(w, y), dot(w, normal)}; }
-};
+bool is_single(const Lighting& lighting) { return lighting.sources.size() == 1 && lighting.sources[0].radius == 0; }
+
+/// A frame about `normal`, turned about it by some angle.
+Frame frame_of(Vec3d normal, double turn) {
+    const Frame frame = frame_about(normal, std::abs(normal.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0});
+    const Vec3d x = std::cos(turn) * frame.x + std::sin(turn) * frame.y;
+    return {x, cross(normal, x), normal};
+}
 
 }  // namespace
 
@@ -57,39 +53,39 @@ std::vector<SeenView> observe_views(const Evaluate& f, double theta_max, int thr
     parallel_for(k_views, threads, [&](std::size_t i) {
         SeenView& view = views[i];
         const double r = std::sqrt((double(i) + 0.5) / double(k_views)) * std::sin(theta_max), phi = 2.4 * double(i);
-        const ViewFrame frame({r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - r * r)}, phi);
-        const Vec3d wv = frame.to_local({0, 0, 1});
+        const Frame frame = frame_of({r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - r * r)}, phi);
+        const Vec3d wv = frame.to({0, 0, 1});
         view.wv = to_float(wv);
         const Quadrature points = mixture.quadrature(wv, k_points);
         view.wl = points.w;
         for (const Lighting& lighting : all)
-            if (lighting.sources.size() == 1 && lighting.sources[0].radius == 0)
-                if (const Vec3d l = frame.to_local(lighting.sources[0].direction); mixture.contains(l)) {
+            if (is_single(lighting))
+                if (const Vec3d l = frame.to(lighting.sources[0].direction); mixture.contains(l)) {
                     view.pixels.push_back({std::size_t(&lighting - all.data()), view.wl.size(), {float(l.z * k_pi)}});
                     view.wl.push_back(to_float(l));
                 }
         for (std::size_t k = 0; k < all.size(); ++k) {
-            if (!(all[k].zenith.r > 0)) continue;
+            if (is_single(all[k])) continue;
             SeenPixel pixel{k, 0, {}};
             for (std::size_t p = 0; p < points.w.size(); ++p) {
                 const Vec3d l = to_double(points.w[p]);
-                pixel.weight.push_back(float(points.weight[p] * l.z) * radiance(all[k], frame.to_world(l)).r);
+                pixel.weight.push_back(float(points.weight[p] * l.z) * radiance(all[k], frame.from(l)).r);
             }
             view.pixels.push_back(std::move(pixel));
         }
         view.f.resize(view.wl.size());
         f(view.wl, std::vector<Vec3f>(view.wl.size(), view.wv), view.f);
         for (SeenPixel& pixel : view.pixels)
-            for (std::size_t p = 0; p < pixel.weight.size(); ++p) {
-                Rgb& value = view.f[pixel.first + p];
-                if (!is_finite(value)) pixel.weight[p] = 0;
-                for (int c = 0; c < 3 && pixel.weight[p] > 0; ++c)
-                    seen[pixel.lighting].at(int(i), 0)[c] += pixel.weight[p] * std::max(value[c], 0.f);
-            }
+            for (std::size_t p = 0; p < pixel.weight.size(); ++p)
+                if (!is_finite(view.f[pixel.first + p])) pixel.weight[p] = 0;
         for (Rgb& value : view.f) {
             if (!is_finite(value)) value = {};
             clamp_negative(value);
         }
+        for (const SeenPixel& pixel : view.pixels)
+            for (std::size_t p = 0; p < pixel.weight.size(); ++p)
+                for (int c = 0; c < 3; ++c)
+                    seen[pixel.lighting].at(int(i), 0)[c] += pixel.weight[p] * view.f[pixel.first + p][c];
     });
     std::vector<float> exposure;
     for (const Image& image : seen) exposure.push_back(exposure_to(image, k_exposed_value));

@@ -21,7 +21,6 @@ class Pixels {
 
     /// Adds a pixel with this colour in the reference.
     void add(const Triplet& colour);
-    std::size_t count() const { return reference_.size(); }
 
     /// ρ(ΔE_ITP) of pixel p with another colour: 2 k (√(ΔE² + k²) − k), a square below k = 1, which is just noticeable,
     /// and linear above, as a mean of ΔE is. A channel that both clip at white is equal; a channel that the reference

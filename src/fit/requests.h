@@ -12,10 +12,6 @@ constexpr std::uint64_t raw_bytes(std::uint64_t n, std::uint64_t channels = 3) {
     return n * n * channels * sizeof(float);
 }
 
-inline bool is_delta_e(const std::optional<SizeGoal>& goal) {
-    return goal && std::holds_alternative<TargetDeltaE>(*goal);
-}
-
 /// The requested number of lobes; none: it is chosen by the fit.
 inline std::optional<int> lobes_of(const PmRequest& pm) {
     const auto* count = pm.size ? std::get_if<LobeCount>(&*pm.size) : nullptr;

@@ -39,13 +39,14 @@ Sample::Sample(const Observations& observations)
       few_(beginning_of_all(observations.f.size() < k_more ? k_some : k_few)),
       some_(beginning_of_all(k_some)),
       more_(beginning_of_all(k_more)),
-      largest_(largest_measured(observations)) {}
+      largest_(largest_measured(observations)) {
+    some_.observations.views = observations.views;
+}
 
 Sample::Part Sample::beginning_of_all(std::size_t count) const {
     Observations some = beginning(all_, count);
     some.wavelengths.clear(), some.spectrum.clear();
     some.radiances = all_.radiances;
-    some.views = all_.views;
     const std::size_t begin = some.f.size();
     return {std::move(some), begin};
 }

@@ -18,7 +18,8 @@ class SampledViews {
 
     /// The rows of a view. Directions of the matrix within θmax have the weights of the objective. Those beyond are
     /// guards with small weights, as in `observe`. Directions between those of the matrix together weigh as much as
-    /// k_between times a uniform density of them. For an objective of pictures radiances are matched too. Empty (scale 0) if there is no value above 0 within θmax.
+    /// k_between times a uniform density of them. For an objective of pictures radiances are matched too. Empty (scale 0)
+    /// if there is no value above 0 within θmax.
     ViewRows rows(std::size_t view) const;
 
   private:

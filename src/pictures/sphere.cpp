@@ -13,20 +13,6 @@ namespace {
 
 constexpr int k_mirror_points = 384, k_source_points = 32;
 
-/// Axes of a local frame in the world.
-struct Frame {
-    Vec3d x, y, z;
-    Vec3d to_world(Vec3d w) const { return w.x * x + w.y * y + w.z * z; }
-    Vec3d to_local(Vec3d w) const { return {dot(w, x), dot(w, y), dot(w, z)}; }
-};
-/// About `z`, with x perpendicular to `up`; any x if they are parallel.
-Frame frame_about(Vec3d z, Vec3d up) {
-    Vec3d x = cross(up, z);
-    if (dot(x, x) < 1e-12) x = cross(Vec3d{1, 0, 0}, z);
-    x = normalize(x);
-    return {x, cross(z, x), z};
-}
-
 /// Squared distance from the sphere's centre, in units of (radius / size)²: an integer, on which θv depends alone.
 int squared_distance(int size, int x, int y) {
     const int dx = 2 * x + 1 - size, dy = 2 * y + 1 - size;
@@ -51,7 +37,7 @@ Disc disc(const Lighting::Source& source) {
     const Frame frame = frame_about(source.direction, {0, 1, 0});
     Disc disc{{}, source.direction, std::cos(radius), k_source_points / (2 * k_pi * (1 - std::cos(radius)))};
     for (int i = 0; i < k_source_points; ++i)
-        disc.points.push_back(frame.to_world(fibonacci_direction(i, k_source_points, radius)));
+        disc.points.push_back(frame.from(fibonacci_direction(i, k_source_points, radius)));
     return disc;
 }
 
@@ -106,7 +92,7 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
             const int squares = squared_distance(size, x, y);
             const Vec3d normal{(2 * x + 1 - size) / double(size), (size - 2 * y - 1) / double(size), cos_view(squares)};
             const Frame frame = frame_about(normal, {0, 1, 0});
-            const Vec3d v = frame.to_local({0, 0, 1});
+            const Vec3d v = frame.to({0, 0, 1});
             const auto add_pair = [&](Vec3d l) {
                 wl.push_back(to_float(l)), wv.push_back(to_float(v));
                 return wl.size() - 1;
@@ -124,7 +110,7 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
                         terms.push_back({k, pair, x, {scale * light.r, scale * light.g, scale * light.b}});
                 };
                 for (const Lighting::Source& source : lighting.sources) {
-                    const Vec3d l = frame.to_local(source.direction);
+                    const Vec3d l = frame.to(source.direction);
                     if (source.radius == 0 && l.z > 0) add_term(add_pair(l), l.z, 1, source.power);
                 }
                 // Points of all sets count by their common density.
@@ -133,10 +119,10 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
                     add_term(pair, double(wl[pair].z), 1 / density, radiance(lighting, w));
                 };
                 for (std::size_t i = 0; i < mirrored.density.size(); ++i)
-                    add(first + i, frame.to_world(to_double(wl[first + i])), mirrored.density[i]);
+                    add(first + i, frame.from(to_double(wl[first + i])), mirrored.density[i]);
                 for (const Disc& of : discs[k])
                     for (const Vec3d& w : of.points) {
-                        const Vec3d l = frame.to_local(w);
+                        const Vec3d l = frame.to(w);
                         if (l.z > 0) add(add_pair(l), w, double(mirrored.density.size()) * mixture.pdf(l, v));
                     }
             }

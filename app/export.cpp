@@ -9,16 +9,26 @@
 #include "app/report.h"
 #include "render/page.h"
 #include "srbf/file.h"
+#include "srbf/shading_code.h"
 
 namespace srbf {
 namespace {
 
 struct ExportCommand {
-    std::vector<std::string> files;
+    std::vector<std::string> files, with;
     std::string to, reference, output;
 
     int run() const;
+    Result<std::string> page(const std::vector<Subject>& models, const std::optional<Subject>& measured) const;
+    Result<std::string> code(const std::vector<Subject>& models, CodeLanguage language) const;
 };
+
+/// The kinds of code, by their names on the command line.
+constexpr std::array<std::pair<std::string_view, CodeLanguage>, 5> k_languages{{{"glsl", CodeLanguage::glsl},
+                                                                                {"hlsl", CodeLanguage::hlsl},
+                                                                                {"wgsl", CodeLanguage::wgsl},
+                                                                                {"msl", CodeLanguage::msl},
+                                                                                {"c", CodeLanguage::c}}};
 
 /// "film" for "materials/film.srbf".
 std::string stem(const std::string& path) { return std::filesystem::path(path).stem().string(); }
@@ -128,6 +138,15 @@ int ExportCommand::run() const {
     }
     if (const auto writable = check_outputs(inputs, {output}); !writable) return complain(writable.error());
 
+    const auto language = std::ranges::find(k_languages, std::string_view(to), [](const auto& of) { return of.first; });
+    const auto text = language == k_languages.end() ? page(models, measured) : code(models, language->second);
+    if (!text) return complain(text.error());
+    const auto written = write_file(output, as_bytes(*text));
+    return written ? int(k_done) : complain(written.error());
+}
+
+Result<std::string> ExportCommand::page(const std::vector<Subject>& models,
+                                        const std::optional<Subject>& measured) const {
     Page page;
     page.title = stem(files[0]);
     page.generator = "Written by srbf " SRBF_VERSION ". This page is one file and asks nothing of the network.";
@@ -137,25 +156,61 @@ int ExportCommand::run() const {
         page.table[0].cells.push_back(grouped(payload_bytes(std::get<Model>(model.content))));
     }
     if (measured) add_reference(page, *measured, models);
-    const auto written = write_file(output, as_bytes(page_html(page)));
-    return written ? int(k_done) : complain(written.error());
+    return page_html(page);
+}
+
+/// Models by the names of their files, numbered where two are the same.
+Result<std::string> ExportCommand::code(const std::vector<Subject>& models, CodeLanguage language) const {
+    std::vector<NamedModel> named;
+    for (const Subject& model : models) {
+        const std::string name = identifier(stem(model.path));
+        const auto is_taken = [&](const std::string& candidate) {
+            return std::ranges::find(named, candidate, &NamedModel::name) != named.end();
+        };
+        std::string own = name;
+        for (int i = 2; is_taken(own); ++i) own = fmt::format("{}_{}", name, i);
+        named.push_back({own, &std::get<Model>(model.content)});
+    }
+    CodeOptions options{.language = language};
+    for (const std::string& extra : with) (extra == "sampling" ? options.sampling : options.albedo) = true;
+    return shading_code(named, models.size() == 1 ? named[0].name : identifier(stem(output)), options);
 }
 
 }  // namespace
 
 void add_export(CommandLine& app, int& status) {
     const auto command = std::make_shared<ExportCommand>();
-    const Subcommand sub = app.add_subcommand("export", "Export models as a page to look at and to share");
+    const Subcommand sub =
+        app.add_subcommand("export", "Export models as shading code, or as a page to look at and to share");
     sub.add_option("MODEL", command->files, "Fitted models, side by side").type_name("").required();
-    sub.add_option("--to", command->to, "html: a single file for any browser, without network access")
+    sub.add_option(
+           "--to", command->to,
+           "html: a single file for any browser, without network access\n"
+           "glsl, hlsl, wgsl, msl, c: source code with functions NAME_brdf of each model, named by its file, and\n"
+           "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)")
         .type_name("KIND")
         .required()
-        .check(one_of({"html"}));
-    sub.add_option("--reference", command->reference, "The measurement, shown and plotted beside the models")
-        .type_name("MEASURED");
+        .check(one_of({"html", "glsl", "hlsl", "wgsl", "msl", "c"}));
+    const Option with =
+        sub.add_option(
+               "--with", command->with,
+               "sampling: code with NAME_sample and NAME_pdf too; albedo: with NAME_albedo, the share of light that\n"
+               "is reflected to a view; may be repeated")
+            .type_name("WHAT")
+            .one_at_a_time()
+            .check(one_of({"sampling", "albedo"}));
+    const Option reference =
+        sub.add_option("--reference", command->reference, "html: the measurement, shown and plotted beside the models")
+            .type_name("MEASURED");
     sub.add_option("-o,--output", command->output, "The file to write").type_name("FILE").required();
-    sub.footer("Example:\n  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
-    sub.callback([command, &status] { status = command->run(); });
+    sub.footer(
+        "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
+        "  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
+    sub.callback([command, with, reference, &status] {
+        if (command->to == "html" && with.given()) with.fail("is for code, not for --to html");
+        if (command->to != "html" && reference.given()) reference.fail("is for --to html");
+        status = command->run();
+    });
 }
 
 }  // namespace srbf

@@ -20,7 +20,7 @@ AreaLight softbox(const Scene& scene) {
 }
 
 int azimuths_of(const Subject& subject) {
-    constexpr int several = 8;
+    constexpr int several = k_anisotropic_azimuths;
     if (const auto* measured = std::get_if<Measured>(&subject.content)) return is_isotropic(*measured) ? 1 : several;
     const auto* pm = std::get_if<PmModel>(&std::get<Model>(subject.content).model);
     return pm && !pm->axial ? several : 1;

@@ -57,8 +57,31 @@ TEST_F(OfModel, export_writes_a_page_or_nothing) {
     expect_failure(1, start + Arguments{"--to", "html", "-o", *fitted / "m.srbf"}, "m.srbf");
     expect_failure(1, page + Arguments{"-o", "/dev/full"}, "/dev/full");
     expect_failure(2, Arguments{"export"} + to, "MODEL");
-    expect_failure(2, start + Arguments{"--to", "word", "-o", "x"}, "expected html, found word");
+    expect_failure(2, start + Arguments{"--to", "word", "-o", "x"}, "found word");
     expect_failure(2, start + Arguments{"--to", "html"}, "--output");
+    expect_failure(2, page + Arguments{"--with", "sampling", "-o", "x"}, "--with");
+}
+
+TEST_F(OfModel, export_writes_code_or_nothing) {
+    const Arguments start{"export", *fitted / "m.srbf", *fitted / "m.srbf"};
+    for (const char* language : {"glsl", "hlsl", "wgsl", "msl", "c"}) {
+        const Arguments to{"--to", language, "-o", std::string("two.") + language};
+        const ProgramRun plain = run(folder, start + to);
+        EXPECT_EQ(plain.status, 0) << plain.err;
+        EXPECT_EQ(plain.err + plain.out, "");
+        const std::string text = contents(folder / (std::string("two.") + language));
+        for (const char* name : {"m_brdf(", "m_2_brdf(", "two_pm_", "source paper_white_rgb.bsdf"})
+            EXPECT_NE(text.find(name), text.npos) << language << " " << name;
+        const ProgramRun all = run(folder, start + to + Arguments{"--with", "sampling", "--with", "albedo"});
+        EXPECT_EQ(all.status, 0) << all.err;
+        EXPECT_GT(contents(folder / (std::string("two.") + language)).size(), text.size());
+    }
+    const Arguments to{"--to", "c", "-o", "x.h"};
+    expect_failure(1, Arguments{"export", k_paper} + to, "expected a model, found a measurement");
+    expect_failure(1, start + Arguments{"--to", "c", "-o", "missing/x.h"}, "missing");
+    expect_failure(1, start + Arguments{"--to", "c", "-o", "/dev/full"}, "/dev/full");
+    expect_failure(2, start + to + Arguments{"--reference", k_paper}, "--reference");
+    expect_failure(2, start + to + Arguments{"--with", "lobes"}, "found lobes");
 }
 
 TEST_F(OfModel, compare_of_a_file_with_itself_is_zero) {

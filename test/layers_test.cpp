@@ -30,7 +30,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/model", "include/srbf/terms", "src/model/"},
     {"include/srbf/sampling", "src/sampling"},
     {"include/srbf/prepared", "src/prepared", "include/srbf/load", "src/load"},
-    {"include/srbf/shader", "src/shader/"},
+    {"include/srbf/shader", "include/srbf/shading_code", "src/shader/"},
     {"render/shading"},
     {"render/image", "render/mesh", "render/exr", "render/environment", "render/studio"},
     {"render/scene", "render/rays"},

@@ -299,23 +299,24 @@ SRBF_FN Vec3 psi_by_angle(Vec3 wl, Vec3 wv, Real a, Real b) {
     return across - dot(across, direction) * direction;
 }
 
+#define SRBF_TERMS 4
+
 // The further features x_k of the terms in srbf/terms.h, in which the exponent of a lobe is linear. Each is at most 0
-// above the horizon and symmetric in (wl, wv). With cl, cv the cosines of wl, wv to the normal, and h their half
-// vector:
+// above the horizon and symmetric in (wl, wv). Only x_0 is unbounded; its exponent must be >= 0 so that the lobe is
+// bounded at the horizon. The last two shape the mirror direction: peaks of measurements are pointed, with different
+// widths in the plane of incidence and across it. x_2 is nearly -|cl - cv|, without the crease at cl = cv, which would
+// be visible in a highlight. Cosines below 1e-6 count as 1e-6.
+
+// The features, with cl, cv the cosines of wl, wv to the normal, and h their half vector:
 //   x_0 = log(cl cv)
 //   x_1 = wl . h - 1
 //   x_2 = 1/20 - sqrt((cl - cv)^2 + sin^2(theta_h)/16 + 1/400)
 //   x_3 = -sin(theta_h)
-// Only x_0 is unbounded; its exponent must be >= 0 so that the lobe is bounded at the horizon. The last two shape the
-// mirror direction: peaks of measurements are pointed, with different widths in the plane of incidence and across it.
-// x_2 is nearly -|cl - cv|, without the crease at cl = cv, which would be visible in a highlight. Cosines below 1e-6
-// count as 1e-6.
-#define SRBF_TERMS 4
 struct PmFeatures {
     Real x[SRBF_TERMS];
 };
 
-// Computes at least the first `count` features; any of the others may be 0.
+// At least the first `count` features; any of the others may be 0.
 SRBF_FN PmFeatures pm_further_features(int count, Vec3 wl, Vec3 wv) {
     PmFeatures of;
     for (int k = 0; k < SRBF_TERMS; ++k) of.x[k] = Real(0.0);
@@ -356,13 +357,12 @@ SRBF_FN Real squared_distance(Vec3 psi_, Vec3 centre) {
     return dot(apart, apart);
 }
 
-// rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr], for R,
-// G, B, with x_k the further features. A lobe is a power of two with the exponent
+// A lobe is a power of two with the exponent
 //     s_j log2(e) + sum_k (kappa_jk log2(e)) x_k - sum_n (lambda_jn log2(e) / 2) |psi_n - xi_jn|^2,
 // pm_with_variate adds the term of a variate, pm_with_features those of the features. pm_power clamps the exponent to
 // at most 100, so that every sum of lobes of a stored model is finite in float, and to at least -100 (8e-31 of the
-// coefficient), so that no product with a stored coefficient is subnormal, where arithmetic is many times slower. A
-// negative sum counts as 0.
+// coefficient), so that no product with a stored coefficient is subnormal, where arithmetic is many times slower.
+
 SRBF_FN Real pm_with_variate(Pm pm, int j, int n, Real exponent, Real squared_distance_) {
     return exponent - Real(pm_log2_falloff(pm, j, n)) * squared_distance_;
 }
@@ -372,6 +372,9 @@ SRBF_FN Real pm_with_features(Pm pm, int j, Real exponent, PmFeatures features) 
     return sum;
 }
 SRBF_FN Real pm_power(Real exponent) { return exp2(max(min(exponent, Real(100.0)), Real(-100.0))); }
+
+// rho(wl, wv) = sum_j beta_j e^(s_j) prod_n G(psi_n . xi_jn | lambda_jn) prod_k e^(kappa_jk x_k(wl, wv)) [1/sr], for R,
+// G, B, with psi_n = normalize(a_n wl + b_n wv) and x_k the further features. A negative sum counts as 0.
 SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
     Vec3 variate[SRBF_MAX_VARIATES];
     Real up[SRBF_MAX_VARIATES];  // squared distances from +z and -z, all that axial lobes need

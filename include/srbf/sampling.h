@@ -71,6 +71,8 @@ struct ProposeOptions {
     int azimuths = 1;  ///< of the view, over which the variance is averaged; with several the lobes may be stretched
     int threads = 0;   ///< 0: as many as the machine has; the result does not depend on it
 };
+/// How many azimuths suit an anisotropic BRDF.
+inline constexpr int k_anisotropic_azimuths = 8;
 /// The mixture for a BRDF: at each node the weights that minimise ∫ (f cosθl)² / pdf dωl, f in luminance, by 200 steps
 /// of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,

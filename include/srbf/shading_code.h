@@ -1,0 +1,50 @@
+// Models as source code that stands alone: for engines, ray tracers and anything else with a compiler. Level 4.
+// Component `srbf::shader` of the package.
+#pragma once
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "srbf/model.h"
+
+namespace srbf {
+
+enum class CodeLanguage {
+    glsl,  ///< OpenGL ES 3.00, which later versions and desktop OpenGL accept as well
+    hlsl,  ///< shader model 5
+    wgsl,  ///< WebGPU
+    msl,   ///< Metal, and anything else with its <metal_stdlib>
+    c,     ///< a C99 header, also valid C++ and CUDA
+};
+
+struct CodeOptions {
+    CodeLanguage language = CodeLanguage::glsl;
+    bool sampling = false;  ///< also NAME_sample and NAME_pdf
+    bool albedo = false;    ///< also NAME_albedo
+    int threads = 0;        ///< for weights of sampling and albedos; 0: as many as the machine has
+};
+
+struct NamedModel {
+    std::string name;  ///< an identifier, see `identifier`
+    const Model* model = nullptr;
+};
+
+/// `text` as an identifier of all the languages: letters, digits and single underscores, and a letter first.
+std::string identifier(std::string_view text);
+
+/// One source text with the functions of each model,
+///   Vec3 NAME_brdf(Vec3 wl, Vec3 wv)   f_r [1/sr] for R, G, B; 0 where wl or wv is not above the horizon
+///   Vec3 NAME_sample(Vec3 wv, float u1, float u2, float selector)   a direction to the light, for u1, u2, selector
+///                                      uniform in [0,1); z <= 0 where the draw has none
+///   float NAME_pdf(Vec3 wl, Vec3 wv)   its density [1/sr], 0 where wl or wv is not above the horizon
+///   Vec3 NAME_albedo(float cosine)     directional albedo of a view at that cosine to the normal
+/// of unit vectors in the local frame: z along the normal, and of anisotropic models x along the tangent. Vec3 is the
+/// language's vector of three floats, in C a structure NAME_vec3. The functions are printed from kernel.glsl, with the
+/// numbers of the model as constants, equal to those of the model file, and contain what the model needs of them. The
+/// names of functions that several models share begin with `prefix`; with one model the name of the model is usual.
+/// Multivariate models and Lambert and GGX; the numbers of a view-by-view model are too many for constants: an error of
+/// code `argument`.
+Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
+                                 const CodeOptions& options = {});
+
+}  // namespace srbf

@@ -1,0 +1,57 @@
+// Sampling of a BRDF's mixture of proposal lobes, and its directional albedo, to follow kernel.glsl. What precedes:
+//   mixture_weights                 SRBF_PROPOSAL_LOBES weights of each of MIXTURE_NODES nodes
+//   mixture_stretch()               how many times as wide half-vector lobes are along the grain
+//   into_grain(w), out_of_grain(w)  the frame whose x is along the grain
+//   albedo_nodes                    R, G, B of each of ALBEDO_NODES nodes
+
+// Between which nodes a view is, and its distance from the lower one, of 1: nodes are uniform in sqrt(1 - cos(theta_v)).
+struct NodesAbout {
+    int below;
+    Real beyond;
+};
+NodesAbout nodes_about(Real cosine, int count) {
+    Real at = sqrt(min(max(Real(1.0) - cosine, Real(0.0)), Real(1.0))) * Real(count - 1);
+    NodesAbout nodes;
+    nodes.below = int(min(at, Real(count - 2)));
+    nodes.beyond = at - Real(nodes.below);
+    return nodes;
+}
+Real mixture_weight(int k, NodesAbout nodes) {
+    Real below = mixture_weights[SRBF_PROPOSAL_LOBES * nodes.below + k];
+    Real above = mixture_weights[SRBF_PROPOSAL_LOBES * (nodes.below + 1) + k];
+    return below + nodes.beyond * (above - below);
+}
+
+// A direction to the light for u1, u2 and selector uniform in [0,1); z <= 0 where the draw has none.
+Vec3 sample_light(Vec3 wv, Real u1, Real u2, Real selector) {
+    Vec3 viewer = into_grain(wv);
+    NodesAbout nodes = nodes_about(wv.z, MIXTURE_NODES);
+    Real running = Real(0.0);
+    int chosen = 0;
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
+        running = running + mixture_weight(k, nodes);
+        if (running <= selector) chosen = k + 1;
+    }
+    // What rounding leaves over is the cosine's.
+    if (chosen >= SRBF_PROPOSAL_LOBES) chosen = 0;
+    return out_of_grain(sample_proposal_lobe(chosen, viewer, mixture_stretch(), u1, u2));
+}
+
+// The density of sample_light [1/sr]; 0 where wl or wv is not above the horizon.
+Real light_pdf(Vec3 wl, Vec3 wv) {
+    Real sum = Real(0.0);
+    if (wl.z > Real(0.0) && wv.z > Real(0.0)) {
+        ProposalPoint at = proposal_point(into_grain(wl), into_grain(wv), mixture_stretch());
+        NodesAbout nodes = nodes_about(wv.z, MIXTURE_NODES);
+        for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum = sum + mixture_weight(k, nodes) * proposal_lobe_pdf(k, at);
+    }
+    return sum;
+}
+
+// The integral of f_r cos(theta_l) over the directions to the light, for R, G, B, at the cosine of the view to the
+// normal.
+Vec3 albedo_node(int i) { return Vec3(albedo_nodes[3 * i], albedo_nodes[3 * i + 1], albedo_nodes[3 * i + 2]); }
+Vec3 directional_albedo(Real cosine) {
+    NodesAbout nodes = nodes_about(cosine, ALBEDO_NODES);
+    return (Real(1.0) - nodes.beyond) * albedo_node(nodes.below) + nodes.beyond * albedo_node(nodes.below + 1);
+}

@@ -1,0 +1,354 @@
+#include "srbf/shading_code.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "shader/print.h"
+#include "shader/shader_text.h"
+#include "shader/syntax.h"
+#include "srbf/kernel.h"
+#include "srbf/prepared.h"
+
+namespace srbf {
+namespace {
+
+using syntax::Program;
+using syntax::Table;
+
+constexpr int k_albedo_nodes = 33;
+
+/// What kernel.glsl requires of a host, for a model that has none of it. Parsed as accessors.
+constexpr const char* k_handles = R"(
+struct Pm { };
+struct Su { };
+struct SuNearest { };
+int su_lobes(Su su) { return 0; }
+int su_views(Su su) { return 1; }
+Vec3 su_direction(Su su, int view) { return Vec3(0.0, 0.0, 1.0); }
+Vec3 su_centre(Su su, int view, int j) { return Vec3(0.0, 0.0, 1.0); }
+Real su_bandwidth(Su su, int view, int j) { return 0.0; }
+Vec3 su_coefficient(Su su, int view, int j) { return Vec3(0.0, 0.0, 0.0); }
+int su_nearest(SuNearest nearest, int k) { return 0; }
+)";
+
+/// The exponents of a model are to the base e, those of kernel.glsl to the base 2.
+constexpr const char* k_log2_e = "1.4426950408889634";
+constexpr const char* k_half_log2_e = "0.7213475204444817";
+
+/// The tables and accessors of a multivariate model, whose lobes are rows of a table.
+std::string numbers_of(const PmModel& model, Program& program) {
+    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
+    const std::size_t of_variate = model.axial ? 1 : 4, row = 4 + of_variate * N + F;
+    const bool any_down =
+        model.axial && std::ranges::any_of(model.centre, [](const Vec3f& centre) { return centre.z < 0; });
+    Table lobes{fmt::format("A row for each lobe: its coefficient (R, G, B) and log scale, {}{}.",
+                            !model.axial ? "the centre and bandwidth of each variate"
+                            : any_down   ? "a bandwidth for each variate, negative where its centre is -z"
+                                         : "a bandwidth for each variate",
+                            F > 0 ? ", exponents" : ""),
+                "lobes",
+                {},
+                row};
+    for (std::size_t j = 0; j < J; ++j) {
+        const Rgb& beta = model.coefficient[j];
+        for (const float number : {beta.r, beta.g, beta.b, model.log_scale[j]}) lobes.numbers.push_back(number);
+        for (std::size_t n = j * N; n < (j + 1) * N; ++n) {
+            const Vec3f& xi = model.centre[n];
+            if (!model.axial) lobes.numbers.insert(lobes.numbers.end(), {xi.x, xi.y, xi.z});
+            lobes.numbers.push_back(model.axial && xi.z < 0 ? -model.bandwidth[n] : model.bandwidth[n]);
+        }
+        for (std::size_t k = 0; k < F; ++k) lobes.numbers.push_back(model.exponent[j * F + k]);
+    }
+    Table weights{"The weights a, b of each variate.", "variates", {}, 2};
+    for (const Parameterization& of : model.parameterization)
+        weights.numbers.insert(weights.numbers.end(), {of.a, of.b});
+    program.tables = {std::move(weights), std::move(lobes)};
+
+    const auto at = [&](std::size_t offset, const char* further = "") {
+        return fmt::format("lobes[{} * j + {}{}]", row, offset, further);
+    };
+    std::string text = fmt::format(
+        "int pm_lobes(Pm pm) {{ return {}; }}\n"
+        "int pm_variates(Pm pm) {{ return {}; }}\n"
+        "int pm_features(Pm pm) {{ return {}; }}\n"
+        "bool pm_axial(Pm pm) {{ return {}; }}\n"
+        "Real pm_weight_l(Pm pm, int n) {{ return variates[2 * n]; }}\n"
+        "Real pm_weight_v(Pm pm, int n) {{ return variates[2 * n + 1]; }}\n"
+        "Vec3 pm_coefficient(Pm pm, int j) {{ return Vec3({}, {}, {}); }}\n"
+        "Real pm_log2_scale(Pm pm, int j) {{ return {} * {}; }}\n"
+        "Real pm_exponent(Pm pm, int j, int k) {{ return {} * {}; }}\n",
+        J, N, F, model.axial, at(0), at(1), at(2), k_log2_e, at(3), k_log2_e, at(4 + of_variate * N, " + k"));
+    if (model.axial) {
+        const std::string bandwidth = at(4, " + n");
+        text += fmt::format(
+            "Real pm_log2_falloff(Pm pm, int j, int n) {{ return {} * {}; }}\n"
+            "bool pm_down(Pm pm, int j, int n) {{ return {}; }}\n"
+            "Vec3 pm_centre(Pm pm, int j, int n) {{ return Vec3(0.0, 0.0, 1.0); }}\n",
+            k_half_log2_e, any_down ? "abs(" + bandwidth + ")" : bandwidth, any_down ? bandwidth + " < 0.0" : "false");
+    } else {
+        text += fmt::format(
+            "Real pm_log2_falloff(Pm pm, int j, int n) {{ return {} * {}; }}\n"
+            "bool pm_down(Pm pm, int j, int n) {{ return false; }}\n"
+            "Vec3 pm_centre(Pm pm, int j, int n) {{ return Vec3({}, {}, {}); }}\n",
+            k_half_log2_e, at(7, " + 4 * n"), at(4, " + 4 * n"), at(5, " + 4 * n"), at(6, " + 4 * n"));
+    }
+    return text;
+}
+
+/// The accessors of a model that is none: kernel.glsl's functions of multivariate models have then nothing to compute.
+const std::string k_no_pm =
+    "int pm_lobes(Pm pm) { return 0; }\n"
+    "int pm_variates(Pm pm) { return 0; }\n"
+    "int pm_features(Pm pm) { return 0; }\n"
+    "bool pm_axial(Pm pm) { return true; }\n"
+    "bool pm_down(Pm pm, int j, int n) { return false; }\n"
+    "Real pm_weight_l(Pm pm, int n) { return 0.0; }\n"
+    "Real pm_weight_v(Pm pm, int n) { return 0.0; }\n"
+    "Real pm_log2_scale(Pm pm, int j) { return 0.0; }\n"
+    "Real pm_log2_falloff(Pm pm, int j, int n) { return 0.0; }\n"
+    "Real pm_exponent(Pm pm, int j, int k) { return 0.0; }\n"
+    "Vec3 pm_coefficient(Pm pm, int j) { return Vec3(0.0, 0.0, 0.0); }\n"
+    "Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, 1.0); }\n";
+
+/// A number of the kernel's language.
+std::string real(float x) {
+    std::string text = fmt::format("{}", x);
+    if (text.find_first_of(".e") == text.npos) text += ".0";
+    return fmt::format("Real({})", text);
+}
+std::string vector(const Rgb& of) { return fmt::format("Vec3({}, {}, {})", real(of.r), real(of.g), real(of.b)); }
+
+/// The function `brdf`, of a value above the horizon that `statements` compute.
+std::string brdf_function(const std::string& statements) {
+    return "// f_r [1/sr] for R, G, B, of unit vectors in the local frame, wl towards the light, wv towards the "
+           "viewer; "
+           "0\n// where one of them is not above the horizon.\n"
+           "Vec3 brdf(Pm pm, Vec3 wl, Vec3 wv) {\n"
+           "    if (wl.z <= Real(0.0) || wv.z <= Real(0.0)) return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
+           statements + "}\n";
+}
+std::string brdf_of(const PmModel&) { return brdf_function("    return pm_value(pm, wl, wv);\n"); }
+std::string brdf_of(const GgxModel& model) {
+    constexpr std::array<const char*, k_most_ggx_lobes> names{"first", "second"};
+    std::string text, sum = "Real(2.0 / SRBF_TWO_PI) * " + vector(model.diffuse);
+    for (std::size_t i = 0; i < model.lobes.size(); ++i) {
+        const GgxModel::Lobe& lobe = model.lobes[i];
+        text += fmt::format("    GgxLobe {0};\n    {0}.roughness = {1};\n    {0}.f0 = {2};\n    {0}.f90 = {3};\n",
+                            names[i], real(lobe.roughness), vector(lobe.f0), real(lobe.f90));
+        sum += fmt::format(" + ggx_lobe_value({}, wl, wv)", names[i]);
+    }
+    return brdf_function(text + "    return " + sum + ";\n");
+}
+
+/// What mixture.glsl requires: `accessors` to be parsed before kernel.glsl, `functions` after it.
+struct MixtureText {
+    std::string accessors, functions;
+};
+MixtureText mixture_of(const Model& model, const CodeOptions& options, Program& program) {
+    Table weights{
+        "The weights of the proposal's lobes, a row for each node.", "mixture_weights", {}, MixtureProposal::k_lobes};
+    Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
+    MixtureProposal mixture;
+    if (options.sampling) {
+        const auto* pm = std::get_if<PmModel>(&model.model);
+        const int azimuths = pm && !pm->axial ? k_anisotropic_azimuths : 1;
+        mixture = std::get<MixtureProposal>(propose(model, {azimuths, options.threads}));
+        for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
+            weights.numbers.insert(weights.numbers.end(), mixture.weight(node).begin(),
+                                   mixture.weight(node).begin() + MixtureProposal::k_lobes);
+    }
+    if (options.albedo) {
+        const PreparedBrdf brdf = prepare(model);
+        for (int i = 0; i < k_albedo_nodes; ++i) {
+            const float s = float(i) / float(k_albedo_nodes - 1);
+            const Rgb reflected = albedo(brdf, std::max(1 - s * s, 1e-7f));  // 0 has none
+            nodes.numbers.insert(nodes.numbers.end(), {reflected.r, reflected.g, reflected.b});
+        }
+    }
+    program.tables.push_back(std::move(weights));
+    program.tables.push_back(std::move(nodes));
+    const auto turn = [&](const char* name, float sine) {
+        const std::string turned = fmt::format("turned(w, {}, {})", real(mixture.cosine), real(sine));
+        return fmt::format("Vec3 {}(Vec3 w) {{ return {}; }}\n", name, mixture.sine == 0 ? "w" : turned);
+    };
+    return {fmt::format("Real mixture_stretch() {{ return {}; }}\n", real(mixture.stretch)),
+            turn("into_grain", -mixture.sine) + turn("out_of_grain", mixture.sine)};
+}
+
+/// The entry functions, by their names in the kernel's language and in the code.
+using Names = std::map<std::string, std::string>;
+Names entries(const CodeOptions& options) {
+    Names names{{"brdf", "brdf"}};
+    if (options.sampling) names.insert({{"sample_light", "sample"}, {"light_pdf", "pdf"}});
+    if (options.albedo) names.insert({"directional_albedo", "albedo"});
+    return names;
+}
+
+Program program_of(const Model& model, const CodeOptions& options) {
+    Program program;
+    std::string accessors, brdf;
+    int variates = 1, terms = 1;
+    if (const auto* pm = std::get_if<PmModel>(&model.model)) {
+        accessors = numbers_of(*pm, program);
+        brdf = brdf_of(*pm);
+        variates = pm->variates;
+        terms = std::max(features(pm->form), 1);
+    } else {
+        accessors = k_no_pm;
+        brdf = brdf_of(std::get<GgxModel>(model.model));
+    }
+    std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(variates)},
+                                               {"SRBF_TERMS", std::to_string(terms)},
+                                               {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
+                                               {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
+    const bool is_mixture = options.sampling || options.albedo;
+    const MixtureText mixture = is_mixture ? mixture_of(model, options, program) : MixtureText{};
+    accessors += mixture.accessors;
+    syntax::parse(k_handles + accessors, program, defines, true);
+    syntax::parse(k_kernel_text, program, defines);
+    syntax::parse(brdf, program, defines);
+    if (is_mixture) syntax::parse(mixture.functions + k_mixture_text, program, defines);
+    std::vector<std::string> roots;
+    for (const auto& [name, printed] : entries(options)) roots.push_back(name);
+    syntax::specialise(program, roots);
+    return program;
+}
+
+/// What a model is, and what is known of it.
+std::string about(const NamedModel& of) {
+    const Model& model = *of.model;
+    std::string text = of.name + ": ";
+    if (const auto* pm = std::get_if<PmModel>(&model.model))
+        text += fmt::format("{} lobes of {} variates, form {}", pm->lobes, pm->variates, name(pm->form));
+    else
+        text += "Lambert and GGX";
+    text += fmt::format(", {} bytes.", payload_bytes(model));
+    for (const auto& [key, value] : model.provenance) text += fmt::format("\n  {} {}", key, value);
+    return text;
+}
+
+/// The programs of several models with what they share printed once.
+class Printed {
+  public:
+    Printed(std::span<const NamedModel> models, std::vector<Program> programs, std::string_view prefix,
+            const CodeOptions& options)
+        : models_(models), programs_(std::move(programs)), prefix_(std::string(prefix) + "_"), options_(options) {
+        for (const auto& [name, printed] : entries(options)) own_.insert(name);
+        for (const Program& program : programs_)
+            for (const Table& table : program.tables) own_.insert(table.name);
+        while (separate()) {
+        }
+    }
+
+    std::string text() {
+        std::string shared, of_models;
+        std::set<std::string> known;
+        for (std::size_t i = 0; i < programs_.size(); ++i) {
+            syntax::Printer printer(options_.language, prefix_, names(i));
+            std::string own;
+            each_definition(i, [&](const auto& definition) {
+                if (own_.contains(definition.name))
+                    own += printer.text(definition) + "\n";
+                else if (known.insert(definition.name).second)
+                    shared += printer.text(definition) + "\n";
+            });
+            of_models += syntax::comment_text(about(models_[i])) + "\n" + own;
+            helpers_.insert(printer.used().begin(), printer.used().end());
+        }
+        return syntax::helpers_text(options_.language, prefix_, helpers_) + shared + of_models;
+    }
+
+  private:
+    template <typename Visit> void each_definition(std::size_t i, const Visit& visit) const {
+        for (const auto& structure : programs_[i].structures) visit(structure);
+        for (const auto& table : programs_[i].tables) visit(table);
+        for (const auto& function : programs_[i].functions) visit(function);
+    }
+
+    Names names(std::size_t i) const {
+        Names names;
+        const std::string own = models_[i].name + "_";
+        each_definition(i,
+                        [&](const auto& of) { names[of.name] = (own_.contains(of.name) ? own : prefix_) + of.name; });
+        for (const auto& [name, printed] : entries(options_)) names[name] = own + printed;
+        return names;
+    }
+
+    /// Lets each model have its own of what is not the same in all that have it, or needs what is a model's own; whether
+    /// there was such.
+    bool separate() {
+        Names texts;
+        const std::size_t before = own_.size();
+        for (const Program& program : programs_)
+            for (const syntax::Function& function : program.functions)
+                syntax::visit_expressions(function.body, [&](const syntax::Expression& of) {
+                    if (own_.contains(of.text)) own_.insert(function.name);
+                });
+        for (std::size_t i = 0; i < programs_.size(); ++i) {
+            syntax::Printer printer(options_.language, prefix_, names(i));
+            each_definition(i, [&](const auto& of) {
+                if (own_.contains(of.name)) return;
+                const std::string text = printer.text(of);
+                if (texts.emplace(of.name, text).first->second != text) own_.insert(of.name);
+            });
+        }
+        return own_.size() != before;
+    }
+
+    std::span<const NamedModel> models_;
+    std::vector<Program> programs_;
+    std::string prefix_;
+    CodeOptions options_;
+    std::set<std::string> own_, helpers_;
+};
+
+/// What each language needs first, and how such a text is used.
+constexpr std::array<const char*, 5> k_opening{"", "", "", "#include <metal_stdlib>\nusing namespace metal;\n\n",
+                                               "#include <math.h>\n\n#ifndef SRBF_FN\n#ifdef __CUDACC__\n#define "
+                                               "SRBF_FN __host__ __device__ static inline\n#else\n"
+                                               "#define SRBF_FN static inline\n#endif\n#endif\n\n"};
+constexpr std::array<const char*, 5> k_usage{"GLSL, to follow the version (300 es or later) and the precision of float",
+                                             "HLSL", "WGSL", "Metal", "C99, C++ and CUDA"};
+
+}  // namespace
+
+std::string identifier(std::string_view text) {
+    std::string name;
+    for (const char c : text) {
+        const bool is_letter = std::isalnum(static_cast<unsigned char>(c)) && static_cast<unsigned char>(c) < 128;
+        if (is_letter)
+            name += c;
+        else if (!name.empty() && name.back() != '_')
+            name += '_';
+    }
+    while (!name.empty() && name.back() == '_') name.pop_back();
+    if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) || name.starts_with("gl_"))
+        name.insert(0, name.empty() ? "brdf" : "brdf_");
+    return name;
+}
+
+Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
+                                 const CodeOptions& options) {
+    std::vector<Program> programs;
+    std::string list;
+    for (const NamedModel& of : models) {
+        if (std::holds_alternative<SuModel>(of.model->model))
+            return Error{of.name, {}, "model", "multivariate, or Lambert and GGX", "view by view", ErrorCode::argument};
+        programs.push_back(program_of(*of.model, options));
+        for (const auto& [name, printed] : entries(options))
+            list += fmt::format("{}{}_{}", list.empty() ? "" : ", ", of.name, printed);
+    }
+    const std::string definitions = Printed(models, std::move(programs), prefix, options).text();
+    std::string guard(prefix);
+    for (char& c : guard) c = char(std::toupper(static_cast<unsigned char>(c)));
+    guard += "_BRDF";
+    std::string text = fmt::format("// {}: {}.\n\n", k_usage[std::size_t(options.language)], list);
+    if (options.language == CodeLanguage::wgsl) return text + definitions;
+    text += fmt::format("#ifndef {0}\n#define {0}\n\n{1}", guard, k_opening[std::size_t(options.language)]);
+    return text + definitions + "#endif\n";
+}
+
+}  // namespace srbf

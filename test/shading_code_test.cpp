@@ -1,0 +1,406 @@
+// Exported code is what its languages' compilers accept, and computes what the library computes.
+#include "srbf/shading_code.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <cstring>
+
+#include "models.h"
+#include "srbf/prepared.h"
+#include "srbf/sampling.h"
+#include "su_models.h"
+#include "temporary_folder.h"
+#ifdef SRBF_RASTER
+#include <epoxy/gl.h>
+
+#include "render/offscreen.h"
+#endif
+
+namespace srbf {
+namespace {
+
+using Float4 = std::array<float, 4>;
+
+/// One of each kind, as a model file holds it.
+const std::vector<Model>& models() {
+    static const std::vector<Model> all = [] {
+        std::mt19937_64 random(1);
+        std::vector<Model> models;
+        for (const PmForm form : k_forms)
+            for (const bool axial : {true, false}) {
+                if (form == PmForm::horizon && !axial) continue;
+                const int variates = form == PmForm::extended ? 4 : 3;
+                RandomModelOptions options{axial, form != PmForm::gaussian, 5, variates, 60, form};
+                models.push_back({rounded(random_model(random, options)), {}});
+            }
+        models.push_back({rounded(GgxModel{{0.1f, 0.2f, 0.3f}, {{0.3f, {0.04f, 0.05f, 0.06f}, 1}}}), {}});
+        models.push_back({rounded(GgxModel{{}, {{0.1f, {0.9f, 0.5f, 0.2f}, 1}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}}), {}});
+        models.back().provenance["note"] = "a */ comment \\\nthat */ would end # early \\";
+        return models;
+    }();
+    return all;
+}
+std::string name_of(std::size_t i) { return fmt::format("m{}", i); }
+
+std::string code(CodeLanguage language, bool sampling = true) {
+    std::vector<NamedModel> named;
+    for (std::size_t i = 0; i < models().size(); ++i) named.push_back({name_of(i), &models()[i]});
+    const auto text = shading_code(named, "all", {.language = language, .sampling = sampling, .albedo = sampling});
+    if (!text) return ADD_FAILURE() << message(text.error()), "";
+    return *text;
+}
+
+/// What a model is asked: two directions, and three uniform numbers.
+struct Question {
+    Float4 wl, wv, uniform;
+};
+/// What it answers: f_r and the density of the light, a sample of the light and its density, directional albedo.
+struct Answer {
+    Float4 value, sample, albedo;
+};
+
+/// A third of the pairs has a grazing direction, a third is about the mirror direction, a few are below the horizon.
+const std::vector<Question>& questions() {
+    static const std::vector<Question> all = [] {
+        std::mt19937_64 random(2);
+        std::vector<Question> questions(14'336);  // a multiple of 64: 100,352 for all models
+        for (std::size_t i = 0; i < questions.size(); ++i) {
+            Vec3d wl = random_direction(random, 1e-4), wv = random_direction(random, 1e-4);
+            if (i % 3 == 1) wl = spherical((0.5 - 0.01 * uniform(random)) * k_pi, 2 * k_pi * uniform(random));
+            if (i % 3 == 2) wl = normalize(mirror(wv) + 0.05 * random_direction(random));
+            if (i % 50 == 0) wl.z = -wl.z;
+            const auto four = [](Vec3d w) { return Float4{float(w.x), float(w.y), float(w.z), 0}; };
+            const auto u = [&] { return float(int(uniform(random) * 4096)) / 4096 + 1.f / 8192; };
+            questions[i] = {four(wl), four(wv), {u(), u(), u(), 0}};
+        }
+        return questions;
+    }();
+    return all;
+}
+
+using Answers = std::vector<Answer>;  ///< questions × models
+
+/// The library's own.
+Answers expected() {
+    Answers answers(questions().size() * models().size());
+    for (std::size_t m = 0; m < models().size(); ++m) {
+        const auto* pm = std::get_if<PmModel>(&models()[m].model);
+        const Proposal proposal = propose(models()[m], {.azimuths = pm && !pm->axial ? k_anisotropic_azimuths : 1});
+        const PreparedBrdf prepared = prepare(models()[m]);
+        for (std::size_t i = 0; i < questions().size(); ++i) {
+            const auto& [l, v, u] = questions()[i];
+            const Vec3f wl(l[0], l[1], l[2]), wv(v[0], v[1], v[2]);
+            const Rgb f = value(models()[m], wl, wv), reflected = albedo(prepared, wv.z);
+            const DirectionSample drawn = sample_with_pdf(proposal, wv, {u[0], u[1]}, u[2]);
+            answers[i * models().size() + m] = {{f.r, f.g, f.b, pdf(proposal, wl, wv)},
+                                                {drawn.wl.x, drawn.wl.y, drawn.wl.z, drawn.wl.z > 0 ? drawn.pdf : 0},
+                                                {reflected.r, reflected.g, reflected.b, 0}};
+        }
+    }
+    return answers;
+}
+
+/// Values are the library's within 1e-4, or 1e-6 of the peak; so are albedos, densities within 1e-3 and samples within
+/// .002, but for the few whose selector falls between two lobes.
+void expect_equal(const Answers& answers, const std::string& of) {
+    static const Answers library = expected();
+    ASSERT_EQ(answers.size(), library.size()) << of;
+    const std::size_t count = models().size();
+    std::vector<float> peak(count), most_reflected(count);
+    for (std::size_t i = 0; i < library.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            peak[i % count] = std::max(peak[i % count], library[i].value[c]);
+            most_reflected[i % count] = std::max(most_reflected[i % count], library[i].albedo[c]);
+        }
+    std::size_t wrong = 0, wrong_samples = 0;
+    double most_apart = 0;
+    for (std::size_t i = 0; i < library.size(); ++i) {
+        const Answer &a = answers[i], &b = library[i];
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double bound = std::max(1e-4 * double(b.value[c]), 1e-6 * double(peak[i % count]));
+            most_apart = std::max(most_apart, std::abs(double(a.value[c]) - double(b.value[c])) / bound);
+            wrong += !near(double(a.value[c]), double(b.value[c]), bound);
+            wrong += !near(double(a.albedo[c]), double(b.albedo[c]),
+                           1e-4 * double(b.albedo[c]) + 1e-5 * double(most_reflected[i % count]));
+        }
+        wrong += !near(double(a.value[3]), double(b.value[3]), 1e-3 * double(b.value[3]) + 1e-6);
+        double apart = 0;
+        for (std::size_t c = 0; c < 3; ++c)
+            apart = std::max(apart, std::abs(double(a.sample[c]) - double(b.sample[c])));
+        const bool same = apart < 0.002 && near(double(a.sample[3]), double(b.sample[3]), 0.02 * double(b.sample[3]));
+        wrong_samples += !same;
+    }
+    EXPECT_EQ(wrong, 0u) << of << ", of " << library.size() << "; values " << most_apart << " bounds apart";
+    EXPECT_LE(double(wrong_samples), 0.001 * double(library.size())) << of;
+}
+
+testing::AssertionResult runs(const std::string& command) {
+    FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+    if (!pipe) return testing::AssertionFailure() << "cannot run " << command;
+    std::string output;
+    for (char part[256]; std::fgets(part, sizeof part, pipe);) output += part;
+    const int status = ::pclose(pipe);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << command << "\n" << output.substr(0, 4000);
+}
+
+/// Statements that answer a question for every model: `read` gives a vector of its three directions or numbers,
+/// `write(k, vector, number)` stores one of the answers.
+std::string answers_text(const std::string& vector, const auto& write) {
+    std::string text;
+    for (std::size_t m = 0; m < models().size(); ++m) {
+        const std::string name = name_of(m);
+        text += write(3 * m, name + "_brdf(wl, wv)", name + "_pdf(wl, wv)");
+        text += write(3 * m + 1, fmt::format("{0}_sample(wv, u.x, u.y, u.z)", name),
+                      fmt::format("{0}_pdf({0}_sample(wv, u.x, u.y, u.z), wv)", name));
+        text += write(3 * m + 2, name + "_albedo(wv.z)", vector == "float" ? "0.0f" : "0.0");
+    }
+    return text;
+}
+
+class ShadingCode : public testing::Test {
+  protected:
+    std::string written(const std::string& name, const std::string& text) const {
+        write(folder_ / name, text);
+        return (folder_ / name).string();
+    }
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+    /// Compiles a C or C++ program with the code and asks it.
+    void ask_compiled(const std::string& compiler, const std::string& header, const std::string& vector,
+                      const std::string& of) const {
+        const auto write = [](std::size_t k, const std::string& three, const std::string& number) {
+            return fmt::format(
+                "        w = {}; r[4 * {} + 3] = {};\n        r[4 * {}] = w.x; r[4 * {} + 1] = w.y; r[4 * {} + 2] = "
+                "w.z;\n",
+                three, k, number, k, k, k);
+        };
+        const std::string source = written(
+            of + ".c", header + fmt::format("#ifdef __cplusplus\nextern \"C\"\n#endif\n"
+                                            "void answer(const float* q, float* r, int n);\n"
+                                            "void answer(const float* q, float* r, int n) {{\n"
+                                            "    int i;\n    for (i = 0; i < n; ++i) {{\n"
+                                            "        {0} wl, wv, u, w;\n"
+                                            "        wl.x = q[0], wl.y = q[1], wl.z = q[2], wv.x = q[4], wv.y = q[5];\n"
+                                            "        wv.z = q[6], u.x = q[8], u.y = q[9], u.z = q[10];\n{1}"
+                                            "        q += 12, r += {2};\n    }}\n}}\n",
+                                            vector, answers_text("float", write), 12 * models().size()));
+        const std::string library = path(of + ".so");
+        ASSERT_TRUE(runs(fmt::format("{} -O1 -Wall -Wextra -Wconversion -Werror -shared -fPIC '{}' -o '{}' -lm",
+                                     compiler, source, library)));
+        void* opened = ::dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+        ASSERT_TRUE(opened) << ::dlerror();
+        const auto answer = reinterpret_cast<void (*)(const float*, float*, int)>(::dlsym(opened, "answer"));
+        Answers answers(questions().size() * models().size());
+        answer(questions()[0].wl.data(), answers[0].value.data(), int(questions().size()));
+        expect_equal(answers, of);
+        ::dlclose(opened);
+    }
+
+    const TemporaryFolder folder_;
+};
+
+TEST_F(ShadingCode, RunsAsCAndCpp) {
+    const std::string header = code(CodeLanguage::c);
+    ask_compiled(SRBF_COMPILER " -x c -std=c99 -pedantic", header, "all_vec3", "c");
+    ask_compiled(SRBF_COMPILER " -x c++ -std=c++11 -pedantic", header, "all_vec3", "cpp");
+    if (!std::strlen(SRBF_CLANG)) GTEST_SKIP() << "no clang (Debian: clang)";
+    ask_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "all_vec3", "c_of_clang");
+}
+
+TEST_F(ShadingCode, CompilesAsCuda) {
+    if (!std::strlen(SRBF_NVCC)) GTEST_SKIP() << "no nvcc";
+    const std::string source =
+        written("code.cu", code(CodeLanguage::c, false) +
+                               "__global__ void answer(all_vec3 wl, all_vec3 wv, float* f) { *f = m0_brdf(wl, wv).x + "
+                               "m3_brdf(wl, wv).y; }\nall_vec3 on_host(all_vec3 w) { return m0_brdf(w, w); }\n");
+    EXPECT_TRUE(runs(fmt::format("'{}' --Werror all-warnings -diag-suppress 177 -c '{}' -o '{}'", SRBF_NVCC, source,
+                                 path("code.o"))));
+}
+
+/// Metal's compiler exists on Apple's systems alone; its language is C++14, and its library of vectors is stood in for.
+TEST_F(ShadingCode, RunsAsMetal) {
+    written("metal_stdlib", R"(#include <cmath>
+#define constant static const
+namespace metal {
+struct float3 {
+    float x, y, z;
+    float3() {}
+    float3(float x, float y, float z) : x(x), y(y), z(z) {}
+};
+inline float3 operator+(float3 a, float3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline float3 operator-(float3 a, float3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline float3 operator*(float s, float3 a) { return {s * a.x, s * a.y, s * a.z}; }
+inline float dot(float3 a, float3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline float rsqrt(float x) { return 1 / std::sqrt(x); }
+inline float min(float a, float b) { return a < b ? a : b; }
+inline float max(float a, float b) { return a > b ? a : b; }
+using std::exp; using std::exp2; using std::log; using std::sqrt; using std::abs; using std::sin; using std::cos;
+}
+)");
+    ask_compiled(fmt::format("{} -x c++ -std=c++14 -I'{}'", SRBF_COMPILER, folder_.path.string()),
+                 code(CodeLanguage::msl, true), "metal::float3", "msl");
+}
+
+#ifdef SRBF_RASTER
+/// Runs a compute shader of OpenGL 4.5 on the questions, which it finds as an array of vec4 at binding 0; the answers
+/// are another at binding 1.
+Answers computed(const std::string& shader) {
+    Answers answers(questions().size() * models().size());
+    const GLuint of = glCreateShader(GL_COMPUTE_SHADER), program = glCreateProgram();
+    const char* text = shader.c_str();
+    glShaderSource(of, 1, &text, nullptr);
+    glCompileShader(of);
+    glAttachShader(program, of);
+    glLinkProgram(program);
+    GLint linked = 0;
+    glGetProgramiv(program, GL_LINK_STATUS, &linked);
+    if (!linked) {
+        std::string log(4000, '\0');
+        glGetShaderInfoLog(of, 4000, nullptr, log.data());
+        ADD_FAILURE() << log.c_str();
+        return answers;
+    }
+    std::array<GLuint, 2> buffers;
+    glGenBuffers(2, buffers.data());
+    const auto fill = [&](GLuint at, std::size_t bytes, const void* data) {
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, at, buffers[at]);
+        glBufferData(GL_SHADER_STORAGE_BUFFER, GLsizeiptr(bytes), data, GL_STATIC_DRAW);
+    };
+    fill(0, questions().size() * sizeof(Question), questions().data());
+    fill(1, answers.size() * sizeof(Answer), nullptr);
+    glUseProgram(program);
+    glDispatchCompute(GLuint(questions().size() / 64), 1, 1);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, GLsizeiptr(answers.size() * sizeof(Answer)), answers.data());
+    EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
+    glDeleteBuffers(2, buffers.data());
+    glDeleteProgram(program);
+    glDeleteShader(of);
+    return answers;
+}
+
+/// `index` is the expression of the question's number.
+std::string body(const std::string& vec3, const std::string& vec4, const std::string& array) {
+    const auto write = [&](std::size_t k, const std::string& three, const std::string& number) {
+        return fmt::format("    {}[{} * i + {}] = {}({}, {});\n", array, 3 * models().size(), k, vec4, three, number);
+    };
+    return fmt::format(
+               "    {0} wl = questions[3 * i].xyz, wv = questions[3 * i + 1].xyz, u = questions[3 * i + 2].xyz;\n",
+               vec3) +
+           answers_text(vec3, write);
+}
+
+TEST_F(ShadingCode, RunsAsGlsl) {
+    const std::string text = code(CodeLanguage::glsl);
+    ASSERT_TRUE(std::strlen(SRBF_GLSLANG)) << "glslangValidator (Debian: glslang-tools) was not found";
+    std::string calls;
+    for (std::size_t m = 0; m < models().size(); ++m) calls += fmt::format(" + {}_brdf(a, b)", name_of(m));
+    for (const char* version : {"#version 300 es\nprecision highp float;\n", "#version 330\n"})
+        EXPECT_TRUE(runs(fmt::format("'{}' '{}'", SRBF_GLSLANG,
+                                     written("code.frag", version + text +
+                                                              "in vec3 a, b; out vec4 c;\nvoid main() { c = "
+                                                              "vec4(vec3(0.0)" +
+                                                              calls + ", 1.0); }\n"))));
+    const auto context = OffscreenContext::make(Dialect::gl_450);
+    if (!context) GTEST_SKIP() << message(context.error());
+    expect_equal(computed("#version 450\nlayout(local_size_x = 64) in;\n"
+                          "layout(std430, binding = 0) readonly buffer Questions { vec4 questions[]; };\n"
+                          "layout(std430, binding = 1) writeonly buffer Answers { vec4 answers[]; };\n" +
+                          text + "void main() {\n    uint i = gl_GlobalInvocationID.x;\n" +
+                          body("vec3", "vec4", "answers") + "}\n"),
+                 "glsl");
+}
+
+/// What glslang makes of the HLSL is translated from SPIR-V to GLSL, which OpenGL runs.
+TEST_F(ShadingCode, RunsAsHlsl) {
+    ASSERT_TRUE(std::strlen(SRBF_GLSLANG)) << "glslangValidator (Debian: glslang-tools) was not found";
+    const std::string source =
+        written("code.comp",
+                "StructuredBuffer<float4> questions : register(t0);\n"
+                "RWStructuredBuffer<float4> answers : register(u1);\n" +
+                    code(CodeLanguage::hlsl, true) +
+                    "[numthreads(64, 1, 1)] void main(uint3 at : SV_DispatchThreadID) {\n    uint i = at.x;\n" +
+                    body("float3", "float4", "answers") + "}\n");
+    const std::string module = path("code.spv");
+    ASSERT_TRUE(runs(fmt::format("'{}' -D -V -S comp -e main -o '{}' '{}'", SRBF_GLSLANG, module, source)));
+    if (!std::strlen(SRBF_SPIRV_CROSS)) GTEST_SKIP() << "compiled, not run: no spirv-cross (Debian: spirv-cross)";
+    ASSERT_TRUE(runs(
+        fmt::format("'{}' '{}' --version 450 --no-es --output '{}'", SRBF_SPIRV_CROSS, module, path("code.glsl"))));
+    const auto context = OffscreenContext::make(Dialect::gl_450);
+    if (!context) GTEST_SKIP() << message(context.error());
+    expect_equal(computed(contents(path("code.glsl"))), "hlsl");
+}
+#endif
+
+/// In a browser's WebGPU.
+TEST_F(ShadingCode, RunsAsWgsl) {
+    const auto write_one = [&](std::size_t k, const std::string& three, const std::string& number) {
+        return fmt::format("    answers[{}u * i + {}u] = vec4f({}, {});\n", 3 * models().size(), k, three, number);
+    };
+    written("code.wgsl",
+            "@group(0) @binding(0) var<storage, read> questions: array<vec4f>;\n"
+            "@group(0) @binding(1) var<storage, read_write> answers: array<vec4f>;\n" +
+                code(CodeLanguage::wgsl, true) +
+                "@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) at: vec3u) {\n    let i = at.x;\n"
+                "    let wl = questions[3 * i].xyz;\n    let wv = questions[3 * i + 1].xyz;\n"
+                "    let u = questions[3 * i + 2].xyz;\n" +
+                answers_text("vec3f", write_one) + "}\n");
+    std::string bytes(questions().size() * sizeof(Question), '\0');
+    std::memcpy(bytes.data(), questions().data(), bytes.size());
+    written("questions", bytes);
+    const int status =
+        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 timeout 100 python3 '{}/test/wgsl.py' '{}' {} > '{}' 2>&1",
+                                SRBF_SOURCE_DIR, folder_.path.string(),
+                                models().size() * sizeof(Answer) / sizeof(Question), path("said"))
+                        .c_str());
+    const std::string said = contents(path("said"));
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << said;
+    ASSERT_EQ(status, 0) << said;
+    bytes = contents(path("answers"));
+    Answers answers(bytes.size() / sizeof(Answer));
+    std::memcpy(answers.data(), bytes.data(), answers.size() * sizeof(Answer));
+    expect_equal(answers, "wgsl");
+}
+
+TEST(ShadingCodeText, HoldsWhatTheModelNeeds) {
+    const std::vector<NamedModel> one{{"m", &models()[0]}};
+    const std::string plain = *shading_code(one, "m", {}), sampled = *shading_code(one, "m", {.sampling = true});
+    EXPECT_EQ(plain.find("PmFeatures"), plain.npos);  // the form has none
+    EXPECT_EQ(plain.find("m_sample("), plain.npos);
+    EXPECT_NE(sampled.find("m_sample("), sampled.npos);
+    EXPECT_EQ(sampled.find("m_albedo("), sampled.npos);
+    for (const CodeLanguage language :
+         {CodeLanguage::glsl, CodeLanguage::hlsl, CodeLanguage::wgsl, CodeLanguage::msl, CodeLanguage::c})
+        for (const char c : code(language, false)) ASSERT_TRUE(c == '\n' || (c >= ' ' && c < 0x7f)) << int(c);
+}
+
+TEST(ShadingCodeText, StoredNumbersAreConstants) {
+    const auto& pm = std::get<PmModel>(models()[3].model);
+    const std::string text = *shading_code(std::vector<NamedModel>{{"m", &models()[3]}}, "m", {});
+    const std::string rows = text.substr(text.find("m_lobes["));
+    for (const float number : pm.exponent) EXPECT_NE(rows.find(fmt::format(" {}", number)), rows.npos) << number;
+    for (const float number : pm.bandwidth) EXPECT_NE(rows.find(fmt::format("{}", number)), rows.npos) << number;
+}
+
+TEST(ShadingCodeText, NamesAreIdentifiers) {
+    EXPECT_EQ(identifier("cc_ibiza sunset-rgb"), "cc_ibiza_sunset_rgb");
+    EXPECT_EQ(identifier("__a__b__"), "a_b");
+    EXPECT_EQ(identifier("2nd"), "brdf_2nd");
+    EXPECT_EQ(identifier(""), "brdf");
+    EXPECT_EQ(identifier("gl_x"), "brdf_gl_x");
+    EXPECT_EQ(identifier("\xc3\xa9t\xc3\xa9"), "t");
+}
+
+TEST(ShadingCodeText, AViewByViewModelIsRefused) {
+    std::mt19937_64 random(1);
+    const Model model{random_su(random, 20, 2), {}};
+    const auto text = shading_code(std::vector<NamedModel>{{"su", &model}}, "su", {});
+    ASSERT_FALSE(text);
+    EXPECT_EQ(text.error().code, ErrorCode::argument);
+}
+
+}  // namespace
+}  // namespace srbf

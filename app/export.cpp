@@ -20,15 +20,16 @@ struct ExportCommand {
 
     int run() const;
     Result<std::string> page(const std::vector<Subject>& models, const std::optional<Subject>& measured) const;
-    Result<std::string> code(const std::vector<Subject>& models, CodeLanguage language) const;
+    Result<std::string> code(const std::vector<Subject>& models) const;
 };
 
 /// The kinds of code, by their names on the command line.
-constexpr std::array<std::pair<std::string_view, CodeLanguage>, 5> k_languages{{{"glsl", CodeLanguage::glsl},
-                                                                                {"hlsl", CodeLanguage::hlsl},
-                                                                                {"wgsl", CodeLanguage::wgsl},
-                                                                                {"msl", CodeLanguage::msl},
-                                                                                {"c", CodeLanguage::c}}};
+using Language = std::pair<std::string_view, CodeLanguage>;
+constexpr std::array<Language, 5> k_languages{{{"glsl", CodeLanguage::glsl},
+                                               {"hlsl", CodeLanguage::hlsl},
+                                               {"wgsl", CodeLanguage::wgsl},
+                                               {"msl", CodeLanguage::msl},
+                                               {"c", CodeLanguage::c}}};
 
 /// "film" for "materials/film.srbf".
 std::string stem(const std::string& path) { return std::filesystem::path(path).stem().string(); }
@@ -138,8 +139,7 @@ int ExportCommand::run() const {
     }
     if (const auto writable = check_outputs(inputs, {output}); !writable) return complain(writable.error());
 
-    const auto language = std::ranges::find(k_languages, std::string_view(to), [](const auto& of) { return of.first; });
-    const auto text = language == k_languages.end() ? page(models, measured) : code(models, language->second);
+    const auto text = to == "html" ? page(models, measured) : code(models);
     if (!text) return complain(text.error());
     const auto written = write_file(output, as_bytes(*text));
     return written ? int(k_done) : complain(written.error());
@@ -160,7 +160,7 @@ Result<std::string> ExportCommand::page(const std::vector<Subject>& models,
 }
 
 /// Models by the names of their files, numbered where two are the same.
-Result<std::string> ExportCommand::code(const std::vector<Subject>& models, CodeLanguage language) const {
+Result<std::string> ExportCommand::code(const std::vector<Subject>& models) const {
     std::vector<NamedModel> named;
     for (const Subject& model : models) {
         const std::string name = identifier(stem(model.path));
@@ -171,9 +171,11 @@ Result<std::string> ExportCommand::code(const std::vector<Subject>& models, Code
         for (int i = 2; is_taken(own); ++i) own = fmt::format("{}_{}", name, i);
         named.push_back({own, &std::get<Model>(model.content)});
     }
-    CodeOptions options{.language = language};
+    const std::string prefix = models.size() == 1 ? named[0].name : identifier(stem(output));
+    if (to == "three") return three_module(named, prefix);
+    CodeOptions options{.language = std::ranges::find(k_languages, std::string_view(to), &Language::first)->second};
     for (const std::string& extra : with) (extra == "sampling" ? options.sampling : options.albedo) = true;
-    return shading_code(named, models.size() == 1 ? named[0].name : identifier(stem(output)), options);
+    return shading_code(named, prefix, options);
 }
 
 }  // namespace
@@ -187,10 +189,11 @@ void add_export(CommandLine& app, int& status) {
            "--to", command->to,
            "html: a single file for any browser, without network access\n"
            "glsl, hlsl, wgsl, msl, c: source code with functions NAME_brdf of each model, named by its file, and\n"
-           "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)")
+           "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
+           "three: a module for three.js with a class NAMEMaterial of each model")
         .type_name("KIND")
         .required()
-        .check(one_of({"html", "glsl", "hlsl", "wgsl", "msl", "c"}));
+        .check(one_of({"html", "glsl", "hlsl", "wgsl", "msl", "c", "three"}));
     const Option with =
         sub.add_option(
                "--with", command->with,
@@ -207,7 +210,8 @@ void add_export(CommandLine& app, int& status) {
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
         "  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
     sub.callback([command, with, reference, &status] {
-        if (command->to == "html" && with.given()) with.fail("is for code, not for --to html");
+        if ((command->to == "html" || command->to == "three") && with.given())
+            with.fail("is for glsl, hlsl, wgsl, msl and c");
         if (command->to != "html" && reference.given()) reference.fail("is for --to html");
         status = command->run();
     });

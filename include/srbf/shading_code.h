@@ -47,4 +47,9 @@ std::string identifier(std::string_view text);
 Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
                                  const CodeOptions& options = {});
 
+/// The same models as an ES module for three.js (release 187) and its WebGLRenderer: for each model a class, FilmMaterial
+/// for "film", that is a MeshLambertMaterial with this reflectance under all lights of three but area lights and
+/// environment maps. Errors as of `shading_code`.
+Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads = 0);
+
 }  // namespace srbf

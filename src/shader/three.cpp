@@ -1,0 +1,50 @@
+// Models as materials of three.js.
+#include <fmt/format.h>
+
+#include <cctype>
+
+#include "shader/shader_text.h"
+#include "srbf/shading_code.h"
+
+namespace srbf {
+namespace {
+
+/// `text` within a template literal of JavaScript.
+std::string escaped(const std::string& text) {
+    std::string literal;
+    for (const char c : text) {
+        if (c == '`' || c == '$' || c == '\\') literal += '\\';
+        literal += c;
+    }
+    return literal;
+}
+
+/// "CcIbizaSunset" for "cc_ibiza_sunset".
+std::string capitalised(const std::string& name) {
+    std::string words;
+    bool begins = true;
+    for (const char c : name) {
+        if (c != '_') words += begins ? char(std::toupper(static_cast<unsigned char>(c))) : c;
+        begins = c == '_';
+    }
+    return words;
+}
+
+}  // namespace
+
+Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads) {
+    const auto code =
+        shading_code(models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads});
+    if (!code) return code.error();
+    constexpr std::string_view place = "FUNCTIONS";
+    std::string text = k_three_text;
+    text.replace(text.find(place), place.size(), escaped(*code));
+    for (const NamedModel& of : models)
+        text += fmt::format(
+            "export class {}Material extends MeasuredMaterial {{\n    constructor(parameters) {{\n"
+            "        super('{}', parameters);\n    }}\n}}\n",
+            capitalised(of.name), of.name);
+    return text;
+}
+
+}  // namespace srbf

@@ -1,0 +1,145 @@
+"""python3 three.py FOLDER: renders the scenes of FOLDER/scenes.json with three.js, which is in the folder with what a page needs;
+the picture of scene i as FOLDER/i.rgba, rows from the top, and one of the page of examples/ as FOLDER/example.png.
+
+Exit status 77: there is no Chromium, or none with WebGL 2; standard output says which."""
+import base64
+import functools
+import http.server
+import json
+import os
+import sys
+import threading
+
+from chromium import WEBGL, Chromium, program
+
+folder = sys.argv[1]
+if not program():
+    print("no Chromium")
+    sys.exit(77)
+
+
+class Handler(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *of):
+        pass
+
+
+server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=folder))
+threading.Thread(target=server.serve_forever, daemon=True).start()
+site = f"http://127.0.0.1:{server.server_port}/"
+
+
+def visit(chromium, page):
+    chromium.ask("Page.navigate", url=site + page)
+    chromium.wait_for("Page.loadEventFired")
+    chromium.settle()
+
+
+with open(os.path.join(folder, "empty.html"), "w") as file:
+    file.write("""<!doctype html><link rel="icon" href="data:,">
+<script type="importmap">{ "imports": { "three": "./three.module.js" } }</script>""")
+chromium = Chromium(WEBGL)
+visit(chromium, "empty.html")
+if not chromium.run("document.createElement('canvas').getContext('webgl2') !== null"):
+    print("a Chromium without WebGL 2")
+    sys.exit(77)
+chromium.run("""(async () => {
+    window.THREE = await import('three');
+    window.materials = await import('./materials.js');
+    window.scenes = await (await fetch('scenes.json')).json();
+    // The tone mapping of the desktop's pictures.
+    THREE.ShaderChunk.tonemapping_pars_fragment = THREE.ShaderChunk.tonemapping_pars_fragment.replace(
+        /vec3 CustomToneMapping\\([^}]*}/, `vec3 CustomToneMapping(vec3 color) {
+            vec3 x = toneMappingExposure * color;
+            float peak = max(x.x, max(x.y, x.z));
+            if (peak <= 0.76) return x;
+            float bent = 1.0 - 0.24 * 0.24 / (peak + 1.0 - 2.0 * 0.76);
+            return mix(x * bent / peak, vec3(bent), 1.0 - 1.0 / (1.0 + 0.15 * (peak - bent)));
+        }`);
+})()""")
+for i in range(chromium.run("scenes.length")):
+    pixels = chromium.run("""((of) => {
+        const numbers = (text, type) => new type(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
+        const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true }), scene = new THREE.Scene();
+        renderer.setSize(of.width, of.height);
+        renderer.toneMapping = THREE.CustomToneMapping;
+        renderer.toneMappingExposure = of.exposure;
+        const geometry = new THREE.BufferGeometry();
+        geometry.setAttribute('position', new THREE.BufferAttribute(numbers(of.positions, Float32Array), 3));
+        geometry.setAttribute('normal', new THREE.BufferAttribute(numbers(of.normals, Float32Array), 3));
+        geometry.setIndex(new THREE.BufferAttribute(numbers(of.triangles, Uint32Array), 1));
+        const material = new materials[of.material]();
+        if (of.many) {  // as an instance
+            const mesh = new THREE.InstancedMesh(geometry, material, 1);
+            mesh.setMatrixAt(0, new THREE.Matrix4());
+            scene.add(mesh);
+        } else {
+            scene.add(new THREE.Mesh(geometry, material));
+        }
+        for (const { towards, irradiance } of of.lights) {
+            const light = new THREE.DirectionalLight(new THREE.Color(...irradiance));
+            light.position.set(...towards);
+            scene.add(light);
+        }
+        const camera = new THREE.PerspectiveCamera(of.fov, of.width / of.height, 0.01, 1000);
+        camera.position.set(...of.eye);
+        camera.lookAt(...of.target);
+        renderer.render(scene, camera);
+        const gl = renderer.getContext(), rows = new Uint8Array(4 * of.width * of.height);
+        gl.readPixels(0, 0, of.width, of.height, gl.RGBA, gl.UNSIGNED_BYTE, rows);
+        let text = "";
+        for (let y = of.height; y-- > 0;) text += String.fromCharCode(...rows.subarray(4 * of.width * y, 4 * of.width * (y + 1)));
+        renderer.dispose();
+        return btoa(text);
+    })(scenes[%d])""" % i)
+    with open(os.path.join(folder, f"{i}.rgba"), "wb") as file:
+        file.write(base64.b64decode(pixels))
+# A model that is Lambert's formula beside three's own material of it: skinned, instanced, under every kind of light, with
+# shadows, fog and a tone mapping.
+alike = chromium.run("""(() => {
+    const picture = (make) => {
+        const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true }), scene = new THREE.Scene();
+        renderer.setSize(320, 240);
+        renderer.toneMapping = THREE.ACESFilmicToneMapping;
+        renderer.shadowMap.enabled = true;
+        scene.fog = new THREE.Fog(0x406080, 2, 14);
+        const add = (mesh) => { mesh.castShadow = mesh.receiveShadow = true; scene.add(mesh); return mesh; };
+        const limb = new THREE.CylinderGeometry(0.3, 0.3, 2, 24, 16), indices = [], weights = [];
+        for (let i = 0; i < limb.attributes.position.count; ++i) {
+            const up = Math.min(Math.max(limb.attributes.position.getY(i) / 2 + 0.5, 0), 1);
+            indices.push(0, 1, 0, 0), weights.push(1 - up, up, 0, 0);
+        }
+        limb.setAttribute('skinIndex', new THREE.Uint16BufferAttribute(indices, 4));
+        limb.setAttribute('skinWeight', new THREE.Float32BufferAttribute(weights, 4));
+        const skinned = add(new THREE.SkinnedMesh(limb, make())), bones = [new THREE.Bone(), new THREE.Bone()];
+        bones[0].position.y = -1, bones[1].position.y = 1, bones[0].add(bones[1]), skinned.add(bones[0]);
+        skinned.bind(new THREE.Skeleton(bones));
+        bones[1].rotation.z = 1;
+        const many = add(new THREE.InstancedMesh(new THREE.TorusKnotGeometry(0.3, 0.1, 96, 16), make(), 2));
+        [-1.5, 1.5].forEach((x, i) => many.setMatrixAt(i, new THREE.Matrix4().makeTranslation(x, 0.3 * x, 0)));
+        add(new THREE.Mesh(new THREE.PlaneGeometry(9, 9), make())).rotation.x = -Math.PI / 2;
+        scene.children.at(-1).position.y = -1.1;
+        const sun = new THREE.DirectionalLight('white', 2), spot = new THREE.SpotLight('orange', 60), point = new THREE.PointLight('cyan', 20);
+        sun.position.set(2, 4, 3), spot.position.set(-3, 3, 2), point.position.set(0, 2, -2);
+        for (const light of [sun, spot, point]) light.castShadow = true, scene.add(light);
+        scene.add(new THREE.HemisphereLight('white', 'green', 0.7), new THREE.AmbientLight('white', 0.2));
+        const camera = new THREE.PerspectiveCamera(40, 4 / 3, 0.1, 100);
+        camera.position.set(0, 1.5, 6), camera.lookAt(0, 0, 0);
+        renderer.render(scene, camera);
+        const gl = renderer.getContext(), pixels = new Uint8Array(4 * 320 * 240);
+        gl.readPixels(0, 0, 320, 240, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+        renderer.dispose();
+        return pixels;
+    };
+    const colour = new THREE.Color().setRGB(0.5, 0.25, 0.125);
+    const of = [() => new THREE.MeshLambertMaterial({ color: colour }), () => new materials.LambertMaterial()].map(picture);
+    const squares = of[0].reduce((sum, x, i) => sum + (x - of[1][i]) ** 2, 0);
+    return { psnr: 10 * Math.log10(255 * 255 * of[0].length / Math.max(squares, 1e-3)), colours: new Set(of[0]).size };
+})()""")
+problems = list(chromium.problems)
+if os.path.exists(os.path.join(folder, "three.html")):
+    chromium.size(1016, 516)
+    visit(chromium, "three.html")
+    chromium.screenshot(os.path.join(folder, "example.png"))
+    problems += [p for p in chromium.problems if "favicon" not in json.dumps(p) and p not in problems]
+print(json.dumps({"problems": problems, **alike}))
+chromium.close()

@@ -66,7 +66,7 @@ std::string card_of(const View& view, const Json& material) {
                *other = view.ball(material, "pm2"), *fit = view.drawn(material, "pm");
     if (measured == nullptr || ball == nullptr || fit == nullptr) return {};
     const std::string name = field(material["material"]);
-    const auto minimised = std::ranges::find(k_measure_texts, measure_column(fit->at("objective")),
+    const auto minimised = std::ranges::find(k_measure_texts, measure_column(fit->at("objective"), fit->at("input")),
                                              [](const MeasureText& measure) { return std::string(measure.column); });
     return fmt::format(
         "<article class='card'><div class='pair'>{}{}<small>measured</small><small>{} "
@@ -76,7 +76,7 @@ std::string card_of(const View& view, const Json& material) {
         picture(view.album, material, field(ball->at("picture")), name + ", fitted"),
         number(fit, "payload_bytes", Shown::whole), link_to(material), label_of(material), word(view.flip(material)),
         number(ball, "flip", Shown::plain),
-        other == nullptr ? "" : fmt::format("; {} by cube-root", number(other, "flip", Shown::plain)), minimised->title,
+        other == nullptr ? "" : fmt::format("; {} by cosine", number(other, "flip", Shown::plain)), minimised->title,
         number(fit, minimised->column, shown_as(*minimised)));
 }
 
@@ -167,7 +167,7 @@ std::string spread_of_all(const View& view, const std::string& input, const std:
             for (const char* what : k_spread) {
                 const std::string cell =
                     number(row_with(statistics, "measure", measure.column), what, shown_as(measure));
-                cells.push_back(measure.column == measure_column(objective) ? "<b>" + cell + "</b>" : cell);
+                cells.push_back(measure.column == measure_column(objective, input) ? "<b>" + cell + "</b>" : cell);
             }
         theta = number(statistics[0], "max_theta", Shown::plain);
         rows += row(html_escaped(title_of(*row_with(rows_with(view.tables.fits, "input", input), "id", id))), cells);
@@ -184,7 +184,8 @@ std::string spread_of(const View& view) {
     std::string html;
     for (const char* input : {"table", "samples"}) {
         html += spread_of_compared(view, input);
-        for (const char* objective : {"raw", "cosine", "cube-root"}) html += spread_of_all(view, input, objective);
+        for (const char* objective : {"appearance", "raw", "cosine", "cube-root"})
+            html += spread_of_all(view, input, objective);
     }
     return html.empty() ? "<p>There is but one material of a kind.</p>" : html;
 }
@@ -261,7 +262,7 @@ std::string survey_html(const std::vector<Surveyed>& materials, const Tables& ta
         {"alike", constant("alike", Shown::plain)},
         {"close", constant("close", Shown::plain)},
         {"directions", constant("matrix_directions", Shown::whole)},
-        {"default_fit", "the default fit (of scattered samples: six lobes, objective cube-root)"},
+        {"default_fit", "the default fit (of scattered samples: eight lobes)"},
         {"cards", cards},
         {"links", links},
         {"all", all_of(view)},

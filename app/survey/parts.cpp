@@ -39,11 +39,13 @@ std::string title_of(const Json& fit) {
 std::string role_title(const std::string& role) {
     if (role == "measured") return "measured";
     if (role == "pm") return "multivariate";
-    if (role == "pm2") return "multivariate, cube-root";
+    if (role == "pm2") return "multivariate, cosine";
     return role == "su" ? "view by view" : "GGX";
 }
-std::string measure_column(const std::string& objective) {
-    return fmt::format("heldout_{}", measure_named_for(objective_named(objective).value_or(Objective::cosine)).name);
+std::string measure_column(const std::string& objective, const Json& input) {
+    const Objective named = objective_named(objective).value_or(Objective::cosine);
+    if (named == Objective::appearance && input == "table") return "delta_e_itp";
+    return fmt::format("heldout_{}", measure_named_for(named).name);
 }
 std::string link_to(const Json& material) {
     return fmt::format("<a href='#{}'>{}</a>", text_of(material, "folder"), text_of(material, "material"));

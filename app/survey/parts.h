@@ -25,8 +25,9 @@ std::string title_of(const Json& fit);
 /// The roles of what is drawn, in this order, and their names.
 inline constexpr const char* k_drawn[] = {"measured", "pm", "pm2", "su", "ggx"};
 std::string role_title(const std::string& role);
-/// The column of the held-out measure of an objective; for an unknown objective that of cosine.
-std::string measure_column(const std::string& objective);
+/// The column of the measure by which an objective is judged for that input ("table" or "samples"), held out if it is
+/// one of directions; for an unknown objective that of cosine.
+std::string measure_column(const std::string& objective, const Json& input);
 /// Whether a fit corresponds to one in Table 7.1 of Tsai 2009.
 bool is_of_table(const Json& fit);
 /// The word for a similarity, in its colour.

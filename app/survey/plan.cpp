@@ -55,13 +55,16 @@ void plan_table(Plan& plan, bool quick) {
         plan.pm(PmForm::gaussian, 8, 4, objective);
         plan.pm(PmForm::horizon, 8, 4, objective);
         plan.pm(PmForm::extended, 6, 4, objective);
-        plan.pm(PmForm::extended, 8, 4, objective, objective == cosine ? "pm" : "");
-        plan.su(5, objective, objective == cosine ? "su" : "");
+        plan.pm(PmForm::extended, 8, 4, objective, objective == cosine ? "pm2" : "");
+        plan.su(5, objective);
         plan.ggx(1, objective);
-        plan.ggx(2, objective, objective == cosine ? "ggx" : "");
+        plan.ggx(2, objective);
     }
-    plan.pm(PmForm::extended, 8, 4, cube_root, "pm2");
-    plan.ggx(2, cube_root);
+    for (const int lobes : {6, 8, 12}) plan.pm(PmForm::extended, lobes, 4, appearance, lobes == 8 ? "pm" : "");
+    plan.su(5, appearance, "su");
+    plan.ggx(1, appearance);
+    plan.ggx(2, appearance, "ggx");
+    plan.pm(PmForm::extended, 8, 4, cube_root);
     plan.su_by_texture(5, raw);
     // For the plot of error over the number of lobes.
     if (quick) {
@@ -86,11 +89,14 @@ void plan_samples(Plan& plan, bool quick) {
     plan.pm(PmForm::gaussian, 8, 4, raw);  // size of Krylon Blue in Tsai 2009
     plan.su(4, raw);                       // size of Krylon Blue in Tsai 2009
     plan.pm(PmForm::gaussian, 8, 4, cube_root);
-    plan.pm(PmForm::extended, 6, 4, cube_root, "pm");
-    plan.su(4, cube_root, "su");
-    for (const Objective objective : {raw, cube_root}) {
+    plan.pm(PmForm::extended, 6, 4, cube_root);
+    plan.pm(PmForm::extended, 8, 4, cosine, "pm2");
+    plan.pm(PmForm::extended, 8, 4, appearance, "pm");
+    plan.su(4, cube_root);
+    plan.su(4, appearance, "su");
+    for (const Objective objective : {raw, cube_root, appearance}) {
         plan.ggx(1, objective);
-        plan.ggx(2, objective, objective == cube_root ? "ggx" : "");
+        plan.ggx(2, objective, objective == appearance ? "ggx" : "");
     }
     if (quick) {
         plan.pm(PmForm::extended, 3, 4, cube_root);

@@ -42,7 +42,7 @@ std::string pictures_of(const View& view, const Json& material) {
 std::vector<std::string> fit_cells(const Json& fit) {
     std::vector<std::string> cells{number(&fit, "lobes", Shown::whole), number(&fit, "variates", Shown::whole),
                                    number(&fit, "payload_bytes", Shown::whole)};
-    const std::string minimised = measure_column(fit["objective"]);
+    const std::string minimised = measure_column(fit["objective"], fit["input"]);
     for (const MeasureText& measure : k_measure_texts) {
         const std::string cell = number(&fit, measure.column, shown_as(measure));
         cells.push_back(measure.column == minimised ? "<b>" + cell + "</b>" : cell);
@@ -80,7 +80,7 @@ std::string errors_of(const View& view, const Json& material, bool whole) {
     }
     heads.push_back({"seconds", {}});
     std::string rows = whole ? "" : source_rows(view, material, heads.size());
-    for (const char* objective : {"raw", "cosine", "cube-root"}) {
+    for (const char* objective : {"appearance", "raw", "cosine", "cube-root"}) {
         std::string of_objective;
         Json theta;
         for (const Json* fit : view.fits(material)) {
@@ -127,7 +127,8 @@ Rows of_line(const View& view, const Json& material, const Line& line, const std
 
 std::string charts_of(const View& view, const Json& material) {
     const bool is_table = material["input"] == "table";
-    const std::string objective = is_table ? "raw" : "cube-root", measure = measure_column(objective);
+    const std::string objective = is_table ? "raw" : "cube-root",
+                      measure = measure_column(objective, material["input"]);
     const char* title = is_table ? "Raw error, held out" : "Dark-part error, held out";
     Chart over_lobes{fmt::format("{}, over the number of lobes J", title), "J", {1, 2, 3, 4, 6, 8, 12, 16}, {}},
         over_bytes{fmt::format("{}, over bytes", title), "bytes", {}, {}};

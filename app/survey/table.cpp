@@ -14,6 +14,11 @@
 namespace srbf {
 
 const std::vector<MeasureText> k_measure_texts{
+    {"delta_e_itp", "ΔE_ITP",
+     "How different pictures of a sphere look beside the measurement's, of which 1 is just noticeable: the mean over "
+     "eight "
+     "lightings.",
+     false},
     {"heldout_squared_error_ratio_cosine", "image error",
      "What reaches an image: Σ(f cosθl − f̂ cosθl)² / Σ(f cosθl)², each view weighted by the area that it sees.", true},
     {"heldout_squared_error_ratio", "raw error",
@@ -22,6 +27,8 @@ const std::vector<MeasureText> k_measure_texts{
      "The same on the source's 1536 × 1536 pairs of directions, or at the samples themselves.", true},
     {"heldout_cube_root_error_ratio", "dark-part error",
      "The same ratio of the cube root of f, nearer to the eye, which sees the dark parts beside the highlight.", true},
+    {"heldout_sixth_root_error_ratio", "sixth-root error",
+     "The same of the sixth root of f cosθl with a small constant added, nearer still to the eye.", true},
     {"heldout_log_rms_cosine", "log error", "Root mean square of the differences of log(1 + f cosθl).", false},
     {"albedo_error", "albedo error",
      "The largest relative error of the share of light that comes back at all, from 0, 30, 60 and 75°.", true},
@@ -79,6 +86,9 @@ std::vector<std::string> measure_columns(const std::string& prefix) {
     return columns;
 }
 
+/// The measures of pictures in a fit's report; fits to samples have none.
+constexpr std::array<const char*, 5> k_picture_columns{"delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms"};
+
 /// Tables 7.1 and 7.2 of Tsai 2009, for the materials whose measurements are available; the raw data are 1536 × 1536
 /// RGB floats. Minutes and frames per second are the ranges over all its materials.
 struct SourceRow {
@@ -135,6 +145,9 @@ void add_material(Tables& tables, const Surveyed& of) {
         full.update(fit);
         full["fit_seconds"] = study.times.at("fit_seconds").at(fit.at("id").get<std::string>());
         full["threads"] = study.times.at("threads");
+        const auto pictures = fit.find("pictures");
+        for (const char* column : k_picture_columns)
+            full[column] = pictures == fit.end() ? Json() : pictures->at(column);
         tables.fits.rows.push_back(std::move(full));
     }
     const auto add_all = [&](Table& table, const Json& rows) {
@@ -164,6 +177,7 @@ void add_statistics(Tables& tables) {
         at->second.push_back(&fit);
     }
     std::vector<std::string> measures = measure_columns("");
+    measures.insert(measures.end(), k_picture_columns.begin(), k_picture_columns.end());
     measures.emplace_back("fit_seconds");
     for (const auto& [kind, fits] : kinds)
         for (const std::string& measure : measures) {
@@ -247,6 +261,7 @@ Tables tables_of(const std::vector<Surveyed>& materials) {
                    {}};
     for (const char* prefix : {"", "unrounded_"})
         for (const std::string& column : measure_columns(prefix)) tables.fits.columns.push_back(column);
+    tables.fits.columns.insert(tables.fits.columns.end(), k_picture_columns.begin(), k_picture_columns.end());
     tables.failures = {"failures", {"material", "id", "error"}, {}};
     tables.statistics = {
         "statistics",

@@ -1,0 +1,348 @@
+"""Measured BRDFs as a few spherical radial basis functions.
+
+A BRDF's values are f_r [1/sr] for R, G, B in linear sRGB, without the cosine. `wl` points to the light and `wv` to the viewer: unit
+vectors in the local frame, whose +z axis is the normal, in arrays of shape [..., 3] whose leading axes broadcast. float32 arrays that
+are contiguous are not copied.
+"""
+from __future__ import annotations
+
+import dataclasses
+import os
+import struct
+import sys
+import zlib
+from typing import Any, Callable, Optional, Sequence, Union
+
+import numpy as np
+
+__all__ = ["Brdf", "Error", "Fit", "Measurement", "Model", "code", "convert", "errors", "fit", "fit_batch", "from_arrays", "lightings",
+           "load", "render"]
+
+
+class Error(ValueError):
+    """What is wrong with an input.
+
+    Attributes: `file` (or the computation that reports it), `offset` (byte of a binary file, line of a text; None: unknown), `what`,
+    `expected`, `found`, and `code`: "malformed", "unreadable", "wrong kind", "argument", "no data" or "cancelled".
+    """
+
+    def __init__(self, message: str, file: str = "", offset: Optional[int] = None, what: str = "", expected: str = "", found: str = "",
+                 code: str = ""):
+        super().__init__(message)
+        self.file, self.offset, self.what = file, offset, what
+        self.expected, self.found, self.code = expected, found, code
+
+
+from . import _srbf  # noqa: E402  (it raises Error)
+
+__version__: str = _srbf.version
+
+
+def _numbers(array: Any, name: str, last: Optional[int] = 3) -> np.ndarray:
+    """`array` as float32, with that many numbers along its last axis."""
+    array = np.asarray(array)
+    if array.dtype.kind not in "fiub":
+        raise TypeError(f"{name}: expected real numbers, found dtype {array.dtype}")
+    if last is not None and (array.ndim == 0 or array.shape[-1] != last):
+        raise ValueError(f"{name}: expected shape [..., {last}], found {list(array.shape)}")
+    return array.astype(np.float32, copy=False)
+
+
+def _rows(arrays: Sequence[np.ndarray], names: Sequence[str]) -> tuple[tuple[int, ...], list[np.ndarray]]:
+    """The common leading shape of arrays [..., 3], and the arrays as contiguous rows [n, 3]."""
+    try:
+        shape = np.broadcast_shapes(*(array.shape[:-1] for array in arrays))
+    except ValueError:
+        shapes = ", ".join(f"{name} {list(array.shape)}" for name, array in zip(names, arrays))
+        raise ValueError(f"shapes that do not broadcast: {shapes}") from None
+    return shape, [np.ascontiguousarray(np.broadcast_to(array, shape + array.shape[-1:])).reshape(-1, array.shape[-1])
+                   for array in arrays]
+
+
+def _pairs(wl: Any, wv: Any) -> tuple[tuple[int, ...], list[np.ndarray]]:
+    return _rows((_numbers(wl, "wl"), _numbers(wv, "wv")), ("wl", "wv"))
+
+
+class Brdf:
+    """A measurement or a model. Thread-safe; the interpreter's lock is released while it computes."""
+
+    def __init__(self, held: "_srbf.Brdf"):
+        self._held = held
+
+    def eval(self, wl: Any, wv: Any) -> np.ndarray:
+        """f_r [1/sr] of shape [..., 3]: 0 where a direction is below the horizon, NaN where nothing was measured."""
+        shape, rows = _pairs(wl, wv)
+        return self._held.evaluate(*rows).reshape(shape + (3,))
+
+    def eval_spectral(self, wl: Any, wv: Any) -> np.ndarray:
+        """f_r [1/sr] at `wavelengths` [..., C]; of a BRDF without wavelengths R, G, B."""
+        shape, rows = _pairs(wl, wv)
+        return self._held.evaluate_channels(*rows).reshape(shape + (-1,))
+
+    def sample(self, wv: Any, u: Any = None, rng: Optional[np.random.Generator] = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Importance-samples the light: directions [..., 3], weights f_r cos(theta_l) / pdf [..., 3] and densities [...].
+
+        `u` [..., 3] are numbers uniform in [0, 1): a point of the square and the choice of a lobe; without them `rng` draws. A draw
+        without a direction is (0, 0, -1), with density and weight 0.
+        """
+        wv = _numbers(wv, "wv")
+        u = (rng or np.random.default_rng()).random(wv.shape, np.float32) if u is None else _numbers(u, "u")
+        shape, (rows, numbers) = _rows((wv, u), ("wv", "u"))
+        if not ((numbers >= 0) & (numbers < 1)).all():
+            raise ValueError("u: expected numbers in [0, 1)")
+        wl, weight, density = self._held.sample(rows, numbers)
+        return wl.reshape(shape + (3,)), weight.reshape(shape + (3,)), density.reshape(shape)
+
+    def pdf(self, wl: Any, wv: Any) -> np.ndarray:
+        """The density of `sample` [1/sr], of shape [...]; 0 below the horizon."""
+        shape, rows = _pairs(wl, wv)
+        return self._held.density(*rows).reshape(shape)
+
+    def albedo(self, cos_v: Any) -> np.ndarray:
+        """Directional albedo [..., 3] of views at the cosines `cos_v` [...] in (0, 1], in the mean over azimuths; within 1 % or 0.002 for
+        smooth and glossy BRDFs."""
+        cosine = _numbers(cos_v, "cos_v", None)
+        if not ((cosine > 0) & (cosine <= 1)).all():
+            raise ValueError("cos_v: expected cosines in (0, 1]")
+        return self._held.reflected(np.ascontiguousarray(cosine).reshape(-1)).reshape(cosine.shape + (3,))
+
+    @property
+    def isotropic(self) -> bool:
+        """Whether f_r depends only on the difference of the azimuths."""
+        return self._held.isotropic()
+
+    @property
+    def wavelengths(self) -> np.ndarray:
+        """[nm], of a spectral BRDF; otherwise empty."""
+        return self._held.wavelengths()
+
+    @property
+    def nbytes(self) -> int:
+        """Of a model its stored numbers, of a measurement its file."""
+        return self._held.nbytes()
+
+    def _repr_png_(self) -> bytes:
+        picture = render(self, size=200)
+        exposure = 0.75 / max(float(np.percentile(picture.max(axis=-1), 90)), 1e-9)
+        return _png(picture * exposure)
+
+
+class Measurement(Brdf):
+    """A measured BRDF."""
+
+    @property
+    def format(self) -> str:
+        """"MERL", "RGL", "UTIA", "Cornell", "ASTM E1392", "ALTA", "CSV" or "arrays"."""
+        return self._held.kind()
+
+    @property
+    def source(self) -> str:
+        """The file's name."""
+        return self._held.source()
+
+    def __repr__(self) -> str:
+        return f"<srbf.Measurement {self.source!r}, {self.format}, {self.nbytes:,} bytes>"
+
+
+class Model(Brdf):
+    """A fitted BRDF."""
+
+    @property
+    def kind(self) -> str:
+        """"pm" (parameterized multivariate), "su" (view by view) or "ggx" (Lambert and GGX)."""
+        return self._held.kind()
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The numbers of the formula as arrays, by the names of the model file (docs/formats.md); centres as unit vectors."""
+        return self._held.parameters()
+
+    @property
+    def provenance(self) -> dict[str, str]:
+        """Source, options and errors of the fit."""
+        return self._held.provenance()
+
+    def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes the model file."""
+        self._held.save(os.fspath(path))
+
+    def __repr__(self) -> str:
+        return f"<srbf.Model {self.kind}, {self.nbytes:,} bytes>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (self._held.to_bytes(),)
+
+
+def _unpickled(data: bytes) -> Model:
+    return Model(_srbf.from_bytes(data))
+
+
+@dataclasses.dataclass
+class Fit:
+    """What a fit found."""
+
+    model: Model
+    #: the measures of docs/accuracy.md by their names in JSON: on the matrix, held out ("heldout_..."), of albedo, and of pictures
+    errors: Optional[dict[str, Any]]
+    seconds: float
+    stop_reason: Optional[str]
+    #: whether a requested size or error was reached
+    reached: bool
+
+    def __repr__(self) -> str:
+        seen = "" if not self.errors or "delta_e_itp" not in self.errors else f", delta_e_itp {self.errors['delta_e_itp']:.2f}"
+        return f"<srbf.Fit {self.model!r}{seen}, {self.seconds:.2f} s>"
+
+    def _repr_png_(self) -> bytes:
+        return self.model._repr_png_()
+
+
+def _brdf(held: "_srbf.Brdf") -> Union[Model, Measurement]:
+    return Model(held) if held.is_model() else Measurement(held)
+
+
+def load(path: Union[str, "os.PathLike[str]"]) -> Union[Model, Measurement]:
+    """Reads a measurement (MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA, CSV) or a model, recognised by its content. Raises Error."""
+    return _brdf(_srbf.load(os.fspath(path)))
+
+
+def from_arrays(wl: Any, wv: Any, f: Any, isotropic: bool = True) -> Measurement:
+    """Samples at pairs of directions [..., 3] as a measurement, f [..., 3] or, for grey ones, [...]. Samples that are not finite or
+    below the horizon are dropped."""
+    wl, wv = _numbers(wl, "wl"), _numbers(wv, "wv")
+    f = np.asarray(f)
+    if f.ndim == 0 or f.shape[-1] != 3 or f.ndim < max(wl.ndim, wv.ndim):
+        f = np.repeat(f[..., None], 3, axis=-1)
+    _, rows = _rows((wl, wv, _numbers(f, "f")), ("wl", "wv", "f"))
+    return Measurement(_srbf.from_arrays(*rows, isotropic))
+
+
+Progress = Union[bool, Callable[[str, float], Optional[bool]]]
+
+
+class _Shown:
+    """Progress as the caller wants it: a callback, or a bar of tqdm where it is installed."""
+
+    def __init__(self, progress: Progress):
+        self.bar, self.callback = None, progress if callable(progress) else None
+        if progress is True:
+            try:
+                from tqdm.auto import tqdm
+            except ImportError:
+                return
+            self.bar = tqdm(total=100, unit="%", leave=False, bar_format="{desc}: {percentage:.0f}%|{bar}| {remaining}")
+            self.callback = self.show
+
+    def show(self, stage: str, fraction: float) -> None:
+        self.bar.set_description(stage, refresh=False)
+        self.bar.update(100 * fraction - self.bar.n)
+
+    def __enter__(self) -> Optional[Callable[[str, float], Optional[bool]]]:
+        return self.callback
+
+    def __exit__(self, *_: Any) -> None:
+        if self.bar is not None:
+            self.bar.close()
+
+
+def _request(lobes: Union[int, str, None], **options: Any) -> "_srbf.Request":
+    request = _srbf.Request()
+    if lobes == "auto":
+        request.automatic = True
+    elif lobes is not None:
+        request.lobes = lobes
+    for name, value in options.items():
+        if value is not None:
+            setattr(request, name, value)
+    return request
+
+
+def _fit_of(outcome: dict[str, Any]) -> Fit:
+    return Fit(Model(outcome["model"]), outcome["errors"], outcome["seconds"], outcome["stop_reason"], outcome["reached"])
+
+
+def fit(brdf: Union[Measurement, str, "os.PathLike[str]", Callable[[np.ndarray, np.ndarray], Any]], *, model: str = "pm",
+        lobes: Union[int, str, None] = None, variates: Optional[int] = None, form: Optional[str] = None, budget: Optional[int] = None,
+        target_error: Optional[float] = None, target_delta_e: Optional[float] = None, objective: Optional[str] = None,
+        max_theta: Optional[float] = None, axial: Optional[bool] = None, reciprocal: bool = False, channels: str = "rgb", seed: int = 0,
+        threads: int = 0, progress: Progress = False) -> Fit:
+    """Fits a measurement, a file of one, or a function f(wl, wv) of arrays [n, 3] that returns f_r as [n, 3] or [n, 1].
+
+    The options are those of `srbf fit`: `model` "pm", "su" or "ggx"; `lobes` a number or "auto", or instead of it the size by `budget`
+    [bytes], `target_error` or `target_delta_e`; `form` "gaussian", "horizon" or "extended"; `objective` "appearance", "cosine", "raw",
+    "log" or "cube-root"; `max_theta` [degrees]; `channels` "rgb" or "spectral"; `threads` 0: all. The outcome depends on `seed` alone.
+
+    `progress`: True for a bar of tqdm, or a function of (stage, fraction) that may return False to cancel. Ctrl-C cancels.
+    """
+    given = [name for name, value in (("budget", budget), ("target_error", target_error), ("target_delta_e", target_delta_e)) if value is not None]
+    if len(given) + (lobes is not None) > 1:
+        raise ValueError(f"expected one of lobes, budget, target_error and target_delta_e, found {len(given) + (lobes is not None)}")
+    request = _request(lobes, model=model, variates=variates, form=form, budget=budget, target_error=target_error,
+                       target_delta_e=target_delta_e, objective=objective, max_theta=max_theta, axial=axial, reciprocal=reciprocal,
+                       channels=channels, seed=seed, threads=threads)
+    if isinstance(brdf, (str, os.PathLike)):
+        brdf = load(brdf)  # type: ignore[assignment]
+    with _Shown(progress) as callback:
+        if isinstance(brdf, Brdf):
+            return _fit_of(_srbf.fit(brdf._held, request, callback))
+        if not callable(brdf):
+            raise TypeError(f"brdf: expected a measurement, a path or a function, found {type(brdf).__name__}")
+        return _fit_of(_srbf.fit_function(brdf, request, callback))
+
+
+def fit_batch(wl: Any, wv: Any, f: Any, *, lobes: int = 4, model: str = "pm", isotropic: bool = True, objective: Optional[str] = None,
+              seed: int = 0, threads: int = 0, progress: Progress = False, **options: Any) -> list[Fit]:
+    """Fits T materials or texels measured at the same M pairs: wl, wv [M, 3], f [T, M, 3]. A material takes one thread."""
+    wl, wv, f = _numbers(wl, "wl"), _numbers(wv, "wv"), _numbers(f, "f")
+    if wl.ndim != 2 or wv.shape != wl.shape or f.ndim != 3 or f.shape[1:] != wl.shape:
+        raise ValueError(f"expected wl [M, 3], wv [M, 3], f [T, M, 3], found {list(wl.shape)}, {list(wv.shape)}, {list(f.shape)}")
+    request = _request(lobes, model=model, objective=objective, seed=seed, threads=threads, **options)
+    with _Shown(progress) as callback:
+        rows = (np.ascontiguousarray(array) for array in (wl, wv, f))
+        return [_fit_of(outcome) for outcome in _srbf.fit_batch(*rows, request, isotropic, callback)]
+
+
+def errors(reference: Brdf, other: Brdf, *, max_theta: float = 80, threads: int = 0) -> dict[str, Any]:
+    """The measures of docs/accuracy.md of `other` against `reference`, both directions within `max_theta` [degrees] of the normal, as
+    `srbf compare --json` names them."""
+    if not 0 < max_theta < 90:
+        raise ValueError(f"max_theta: expected (0, 90) degrees, found {max_theta}")
+    return _srbf.errors(reference._held, other._held, max_theta, threads)
+
+
+def lightings() -> list[str]:
+    """The names of the lightings of `render`."""
+    return _srbf.lightings()
+
+
+def render(brdf: Brdf, lighting: str = "studio", size: int = 256) -> np.ndarray:
+    """Linear radiance [size, size, 3] of a sphere by direct light, seen from far away; 0 beside it. Without noise."""
+    return _srbf.render(brdf._held, lighting, size)
+
+
+def convert(brdf: Brdf, path: Union[str, "os.PathLike[str]"], *, threads: int = 0) -> None:
+    """Writes the BRDF as a table: MERL (.binary), RGL (.bsdf) or samples (.csv), by the ending of `path`."""
+    _srbf.convert(brdf._held, os.fspath(path), threads)
+
+
+def code(models: Union[Model, dict[str, Model]], to: str, *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:
+    """Source code that stands alone, `to` "glsl", "hlsl", "wgsl", "msl", "c" or "three", as `srbf export` writes it. Of one model with
+    functions `name`_brdf and so on, or of several by their names; `name` then begins the names of what they share."""
+    named = models if isinstance(models, dict) else {name: models}
+    prefix = _srbf.identifier(name)
+    return _srbf.code([model._held for model in named.values()], list(named), to, prefix, sampling, albedo)
+
+
+def _png(picture: np.ndarray) -> bytes:
+    """Linear values in [0, 1] as a PNG file."""
+    shown = np.clip(picture, 0, 1)
+    encoded = np.where(shown <= 0.0031308, 12.92 * shown, 1.055 * shown ** (1 / 2.4) - 0.055)
+    pixels = (255 * encoded + 0.5).astype(np.uint8)
+    height, width = pixels.shape[:2]
+    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))

@@ -1,0 +1,252 @@
+"""The package on the bundled measurements. The environment variable SRBF_SOURCE_DIR names the project's folder."""
+import os
+import pathlib
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+import srbf
+
+DATA = pathlib.Path(os.environ["SRBF_SOURCE_DIR"]) / "data"
+PAPER, FILM = DATA / "paper_white_rgb.bsdf", DATA / "cc_ibiza_sunset_rgb.bsdf"
+
+
+def directions(*shape, seed=0, least=0.05):
+    w = np.random.default_rng(seed).normal(size=shape + (3,))
+    w[..., 2] = np.abs(w[..., 2]) + least
+    return (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def paper():
+    return srbf.load(PAPER)
+
+
+@pytest.fixture(scope="module", params=["gaussian", "horizon", "extended", "general", "su", "ggx"])
+def model(request, paper):
+    options = {"su": {"model": "su", "lobes": 1}, "ggx": {"model": "ggx", "lobes": 2}, "general": {"axial": False, "lobes": 2, "variates": 2}}
+    return srbf.fit(paper, objective="cosine", **options.get(request.param, {"form": request.param, "lobes": 2, "variates": 2})).model
+
+
+def by_formula(model, wl, wv):
+    """The formula of docs/formats.md in NumPy."""
+    p = model.parameters
+    if model.kind == "ggx":
+        h = wl + wv
+        length2 = (h * h).sum(-1)
+        value = np.zeros(wl.shape) + p["diffuse"] / np.pi
+        for alpha, f0, f90 in zip(p["roughness"], p["f0"], p["f90"]):
+            a2, cl, cv = alpha**2, wl[:, 2], wv[:, 2]
+            slope = (h[:, 0]**2 + h[:, 1]**2 + a2 * h[:, 2]**2) / length2
+            masking = cv * np.sqrt(a2 + (1 - a2) * cl**2) + cl * np.sqrt(a2 + (1 - a2) * cv**2)
+            schlick = (1 - np.sqrt(length2) / 2)[:, None]**5
+            value += (a2 / (2 * np.pi * slope**2 * masking))[:, None] * (f0 + (f90 - f0) * schlick)
+        return value
+    a, b = p["parameterization"].T
+    psi = a[:, None] * wl[:, None] + b[:, None] * wv[:, None]
+    psi /= np.linalg.norm(psi, axis=-1, keepdims=True)
+    exponent = p["log_scale"] + np.einsum("jn,ijn->ij", p["bandwidth"], np.einsum("ink,jnk->ijn", psi, p["centre"]) - 1)
+    h = wl + wv
+    length = np.linalg.norm(h, axis=-1)
+    across = (h[:, 0]**2 + h[:, 1]**2) / length**2
+    x = np.stack([np.log(wl[:, 2] * wv[:, 2]), length / 2 - 1,
+                  1 / 20 - np.sqrt((wl[:, 2] - wv[:, 2])**2 + across / 16 + 1 / 400), -np.sqrt(across)], -1)
+    terms = p["exponent"].shape[1]
+    return np.exp(exponent + x[:, :terms] @ p["exponent"].T) @ p["coefficient"]
+
+
+def test_values_are_those_of_the_formula(model):
+    if model.kind == "su":
+        pytest.skip("an interpolation")
+    wl, wv = directions(2000).astype(float), directions(2000, seed=1).astype(float)
+    expected = by_formula(model, wl, wv)
+    np.testing.assert_allclose(model.eval(wl, wv), expected, rtol=2e-4, atol=1e-6 * expected.max())
+
+
+def test_shapes_and_types(model):
+    wl, wv = directions(4, 5), directions(5, seed=1)
+    f = model.eval(wl, wv)
+    assert f.shape == (4, 5, 3) and f.dtype == np.float32
+    for other in (wl.astype(float), np.asfortranarray(wl), wl[::-1][::-1], wl.tolist()):
+        np.testing.assert_array_equal(model.eval(other, wv), f)
+    frozen = wl.copy()
+    frozen.flags.writeable = False
+    np.testing.assert_array_equal(model.eval(frozen, wv), f)
+    np.testing.assert_array_equal(model.eval(wl[0, 0], wv[0]), f[0, 0])
+    assert model.eval(wl[:0], wv).shape == (0, 5, 3)
+    assert (model.eval(-wl, wv) == 0).all()
+    assert model.eval_spectral(wl, wv).shape == (4, 5, 3) and model.wavelengths.shape == (0,)
+
+
+def test_contiguous_arrays_are_not_copied():
+    wl = directions(7)
+    _, rows = srbf._pairs(wl, wl)
+    assert all(np.shares_memory(row, wl) for row in rows)
+
+
+def test_samples_follow_the_density(model):
+    wv = np.broadcast_to(directions(1)[0], (200_000, 3))
+    wl, weight, density = model.sample(wv, rng=np.random.default_rng(1))
+    assert np.allclose(np.linalg.norm(wl, axis=-1), 1, atol=1e-3) and density.shape == (200_000,)
+    np.testing.assert_allclose(model.pdf(wl, wv), density, rtol=1e-4)
+    hit = density > 0
+    expected = (model.eval(wl, wv) * wl[:, 2:])[hit] / density[hit, None]
+    np.testing.assert_allclose(weight[hit], expected, rtol=1e-3, atol=1e-6)
+    assert (weight[~hit] == 0).all()
+    error = weight.std(axis=0) / np.sqrt(len(wv))
+    assert (np.abs(weight.mean(axis=0) - model.albedo(wv[0, 2])) < 5 * error + 0.005).all()
+    # The density integrates to the share of draws that have a direction.
+    uniform = directions(200_000, seed=2, least=0)
+    assert abs(2 * np.pi * model.pdf(uniform, wv).mean() - hit.mean()) < 0.05
+
+
+def test_a_model_is_saved_pickled_and_converted(model, tmp_path):
+    wl, wv = directions(50), directions(50, seed=1)
+    model.save(tmp_path / "m.srbf")
+    again, copy = srbf.load(tmp_path / "m.srbf"), pickle.loads(pickle.dumps(model))
+    assert isinstance(again, srbf.Model) and again.kind == model.kind and again.nbytes == model.nbytes
+    for other in (again, copy):
+        np.testing.assert_array_equal(other.eval(wl, wv), model.eval(wl, wv))
+    assert model._repr_png_().startswith(b"\x89PNG")
+    if model.kind == "ggx":
+        srbf.convert(model, tmp_path / "m.binary")
+        table = srbf.load(tmp_path / "m.binary")
+        assert isinstance(table, srbf.Measurement) and table.format == "MERL"
+        assert srbf.errors(model, table, max_theta=60)["heldout_squared_error_ratio_cosine"] < 0.02
+
+
+def test_a_fit_tells_what_the_program_tells(paper):
+    fit = srbf.fit(paper, lobes=2, variates=2)
+    assert fit.reached and fit.stop_reason and fit.model.nbytes == 48
+    assert fit.model.provenance["source"].endswith("paper_white_rgb.bsdf")
+    assert float(fit.model.provenance["delta_e_itp"]) == pytest.approx(fit.errors["delta_e_itp"], rel=1e-3)
+    same = srbf.fit(PAPER, lobes=2, variates=2, threads=1)
+    np.testing.assert_array_equal(same.model.parameters["coefficient"], fit.model.parameters["coefficient"])
+    errors = srbf.errors(paper, fit.model, max_theta=89)
+    assert errors["heldout_cube_root_error_ratio"] == pytest.approx(fit.errors["heldout_cube_root_error_ratio"], rel=1e-5)
+    assert set(errors["lightings"]) == set(srbf.lightings())
+    assert srbf.errors(paper, paper)["delta_e_itp"] == 0
+
+
+def test_functions_and_arrays_are_fitted():
+    def lambert(wl, wv):
+        assert wl.shape == wv.shape and wl.dtype == np.float32
+        return np.full((len(wl), 1), 0.5 / np.pi)
+
+    fit = srbf.fit(lambert, lobes=1, variates=1)
+    np.testing.assert_allclose(fit.model.eval(directions(100), directions(100, seed=1)), 0.5 / np.pi, rtol=0.01)
+    wl, wv = directions(300), directions(300, seed=1)
+    samples = srbf.from_arrays(wl, wv, np.full(300, 0.25))
+    np.testing.assert_allclose(samples.eval(wl, wv), 0.25, rtol=1e-4)
+    grey = np.stack([np.full((300, 3), level) for level in (0.1, 0.3)])
+    for level, one in zip((0.1, 0.3), srbf.fit_batch(wl, wv, grey, lobes=1)):
+        np.testing.assert_allclose(one.model.eval(wl, wv), level, rtol=0.02)
+
+
+def test_progress_is_told_and_cancels(paper):
+    told = []
+    srbf.fit(paper, lobes=2, variates=2, progress=lambda stage, fraction: told.append((stage, fraction)))
+    assert told and all(0 <= fraction <= 1 for _, fraction in told) and [f for _, f in told] == sorted(f for _, f in told)
+    with pytest.raises(srbf.Error) as caught:
+        srbf.fit(paper, progress=lambda stage, fraction: False)
+    assert caught.value.code == "cancelled"
+    with pytest.raises(ZeroDivisionError):
+        srbf.fit(paper, progress=lambda stage, fraction: 1 / 0)
+    with pytest.raises(KeyError):
+        srbf.fit(lambda wl, wv: {}["missing"])
+
+
+def test_an_interrupt_ends_a_fit():
+    script = (f"import srbf\ntry:\n    srbf.fit({str(FILM)!r}, target_error=1e-4, progress=lambda *of: print('now', flush=True))\n"
+              "except KeyboardInterrupt:\n    print('interrupted')")
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "now\n"
+        process.send_signal(signal.SIGINT)
+        assert process.communicate(timeout=30)[0].endswith("interrupted\n")
+        assert process.returncode == 0
+
+
+def test_other_threads_run_meanwhile(paper):
+    steps = []
+
+    def count():
+        while not done.is_set():
+            steps.append(None)
+            time.sleep(0.001)
+
+    done = threading.Event()
+    thread = threading.Thread(target=count)
+    thread.start()
+    srbf.fit(paper, lobes=2, variates=2)
+    done.set()
+    thread.join()
+    assert len(steps) > 10
+
+
+def test_pictures_and_code(paper):
+    picture = srbf.render(paper, "lamp", 64)
+    assert picture.shape == (64, 64, 3) and picture[0, 0].max() == 0 and picture.max() > 0
+    model = srbf.fit(paper, model="ggx", lobes=1).model
+    for language in ("glsl", "hlsl", "wgsl", "msl", "c"):
+        assert "white_paint_brdf(" in srbf.code(model, language, name="white paint")
+    assert "a_brdf(" in srbf.code({"a": model, "b": model}, "c", albedo=True) and "class AMaterial" in srbf.code({"a": model}, "three")
+
+
+@pytest.mark.parametrize("wl, wv, error, words", [
+    ([1, 0], [0, 0, 1], ValueError, "shape"),
+    ([0, 0, 2], [0, 0, 1], ValueError, "unit vector"),
+    ([0, 0, np.nan], [0, 0, 1], ValueError, "unit vector"),
+    ([0, 0, np.inf], [0, 0, 1], ValueError, "unit vector"),
+    ([0, 0, 1j], [0, 0, 1], TypeError, "complex"),
+    ("up", [0, 0, 1], TypeError, "dtype"),
+    (None, [0, 0, 1], TypeError, "dtype"),
+    (np.zeros((2, 3)) + [0, 0, 1], np.zeros((3, 3)) + [0, 0, 1], ValueError, "broadcast"),
+])
+def test_wrong_directions(paper, wl, wv, error, words):
+    for ask in (paper.eval, paper.pdf):
+        with pytest.raises(error, match=words):
+            ask(wl, wv)
+
+
+def test_wrong_input(paper, tmp_path):
+    (tmp_path / "cut.bsdf").write_bytes(PAPER.read_bytes()[:1000])
+    for path, code in ((tmp_path / "missing", "unreadable"), (tmp_path, "unreadable"), (tmp_path / "cut.bsdf", "malformed")):
+        with pytest.raises(srbf.Error) as caught:
+            srbf.load(path)
+        assert caught.value.code == code and caught.value.file == str(path) and caught.value.expected
+    model = srbf.fit(paper, model="ggx", lobes=1).model
+    for wrong in (lambda: srbf.fit(model), lambda: srbf.fit(paper, lobes=0), lambda: srbf.fit(paper, objective="best"),
+                  lambda: srbf.fit(paper, model="mlp"), lambda: srbf.fit(paper, lobes=2, budget=100), lambda: srbf.fit(paper, max_theta=100),
+                  lambda: srbf.fit(paper, channels="spectral"), lambda: srbf.convert(paper, tmp_path / "x.png"),
+                  lambda: srbf.render(paper, "dark"), lambda: srbf.render(paper, size=0), lambda: srbf.code(model, "cobol"),
+                  lambda: model.albedo(0), lambda: model.sample([0, 0, 1], [0, 0, 1]), lambda: srbf.errors(paper, model, max_theta=90),
+                  lambda: srbf.from_arrays([[0, 0, 1]], [[0, 0, 1]], [np.nan]), lambda: model.save(tmp_path / "no" / "m.srbf"),
+                  lambda: srbf.fit_batch(directions(9), directions(9), np.zeros((2, 8, 3))),
+                  lambda: srbf.fit(lambda wl, wv: np.zeros((3, 3)))):
+        with pytest.raises(ValueError):
+            wrong()
+    with pytest.raises(TypeError):
+        srbf.fit(5)
+    assert not (tmp_path / "no").exists() and not (tmp_path / "x.png").exists()
+
+
+def test_the_notebook_runs(monkeypatch):
+    """Its code, in order; the pictures' cells need IPython only to show them."""
+    import json
+    import types
+    notebook = json.loads((DATA.parent / "examples" / "first_steps.ipynb").read_text())
+    monkeypatch.chdir(DATA.parent / "examples")
+    monkeypatch.setitem(sys.modules, "IPython", types.ModuleType("IPython"))
+    display = types.ModuleType("IPython.display")
+    display.Image = bytes
+    monkeypatch.setitem(sys.modules, "IPython.display", display)
+    names = {}
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "code":
+            exec("".join(cell["source"]), names)
+    assert names["fit"].model.nbytes == 208

@@ -23,7 +23,7 @@ struct ConvertCommand {
 
 /// The file extensions of the formats, and the formats' names in `Measured`.
 constexpr std::pair<std::string_view, std::string_view> k_endings[] = {
-    {".binary", "MERL"}, {".bsdf", "RGL"}, {".csv", "CSV"}};
+    {".binary", "MERL"}, {".bsdf", "RGL"}, {".mbsdf", "MBSDF"}, {".csv", "CSV"}};
 
 std::string ending_of(const std::string& path) { return std::filesystem::path(path).extension().string(); }
 
@@ -59,6 +59,9 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
         return Error{
             input, {}, "input", fmt::format("an isotropic BRDF, as {} tables are", format), "an anisotropic one"};
     if (format == "MERL") return write_merl(to_merl(evaluator(subject), k_merl_size, threads));
+    if (format == "MBSDF")
+        return write_mbsdf(
+            to_mbsdf(brdf, {.metadata = {{"description", description_of(subject)}}, .threads = threads}));
     RglOptions options;
     options.description = description_of(subject);
     options.threads = threads;
@@ -82,12 +85,13 @@ void add_convert(CommandLine& app, int& status) {
     const Subcommand sub = app.add_subcommand("convert", "Convert a measurement or a model to another format");
     sub.add_option("INPUT", command->input, "A measurement or a model").type_name("").required();
     sub.add_option("-o,--output", command->output,
-                   "The file to write; its extension determines the format: .binary (MERL), .bsdf (RGL), .csv")
+                   "The file to write; its extension determines the format: .binary (MERL), .bsdf (RGL), .mbsdf (MDL), "
+                   ".csv")
         .type_name("FILE")
         .required()
         .check([](std::string& name) -> std::string {
             return format_of(name).empty()
-                       ? fmt::format("expected a name that ends in .binary, .bsdf or .csv, found {}", name)
+                       ? fmt::format("expected a name that ends in .binary, .bsdf, .mbsdf or .csv, found {}", name)
                        : "";
         });
     sub.add_option("--directions", command->directions,

@@ -146,7 +146,7 @@ void add_fit(CommandLine& app, int& status) {
     const auto command = std::make_shared<FitCommand>();
     const Subcommand sub = app.add_subcommand("fit", "Fit a model to a measurement and report its errors");
     sub.add_option("INPUT", command->input,
-                   "The measurement: a table of MERL's, RGL's or UTIA's layout, or scattered samples")
+                   "The measurement: a table of MERL's, RGL's, UTIA's or MDL's layout, or scattered samples")
         .type_name("")
         .required();
     sub.add_option("-o,--output", command->output, "The model; default: INPUT's stem + .srbf in the working directory")

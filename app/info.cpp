@@ -77,6 +77,18 @@ void print_table(const UtiaTable& table) {
     print_channel_ranges("value [1/sr]", table.cells);
 }
 
+void print_table(const MbsdfTable& table) {
+    for (auto [key, text] : table.metadata) {
+        std::ranges::replace(text, '\n', ' ');
+        print_row(key, text);
+    }
+    print_row("dimensions",
+              fmt::format("{0} θl × {0} θv × {1} φ, {2}", table.polar, table.azimuths, table.grey ? "grey" : "RGB"));
+    print_row("transmission", table.has_transmission ? "in the file, not read" : "none");
+    print_row("masked entries", fmt::format("{} of {}", grouped(table.masked), grouped(table.cells.size())));
+    print_channel_ranges("value [1/sr]", table.cells);
+}
+
 void print_table(const ScatteredSamples& samples) {
     if (!samples.description.empty()) print_row("description", samples.description);
     print_row("samples", fmt::format("{} pairs of directions, {}", grouped(samples.wl.size()),

@@ -11,6 +11,7 @@
 
 #include "render/environment.h"
 #include "render/mesh.h"
+#include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
@@ -91,6 +92,17 @@ template <typename Table> void check_measured(Result<Table> table) {
     check_answers(table ? Result<Measured>(Measured{"f", "", 0, *std::move(table)}) : Result<Measured>(table.error()));
 }
 
+/// A table that was read can be written; the written bytes give the same table.
+inline void check_mbsdf(std::span<const std::byte> bytes) {
+    const auto table = read_mbsdf(bytes, "f");
+    check_measured(table);
+    if (!table) return;
+    const auto written = write_mbsdf(*table);
+    const auto again = read_mbsdf(written, "f");
+    require(again.ok() && again->metadata == table->metadata && write_mbsdf(*again) == written,
+            "write(read(written)) = written");
+}
+
 /// A model that was read can be written; the written bytes can be read, and written again to the same bytes. (A file
 /// from elsewhere may contain weights of any length, which are normalised when written.)
 inline void check_model(std::span<const std::byte> bytes) {
@@ -136,6 +148,7 @@ inline const NamedTarget k_targets[] = {
     {"merl", [](auto bytes) { check_answers(read_merl(bytes, "f")); }},
     {"rgl", [](auto bytes) { check_measured(read_rgl(bytes, "f")); }},
     {"utia", check_utia},
+    {"mbsdf", check_mbsdf},
     {"cornell", [](auto bytes) { check_measured(read_cornell(bytes, "f")); }},
     {"astm", [](auto bytes) { check_answers(read_astm(bytes, "f")); }},
     {"alta", [](auto bytes) { check_answers(read_alta(bytes, "f")); }},

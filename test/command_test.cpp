@@ -198,7 +198,7 @@ TEST_F(OfModel, convert_copies_and_converts) {
     EXPECT_EQ(contents(folder / "paper.bsdf"), contents(k_paper));
     // A measurement, samples and a model.
     for (const std::string& input : Arguments{k_paper, "s.csv", (*fitted / "m.srbf").string()})
-        for (const std::string output : {"o.binary", "o.bsdf", "o.csv"}) {
+        for (const std::string output : {"o.binary", "o.bsdf", "o.mbsdf", "o.csv"}) {
             if (output == "o.binary" && input == k_paper) continue;  // slow under sanitizers
             const ProgramRun made =
                 run(folder, {"convert", input, "-o", output, "--threads", "1", "--directions", "9"});
@@ -206,8 +206,34 @@ TEST_F(OfModel, convert_copies_and_converts) {
             EXPECT_EQ(made.out, "");
             const auto measured = load_measured(folder / output);
             ASSERT_TRUE(measured.ok()) << message(measured.error());
-            EXPECT_EQ(measured->format, output == "o.binary" ? "MERL" : output == "o.bsdf" ? "RGL" : "CSV");
+            EXPECT_EQ(measured->format, output == "o.binary"  ? "MERL"
+                                        : output == "o.bsdf"  ? "RGL"
+                                        : output == "o.mbsdf" ? "MBSDF"
+                                                              : "CSV");
         }
+}
+
+/// Its transmission is not read: this is said, once, and the file itself is copied whole.
+TEST_F(OfModel, mbsdf_files_are_read_without_their_transmission) {
+    const std::string note = "srbf: t.mbsdf: its transmission is not read\n";
+    write(folder / "t.mbsdf", text_of(grey_mbsdf()));
+    write(folder / "r.mbsdf", text_of(small_mbsdf()));
+    for (const std::string output : {"o.csv", "copy.mbsdf"}) {
+        const ProgramRun made = run(folder, {"convert", "t.mbsdf", "-o", output, "--directions", "3"});
+        EXPECT_EQ(made.status, 0);
+        EXPECT_EQ(made.err, note);
+    }
+    EXPECT_EQ(contents(folder / "copy.mbsdf"), text_of(grey_mbsdf()));
+    const ProgramRun with = run(folder, {"info", "t.mbsdf"}), without = run(folder, {"info", "r.mbsdf"});
+    EXPECT_EQ(with.err, note);
+    EXPECT_NE(with.out.find("transmission      in the file, not read\n"), std::string::npos) << with.out;
+    EXPECT_NE(with.out.find("dimensions        2 θl × 2 θv × 3 φ, grey\n"), std::string::npos) << with.out;
+    EXPECT_EQ(without.err, "");
+    EXPECT_NE(without.out.find("material          blue \"paint\"\n"), std::string::npos) << without.out;
+    // Anisotropic ones are refused.
+    write(folder / "a.bsdf", text_of(tensor_file(anisotropic_rgl())));
+    expect_failure(1, {"convert", "a.bsdf", "-o", "a.mbsdf"},
+                   "an isotropic BRDF, as MBSDF tables are, found an anisotropic one");
 }
 
 }  // namespace

@@ -89,6 +89,77 @@ TEST(Convert, RglTablesFollowWhatTheyAreMadeOf) {
     }
 }
 
+TEST(Convert, MbsdfTablesAreWrittenAndReadAgain) {
+    std::mt19937_64 random(3);
+    for (const bool grey : {false, true}) {
+        const int channels = grey ? 1 : 3;
+        auto table = *read_mbsdf(
+            mbsdf_file("", {mbsdf_block("MBSDF_DATA_REFLECTION=", 5, 7, channels,
+                                        [&](int i, int, int, int) { return i == 3 ? NAN : 3 * uniform(random) - 1; })}),
+            "t");
+        table.metadata = {{"name", "a \"b\" \\ c"}, {"lines", "1\n2\n"}, {"größe", "½"}, {"name", "="}};
+        const auto again = read_mbsdf(write_mbsdf(table), "t");
+        ASSERT_TRUE(again.ok()) << message(again.error());
+        EXPECT_EQ(again->polar, 5u);
+        EXPECT_EQ(again->azimuths, 7u);
+        EXPECT_EQ(again->grey, grey);
+        EXPECT_EQ(again->masked, 5u * 7);
+        EXPECT_EQ(again->metadata, table.metadata);
+        ASSERT_EQ(again->cells.size(), table.cells.size());
+        EXPECT_EQ(std::memcmp(again->cells.data(), table.cells.data(), table.cells.size() * sizeof(Rgb)), 0);
+        EXPECT_EQ(write_mbsdf(*again), write_mbsdf(table));
+    }
+    // What cannot be read is not written: control characters.
+    MbsdfTable table = to_mbsdf(evaluator(glossy()), {.polar = 2, .azimuths = 2, .metadata = {{"a", "b\x1b\tc"}}});
+    EXPECT_EQ(read_mbsdf(write_mbsdf(table), "t")->metadata[0].value, "b  c");
+}
+
+/// A highlight 4° wide, at the size of NVIDIA's files and by default.
+TEST(Convert, MbsdfTablesFollowWhatTheyAreMadeOf) {
+    const PmModel model = glossy();
+    const auto small = to_mbsdf(evaluator(model), {.polar = 45, .azimuths = 90, .metadata = {}});
+    EXPECT_LT(ratio(evaluator(model), evaluator(Measured{"", "", 0, small})), 2e-3);
+    const auto table = to_mbsdf(evaluator(model));
+    EXPECT_EQ(table.cells.size(), 90u * 90 * 181);
+    EXPECT_LT(ratio(evaluator(model), evaluator(Measured{"", "", 0, table})), 2e-4);
+    EXPECT_EQ(table.cells[0].g, 7.2f);  // both directions along the normal
+    EXPECT_FALSE(table.grey);
+    for (const auto& name : k_bundled) {
+        const Measured measured = bundled(name);
+        const Measured made{"", "", 0, to_mbsdf(signed_evaluator(measured))};
+        EXPECT_LT(ratio(evaluator(measured), evaluator(made)), name == "paper_white" ? 1e-5 : 1e-3) << name;
+        // f(wl, wv) is not mistaken for f(wv, wl).
+        const Evaluate exchanged = [&](auto wl, auto wv, auto f) { evaluator(made)(wv, wl, f); };
+        EXPECT_GT(ratio(evaluator(measured), exchanged), 3e-3) << name;
+    }
+    // The same on one thread.
+    const auto made_on = [&](int threads) {
+        return write_mbsdf(
+            to_mbsdf(evaluator(model), {.polar = 20, .azimuths = 9, .metadata = {}, .threads = threads}));
+    };
+    EXPECT_EQ(made_on(1), made_on(2));
+}
+
+/// Samples without a value have that of their neighbours, and grey ones a single number.
+TEST(Convert, MbsdfTablesAreWhole) {
+    const Evaluate holes = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            const float x = wv[i].z > 0.3f && wl[i].z < 0.99f ? 0.25f : NAN;
+            f[i] = {x, x, x};
+        }
+    };
+    const auto table = to_mbsdf(holes, {.polar = 30, .azimuths = 11, .metadata = {}});
+    EXPECT_TRUE(table.grey);
+    EXPECT_EQ(table.masked, 0u);
+    std::size_t zeros = 0;
+    for (const Rgb& f : table.cells) {
+        EXPECT_TRUE(f.r == 0.25f || f.r == 0);
+        zeros += f.r == 0;
+    }
+    EXPECT_EQ(zeros, 3u * 30 * 11);  // lights without any value: 0, 3 and 6°
+    EXPECT_EQ(write_mbsdf(table).size(), 20 + 23 + 12 + 4 * table.cells.size());
+}
+
 /// The fields of a written file, and the numbers of a field of floats.
 struct WrittenFile {
     std::vector<std::byte> bytes;

@@ -37,14 +37,21 @@ TEST(Formats, ReadingTakesFourTimesTheFile) {
     expect_frugal("t.bin", utia_file([](int, int, int, int, int) { return 0.1; }));
     expect_frugal("t.bsdf", write_rgl(to_rgl(grey, {8, 64, "grey", 1})));
     expect_frugal("t.csv", as_bytes(write_csv(to_samples(grey, true, 400, 80 * k_degree))));
+    // One number a sample in the file, three in memory.
+    const auto white = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
+        std::ranges::fill(f, Rgb{0.1f, 0.1f, 0.1f});
+    };
+    const MbsdfTable table = to_mbsdf(white, {.polar = 150, .azimuths = 180, .metadata = {}, .threads = 1});
+    ASSERT_TRUE(table.grey);
+    expect_frugal("t.mbsdf", write_mbsdf(table));
     // Rows too short for real measurements: more samples than the limit are an error.
     std::string dense = "theta_l_rad,theta_v_rad,phi_v_rad,value\n";
     for (int i = 0; i < 3500000; ++i) dense += "1,1,1,1\n";
     expect_frugal("dense.csv", as_bytes(dense), 1);
-    MerlTable table;
-    table.size = k_merl_size;
-    table.cells.assign(90 * 90 * 180, Rgb{0.1f, 0.2f, 0.3f});
-    expect_frugal("t.binary", write_merl(table));
+    MerlTable merl;
+    merl.size = k_merl_size;
+    merl.cells.assign(90 * 90 * 180, Rgb{0.1f, 0.2f, 0.3f});
+    expect_frugal("t.binary", write_merl(merl));
 }
 
 /// A Python interpreter with numpy; empty: none.

@@ -139,6 +139,41 @@ inline Bytes utia_file(const std::function<double(int, int, int, int, int)>& f) 
     return bytes;
 }
 
+/// A block of an MBSDF file with f(i, j, k, channel) [1/sr].
+inline Bytes mbsdf_block(const std::string& head, std::uint32_t polar, std::uint32_t azimuths, int channels,
+                         const std::function<double(int, int, int, int)>& f) {
+    Bytes bytes;
+    for (const char c : head + "\n") append(bytes, c);
+    append(bytes, std::uint32_t(channels == 3));
+    append(bytes, polar);
+    append(bytes, azimuths);
+    for (int i = 0; i < int(polar); ++i)
+        for (int j = 0; j < int(polar); ++j)
+            for (int k = 0; k < int(azimuths); ++k)
+                for (int c = 0; c < channels; ++c) append(bytes, float(f(i, j, k, c)));
+    return bytes;
+}
+
+/// An MBSDF file with these lines of metadata and these blocks.
+inline Bytes mbsdf_file(const std::string& lines, const std::vector<Bytes>& blocks) {
+    Bytes bytes;
+    for (const char c : "NVIDIA ARC MBSDF V1\n" + lines) append(bytes, c);
+    for (const Bytes& block : blocks) bytes.insert(bytes.end(), block.begin(), block.end());
+    return bytes;
+}
+
+/// Small ones: of colours, some of them negative, and grey with a block of transmission.
+inline Bytes small_mbsdf() {
+    return mbsdf_file("material=\"blue \\\"paint\\\"\"\n",
+                      {mbsdf_block("MBSDF_DATA_REFLECTION=", 3, 4, 3,
+                                   [](int i, int j, int k, int c) { return 0.25 * (i + 2 * j) - 0.125 * k * c; })});
+}
+inline Bytes grey_mbsdf() {
+    const auto f = [](int i, int j, int k, int) { return 0.25 * (i + 2 * j + 3 * k); };
+    return mbsdf_file("",
+                      {mbsdf_block("MBSDF_DATA=", 2, 3, 1, f), mbsdf_block("MBSDF_DATA_TRANSMISSION=", 1, 2, 3, f)});
+}
+
 /// Small files of the text formats.
 inline constexpr std::string_view k_small_cornell =
     "# Blue paint\r\n\r\n# num wls\r\n3\r\n# wls\r\n450 550\r\n650\r\n"

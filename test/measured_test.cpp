@@ -1,13 +1,15 @@
 // Damaged files: an Error that says what is wrong, or a table that keeps its contract; never a crash.
 #include "measured_files.h"
 #include "srbf/file.h"
+#include "srbf/text.h"
 
 namespace srbf {
 namespace {
 
 /// Each way to read gives an error with its parts in place, or a table that keeps the contract of a BRDF.
 template <typename Table> void expect_answers(const Table& table, std::mt19937_64& random) {
-    constexpr bool may_lack = std::is_same_v<Table, MerlTable> || std::is_same_v<Table, UtiaTable>;
+    constexpr bool may_lack =
+        std::is_same_v<Table, MerlTable> || std::is_same_v<Table, UtiaTable> || std::is_same_v<Table, MbsdfTable>;
     for (int i = 0; i < 40; ++i) {
         Vec3f wl = to_float(random_direction(random)), wv = to_float(random_direction(random));
         if (i % 4 == 0) wl = {0, 0, 1};
@@ -37,6 +39,7 @@ bool read_all(std::span<const std::byte> bytes, std::mt19937_64& random) {
         expect_answers(Result<RglTable>(measured.error()), random);
     expect_answers(read_merl(copy, "test\n.file"), random);
     expect_answers(read_rgl(copy, "test\n.file"), random);
+    expect_answers(read_mbsdf(copy, "test\n.file"), random);
     for (const auto reader : {read_cornell, read_astm, read_alta, read_csv})
         expect_answers(reader(copy, "test\n.file"), random);
     return measured.ok();
@@ -53,10 +56,15 @@ std::string error_of(const std::vector<FieldToWrite>& fields) {
 
 TEST(DamagedInput, EveryTruncationIsAnError) {
     std::mt19937_64 random(1);
-    for (const Bytes& whole : {small_merl(), tensor_file(simple_rgl()), tensor_file(spectral_rgl())}) {
+    for (const Bytes& whole :
+         {small_merl(), tensor_file(simple_rgl()), tensor_file(spectral_rgl()), small_mbsdf(), grey_mbsdf()}) {
         EXPECT_TRUE(read_all(whole, random));
-        for (std::size_t size = 0; size < whole.size(); ++size)
-            EXPECT_FALSE(read_all(std::span(whole).first(size), random)) << size;
+        for (std::size_t size = 0; size < whole.size(); ++size) {
+            // Without its transmission an MBSDF file is whole.
+            const std::string_view rest = as_text(std::span(whole).subspan(size));
+            EXPECT_EQ(read_all(std::span(whole).first(size), random), rest.starts_with("MBSDF_DATA_TRANSMISSION="))
+                << size;
+        }
     }
 }
 
@@ -91,8 +99,10 @@ TEST(DamagedInput, EveryFlippedHeaderByteIsAnErrorOrATable) {
     const Bytes rgl = tensor_file(simple_rgl(), &header), merl = small_merl();
     const Bytes spectral = tensor_file(spectral_rgl(), &spectral_header),
                 turned = tensor_file(anisotropic_rgl(), &turned_header);
-    for (const auto& [whole, size] : {std::pair(rgl, header), std::pair(merl, std::size_t(12)),
-                                      std::pair(spectral, spectral_header), std::pair(turned, turned_header)})
+    for (const auto& [whole, size] :
+         {std::pair(rgl, header), std::pair(merl, std::size_t(12)), std::pair(spectral, spectral_header),
+          std::pair(turned, turned_header), std::pair(small_mbsdf(), small_mbsdf().size()),
+          std::pair(grey_mbsdf(), grey_mbsdf().size())})
         for (std::size_t at = 0; at < size; ++at)
             for (const int pattern : {0xff, 0x01, 0x80}) {
                 Bytes damaged = whole;
@@ -131,8 +141,9 @@ TEST(DamagedInput, IsToldInPlainWords) {
         const auto measured = read_measured(bytes, "f");
         return measured ? "" : message(measured.error());
     };
-    EXPECT_EQ(say({}),
-              "f: unknown format: expected MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA or CSV, found an empty file");
+    EXPECT_EQ(
+        say({}),
+        "f: unknown format: expected MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA or CSV, found an empty file");
     EXPECT_NE(say(as_bytes("theta phi\n1 2\n")).find("unknown format"), std::string::npos);
 
     Bytes cut = merl_file({90, 90, 180}, [](int, int, int, int) { return 0.1; });

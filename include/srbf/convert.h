@@ -29,6 +29,17 @@ struct RglOptions {
 /// node within.
 RglTable to_rgl(const Evaluate& brdf, const RglOptions& options = {});
 
+struct MbsdfOptions {
+    std::uint32_t polar = 90;      ///< n_θ, number of angles θ_l and of θ_v; 45 in NVIDIA's examples
+    std::uint32_t azimuths = 181;  ///< n_φ; 90 in NVIDIA's examples
+    std::vector<MbsdfTable::Entry> metadata;
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+/// `brdf` at the samples of an `MbsdfTable`, as an isotropic material, with azimuth 0 of the light; not evaluated beyond
+/// 89.7°. The format has no mark for what is not measured: such a sample is the mean of its neighbours in θ_v and φ.
+/// `grey` if all channels of all samples are equal.
+MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options = {});
+
 /// `brdf` at all pairs of n directions of the Fibonacci set on the cap θ ≤ θmax [rad], without the pairs that were not
 /// measured.
 ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_max);
@@ -39,6 +50,9 @@ std::vector<std::byte> write_merl(const MerlTable& table);
 /// that read only spectra also `spectra` at `wavelengths`, whose colours are these (`reflectance_spectrum`).
 /// read_rgl(write_rgl(table)) is `table` up to rounding.
 std::vector<std::byte> write_rgl(const RglTable& table);
+/// The bytes of an MBSDF file, version 1, with a block of reflection. Control characters in values of the metadata,
+/// other than line ends, become blanks. read_mbsdf(write_mbsdf(table)) is `table` but for `has_transmission`.
+std::vector<std::byte> write_mbsdf(const MbsdfTable& table);
 /// CSV with a row per sample: wl_x .. wv_z, then r,g,b, or a spectrum in columns such as 450nm.
 /// read_csv(write_csv(samples)) is `samples`.
 std::string write_csv(const ScatteredSamples& samples);

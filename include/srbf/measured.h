@@ -85,6 +85,24 @@ struct UtiaTable {
     std::uint64_t masked = 0;  ///< cells without a measurement
 };
 
+/// A table of the reflection in an MBSDF file ("NVIDIA Material Definition Language", appendix "MBSDF file format"):
+/// isotropic. Sample (i, j, k) is f_r at θ_l = i/n_θ π/2, θ_v = j/n_θ π/2 and |φ_l − φ_v| = k/(n_φ − 1) π. Look-up is
+/// linear in these three; beyond the last θ it is constant.
+struct MbsdfTable {
+    /// A line key="value" of the header. A key is not empty and has neither '=' nor control characters.
+    struct Entry {
+        std::string key, value;
+        friend bool operator==(const Entry&, const Entry&) = default;
+    };
+    std::uint32_t polar = 0;     ///< n_θ
+    std::uint32_t azimuths = 0;  ///< n_φ
+    bool grey = false;           ///< one number a sample in the file: the channels are equal
+    std::vector<Rgb> cells;    ///< f_r [1/sr]; k varies fastest, then j; negative channels not yet clamped. NaN: masked
+    std::uint64_t masked = 0;  ///< samples that are not finite
+    std::vector<Entry> metadata;    ///< in the order of the file
+    bool has_transmission = false;  ///< the file also has a block of transmission, which is not read
+};
+
 class SampleIndex;
 
 /// Samples at pairs of directions without a grid. A fit uses the samples themselves. `value` interpolates between them:
@@ -116,9 +134,9 @@ void make_index(ScatteredSamples& samples);
 /// Any measurement.
 struct Measured {
     std::string source;       ///< the file name
-    std::string format;       ///< "MERL", "RGL", "UTIA", "Cornell", "ASTM E1392", "ALTA" or "CSV"
+    std::string format;       ///< "MERL", "RGL", "UTIA", "MBSDF", "Cornell", "ASTM E1392", "ALTA" or "CSV"
     std::uint64_t bytes = 0;  ///< size of the file
-    std::variant<MerlTable, RglTable, UtiaTable, ScatteredSamples> table;
+    std::variant<MerlTable, RglTable, UtiaTable, MbsdfTable, ScatteredSamples> table;
 };
 /// Whether f_r depends only on the difference of the azimuths.
 bool is_isotropic(const Measured& measured);
@@ -132,6 +150,8 @@ Rgb value(const RglTable& table, Vec3f wl, Vec3f wv);
 /// f_r, linear in all four angles between the nodes, like the look-up of the database's own code. Between 75 and 90° it
 /// is extrapolated from 60 to 75°. Negative values are clamped to 0; NaN where one of the nodes was not measured.
 Rgb value(const UtiaTable& table, Vec3f wl, Vec3f wv);
+/// f_r by linear interpolation, with negative values clamped to 0; NaN where one of the samples is masked.
+Rgb value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
 /// f_r by interpolation, with negative values clamped to 0.
 Rgb value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
 Rgb value(const Measured& measured, Vec3f wl, Vec3f wv);
@@ -140,6 +160,7 @@ Rgb value(const Measured& measured, Vec3f wl, Vec3f wv);
 Rgb signed_value(const MerlTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv);
+Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
 /// f[i] = signed_value(table, wl[i], wv[i]). The spans have the same length. Isotropic tables use the widest SIMD
@@ -174,6 +195,10 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& f
 /// Reads the bytes of a UTIA `.bin`: three planes (R, G, B) of doubles, 288 lights × 288 viewers. A non-finite value
 /// means not measured.
 Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name);
+/// Reads the bytes of an MBSDF file, version 1: lines key="value", then a block of reflection: type (grey or RGB), n_θ,
+/// n_φ, and n_θ n_θ n_φ samples. A block of transmission may follow; its size is checked, and it is left out. A sample
+/// that is not finite is masked.
+Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads a `.brdf` of Cornell's Program of Computer Graphics: the number of wavelengths, the wavelengths [nm], then for
 /// each sample θ_i φ_i θ_s φ_s [rad] of the light and the viewer and the spectrum of f_r. '#' starts a comment.
 Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name);

@@ -8,12 +8,14 @@
 
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/mbsdf.h"
 #include "measured/merl.h"
 #include "measured/tensor_file.h"
 #include "measured/warp.h"
 #include "parallel.h"
 #include "srbf/colour.h"
 #include "srbf/directions.h"
+#include "srbf/file.h"
 
 namespace srbf {
 
@@ -128,12 +130,13 @@ double projected_area(const RglTable::Profile& ndf, double theta) {
 /// The mirror direction of `seen` about the microfacet normal m.
 Vec3d reflected(Vec3d seen, Vec3d m) { return 2 * dot(seen, m) * m - seen; }
 
-/// Sets nodes without a value to the mean of their neighbours with a value, layer by layer.
-void fill(std::vector<Rgb>& nodes, std::vector<char> known, std::size_t side) {
+/// Sets nodes without a value to the mean of their neighbours with a value, layer by layer. A row has `width` nodes.
+void fill(std::span<Rgb> nodes, std::vector<char> known, std::size_t width) {
+    const std::size_t height = nodes.size() / width;
     const auto neighbours = [&](std::size_t at, const auto& visit) {
-        const std::size_t x = at % side, y = at / side;
-        for (std::size_t j = y > 0 ? y - 1 : 0; j <= std::min(y + 1, side - 1); ++j)
-            for (std::size_t i = x > 0 ? x - 1 : 0; i <= std::min(x + 1, side - 1); ++i) visit(j * side + i);
+        const std::size_t x = at % width, y = at / width;
+        for (std::size_t j = y > 0 ? y - 1 : 0; j <= std::min(y + 1, height - 1); ++j)
+            for (std::size_t i = x > 0 ? x - 1 : 0; i <= std::min(x + 1, width - 1); ++i) visit(j * width + i);
     };
     for (bool is_whole = false; !is_whole;) {
         is_whole = true;
@@ -331,6 +334,66 @@ std::vector<std::byte> write_rgl(const RglTable& table) {
     floats("spectra", {1, T, k_primary_wavelengths.size(), H, W}, spectra);
     file.add("jacobian", {1}, std::span<const std::uint8_t>(jacobian));
     return file.bytes();
+}
+
+MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options) {
+    const FlushSubnormals mode;
+    MbsdfTable table;
+    table.polar = options.polar, table.azimuths = options.azimuths;
+    table.metadata = options.metadata;
+    const std::size_t slice = std::size_t(table.polar) * table.azimuths;
+    table.cells.resize(table.polar * slice);
+    const auto direction = [&](std::size_t i, double phi) {
+        const double theta = double(i) / table.polar * k_pi / 2;
+        return to_float(spherical(std::min(theta, std::acos(double(k_horizon))), phi));
+    };
+    parallel_for(table.polar, options.threads, [&](std::size_t l) {
+        std::vector<Vec3f> wl(slice, direction(l, 0)), wv;
+        wv.reserve(slice);
+        for (std::size_t v = 0; v < table.polar; ++v)
+            for (std::uint32_t p = 0; p < table.azimuths; ++p)
+                wv.push_back(direction(v, p * k_pi / std::max(table.azimuths - 1, 1u)));
+        const std::span<Rgb> f = std::span(table.cells).subspan(l * slice, slice);
+        brdf(wl, wv, f);
+        std::vector<char> known(slice);
+        for (std::size_t i = 0; i < slice; ++i)
+            if (!(known[i] = is_finite(f[i]))) f[i] = {};
+        fill(f, std::move(known), table.azimuths);
+    });
+    table.grey = std::ranges::all_of(table.cells, [](const Rgb& f) { return f.r == f.g && f.g == f.b; });
+    return table;
+}
+
+std::vector<std::byte> write_mbsdf(const MbsdfTable& table) {
+    std::string header = fmt::format("{}\n", k_mbsdf_magic);
+    const auto append = [&header](const std::string& text) {
+        for (const char c : text) {
+            if (c == '\n')
+                header += "\\n";
+            else if (c == '"' || c == '\\')
+                header += {'\\', c};
+            else
+                header += is_control(c) ? ' ' : c;
+        }
+    };
+    for (const auto& [key, text] : table.metadata) {
+        header += key;
+        header += "=\"";
+        append(text);
+        header += "\"\n";
+    }
+    header += fmt::format("{}\n", k_mbsdf_reflection);
+    const auto raw = as_bytes(header);
+    std::vector<std::byte> bytes(raw.begin(), raw.end());
+    const int channels = table.grey ? 1 : 3;
+    bytes.reserve(bytes.size() + 3 * sizeof(std::uint32_t) +
+                  table.cells.size() * std::size_t(channels) * sizeof(float));
+    store(bytes, std::uint32_t(table.grey ? 0 : 1));
+    store(bytes, table.polar);
+    store(bytes, table.azimuths);
+    for (const Rgb& f : table.cells)
+        for (int c = 0; c < channels; ++c) store(bytes, f[c]);
+    return bytes;
 }
 
 ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_max) {

@@ -32,6 +32,7 @@ Result<Measured> labelled(Result<Table> table, const std::string& file_name, std
 /// Reads a measurement of any format, without the index of samples.
 Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::string& file_name) {
     if (is_rgl(bytes)) return labelled(read_rgl(bytes, file_name), file_name, "RGL", bytes.size());
+    if (is_mbsdf(bytes)) return labelled(read_mbsdf(bytes, file_name), file_name, "MBSDF", bytes.size());
     if (is_merl(bytes)) return labelled(read_merl(bytes, file_name), file_name, "MERL", bytes.size());
     if (is_text(bytes)) {
         const std::string_view text = as_text(bytes);
@@ -44,7 +45,8 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
     if (is_safetensors(bytes))
         return Error{file_name, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
     if (is_utia(bytes)) return labelled(read_utia(bytes, file_name), file_name, "UTIA", bytes.size());
-    return Error{file_name, {}, "unknown format", "MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA or CSV", opening(bytes)};
+    return Error{
+        file_name, {}, "unknown format", "MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA or CSV", opening(bytes)};
 }
 
 Result<Measured> indexed(Result<Measured> measured) {

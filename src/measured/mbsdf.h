@@ -1,0 +1,14 @@
+// The words and characters of MBSDF files: private to their reader and writer.
+#pragma once
+#include <string_view>
+
+namespace srbf {
+
+/// The first line, and the lines that head a block; the second is another one for reflection.
+inline constexpr std::string_view k_mbsdf_magic = "NVIDIA ARC MBSDF V1", k_mbsdf_reflection = "MBSDF_DATA_REFLECTION=",
+                                  k_mbsdf_data = "MBSDF_DATA=", k_mbsdf_transmission = "MBSDF_DATA_TRANSMISSION=";
+
+/// Whether a line of the header may not contain it.
+inline bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
+
+}  // namespace srbf

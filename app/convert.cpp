@@ -16,22 +16,11 @@ struct ConvertCommand {
     std::string input, output;
     int directions = 64, threads = 0;
     double max_theta = 89;  // [degrees], for CSV
+    bool exchange = false;
 
     int run() const;
     Result<std::vector<std::byte>> converted(const Subject& subject) const;
 };
-
-/// The file extensions of the formats, and the formats' names in `Measured`.
-constexpr std::pair<std::string_view, std::string_view> k_endings[] = {
-    {".binary", "MERL"}, {".bsdf", "RGL"}, {".mbsdf", "MBSDF"}, {".csv", "CSV"}};
-
-std::string ending_of(const std::string& path) { return std::filesystem::path(path).extension().string(); }
-
-std::string_view format_of(const std::string& path) {
-    for (const auto& [ending, format] : k_endings)
-        if (ending_of(path) == ending) return format;
-    return {};
-}
 
 std::string description_of(const Subject& subject) {
     const auto* measured = std::get_if<Measured>(&subject.content);
@@ -42,35 +31,21 @@ std::string description_of(const Subject& subject) {
 
 Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject) const {
     const auto* measured = std::get_if<Measured>(&subject.content);
-    const std::string_view format = format_of(output);
+    const TableFormatRow& format = *table_format(output);
     // A file that already has the format is copied unchanged, after it was read successfully.
-    if (measured && measured->format == format) return read_file(input);
-
-    const bool isotropic = !measured || is_isotropic(*measured);
-    const Evaluate brdf = measured ? signed_evaluator(*measured) : evaluator(subject);
-    if (format == "CSV") {
-        const auto* samples = measured ? std::get_if<ScatteredSamples>(&measured->table) : nullptr;
-        const std::string csv =
-            write_csv(samples ? *samples : to_samples(brdf, isotropic, directions, max_theta * k_degree));
-        const auto bytes = as_bytes(csv);
-        return std::vector<std::byte>(bytes.begin(), bytes.end());
-    }
-    if (!isotropic)
-        return Error{
-            input, {}, "input", fmt::format("an isotropic BRDF, as {} tables are", format), "an anisotropic one"};
-    if (format == "MERL") return write_merl(to_merl(evaluator(subject), k_merl_size, threads));
-    if (format == "MBSDF")
-        return write_mbsdf(
-            to_mbsdf(brdf, {.metadata = {{"description", description_of(subject)}}, .threads = threads}));
-    RglOptions options;
-    options.description = description_of(subject);
-    options.threads = threads;
-    return write_rgl(to_rgl(brdf, options));
+    if (measured && measured->format == format.name && !exchange) return read_file(input);
+    auto bytes = table_file(subject.content, format.format,
+                            {description_of(subject), directions, max_theta * k_degree, threads});
+    if (bytes) return bytes;
+    Error error = bytes.error();
+    error.source = input, error.expected += fmt::format(", as {} tables are", format.name);
+    return error;
 }
 
 int ConvertCommand::run() const {
-    const auto subject = load(input);
+    auto subject = load(input);
     if (!subject) return complain(subject.error());
+    if (exchange) std::visit([](auto& of) { srbf::exchange(of); }, subject->content);
     if (const auto writable = check_outputs({input}, {output}); !writable) return complain(writable.error());
     const auto bytes = converted(*subject);
     if (!bytes) return complain(bytes.error());
@@ -90,7 +65,7 @@ void add_convert(CommandLine& app, int& status) {
         .type_name("FILE")
         .required()
         .check([](std::string& name) -> std::string {
-            return format_of(name).empty()
+            return table_format(name) == nullptr
                        ? fmt::format("expected a name that ends in .binary, .bsdf, .mbsdf or .csv, found {}", name)
                        : "";
         });
@@ -104,6 +79,7 @@ void add_convert(CommandLine& app, int& status) {
         .type_name("DEG")
         .check(within(1.0, 90.0))
         .capture_default_str();
+    sub.add_flag("--exchange", command->exchange, "Exchange light and viewer");
     sub.add_option("--threads", command->threads,
                    "Number of threads; 0: all of the machine. The output does not depend on it")
         .type_name("T")

@@ -67,9 +67,10 @@ Result<Pairs> read_pairs(std::string_view csv, const std::string& file_name) {
     return pairs;
 }
 
-int run(const std::string& file, const std::string& pairs_file, const std::string& asked) {
-    const auto subject = load(file);
+int run(const std::string& file, const std::string& pairs_file, const std::string& asked, bool exchanged) {
+    auto subject = load(file);
     if (!subject) return complain(subject.error());
+    if (exchanged) std::visit([](auto& of) { exchange(of); }, subject->content);
     if (asked == "spectral" && wavelengths(*subject).empty())
         return complain({file, {}, "spectral channels", "a measurement or a model at wavelengths", "one of colours"});
     const auto bytes = read_file(pairs_file);
@@ -100,10 +101,12 @@ int run(const std::string& file, const std::string& pairs_file, const std::strin
 void add_eval(CommandLine& app, int& status) {
     struct Names {
         std::string file, pairs, channels;
+        bool exchange = false;
     };
     const auto names = std::make_shared<Names>();
     const Subcommand sub = app.add_subcommand("eval", "Evaluate a BRDF at given pairs of directions, as CSV");
     sub.add_option("FILE", names->file, "A measurement or a model").type_name("").required();
+    sub.add_flag("--exchange", names->exchange, "Exchange light and viewer of FILE");
     sub.add_option("--pairs", names->pairs,
                    "CSV whose first line names its columns: wl_x, wl_y, wl_z to the light\n"
                    "and wv_x, wv_y, wv_z to the viewer, unit vectors with normal +z.\n"
@@ -119,7 +122,7 @@ void add_eval(CommandLine& app, int& status) {
         "Writes the directions and f_r [1/sr] of each channel, without the cosine: 0 below the horizon,\n"
         "nan where nothing was measured.\n\n"
         "Example:\n  srbf eval paper_white_rgb.srbf --pairs pairs.csv > values.csv");
-    sub.callback([names, &status] { status = run(names->file, names->pairs, names->channels); });
+    sub.callback([names, &status] { status = run(names->file, names->pairs, names->channels, names->exchange); });
 }
 
 }  // namespace srbf

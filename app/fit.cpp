@@ -22,7 +22,7 @@ struct FitCommand {
                 discretise = std::string(name(SuRequest{}.discretise)),
                 interpolation = std::string(name(SuRequest{}.interpolation)), with_index, channels = "rgb";
     int axial = 0;  // 1: axial lobes, -1: general lobes, 0: depends on the measurement
-    bool no_scale = false, reciprocal = false, lobes_auto = false;
+    bool no_scale = false, reciprocal = false, lobes_auto = false, exchange = false;
     double max_theta = 0;  // [degrees], 0: the objective's default
     int lobes = 0;         // 0: not given
     int variates = PmRequest{}.variates, threads = 0;
@@ -64,7 +64,7 @@ struct FitCommand {
         request.spectral = channels == "spectral";
         request.seed = seed, request.threads = threads;
         const std::string beside = std::filesystem::path(input).stem().string() + ".srbf";
-        return {input, output.empty() ? beside : output, preview, json, request};
+        return {input, output.empty() ? beside : output, preview, json, request, exchange};
     }
 };
 
@@ -91,8 +91,10 @@ Result<Done> write(const FileFit& fit, const Measured& measured, const FitOutcom
 
 int run(FileFit fit) {
     const Stopwatch loading;
-    const auto subject = load(fit.input);
+    auto subject = load(fit.input);
     if (!subject) return complain(subject.error());
+    if (auto* to_exchange = std::get_if<Measured>(&subject->content); to_exchange && fit.exchange)
+        exchange(*to_exchange);
     fit.load_seconds = loading.seconds();
     const auto* measured = std::get_if<Measured>(&subject->content);
     if (!measured) return complain({fit.input, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind});
@@ -108,6 +110,7 @@ int run(FileFit fit) {
         return line.clear(), complain(error);
     }
     outcome->model.provenance["source"] = std::filesystem::path(fit.input).filename().string();
+    if (fit.exchange) outcome->model.provenance["exchanged"] = "light and viewer of the source";
     Image8 picture;
     if (!fit.preview.empty()) {
         line.show("drawing", 1);
@@ -198,6 +201,9 @@ void add_fit(CommandLine& app, int& status) {
     const Option no_scale =
         sub.add_flag("--no-scale", command->no_scale,
                      "Store no log scales: bounds the coefficients in the fit.\nSaves 2 J bytes; larger errors");
+    sub.add_flag("--exchange", command->exchange,
+                 "Exchange light and viewer of the measurement, as renderers do that take the first\n"
+                 "direction of an RGL file for the viewer");
     sub.add_option("--objective", command->objective,
                    "Minimise the squared error of\nraw: f; cosine: f cos(theta_l), weighted by cos(theta_v);\n"
                    "log: log(1 + f cos(theta_l)), weighted by cos(theta_v); cube-root: the cube root of f;\n"

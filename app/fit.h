@@ -12,6 +12,7 @@ struct FileFit {
     std::string input, output;
     std::string preview, json;  // empty: none
     FitRequest request;
+    bool exchange = false;  // light and viewer of the measurement
     double load_seconds = 0;
 };
 

@@ -14,7 +14,6 @@
 #include <thread>
 
 #include "parallel.h"
-#include "srbf/convert.h"
 #include "srbf/file.h"
 #include "srbf/fitting.h"
 #include "srbf/load.h"
@@ -92,6 +91,7 @@ class Held {
   public:
     explicit Held(AnyBrdf content) : content_(std::make_shared<const AnyBrdf>(std::move(content))) {}
 
+    const AnyBrdf& content() const { return *content_; }
     const Model* model() const { return std::get_if<Model>(content_.get()); }
     const Measured* measured() const { return std::get_if<Measured>(content_.get()); }
     const Model& require_model() const {
@@ -142,7 +142,7 @@ Array values_of(const Held& brdf, const Array& wl, const Array& wv) {
 Array channels_of(const Held& brdf, const Array& wl, const Array& wv) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
-    const Channels of = brdf.model()                              ? channels(*brdf.model())
+    const Channels of = brdf.model()                            ? channels(*brdf.model())
                         : wavelengths(*brdf.measured()).empty() ? rgb_channels(brdf.evaluate())
                                                                 : spectra(*brdf.measured());
     const std::size_t count_of = of.count();
@@ -172,7 +172,8 @@ py::tuple sampled(const Held& brdf, const Array& wv, const Array& u) {
         for (std::size_t i = first; i < first + count; ++i) {
             const Vec3f& at = uniform[i];
             const LightSample drawn = sample(prepared, v[i], {at.x, at.y}, at.z);
-            wl_to[i] = drawn.pdf > 0 ? drawn.wl : Vec3f(0, 0, -1), weight_to[i] = drawn.weight, density_to[i] = drawn.pdf;
+            wl_to[i] = drawn.pdf > 0 ? drawn.wl : Vec3f(0, 0, -1), weight_to[i] = drawn.weight,
+            density_to[i] = drawn.pdf;
         }
     });
     return py::make_tuple(wl, weight, density);
@@ -405,8 +406,8 @@ py::dict fit_function(const py::function& function, const Request& asked, const 
                         return array_of({&w[0].x, 3 * w.size()}, {n, 3});
                     };
                     const py::module_ numpy = py::module_::import("numpy");
-                    const py::object values = numpy.attr("broadcast_to")(function(array(wl), array(wv)),
-                                                                         py::make_tuple(n, 3));
+                    const py::object values =
+                        numpy.attr("broadcast_to")(function(array(wl), array(wv)), py::make_tuple(n, 3));
                     const auto numbers = py::array_t<float, py::array::c_style | py::array::forcecast>(values);
                     std::memcpy(f.data(), numbers.data(), f.size() * sizeof(Rgb));
                 } catch (...) {
@@ -474,8 +475,10 @@ py::dict errors(const Held& reference, const Held& other, double max_theta, int 
     const double theta = max_theta * k_degree;
     const Evaluate a = reference.evaluate(), others[] = {other.evaluate()};
     std::vector<Vec3f> directions;
-    if (other.model()) directions = matrix_directions(*other.model(), theta);
-    else directions = matrix_directions(Model{PmModel{}, {}}, theta);
+    if (other.model())
+        directions = matrix_directions(*other.model(), theta);
+    else
+        directions = matrix_directions(Model{PmModel{}, {}}, theta);
     return measures_of(in_background(py::none(), [&](const ProgressToken& token) {
         return compare(a, others, {theta, threads, token}, directions);
     })[0]);
@@ -494,23 +497,12 @@ Array render(const Held& brdf, const std::string& lighting, int size) {
 }
 
 void convert(const Held& brdf, const std::string& path, int threads) {
-    const Evaluate of = brdf.evaluate();
-    const auto is = [&](std::string_view ending) { return path.ends_with(ending); };
-    std::vector<std::byte> bytes;
-    std::string text;
-    if (is(".binary"))
-        bytes = in_background(py::none(), [&](const ProgressToken&) { return write_merl(to_merl(of, k_merl_size, threads)); });
-    else if (is(".bsdf"))
-        bytes = in_background(py::none(),
-                              [&](const ProgressToken&) { return write_rgl(to_rgl(of, {.threads = threads})); });
-    else if (is(".csv")) {
-        text = in_background(py::none(), [&](const ProgressToken&) {
-            return write_csv(to_samples(of, brdf.isotropic(), 96, 85 * k_degree));
-        });
-    } else {
-        throw py::value_error("path: expected a name that ends in .binary, .bsdf or .csv, found " + path);
-    }
-    required(text.empty() ? write_file(path, bytes) : write_file(path, as_bytes(text)));
+    const TableFormatRow* row = table_format(path);
+    if (!row) throw py::value_error("path: expected a name that ends in .binary, .bsdf, .mbsdf or .csv, found " + path);
+    const auto bytes = required(in_background(py::none(), [&](const ProgressToken&) {
+        return table_file(brdf.content(), row->format, {.threads = threads});
+    }));
+    required(write_file(path, bytes));
 }
 
 std::string code(const std::vector<Held>& models, const std::vector<std::string>& names, const std::string& to,
@@ -519,13 +511,14 @@ std::string code(const std::vector<Held>& models, const std::vector<std::string>
     for (std::size_t i = 0; i < models.size(); ++i) named.push_back({identifier(names[i]), &models[i].require_model()});
     if (to == "three") return required(three_module(named, prefix));
     constexpr std::array<std::pair<std::string_view, CodeLanguage>, 5> languages{{{"glsl", CodeLanguage::glsl},
-                                                                                 {"hlsl", CodeLanguage::hlsl},
-                                                                                 {"wgsl", CodeLanguage::wgsl},
-                                                                                 {"msl", CodeLanguage::msl},
-                                                                                 {"c", CodeLanguage::c}}};
+                                                                                  {"hlsl", CodeLanguage::hlsl},
+                                                                                  {"wgsl", CodeLanguage::wgsl},
+                                                                                  {"msl", CodeLanguage::msl},
+                                                                                  {"c", CodeLanguage::c}}};
     for (const auto& [name, language] : languages)
         if (to == name)
-            return required(shading_code(named, prefix, {.language = language, .sampling = sampling, .albedo = albedo}));
+            return required(
+                shading_code(named, prefix, {.language = language, .sampling = sampling, .albedo = albedo}));
     throw py::value_error("to: expected glsl, hlsl, wgsl, msl, c or three, found " + to);
 }
 
@@ -556,6 +549,12 @@ PYBIND11_MODULE(_srbf, module) {
                  const auto of = brdf.model() ? wavelengths(*brdf.model()) : wavelengths(*brdf.measured());
                  return array_of(of, {py::ssize_t(of.size())});
              })
+        .def("exchanged",
+             [](const Held& brdf) {
+                 AnyBrdf content = brdf.content();
+                 std::visit([](auto& of) { exchange(of); }, content);
+                 return Held(std::move(content));
+             })
         .def("kind",
              [](const Held& brdf) {
                  constexpr std::array<const char*, 3> names{"pm", "su", "ggx"};
@@ -563,18 +562,17 @@ PYBIND11_MODULE(_srbf, module) {
              })
         .def("nbytes",
              [](const Held& brdf) { return brdf.model() ? payload_bytes(*brdf.model()) : brdf.measured()->bytes; })
-        .def("source",
-             [](const Held& brdf) { return brdf.measured() ? brdf.measured()->source : std::string(); })
+        .def("source", [](const Held& brdf) { return brdf.measured() ? brdf.measured()->source : std::string(); })
         .def("provenance",
              [](const Held& brdf) {
                  return brdf.model() ? brdf.model()->provenance : std::map<std::string, std::string>{};
              })
-        .def("save", [](const Held& brdf, const std::string& path) { required(save_model(brdf.require_model(), path)); })
-        .def("to_bytes",
-             [](const Held& brdf) {
-                 const auto bytes = write_model(brdf.require_model());
-                 return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-             });
+        .def("save",
+             [](const Held& brdf, const std::string& path) { required(save_model(brdf.require_model(), path)); })
+        .def("to_bytes", [](const Held& brdf) {
+            const auto bytes = write_model(brdf.require_model());
+            return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+        });
     py::class_<Request>(module, "Request")
         .def(py::init())
         .def_readwrite("model", &Request::model)

@@ -1,10 +1,15 @@
-// Loading of any BRDF from a file: level 4.
+// Reading of any BRDF, and writing of any as a table: level 4.
 #pragma once
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
+#include <vector>
 
 #include "srbf/measured.h"
 #include "srbf/model.h"
+#include "srbf/vec.h"
 
 namespace srbf {
 
@@ -12,5 +17,29 @@ namespace srbf {
 using AnyBrdf = std::variant<Measured, Model>;
 /// Reads a measurement or a model, recognised by its content. Errors: those of load_measured and load_model.
 Result<AnyBrdf> load_brdf(const std::string& path);
+
+/// The formats of tables that can be written (convert.h).
+enum class TableFormat { merl, rgl, mbsdf, csv };
+/// A format, the extension of its files, and its name in `Measured`.
+struct TableFormatRow {
+    TableFormat format;
+    std::string_view extension, name;
+};
+inline constexpr TableFormatRow k_table_formats[] = {{TableFormat::merl, ".binary", "MERL"},
+                                                     {TableFormat::rgl, ".bsdf", "RGL"},
+                                                     {TableFormat::mbsdf, ".mbsdf", "MBSDF"},
+                                                     {TableFormat::csv, ".csv", "CSV"}};
+/// The format of a file with that name, by its extension.
+const TableFormatRow* table_format(std::string_view path);
+
+struct TableOptions {
+    std::string description;           ///< of the material
+    int directions = 64;               ///< CSV of tables and models: all pairs of this many directions
+    double max_theta = 89 * k_degree;  ///< [rad], of these directions
+    int threads = 0;                   ///< 0: as many as the machine has; the result does not depend on it
+};
+/// The bytes of a file of that format with the values of `brdf`. Scattered samples become CSV as they are. Errors: an
+/// anisotropic measurement, except for CSV.
+Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, TableFormat format, const TableOptions& options = {});
 
 }  // namespace srbf

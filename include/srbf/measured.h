@@ -137,7 +137,10 @@ struct Measured {
     std::string format;       ///< "MERL", "RGL", "UTIA", "MBSDF", "Cornell", "ASTM E1392", "ALTA" or "CSV"
     std::uint64_t bytes = 0;  ///< size of the file
     std::variant<MerlTable, RglTable, UtiaTable, MbsdfTable, ScatteredSamples> table;
+    bool exchanged = false;  ///< all functions of a `Measured` look up the table at (wv, wl)
 };
+/// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument.
+void exchange(Measured& measured);
 /// Whether f_r depends only on the difference of the azimuths.
 bool is_isotropic(const Measured& measured);
 

@@ -65,6 +65,9 @@ void evaluate(const Model& model, std::span<const Vec3f> wl, std::span<const Vec
 Evaluate evaluator(const PmModel& model);
 Evaluate evaluator(const Model& model);
 
+/// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument.
+void exchange(Model& model);
+
 /// The wavelengths [nm] of a spectral model; otherwise empty.
 std::span<const float> wavelengths(const Model& model);
 /// ρ at the wavelengths of a spectral model, evaluated three at a time like R, G, B in `evaluate`. It keeps a reference

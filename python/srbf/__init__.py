@@ -106,6 +106,10 @@ class Brdf:
             raise ValueError("cos_v: expected cosines in (0, 1]")
         return self._held.reflected(np.ascontiguousarray(cosine).reshape(-1)).reshape(cosine.shape + (3,))
 
+    def exchanged(self) -> Any:
+        """The BRDF with light and viewer exchanged."""
+        return _brdf(self._held.exchanged())
+
     @property
     def isotropic(self) -> bool:
         """Whether f_r depends only on the difference of the azimuths."""
@@ -321,7 +325,7 @@ def render(brdf: Brdf, lighting: str = "studio", size: int = 256) -> np.ndarray:
 
 
 def convert(brdf: Brdf, path: Union[str, "os.PathLike[str]"], *, threads: int = 0) -> None:
-    """Writes the BRDF as a table: MERL (.binary), RGL (.bsdf) or samples (.csv), by the ending of `path`."""
+    """Writes the BRDF as a table: MERL (.binary), RGL (.bsdf), MDL (.mbsdf) or samples (.csv), by the ending of `path`."""
     _srbf.convert(brdf._held, os.fspath(path), threads)
 
 

@@ -89,6 +89,14 @@ def test_contiguous_arrays_are_not_copied():
     assert all(np.shares_memory(row, wl) for row in rows)
 
 
+def test_light_and_viewer_are_exchanged(model, paper):
+    wl, wv = directions(100), directions(100, seed=1)
+    for brdf in (model, paper, srbf.from_arrays(wl, wv, np.linspace(0.1, 0.2, 100))):
+        np.testing.assert_allclose(brdf.exchanged().eval(wv, wl), brdf.eval(wl, wv), rtol=1e-4, atol=1e-7)
+    np.testing.assert_allclose(srbf.fit(paper.exchanged(), model="ggx", lobes=1).model.eval(wl, wv),
+                               srbf.fit(paper, model="ggx", lobes=1).model.eval(wl, wv), rtol=0.1)
+
+
 def test_samples_follow_the_density(model):
     wv = np.broadcast_to(directions(1)[0], (200_000, 3))
     wl, weight, density = model.sample(wv, rng=np.random.default_rng(1))

@@ -79,17 +79,29 @@ bool is_isotropic(const Measured& measured) {
     return !std::holds_alternative<UtiaTable>(measured.table);
 }
 
+void exchange(Measured& measured) {
+    if (auto* samples = std::get_if<ScatteredSamples>(&measured.table)) {  // a fit uses the samples themselves
+        std::swap(samples->wl, samples->wv);
+        make_index(*samples);
+    } else {
+        measured.exchanged = !measured.exchanged;
+    }
+}
+
 Rgb value(const Measured& measured, Vec3f wl, Vec3f wv) {
+    if (measured.exchanged) std::swap(wl, wv);
     return std::visit([&](const auto& table) { return value(table, wl, wv); }, measured.table);
 }
 
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
+    if (measured.exchanged) std::swap(wl, wv);
     return std::visit([&](const auto& table) { return signed_value(table, wl, wv); }, measured.table);
 }
 
 Evaluate signed_evaluator(const Measured& measured) {
     return [&measured](auto wl, auto wv, auto f) {
-        if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return evaluate_signed(*rgl, wl, wv, f);
+        if (const auto* rgl = std::get_if<RglTable>(&measured.table))
+            return measured.exchanged ? evaluate_signed(*rgl, wv, wl, f) : evaluate_signed(*rgl, wl, wv, f);
         const FlushSubnormals mode;
         for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(measured, wl[i], wv[i]);
     };
@@ -114,6 +126,7 @@ Channels signed_spectra(const Measured& measured) {
     assert(!nm.empty());
     return {{nm.begin(), nm.end()}, [&measured, C = nm.size()](auto wl, auto wv, auto f) {
                 const FlushSubnormals mode;
+                if (measured.exchanged) std::swap(wl, wv);
                 const auto each = [&](const auto& table) {
                     for (std::size_t i = 0; i < wl.size(); ++i)
                         signed_spectrum(table, wl[i], wv[i], f.subspan(i * C, C));

@@ -208,6 +208,13 @@ std::vector<Rgb> colours(std::span<const float> spectra, std::span<const float> 
     return colours;
 }
 
+void exchange(Model& model) {
+    if (auto* pm = std::get_if<PmModel>(&model.model))
+        for (Parameterization& of : pm->parameterization) std::swap(of.a, of.b);  // all else is symmetric
+    if (auto* su = std::get_if<SuModel>(&model.model))
+        su->discretise = su->discretise == Discretise::view ? Discretise::light : Discretise::view;
+}
+
 std::span<const float> wavelengths(const Model& model) {
     if (const auto* pm = std::get_if<PmModel>(&model.model)) return pm->wavelength;
     return {};

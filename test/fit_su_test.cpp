@@ -7,6 +7,7 @@
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"
+#include "srbf/pictures.h"
 #include "su_models.h"
 
 namespace srbf {
@@ -118,6 +119,27 @@ TEST(FitSu, FollowsTheAlbedoWherePicturesCount) {
     const double followed = error(Objective::appearance);
     EXPECT_LT(followed, 0.04);
     EXPECT_LT(followed, 0.7 * error(Objective::cube_root));  // which also takes less of a highlight
+}
+
+TEST(FitSu, LooksLikeTheMeasurement) {
+    const struct {
+        const char* name;
+        double delta_e;
+        int plain_lobes;  ///< without the factor of the horizon, which look worse
+    } expected[] = {{"paper_white_rgb", 1.2, 5}, {"cc_ibiza_sunset_rgb", 4.8, 4}};
+    for (const auto& e : expected) {
+        const RawMatrix matrix = matrix_of(e.name, 1536);
+        const auto delta_e = [&](const SuFitOptions& options) {
+            const auto fit = fit_su(matrix, options);
+            EXPECT_EQ(payload_bytes(fit->model),
+                      std::size_t(1536 * 2 * options.lobes * (fit->model.horizon.empty() ? 6 : 7)));
+            const Evaluate fits[] = {evaluator(fit->model)};
+            return compare_pictures(evaluator(bundled(e.name)), fits)[0].mean.delta_e;
+        };
+        const double four = delta_e({.lobes = 4});
+        EXPECT_LT(four, e.delta_e) << e.name;
+        EXPECT_LT(four, 0.95 * delta_e({.lobes = e.plain_lobes, .horizon = false})) << e.name;
+    }
 }
 
 TEST(FitSu, ErrorFallsWithTheNumberOfLobes) {

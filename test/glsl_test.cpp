@@ -50,6 +50,7 @@ int su_views(Su su) { return textureSize(direction_of_view, 0).x; }
 Vec3 su_direction(Su su, int view) { return texelFetch(direction_of_view, ivec2(view, 0), 0).xyz; }
 Vec3 su_centre(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j + 1, view), 0).xyz; }
 Real su_bandwidth(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j, view), 0).w; }
+Real su_horizon(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j + 1, view), 0).w; }
 Vec3 su_coefficient(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j, view), 0).rgb; }
 int su_nearest(SuNearest nearest, int k) { return int(nearest.pairs[k / 2] >> uint(16 * (k % 2)) & 0xffffu); }
 )";
@@ -133,7 +134,7 @@ std::vector<Material> materials() {
     for (const PmForm form : k_forms)
         for (const bool axial : {true, false})
             materials.push_back(random_model(random, {.axial = axial, .form = form}));
-    SuModel su = random_su(random, 100, 2);
+    SuModel su = random_su(random, 100, 2, true);
     materials.push_back(su);
     su.interpolation = SuInterpolation::plain;
     for (const DirectionMap map : {DirectionMap::cube, DirectionMap::parabolic}) {

@@ -20,8 +20,9 @@ std::array<double, 3> of_view(const SuModel& model, std::size_t view, Vec3f wl) 
     for (std::size_t j = view * std::size_t(model.lobes); j < (view + 1) * std::size_t(model.lobes); ++j) {
         const Vec3d d = to_double(wl) - to_double(model.centre[j]);
         for (int c = 0; c < 3; ++c)
-            f[std::size_t(c)] +=
-                double(model.coefficient[j][c]) * std::exp(-0.5 * double(model.bandwidth[j]) * dot(d, d));
+            f[std::size_t(c)] += double(model.coefficient[j][c]) *
+                                 std::exp(-0.5 * double(model.bandwidth[j]) * dot(d, d)) *
+                                 (model.horizon.empty() ? 1 : std::pow(double(wl.z), double(model.horizon[j])));
     }
     return f;
 }
@@ -35,9 +36,9 @@ constexpr SuInterpolation k_interpolations[] = {SuInterpolation::rotated, SuInte
 
 TEST(Su, ASampleHasItsOwnFunction) {
     std::mt19937_64 random(1);
-    SuModel model = random_su(random, 300, 4);
     for (const auto interpolation : k_interpolations)
         for (const auto discretise : {Discretise::view, Discretise::light}) {
+            SuModel model = random_su(random, 300, 4, discretise == Discretise::light);
             model.interpolation = interpolation;
             model.discretise = discretise;
             for (std::size_t i = 0; i < model.direction.size(); ++i) {
@@ -167,7 +168,7 @@ TEST(Su, PlainWeightsAreAPartOfOneAndPositive) {
 
 TEST(Su, ArraysAgreeWithSingleValues) {
     std::mt19937_64 random(8);
-    SuModel model = random_su(random, 200, 5);
+    SuModel model = random_su(random, 200, 5, true);
     for (const auto interpolation : k_interpolations)
         for (const auto discretise : {Discretise::view, Discretise::light}) {
             model.interpolation = interpolation;
@@ -250,6 +251,7 @@ TEST(Su, BytesAreTheSources) {
     EXPECT_EQ(payload_bytes(random_su(random, 1536, 5)), 92160u);
     EXPECT_EQ(payload_bytes(random_su(random, 1536, 4)), 73728u);
     EXPECT_EQ(payload_bytes(random_su(random, 384, 1)), 384u * 12);
+    EXPECT_EQ(payload_bytes(random_su(random, 384, 1, true)), 384u * 14);
 }
 
 TEST(SuFile, ComesBackAsRounded) {
@@ -257,7 +259,7 @@ TEST(SuFile, ComesBackAsRounded) {
     for (const auto discretise : {Discretise::view, Discretise::light})
         for (const auto interpolation : k_interpolations)
             for (const int index : {0, 1, 2}) {
-                SuModel model = random_su(random, 100, 3);
+                SuModel model = random_su(random, 100, 3, discretise == Discretise::light);
                 model.discretise = discretise;
                 model.interpolation = interpolation;
                 model.neighbours = 1 + int(7 * uniform(random));
@@ -281,6 +283,7 @@ TEST(SuFile, ComesBackAsRounded) {
                 EXPECT_EQ(back->provenance, (std::map<std::string, std::string>{{"source", "a.bsdf"}}));
                 // Rounding again changes little: the angles count from a direction that is none of halves.
                 EXPECT_EQ(rounded(once).bandwidth, once.bandwidth);
+                EXPECT_EQ(rounded(once).horizon, once.horizon);
                 EXPECT_EQ(rounded(once).coefficient, once.coefficient);
             }
 }

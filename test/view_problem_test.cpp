@@ -1,6 +1,9 @@
 // The lobes of one view as a least-squares problem: its loss and derivatives.
 #include "fit/view_problem.h"
 
+#include "fit/view_in_pictures.h"
+
+#include "least_squares.h"
 #include "properties.h"
 
 namespace srbf {
@@ -43,11 +46,11 @@ TEST(ViewProblem, LossCountsPairsAndRadiances) {
         for (std::size_t i = 0; i < view.root_weight.size(); ++i) {
             double rest = double(view.y[std::size_t(c)][i]);
             for (int j = 0; j < 2; ++j) {
-                const auto& [centre, bandwidth] = k_lobes[std::size_t(j)];
+                const auto& [centre, bandwidth, horizon] = k_lobes[std::size_t(j)];
                 const double cosine = view.directions.w[0][i] * centre.x + view.directions.w[1][i] * centre.y +
                                       view.directions.w[2][i] * centre.z;
                 rest -= double(view.root_weight[i]) * problem.coefficient(j, c) / view.scale *
-                        std::exp(bandwidth * (cosine - 1));
+                        std::exp(bandwidth * (cosine - 1)) * std::pow(double(view.directions.w[2][i]), horizon);
             }
             expected += rest * rest;
             for (std::size_t k = 0; k < 2; ++k) off[k] += double(view.lights[k][i]) * rest;
@@ -75,6 +78,92 @@ TEST(ViewProblem, GradientIsThatOfTheLoss) {
             const double difference = (problem.loss(more) - problem.loss(less)) / (2 * step);
             EXPECT_TRUE(near(2 * g[i], difference, 0.01 * 2 * g.norm())) << with_lights << " variable " << i;
         }
+    }
+}
+
+/// With pixels: every seventh direction, under a light that lets some of them clip.
+ViewRows seen_rows() {
+    ViewRows view = rows(true);
+    std::vector<Vec3f> towards;
+    view.seen.exposure.assign(k_block, 0.f);
+    for (std::size_t i = 0; i < 900; i += 7) {
+        if (i % 10 == 3) continue;
+        const double exposure = 0.8;
+        Pixels::Triplet colour;
+        for (std::size_t c = 0; c < 3; ++c) colour[c] = exposure * double(view.y[c][i]) / double(view.root_weight[i]);
+        towards.push_back({view.directions.w[0][i], view.directions.w[1][i], view.directions.w[2][i]});
+        view.seen.exposure[view.seen.count++] = float(exposure);
+        view.seen.pixels.add(colour);
+    }
+    view.seen.directions = DirectionRows(towards);
+    return view;
+}
+
+const std::vector<ViewLobe> k_bent{{normalize(Vec3d{0.5, 0.1, 0.8}), 20, 0.4}, {normalize(Vec3d{-0.1, 0.3, 1}), 2, 2}};
+
+TEST(ViewProblem, GradientByTheHorizonIsThatOfTheLoss) {
+    const ViewRows view = rows(true);
+    ViewProblem problem(2, true);
+    const Eigen::VectorXd x = problem.start(view, k_bent);
+    Eigen::MatrixXd H;
+    Eigen::VectorXd g;
+    const double loss = problem.loss(x);
+    problem.linearise(x, H, g);
+    for (const Eigen::Index i : {3, 7}) {
+        constexpr double step = 1e-3;
+        Eigen::VectorXd more = x, less = x;
+        more[i] += step, less[i] -= step;
+        const double difference = (problem.loss(more) - problem.loss(less)) / (2 * step);
+        EXPECT_TRUE(near(2 * g[i], difference, 2e-3 * loss)) << i << ' ' << 2 * g[i] << ' ' << difference;
+    }
+    EXPECT_EQ(problem.lobes(x)[1].horizon, 2);
+}
+
+TEST(ViewInPictures, PixelsCostWhatIsAsked) {
+    const ViewRows view = seen_rows();
+    ViewProblem problem(2, true);
+    const Eigen::VectorXd lobes = problem.start(view, k_bent);
+    const double loss = problem.loss(lobes);
+    ViewInPictures seen(problem);
+    const Eigen::VectorXd x = seen.start(lobes, loss, 3);
+    EXPECT_TRUE(near_relative(seen.loss(x), 4 * loss, 1e-6));
+}
+
+TEST(ViewInPictures, GradientIsThatOfTheLoss) {
+    const ViewRows view = seen_rows();
+    ViewProblem problem(2, true);
+    const Eigen::VectorXd lobes = problem.start(view, k_bent);
+    const double start = problem.loss(lobes);
+    ViewInPictures seen(problem);
+    Eigen::VectorXd x = seen.start(lobes, start, 3);
+    x.tail(6) *= 0.9;  // inside the bounds
+    Eigen::MatrixXd H;
+    Eigen::VectorXd g;
+    const double loss = seen.loss(x);
+    seen.linearise(x, H, g);
+    EXPECT_TRUE(H.isApprox(H.transpose()));
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+        constexpr double step = 1e-3;
+        Eigen::VectorXd more = x, less = x;
+        more[i] += step, less[i] -= step;
+        const double difference = (seen.loss(more) - seen.loss(less)) / (2 * step);
+        EXPECT_TRUE(near(2 * g[i], difference, 1e-2 * loss)) << i << ' ' << 2 * g[i] << ' ' << difference;
+    }
+}
+
+TEST(ViewInPictures, StepsLowerWhatIsSeen) {
+    const ViewRows view = seen_rows();
+    ViewProblem problem(2, true);
+    const Eigen::VectorXd lobes = problem.start(view, k_bent);
+    const double loss = problem.loss(lobes);
+    for (const bool only_coefficients : {true, false}) {
+        problem.loss(lobes);
+        ViewInPictures seen(problem);
+        Eigen::VectorXd x = seen.start(lobes, loss, 3, only_coefficients);
+        const double before = seen.loss(x), after = levenberg_marquardt(seen, x, {}).loss;
+        EXPECT_LT(after, (only_coefficients ? 0.999 : 0.95) * before);
+        EXPECT_EQ(x.head(lobes.size()) == lobes, only_coefficients);
+        EXPECT_GE(x.tail(6).minCoeff(), 0);
     }
 }
 

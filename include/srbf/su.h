@@ -44,7 +44,7 @@ std::string_view name(DirectionMap map);
 std::optional<DirectionMap> map_named(std::string_view text);
 
 /// Scattered univariate SRBFs (Tsai 2009, section 7.2): for each sampled view direction wv_i
-///   ρ(wl, wv_i) = Σ_j β_ij G(wl·ξ_ij | λ_ij) [1/sr],
+///   ρ(wl, wv_i) = Σ_j β_ij G(wl·ξ_ij | λ_ij) cosθl^κ_ij [1/sr],
 /// and between them interpolation. Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv
 /// are exchanged. `write_model` describes the file encoding.
 struct SuModel {
@@ -56,6 +56,7 @@ struct SuModel {
     std::vector<Rgb> coefficient;       ///< n × J: β_ij ≥ 0; all 0 for a view without data
     std::vector<Vec3f> centre;          ///< n × J: ξ_ij, unit vectors
     std::vector<float> bandwidth;       ///< n × J: λ_ij ≥ 0
+    std::vector<float> horizon;         ///< n × J: κ_ij ≥ 0; or none, as in Tsai 2009: all 0
     std::optional<IndexTexture> index;  ///< only if the file contains it
     friend bool operator==(const SuModel&, const SuModel&) = default;
 };
@@ -81,7 +82,7 @@ NearestViews nearest_views(const SuModel& model, Vec3f w);
 /// The texture of nearest views; `size` 0: `default_size`.
 IndexTexture index_texture(const SuModel& model, DirectionMap map, int size = 0);
 
-/// Size of the stored numbers: n·J·(3 coefficients + 2 angles + 1 bandwidth) halves.
+/// Size of the stored numbers: n·J·(3 coefficients + 2 angles + 1 bandwidth, and κ if there is any) halves.
 std::size_t payload_bytes(const SuModel& model);
 /// Size of the tables that plain interpolation needs at run time, whether or not the file contains them: the index
 /// texture (a cube map unless the model has another) and the table of directions, four halves per view.

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <random>
 
+#include "fit/objective.h"
 #include "fit/sampled_views.h"
 #include "fit/search.h"
+#include "fit/view_in_pictures.h"
 #include "fit/vmf_clusters.h"
 #include "least_squares.h"
 #include "parallel.h"
@@ -19,6 +21,10 @@ constexpr std::size_t k_chain =
     32;  ///< number of consecutive views that are fitted one from the other; the first of them starts from clusterings
 constexpr int k_first_steps = 40, k_steps = 15, k_perturbation_steps = 12;
 constexpr int k_perturbations = 8;
+/// Steps with the pixels of a view, of all variables and of rounded lobes' coefficients; and what the pixels cost at
+/// first, relative to the rest of the loss.
+constexpr int k_picture_steps = 4, k_coefficient_steps = 3;
+constexpr double k_picture_importance = 4;
 /// A view adopts the lobes of a neighbour whose loss is below this fraction of its own; it starts from clusterings if
 /// its loss exceeds the neighbour's by far.
 constexpr double k_better = 0.97, k_much_worse = 4;
@@ -38,6 +44,18 @@ ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<
     Eigen::VectorXd x = problem.start(rows, start);
     const auto summary = levenberg_marquardt(problem, x, options);
     return {problem.lobes(x), summary.loss, summary.stop};
+}
+
+/// Makes the lobes x, of which `problem` has just computed the loss, match the view's pixels as well, or only their
+/// coefficients. Returns the lobes; `problem` has the coefficients.
+std::vector<ViewLobe> matched(ViewProblem& problem, const Eigen::VectorXd& start, double loss, bool keep_lobes) {
+    LevenbergMarquardtOptions options;
+    options.max_iterations = keep_lobes ? k_coefficient_steps : k_picture_steps;
+    options.decrease_tolerance = 1e-4;
+    ViewInPictures seen(problem);
+    Eigen::VectorXd x = seen.start(start, loss, k_picture_importance, keep_lobes);
+    levenberg_marquardt(seen, x, options);
+    return problem.lobes(x.head(start.size()));
 }
 
 /// Lobes of the sampled direction `from` as those of `to`, for a BRDF that is invariant under rotation of both
@@ -144,7 +162,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (const auto valid = validate(matrix, options, theta_max); !valid) return valid.error();
     const std::size_t n = matrix.direction.size(), J = std::size_t(options.lobes), chains = (n + k_chain - 1) / k_chain;
-    Reporter reporter(progress, 4 * double(n));
+    Reporter reporter(progress, 5 * double(n));
     SuFit result;
     result.unrounded.discretise = matrix.discretise;
     result.unrounded.interpolation = options.interpolation;
@@ -154,6 +172,9 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
     result.unrounded.coefficient.assign(n * J, {});
     result.unrounded.centre.assign(n * J, {0, 0, 1});
     result.unrounded.bandwidth.assign(n * J, 0.f);
+    const bool of_pictures = traits(options.objective).of_pictures;
+    const bool horizon = options.horizon.value_or(of_pictures);
+    if (horizon) result.unrounded.horizon.assign(n * J, 0.f);
     std::optional<Error> error;
 
     on_threads(options.threads, [&] {
@@ -171,7 +192,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
         const auto for_chains = [&](std::string_view stage, const auto& body) {
             parallel_for(chains, [&](std::size_t chain) {
                 if (reporter.cancelled()) return;
-                ViewProblem problem(options.lobes);
+                ViewProblem problem(options.lobes, horizon);
                 const std::size_t begin = chain * k_chain, end = std::min(begin + k_chain, n);
                 body(problem, begin, end);
                 reporter.advance(stage, double(end - begin));
@@ -212,30 +233,40 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
             });
         }
 
-        // The nonlinear parameters are rounded, then the coefficients are solved again.
-        const auto solve = [&](ViewProblem& problem, SuModel& model, std::size_t i) {
-            std::vector<ViewLobe> lobes;
-            for (std::size_t k = i * J; k < (i + 1) * J; ++k)
-                lobes.push_back({to_double(model.centre[k]), double(model.bandwidth[k])});
-            const ViewRows rows = views.rows(i);
-            problem.loss(problem.start(rows, lobes));
-            for (std::size_t j = 0; j < J; ++j)
-                for (int c = 0; c < 3; ++c) model.coefficient[i * J + j][c] = float(problem.coefficient(int(j), c));
-        };
-        for (std::size_t i = 0; i < n; ++i) {
-            result.empty += fits[i].is_empty();
-            if (fits[i].stop == Stop::iterations) result.stop = StopReason::iterations;
-            for (std::size_t j = 0; j < fits[i].lobes.size(); ++j) {
-                result.unrounded.centre[i * J + j] = to_float(fits[i].lobes[j].centre);
-                result.unrounded.bandwidth[i * J + j] = float(fits[i].lobes[j].bandwidth);
+        // The coefficients for lobes; what the view's pixels see may change these too.
+        const auto solve = [&](ViewProblem& problem, SuModel& model, std::size_t i, std::vector<ViewLobe> lobes,
+                               bool keep_lobes) {
+            const ViewRows rows = views.rows(i, of_pictures);
+            const Eigen::VectorXd x = problem.start(rows, lobes);
+            const double loss = problem.loss(x);
+            if (rows.seen.count > 0) lobes = matched(problem, x, loss, keep_lobes);
+            for (std::size_t j = 0; j < J; ++j) {
+                const std::size_t k = i * J + j;
+                for (int c = 0; c < 3; ++c) model.coefficient[k][c] = float(problem.coefficient(int(j), c));
+                if (keep_lobes) continue;
+                model.centre[k] = to_float(lobes[j].centre);
+                model.bandwidth[k] = float(lobes[j].bandwidth);
+                if (horizon) model.horizon[k] = float(lobes[j].horizon);
             }
+        };
+        for_chains("finishing", [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                if (!fits[i].is_empty()) solve(problem, result.unrounded, i, fits[i].lobes, false);
+        });
+        for (const ViewFit& fit : fits) {
+            result.empty += fit.is_empty();
+            if (fit.stop == Stop::iterations) result.stop = StopReason::iterations;
         }
+        // The nonlinear parameters are rounded, then the coefficients are solved again.
         result.model = rounded(result.unrounded);
         for_chains("rounding", [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 if (fits[i].is_empty()) continue;
-                solve(problem, result.unrounded, i);
-                solve(problem, result.model, i);
+                std::vector<ViewLobe> lobes;
+                for (std::size_t k = i * J; k < (i + 1) * J; ++k)
+                    lobes.push_back({to_double(result.model.centre[k]), double(result.model.bandwidth[k]),
+                                     horizon ? double(result.model.horizon[k]) : 0});
+                solve(problem, result.model, i, std::move(lobes), true);
             }
         });
         result.model = rounded(result.model);

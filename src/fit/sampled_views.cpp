@@ -6,6 +6,7 @@
 #include "fit/objective.h"
 #include "parallel.h"
 #include "srbf/directions.h"
+#include "srbf/pictures.h"
 
 namespace srbf {
 namespace {
@@ -19,8 +20,16 @@ constexpr std::size_t k_typical_views = 8;  ///< every eighth view tells the typ
 /// Weight of directions between those of the matrix, relative to those of the matrix, per solid angle.
 constexpr double k_between = 0.1;
 /// An error of 1 % in the radiances under all lights costs three channels times 1e-4 times this.
-constexpr double k_light_importance = 3;
+constexpr double k_light_importance = 6;
+/// Weights of cosine, as a share of a view's Σ w |f|², that keep radiance above white in order.
+constexpr double k_highlights = 0.003;
 constexpr double k_elevation = 0.5;  ///< of the light beside, relative to 1
+constexpr std::size_t k_phases = 36;
+constexpr double k_least_sine = 0.05;  ///< of a phase whose density is uniform
+constexpr std::size_t k_pixels = 256;  ///< of each view
+
+/// The angle between light and viewer [rad].
+double phase_of(Vec3f l, Vec3f v) { return 2 * std::asin(std::min(1.0, std::sqrt(double(dot(l - v, l - v))) / 2)); }
 
 }  // namespace
 
@@ -46,6 +55,7 @@ SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double 
         }
     typical_ = typical_value(objective, wl, wv, some, std::vector<double>(some.size(), 1.0));
     if (!(typical_ > 0)) typical_ = 1;  // black in those views
+    if (traits(objective).of_pictures) expose();
     largest_.resize(n);
     for (std::size_t view = 0; view < n; ++view)
         for (std::size_t i = view - std::min(view, k_peak_views); i < std::min(n, view + k_peak_views + 1); ++i)
@@ -63,12 +73,19 @@ double SampledViews::weight(std::size_t view, Vec3f other, const Rgb& value) con
     return traits(objective_).weight(mean_of(value), typical_, double(wl.z), double(wv.z));
 }
 
-ViewRows SampledViews::rows(std::size_t view) const {
+double SampledViews::highlight_weight(std::size_t view, Vec3f other, const Rgb& value) const {
+    const auto& of = traits(objective_);
+    if (!of.of_pictures || !of.further) return 0;
+    const auto [wl, wv] = pair(view, other);
+    return of.further(mean_of(value), typical_, double(wl.z), double(wv.z));
+}
+
+ViewRows SampledViews::rows(std::size_t view, bool with_pixels) const {
     const std::size_t n = count(), m = matrix_.between.size() / n;
     std::vector<Vec3f> directions(matrix_.direction);
     std::vector<Rgb> values(n);
     std::vector<double> weights(n, 0.0);
-    double energy = 0, peak = 0, guards = 0;
+    double energy = 0, highlights = 0, peak = 0, guards = 0;
     for (std::size_t i = 0; i < n; ++i) {
         values[i] = f(view, i);
         if (!is_finite(values[i])) continue;
@@ -78,7 +95,18 @@ ViewRows SampledViews::rows(std::size_t view) const {
         if (!within(directions[i])) continue;
         weights[i] = weight(view, directions[i], values[i]);
         energy += weights[i] * square_of(values[i]);
+        highlights += highlight_weight(view, directions[i], values[i]) * square_of(values[i]);
     }
+    const double share = highlights > 0 ? k_highlights * energy / highlights : 0;
+    const auto whole_weight = [&](Vec3f w, const Rgb& value) {
+        return weight(view, w, value) + share * highlight_weight(view, w, value);
+    };
+    energy = 0;
+    for (std::size_t i = 0; i < n; ++i)
+        if (weights[i] > 0) {
+            weights[i] = whole_weight(directions[i], values[i]);
+            energy += weights[i] * square_of(values[i]);
+        }
     ViewRows rows;
     if (!(energy > 0)) return rows;
     double whole = 0;
@@ -97,7 +125,7 @@ ViewRows SampledViews::rows(std::size_t view) const {
         values.push_back(between.f);
         pdf_between.push_back(double(between.pdf));
         weights.push_back(k_between * density / (density + double(m) * double(between.pdf)) *
-                          weight(view, between.direction, between.f));
+                          whole_weight(between.direction, between.f));
     }
 
     rows.directions = DirectionRows(directions);
@@ -120,6 +148,7 @@ ViewRows SampledViews::rows(std::size_t view) const {
             solid_angle.push_back(1 / (density + double(m) * pdf));
         }
         add_lights(rows, view, directions, values, solid_angle);
+        if (with_pixels) add_pixels(rows, view, directions, values, solid_angle);
     }
     rows.least_cosine = 0.5 * cos_max_;
     const double most = within(direction(view)) ? k_most_peak : k_most_peak_beyond;
@@ -147,6 +176,72 @@ void SampledViews::add_lights(ViewRows& rows, std::size_t view, std::span<const 
         for (float& x : light) x *= factor;
         rows.lights.push_back(std::move(light));
     }
+}
+
+void SampledViews::expose() {
+    std::vector<std::vector<std::pair<double, double>>> lit(k_phases);  // radiances and areas of pixels
+    std::vector<double> area(k_phases);
+    for (std::size_t view = 0; view < count(); view += k_typical_views)
+        for (std::size_t i = 0; i < count(); ++i) {
+            const Rgb& value = f(view, i);
+            if (!within(direction(view)) || !within(direction(i)) || !is_finite(value)) continue;
+            const auto [l, v] = pair(view, direction(i));
+            const double radiance = double(std::max({value.r, value.g, value.b}) * l.z);
+            if (!(radiance > 0)) continue;
+            const auto phase = std::size_t(phase_of(l, v) / k_pi * double(k_phases));
+            lit[std::min(phase, k_phases - 1)].emplace_back(radiance, double(v.z));
+            area[std::min(phase, k_phases - 1)] += double(v.z);
+        }
+    white_.assign(k_phases, 0.0);
+    for (std::size_t phase = 0; phase < k_phases; ++phase) {
+        std::ranges::sort(lit[phase]);
+        double sum = 0;
+        for (const auto& [radiance, of_pixel] : lit[phase])
+            if ((sum += of_pixel) >= k_exposed * area[phase]) {
+                white_[phase] = radiance / k_exposed_value;
+                break;
+            }
+        if (!(white_[phase] > 0)) white_[phase] = phase > 0 ? white_[phase - 1] : typical_;
+    }
+}
+
+void SampledViews::add_pixels(ViewRows& rows, std::size_t view, std::span<const Vec3f> directions,
+                              std::span<const Rgb> values, std::span<const double> solid_angle) const {
+    if (!within(direction(view))) return;
+    struct Pixel {
+        double phase, share;
+        std::size_t row;
+    };
+    std::vector<Pixel> pixels;
+    double whole = 0;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        if (!(rows.root_weight[i] > 0) || !within(directions[i])) continue;
+        const auto [l, v] = pair(view, directions[i]);
+        const double phase = phase_of(l, v),
+                     share = solid_angle[i] * double(v.z) / std::max(std::sin(phase), k_least_sine);
+        pixels.push_back({phase, share, i});
+        whole += share;
+    }
+    if (pixels.empty()) return;
+    std::ranges::sort(pixels, {}, [](const Pixel& pixel) { return std::pair(pixel.phase, pixel.row); });
+    std::vector<Vec3f> towards;
+    auto& seen = rows.seen;
+    seen.exposure.assign((k_pixels + k_block - 1) / k_block * k_block, 0.f);
+    double sum = 0;
+    for (const Pixel& pixel : pixels)
+        for (sum += pixel.share; seen.count < k_pixels && (double(seen.count) + 0.5) * whole <= sum * double(k_pixels);
+             ++seen.count) {
+            const double at = std::clamp(pixel.phase / k_pi * double(k_phases) - 0.5, 0.0, double(k_phases - 1));
+            const auto below = std::min(std::size_t(at), k_phases - 2);
+            const double white = std::lerp(white_[below], white_[below + 1], at - double(below));
+            const Vec3f w = directions[pixel.row];
+            const Rgb& value = values[pixel.row];
+            const double exposure = double(pair(view, w).first.z) / white;
+            towards.push_back(w);
+            seen.exposure[seen.count] = float(exposure * rows.scale);
+            seen.pixels.add({exposure * double(value.r), exposure * double(value.g), exposure * double(value.b)});
+        }
+    seen.directions = DirectionRows(towards);
 }
 
 }  // namespace srbf

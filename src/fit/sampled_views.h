@@ -18,9 +18,10 @@ class SampledViews {
 
     /// The rows of a view. Directions of the matrix within θmax have the weights of the objective. Those beyond are
     /// guards with small weights, as in `observe`. Directions between those of the matrix together weigh as much as
-    /// k_between times a uniform density of them. For an objective of pictures radiances are matched too. Empty (scale 0)
+    /// k_between times a uniform density of them. For an objective of pictures radiances are matched too, and
+    /// on request the view's pixels. Empty (scale 0)
     /// if there is no value above 0 within θmax.
-    ViewRows rows(std::size_t view) const;
+    ViewRows rows(std::size_t view, bool with_pixels = false) const;
 
   private:
     /// f of sampled direction `view` at direction `other` of the set.
@@ -38,12 +39,20 @@ class SampledViews {
     /// direction, beside the view, and about it.
     void add_lights(ViewRows& rows, std::size_t view, std::span<const Vec3f> directions, std::span<const Rgb> values,
                     std::span<const double> solid_angle) const;
+    /// Adds the view's pixels under single lights, whose phases (the angles between light and viewer) are uniform.
+    void add_pixels(ViewRows& rows, std::size_t view, std::span<const Vec3f> directions, std::span<const Rgb> values,
+                    std::span<const double> solid_angle) const;
+    /// Finds `white_`.
+    void expose();
     double weight(std::size_t view, Vec3f other, const Rgb& f) const;
+    /// For an objective of pictures: the weight, before scaling, that keeps radiance above white in order; otherwise 0.
+    double highlight_weight(std::size_t view, Vec3f other, const Rgb& f) const;
 
     const RawMatrix& matrix_;
     Objective objective_;
     double cos_max_;
-    double typical_ = 0;  ///< see `typical_value`
+    double typical_ = 0;         ///< see `typical_value`
+    std::vector<double> white_;  ///< of each phase: the f cosθl that pictures of a sphere show as white
     /// maximum of f times the other direction's cosine, per channel, within θmax, over neighbouring views
     std::vector<Rgb> largest_;
 };

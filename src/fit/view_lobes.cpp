@@ -1,5 +1,6 @@
 #include "fit/view_lobes.h"
 
+#include <cmath>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
@@ -17,13 +18,16 @@ Vec3<Batch> load(const DirectionRows& rows, std::size_t at) {
 }
 Vec3<Batch> spread(Vec3f w) { return {Batch(double(w.x)), Batch(double(w.y)), Batch(double(w.z))}; }
 
-float gaussian_exponents(const DirectionRows& rows, std::size_t block, Vec3f centre, float bandwidth,
-                         const float* root_weight, float* x) {
-    const Vec3<Batch> xi = spread(centre);
-    const Batch lambda{double(bandwidth)}, lowest(-double(std::numeric_limits<float>::max()));
+float view_exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* root_weight,
+                     float* x) {
+    const Vec3<Batch> xi = spread(lobe.centre);
+    const Batch lambda{double(lobe.bandwidth)}, kappa{double(lobe.horizon)},
+        lowest(-double(std::numeric_limits<float>::max()));
     Batch largest = lowest;
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        const Batch exponent = Formulas<Batch, PmModel>::gaussian_exponent(load(rows, block * k_block + i), xi, lambda);
+        const std::size_t at = block * k_block + i;
+        const Batch exponent = Formulas<Batch, PmModel>::gaussian_exponent(load(rows, at), xi, lambda) +
+                               kappa * Batch::load(&rows.log_cosine[at]);
         exponent.store(x + i);
         largest = max(largest, select(Batch(0.0) < Batch::load(root_weight + i), exponent, lowest));
     }
@@ -31,22 +35,25 @@ float gaussian_exponents(const DirectionRows& rows, std::size_t block, Vec3f cen
 }
 
 void exponentiate_view(const float* x, const float* root_weight, float offset, float* e) {
-    const Batch shift{double(offset)};
+    const Batch shift{double(offset)}, most{k_most_exponent};
     for (std::size_t i = 0; i < k_block; i += Batch::size())
-        (Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, Batch(0.0)))).store(e + i);
+        (Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, most))).store(e + i);
 }
 
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
-            float* by_first, float* by_second, float* by_log_bandwidth) {
+            float* by_first, float* by_second, float* by_log_bandwidth, float* by_horizon) {
+    const Batch kappa{double(lobe.horizon)};
     const Vec3<Batch> first = spread(lobe.bandwidth * lobe.along[0]), second = spread(lobe.bandwidth * lobe.along[1]),
                       centre = spread(lobe.centre);
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
         // The tangents are orthogonal to the centre, which may therefore be subtracted: differences keep precision.
-        const Vec3<Batch> apart = load(rows, block * k_block + i) - centre;
-        const Batch value = Batch::load(e + i);
+        const std::size_t at = block * k_block + i;
+        const Vec3<Batch> apart = load(rows, at) - centre;
+        const Batch value = Batch::load(e + i), log_cosine = Batch::load(&rows.log_cosine[at]);
         (value * dot(apart, first)).store(by_first + i);
         (value * dot(apart, second)).store(by_second + i);
-        (value * Batch::load(x + i)).store(by_log_bandwidth + i);
+        (value * (Batch::load(x + i) - kappa * log_cosine)).store(by_log_bandwidth + i);
+        if (by_horizon) (value * log_cosine).store(by_horizon + i);
     }
 }
 
@@ -57,20 +64,20 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace srbf {
 
-HWY_EXPORT(gaussian_exponents);
+HWY_EXPORT(view_exponents);
 HWY_EXPORT(exponentiate_view);
 HWY_EXPORT(derive);
 
-float gaussian_exponents(const DirectionRows& rows, std::size_t block, Vec3f centre, float bandwidth,
-                         const float* root_weight, float* x) {
-    return HWY_DYNAMIC_DISPATCH(gaussian_exponents)(rows, block, centre, bandwidth, root_weight, x);
+float exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* root_weight,
+                float* x) {
+    return HWY_DYNAMIC_DISPATCH(view_exponents)(rows, block, lobe, root_weight, x);
 }
 void exponentiate(const float* x, const float* root_weight, float offset, float* e) {
     HWY_DYNAMIC_DISPATCH(exponentiate_view)(x, root_weight, offset, e);
 }
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
-            float* by_first, float* by_second, float* by_log_bandwidth) {
-    HWY_DYNAMIC_DISPATCH(derive)(rows, block, lobe, e, x, by_first, by_second, by_log_bandwidth);
+            float* by_first, float* by_second, float* by_log_bandwidth, float* by_horizon) {
+    HWY_DYNAMIC_DISPATCH(derive)(rows, block, lobe, e, x, by_first, by_second, by_log_bandwidth, by_horizon);
 }
 
 DirectionRows::DirectionRows(std::span<const Vec3f> directions) : blocks((directions.size() + k_block - 1) / k_block) {
@@ -78,6 +85,7 @@ DirectionRows::DirectionRows(std::span<const Vec3f> directions) : blocks((direct
     for (std::size_t k = 0; k < 3; ++k) w[k].assign(blocks * k_block, k == 2 ? 1.f : 0.f);
     for (std::size_t i = 0; i < directions.size(); ++i)
         w[0][i] = directions[i].x, w[1][i] = directions[i].y, w[2][i] = directions[i].z;
+    for (const float z : w[2]) log_cosine.push_back(z > 0 ? std::log(z) : 0.f);
 }
 
 }  // namespace srbf

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "least_squares.h"
 #include "srbf/half.h"
@@ -20,33 +21,50 @@ Eigen::MatrixXd symmetric(const std::vector<double>& triangle, Eigen::Index n) {
     return Eigen::Map<const Eigen::MatrixXd>(triangle.data(), n, n).selfadjointView<Eigen::Upper>();
 }
 
+/// Where a lobe λ, κ with a centre at height z has its maximum over the hemisphere: the height, and the logarithm there.
+/// The maximum lies in the plane of centre and normal, where λ sin(θ_centre − θ) = κ tan θ.
+std::pair<double, double> highest(double z, double lambda, double kappa) {
+    const double centre = std::acos(std::clamp(z, -1.0, 1.0));
+    double low = std::max(0.0, centre - k_pi / 2), high = std::min(centre, k_pi / 2);
+    for (int step = 0; step < 40; ++step) {
+        const double theta = (low + high) / 2;
+        (lambda * std::sin(centre - theta) * std::cos(theta) > kappa * std::sin(theta) ? low : high) = theta;
+    }
+    const double cosine = std::max(std::cos(low), 1e-9);
+    return {cosine, lambda * (std::cos(centre - low) - 1) + kappa * std::log(cosine)};
+}
+
 }  // namespace
 
-ViewProblem::ViewProblem(int lobes) : lobes_(lobes), frame_(std::size_t(lobes)), offset_(std::size_t(lobes)) {
+ViewProblem::ViewProblem(int lobes, bool horizon)
+    : lobes_(lobes), per_lobe_(horizon ? 4 : 3), frame_(std::size_t(lobes)), offset_(std::size_t(lobes)) {
     beta_.resize(lobes, 3), limit_.resize(lobes, 3);
 }
 
 Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLobe> lobes) {
     view_ = &view;
     const std::size_t rows = blocks() * k_block, J = std::size_t(lobes_);
-    exponent_.resize(rows * J), value_.resize(rows * J), derivative_.resize(rows * 3 * J), rest_.resize(rows * 3);
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(3 * lobes_);
+    exponent_.resize(rows * J), value_.resize(rows * J), derivative_.resize(rows * std::size_t(per_lobe_) * J),
+        rest_.resize(rows * 3);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(per_lobe_ * lobes_);
     for (int j = 0; j < lobes_; ++j) {
         const ViewLobe& lobe = lobes[std::size_t(j)];
         frame_[std::size_t(j)] = {lobe.centre,
                                   {Kernel<double>::from_frame(lobe.centre, 1.0, 0.0, 0.0),
                                    Kernel<double>::from_frame(lobe.centre, 0.0, 1.0, 0.0)}};
-        x[3 * j + 2] = std::log(std::clamp(lobe.bandwidth, k_least_bandwidth, double(k_half_max)));
+        x[per_lobe_ * j + 2] = std::log(std::clamp(lobe.bandwidth, k_least_bandwidth, double(k_half_max)));
+        if (per_lobe_ == 4) x[per_lobe_ * j + 3] = lobe.horizon;
     }
     return x;
 }
 
 MovingLobe ViewProblem::moving(const Eigen::VectorXd& x, int j) const {
     const Frame& frame = frame_[std::size_t(j)];
-    const Vec3d towards = frame.centre + x[3 * j] * frame.along[0] + x[3 * j + 1] * frame.along[1];
+    const double* const of = &x[per_lobe_ * j];
+    const Vec3d towards = frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1];
     const double length = std::sqrt(dot(towards, towards));
     const Vec3d centre = (1 / length) * towards;
-    MovingLobe lobe{to_float(centre), {}, float(std::exp(x[3 * j + 2]))};
+    MovingLobe lobe{to_float(centre), {}, float(std::exp(of[2])), float(horizon(x, j))};
     for (int k = 0; k < 2; ++k)
         lobe.along[k] = to_float((1 / length) * (frame.along[k] - dot(frame.along[k], centre) * centre));
     return lobe;
@@ -56,28 +74,38 @@ std::vector<ViewLobe> ViewProblem::lobes(const Eigen::VectorXd& x) const {
     std::vector<ViewLobe> lobes;
     for (int j = 0; j < lobes_; ++j) {
         const Frame& frame = frame_[std::size_t(j)];
-        lobes.push_back({normalize(frame.centre + x[3 * j] * frame.along[0] + x[3 * j + 1] * frame.along[1]),
-                         std::exp(x[3 * j + 2])});
+        const double* const of = &x[per_lobe_ * j];
+        lobes.push_back({normalize(frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1]), std::exp(of[2]),
+                         horizon(x, j)});
     }
     return lobes;
 }
 
 Eigen::VectorXd ViewProblem::lower(const Eigen::VectorXd& x) const {
     Eigen::VectorXd bound = Eigen::VectorXd::Constant(x.size(), -k_most_shift);
-    for (int j = 0; j < lobes_; ++j) bound[3 * j + 2] = std::log(k_least_bandwidth);
+    for (int j = 0; j < lobes_; ++j) {
+        bound[per_lobe_ * j + 2] = std::log(k_least_bandwidth);
+        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = 0;
+    }
     return bound;
 }
 
 Eigen::VectorXd ViewProblem::upper(const Eigen::VectorXd& x) const {
     Eigen::VectorXd bound = Eigen::VectorXd::Constant(x.size(), k_most_shift);
-    for (int j = 0; j < lobes_; ++j) bound[3 * j + 2] = std::log(double(k_half_max));
+    for (int j = 0; j < lobes_; ++j) {
+        bound[per_lobe_ * j + 2] = std::log(double(k_half_max));
+        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = k_most_view_horizon;
+    }
     return bound;
 }
 
 Eigen::VectorXd ViewProblem::longest_step(const Eigen::VectorXd& x) const {
     Eigen::VectorXd longest = Eigen::VectorXd::Ones(x.size());
-    for (int j = 0; j < lobes_; ++j)
-        longest.segment(3 * j, 2).setConstant(std::min(0.5, 1.5 / std::sqrt(std::exp(x[3 * j + 2]))));
+    for (int j = 0; j < lobes_; ++j) {
+        auto of = longest.segment(per_lobe_ * j, per_lobe_);
+        of.head(2).setConstant(std::min(0.5, 1.5 / std::sqrt(std::exp(x[per_lobe_ * j + 2]))));
+        if (per_lobe_ == 4) of[3] = 0.5 + 0.5 * horizon(x, j);
+    }
     return longest;
 }
 
@@ -97,20 +125,19 @@ template <typename OfBlock> Eigen::MatrixXd ViewProblem::gram(std::size_t count,
     return G;
 }
 
-double ViewProblem::loss(const Eigen::VectorXd& x) {
-    const auto J = std::size_t(lobes_);
+void ViewProblem::place(const Eigen::VectorXd& x) {
     for (int j = 0; j < lobes_; ++j) {
         const MovingLobe lobe = moving(x, j);
         float most = -std::numeric_limits<float>::max();
         for (std::size_t block = 0; block < blocks(); ++block)
-            most = std::max(
-                most, gaussian_exponents(view_->directions, block, lobe.centre, lobe.bandwidth,
-                                         &view_->root_weight[block * k_block], part(exponent_, std::size_t(j), block)));
+            most = std::max(most, exponents(view_->directions, block, lobe, &view_->root_weight[block * k_block],
+                                            part(exponent_, std::size_t(j), block)));
         offset_[std::size_t(j)] = double(most);
-        // The maximum of the lobe over the hemisphere relative to its peak: the value at the horizon if the peak is
-        // below it.
-        const double z = double(lobe.centre.z), lambda = double(lobe.bandwidth);
-        const double log_visible = z < 0 ? lambda * (std::sqrt(std::max(0.0, 1 - z * z)) - 1) : 0;
+        // The maximum of the lobe over the hemisphere relative to that of its Gaussian: the value at the horizon if the
+        // centre is below it.
+        const double centre_z = double(lobe.centre.z), lambda = double(lobe.bandwidth);
+        double z = centre_z, log_visible = z < 0 ? lambda * (std::sqrt(std::max(0.0, 1 - z * z)) - 1) : 0;
+        if (lobe.horizon > 0) std::tie(z, log_visible) = highest(centre_z, lambda, double(lobe.horizon));
         const double seen = std::exp(double(most) - log_visible);  // the fraction of it that is visible on the rows
         for (int c = 0; c < 3; ++c) {
             const double of_hemisphere = view_->largest[std::size_t(c)] / std::max(z, view_->least_cosine) * seen *
@@ -119,7 +146,11 @@ double ViewProblem::loss(const Eigen::VectorXd& x) {
             limit_(j, c) = std::min(of_hemisphere, of_halves);
         }
     }
-    const Eigen::MatrixXd G = gram(J + 3, [&](std::size_t block, std::vector<const float*>& columns) {
+}
+
+Eigen::MatrixXd ViewProblem::gram_of_values() {
+    const auto J = std::size_t(lobes_);
+    return gram(J + 3, [&](std::size_t block, std::vector<const float*>& columns) {
         for (std::size_t j = 0; j < J; ++j) {
             exponentiate(part(exponent_, j, block), &view_->root_weight[block * k_block], float(offset_[j]),
                          part(value_, j, block));
@@ -127,10 +158,19 @@ double ViewProblem::loss(const Eigen::VectorXd& x) {
         }
         for (std::size_t c = 0; c < 3; ++c) columns[J + c] = &view_->y[c][block * k_block];
     });
+}
+
+double ViewProblem::loss(const Eigen::VectorXd& x) {
+    place(x);
+    const Eigen::MatrixXd G = gram_of_values();
     gram_ = G.topLeftCorner(lobes_, lobes_);
     for (int c = 0; c < 3; ++c)
         beta_.col(c) = bounded_least_squares(gram_, G.block(0, lobes_ + c, lobes_, 1), limit_.col(c));
+    return loss_of_coefficients();
+}
 
+double ViewProblem::loss_of_coefficients() {
+    const auto J = std::size_t(lobes_);
     double sum = (lit_.bottomRows(3) - beta_.transpose() * lit_.topRows(lobes_)).squaredNorm();
     std::vector<float> beta(J);
     std::vector<const float*> columns(J);
@@ -144,20 +184,27 @@ double ViewProblem::loss(const Eigen::VectorXd& x) {
     return sum;
 }
 
+Eigen::MatrixXd ViewProblem::gram_of_derivatives(const Eigen::VectorXd& x) {
+    const Eigen::Index J = lobes_, derivatives = per_lobe_ * J, total = derivatives + J + 3;
+    return gram(std::size_t(total), [&](std::size_t block, std::vector<const float*>& columns) {
+        for (std::size_t j = 0; j < std::size_t(J); ++j) {
+            const std::size_t V = std::size_t(per_lobe_);
+            std::array<float*, 4> by{};
+            for (std::size_t k = 0; k < V; ++k) columns[V * j + k] = by[k] = part(derivative_, V * j + k, block);
+            const float* e = columns[std::size_t(derivatives) + j] = part(value_, j, block);
+            derive(view_->directions, block, moving(x, int(j)), e, part(exponent_, j, block), by[0], by[1], by[2],
+                   by[3]);
+        }
+        for (std::size_t c = 0; c < 3; ++c) columns[std::size_t(total) - 3 + c] = part(rest_, c, block);
+    });
+}
+
 // Let D hold the columns ∂G_j and G_j. The derivative of the residual of channel c is −β_jc ∂G_j. A coefficient
 // strictly between its bounds adapts, so that only the component of D orthogonal to those lobes counts (Kaufman's
 // approximation). A coefficient at a bound is constant.
 void ViewProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    const Eigen::Index J = lobes_, derivatives = 3 * J, total = 4 * J + 3;
-    const Eigen::MatrixXd G = gram(std::size_t(total), [&](std::size_t block, std::vector<const float*>& columns) {
-        for (std::size_t j = 0; j < std::size_t(J); ++j) {
-            float* by[3];
-            for (std::size_t k = 0; k < 3; ++k) columns[3 * j + k] = by[k] = part(derivative_, 3 * j + k, block);
-            const float* e = columns[std::size_t(derivatives) + j] = part(value_, j, block);
-            derive(view_->directions, block, moving(x, int(j)), e, part(exponent_, j, block), by[0], by[1], by[2]);
-        }
-        for (std::size_t c = 0; c < 3; ++c) columns[std::size_t(4 * J) + c] = part(rest_, c, block);
-    });
+    const Eigen::Index J = lobes_, derivatives = per_lobe_ * J;
+    const Eigen::MatrixXd G = gram_of_derivatives(x);
     const auto DD = G.topLeftCorner(derivatives, derivatives), DE = G.block(0, derivatives, derivatives, J);
 
     H = Eigen::MatrixXd::Zero(derivatives, derivatives);
@@ -179,9 +226,9 @@ void ViewProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
             last_passive = passive;
         }
         Eigen::VectorXd beta(derivatives);
-        for (Eigen::Index i = 0; i < derivatives; ++i) beta[i] = beta_(i / 3, c);
+        for (Eigen::Index i = 0; i < derivatives; ++i) beta[i] = beta_(i / per_lobe_, c);
         H += beta.asDiagonal() * across * beta.asDiagonal();
-        g -= beta.cwiseProduct(G.block(0, 4 * J + c, derivatives, 1));
+        g -= beta.cwiseProduct(G.block(0, derivatives + J + c, derivatives, 1));
     }
 }
 

@@ -10,8 +10,10 @@ namespace srbf {
 struct ViewLobe {
     Vec3d centre;
     double bandwidth = 0;
+    double horizon = 0;  ///< κ
 };
 inline constexpr double k_least_bandwidth = 1e-3;  ///< lower bound in a fit: constant within 0.2 %
+inline constexpr double k_most_view_horizon = 64;
 
 /// The weighted measurement of one sampled view.
 struct ViewRows {
@@ -22,6 +24,13 @@ struct ViewRows {
     /// light, in units of which an error of 1 adds 1 to the loss. Where nothing was measured it is dark.
     std::vector<Aligned<float>> lights;
     double scale = 0;  ///< 0: no data to fit
+    /// The view's pixels in pictures: rows of which each is a direction to a single light. Others are dark.
+    struct Seen {
+        DirectionRows directions;
+        Aligned<float> exposure;  ///< colour of the pixel over f / scale; 0 where there is none
+        Pixels pixels;
+        std::size_t count = 0;
+    } seen;
     /// Upper bound per lobe and channel: its maximum over the hemisphere times the cosine there, f / scale. Smaller
     /// cosines are replaced by the least cosine.
     std::array<double, 3> largest{};
@@ -30,12 +39,13 @@ struct ViewRows {
 
 /// Σ w |f − Σ_j β_j G_j|² / Σ w |f|² of one view, with β eliminated by non-negative least squares per channel. The
 /// variables of each lobe are two shifts u along the tangents t of its initial centre, ξ = normalize(ξ_0 + u_1 t_1 +
-/// u_2 t_2), and log λ.
+/// u_2 t_2), log λ, and κ if there is one.
 class ViewProblem {
   public:
-    explicit ViewProblem(int lobes);
+    /// `horizon`: lobes have a factor (w_z)^κ with a κ of their own.
+    explicit ViewProblem(int lobes, bool horizon = false);
 
-    /// The problem of `view`, which must outlive it, linearised about these lobes: x has length 3 J, with shifts 0.
+    /// The problem of `view`, which must outlive it, linearised about these lobes: x has these of each lobe, with shifts 0.
     Eigen::VectorXd start(const ViewRows& view, std::span<const ViewLobe> lobes);
     std::vector<ViewLobe> lobes(const Eigen::VectorXd& x) const;
 
@@ -47,14 +57,24 @@ class ViewProblem {
     /// factor of e.
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
-    // Results of the last call of `loss`:
+    // Results of the last call of `loss`, or of the adoption of coefficients:
     /// β_jc of G_j with peak 1 [1/sr].
     double coefficient(int j, int c) const;
     /// First-order estimate of the increase of the loss if lobe j is dropped and the others' β adapt.
     std::vector<double> cost_of_dropping() const;
 
   private:
+    friend class ViewInPictures;
     MovingLobe moving(const Eigen::VectorXd& x, int j) const;
+    double horizon(const Eigen::VectorXd& x, int j) const { return per_lobe_ == 4 ? x[per_lobe_ * j + 3] : 0; }
+    /// Evaluates the lobes at x, in `offset_` the logarithms of their largest values, and the bounds of coefficients.
+    void place(const Eigen::VectorXd& x);
+    /// The Gram matrix of the lobes' values and the measurement.
+    Eigen::MatrixXd gram_of_values();
+    /// The Gram matrix of the derivatives by x, the values and the residuals of the channels.
+    Eigen::MatrixXd gram_of_derivatives(const Eigen::VectorXd& x);
+    /// The loss with the present coefficients.
+    double loss_of_coefficients();
     float* part(Aligned<float>& of, std::size_t column, std::size_t block) const {
         return &of[(block * (of.size() / (blocks() * k_block)) + column) * k_block];
     }
@@ -63,12 +83,12 @@ class ViewProblem {
     template <typename OfBlock> Eigen::MatrixXd gram(std::size_t columns, const OfBlock& of_block);
 
     const ViewRows* view_ = nullptr;
-    int lobes_;
+    int lobes_, per_lobe_;  ///< J, variables of each
     struct Frame {
         Vec3d centre, along[2];
     };
     std::vector<Frame> frame_;
-    Aligned<float> exponent_, value_, derivative_, rest_;  ///< blocks × (J, J, 3 J, 3) × k_block
+    Aligned<float> exponent_, value_, derivative_, rest_;  ///< blocks × (J, J, variables, 3) × k_block
     std::vector<double> offset_;
     Eigen::MatrixXd lit_;                  ///< columns × lights, of the last call of `gram`
     Eigen::MatrixXd beta_, limit_, gram_;  ///< J × 3, J × 3, J × J: for lobes normalised to a maximum of 1 on the rows

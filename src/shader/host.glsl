@@ -68,7 +68,7 @@ struct Su { int unused; };
 struct SuNearest { uvec4 pairs; };  // a texel of eight 16-bit numbers
 int su_nearest(SuNearest nearest, int k) { return int(nearest.pairs[k / 2] >> uint(16 * (k % 2)) & 0xffffu); }
 #ifdef SU_LOBES
-uniform sampler2D su_numbers;  // one row per view, two texels per lobe: coefficient, bandwidth; centre - mirrored view
+uniform sampler2D su_numbers;  // one row per view, two texels per lobe: coefficient, bandwidth; centre - mirrored view, kappa
 uniform sampler2D su_directions;  // one row per view
 int su_lobes(Su su) { return SU_LOBES; }
 int su_views(Su su) { return SU_VIEWS; }
@@ -78,6 +78,7 @@ Vec3 su_centre(Su su, int view, int j) {
     return Vec3(-w.x, -w.y, w.z) + texelFetch(su_numbers, ivec2(2 * j + 1, view), 0).xyz;
 }
 Real su_bandwidth(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j, view), 0).w; }
+Real su_horizon(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j + 1, view), 0).w; }
 Vec3 su_coefficient(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j, view), 0).rgb; }
 #else
 int su_lobes(Su su) { return 0; }
@@ -85,5 +86,6 @@ int su_views(Su su) { return 1; }
 Vec3 su_direction(Su su, int view) { return Vec3(0.0, 0.0, 1.0); }
 Vec3 su_centre(Su su, int view, int j) { return Vec3(0.0); }
 Real su_bandwidth(Su su, int view, int j) { return 0.0; }
+Real su_horizon(Su su, int view, int j) { return 0.0; }
 Vec3 su_coefficient(Su su, int view, int j) { return Vec3(0.0); }
 #endif

@@ -157,7 +157,8 @@ SuTexels su_texels(const SuModel& model) {
             const Rgb& beta = model.coefficient[j];
             const Vec3f apart = model.centre[j] - mirror(w);
             texels.numbers.push_back({to_half(beta.r), to_half(beta.g), to_half(beta.b), to_half(model.bandwidth[j])});
-            texels.numbers.push_back({to_half(apart.x), to_half(apart.y), to_half(apart.z), 0});
+            texels.numbers.push_back({to_half(apart.x), to_half(apart.y), to_half(apart.z),
+                                      model.horizon.empty() ? std::uint16_t(0) : to_half(model.horizon[j])});
         }
     }
     return texels;

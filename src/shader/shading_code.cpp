@@ -31,6 +31,7 @@ Vec3 su_direction(Su su, int view) { return Vec3(0.0, 0.0, 1.0); }
 Vec3 su_centre(Su su, int view, int j) { return Vec3(0.0, 0.0, 1.0); }
 Real su_bandwidth(Su su, int view, int j) { return 0.0; }
 Vec3 su_coefficient(Su su, int view, int j) { return Vec3(0.0, 0.0, 0.0); }
+Real su_horizon(Su su, int view, int j) { return 0.0; }
 int su_nearest(SuNearest nearest, int k) { return 0; }
 )";
 

@@ -19,6 +19,7 @@ namespace srbf {
 namespace {
 
 constexpr std::size_t k_mirror_checks = 8192;
+constexpr std::size_t k_completed_pairs = 16384;
 /// Number of pairs of the grid (of ten thousand) that also constrain lobes.
 constexpr std::size_t k_most_between_samples = 4096;
 /// Extrapolation beyond θmax gets a smaller weight than values of a table.
@@ -61,6 +62,30 @@ Observations together(const SampleObservations& from, double weight_between, std
     shuffle(all, random);
     for (std::size_t i = fitted; i < samples.f.size(); ++i) add_from(samples, i, 1);
     all.checks = samples.checks;
+    return all;
+}
+
+/// The completed samples within θmax observed like a table, and as much Σ w |f|² of the samples themselves.
+Result<Observations> observe_completed(const ScatteredSamples& samples, const Observations& observed,
+                                       const ObserveSamplesOptions& options, const ProgressToken& progress) {
+    const auto completed = complete(samples, options.max_theta, options.threads);
+    if (!completed) return completed.error();
+    const auto table = observe(evaluator(*completed),
+                               {.objective = options.objective,
+                                .max_theta = options.max_theta,
+                                .count = k_completed_pairs,
+                                .seed = options.seed,
+                                .threads = options.threads},
+                               progress);
+    if (!table) return table.error();
+    Observations all = *table;
+    const std::size_t pairs = all.f.size() - all.checks;
+    all.wl.resize(pairs), all.wv.resize(pairs), all.f.resize(pairs), all.weight.resize(pairs);
+    for (std::size_t i = 0; i < observed.f.size(); ++i)
+        add(all, observed.wl[i], observed.wv[i], observed.f[i], observed.weight[i], {});
+    std::mt19937_64 random(options.seed);
+    shuffle(all, random);
+    for (std::size_t i = pairs; i < table->f.size(); ++i) add(all, table->wl[i], table->wv[i], table->f[i], 0, {});
     return all;
 }
 
@@ -137,6 +162,11 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     if (!(observed.samples.typical > 0))
         return Error{"samples", {}, "values", "some above 0", "none", ErrorCode::no_data};
     weigh_all(observed.samples);
+    if (options.complete && traits(options.objective).of_pictures && C == 0) {
+        auto completed = observe_completed(samples, observed.samples, observed.options, progress.part(0, 0.5));
+        if (!completed) return completed.error();
+        observed.completed = *std::move(completed);
+    }
 
     // Errors of the interpolation of each sample from the others.
     const auto fold = assign_folds(samples, places, theta_max, options.seed);
@@ -209,12 +239,14 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
                      const ProgressToken& progress) {
     const FlushSubnormals mode;
-    const auto& [objective, max_theta, seed, spectral] = observations.options;
+    const auto& [objective, max_theta, seed, spectral, complete, threads] = observations.options;
+    const bool completed = !observations.completed.f.empty();
     FitOptions bounded = options.pm;
-    bounded.finest = std::max(bounded.finest, observations.finest);
+    if (!completed) bounded.finest = std::max(bounded.finest, observations.finest);
     const std::size_t parameters = parameter_count(bounded), values = 3 * observations.places;
     if (values < parameters)
         return Error{"fit", {}, "samples", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
+    if (completed) return fit_pm(observations.completed, bounded, progress);
     if (!options.fill) return fit_pm(together(observations, 0, seed), bounded, progress);
 
     const Observations alone = together(observations, 0, seed);

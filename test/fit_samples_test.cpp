@@ -266,27 +266,27 @@ TEST(CompletedSamples, OfAMicrofacetModelAreThatModel) {
     const Evaluate others[] = {evaluator(*completed), evaluator(Measured{"", "", 0, samples})};
     const auto errors = measure_heldout(evaluator(paint), others, {k_cap}, 20000);
     EXPECT_LT(errors[0].squared_error_ratio, 0.001);
-    EXPECT_GT(errors[1].squared_error_ratio, 0.2);  // of the interpolated samples
+    EXPECT_GT(errors[1].squared_error_ratio, 0.1);  // of the interpolated samples
 }
 
-/// Between lights 20° apart, and where only a few viewers are out of the plane.
+/// Between lights 20° apart, where few viewers are out of the plane, and at the rim of a sphere, beyond the samples.
 TEST(FitToSamples, GapsLookLikeTheMaterial) {
     const ScatteredSamples samples = taken_by_goniometer(coated);
     const Evaluate truth = as_brdf(coated);
-    const auto off = [&](bool complete, bool fill) {
-        const auto observations =
-            observe(samples, {.objective = Objective::appearance, .max_theta = k_cap, .complete = complete});
-        EXPECT_TRUE(observations.ok());
-        SampleFitOptions how{{}, fill};
-        how.pm.starts = 6, how.pm.perturbations = 10;
-        const PmModel model = fit_pm(*observations, how)->model;
-        const Evaluate others[] = {evaluator(model)};
-        const Measures gaps = measure_heldout(truth, others, {k_cap}, 20000)[0];
-        const Appearance seen = compare_pictures(truth, others, 0, {}, 32)[0];
-        std::printf("complete %d fill %d: cos %.4f cube %.4f sixth %.4f alb %.4f dE %.2f worst %.2f\n", complete, fill, gaps.squared_error_ratio_cosine, gaps.cube_root_error_ratio, gaps.sixth_root_error_ratio, albedo_error(truth, others[0], k_cap), seen.mean.delta_e, seen.worst_delta_e);
-        return gaps;
-    };
-    off(true, true); off(false, false); off(false,true);
+    const auto observations = observe(samples, {.objective = Objective::appearance, .max_theta = k_cap});
+    ASSERT_TRUE(observations.ok());
+    SampleFitOptions how;
+    how.pm.starts = 6, how.pm.perturbations = 10;
+    const auto fit = fit_pm(*observations, how);
+    ASSERT_TRUE(fit.ok());
+    // Of a fit to the samples and interpolated values: 0.033, 0.09, 1.6 and 2.8.
+    const Evaluate others[] = {evaluator(fit->model)};
+    const Measures everywhere = measure_heldout(truth, others, {k_cap}, 20000)[0];
+    EXPECT_LT(everywhere.squared_error_ratio_cosine, 0.015);
+    EXPECT_LT(albedo_error(truth, others[0], k_cap), 0.07);
+    const Appearance seen = compare_pictures(truth, others, 0, {}, 32)[0];
+    EXPECT_LT(seen.mean.delta_e, 1);
+    EXPECT_LT(seen.worst_delta_e, 2);
 }
 
 /// The fit of a paint's spectra, as colours, is as good as the fit of its colours, and nearly the same.

@@ -21,7 +21,7 @@ struct LobeCount {
     int lobes = FitOptions{}.lobes;
 };
 /// Chooses J from `k_tried_lobes`: for a table the least product of bytes and held-out error; for samples the fewest
-/// lobes whose cross-validated error is within 3 % of the least.
+/// lobes whose cross-validated error is within 3 % of the least, or if they are completed the most that they determine.
 struct AutomaticLobes {};
 /// A goal is looked for among all forms and sizes; of samples among the J of `k_tried_lobes` in the requested form.
 using PmSize = std::variant<LobeCount, AutomaticLobes, SizeGoal>;

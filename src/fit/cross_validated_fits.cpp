@@ -56,6 +56,9 @@ class SampleFits {
                 if (enough_samples(j) && is_within(goal, bytes(j))) lobes.push_back(j);
         if (lobes.empty()) lobes = {1};
         if (completes(request_)) {
+            // Completed samples constrain any number of lobes. The most look best; held-out samples, which are few and
+            // crowded about highlights, prefer fewer half of the time.
+            if (!goal) lobes = {lobes.back()};
             std::vector<Candidate> candidates;
             for (const int j : lobes) candidates.push_back({j, true});
             validations_ = double(candidates.size());

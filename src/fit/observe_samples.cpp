@@ -162,18 +162,19 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     if (!(observed.samples.typical > 0))
         return Error{"samples", {}, "values", "some above 0", "none", ErrorCode::no_data};
     weigh_all(observed.samples);
+
+    const auto fold = assign_folds(samples, places, theta_max, options.seed);
+    if (!fold) return fold.error();
     if (options.complete && traits(options.objective).of_pictures && C == 0) {
-        auto completed = observe_completed(samples, observed.samples, observed.options, progress.part(0, 0.5));
+        auto completed = observe_completed(samples, observed.samples, observed.options, progress.part(0, 0.9));
         if (!completed) return completed.error();
         observed.completed = *std::move(completed);
     }
-
     // Errors of the interpolation of each sample from the others.
-    const auto fold = assign_folds(samples, places, theta_max, options.seed);
-    if (!fold) return fold.error();
+    const ProgressToken interpolating = progress.part(observed.completed.f.empty() ? 0 : 0.9, 1);
     std::vector<Rgb> interpolated(samples.wl.size());
     for (int left_out = 0; left_out < k_folds; ++left_out) {
-        if (!progress.report("interpolating", 0.5 * left_out / k_folds)) return cancelled_error("observe");
+        if (!interpolating.report("interpolating", 0.5 * left_out / k_folds)) return cancelled_error("observe");
         const ScatteredSamples rest = without_fold(samples, *fold, left_out);
         for (const std::size_t i : within)
             if ((*fold)[i] == left_out) interpolated[i] = value(rest, samples.wl[i], samples.wv[i]);
@@ -187,7 +188,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         return value(samples, wl, wv);
     };
     // Pairs between the samples, beyond them, and for checks.
-    if (!progress.report("interpolating", 0.5)) return cancelled_error("observe");
+    if (!interpolating.report("interpolating", 0.5)) return cancelled_error("observe");
     std::mt19937_64 random(options.seed);
     const auto grid = check_grid();
     std::vector<std::pair<Vec3f, Vec3f>> beyond;
@@ -213,7 +214,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
             k_guard_share * k_guard_importance * area * area / (double(beyond.size()) * peak), spectrum);
     }
     shuffle(observed.samples, random);
-    if (!progress.report("interpolating", 0.75)) return cancelled_error("observe");
+    if (!interpolating.report("interpolating", 0.75)) return cancelled_error("observe");
     const std::size_t fitted = observed.samples.f.size();
     for (const auto& [l, v] : grid) {
         const Vec3f wl = to_float(l), wv = to_float(v);

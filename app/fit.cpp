@@ -172,20 +172,21 @@ void add_fit(CommandLine& app, int& status) {
                                 return form_named(text) ? std::string() : is_one(text);
                             })
                             .capture_default_str();
-    const Option lobes = sub.add_option(
-                                "--lobes",
-                                [command](const std::string& text) {
-                                    command->lobes_auto = text == "auto";
-                                    command->lobes = command->lobes_auto ? 0 : std::stoi(text);
-                                },
-                                fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
-                                            "auto: for a table the best\n"
-                                            "compromise between bytes and error, for samples by cross-validation. "
-                                            "Default: {}; for samples auto; "
-                                            "for ggx 1",
-                                            k_most_fitted_lobes, LobeCount{}.lobes))
-                             .type_name("J|auto")
-                             .check(lobes_or_auto());
+    const Option lobes =
+        sub.add_option(
+               "--lobes",
+               [command](const std::string& text) {
+                   command->lobes_auto = text == "auto";
+                   command->lobes = command->lobes_auto ? 0 : std::stoi(text);
+               },
+               fmt::format("Number of lobes, 1 to {}; for su per sampled direction; for ggx 1 or 2. "
+                           "auto: for a table the best\n"
+                           "compromise between bytes and error; for samples by cross-validation, or the most. "
+                           "Default: {}; for samples auto; "
+                           "for ggx 1",
+                           k_most_fitted_lobes, LobeCount{}.lobes))
+            .type_name("J|auto")
+            .check(lobes_or_auto());
     const Option variates =
         sub.add_option("--variates", command->variates,
                        fmt::format("Number of variates, the factors of a lobe, 1 to {}", k_most_variates))

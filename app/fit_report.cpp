@@ -158,10 +158,12 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     print_measures({{"as stored", &*outcome.errors}, {"before rounding", &*outcome.unrounded_errors}});
     if (outcome.samples) {
         fmt::print(
-            "  Matrix: at the samples themselves. Held out: {}-fold cross-validated. Albedo: against interpolated "
-            "samples.\n",
+            "  Matrix: at the samples themselves. Held out: {}-fold cross-validated. Albedo and pictures: against "
+            "completed samples.\n",
             k_folds);
-        if (outcome.filled && *outcome.filled) fmt::print("  Between samples the fit follows interpolated values.\n");
+        if (outcome.filled && *outcome.filled)
+            fmt::print("  Between samples the fit follows {} values.\n",
+                       completes(request) ? "completed" : "interpolated");
     }
     print_path(request, outcome);
     if (const auto goal = goal_of(request); goal && !outcome.reached)

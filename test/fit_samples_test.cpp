@@ -200,6 +200,95 @@ TEST(FitToSamples, SamplesOfOnePlaneAreFittedAndStayBounded) {
     }
 }
 
+/// A rough coat of Beckmann's distribution over a coloured base: similar to what completes samples, but not the same.
+Rgb coated(Vec3d wl, Vec3d wv) {
+    const Vec3d h = normalize(wl + wv);
+    const double m2 = 0.004, cos2 = h.z * h.z, cos_d = dot(wl, h);
+    const double distribution = std::exp((1 - 1 / cos2) / m2) / (k_pi * m2 * cos2 * cos2);
+    const double coat = distribution * (0.04 + 0.96 * std::pow(1 - cos_d, 5)) / (4 * cos_d * cos_d);
+    return {float(0.15 + coat), float(0.04 + coat), float(0.02 + coat)};
+}
+
+/// As a goniometer takes them: four angles of the light, viewers in its plane every 5°, and a few out of it.
+ScatteredSamples taken_by_goniometer(Rgb (*f)(Vec3d, Vec3d)) {
+    ScatteredSamples samples;
+    const auto add = [&](double theta_l, double theta_v, double azimuth) {
+        const Vec3d wl = spherical(theta_l * k_degree, 0.0), wv = spherical(theta_v * k_degree, azimuth * k_degree);
+        samples.wl.push_back(to_float(wl)), samples.wv.push_back(to_float(wv)), samples.colour.push_back(f(wl, wv));
+    };
+    for (const double theta_l : {10.0, 30.0, 50.0, 70.0}) {
+        for (int theta_v = -80; theta_v <= 80; theta_v += 5) add(theta_l, std::abs(theta_v), theta_v < 0 ? 0 : 180);
+        for (const double azimuth : {30.0, 60.0, 90.0, 120.0, 150.0})
+            for (const double theta_v : {15.0, 30.0, 45.0, 60.0, 75.0}) add(theta_l, theta_v, azimuth);
+    }
+    make_index(samples);
+    return samples;
+}
+
+Evaluate as_brdf(Rgb (*f)(Vec3d, Vec3d)) {
+    return [f](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values[i] = wl[i].z > 0 && wv[i].z > 0 ? f(to_double(wl[i]), to_double(wv[i])) : Rgb{};
+    };
+}
+
+TEST(CompletedSamples, AreTheSamplesAtTheSamplesAndBoundedElsewhere) {
+    const ScatteredSamples samples = taken_by_goniometer(coated);
+    const auto completed = complete(samples, k_cap);
+    ASSERT_TRUE(completed.ok());
+    double peak = 0;
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        const Vec3f wl = samples.wl[i], wv = samples.wv[i];
+        if (std::min(wl.z, wv.z) < sample_cap(k_cap)) continue;
+        for (int c = 0; c < 3; ++c) {
+            const double f = double(samples.colour[i][c]);
+            EXPECT_TRUE(near(double(value(*completed, wl, wv)[c]), f, 1e-3 * f));
+            EXPECT_TRUE(near(double(value(*completed, wv, wl)[c]), f, 1e-3 * f));
+            peak = std::max(peak, f * double(wl.z) * double(wv.z));
+        }
+    }
+    EXPECT_TRUE(near(completed->most, 1.6 * peak, 1e-5 * peak));
+    std::mt19937_64 random(10);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3f wl = to_float(draw(random, 89.9 * k_degree)), wv = to_float(draw(random, 89.9 * k_degree));
+        const Rgb f = value(*completed, wl, wv);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_TRUE(f[c] >= 0 && double(f[c]) * double(wl.z) * double(wv.z) <= 1.0001 * completed->most);
+    }
+}
+
+TEST(CompletedSamples, OfAMicrofacetModelAreThatModel) {
+    static const GgxModel paint{{0.3f, 0.1f, 0.05f}, {{0.08f, {0.05f, 0.05f, 0.05f}, 0.8f}}};
+    const ScatteredSamples samples =
+        taken_by_goniometer([](Vec3d wl, Vec3d wv) { return value(paint, to_float(wl), to_float(wv)); });
+    const auto completed = complete(samples, k_cap);
+    ASSERT_TRUE(completed.ok());
+    const Evaluate others[] = {evaluator(*completed), evaluator(Measured{"", "", 0, samples})};
+    const auto errors = measure_heldout(evaluator(paint), others, {k_cap}, 20000);
+    EXPECT_LT(errors[0].squared_error_ratio, 0.001);
+    EXPECT_GT(errors[1].squared_error_ratio, 0.1);  // of the interpolated samples
+}
+
+/// Between lights 20° apart, where few viewers are out of the plane, and at the rim of a sphere, beyond the samples.
+TEST(FitToSamples, GapsLookLikeTheMaterial) {
+    const ScatteredSamples samples = taken_by_goniometer(coated);
+    const Evaluate truth = as_brdf(coated);
+    const auto observations = observe(samples, {.objective = Objective::appearance, .max_theta = k_cap});
+    ASSERT_TRUE(observations.ok());
+    SampleFitOptions how;
+    how.pm.starts = 6, how.pm.perturbations = 10;
+    const auto fit = fit_pm(*observations, how);
+    ASSERT_TRUE(fit.ok());
+    // Of a fit to the samples and interpolated values: 0.033, 0.09, 1.6 and 2.8.
+    const Evaluate others[] = {evaluator(fit->model)};
+    const Measures everywhere = measure_heldout(truth, others, {k_cap}, 20000)[0];
+    EXPECT_LT(everywhere.squared_error_ratio_cosine, 0.015);
+    EXPECT_LT(albedo_error(truth, others[0], k_cap), 0.07);
+    const Appearance seen = compare_pictures(truth, others, 0, {}, 32)[0];
+    EXPECT_LT(seen.mean.delta_e, 1);
+    EXPECT_LT(seen.worst_delta_e, 2);
+}
+
 /// The fit of a paint's spectra, as colours, is as good as the fit of its colours, and nearly the same.
 TEST(FitToSamples, SpectraOfARealPaintHaveTheColoursOfItsFit) {
     const auto path = shared_data() / "cornell" / "krylon_blue.brdf";

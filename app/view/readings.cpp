@@ -71,7 +71,7 @@ void Readings::draw_measures(const Session& session) const {
     const bool is_scattered = measured && std::holds_alternative<ScatteredSamples>(measured->table);
     ImGui::TextColored(k_hint, "%s",
                        fmt::format("Errors within {:.0f}\xC2\xB0, against {}", session.max_theta() / k_degree,
-                                   is_scattered ? "interpolated samples"
+                                   is_scattered ? "samples; albedo: completed ones"
                                    : measured   ? "measured"
                                                 : "the reference")
                            .c_str());

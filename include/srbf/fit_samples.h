@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "srbf/fit.h"
+#include "srbf/ggx.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 
@@ -26,18 +27,40 @@ ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const i
 /// `assign_folds`) to their nearest neighbours. 0 if there is only one place.
 double spacing(const ScatteredSamples& samples);
 
+/// Samples, completed where nothing was measured: a fit g of Lambert and two GGX lobes to the samples within θmax, each
+/// also with light and viewer exchanged, by the weights of `Objective::appearance`, plus what it leaves of the samples,
+/// interpolated. With A = cosθl cosθv and the w_k of `ScatteredSamples`,
+///   f A = (∛(g A) + Σ_k w_k (∛(f_k A_k) − ∛(g_k A_k)) / Σ_k w_k)³ [1/sr].
+/// g A and f A are clamped to 0..`most`. At a sample this is the sample's own value. Between samples far apart it has
+/// the highlight of a microfacet model, where interpolation alone would have a band or a gap.
+struct CompletedSamples {
+    GgxModel prior;         ///< g
+    ScatteredSamples rest;  ///< of colour (∛(f A) − ∛(g A)) / A, so that `signed_value` times A is the mean over k
+    double most = 0;        ///< 1.6 times the largest f A of the samples, as for fits
+};
+/// Errors: no sample within max_theta [rad] that is not black.
+Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_theta, int threads = 0);
+/// f [1/sr]; 0 below the horizon.
+Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv);
+
 struct ObserveSamplesOptions {
     Objective objective = k_default_objective;
     double max_theta = 0;  ///< [rad], in (0, π/2); 0: the objective's default
     std::uint64_t seed = 0;
     bool spectral = false;  ///< also observe the spectra of spectral samples, not only their colours
+    /// Also observe the completed samples, for lobes; only for an objective of pictures, in colours.
+    bool complete = true;
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
 /// Samples prepared for fits. Each sample counts twice: as it is, and with light and viewer exchanged.
 struct SampleObservations {
     ObserveSamplesOptions options;
-    Observations samples;    ///< within θmax, followed by guards and checks beyond it
-    Observations between;    ///< interpolated values on a grid of pairs within θmax, with Σ w |f|² = 1
+    Observations samples;  ///< within θmax, followed by guards and checks beyond it
+    Observations between;  ///< interpolated values on a grid of pairs within θmax, with Σ w |f|² = 1
+    /// The completed samples observed like a table, with as much weight again on the samples themselves; or none. A fit
+    /// uses either these or all the others.
+    Observations completed;
     Measures interpolation;  ///< errors of interpolation at samples that were left out
     double finest = 0;       ///< lower bound on the width of a lobe [rad]: the spacing of the samples
     std::size_t places = 0;  ///< number of places within θmax
@@ -49,14 +72,15 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
 
 struct SampleFitOptions {
     FitOptions pm;
-    /// Whether the fit also follows values interpolated between the samples. A short fit without them estimates the
+    /// Whether a fit without completed samples also follows values interpolated between the samples. A short fit without them estimates the
     /// remaining error; the grid's weight is the ratio of that error to the error of interpolation, at most 1. The grid
     /// constrains lobes where samples are sparse, but is harmful where a fit is better than interpolation.
     /// Cross-validation decides.
     bool fill = false;
 };
 
-/// Fits parameterized multivariate SRBFs, with no lobe narrower than the samples' spacing.
+/// Fits parameterized multivariate SRBFs: to the completed samples if they are observed, otherwise to the samples and
+/// the interpolated values, with no lobe narrower than the samples' spacing.
 /// Errors: those of `fit_pm`; fewer places than a third of the parameters (a place has three values).
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
                      const ProgressToken& progress = {});

@@ -21,7 +21,7 @@ struct LobeCount {
     int lobes = FitOptions{}.lobes;
 };
 /// Chooses J from `k_tried_lobes`: for a table the least product of bytes and held-out error; for samples the fewest
-/// lobes whose cross-validated error is within 3 % of the least.
+/// lobes whose cross-validated error is within 3 % of the least, or if they are completed the most that they determine.
 struct AutomaticLobes {};
 /// A goal is looked for among all forms and sizes; of samples among the J of `k_tried_lobes` in the requested form.
 using PmSize = std::variant<LobeCount, AutomaticLobes, SizeGoal>;
@@ -63,6 +63,10 @@ struct FitRequest {
     double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };
 
+/// Whether a fit of this request to scattered samples follows the completed samples: PM in colours, by an objective of
+/// pictures. Other fits of PM follow interpolated values if cross-validation finds them useful.
+bool completes(const FitRequest& request);
+
 /// What the size is chosen by; none: it is a number of lobes or automatic, or the model is not multivariate.
 inline std::optional<SizeGoal> goal_of(const FitRequest& request) {
     const auto* pm = std::get_if<PmRequest>(&request.model);
@@ -89,13 +93,13 @@ struct FitOutcome {
         0;                     ///< of f in floats at all pairs of 1536 (SU: the sampled) directions, or at the samples
     int empty_directions = 0;  ///< SU: number of sampled directions without data
     std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
-    /// for scattered samples, PM: whether the fit follows values interpolated between them
+    /// for scattered samples, PM: whether the fit follows values between them, completed or interpolated
     std::optional<bool> filled;
     std::vector<Step> path;  ///< models that were tried in choosing the size
     bool reached = true;     ///< whether the requested error or size was reached
     /// Errors of `model` and `unrounded` against the measurement; empty until they are measured. For scattered samples
-    /// `matrix` covers the samples themselves, `heldout` is the 5-fold cross-validated error, and albedo is compared
-    /// with interpolated samples.
+    /// `matrix` covers the samples themselves, `heldout` is the 5-fold cross-validated error, and albedo and
+    /// pictures are compared with the completed samples (fit_samples.h).
     std::optional<Comparison> errors, unrounded_errors;
 };
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "fit/objective.h"
 #include "fit/requests.h"
 
 namespace srbf {
@@ -17,10 +18,6 @@ constexpr double k_as_good = 1.03;
 constexpr int k_sample_starts = 6, k_sample_perturbations = 14;
 constexpr int k_draft_starts = 3, k_draft_perturbations = 2;
 
-ObserveSamplesOptions observe_options(const FitRequest& request) {
-    return {request.objective, request.theta(), request.seed, request.spectral};
-}
-
 FitOptions sample_options(const ScatteredSamples& samples, const FitRequest& request, std::optional<int> lobes) {
     FitOptions options = pm_options(request, std::get<PmRequest>(request.model).axial.value_or(samples.isotropic));
     if (lobes) options.lobes = *lobes;
@@ -28,6 +25,12 @@ FitOptions sample_options(const ScatteredSamples& samples, const FitRequest& req
     options.perturbations = k_sample_perturbations;
     return options;
 }
+
+/// What distinguishes the fits of a request that are compared.
+struct Candidate {
+    std::optional<int> lobes = {};
+    bool fill = false;
+};
 
 /// Fits to the samples of one measurement: to all of them, and to those of all folds but one.
 class SampleFits {
@@ -38,7 +41,11 @@ class SampleFits {
 
     Result<FitOutcome> run() {
         const auto* pm = std::get_if<PmRequest>(&request_.model);
-        if (!pm) return judged({}, false);
+        if (!pm) {
+            auto one = judged({{}});
+            if (!one) return one.error();
+            return std::move(one->front());
+        }
         const std::optional<int> asked = lobes_of(*pm);
         const auto goal = goal_of(request_);
         std::vector<int> lobes;
@@ -48,20 +55,30 @@ class SampleFits {
             for (const int j : k_tried_lobes)
                 if (enough_samples(j) && is_within(goal, bytes(j))) lobes.push_back(j);
         if (lobes.empty()) lobes = {1};
+        if (completes(request_)) {
+            // Completed samples constrain any number of lobes. The most look best; held-out samples, which are few and
+            // crowded about highlights, prefer fewer half of the time.
+            if (!goal) lobes = {lobes.back()};
+            std::vector<Candidate> candidates;
+            for (const int j : lobes) candidates.push_back({j, true});
+            validations_ = double(candidates.size());
+            auto all = judged(candidates);
+            if (!all) return all.error();
+            return chosen(*all, goal);
+        }
         validations_ = double(lobes.size()) + 1;
         const int first = asked.value_or(std::min(lobes.back(), k_first_tried));
-        auto alone = judged(first, false);
-        if (!alone) return alone;
-        auto filled = judged(first, true);
-        if (!filled) return filled;
-        const bool fill = error(*filled) < error(*alone);
-        std::vector<FitOutcome> all;
-        for (const int j : lobes) {
-            auto one = j == first ? (fill ? filled : alone) : judged(j, fill);
-            if (!one) return one;
-            all.push_back(*std::move(one));
-        }
-        return chosen(all, goal);
+        auto both = judged({{first, false}, {first, true}});
+        if (!both) return both.error();
+        const bool fill = error((*both)[1]) < error((*both)[0]);
+        std::vector<Candidate> others;
+        for (const int j : lobes)
+            if (j != first) others.push_back({j, fill});
+        auto all = judged(others);
+        if (!all) return all.error();
+        const auto before = std::ranges::count_if(lobes, [&](int j) { return j < first; });
+        all->insert(all->begin() + before, std::move((*both)[fill]));
+        return chosen(*all, goal);
     }
 
   private:
@@ -77,54 +94,73 @@ class SampleFits {
     /// Three values of each sample outside a fold are at least twice as many as the numbers to find, of two bytes each.
     bool enough_samples(int lobes) const { return bytes(lobes) <= 3 * samples_.wl.size() * (k_folds - 1) / k_folds; }
 
-    /// The fit of `samples`, all of them or those of all folds but one.
-    Result<FitOutcome> fitted(const ScatteredSamples& samples, std::optional<int> lobes, bool fill,
-                              const ProgressToken& progress) const {
+    /// One fit of `samples`; `observed` is of these, and required for PM and GGX.
+    Result<FitOutcome> fitted(const ScatteredSamples& samples, const SampleObservations* observed,
+                              const Candidate& candidate, const ProgressToken& progress) const {
         if (std::holds_alternative<SuRequest>(request_.model)) {
             const Measured measured{"", "", 0, samples};
             return fit_su(signed_evaluator(measured), request_, progress);
         }
-        const bool whole = &samples == &samples_;
-        std::optional<SampleObservations> of_rest;
-        if (!whole) {
-            auto observed = observe(samples, observe_options(request_), progress.part(0, 0.2));
-            if (!observed) return observed.error();
-            of_rest = *std::move(observed);
-        }
-        const SampleObservations& observed = whole ? *observed_ : *of_rest;
-        const ProgressToken fitting = progress.part(0.2, 1);
         FitOutcome outcome;
         if (std::holds_alternative<GgxRequest>(request_.model)) {
-            auto ggx = fit_ggx(observed.samples, request_, fitting);
+            auto ggx = fit_ggx(observed->samples, request_, progress);
             if (!ggx) return ggx;
             outcome = *std::move(ggx);
         } else {
-            auto pm = fit_pm(observed, {sample_options(samples_, request_, lobes), fill}, fitting);
+            auto pm =
+                fit_pm(*observed, {sample_options(samples_, request_, candidate.lobes), candidate.fill}, progress);
             if (!pm) return pm.error();
-            if (fitting.cancelled()) return cancelled_error("fit");
+            if (progress.cancelled()) return cancelled_error("fit");
             outcome.stop = pm->stop;
-            outcome.filled = fill;
+            outcome.filled = candidate.fill;
             take(outcome, *std::move(pm));
         }
-        outcome.masked = observed.samples.masked;
-        outcome.clamped = observed.samples.clamped;
+        outcome.masked = observed->samples.masked;
+        outcome.clamped = observed->samples.clamped;
         return outcome;
     }
 
-    /// The fit of all samples, with its errors at them and its cross-validated errors.
-    Result<FitOutcome> judged(std::optional<int> lobes, bool fill) {
-        const ProgressToken progress = progress_.part(done_ / validations_, (done_ + 1) / validations_);
-        auto outcome = fitted(samples_, lobes, fill, progress.part(0, 1.0 / (k_folds + 1)));
-        if (!outcome) return outcome;
+    /// All candidates' fits of these samples.
+    Result<std::vector<FitOutcome>> fitted(const ScatteredSamples& samples, const SampleObservations* observed,
+                                           const std::vector<Candidate>& candidates,
+                                           const ProgressToken& progress) const {
+        std::vector<FitOutcome> all;
+        for (const Candidate& candidate : candidates) {
+            const double done = double(all.size()) / double(candidates.size());
+            auto one = fitted(samples, observed, candidate, progress.part(done, done + 1 / double(candidates.size())));
+            if (!one) return one.error();
+            all.push_back(*std::move(one));
+        }
+        return all;
+    }
+
+    /// The candidates' fits of all samples, with their errors at them and their cross-validated errors.
+    Result<std::vector<FitOutcome>> judged(const std::vector<Candidate>& candidates) {
+        if (candidates.empty()) return std::vector<FitOutcome>{};
+        const double share = double(candidates.size()) / validations_;
+        const ProgressToken progress = progress_.part(done_, done_ + share);
+        done_ += share;
+        auto outcomes = fitted(samples_, observed_, candidates, progress.part(0, 1.0 / (k_folds + 1)));
+        if (!outcomes) return outcomes;
         std::atomic<int> fits = 1;
         const auto predicted =
             cross_validate(samples_, fold_, [&](const ScatteredSamples& training) -> Result<std::vector<Model>> {
                 const int before = fits;
-                auto of_fold = fitted(training, lobes, fill,
-                                      progress.part(double(before) / (k_folds + 1), (before + 1.0) / (k_folds + 1)));
+                const ProgressToken of_fold =
+                    progress.part(double(before) / (k_folds + 1), (before + 1.0) / (k_folds + 1));
+                std::optional<SampleObservations> observed;
+                if (!std::holds_alternative<SuRequest>(request_.model)) {
+                    auto made = observe(training, observe_options(request_), of_fold.part(0, 0.2));
+                    if (!made) return made.error();
+                    observed = *std::move(made);
+                }
+                auto all = fitted(training, observed ? &*observed : nullptr, candidates, of_fold.part(0.2, 1));
                 ++fits;
-                if (!of_fold) return of_fold.error();
-                return std::vector<Model>{std::move(of_fold->model), std::move(of_fold->unrounded)};
+                if (!all) return all.error();
+                std::vector<Model> models;
+                for (FitOutcome& one : *all)
+                    models.push_back(std::move(one.model)), models.push_back(std::move(one.unrounded));
+                return models;
             });
         if (!predicted) return predicted.error();
         const auto measured_with = [&](const Model& model, std::span<const float> heldout) {
@@ -133,12 +169,14 @@ class SampleFits {
             fitted.evaluate(samples_.wl, samples_.wv, f);
             return Comparison{measured_against(f), measured_against(heldout), 0};
         };
-        outcome->errors = measured_with(outcome->model, (*predicted)[0]);
-        outcome->unrounded_errors = measured_with(outcome->unrounded, (*predicted)[1]);
-        outcome->samples = outcome->errors->matrix.pairs;
-        outcome->raw_bytes = (*predicted)[0].size() * sizeof(float);
-        done_ += 1;
-        return outcome;
+        for (std::size_t k = 0; k < outcomes->size(); ++k) {
+            FitOutcome& outcome = (*outcomes)[k];
+            outcome.errors = measured_with(outcome.model, (*predicted)[2 * k]);
+            outcome.unrounded_errors = measured_with(outcome.unrounded, (*predicted)[2 * k + 1]);
+            outcome.samples = outcome.errors->matrix.pairs;
+            outcome.raw_bytes = (*predicted)[2 * k].size() * sizeof(float);
+        }
+        return outcomes;
     }
 
     Measures measured_against(std::span<const float> f) const {
@@ -174,10 +212,19 @@ class SampleFits {
     const FitRequest& request_;
     std::vector<int> fold_;
     ProgressToken progress_;
-    double done_ = 0, validations_ = 1;
+    double done_ = 0, validations_ = 1;  ///< share of the work done; number of candidates
 };
 
 }  // namespace
+
+bool completes(const FitRequest& request) {
+    return std::holds_alternative<PmRequest>(request.model) && traits(request.objective).of_pictures &&
+           !request.spectral;
+}
+
+ObserveSamplesOptions observe_options(const FitRequest& request) {
+    return {request.objective, request.theta(), request.seed, request.spectral, completes(request), request.threads};
+}
 
 Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
                                   const FitRequest& request, const ProgressToken& progress) {
@@ -194,7 +241,7 @@ Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const Sampl
     if (!pm) return pm.error();
     FitOutcome outcome;
     outcome.stop = pm->stop;
-    outcome.filled = !in_short;
+    outcome.filled = !in_short || completes(request);
     take(outcome, *std::move(pm));
     return outcome;
 }

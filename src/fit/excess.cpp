@@ -8,8 +8,6 @@
 namespace srbf {
 namespace {
 
-/// The fitted f cosθl cosθv may reach this multiple of the largest measured value (documented: twice).
-constexpr double k_most_excess = 1.6;
 /// Initial cost, relative to the loss, of exceeding a check by the largest measured value.
 constexpr double k_excess_weight = 0.005;
 

@@ -6,11 +6,14 @@
 
 namespace srbf {
 
+/// The fitted f cosθl cosθv may reach this multiple of the largest measured value (documented: twice).
+inline constexpr double k_most_excess = 1.6;
+
 /// The largest measured f cosθl cosθv.
 double largest_measured(const Observations& observations);
 
 /// Indices, in order, of the observations from `first` on, including checks, at which f cosθl cosθv of `model` is more
-/// than 1.6 times `largest`.
+/// than `k_most_excess` times `largest`.
 std::vector<std::size_t> exceeded(const Observations& observations, std::size_t first, const PmModel& model,
                                   double largest);
 

@@ -124,7 +124,14 @@ class Fitter::Work {
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
         const FlushSubnormals mode;
         const double theta_max = request.theta();
-        if (!samples()) {
+        Evaluate reference = clamped_;
+        CompletedSamples completed;
+        if (samples()) {
+            auto made = complete(*samples(), theta_max, request.threads);
+            if (!made) return made.error();
+            completed = *std::move(made);
+            reference = evaluator(completed);
+        } else {
             const Channels f = channels_of(request);
             const Channels others[] = {channels(outcome.model), channels(outcome.unrounded)};
             const auto matrix = measure_matrix(f, others, {theta_max, request.threads, progress.part(0, 0.75)},
@@ -136,11 +143,11 @@ class Fitter::Work {
         for (const auto& [model, errors] :
              {std::pair(&outcome.model, &outcome.errors), std::pair(&outcome.unrounded, &outcome.unrounded_errors)}) {
             if (progress.cancelled()) break;
-            if (*errors) (*errors)->albedo_error = albedo_error(clamped_, evaluator(*model), theta_max);
+            if (*errors) (*errors)->albedo_error = albedo_error(reference, evaluator(*model), theta_max);
         }
         if (outcome.errors && !progress.cancelled()) {
             const Evaluate others[] = {evaluator(outcome.model), evaluator(outcome.unrounded)};
-            const auto appearance = compare_pictures(clamped_, others, request.threads, progress.part(0.95, 1));
+            const auto appearance = compare_pictures(reference, others, request.threads, progress.part(0.95, 1));
             outcome.errors->appearance = appearance[0], outcome.unrounded_errors->appearance = appearance[1];
         }
         if (!progress.report("measuring the error", 1)) {
@@ -183,15 +190,16 @@ class Fitter::Work {
         return outcome;
     }
 
-    // Observations, by everything that they depend on: the objective, θmax, the seed, and whether they are spectral.
-    using Key = std::tuple<Objective, double, std::uint64_t, bool>;
-    static Key key(const FitRequest& request) {
-        return {request.objective, request.theta(), request.seed, request.spectral};
+    // Observations, by everything that they depend on: the objective, θmax, the seed, whether they are spectral, and
+    // whether they are of completed samples.
+    using Key = std::tuple<Objective, double, std::uint64_t, bool, bool>;
+    Key key(const FitRequest& request) const {
+        return {request.objective, request.theta(), request.seed, request.spectral, samples() && completes(request)};
     }
 
     /// What `make()` observes for the request, kept for the next one.
     template <typename Kept, typename Make>
-    static Result<const Kept*> observed_once(std::map<Key, Kept>& all, const FitRequest& request, const Make& make) {
+    Result<const Kept*> observed_once(std::map<Key, Kept>& all, const FitRequest& request, const Make& make) const {
         if (const auto at = all.find(key(request)); at != all.end()) return &at->second;
         auto made = make();
         if (!made) return made.error();
@@ -210,11 +218,8 @@ class Fitter::Work {
         });
     }
     Result<const SampleObservations*> observed_samples(const FitRequest& request, const ProgressToken& progress) {
-        return observed_once(sample_observations_, request, [&] {
-            return observe(*samples(),
-                           ObserveSamplesOptions{request.objective, request.theta(), request.seed, request.spectral},
-                           progress);
-        });
+        return observed_once(sample_observations_, request,
+                             [&] { return observe(*samples(), observe_options(request), progress); });
     }
     bool axial(const FitRequest& request) {
         const PmRequest& pm = std::get<PmRequest>(request.model);

@@ -19,6 +19,7 @@ namespace srbf {
 namespace {
 
 constexpr std::size_t k_mirror_checks = 8192;
+constexpr std::size_t k_completed_pairs = 16384;
 /// Number of pairs of the grid (of ten thousand) that also constrain lobes.
 constexpr std::size_t k_most_between_samples = 4096;
 /// Extrapolation beyond θmax gets a smaller weight than values of a table.
@@ -61,6 +62,30 @@ Observations together(const SampleObservations& from, double weight_between, std
     shuffle(all, random);
     for (std::size_t i = fitted; i < samples.f.size(); ++i) add_from(samples, i, 1);
     all.checks = samples.checks;
+    return all;
+}
+
+/// The completed samples within θmax observed like a table, and as much Σ w |f|² of the samples themselves.
+Result<Observations> observe_completed(const ScatteredSamples& samples, const Observations& observed,
+                                       const ObserveSamplesOptions& options, const ProgressToken& progress) {
+    const auto completed = complete(samples, options.max_theta, options.threads);
+    if (!completed) return completed.error();
+    const auto table = observe(evaluator(*completed),
+                               {.objective = options.objective,
+                                .max_theta = options.max_theta,
+                                .count = k_completed_pairs,
+                                .seed = options.seed,
+                                .threads = options.threads},
+                               progress);
+    if (!table) return table.error();
+    Observations all = *table;
+    const std::size_t pairs = all.f.size() - all.checks;
+    all.wl.resize(pairs), all.wv.resize(pairs), all.f.resize(pairs), all.weight.resize(pairs);
+    for (std::size_t i = 0; i < observed.f.size(); ++i)
+        add(all, observed.wl[i], observed.wv[i], observed.f[i], observed.weight[i], {});
+    std::mt19937_64 random(options.seed);
+    shuffle(all, random);
+    for (std::size_t i = pairs; i < table->f.size(); ++i) add(all, table->wl[i], table->wv[i], table->f[i], 0, {});
     return all;
 }
 
@@ -138,12 +163,18 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         return Error{"samples", {}, "values", "some above 0", "none", ErrorCode::no_data};
     weigh_all(observed.samples);
 
-    // Errors of the interpolation of each sample from the others.
     const auto fold = assign_folds(samples, places, theta_max, options.seed);
     if (!fold) return fold.error();
+    if (options.complete && traits(options.objective).of_pictures && C == 0) {
+        auto completed = observe_completed(samples, observed.samples, observed.options, progress.part(0, 0.9));
+        if (!completed) return completed.error();
+        observed.completed = *std::move(completed);
+    }
+    // Errors of the interpolation of each sample from the others.
+    const ProgressToken interpolating = progress.part(observed.completed.f.empty() ? 0 : 0.9, 1);
     std::vector<Rgb> interpolated(samples.wl.size());
     for (int left_out = 0; left_out < k_folds; ++left_out) {
-        if (!progress.report("interpolating", 0.5 * left_out / k_folds)) return cancelled_error("observe");
+        if (!interpolating.report("interpolating", 0.5 * left_out / k_folds)) return cancelled_error("observe");
         const ScatteredSamples rest = without_fold(samples, *fold, left_out);
         for (const std::size_t i : within)
             if ((*fold)[i] == left_out) interpolated[i] = value(rest, samples.wl[i], samples.wv[i]);
@@ -157,7 +188,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         return value(samples, wl, wv);
     };
     // Pairs between the samples, beyond them, and for checks.
-    if (!progress.report("interpolating", 0.5)) return cancelled_error("observe");
+    if (!interpolating.report("interpolating", 0.5)) return cancelled_error("observe");
     std::mt19937_64 random(options.seed);
     const auto grid = check_grid();
     std::vector<std::pair<Vec3f, Vec3f>> beyond;
@@ -183,7 +214,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
             k_guard_share * k_guard_importance * area * area / (double(beyond.size()) * peak), spectrum);
     }
     shuffle(observed.samples, random);
-    if (!progress.report("interpolating", 0.75)) return cancelled_error("observe");
+    if (!interpolating.report("interpolating", 0.75)) return cancelled_error("observe");
     const std::size_t fitted = observed.samples.f.size();
     for (const auto& [l, v] : grid) {
         const Vec3f wl = to_float(l), wv = to_float(v);
@@ -209,12 +240,14 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
                      const ProgressToken& progress) {
     const FlushSubnormals mode;
-    const auto& [objective, max_theta, seed, spectral] = observations.options;
+    const auto& [objective, max_theta, seed, spectral, complete, threads] = observations.options;
+    const bool completed = !observations.completed.f.empty();
     FitOptions bounded = options.pm;
-    bounded.finest = std::max(bounded.finest, observations.finest);
+    if (!completed) bounded.finest = std::max(bounded.finest, observations.finest);
     const std::size_t parameters = parameter_count(bounded), values = 3 * observations.places;
     if (values < parameters)
         return Error{"fit", {}, "samples", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
+    if (completed) return fit_pm(observations.completed, bounded, progress);
     if (!options.fill) return fit_pm(together(observations, 0, seed), bounded, progress);
 
     const Observations alone = together(observations, 0, seed);

@@ -20,7 +20,9 @@ struct ExportCommand {
 
     int run() const;
     Result<std::string> page(const std::vector<Subject>& models, const std::optional<Subject>& measured) const;
-    Result<std::string> code(const std::vector<Subject>& models) const;
+    std::vector<NamedModel> named(const std::vector<Subject>& models) const;
+    Result<std::string> code(const std::vector<NamedModel>& named) const;
+    std::string data_path(const NamedModel& of) const;
 };
 
 /// The kinds of code, by their names on the command line.
@@ -137,10 +139,21 @@ int ExportCommand::run() const {
         if (subject->is_model()) return complain({reference, {}, "reference", "a measurement", "a model"});
         measured = *std::move(subject);
     }
-    if (const auto writable = check_outputs(inputs, {output}); !writable) return complain(writable.error());
+    const bool is_page = to == "html";
+    const std::vector<NamedModel> all = named(models);
+    std::vector<std::string> outputs{output};
+    for (const NamedModel& of : all)
+        if (!is_page && std::holds_alternative<SuModel>(of.model->model)) outputs.push_back(data_path(of));
+    if (const auto writable = check_outputs(inputs, outputs); !writable) return complain(writable.error());
 
-    const auto text = to == "html" ? page(models, measured) : code(models);
+    const auto text = is_page ? page(models, measured) : code(all);
     if (!text) return complain(text.error());
+    for (const NamedModel& of : all)
+        if (const auto* su = std::get_if<SuModel>(&of.model->model); su && !is_page) {
+            const std::vector<float> data = shading_data(*su);
+            if (const auto written = write_file(data_path(of), std::as_bytes(std::span(data))); !written)
+                return complain(written.error());
+        }
     const auto written = write_file(output, as_bytes(*text));
     return written ? int(k_done) : complain(written.error());
 }
@@ -160,7 +173,7 @@ Result<std::string> ExportCommand::page(const std::vector<Subject>& models,
 }
 
 /// Models by the names of their files, numbered where two are the same.
-Result<std::string> ExportCommand::code(const std::vector<Subject>& models) const {
+std::vector<NamedModel> ExportCommand::named(const std::vector<Subject>& models) const {
     std::vector<NamedModel> named;
     for (const Subject& model : models) {
         const std::string name = identifier(stem(model.path));
@@ -171,7 +184,16 @@ Result<std::string> ExportCommand::code(const std::vector<Subject>& models) cons
         for (int i = 2; is_taken(own); ++i) own = fmt::format("{}_{}", name, i);
         named.push_back({own, &std::get<Model>(model.content)});
     }
-    const std::string prefix = models.size() == 1 ? named[0].name : identifier(stem(output));
+    return named;
+}
+
+/// Where the numbers of a view-by-view model go, beside the code.
+std::string ExportCommand::data_path(const NamedModel& of) const {
+    return (std::filesystem::path(output).parent_path() / (of.name + ".data")).string();
+}
+
+Result<std::string> ExportCommand::code(const std::vector<NamedModel>& named) const {
+    const std::string prefix = named.size() == 1 ? named[0].name : identifier(stem(output));
     if (to == "three") return three_module(named, prefix);
     CodeOptions options{.language = std::ranges::find(k_languages, std::string_view(to), &Language::first)->second};
     for (const std::string& extra : with) (extra == "sampling" ? options.sampling : options.albedo) = true;
@@ -190,7 +212,8 @@ void add_export(CommandLine& app, int& status) {
            "html: a single file for any browser, without network access\n"
            "glsl, hlsl, wgsl, msl, c: source code with functions NAME_brdf of each model, named by its file, and\n"
            "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
-           "three: a module for three.js with a class NAMEMaterial of each model")
+           "three: a module for three.js with a class NAMEMaterial of each model.\n"
+           "The numbers of a view-by-view model go into NAME.data beside the code")
         .type_name("KIND")
         .required()
         .check(one_of({"html", "glsl", "hlsl", "wgsl", "msl", "c", "three"}));

@@ -312,7 +312,7 @@ class Parser {
         for (std::size_t i = scope_.size(); i-- > 0;)
             if (scope_[i].name == name) return scope_[i].type;
         for (const Table& table : program_.tables)
-            if (table.name == name) return {"Real", std::to_string(table.numbers.size())};
+            if (table.name == name) return {"Real", table.numbers.empty() ? "" : std::to_string(table.numbers.size())};
         unexpected("a variable instead of " + name);
     }
     Type member_type(const std::string& structure, const std::string& member) const {

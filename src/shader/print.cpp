@@ -22,8 +22,11 @@ const std::vector<Word>& words(CodeLanguage language) {
     static const std::vector<Word> glsl{{"Real", "float"}, {"Vec3", "vec3"}},
         hlsl{{"Real", "float"}, {"Vec3", "float3"}, {"inversesqrt", "rsqrt"}},
         wgsl{{"Real", "f32"}, {"Vec3", "vec3f"}, {"int", "i32"}, {"inversesqrt", "inverseSqrt"}},
-        c{{"Real", "float"}, {"exp", "expf"}, {"exp2", "exp2f"}, {"log", "logf"},
-          {"sqrt", "sqrtf"}, {"cos", "cosf"}, {"sin", "sinf"},   {"abs", "fabsf"}};
+        c{{"Real", "float"},   {"Vec3", "srbf_vec3"}, {"dot", "srbf_dot"},
+          {"min", "srbf_min"}, {"max", "srbf_max"},   {"inversesqrt", "srbf_inversesqrt"},
+          {"exp", "expf"},     {"exp2", "exp2f"},     {"log", "logf"},
+          {"sqrt", "sqrtf"},   {"cos", "cosf"},       {"sin", "sinf"},
+          {"abs", "fabsf"}};
     switch (language) {
         case CodeLanguage::glsl:
             return glsl;
@@ -88,18 +91,30 @@ std::string code_line(const std::string& line, int depth) {
                   [](char before) { return std::string_view(",+*?:=").find(before) != std::string_view::npos; });
 }
 
-/// The bodies of the helpers in C, after SRBF_FN, with @ for the prefix, each after those that it needs.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 8> k_helpers{{
-    {"vec3_of", "@vec3 @vec3_of(float x, float y, float z) { @vec3 w; w.x = x; w.y = y; w.z = z; return w; }"},
-    {"add", "@vec3 @add(@vec3 a, @vec3 b) { @vec3 w; w.x = a.x + b.x; w.y = a.y + b.y; w.z = a.z + b.z; return w; }"},
-    {"subtract",
-     "@vec3 @subtract(@vec3 a, @vec3 b) { @vec3 w; w.x = a.x - b.x; w.y = a.y - b.y; w.z = a.z - b.z; return w; }"},
-    {"scale", "@vec3 @scale(float s, @vec3 a) { @vec3 w; w.x = s * a.x; w.y = s * a.y; w.z = s * a.z; return w; }"},
-    {"dot", "float @dot(@vec3 a, @vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }"},
-    {"min", "float @min(float a, float b) { return a < b ? a : b; }"},
-    {"max", "float @max(float a, float b) { return a > b ? a : b; }"},
-    {"inversesqrt", "float @inversesqrt(float x) { return 1.0f / sqrtf(x); }"},
-}};
+/// C has no operators on structures. A table is a function, see `Printer::text`.
+constexpr const char* k_opening_of_c = R"(#include <math.h>
+
+#ifndef SRBF_VEC3
+#define SRBF_VEC3
+#ifdef __CUDACC__
+#define SRBF_FN __host__ __device__ static inline
+#else
+#define SRBF_FN static inline
+#endif
+typedef struct {
+    float x, y, z;
+} srbf_vec3;
+SRBF_FN srbf_vec3 srbf_vec3_of(float x, float y, float z) { srbf_vec3 w = {x, y, z}; return w; }
+SRBF_FN srbf_vec3 srbf_add(srbf_vec3 a, srbf_vec3 b) { return srbf_vec3_of(a.x + b.x, a.y + b.y, a.z + b.z); }
+SRBF_FN srbf_vec3 srbf_subtract(srbf_vec3 a, srbf_vec3 b) { return srbf_vec3_of(a.x - b.x, a.y - b.y, a.z - b.z); }
+SRBF_FN srbf_vec3 srbf_scale(float s, srbf_vec3 a) { return srbf_vec3_of(s * a.x, s * a.y, s * a.z); }
+SRBF_FN float srbf_dot(srbf_vec3 a, srbf_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+SRBF_FN float srbf_min(float a, float b) { return a < b ? a : b; }
+SRBF_FN float srbf_max(float a, float b) { return a > b ? a : b; }
+SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / sqrtf(x); }
+#endif
+
+)";
 
 }  // namespace
 
@@ -124,9 +139,7 @@ std::string Printer::named(const std::string& name) const {
 
 std::string Printer::type_text(const Type& type) const {
     std::string name;
-    if (type.name == "Vec3" && language_ == CodeLanguage::c)
-        name = prefix_ + "vec3";
-    else if (type.name == "bool" && language_ == CodeLanguage::c)
+    if (type.name == "bool" && language_ == CodeLanguage::c)
         name = "int";
     else {
         const auto& of = words(language_);
@@ -142,11 +155,6 @@ std::string Printer::declaration(const Type& type, const std::string& name) cons
     return fmt::format("{} {}{}", type_text(type), named(name), size);
 }
 
-std::string Printer::helper(const std::string& name) {
-    used_.insert(name);
-    return prefix_ + name;
-}
-
 std::string Printer::call_text(const Expression& of) {
     const bool is_c = language_ == CodeLanguage::c;
     std::string arguments;
@@ -154,14 +162,7 @@ std::string Printer::call_text(const Expression& of) {
         arguments += (arguments.empty() ? "" : ", ") + expression_text(argument);
     if (is_c && (of.text == "Real" || of.text == "int"))
         return fmt::format("({})({})", type_text({of.text, ""}), arguments);
-    std::string name;
-    if (is_c && of.text == "Vec3")
-        name = helper("vec3_of");
-    else if (is_c && std::ranges::find(k_helpers, std::string_view(of.text), [](const auto& h) { return h.first; }) !=
-                         k_helpers.end())
-        name = helper(of.text);
-    else
-        name = type_text({of.text, ""});
+    const std::string name = type_text({of.text, ""}) + (is_c && of.text == "Vec3" ? "_of" : "");
     return fmt::format("{}({})", name, arguments);
 }
 
@@ -171,7 +172,7 @@ std::string Printer::binary_text(const Expression& of, int outside) {
         const char* name = of.text == "+" ? "add" : of.text == "-" ? "subtract" : "scale";
         const bool swapped = of.text == "*" && left.type.name == "Vec3";
         std::string first = expression_text(swapped ? right : left), second = expression_text(swapped ? left : right);
-        return fmt::format("{}({}, {})", helper(name), first, second);
+        return fmt::format("srbf_{}({}, {})", name, first, second);
     }
     const int own = precedence(of);
     const std::string text =
@@ -194,14 +195,16 @@ std::string Printer::expression_text(const Expression& of, int outside) {
         case EKind::member:
             return part(0, 9) + "." + named(of.text);
         case EKind::index: {
-            // In C a table is a function, which a program for a GPU may have where it may not have global arrays.
+            // In C a table is a function, which a program for a GPU may have where it may not have global arrays. What
+            // the host supplies is one in every language.
             const bool is_table = of.parts[0].kind == EKind::name && names_.contains(of.parts[0].text);
-            const char* brackets = is_table && language_ == CodeLanguage::c ? "()" : "[]";
+            const bool is_supplied = of.parts[0].type.size.empty();
+            const char* brackets = is_table && (language_ == CodeLanguage::c || is_supplied) ? "()" : "[]";
             return part(0, 9) + brackets[0] + part(1) + brackets[1];
         }
         case EKind::unary:
             if (language_ == CodeLanguage::c && of.type.name == "Vec3")
-                return fmt::format("{}(-1.0f, {})", helper("scale"), part(0));
+                return fmt::format("srbf_scale(-1.0f, {})", part(0));
             return of.text + part(0, 8);
         case EKind::binary:
             return binary_text(of, outside);
@@ -268,6 +271,7 @@ std::string Printer::text(const Structure& structure) {
 }
 
 std::string Printer::text(const Table& table) {
+    if (table.numbers.empty()) return comment_text(fmt::format("{}(i): {}", named(table.name), table.comment));
     const std::string name = named(table.name);
     const std::size_t size = table.numbers.size();
     std::string numbers;
@@ -327,16 +331,9 @@ std::string Printer::text(const Function& function) {
     return text + "}\n";
 }
 
-std::string helpers_text(CodeLanguage language, const std::string& prefix, const std::set<std::string>& used) {
-    if (language != CodeLanguage::c) return "";
-    std::string text = fmt::format("typedef struct {{\n    float x, y, z;\n}} {}vec3;\n", prefix);
-    for (const auto& [name, body] : k_helpers) {
-        if (!used.contains(std::string(name))) continue;
-        std::string line = "SRBF_FN " + std::string(body);
-        for (std::size_t at = 0; (at = line.find('@', at)) != line.npos;) line.replace(at, 1, prefix);
-        text += line + "\n";
-    }
-    return text + "\n";
+std::string opening(CodeLanguage language) {
+    if (language == CodeLanguage::msl) return "#include <metal_stdlib>\nusing namespace metal;\n\n";
+    return language == CodeLanguage::c ? k_opening_of_c : "";
 }
 
 }  // namespace srbf::syntax

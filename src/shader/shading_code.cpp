@@ -20,11 +20,14 @@ using syntax::Table;
 
 constexpr int k_albedo_nodes = 33;
 
-/// What kernel.glsl requires of a host, for a model that has none of it. Parsed as accessors.
+/// What kernel.glsl requires of a host, parsed as accessors: the handles, and what a model has none of.
 constexpr const char* k_handles = R"(
 struct Pm { };
 struct Su { };
 struct SuNearest { };
+int su_nearest(SuNearest nearest, int k) { return 0; }
+)";
+constexpr const char* k_no_su = R"(
 int su_lobes(Su su) { return 0; }
 int su_views(Su su) { return 1; }
 Vec3 su_direction(Su su, int view) { return Vec3(0.0, 0.0, 1.0); }
@@ -32,7 +35,6 @@ Vec3 su_centre(Su su, int view, int j) { return Vec3(0.0, 0.0, 1.0); }
 Real su_bandwidth(Su su, int view, int j) { return 0.0; }
 Vec3 su_coefficient(Su su, int view, int j) { return Vec3(0.0, 0.0, 0.0); }
 Real su_horizon(Su su, int view, int j) { return 0.0; }
-int su_nearest(SuNearest nearest, int k) { return 0; }
 )";
 
 /// The exponents of a model are to the base e, those of kernel.glsl to the base 2.
@@ -99,7 +101,6 @@ std::string numbers_of(const PmModel& model, Program& program) {
     return text;
 }
 
-/// The accessors of a model that is none: kernel.glsl's functions of multivariate models have then nothing to compute.
 const std::string k_no_pm =
     "int pm_lobes(Pm pm) { return 0; }\n"
     "int pm_variates(Pm pm) { return 0; }\n"
@@ -114,6 +115,35 @@ const std::string k_no_pm =
     "Vec3 pm_coefficient(Pm pm, int j) { return Vec3(0.0, 0.0, 0.0); }\n"
     "Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, 1.0); }\n";
 
+/// The accessors of a view-by-view model, whose numbers (`shading_data`) the host supplies.
+constexpr std::size_t k_of_view = 3, k_of_view_lobe = 8;
+std::string numbers_of(const SuModel& model, Program& program) {
+    const std::size_t J = std::size_t(model.lobes), row = k_of_view + k_of_view_lobe * J;
+    program.tables.push_back(
+        {fmt::format(
+             "number i of the data, float32 in little-endian order; a function or macro of the host. {} rows of {}: "
+             "the direction of a view (x, y, z), and for each of its lobes, {}, coefficient (R, G, B), bandwidth, "
+             "centre (x, y, z), exponent of the cosine.",
+             model.direction.size(), row, J),
+         "number",
+         {}});
+    const auto at = [&](std::size_t offset) {
+        return fmt::format("number[{} * view + {} * j + {}]", row, k_of_view_lobe, k_of_view + offset);
+    };
+    return fmt::format(
+        "int su_lobes(Su su) {{ return {0}; }}\n"
+        "int su_views(Su su) {{ return {1}; }}\n"
+        "Vec3 su_direction(Su su, int view) {{ return Vec3(number[{2} * view], number[{2} * view + 1], number[{2} * "
+        "view + "
+        "2]); }}\n"
+        "Vec3 su_coefficient(Su su, int view, int j) {{ return Vec3({3}, {4}, {5}); }}\n"
+        "Real su_bandwidth(Su su, int view, int j) {{ return {6}; }}\n"
+        "Vec3 su_centre(Su su, int view, int j) {{ return Vec3({7}, {8}, {9}); }}\n"
+        "Real su_horizon(Su su, int view, int j) {{ return {10}; }}\n",
+        J, model.direction.size(), row, at(0), at(1), at(2), at(3), at(4), at(5), at(6),
+        model.horizon.empty() ? "0.0" : at(7));
+}
+
 /// A number of the kernel's language.
 std::string real(float x) {
     std::string text = fmt::format("{}", x);
@@ -127,9 +157,13 @@ std::string brdf_function(const std::string& statements) {
     return "// f_r [1/sr] for R, G, B, of unit vectors in the local frame, wl towards the light, wv towards the "
            "viewer; "
            "0\n// where one of them is not above the horizon.\n"
-           "Vec3 brdf(Pm pm, Vec3 wl, Vec3 wv) {\n"
+           "Vec3 brdf(Pm pm, Su su, Vec3 wl, Vec3 wv) {\n"
            "    if (wl.z <= Real(0.0) || wv.z <= Real(0.0)) return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
            statements + "}\n";
+}
+std::string brdf_of(const SuModel& model) {
+    const char* directions = model.discretise == Discretise::view ? "wl, wv" : "wv, wl";
+    return brdf_function(fmt::format("    return su_rotated_value(su, {});\n", directions));
 }
 std::string brdf_of(const PmModel&) { return brdf_function("    return pm_value(pm, wl, wv);\n"); }
 std::string brdf_of(const GgxModel& model) {
@@ -193,12 +227,15 @@ Program program_of(const Model& model, const CodeOptions& options) {
     std::string accessors, brdf;
     int variates = 1, terms = 1;
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
-        accessors = numbers_of(*pm, program);
+        accessors = numbers_of(*pm, program) + k_no_su;
         brdf = brdf_of(*pm);
         variates = pm->variates;
         terms = std::max(features(pm->form), 1);
+    } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
+        accessors = k_no_pm + numbers_of(*su, program);
+        brdf = brdf_of(*su);
     } else {
-        accessors = k_no_pm;
+        accessors = k_no_pm + k_no_su;
         brdf = brdf_of(std::get<GgxModel>(model.model));
     }
     std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(variates)},
@@ -224,6 +261,8 @@ std::string about(const NamedModel& of) {
     std::string text = of.name + ": ";
     if (const auto* pm = std::get_if<PmModel>(&model.model))
         text += fmt::format("{} lobes of {} variates, form {}", pm->lobes, pm->variates, name(pm->form));
+    else if (const auto* su = std::get_if<SuModel>(&model.model))
+        text += fmt::format("view by view, {} lobes", su->lobes);
     else
         text += "Lambert and GGX";
     text += fmt::format(", {} bytes.", payload_bytes(model));
@@ -248,7 +287,7 @@ class Printed {
         std::string shared, of_models;
         std::set<std::string> known;
         for (std::size_t i = 0; i < programs_.size(); ++i) {
-            syntax::Printer printer(options_.language, prefix_, names(i));
+            syntax::Printer printer(options_.language, names(i));
             std::string own;
             each_definition(i, [&](const auto& definition) {
                 if (own_.contains(definition.name))
@@ -257,9 +296,8 @@ class Printed {
                     shared += printer.text(definition) + "\n";
             });
             of_models += syntax::comment_text(about(models_[i])) + "\n" + own;
-            helpers_.insert(printer.used().begin(), printer.used().end());
         }
-        return syntax::helpers_text(options_.language, prefix_, helpers_) + shared + of_models;
+        return shared + of_models;
     }
 
   private:
@@ -289,7 +327,7 @@ class Printed {
                     if (own_.contains(of.text)) own_.insert(function.name);
                 });
         for (std::size_t i = 0; i < programs_.size(); ++i) {
-            syntax::Printer printer(options_.language, prefix_, names(i));
+            syntax::Printer printer(options_.language, names(i));
             each_definition(i, [&](const auto& of) {
                 if (own_.contains(of.name)) return;
                 const std::string text = printer.text(of);
@@ -303,18 +341,30 @@ class Printed {
     std::vector<Program> programs_;
     std::string prefix_;
     CodeOptions options_;
-    std::set<std::string> own_, helpers_;
+    std::set<std::string> own_;
 };
 
-/// What each language needs first, and how such a text is used.
-constexpr std::array<const char*, 5> k_opening{"", "", "", "#include <metal_stdlib>\nusing namespace metal;\n\n",
-                                               "#include <math.h>\n\n#ifndef SRBF_FN\n#ifdef __CUDACC__\n#define "
-                                               "SRBF_FN __host__ __device__ static inline\n#else\n"
-                                               "#define SRBF_FN static inline\n#endif\n#endif\n\n"};
+/// How a text is used.
 constexpr std::array<const char*, 5> k_usage{"GLSL, to follow the version (300 es or later) and the precision of float",
                                              "HLSL", "WGSL", "Metal", "C99, C++ and CUDA"};
 
 }  // namespace
+
+std::vector<float> shading_data(const SuModel& model) {
+    std::vector<float> data;
+    const auto J = std::size_t(model.lobes);
+    for (std::size_t i = 0; i < model.direction.size(); ++i) {
+        const Vec3f w = model.direction[i];
+        data.insert(data.end(), {w.x, w.y, w.z});
+        for (std::size_t j = i * J; j < (i + 1) * J; ++j) {
+            const Rgb& beta = model.coefficient[j];
+            const Vec3f xi = model.centre[j];
+            data.insert(data.end(), {beta.r, beta.g, beta.b, model.bandwidth[j], xi.x, xi.y, xi.z,
+                                     model.horizon.empty() ? 0 : model.horizon[j]});
+        }
+    }
+    return data;
+}
 
 std::string identifier(std::string_view text) {
     std::string name;
@@ -336,8 +386,16 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     std::vector<Program> programs;
     std::string list;
     for (const NamedModel& of : models) {
-        if (std::holds_alternative<SuModel>(of.model->model))
-            return Error{of.name, {}, "model", "multivariate, or Lambert and GGX", "view by view", ErrorCode::argument};
+        if (const auto* su = std::get_if<SuModel>(&of.model->model)) {
+            const auto refused = [&](const char* what, const char* expected, const char* found) {
+                return Error{of.name, {}, what, expected, found, ErrorCode::argument};
+            };
+            if (su->interpolation == SuInterpolation::plain)
+                return refused("model", "interpolation of rotated views", "plain interpolation");
+            if (options.sampling) return refused("sampling code", "a model that is not view by view", "one that is");
+            if (options.language == CodeLanguage::msl)
+                return refused("view-by-view model", "a language with global buffers", "Metal");
+        }
         programs.push_back(program_of(*of.model, options));
         for (const auto& [name, printed] : entries(options))
             list += fmt::format("{}{}_{}", list.empty() ? "" : ", ", of.name, printed);
@@ -348,7 +406,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     guard += "_BRDF";
     std::string text = fmt::format("// {}: {}.\n\n", k_usage[std::size_t(options.language)], list);
     if (options.language == CodeLanguage::wgsl) return text + definitions;
-    text += fmt::format("#ifndef {0}\n#define {0}\n\n{1}", guard, k_opening[std::size_t(options.language)]);
+    text += fmt::format("#ifndef {0}\n#define {0}\n\n{1}", guard, syntax::opening(options.language));
     return text + definitions + "#endif\n";
 }
 

@@ -68,6 +68,8 @@ void fold(Expression& of) {
     if (of.kind == EKind::binary) simpler = folded_pair(of);
     if (of.kind == EKind::conditional)
         if (const auto known = truth(of.parts[0])) simpler = of.parts[*known ? 1 : 2];
+    if (of.kind == EKind::member && of.parts[0].kind == EKind::call && of.parts[0].text == "Vec3")
+        simpler = of.parts[0].parts[of.text == "x" ? 0 : of.text == "y" ? 1 : 2];
     if (of.kind == EKind::unary && of.text == "!")
         if (const auto known = truth(of.parts[0])) simpler = truth_of(!*known);
     if (simpler) of = Expression(*simpler);

@@ -60,7 +60,7 @@ struct Structure {
     std::vector<Variable> members;
 };
 
-/// Constant numbers.
+/// Constant numbers; without any, those that the host supplies by a function of that name.
 struct Table {
     std::string comment, name;
     std::vector<float> numbers;

@@ -606,6 +606,7 @@ PYBIND11_MODULE(_srbf, module) {
     module.def("render", &render);
     module.def("convert", &convert);
     module.def("code", &code);
+    module.def("python_code", [](const Held& brdf) { return required(python_code(brdf.require_model())); });
     module.def("identifier", [](const std::string& text) { return identifier(text); });
     module.def("lightings", [] {
         std::vector<std::string> names;
@@ -613,4 +614,5 @@ PYBIND11_MODULE(_srbf, module) {
         return names;
     });
     module.attr("version") = SRBF_VERSION;
+    module.attr("knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;
 }

@@ -147,19 +147,21 @@ SRBF_FN Vec3 stretched(Vec3 w, Real stretch) {
 
 // For half vectors h from a lobe that is stretched along x: the direction M h / |M h| before stretching, M = diag(1 /
 // stretch, 1, 1), and the factor that converts the lobe's density there to the density of wl: 1 / (stretch |M h|^3) /
-// (4 h . wl), where 2 h . wl = |wl + wv|.
+// (4 h . wl), where 2 h . wl = |wl + wv|. Where wl = -wv there is no half vector, and the factor is 0.
 struct HalfVector {
     Vec3 direction;
     Real factor;
 };
 SRBF_FN HalfVector half_vector(Vec3 wl, Vec3 wv, Real stretch) {
     Vec3 sum = wl + wv;
-    Real length = sqrt(max(dot(sum, sum), Real(1.0e-12)));
+    Real squared = dot(sum, sum);
+    Real length = sqrt(max(squared, Real(1.0e-12)));
     Vec3 back = (Real(1.0) / length) * Vec3(sum.x / stretch, sum.y, sum.z);
-    Real shrunk = sqrt(dot(back, back));
+    Real shrunk = sqrt(max(dot(back, back), Real(1.0e-3)));
     HalfVector h;
     h.direction = (Real(1.0) / shrunk) * back;
-    h.factor = Real(1.0) / (Real(2.0) * length * stretch * shrunk * shrunk * shrunk);
+    Real exists = select(Real(1.0e-12) < squared, Real(1.0), Real(0.0));
+    h.factor = exists / (Real(2.0) * length * stretch * shrunk * shrunk * shrunk);
     return h;
 }
 

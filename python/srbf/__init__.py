@@ -35,6 +35,9 @@ class Error(ValueError):
 
 from . import _srbf  # noqa: E402  (it raises Error)
 
+if int(np.__version__.split(".")[0]) >= 2 and not _srbf.knows_numpy_2:
+    raise ImportError(f"srbf was built with a pybind11 before 2.12, which NumPy {np.__version__} does not fit; build it with `pip install .`")
+
 __version__: str = _srbf.version
 
 

@@ -22,9 +22,8 @@ Real mixture_weight(int k, NodesAbout nodes) {
     return below + nodes.beyond * (above - below);
 }
 
-// A direction to the light for u1, u2 and selector uniform in [0,1); z <= 0 where the draw has none.
-Vec3 sample_light(Vec3 wv, Real u1, Real u2, Real selector) {
-    Vec3 viewer = into_grain(wv);
+// The lobe that a selector uniform in [0,1) chooses.
+int chosen_lobe(Vec3 wv, Real selector) {
     NodesAbout nodes = nodes_about(wv.z, MIXTURE_NODES);
     Real running = Real(0.0);
     int chosen = 0;
@@ -34,17 +33,24 @@ Vec3 sample_light(Vec3 wv, Real u1, Real u2, Real selector) {
     }
     // What rounding leaves over is the cosine's.
     if (chosen >= SRBF_PROPOSAL_LOBES) chosen = 0;
-    return out_of_grain(sample_proposal_lobe(chosen, viewer, mixture_stretch(), u1, u2));
+    return chosen;
+}
+Vec3 sample_of_lobe(int k, Vec3 wv, Real u1, Real u2) {
+    return out_of_grain(sample_proposal_lobe(k, into_grain(wv), mixture_stretch(), u1, u2));
+}
+
+// A direction to the light for u1, u2 and selector uniform in [0,1); z <= 0 where the draw has none.
+Vec3 sample_light(Vec3 wv, Real u1, Real u2, Real selector) {
+    return sample_of_lobe(chosen_lobe(wv, selector), wv, u1, u2);
 }
 
 // The density of sample_light [1/sr]; 0 where wl or wv is not above the horizon.
 Real light_pdf(Vec3 wl, Vec3 wv) {
+    if (wl.z <= Real(0.0) || wv.z <= Real(0.0)) return Real(0.0);
+    ProposalPoint at = proposal_point(into_grain(wl), into_grain(wv), mixture_stretch());
+    NodesAbout nodes = nodes_about(wv.z, MIXTURE_NODES);
     Real sum = Real(0.0);
-    if (wl.z > Real(0.0) && wv.z > Real(0.0)) {
-        ProposalPoint at = proposal_point(into_grain(wl), into_grain(wv), mixture_stretch());
-        NodesAbout nodes = nodes_about(wv.z, MIXTURE_NODES);
-        for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum = sum + mixture_weight(k, nodes) * proposal_lobe_pdf(k, at);
-    }
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum = sum + mixture_weight(k, nodes) * proposal_lobe_pdf(k, at);
     return sum;
 }
 

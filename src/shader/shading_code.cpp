@@ -7,6 +7,7 @@
 #include <set>
 
 #include "shader/print.h"
+#include "shader/print_python.h"
 #include "shader/shader_text.h"
 #include "shader/syntax.h"
 #include "srbf/kernel.h"
@@ -222,7 +223,7 @@ Names entries(const CodeOptions& options) {
     return names;
 }
 
-Program program_of(const Model& model, const CodeOptions& options) {
+Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots) {
     Program program;
     std::string accessors, brdf;
     int variates = 1, terms = 1;
@@ -249,8 +250,6 @@ Program program_of(const Model& model, const CodeOptions& options) {
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(brdf, program, defines);
     if (is_mixture) syntax::parse(mixture.functions + k_mixture_text, program, defines);
-    std::vector<std::string> roots;
-    for (const auto& [name, printed] : entries(options)) roots.push_back(name);
     syntax::specialise(program, roots);
     return program;
 }
@@ -384,7 +383,9 @@ std::string identifier(std::string_view text) {
 Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
                                  const CodeOptions& options) {
     std::vector<Program> programs;
+    std::vector<std::string> roots;
     std::string list;
+    for (const auto& [name, printed] : entries(options)) roots.push_back(name);
     for (const NamedModel& of : models) {
         if (const auto* su = std::get_if<SuModel>(&of.model->model)) {
             const auto refused = [&](const char* what, const char* expected, const char* found) {
@@ -396,7 +397,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
             if (options.language == CodeLanguage::msl)
                 return refused("view-by-view model", "a language with global buffers", "Metal");
         }
-        programs.push_back(program_of(*of.model, options));
+        programs.push_back(program_of(*of.model, options, roots));
         for (const auto& [name, printed] : entries(options))
             list += fmt::format("{}{}_{}", list.empty() ? "" : ", ", of.name, printed);
     }
@@ -408,6 +409,18 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     if (options.language == CodeLanguage::wgsl) return text + definitions;
     text += fmt::format("#ifndef {0}\n#define {0}\n\n{1}", guard, syntax::opening(options.language));
     return text + definitions + "#endif\n";
+}
+
+Result<std::string> python_code(const Model& model, int threads) {
+    if (std::holds_alternative<SuModel>(model.model))
+        return Error{"python code",      {}, "model", "multivariate, or Lambert and GGX", "view by view",
+                     ErrorCode::argument};
+    const Program program = program_of(model, {.sampling = true, .threads = threads},
+                                       {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"});
+    std::string text;
+    for (const Table& table : program.tables) text += syntax::python_text(table);
+    for (const syntax::Function& function : program.functions) text += "\n\n" + syntax::python_text(function, program);
+    return text;
 }
 
 }  // namespace srbf

@@ -422,7 +422,7 @@ TEST_F(Sampling, TheMirrorDirectionHasADensity) {
         for_each_pairing(*material, [&](const std::string& name, const Evaluate&, const Proposal& proposal) {
             for (const float theta : {0.f, 0.3f, 1.f}) {
                 const Vec3f wv(std::sin(theta), 0, std::cos(theta)), mirrored = mirror(wv),
-                            beside = normalize(mirrored + Vec3f(0, 3e-4f, 0));
+                                                                     beside = normalize(mirrored + Vec3f(0, 3e-4f, 0));
                 const double at = double(pdf(proposal, mirrored, wv)), near_it = double(pdf(proposal, beside, wv));
                 EXPECT_TRUE(near_relative(at, near_it, 0.5)) << name << " " << theta << ": " << at << " " << near_it;
             }

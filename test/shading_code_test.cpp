@@ -10,6 +10,7 @@
 #include "models.h"
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
+#include "statistics.h"
 #include "su_models.h"
 #include "temporary_folder.h"
 #ifdef SRBF_RASTER
@@ -207,6 +208,67 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     ask_compiled(SRBF_COMPILER " -x c++ -std=c++11 -pedantic", header, "srbf_vec3", "cpp");
     if (!std::strlen(SRBF_CLANG)) GTEST_SKIP() << "no clang (Debian: clang)";
     ask_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang");
+}
+
+/// Draws of the code against its own density, over bins of half vectors.
+TEST_F(ShadingCode, SamplesFollowTheirDensity) {
+    std::string cases_of_sample, cases_of_pdf;
+    for (std::size_t m = 0; m < models().size(); ++m) {
+        cases_of_sample += fmt::format("    case {}: w = {}_sample(wv, u[0], u[1], u[2]); break;\n", m, name_of(m));
+        cases_of_pdf += fmt::format("    case {}: return {}_pdf(wl, wv);\n", m, name_of(m));
+    }
+    const std::string source =
+        written("draws.c", code(CodeLanguage::c) +
+                               "void draw(int m, const float* v, const float* u, float* to);\n"
+                               "float density(int m, const float* l, const float* v);\n"
+                               "void draw(int m, const float* v, const float* u, float* to) {\n"
+                               "    srbf_vec3 wv = {v[0], v[1], v[2]}, w = wv;\n    switch (m) {\n" +
+                               cases_of_sample +
+                               "    }\n    to[0] = w.x, to[1] = w.y, to[2] = w.z;\n}\n"
+                               "float density(int m, const float* l, const float* v) {\n"
+                               "    srbf_vec3 wl = {l[0], l[1], l[2]}, wv = {v[0], v[1], v[2]};\n    switch (m) {\n" +
+                               cases_of_pdf + "    }\n    return 0;\n}\n");
+    const std::string library = path("draws.so");
+    ASSERT_TRUE(
+        runs(fmt::format("{} -x c -std=c99 -O1 -shared -fPIC '{}' -o '{}' -lm", SRBF_COMPILER, source, library)));
+    void* opened = ::dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+    ASSERT_TRUE(opened) << ::dlerror();
+    using Draw = void (*)(int, const float*, const float*, float*);
+    using Density = float (*)(int, const float*, const float*);
+    const auto draw = reinterpret_cast<Draw>(::dlsym(opened, "draw"));
+    const auto density = reinterpret_cast<Density>(::dlsym(opened, "density"));
+
+    constexpr int count = 20000;
+    PolarBins bins{{0, 0, 1}, {0}};
+    for (double t = 2e-6; t < 0.02; t *= 4) bins.edge.push_back(t);
+    for (const double t : {0.02, 0.06, 0.12, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 2.0}) bins.edge.push_back(t);
+    std::mt19937_64 random(3);
+    const auto u = [&] { return std::min(float(uniform(random)), 0x1.fffffep-1f); };
+    const double significance = sidak(0.01, 2 * int(models().size()));
+    for (int m = 0; m < int(models().size()); ++m)
+        for (const double theta : {20.0, 60.0}) {
+            const Vec3d v = spherical(theta * k_degree, 0.7);
+            const std::array<float, 3> wv{float(v.x), float(v.y), float(v.z)};
+            std::vector<double> expected = bins.masses([&](Vec3d h) {
+                const double along = dot(h, v);
+                const Vec3d l = 2 * along * h - v;
+                const std::array<float, 3> wl{float(l.x), float(l.y), float(l.z)};
+                return along > 0 ? 4 * along * double(density(m, wl.data(), wv.data())) : 0;
+            });
+            std::vector<double> observed(bins.size() + 1);
+            for (int i = 0; i < count; ++i) {
+                const std::array<float, 3> three{u(), u(), u()};
+                std::array<float, 3> wl{};
+                draw(m, wv.data(), three.data(), wl.data());
+                const Vec3d l{double(wl[0]), double(wl[1]), double(wl[2])};
+                observed[wl[2] > 0 ? bins.index(normalize(l + v)) : bins.size()] += 1;
+            }
+            double within = 0;
+            for (double& mass : expected) within += mass, mass *= count;
+            expected.push_back(count * std::max(0.0, 1 - within));
+            EXPECT_GT(chi2_p_value(observed, expected), significance) << m << " from " << theta;
+        }
+    ::dlclose(opened);
 }
 
 TEST_F(ShadingCode, CompilesAsCuda) {

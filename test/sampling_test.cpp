@@ -100,13 +100,6 @@ class Sampling : public testing::Test {
     }
 };
 
-/// Rings of half vectors about the normal, narrow where lobes are.
-PolarBins half_vector_bins() {
-    PolarBins bins{{0, 0, 1}, {0}};
-    for (double t = 2e-6; t < 0.02; t *= 4) bins.edge.push_back(t);
-    for (const double t : {0.02, 0.06, 0.12, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 2.0}) bins.edge.push_back(t);
-    return bins;
-}
 /// The density of the half vector h of wl and wv, where wl is of density pdf.
 double half_vector_density(const Proposal& proposal, Vec3d h, Vec3f wv) {
     const double along = dot(h, to_double(wv));

@@ -239,9 +239,7 @@ TEST_F(ShadingCode, SamplesFollowTheirDensity) {
     const auto density = reinterpret_cast<Density>(::dlsym(opened, "density"));
 
     constexpr int count = 20000;
-    PolarBins bins{{0, 0, 1}, {0}};
-    for (double t = 2e-6; t < 0.02; t *= 4) bins.edge.push_back(t);
-    for (const double t : {0.02, 0.06, 0.12, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 2.0}) bins.edge.push_back(t);
+    const PolarBins bins = half_vector_bins();
     std::mt19937_64 random(3);
     const auto u = [&] { return std::min(float(uniform(random)), 0x1.fffffep-1f); };
     const double significance = sidak(0.01, 2 * int(models().size()));

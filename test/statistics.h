@@ -106,4 +106,12 @@ double sampler_p_value(const PolarBins& bins, const std::function<double(Vec3d)>
     return chi2_p_value(observed, expected);
 }
 
+/// Rings of half vectors about the normal, narrow where lobes are.
+inline PolarBins half_vector_bins() {
+    PolarBins bins{{0, 0, 1}, {0}};
+    for (double t = 2e-6; t < 0.02; t *= 4) bins.edge.push_back(t);
+    for (const double t : {0.02, 0.06, 0.12, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 2.0}) bins.edge.push_back(t);
+    return bins;
+}
+
 }  // namespace srbf

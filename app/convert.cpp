@@ -16,7 +16,7 @@ struct ConvertCommand {
     std::string input, output;
     int directions = 64, threads = 0;
     double max_theta = 89;  // [degrees], for CSV
-    bool exchange = false;
+    bool exchange = false, rgb_alone = false;
 
     int run() const;
     Result<std::vector<std::byte>> converted(const Subject& subject) const;
@@ -35,7 +35,7 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
     // A file that already has the format is copied unchanged, after it was read successfully.
     if (measured && measured->format == format.name && !exchange) return read_file(input);
     auto bytes = table_file(subject.content, format.format,
-                            {description_of(subject), directions, max_theta * k_degree, threads});
+                            {description_of(subject), directions, max_theta * k_degree, !rgb_alone, threads});
     if (bytes) return bytes;
     Error error = bytes.error();
     error.source = input, error.expected += fmt::format(", as {} tables are", format.name);
@@ -79,6 +79,9 @@ void add_convert(CommandLine& app, int& status) {
         .type_name("DEG")
         .check(within(1.0, 90.0))
         .capture_default_str();
+    sub.add_flag("--rgb-alone", command->rgb_alone,
+                 "RGL: colours without the spectra of the same material, as Mitsuba 3 needs them in its\n"
+                 "RGB variants; its spectral variants and pbrt-v4 need the spectra");
     sub.add_flag("--exchange", command->exchange, "Exchange light and viewer");
     sub.add_option("--threads", command->threads,
                    "Number of threads; 0: all of the machine. The output does not depend on it")

@@ -497,11 +497,11 @@ Array render(const Held& brdf, const std::string& lighting, int size) {
     return array_of(floats(pictures[0][0].pixels), {size, size, 3});
 }
 
-void convert(const Held& brdf, const std::string& path, int threads) {
+void convert(const Held& brdf, const std::string& path, bool spectra, int threads) {
     const TableFormatRow* row = table_format(path);
     if (!row) throw py::value_error("path: expected a name that ends in .binary, .bsdf, .mbsdf or .csv, found " + path);
     const auto bytes = required(in_background(py::none(), [&](const ProgressToken&) {
-        return table_file(brdf.content(), row->format, {.threads = threads});
+        return table_file(brdf.content(), row->format, {.spectra = spectra, .threads = threads});
     }));
     required(write_file(path, bytes));
 }

@@ -34,7 +34,8 @@ Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, TableFormat forma
         case TableFormat::merl:
             return write_merl(to_merl(measured ? evaluator(*measured) : values, k_merl_size, options.threads));
         case TableFormat::rgl:
-            return write_rgl(to_rgl(values, {.description = options.description, .threads = options.threads}));
+            return write_rgl(to_rgl(values, {.description = options.description, .threads = options.threads}),
+                             options.spectra);
         case TableFormat::mbsdf:
             return write_mbsdf(
                 to_mbsdf(values, {.metadata = {{"description", options.description}}, .threads = options.threads}));

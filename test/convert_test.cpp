@@ -253,6 +253,19 @@ TEST(Convert, RglFilesKeepTheInvariantsOfTheFormat) {
     }
 }
 
+TEST(Convert, RglFilesMayHoldColoursAlone) {
+    const RglTable table = to_rgl(evaluator(glossy()), small_options());
+    const auto both = write_rgl(table), alone = write_rgl(table, false);
+    EXPECT_LT(2 * alone.size(), both.size());
+    const auto file = parse_tensor_file(alone, "w");
+    ASSERT_TRUE(file);
+    EXPECT_TRUE(file->contains("rgb"));
+    EXPECT_FALSE(file->contains("spectra") || file->contains("wavelengths"));
+    const auto a = read_rgl(both, "w"), b = read_rgl(alone, "w");
+    ASSERT_TRUE(a && b);
+    EXPECT_EQ(a->colour.nodes, b->colour.nodes);
+}
+
 /// rgb and spectra are the same colours: a renderer that reads spectra shows what one that reads rgb shows.
 TEST(Convert, RglFilesHoldOneMaterialTwice) {
     const RglTable table = to_rgl(evaluator(glossy()), small_options());

@@ -49,7 +49,9 @@ std::vector<std::byte> write_merl(const MerlTable& table);
 /// The bytes of an RGL `.bsdf` of an isotropic table with `jacobian`. It holds `rgb` and `luminance`, and for renderers
 /// that read only spectra also `spectra` at `wavelengths`, whose colours are these (`reflectance_spectrum`).
 /// read_rgl(write_rgl(table)) is `table` up to rounding.
-std::vector<std::byte> write_rgl(const RglTable& table);
+/// Without `spectra` it holds the colours alone: renderers that take a file with spectra for spectral refuse it otherwise
+/// where they compute in colours.
+std::vector<std::byte> write_rgl(const RglTable& table, bool spectra = true);
 /// The bytes of an MBSDF file, version 1, with a block of reflection. Control characters in values of the metadata,
 /// other than line ends, become blanks. read_mbsdf(write_mbsdf(table)) is `table` but for `has_transmission`.
 std::vector<std::byte> write_mbsdf(const MbsdfTable& table);

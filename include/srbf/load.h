@@ -36,6 +36,7 @@ struct TableOptions {
     std::string description;           ///< of the material
     int directions = 64;               ///< CSV of tables and models: all pairs of this many directions
     double max_theta = 89 * k_degree;  ///< [rad], of these directions
+    bool spectra = true;               ///< RGL: spectra beside the colours, see `write_rgl`
     int threads = 0;                   ///< 0: as many as the machine has; the result does not depend on it
 };
 /// The bytes of a file of that format with the values of `brdf`. Scattered samples become CSV as they are. Errors: an

@@ -327,9 +327,10 @@ def render(brdf: Brdf, lighting: str = "studio", size: int = 256) -> np.ndarray:
     return _srbf.render(brdf._held, lighting, size)
 
 
-def convert(brdf: Brdf, path: Union[str, "os.PathLike[str]"], *, threads: int = 0) -> None:
-    """Writes the BRDF as a table: MERL (.binary), RGL (.bsdf), MDL (.mbsdf) or samples (.csv), by the ending of `path`."""
-    _srbf.convert(brdf._held, os.fspath(path), threads)
+def convert(brdf: Brdf, path: Union[str, "os.PathLike[str]"], *, spectra: bool = True, threads: int = 0) -> None:
+    """Writes the BRDF as a table: MERL (.binary), RGL (.bsdf), MDL (.mbsdf) or samples (.csv), by the ending of `path`. RGL files have
+    spectra of the same material beside the colours unless `spectra` is False, as Mitsuba's RGB variants need it."""
+    _srbf.convert(brdf._held, os.fspath(path), spectra, threads)
 
 
 def code(models: Union[Model, dict[str, Model]], to: str, *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:

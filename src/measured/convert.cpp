@@ -284,7 +284,7 @@ std::vector<char> lies_in_vain(const RglTable& table, std::size_t slice) {
 
 }  // namespace
 
-std::vector<std::byte> write_rgl(const RglTable& table) {
+std::vector<std::byte> write_rgl(const RglTable& table, bool with_spectra) {
     const std::uint64_t T = table.theta_l.size(), H = table.colour.height, W = table.colour.width, size = H * W;
     std::vector<float> luminances, rgb, spectra;
     for (std::size_t slice = 0; slice < T; ++slice) {
@@ -297,6 +297,7 @@ std::vector<std::byte> write_rgl(const RglTable& table) {
             std::fill(luminances.end() - std::ptrdiff_t(size), luminances.end(), 1.0f);
         for (int c = 0; c < 3; ++c)
             for (const Rgb& f : nodes) rgb.push_back(f[c]);
+        if (!with_spectra) continue;
         const std::size_t begin = spectra.size();
         spectra.resize(begin + k_primary_wavelengths.size() * size);
         for (std::size_t i = 0; i < size; ++i) {
@@ -330,8 +331,8 @@ std::vector<std::byte> write_rgl(const RglTable& table) {
     floats("vndf", {1, T, table.visible.height, table.visible.width}, vndf);
     floats("luminance", {1, T, H, W}, luminances);
     floats("rgb", {1, T, 3, H, W}, rgb);
-    floats("wavelengths", {k_primary_wavelengths.size()}, k_primary_wavelengths);
-    floats("spectra", {1, T, k_primary_wavelengths.size(), H, W}, spectra);
+    if (with_spectra) floats("wavelengths", {k_primary_wavelengths.size()}, k_primary_wavelengths);
+    if (with_spectra) floats("spectra", {1, T, k_primary_wavelengths.size(), H, W}, spectra);
     file.add("jacobian", {1}, std::span<const std::uint8_t>(jacobian));
     return file.bytes();
 }

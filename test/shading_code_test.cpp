@@ -206,7 +206,11 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     const std::string header = code(CodeLanguage::c);
     ask_compiled(SRBF_COMPILER " -x c -std=c99 -pedantic", header, "srbf_vec3", "c");
     ask_compiled(SRBF_COMPILER " -x c++ -std=c++11 -pedantic", header, "srbf_vec3", "cpp");
+    const std::string plain = written("plain.h", code(CodeLanguage::c, false)),
+                      checks = " -x c -std=c99 -pedantic -Wall -Wextra -Werror -Wno-unused-function -fsyntax-only '{}'";
+    EXPECT_TRUE(runs(SRBF_COMPILER + fmt::format(fmt::runtime(checks), plain)));
     if (!std::strlen(SRBF_CLANG)) GTEST_SKIP() << "no clang (Debian: clang)";
+    EXPECT_TRUE(runs(SRBF_CLANG + fmt::format(fmt::runtime(checks), plain)));
     ask_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang");
 }
 
@@ -301,6 +305,8 @@ using std::exp; using std::exp2; using std::log; using std::sqrt; using std::abs
 )");
     ask_compiled(fmt::format("{} -x c++ -std=c++14 -I'{}'", SRBF_COMPILER, folder_.path.string()),
                  code(CodeLanguage::msl, true), "metal::float3", "msl");
+    EXPECT_TRUE(runs(fmt::format("{} -x c++ -std=c++14 -I'{}' -fsyntax-only '{}'", SRBF_COMPILER, folder_.path.string(),
+                                 written("plain.metal", code(CodeLanguage::msl, false)))));
 }
 
 #ifdef SRBF_RASTER
@@ -389,6 +395,9 @@ TEST_F(ShadingCode, RunsAsHlsl) {
                     body("float3", "float4", "answers") + "}\n");
     const std::string module = path("code.spv");
     ASSERT_TRUE(runs(fmt::format("'{}' -D -V -S comp -e main -o '{}' '{}'", SRBF_GLSLANG, module, source)));
+    EXPECT_TRUE(runs(fmt::format(
+        "'{}' -D -V -S frag -e main -o '{}' '{}'", SRBF_GLSLANG, path("plain.spv"),
+        written("plain.hlsl", code(CodeLanguage::hlsl, false) + "float4 main() : SV_Target { return 1.0; }\n"))));
     if (!std::strlen(SRBF_SPIRV_CROSS)) GTEST_SKIP() << "compiled, not run: no spirv-cross (Debian: spirv-cross)";
     ASSERT_TRUE(runs(
         fmt::format("'{}' '{}' --version 450 --no-es --output '{}'", SRBF_SPIRV_CROSS, module, path("code.glsl"))));
@@ -411,6 +420,7 @@ TEST_F(ShadingCode, RunsAsWgsl) {
                 "    let wl = questions[3 * i].xyz;\n    let wv = questions[3 * i + 1].xyz;\n"
                 "    let u = questions[3 * i + 2].xyz;\n" +
                 answers_text("vec3f", write_one) + "}\n");
+    written("plain.wgsl", code(CodeLanguage::wgsl, false));
     std::string bytes(questions().size() * sizeof(Question), '\0');
     std::memcpy(bytes.data(), questions().data(), bytes.size());
     written("questions", bytes);

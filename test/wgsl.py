@@ -1,5 +1,5 @@
-"""python3 wgsl.py FOLDER RATIO: runs FOLDER/code.wgsl on FOLDER/questions in a browser's WebGPU; the answers, RATIO times as
-many bytes, into FOLDER/answers.
+"""python3 wgsl.py FOLDER RATIO: compiles FOLDER/plain.wgsl and runs FOLDER/code.wgsl on FOLDER/questions in a browser's WebGPU; the
+answers, RATIO times as many bytes, into FOLDER/answers.
 
 Exit status 77: there is no Chromium, or none with WebGPU; standard output says which."""
 import base64
@@ -28,10 +28,15 @@ if not chromium.run("navigator.gpu ? navigator.gpu.requestAdapter().then((adapte
     print("a Chromium without WebGPU")
     sys.exit(77)
 questions = read("questions")
-answer = chromium.run("""(async (code, questions, bytes) => {
+answer = chromium.run("""(async (plain, code, questions, bytes) => {
     const device = await (await navigator.gpu.requestAdapter()).requestDevice();
-    const module = device.createShaderModule({ code });
-    for (const of of (await module.getCompilationInfo()).messages) throw Error(`${of.lineNum}: ${of.message}`);
+    const compiled = async (code) => {
+        const module = device.createShaderModule({ code });
+        for (const of of (await module.getCompilationInfo()).messages) throw Error(`${of.lineNum}: ${of.message}`);
+        return module;
+    };
+    await compiled(plain);
+    const module = await compiled(code);
     const pipeline = device.createComputePipeline({ layout: "auto", compute: { module, entryPoint: "main" } });
     const data = Uint8Array.from(atob(questions), (c) => c.charCodeAt(0));
     const { STORAGE, COPY_SRC, COPY_DST, MAP_READ } = GPUBufferUsage;
@@ -52,7 +57,7 @@ answer = chromium.run("""(async (code, questions, bytes) => {
     let text = "";
     for (let i = 0; i < bytes; i += 8190) text += btoa(String.fromCharCode(...answers.subarray(i, i + 8190)));
     return text;
-})""" + f"({read('code.wgsl').decode()!r}, '{base64.b64encode(questions).decode()}', {ratio * len(questions)})")
+})""" + f"({read('plain.wgsl').decode()!r}, {read('code.wgsl').decode()!r}, '{base64.b64encode(questions).decode()}', {ratio * len(questions)})")
 with open(os.path.join(folder, "answers"), "wb") as file:
     file.write(base64.b64decode(answer))
 chromium.close()

@@ -25,14 +25,6 @@ struct ExportCommand {
     std::string data_path(const NamedModel& of) const;
 };
 
-/// The kinds of code, by their names on the command line.
-using Language = std::pair<std::string_view, CodeLanguage>;
-constexpr std::array<Language, 5> k_languages{{{"glsl", CodeLanguage::glsl},
-                                               {"hlsl", CodeLanguage::hlsl},
-                                               {"wgsl", CodeLanguage::wgsl},
-                                               {"msl", CodeLanguage::msl},
-                                               {"c", CodeLanguage::c}}};
-
 /// "film" for "materials/film.srbf".
 std::string stem(const std::string& path) { return std::filesystem::path(path).stem().string(); }
 
@@ -195,7 +187,8 @@ std::string ExportCommand::data_path(const NamedModel& of) const {
 Result<std::string> ExportCommand::code(const std::vector<NamedModel>& named) const {
     const std::string prefix = named.size() == 1 ? named[0].name : identifier(stem(output));
     if (to == "three") return three_module(named, prefix);
-    CodeOptions options{.language = std::ranges::find(k_languages, std::string_view(to), &Language::first)->second};
+    CodeOptions options{
+        .language = std::ranges::find(k_code_languages, std::string_view(to), &CodeLanguageRow::name)->language};
     for (const std::string& extra : with) (extra == "sampling" ? options.sampling : options.albedo) = true;
     return shading_code(named, prefix, options);
 }

@@ -20,10 +20,7 @@ AreaLight softbox(const Scene& scene) {
 }
 
 int azimuths_of(const Subject& subject) {
-    constexpr int several = k_anisotropic_azimuths;
-    if (const auto* measured = std::get_if<Measured>(&subject.content)) return is_isotropic(*measured) ? 1 : several;
-    const auto* pm = std::get_if<PmModel>(&std::get<Model>(subject.content).model);
-    return pm && !pm->axial ? several : 1;
+    return std::visit([](const auto& of) { return is_isotropic(of); }, subject.content) ? 1 : k_anisotropic_azimuths;
 }
 
 PreparedBrdf by_cosine(const Subject& subject) {

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "parallel.h"
+#include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/fitting.h"
 #include "srbf/load.h"
@@ -99,9 +100,7 @@ class Held {
         return *model();
     }
     bool isotropic() const {
-        if (measured()) return is_isotropic(*measured());
-        const auto* pm = std::get_if<PmModel>(&model()->model);
-        return !pm || pm->axial;
+        return std::visit([](const auto& of) { return is_isotropic(of); }, *content_);
     }
     /// It shares the content.
     Evaluate evaluate() const {
@@ -457,7 +456,6 @@ py::list fit_batch(const Array& wl, const Array& wv, const Array& f, const Reque
     Outcomes outcomes = in_background(progress, [&](const ProgressToken& token) {
         Outcomes all(materials);
         std::atomic<std::size_t> done = 0;
-        const ProgressToken none;
         parallel_for(materials, threads, [&](std::size_t i) {
             // Each stops when the whole is cancelled.
             all[i] = fit(measured[i], request, [&](const Progress&) { return !token.cancelled(); });
@@ -475,11 +473,8 @@ py::list fit_batch(const Array& wl, const Array& wv, const Array& f, const Reque
 py::dict errors(const Held& reference, const Held& other, double max_theta, int threads) {
     const double theta = max_theta * k_degree;
     const Evaluate a = reference.evaluate(), others[] = {other.evaluate()};
-    std::vector<Vec3f> directions;
-    if (other.model())
-        directions = matrix_directions(*other.model(), theta);
-    else
-        directions = matrix_directions(Model{PmModel{}, {}}, theta);
+    const std::vector<Vec3f> directions =
+        other.model() ? matrix_directions(*other.model(), theta) : fibonacci_directions(k_matrix_directions, theta);
     return measures_of(in_background(py::none(), [&](const ProgressToken& token) {
         return compare(a, others, {theta, threads, token}, directions);
     })[0]);
@@ -511,12 +506,7 @@ std::string code(const std::vector<Held>& models, const std::vector<std::string>
     std::vector<NamedModel> named;
     for (std::size_t i = 0; i < models.size(); ++i) named.push_back({identifier(names[i]), &models[i].require_model()});
     if (to == "three") return required(three_module(named, prefix));
-    constexpr std::array<std::pair<std::string_view, CodeLanguage>, 5> languages{{{"glsl", CodeLanguage::glsl},
-                                                                                  {"hlsl", CodeLanguage::hlsl},
-                                                                                  {"wgsl", CodeLanguage::wgsl},
-                                                                                  {"msl", CodeLanguage::msl},
-                                                                                  {"c", CodeLanguage::c}}};
-    for (const auto& [name, language] : languages)
+    for (const auto& [language, name] : k_code_languages)
         if (to == name)
             return required(
                 shading_code(named, prefix, {.language = language, .sampling = sampling, .albedo = albedo}));

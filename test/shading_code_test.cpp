@@ -86,8 +86,8 @@ using Answers = std::vector<Answer>;  ///< questions × models
 Answers expected() {
     Answers answers(questions().size() * models().size());
     for (std::size_t m = 0; m < models().size(); ++m) {
-        const auto* pm = std::get_if<PmModel>(&models()[m].model);
-        const Proposal proposal = propose(models()[m], {.azimuths = pm && !pm->axial ? k_anisotropic_azimuths : 1});
+        const Proposal proposal =
+            propose(models()[m], {.azimuths = is_isotropic(models()[m]) ? 1 : k_anisotropic_azimuths});
         const PreparedBrdf prepared = prepare(models()[m]);
         for (std::size_t i = 0; i < questions().size(); ++i) {
             const auto& [l, v, u] = questions()[i];

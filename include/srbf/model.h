@@ -65,6 +65,8 @@ void evaluate(const Model& model, std::span<const Vec3f> wl, std::span<const Vec
 Evaluate evaluator(const PmModel& model);
 Evaluate evaluator(const Model& model);
 
+/// Whether f_r depends only on the difference of the azimuths by construction: not with general lobes.
+bool is_isotropic(const Model& model);
 /// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument.
 void exchange(Model& model);
 

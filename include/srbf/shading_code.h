@@ -18,6 +18,17 @@ enum class CodeLanguage {
     c,     ///< a C99 header, also valid C++ and CUDA
 };
 
+/// A language and its name for users.
+struct CodeLanguageRow {
+    CodeLanguage language;
+    std::string_view name;
+};
+inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "glsl"},
+                                                       {CodeLanguage::hlsl, "hlsl"},
+                                                       {CodeLanguage::wgsl, "wgsl"},
+                                                       {CodeLanguage::msl, "msl"},
+                                                       {CodeLanguage::c, "c"}};
+
 struct CodeOptions {
     CodeLanguage language = CodeLanguage::glsl;
     bool sampling = false;  ///< also NAME_sample and NAME_pdf

@@ -9,8 +9,8 @@ namespace srbf {
 ObserveSamplesOptions observe_options(const FitRequest& request);
 
 /// The requested fit to samples. If the request has no number of lobes, several are tried; whether to follow
-/// interpolated values between the samples, if these are not completed, is determined too. `observed` holds all samples, for the request's
-/// objective; it is required for PM and GGX.
+/// interpolated values between the samples, if these are not completed, is determined too. `observed` holds all
+/// samples, for the request's objective; it is required for PM and GGX.
 Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
                                   const FitRequest& request, const ProgressToken& progress);
 

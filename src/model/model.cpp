@@ -208,6 +208,11 @@ std::vector<Rgb> colours(std::span<const float> spectra, std::span<const float> 
     return colours;
 }
 
+bool is_isotropic(const Model& model) {
+    const auto* pm = std::get_if<PmModel>(&model.model);
+    return !pm || pm->axial;
+}
+
 void exchange(Model& model) {
     if (auto* pm = std::get_if<PmModel>(&model.model))
         for (Parameterization& of : pm->parameterization) std::swap(of.a, of.b);  // all else is symmetric

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -48,27 +47,21 @@ int precedence(const Expression& of) {
     if (of.kind == EKind::conditional) return 1;
     if (of.kind == EKind::unary) return 8;
     if (of.kind != EKind::binary) return 9;
-    constexpr std::array<Word, 13> levels{{{"||", "2"},
-                                           {"&&", "3"},
-                                           {"==", "4"},
-                                           {"!=", "4"},
-                                           {"<", "5"},
-                                           {">", "5"},
-                                           {"<=", "5"},
-                                           {">=", "5"},
-                                           {"+", "6"},
-                                           {"-", "6"},
-                                           {"*", "7"},
-                                           {"/", "7"},
-                                           {"%", "7"}}};
-    return std::ranges::find(levels, std::string_view(of.text), &Word::first)->second[0] - '0';
-}
-
-/// The shortest digits that read as the same float, with a decimal point.
-std::string digits(float number) {
-    std::string text = fmt::format("{}", number);
-    if (text.find_first_of(".e") == text.npos) text += ".0";
-    return text;
+    using Level = std::pair<std::string_view, int>;
+    constexpr std::array<Level, 13> levels{{{"||", 2},
+                                            {"&&", 3},
+                                            {"==", 4},
+                                            {"!=", 4},
+                                            {"<", 5},
+                                            {">", 5},
+                                            {"<=", 5},
+                                            {">=", 5},
+                                            {"+", 6},
+                                            {"-", 6},
+                                            {"*", 7},
+                                            {"/", 7},
+                                            {"%", 7}}};
+    return std::ranges::find(levels, std::string_view(of.text), &Level::first)->second;
 }
 
 /// A line, broken before column `k_columns` at blanks after which `may_break` lets a line begin with `indent`.
@@ -117,6 +110,12 @@ SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / sqrtf(x); }
 )";
 
 }  // namespace
+
+std::string digits(float number) {
+    std::string text = fmt::format("{}", number);
+    if (text.find_first_of(".e") == text.npos) text += ".0";
+    return text;
+}
 
 std::string comment_text(const std::string& lines, int depth) {
     const std::string begin = std::string(std::size_t(4 * depth), ' ') + "// ";
@@ -303,10 +302,7 @@ std::string Printer::text(const Table& table) {
 std::string Printer::text(const Function& function) {
     std::set<std::string> changed;
     visit_statements(function.body, [&](const Statement& of) {
-        if (of.kind != SKind::assign) return;
-        const Expression* target = &of.values[0];
-        while (target->kind != EKind::name) target = &target->parts[0];
-        changed.insert(target->text);
+        if (of.kind == SKind::assign) changed.insert(assigned(of.values[0]));
     });
     std::string parameters;
     for (const Variable& of : function.parameters)

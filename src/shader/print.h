@@ -35,6 +35,8 @@ class Printer {
 /// What the printed definitions require in that language: in C a vector and functions in place of operators on it, the
 /// same ones in every text.
 std::string opening(CodeLanguage language);
+/// The shortest digits that read as the same float, with a decimal point.
+std::string digits(float number);
 /// A comment of those lines, which may hold any text.
 std::string comment_text(const std::string& lines, int depth = 0);
 

@@ -10,7 +10,6 @@
 #include "shader/print_python.h"
 #include "shader/shader_text.h"
 #include "shader/syntax.h"
-#include "srbf/kernel.h"
 #include "srbf/prepared.h"
 
 namespace srbf {
@@ -146,11 +145,7 @@ std::string numbers_of(const SuModel& model, Program& program) {
 }
 
 /// A number of the kernel's language.
-std::string real(float x) {
-    std::string text = fmt::format("{}", x);
-    if (text.find_first_of(".e") == text.npos) text += ".0";
-    return fmt::format("Real({})", text);
-}
+std::string real(float x) { return fmt::format("Real({})", syntax::digits(x)); }
 std::string vector(const Rgb& of) { return fmt::format("Vec3({}, {}, {})", real(of.r), real(of.g), real(of.b)); }
 
 /// The function `brdf`, of a value above the horizon that `statements` compute.
@@ -189,8 +184,7 @@ MixtureText mixture_of(const Model& model, const CodeOptions& options, Program& 
     Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
     MixtureProposal mixture;
     if (options.sampling) {
-        const auto* pm = std::get_if<PmModel>(&model.model);
-        const int azimuths = pm && !pm->axial ? k_anisotropic_azimuths : 1;
+        const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
         mixture = std::get<MixtureProposal>(propose(model, {azimuths, options.threads}));
         for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
             weights.numbers.insert(weights.numbers.end(), mixture.weight(node).begin(),

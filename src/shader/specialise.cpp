@@ -198,11 +198,6 @@ void remove_identities(Program& program, const std::vector<std::string>& roots) 
     }
 }
 
-/// The variable that an assignment changes.
-const std::string& assigned(const Expression& target) {
-    return target.kind == EKind::name ? target.text : assigned(target.parts[0]);
-}
-
 /// Removes variables that are never read, with what is assigned to them.
 void remove_unread(Function& function) {
     std::set<std::string> read;

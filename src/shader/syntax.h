@@ -92,6 +92,11 @@ void parse(std::string_view text, Program& program, std::map<std::string, std::s
 /// of the structures without members, handles of a model whose numbers are tables, are removed.
 void specialise(Program& program, const std::vector<std::string>& roots);
 
+/// The variable that an assignment to `target` changes.
+inline const std::string& assigned(const Expression& target) {
+    return target.kind == Expression::Kind::name ? target.text : assigned(target.parts[0]);
+}
+
 /// Calls visit(expression) for every expression, the parts of an expression before itself.
 template <typename E, typename Visit> void visit_expression(E& expression, const Visit& visit) {
     for (auto& part : expression.parts) visit_expression(part, visit);

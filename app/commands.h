@@ -29,14 +29,6 @@ template <typename T> Check within(T least, T most) {
     };
 }
 
-/// One of `names`.
-inline Check one_of(const std::vector<std::string>& names) {
-    return [=](const std::string& text) -> std::string {
-        if (std::find(names.begin(), names.end(), text) != names.end()) return {};
-        return fmt::format("expected {}, found {}", fmt::join(names, " or "), text);
-    };
-}
-
 /// Accepts "x.png", "x.PNG" and names without an extension, such as that of a pipe.
 inline Check png_name() {
     return [](const std::string& name) -> std::string {
@@ -61,5 +53,7 @@ void add_render(CommandLine& app, int& status);
 void add_view(CommandLine& app, int& status);
 void add_export(CommandLine& app, int& status);
 void add_report(CommandLine& app, int& status);
+/// The manual page and the completions of shells; after the others, which they tell of.
+void add_manual(CommandLine& app, int& status);
 
 }  // namespace srbf

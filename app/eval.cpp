@@ -117,7 +117,7 @@ void add_eval(CommandLine& app, int& status) {
                    "rgb: columns r,g,b; spectral: a column for each wavelength, such as 450nm;\n"
                    "default: spectral for a spectral model, otherwise rgb")
         .type_name("NAME")
-        .check(one_of({"rgb", "spectral"}));
+        .one_of({"rgb", "spectral"});
     sub.footer(
         "Writes the directions and f_r [1/sr] of each channel, without the cosine: 0 below the horizon,\n"
         "nan where nothing was measured.\n\n"

@@ -209,7 +209,7 @@ void add_export(CommandLine& app, int& status) {
            "The numbers of a view-by-view model go into NAME.data beside the code")
         .type_name("KIND")
         .required()
-        .check(one_of({"html", "glsl", "hlsl", "wgsl", "msl", "c", "three"}));
+        .one_of({"html", "glsl", "hlsl", "wgsl", "msl", "c", "three"});
     const Option with =
         sub.add_option(
                "--with", command->with,
@@ -217,7 +217,7 @@ void add_export(CommandLine& app, int& status) {
                "is reflected to a view; may be repeated")
             .type_name("WHAT")
             .one_at_a_time()
-            .check(one_of({"sampling", "albedo"}));
+            .one_of({"sampling", "albedo"});
     const Option reference =
         sub.add_option("--reference", command->reference, "html: the measurement, shown and plotted beside the models")
             .type_name("MEASURED");

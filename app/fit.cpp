@@ -159,7 +159,7 @@ void add_fit(CommandLine& app, int& status) {
                    "su: scattered univariate SRBFs, a sum of lobes for each of many view directions;\n"
                    "ggx: Lambert and GGX, the baseline")
         .type_name("NAME")
-        .check(one_of({"pm", "su", "ggx"}))
+        .one_of({"pm", "su", "ggx"})
         .capture_default_str();
     std::vector<std::string> forms, form_summaries;
     for (const FormRow& row : k_form_rows) {
@@ -168,9 +168,13 @@ void add_fit(CommandLine& app, int& status) {
     }
     const Option form = sub.add_option("--form", command->form, fmt::format("{}", fmt::join(form_summaries, "; ")))
                             .type_name("NAME")
-                            .check([is_one = one_of(forms)](std::string& text) {
-                                return form_named(text) ? std::string() : is_one(text);
-                            })
+                            .check(
+                                [forms](std::string& text) {
+                                    return form_named(text)
+                                               ? std::string()
+                                               : fmt::format("expected {}, found {}", fmt::join(forms, " or "), text);
+                                },
+                                forms)
                             .capture_default_str();
     const Option lobes =
         sub.add_option(
@@ -210,7 +214,7 @@ void add_fit(CommandLine& app, int& status) {
                    "log: log(1 + f cos(theta_l)), weighted by cos(theta_v); cube-root: the cube root of f;\n"
                    "appearance: what is seen of a picture, about the sixth root of f cos(theta_l)")
         .type_name("NAME")
-        .check(one_of(names_of_objectives()))
+        .one_of(names_of_objectives())
         .capture_default_str();
     sub.add_option(
            "--max-theta", command->max_theta,
@@ -221,7 +225,7 @@ void add_fit(CommandLine& app, int& status) {
     const Option discretise = sub.add_option("--discretise", command->discretise,
                                              "su: the sampled direction; lobes are functions of the other one")
                                   .type_name("view|light")
-                                  .check(one_of({"view", "light"}))
+                                  .one_of({"view", "light"})
                                   .capture_default_str();
     const Option directions =
         sub.add_option("--directions", command->directions,
@@ -234,7 +238,7 @@ void add_fit(CommandLine& app, int& status) {
                        "su: rotated: between the two samples adjacent in elevation, rotated to the azimuth of the\n"
                        "direction, for isotropic measurements; plain: between the nearest samples")
             .type_name("NAME")
-            .check(one_of({"rotated", "plain"}))
+            .one_of({"rotated", "plain"})
             .capture_default_str();
     const Option neighbours =
         sub.add_option("--neighbours", command->neighbours,
@@ -253,12 +257,12 @@ void add_fit(CommandLine& app, int& status) {
     const Option with_index = sub.add_option("--with-index", command->with_index,
                                              "su: store an index texture, the samples nearest to each direction")
                                   .type_name("cube|parabolic")
-                                  .check(one_of({"cube", "parabolic"}));
+                                  .one_of({"cube", "parabolic"});
     const Option channels =
         sub.add_option("--channels", command->channels,
                        "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement")
             .type_name("NAME")
-            .check(one_of({"rgb", "spectral"}))
+            .one_of({"rgb", "spectral"})
             .capture_default_str();
     const Option target_error =
         sub.add_option("--target-error", command->target_error,

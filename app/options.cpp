@@ -1,12 +1,50 @@
 #include "app/options.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 namespace srbf {
 
+namespace {
+
+constexpr char k_between_choices = '|';
+
+OptionHelp help_of(CLI::Option& option) {
+    OptionHelp help{
+        {}, {}, option.get_description(), {}, option.get_positional(), option.get_items_expected_max() == 0};
+    if (help.positional) help.names.push_back(option.get_name(true));
+    for (const std::string& name : option.get_snames()) help.names.push_back("-" + name);
+    for (const std::string& name : option.get_lnames()) help.names.push_back("--" + name);
+    if (!help.positional && !help.flag) {
+        help.type = option.get_type_name();
+        if (!option.get_default_str().empty()) help.type += "=" + option.get_default_str();
+    }
+    try {
+        help.choices = CLI::detail::split(option.get_validator()->get_name(), k_between_choices);
+        if (help.choices.front().empty()) help.choices.clear();
+    } catch (const CLI::OptionNotFound&) {  // it has no check
+    }
+    return help;
+}
+
+}  // namespace
+
 Option Option::type_name(const std::string& name) const { return Option(option_->type_name(name)); }
 Option Option::required() const { return Option(option_->required()); }
-Option Option::check(const Check& check) const { return Option(option_->check(CLI::Validator(check, ""))); }
+Option Option::check(const Check& check, const std::vector<std::string>& choices) const {
+    const std::string between(1, k_between_choices);
+    return Option(option_->check(CLI::Validator(check, "", CLI::detail::join(choices, between))));
+}
+Option Option::one_of(const std::vector<std::string>& names) const {
+    return check(
+        [names](const std::string& text) -> std::string {
+            if (std::find(names.begin(), names.end(), text) != names.end()) return {};
+            return fmt::format("expected {}, found {}", fmt::join(names, " or "), text);
+        },
+        names);
+}
 Option Option::capture_default_str() const { return Option(option_->capture_default_str()); }
 Option Option::hidden() const { return Option(option_->group("")); }
 Option Option::one_at_a_time() const { return Option(option_->allow_extra_args(false)); }
@@ -60,6 +98,17 @@ CommandLine::~CommandLine() = default;
 
 Subcommand CommandLine::add_subcommand(const std::string& name, const std::string& about) {
     return Subcommand(app_->add_subcommand(name, about));
+}
+
+Help CommandLine::help() const {
+    Help help{app_->get_name(), app_->get_description(), app_->get_footer(), {}};
+    for (const CLI::App* sub : app_->get_subcommands([](const CLI::App*) { return true; })) {
+        SubcommandHelp& of_sub = help.subcommands.emplace_back(
+            SubcommandHelp{sub->get_name(), sub->get_description(), sub->get_footer(), {}});
+        for (CLI::Option* option : app_->get_subcommand(sub->get_name())->get_options())
+            if (!option->get_group().empty()) of_sub.options.push_back(help_of(*option));
+    }
+    return help;
 }
 
 std::optional<std::string> CommandLine::parse(int argc, char** argv) {

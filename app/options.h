@@ -24,7 +24,10 @@ class Option {
 
     Option type_name(const std::string& name) const;
     Option required() const;
-    Option check(const Check& check) const;
+    /// `choices`: texts that a shell offers.
+    Option check(const Check& check, const std::vector<std::string>& choices = {}) const;
+    /// Accepts these texts alone.
+    Option one_of(const std::vector<std::string>& names) const;
     Option capture_default_str() const;
     Option hidden() const;         ///< from --help
     Option one_at_a_time() const;  ///< for a list: the option takes one text each time it is given
@@ -65,6 +68,23 @@ class Subcommand {
     CLI::App* app_;
 };
 
+/// What --help says, for a manual page and for the shells.
+struct OptionHelp {
+    std::vector<std::string> names;  ///< with their dashes; of a positional argument its name
+    std::string type;  ///< of its text, and its default, as in NAME=pm; empty: a flag or a positional argument
+    std::string about;
+    std::vector<std::string> choices;  ///< the texts that it accepts, if they can be listed
+    bool positional, flag;
+};
+struct SubcommandHelp {
+    std::string name, about, footer;
+    std::vector<OptionHelp> options;
+};
+struct Help {
+    std::string name, about, footer;
+    std::vector<SubcommandHelp> subcommands;
+};
+
 class CommandLine {
   public:
     CommandLine(const std::string& name, const std::string& version, const std::string& about,
@@ -74,6 +94,7 @@ class CommandLine {
     ~CommandLine();
 
     Subcommand add_subcommand(const std::string& name, const std::string& about);
+    Help help() const;
     /// Runs the subcommand of the arguments, or shows help. Returns an error message if the arguments are invalid.
     std::optional<std::string> parse(int argc, char** argv);
 

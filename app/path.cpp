@@ -41,7 +41,7 @@ void PathCommand::add_options(const Subcommand& sub) {
     sub.add_option("--lights", lights,
                    "path: further lights: three (directional; default with --env none), softbox (a square) or none")
         .type_name("NAME")
-        .check(one_of({"none", "three", "softbox"}));
+        .one_of({"none", "three", "softbox"});
     sub.add_option("--spp", samples, "path: paths per pixel, 1 to 1048576")
         .type_name("S")
         .check(within(1, 1 << 20))
@@ -52,7 +52,7 @@ void PathCommand::add_options(const Subcommand& sub) {
         .capture_default_str();
     sub.add_option("--draw", draw, "path: sample directions by the brdf or, for comparison, by the cosine")
         .type_name("BY")
-        .check(one_of({"brdf", "cosine"}))
+        .one_of({"brdf", "cosine"})
         .capture_default_str();
     sub.add_flag("--no-ground", no_ground, "path: omit the ground below the mesh");
     sub.add_option("--seed", seed, "path: seed of the random numbers").type_name("N").capture_default_str();

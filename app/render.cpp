@@ -231,7 +231,7 @@ void add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up)
         .capture_default_str();
     sub.add_option("--up", up, "Axis of the mesh that points upwards, y or z")
         .type_name("AXIS")
-        .check(one_of({"y", "z"}))
+        .one_of({"y", "z"})
         .capture_default_str();
 }
 
@@ -244,7 +244,7 @@ void add_render(CommandLine& app, int& status) {
     sub.add_option("FILE", command->files, "Measurements and models, one picture each").type_name("").required();
     sub.add_option("--renderer", command->renderer, fmt::format("{}", fmt::join(names, " or ")))
         .type_name("NAME")
-        .check(one_of(names))
+        .one_of(names)
         .capture_default_str();
     add_mesh_options(sub, command->mesh, command->up);
     sub.add_option("--size", "Size of each picture in pixels (640x480)")

@@ -8,7 +8,7 @@
 
 int main(int argc, char** argv) {
     srbf::CommandLine app(
-        "srbf", "srbf " SRBF_VERSION,
+        "srbf", "srbf " SRBF_VERSION " (" SRBF_DATE ")",
         "srbf: measured BRDFs as a few spherical radial basis functions.\n"
         "Reads measurements (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV), fits models to them and\n"
         "reports the errors; evaluates, compares, converts, renders and exports BRDFs.",
@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
     srbf::add_view(app, status);
     srbf::add_export(app, status);
     srbf::add_report(app, status);
+    srbf::add_manual(app, status);
     try {
         if (const auto wrong = app.parse(argc, argv)) {
             srbf::complain({{}, {}, *wrong + " (see srbf --help)", {}, {}});

@@ -1,4 +1,6 @@
 // Output of the subcommands other than fit.
+#include <regex>
+
 #include "command.h"
 #include "models.h"
 #include "srbf/measured.h"
@@ -175,7 +177,7 @@ TEST_F(OfModel, eval_names_the_line_at_fault) {
 }
 
 TEST_F(OfModel, help_shows_an_example) {
-    for (const Arguments& of : {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}, {"convert"}, {"render"}}) {
+    for (const Arguments& of : {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}, {"convert"}, {"render"}, {"manual"}}) {
         const ProgramRun help = run(folder, of + Arguments{"--help"});
         EXPECT_EQ(help.status, 0);
         EXPECT_EQ(help.err, "");
@@ -185,6 +187,42 @@ TEST_F(OfModel, help_shows_an_example) {
     const ProgramRun version = run(folder, {"--version"});
     EXPECT_EQ(version.status, 0);
     EXPECT_TRUE(version.out.starts_with("srbf 0.")) << version.out;
+}
+
+TEST_F(OfModel, the_manual_tells_what_help_tells) {
+    const ProgramRun manual = run(folder, {"manual"}), bash = run(folder, {"manual", "--for", "bash"});
+    ASSERT_EQ(manual.status + bash.status, 0) << manual.err << bash.err;
+    EXPECT_TRUE(manual.out.starts_with(".TH SRBF 1 "));
+    const std::regex option("  (-[a-z-]+)[ ,{]");
+    for (const char* sub : {"fit", "info", "eval", "compare", "convert", "render", "view", "export", "report"}) {
+        const std::string help = run(folder, {sub, "--help"}).out;
+        EXPECT_NE(manual.out.find(fmt::format("\n.SS srbf {} ", sub)), std::string::npos);
+        std::size_t options = 0;
+        for (std::sregex_iterator at(help.begin(), help.end(), option), end; at != end; ++at, ++options) {
+            const std::string name = (*at)[1];
+            EXPECT_NE(bash.out.find(name), std::string::npos) << sub << " " << name;
+            EXPECT_NE(manual.out.find(std::regex_replace(name, std::regex("-"), "\\-")), std::string::npos) << name;
+        }
+        EXPECT_GE(options, 1u) << help;
+    }
+    EXPECT_NE(manual.out.find("\n\\&."), 0u);
+    for (const char* shell : {"zsh", "fish"}) EXPECT_EQ(run(folder, {"manual", "--for", shell}).status, 0);
+    expect_failure(2, {"manual", "--for", "csh"}, "found csh");
+
+    // What bash offers.
+    write(folder / "completion", bash.out);
+    write(folder / "ask", "source ./completion; COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _srbf; echo \"${COMPREPLY[@]}\"");
+    const auto offered = [&](const std::string& words) {
+        FILE* pipe = popen(fmt::format("cd {} && bash ask {} 2>&1", folder.path.string(), words).c_str(), "r");
+        std::string text(200, '\0');
+        text.resize(std::fread(text.data(), 1, text.size(), pipe));
+        pclose(pipe);
+        return text;
+    };
+    EXPECT_EQ(offered("srbf re"), "render report\n");
+    EXPECT_EQ(offered("srbf fit --model ''"), "pm su ggx\n");
+    EXPECT_EQ(offered("srbf fit --ob"), "--objective\n");
+    EXPECT_EQ(offered("srbf fit pap"), "\n");  // a file: bash's own completion
 }
 
 TEST_F(OfModel, convert_copies_and_converts) {

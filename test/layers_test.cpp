@@ -127,4 +127,15 @@ TEST(Layers, PublicHeadersNeedTheStandardLibraryAlone) {
                 << source.path << " includes " << name;
 }
 
+// A shared library offers no other names than these headers declare in a namespace that says so.
+TEST(Layers, PublicHeadersAreVisible) {
+    for (const auto& entry : fs::directory_iterator(k_root / "include/srbf")) {
+        if (entry.path().extension() != ".h") continue;
+        std::ifstream in(entry.path());
+        const std::string text{std::istreambuf_iterator<char>(in), {}};
+        EXPECT_NE(text.find("\nnamespace [[gnu::visibility(\"default\")]] srbf {\n"), text.npos) << entry.path();
+        EXPECT_EQ(text.find("\nnamespace srbf {\n"), text.npos) << entry.path();
+    }
+}
+
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// A BRDF is a type with `value(brdf, wl, wv)`: f_r(wl, wv) [1/sr] for each channel, without the cosine. `wl` and `wv`
 /// are unit vectors in the local frame. The value is 0 below the horizon (wl.z ≤ 0 or wv.z ≤ 0), NaN in every channel

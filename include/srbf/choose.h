@@ -8,7 +8,7 @@
 
 #include "srbf/fit.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// Minimise the held-out error among models of at most `bytes` bytes.
 struct ByteBudget {

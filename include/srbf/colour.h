@@ -6,7 +6,7 @@
 
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// CIE 1931 tristimulus values (2° observer); Y of the perfect white reflector is 1.
 struct Xyz {

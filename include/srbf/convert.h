@@ -6,7 +6,7 @@
 
 #include "srbf/measured.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// Size of the tables of the MERL database: n_h, n_d, n_p.
 inline constexpr std::array<std::uint32_t, 3> k_merl_size{90, 90, 180};
@@ -22,7 +22,8 @@ struct RglOptions {
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 /// `brdf` in the parameterization of `RglTable`, as an isotropic material. With
-///   D(θ_h) ∝ max over directions within 84° of the luminance of f_r (cosθl cosθv)^¾,  ∫ D(m) cosθ_m dm = 1,
+///   D(θ_h) = 0.9 D_h(θ_h) + 0.1/π,  D_h ∝ max over directions within 84° of the luminance of f_r (cosθl cosθv)^¾,
+///   ∫ D_h(m) cosθ_m dm = 1,
 ///   σ(θ) = ∫ D(m) max(0, m·ω) dm / ∫ D(m) cosθ_m dm,
 /// `ndf` is D, `sigma` is σ, `visible` is D(m) max(0, m·ωl) sinθ_m u(θ_m), normalised. The colours are f_r cosθv 4 σ /
 /// D at the directions that the warp gives. Where such a direction lies beyond 89.7°, the colour is that of the nearest

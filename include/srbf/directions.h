@@ -8,7 +8,7 @@
 
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// A double uniform in [0,1), the same on every machine.
 inline double uniform(std::mt19937_64& random) { return double(random() >> 11) * 0x1p-53; }

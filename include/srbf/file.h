@@ -7,7 +7,7 @@
 
 #include "srbf/result.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// The bytes of the file at `path`. Errors: the file is missing, a folder, unreadable, or larger than `k_largest_file`.
 Result<std::vector<std::byte>> read_file(const std::string& path);

@@ -13,7 +13,7 @@
 #include "srbf/progress.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// What a fit minimises over the pairs within θmax. Each objective corresponds to a measure of metrics.h.
 enum class Objective {

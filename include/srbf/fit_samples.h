@@ -10,7 +10,7 @@
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// Assigns each sample to a fold, 0..k_folds−1, for cross-validation. Samples within `k_same_place` of each other
 /// belong to the same fold. That includes samples with light and viewer exchanged and, for isotropic samples, rotated

@@ -14,7 +14,7 @@
 #include "srbf/model.h"
 #include "srbf/progress.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// J, the number of lobes of a multivariate model, 1..k_most_fitted_lobes.
 struct LobeCount {

@@ -6,7 +6,7 @@
 
 #include "srbf/brdf.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// A diffuse term and one or two microfacet lobes, isotropic and reciprocal:
 ///   ρ(wl,wv) = kd/π + Σ_i D_i G_i (F0_i + (F90_i − F0_i)(1 − l·h)⁵) / (4 cosθl cosθv) [1/sr],

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 inline constexpr float k_half_max = 65504;  ///< the largest finite half
 /// the smallest normal half: the smallest with full precision (11 bits)

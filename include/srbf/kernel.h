@@ -8,7 +8,7 @@
 
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 struct PmModel;
 struct SuModel;

@@ -4,7 +4,7 @@
 
 #include "srbf/picture.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 // Images are as displayed, unless said otherwise: 8-bit sRGB. Both have the same size, with at least one pixel.
 

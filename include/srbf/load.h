@@ -11,7 +11,7 @@
 #include "srbf/model.h"
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// A measurement or a model.
 using AnyBrdf = std::variant<Measured, Model>;

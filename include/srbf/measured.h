@@ -13,7 +13,7 @@
 #include "srbf/brdf.h"
 #include "srbf/result.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// A table with the layout of MERL ("A data-driven reflectance model", Matusik et al. 2003): isotropic, in Rusinkiewicz
 /// coordinates. Node (h, d, p) lies at θ_h = (h/n_h)² π/2, θ_d = d/n_d π/2, φ_d = p/n_p π. φ_d is periodic in π.

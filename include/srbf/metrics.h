@@ -9,7 +9,7 @@
 #include "srbf/pictures.h"
 #include "srbf/progress.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// Errors of f̂ against f over pairs of directions and channels: R, G, B or any number of them. Pairs where either is
 /// NaN (not measured) are skipped and counted. A ratio is 0 if both of its sums are 0, and infinite if only the

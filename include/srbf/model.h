@@ -13,7 +13,7 @@
 #include "srbf/su.h"
 #include "srbf/terms.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// The parameterization of a variate, ψ(wl, wv) = normalize(a wl + b wv), with (a, b) finite and not (0, 0).
 struct Parameterization {

@@ -7,7 +7,7 @@
 
 #include "srbf/vec.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// Pixels in rows, row 0 at the top.
 template <typename Pixel> struct Picture {

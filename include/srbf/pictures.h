@@ -9,7 +9,7 @@
 #include "srbf/picture.h"
 #include "srbf/progress.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// Light on a sphere by formula: a sky above a ground, both distant, and sources. World axes: +x to the right, +y up, +z
 /// to the viewer.

@@ -9,7 +9,7 @@
 #include "srbf/measured.h"
 #include "srbf/sampling.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// A BRDF ready for a renderer: value, batch evaluation, importance sampling with its density, directional albedo. It
 /// is made by `prepare` from a model, a measurement or any other BRDF, owns what it holds, and copies share it: nothing

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// The state of a computation.
 struct Progress {

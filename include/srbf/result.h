@@ -7,7 +7,7 @@
 #include <utility>
 #include <variant>
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// The kind of an error, for programs that react to it.
 enum class ErrorCode {

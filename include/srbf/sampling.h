@@ -8,7 +8,7 @@
 
 #include "srbf/model.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// A drawn direction to the light.
 struct LightSample {

@@ -11,7 +11,7 @@
 #include "srbf/measured.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// A constant f_r, to measure the cost of a picture without a material.
 struct Flat {

@@ -8,7 +8,7 @@
 
 #include "srbf/model.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 enum class CodeLanguage {
     glsl,  ///< OpenGL ES 3.00, which later versions and desktop OpenGL accept as well

@@ -11,7 +11,7 @@
 #include "srbf/brdf.h"
 #include "srbf/directions.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// Which of the two directions is sampled; the lobes are functions of the other one.
 enum class Discretise { view, light };

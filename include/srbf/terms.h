@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// A term κ_jk x_k(wl, wv) of the exponent of lobe j. The feature x_k is line k of `pm_further_features` in
 /// kernel.glsl.

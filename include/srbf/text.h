@@ -12,7 +12,7 @@
 
 #include "srbf/result.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 inline std::string_view as_text(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -2,7 +2,7 @@
 #pragma once
 #include <cmath>
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 inline constexpr double k_pi = 3.14159265358979323846;
 inline constexpr double k_degree = k_pi / 180;

@@ -82,7 +82,9 @@ constexpr std::size_t k_profile = 256;    // nodes of D and σ
 constexpr std::uint32_t k_normals = 128;  // nodes of the visible normals, as in the database
 constexpr int k_around = 64;              // azimuths of φ_d
 constexpr double k_least_cosine = 0.1;    // of the directions that determine D
-constexpr double k_floor = 1e-5;          // lower bound on D, relative to its maximum
+// The share of D that is uniform. Without it a narrow highlight leaves a handful of nodes to all directions off it, which are
+// dark, yet most of what is seen.
+constexpr double k_uniform = 0.1;
 
 /// D at the nodes u = i/(n−1), not yet normalised. It determines the positions of the warp's nodes. With the mean over
 /// directions, highlights that are visible only close to the horizon would fall between nodes.
@@ -107,7 +109,7 @@ std::vector<float> half_vector_profile(const Evaluate& brdf, int threads) {
     double last = 1;
     std::vector<float> profile;
     for (const double x : most) {
-        last = x < 0 ? last : largest > 0 ? std::max(x / largest, k_floor) : 1;
+        last = x < 0 ? last : largest > 0 ? x / largest : 1;
         profile.push_back(float(last));
     }
     return profile;
@@ -171,7 +173,7 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
     for (std::uint32_t k = 0; k < options.polar; ++k) table.theta_l.push_back(float(k_pi / 2 * u_of(k, options.polar)));
     table.ndf = {std::uint32_t(k_profile), 1, half_vector_profile(brdf, options.threads)};
     const double whole = projected_area(table.ndf, 0);
-    for (float& d : table.ndf.nodes) d = float(double(d) / whole);
+    for (float& d : table.ndf.nodes) d = float((1 - k_uniform) * double(d) / whole + k_uniform / k_pi);
     table.sigma = {std::uint32_t(k_profile), 1, std::vector<float>(k_profile)};
     parallel_for(k_profile, options.threads, [&](std::size_t i) {
         table.sigma.nodes[i] = float(projected_area(table.ndf, theta_of(u_of(i, k_profile))));

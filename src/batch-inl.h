@@ -49,6 +49,7 @@ template <typename B> struct Scaled;
 
 // The lanes of a vector with that tag.
 template <typename D> struct BatchOf {
+    using Tag = D;
     using Bits = hn::RebindToSigned<D>;
     using Mask = hn::Mask<D>;
     hn::Vec<D> v;

@@ -336,6 +336,8 @@ Vec3f sample(const Proposal& proposal, Vec3f wv, Vec2f u, float selector) {
     return std::visit([&](const auto& p) { return sample(p, wv, u, selector); }, proposal);
 }
 DirectionSample sample_with_pdf(const Proposal& proposal, Vec3f wv, Vec2f u, float selector) {
+    if (const auto* mixture = std::get_if<MixtureProposal>(&proposal))
+        return sample_with_pdf(*mixture, wv, u, selector);
     return std::visit([&](const auto& p) { return sample_with_pdf(p, wv, u, selector); }, proposal);
 }
 float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv) {

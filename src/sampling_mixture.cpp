@@ -1,4 +1,4 @@
-// Draws and densities of a mixture, its lobes in the lanes of a vector.
+// Draws and densities of a mixture, its lobes in the lanes of vectors.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -19,7 +19,9 @@ namespace srbf {
 /// What the lobes are made of, side by side.
 struct LobeTable {
     static constexpr int k_count = MixtureProposal::k_lanes;
-    alignas(32) std::array<float, k_count> bandwidth, scale, rest, is_half_vector;
+    using Row = MixtureProposal::Row;
+    alignas(64) Row bandwidth, width, scale, rest;
+    Row kind;  ///< -1: the cosine; 0: about the mirror direction; 1: of half vectors
 };
 
 /// Between which nodes a view is, and the part of the upper one.
@@ -40,141 +42,158 @@ HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
 
-using Few = BatchOf<hn::CappedTag<float, 4>>;
+// As many lobes as a vector holds.
+using Lobes = BatchOf<hn::CappedTag<float, LobeTable::k_count>>;
 
-template <typename B> HWY_INLINE B everywhere(float x) { return B(double(x)); }
-template <typename B> HWY_INLINE Vec3<B> everywhere(const Vec3f& w) {
-    return {everywhere<B>(w.x), everywhere<B>(w.y), everywhere<B>(w.z)};
-}
-template <typename B> HWY_INLINE Vec3<B> select(typename B::Mask where, const Vec3<B>& a, const Vec3<B>& b) {
+HWY_INLINE Lobes everywhere(float x) { return Lobes(double(x)); }
+HWY_INLINE Vec3<Lobes> everywhere(const Vec3f& w) { return {everywhere(w.x), everywhere(w.y), everywhere(w.z)}; }
+HWY_INLINE Vec3<Lobes> select(Lobes::Mask where, const Vec3<Lobes>& a, const Vec3<Lobes>& b) {
     return {select(where, a.x, b.x), select(where, a.y, b.y), select(where, a.z, b.z)};
 }
 
-HWY_INLINE Group between(const MixtureProposal::Row& low, const MixtureProposal::Row& high, float part,
-                         std::size_t first) {
-    const Group a = Group::load(&low[first]), b = Group::load(&high[first]);
-    return a + everywhere<Group>(part) * (b - a);
+HWY_INLINE Lobes between(const MixtureProposal::Row& low, const MixtureProposal::Row& high, float part, int first) {
+    const Lobes a = Lobes::load(&low[std::size_t(first)]), b = Lobes::load(&high[std::size_t(first)]);
+    return a + everywhere(part) * (b - a);
 }
 
-// The lobes as a viewer sees them, side by side, in the frame of the grain.
-struct SeenLobes {
-    HWY_ALIGN float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], bandwidth[LobeTable::k_count],
-        scale[LobeTable::k_count];
+// A mixture as a viewer sees it, in the frame of the grain: its lobes in the lanes of one vector after the other.
+// Without a grain, stretching is left out.
+template <bool grain> struct Seen {
+    using F = Formulas<Lobes, PmModel>;
+    static constexpr int k_few = LobeTable::k_count / 2;  // beyond, there are half-vector lobes alone
+    const MixtureProposal& proposal;
+    const LobeTable& table;
+    Vec3<Lobes> v, viewer;
 
-    HWY_INLINE SeenLobes(const LobeTable& table, const Vec3f& wv, float stretch) {
-        using F = Formulas<Group, PmModel>;
-        const Vec3<Group> v = everywhere<Group>(wv), specular(-v.x, -v.y, v.z);
-        const Vec3<Group> viewer = F::stretched(v, everywhere<Group>(stretch));
-        for (std::size_t k = 0; k < LobeTable::k_count; k += Group::size()) {
-            const Group width = Group::load(&table.bandwidth[k]);
-            auto seen = F::half_vector_lobe(viewer, width);
-            if (k < 8) {  // beyond, half-vector lobes alone
-                const auto where = Group(0.0) < Group::load(&table.is_half_vector[k]);
-                seen.centre = select(where, seen.centre, specular);
-                seen.bandwidth = select(where, seen.bandwidth, width);
-                seen.scale = select(where, seen.scale, Group::load(&table.scale[k]));
-            }
-            seen.centre.x.store(x + k), seen.centre.y.store(y + k), seen.centre.z.store(z + k);
-            seen.bandwidth.store(bandwidth + k), seen.scale.store(scale + k);
-        }
+    HWY_INLINE Seen(const MixtureProposal& of, const LobeTable& lobes, const Vec3f& wv)
+        : proposal(of), table(lobes), v(everywhere(wv)), viewer(stretched(v)) {}
+    HWY_INLINE Lobes stretch() const { return grain ? everywhere(proposal.stretch) : Lobes(1.0); }
+    HWY_INLINE Vec3<Lobes> stretched(const Vec3<Lobes>& w) const {
+        if constexpr (grain) return F::stretched(w, stretch());
+        return {w.x, w.y, w.z};
+    }
+    HWY_INLINE static Lobes at(const LobeTable::Row& row, int k) { return Lobes::load(&row[std::size_t(k)]); }
+    HWY_INLINE Lobes::Mask is_cosine(int k) const { return at(table.kind, k) < Lobes(0.0); }
+    HWY_INLINE Lobes::Mask is_half_vector(int k) const { return Lobes(0.0) < at(table.kind, k); }
+
+    HWY_INLINE F::ProposalLobe lobe(int k) const {
+        const Lobes bandwidth = at(table.bandwidth, k);
+        typename F::ProposalLobe seen = F::half_vector_lobe(viewer, bandwidth);
+        if (k >= k_few) return seen;
+        const auto where = is_half_vector(k);
+        seen.centre = select(where, seen.centre, Vec3<Lobes>(-v.x, -v.y, v.z));
+        seen.bandwidth = select(where, seen.bandwidth, bandwidth);
+        seen.width = select(where, seen.width, at(table.width, k));
+        seen.scale = select(where, seen.scale, at(table.scale, k));
+        seen.rest = at(table.rest, k);
+        return seen;
+    }
+    // What each of these lobes draws.
+    HWY_INLINE Vec3<Lobes> draw(int k, const F::ProposalLobe& lobe, Lobes u1, Lobes u2) const {
+        const Vec3<Lobes> w = F::sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2);
+        Vec3<Lobes> light = F::light_of(stretched(w), v);
+        if (k < k_few) light = select(is_cosine(k), F::sample_cosine(u1, u2), select(is_half_vector(k), light, w));
+        return F::folded(light);
     }
 };
 
-// The density of all of them at wl; wl and wv are in the frame of the grain.
-HWY_INLINE float density(const MixtureProposal& proposal, const LobeTable& table, const SeenLobes& lobes,
-                         const NodesAbout& nodes, const Vec3f& wl, const Vec3f& wv) {
-    using F = Formulas<Group, PmModel>;
-    // The half vectors of wl and of wl mirrored at the horizon, in the first two lanes.
-    alignas(16) static constexpr float up_and_down[4] = {1, -1, 1, 1};
-    HWY_ALIGN float half_vector[4][4];
-    for (std::size_t i = 0; i < 2; i += Few::size()) {
-        const auto at = Formulas<Few, PmModel>::half_vector(
-            {everywhere<Few>(wl.x), everywhere<Few>(wl.y), Few::load(up_and_down + i) * everywhere<Few>(wl.z)},
-            everywhere<Few>(wv), everywhere<Few>(proposal.stretch));
-        at.direction.x.store(half_vector[0] + i), at.direction.y.store(half_vector[1] + i);
-        at.direction.z.store(half_vector[2] + i), at.factor.store(half_vector[3] + i);
-    }
-    const auto of_half_vector = [&](int i) HWY_ATTR {
-        return typename F::HalfVector{{everywhere<Group>(half_vector[0][i]), everywhere<Group>(half_vector[1][i]),
-                                       everywhere<Group>(half_vector[2][i])},
-                                      everywhere<Group>(half_vector[3][i])};
-    };
-    const typename F::HalfVector above = of_half_vector(0), below = of_half_vector(1);
-    const Vec3<Group> l = everywhere<Group>(wl);
-    const auto itself = F::itself(l), mirrored = F::itself({l.x, l.y, -l.z});
-    const auto &low = proposal.weight(nodes.below), &high = proposal.weight(nodes.below + 1);
-    Group sum(0.0);
-    for (std::size_t k = 0; k < LobeTable::k_count; k += Group::size()) {
-        const typename F::ProposalLobe lobe{
-            {Group::load(lobes.x + k), Group::load(lobes.y + k), Group::load(lobes.z + k)},
-            Group::load(lobes.bandwidth + k),
-            Group::load(lobes.scale + k),
-            Group(0.0)};
-        Group of_lobes;
-        if (k >= 8) {  // half-vector lobes alone
+// The density of all lobes at one direction to the light, which is in the frame of the grain.
+template <bool grain> struct Density {
+    using F = typename Seen<grain>::F;
+    const Seen<grain>& seen;
+    Vec3<Lobes> l, mirrored;
+    typename F::HalfVector above, below;
+    const MixtureProposal::Row &low, &high;
+    float part;
+    Lobes sum{0.0};
+
+    HWY_INLINE Density(const Seen<grain>& by, const NodesAbout& nodes, const Vec3f& wl)
+        : seen(by),
+          l(everywhere(wl)),
+          mirrored(l.x, l.y, -l.z),
+          above(F::half_vector(l, seen.v, seen.stretch())),
+          below(F::half_vector(mirrored, seen.v, seen.stretch())),
+          low(seen.proposal.weight(nodes.below)),
+          high(seen.proposal.weight(nodes.below + 1)),
+          part(nodes.part) {}
+    HWY_INLINE void add(int k, const F::ProposalLobe& lobe) {
+        Lobes of_lobes;
+        if (k >= Seen<grain>::k_few) {
             of_lobes = F::folded_pdf(lobe, above, below);
         } else {
-            const auto where = Group(0.0) < Group::load(&table.is_half_vector[k]);
-            const auto either = [&](const typename F::HalfVector& a, const typename F::HalfVector& b) HWY_ATTR {
-                return
-                    typename F::HalfVector{select(where, a.direction, b.direction), select(where, a.factor, b.factor)};
+            const auto where = seen.is_half_vector(k);
+            const auto either = [&](const typename F::HalfVector& h, const Vec3<Lobes>& w) HWY_ATTR {
+                return typename F::HalfVector{select(where, h.direction, w), select(where, h.factor, Lobes(1.0))};
             };
-            of_lobes = F::folded_pdf(lobe, either(above, itself), either(below, mirrored));
+            of_lobes = select(seen.is_cosine(k), F::cosine_pdf(l),
+                              F::folded_pdf(lobe, either(above, l), either(below, mirrored)));
         }
-        sum = sum + between(low, high, nodes.part, k) * of_lobes;
+        sum = sum + between(low, high, part, k) * of_lobes;
     }
-    const float of_cosine = low[0] + nodes.part * (high[0] - low[0]);
-    return sum.sum() + of_cosine * Kernel<float>::cosine_pdf(wl);
+};
+
+template <bool grain>
+float pdf_of(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
+    const Seen<grain> seen(proposal, table, wv);
+    Density<grain> density(seen, nodes_about(wv.z), wl);
+    for (int k = 0; k < LobeTable::k_count; k += int(Lobes::size())) density.add(k, seen.lobe(k));
+    return density.sum.sum();
 }
 
-float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
-    return density(proposal, table, SeenLobes(table, wv, proposal.stretch), nodes_about(wv.z), wl, wv);
-}
-
-// The first lane of each in one store: what loads several of them need not wait for each.
-HWY_INLINE void store_first(const Vec3<Few>& w, float* to) {
+// Put together in one store, for which loads of several of them need not wait.
+HWY_INLINE DirectionSample with_pdf(const Vec3f& wl, float pdf) {
 #if HWY_TARGET == HWY_SCALAR
-    w.x.store(to), w.y.store(to + 1), w.z.store(to + 2);
+    return {wl, pdf};
 #else
     const hn::CappedTag<float, 4> d;
-    const auto xz = hn::InterleaveLower(d, w.x.v, w.z.v), y = hn::InterleaveLower(d, w.y.v, w.y.v);
-    hn::Store(hn::InterleaveLower(d, xz, y), d, to);
+    const auto xz = hn::InterleaveLower(d, hn::Set(d, wl.x), hn::Set(d, wl.z));
+    const auto y_ = hn::InterleaveLower(d, hn::Set(d, wl.y), hn::Set(d, pdf));
+    alignas(16) float four[4];
+    hn::Store(hn::InterleaveLower(d, xz, y_), d, four);
+    DirectionSample sample;
+    std::memcpy(&sample, four, sizeof sample);
+    return sample;
 #endif
 }
 
-// The direction's x, y, z and its density, 0 where there is no direction. `wv` is in the frame of the grain, the
-// direction is not.
-void sample_mixture(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wv, Vec2f u, float selector,
-                    float* drawn) {
-    using F = Formulas<Few, PmModel>;
+// A direction and its density, 0 where there is no direction. `wv` is in the frame of the grain, the direction is not.
+// Each lobe draws one while the selector chooses among them.
+template <bool grain>
+DirectionSample sample_of(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u, float selector) {
+    constexpr int vectors = LobeTable::k_count / int(sizeof(Lobes) / sizeof(float));
+    using Lobe = typename Seen<grain>::F::ProposalLobe;
+    const Seen<grain> seen(proposal, table, wv);
     const NodesAbout nodes = nodes_about(wv.z);
-    const SeenLobes lobes(table, wv, proposal.stretch);
-    // The first lobe whose running sum exceeds the selector; what rounding leaves over is the cosine's.
     const auto &low = proposal.running(nodes.below), &high = proposal.running(nodes.below + 1);
-    Group passed(0.0);
-    for (std::size_t k = 0; k < LobeTable::k_count; k += Group::size()) {
-        const Group running = between(low, high, nodes.part, k);
-        passed = passed + select(everywhere<Group>(selector) < running, Group(0.0), Group(1.0));
+    Lobe lobes[vectors];
+    HWY_ALIGN float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count];
+    std::size_t chosen = 0;  // the first lobe whose running sum exceeds the selector
+#pragma GCC unroll 4
+    for (int i = 0; i < vectors; ++i) {
+        const int k = i * int(Lobes::size());
+        chosen += hn::CountTrue(Lobes::Tag(), hn::Ge(everywhere(selector).v, between(low, high, nodes.part, k).v));
+        lobes[i] = seen.lobe(k);
+        const Vec3<Lobes> each = seen.draw(k, lobes[i], everywhere(u.x), everywhere(u.y));
+        each.x.store(x + k), each.y.store(y + k), each.z.store(z + k);
     }
-    auto k = std::size_t(passed.sum());
-    if (k >= MixtureProposal::k_lobes) k = 0;
-    const Few u1 = everywhere<Few>(u.x), u2 = everywhere<Few>(u.y), stretch = everywhere<Few>(proposal.stretch),
-              cosine = everywhere<Few>(proposal.cosine), sine = everywhere<Few>(proposal.sine);
-    Vec3<Few> direction;
-    if (k == 0) {
-        direction = F::sample_cosine(u1, u2);
-    } else {  // both kinds of lobes without a branch, which would be guessed wrong every other time
-        const auto where = Few(0.0) < everywhere<Few>(table.is_half_vector[k]);
-        const Vec3<Few> w =
-            F::sample_sharp_vmf({everywhere<Few>(lobes.x[k]), everywhere<Few>(lobes.y[k]), everywhere<Few>(lobes.z[k])},
-                                everywhere<Few>(lobes.bandwidth[k]), everywhere<Few>(table.rest[k]), u1, u2);
-        direction = F::folded(select(where, Vec3<Few>(F::light_of(F::stretched(w, stretch), everywhere<Few>(wv))), w));
-    }
-    store_first(F::turned(direction, cosine, sine), drawn);
-    const Vec3f wl(drawn[0], drawn[1], drawn[2]);
-    drawn[3] = above_horizon(wl, wv) ? density(proposal, table, lobes, nodes,
-                                               Kernel<float>::turned(wl, proposal.cosine, -proposal.sine), wv)
-                                     : 0;
+    if (chosen >= MixtureProposal::k_lobes) chosen = 0;  // what rounding leaves over is the cosine's
+    const Vec3f drawn(x[chosen], y[chosen], z[chosen]);
+    const Vec3f wl = grain ? Kernel<float>::turned(drawn, proposal.cosine, proposal.sine) : drawn;
+    if (!above_horizon(wl, wv)) return with_pdf(wl, 0);
+    // As `pdf` turns it back, whose answer this is to the last digit.
+    Density<grain> density(seen, nodes, grain ? Kernel<float>::turned(wl, proposal.cosine, -proposal.sine) : wl);
+#pragma GCC unroll 4
+    for (int i = 0; i < vectors; ++i) density.add(i * int(Lobes::size()), lobes[i]);
+    return with_pdf(wl, density.sum.sum());
+}
+
+// Calls the first for proposals with a grain, the second for others.
+float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
+    return (proposal.stretch == 1 ? pdf_of<false> : pdf_of<true>)(proposal, table, wl, wv);
+}
+DirectionSample sample_mixture(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u,
+                               float selector) {
+    return (proposal.stretch == 1 ? sample_of<false> : sample_of<true>)(proposal, table, wv, u, selector);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -199,9 +218,10 @@ const LobeTable& lobe_table() {
             const bool is_mirror = k > 0 && k < 5;
             table.bandwidth[i] = K::proposal_bandwidth(std::min(k, SRBF_PROPOSAL_LOBES - 1));
             const auto mirror = K::mirror_lobe({0, 0, 1}, table.bandwidth[i]);
+            table.width[i] = mirror.width;
             table.scale[i] = is_mirror ? mirror.scale : 0;  // the cosine is no lobe
             table.rest[i] = is_mirror ? mirror.rest : 0;
-            table.is_half_vector[i] = k >= 5 ? 1 : 0;
+            table.kind[i] = k == 0 ? -1 : is_mirror ? 0 : 1;
         }
         return table;
     }();
@@ -214,11 +234,8 @@ Vec3f into_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w,
 Vec3f out_of_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w, proposal.cosine, proposal.sine); }
 
 DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
-    alignas(16) float drawn[4];
-    HWY_DYNAMIC_DISPATCH(sample_mixture)(proposal, lobe_table(), into_grain(proposal, wv), u, selector, drawn);
-    DirectionSample sample;
-    std::memcpy(&sample, drawn, sizeof sample);
-    return sample;
+    if (proposal.stretch != 1) wv = into_grain(proposal, wv);
+    return HWY_DYNAMIC_DISPATCH(sample_mixture)(proposal, lobe_table(), wv, u, selector);
 }
 
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {

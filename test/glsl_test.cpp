@@ -82,7 +82,7 @@ void main() {
          proposal_lobe_pdf(5, proposal_point(wl, wv, 2.0)) * proposal_bandwidth(1);
     f += sample_proposal_lobe(2, stretched(wv, 2.0), 2.0, u.x, u.y) * half_vector(wl, wv, 2.0).factor;
     f += folded_pdf(mirror_lobe(wl, 4.0), itself(wl), half_vector(wl, wv, 2.0)) * half_vector_lobe(wv, 8.0).centre;
-    f += folded(light_of(sample_sharp_vmf(wl, 4.0, u.x, u.x, u.y), wv)) + off_centre(wl, u.x, u.y);
+    f += folded(light_of(sample_sharp_vmf(wl, 0.25, u.x, u.x, u.y), wv)) + off_centre(wl, u.x, u.y);
     f += times_cosine(wl, 4.0).centre;
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));
 }

@@ -72,18 +72,21 @@ SRBF_FN Real gaussian_integral(Real bandwidth) {
 struct GaussianProduct {
     Vec3 centre;
     Real bandwidth;
+    Real width;
     Real scale;
 };
 
 // G(omega.xi1 | l1) G(omega.xi2 | l2) = scale G(omega.centre | bandwidth), where bandwidth centre = l1 xi1 + l2 xi2 and
-// scale = exp(bandwidth - l1 - l2). The centre is the zero vector if the bandwidth is 0.
+// scale = exp(bandwidth - l1 - l2). The width is 1 / bandwidth. The centre is the zero vector if the bandwidth is 0.
 SRBF_FN GaussianProduct gaussian_product(Vec3 centre1, Real bandwidth1, Vec3 centre2, Real bandwidth2) {
     Vec3 axis = bandwidth1 * centre1 + bandwidth2 * centre2;
     Vec3 apart = centre1 - centre2;
     Real sum = bandwidth1 + bandwidth2;
+    Real squared = dot(axis, axis);
     GaussianProduct product;
-    product.bandwidth = sqrt(dot(axis, axis));
-    product.centre = (Real(1.0) / max(product.bandwidth, Real(1.0e-20))) * axis;
+    product.width = inversesqrt(max(squared, Real(1.0e-30)));
+    product.bandwidth = squared * product.width;
+    product.centre = product.width * axis;
     product.scale = exp(-bandwidth1 * bandwidth2 * dot(apart, apart) / max(product.bandwidth + sum, Real(1.0e-20)));
     return product;
 }
@@ -103,9 +106,9 @@ SRBF_FN Vec3 off_centre(Vec3 centre, Real below, Real u2) {
 }
 
 // Samples vmf_pdf from u1, u2 uniform in [0,1): cos(theta) - 1 = ln(u1 + (1 - u1) e^(-2 lambda)) / lambda about the
-// centre. For lambda > 0.01, with rest = e^(-2 lambda).
-SRBF_FN Vec3 sample_sharp_vmf(Vec3 centre, Real bandwidth, Real rest, Real u1, Real u2) {
-    Real below = log(max(u1 + (Real(1.0) - u1) * rest, Real(1.0e-35))) / bandwidth;
+// centre. For lambda > 0.01, with width = 1 / lambda and rest = e^(-2 lambda).
+SRBF_FN Vec3 sample_sharp_vmf(Vec3 centre, Real width, Real rest, Real u1, Real u2) {
+    Real below = log(max(u1 + (Real(1.0) - u1) * rest, Real(1.0e-35))) * width;
     return off_centre(centre, max(below, Real(-2.0)), u2);
 }
 
@@ -153,15 +156,15 @@ struct HalfVector {
     Real factor;
 };
 SRBF_FN HalfVector half_vector(Vec3 wl, Vec3 wv, Real stretch) {
+    Real shrink = Real(1.0) / stretch;
     Vec3 sum = wl + wv;
     Real squared = dot(sum, sum);
-    Real length = sqrt(max(squared, Real(1.0e-12)));
-    Vec3 back = (Real(1.0) / length) * Vec3(sum.x / stretch, sum.y, sum.z);
-    Real shrunk = sqrt(max(dot(back, back), Real(1.0e-3)));
+    Vec3 back = Vec3(shrink * sum.x, sum.y, sum.z);
+    Real reciprocal = inversesqrt(max(dot(back, back), Real(1.0e-20)));
     HalfVector h;
-    h.direction = (Real(1.0) / shrunk) * back;
-    Real exists = select(Real(1.0e-12) < squared, Real(1.0), Real(0.0));
-    h.factor = exists / (Real(2.0) * length * stretch * shrunk * shrunk * shrunk);
+    h.direction = reciprocal * back;
+    Real exists = select(Real(1.0e-12) < squared, Real(0.5), Real(0.0)) * shrink;
+    h.factor = (exists * squared) * (reciprocal * reciprocal * reciprocal);
     return h;
 }
 
@@ -213,10 +216,11 @@ SRBF_FN ProposalPoint proposal_point(Vec3 wl, Vec3 wv, Real stretch) {
     at.below = half_vector(at.mirrored, wv, stretch);
     return at;
 }
-// A component that is a lobe: its density is scale G, and rest is e^(-2 lambda).
+// A component that is a lobe: its density is scale G, width is 1 / lambda and rest e^(-2 lambda).
 struct ProposalLobe {
     Vec3 centre;
     Real bandwidth;
+    Real width;
     Real scale;
     Real rest;
 };
@@ -224,6 +228,7 @@ SRBF_FN ProposalLobe mirror_lobe(Vec3 specular, Real bandwidth) {
     ProposalLobe lobe;
     lobe.centre = specular;
     lobe.bandwidth = bandwidth;
+    lobe.width = Real(1.0) / bandwidth;
     lobe.scale = Real(1.0) / gaussian_integral(bandwidth);
     lobe.rest = exp_of_lobe(Real(-2.0) * bandwidth);
     return lobe;
@@ -235,6 +240,7 @@ SRBF_FN ProposalLobe half_vector_lobe(Vec3 viewer, Real bandwidth) {
     ProposalLobe lobe;
     lobe.centre = product.centre;
     lobe.bandwidth = product.bandwidth;
+    lobe.width = product.width;
     lobe.scale = product.bandwidth * Real(1.0 / SRBF_TWO_PI);
     lobe.rest = Real(0.0);
     return lobe;
@@ -265,11 +271,11 @@ SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Real stretch, Real u1, Real u2
     Vec3 wl = sample_cosine(u1, u2);
     if (k > 0 && k < 5) {
         ProposalLobe lobe = mirror_lobe(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k));
-        wl = sample_sharp_vmf(lobe.centre, lobe.bandwidth, lobe.rest, u1, u2);
+        wl = sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2);
     }
     if (k >= 5) {
         ProposalLobe lobe = half_vector_lobe(stretched(wv, stretch), proposal_bandwidth(k));
-        wl = light_of(stretched(sample_sharp_vmf(lobe.centre, lobe.bandwidth, lobe.rest, u1, u2), stretch), wv);
+        wl = light_of(stretched(sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2), stretch), wv);
     }
     return folded(wl);
 }

@@ -53,7 +53,7 @@ class MixtureProposal {
     float cosine = 1, sine = 0;  ///< of the grain's azimuth
 
   private:
-    alignas(32) std::array<Row, k_nodes> weight_{}, running_{};
+    alignas(64) std::array<Row, k_nodes> weight_{}, running_{};
 };
 /// `w` in the frame of the grain, whose x is along it, and back.
 Vec3f into_grain(const MixtureProposal& proposal, Vec3f w);

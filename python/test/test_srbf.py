@@ -93,6 +93,10 @@ def test_light_and_viewer_are_exchanged(model, paper):
     wl, wv = directions(100), directions(100, seed=1)
     for brdf in (model, paper, srbf.from_arrays(wl, wv, np.linspace(0.1, 0.2, 100))):
         np.testing.assert_allclose(brdf.exchanged().eval(wv, wl), brdf.eval(wl, wv), rtol=1e-4, atol=1e-7)
+
+
+def test_what_is_exchanged_is_fitted(paper):
+    wl, wv = directions(100), directions(100, seed=1)
     np.testing.assert_allclose(srbf.fit(paper.exchanged(), model="ggx", lobes=1).model.eval(wl, wv),
                                srbf.fit(paper, model="ggx", lobes=1).model.eval(wl, wv), rtol=0.1)
 

@@ -56,8 +56,8 @@ HWY_INLINE Lobes between(const MixtureProposal::Row& low, const MixtureProposal:
     return a + everywhere(part) * (b - a);
 }
 
-// A mixture as a viewer sees it, in the frame of the grain: its lobes in the lanes of one vector after the other.
-// Without a grain, stretching is left out.
+// A mixture as a viewer sees it, in the frame of the grain if it has one: its lobes in the lanes of one vector after
+// the other. Without a grain nothing is stretched or turned.
 template <bool grain> struct Seen {
     using F = Formulas<Lobes, PmModel>;
     static constexpr int k_few = LobeTable::k_count / 2;  // beyond, there are half-vector lobes alone
@@ -116,7 +116,7 @@ template <bool grain> struct Density {
           low(seen.proposal.weight(nodes.below)),
           high(seen.proposal.weight(nodes.below + 1)),
           part(nodes.part) {}
-    HWY_INLINE void add(int k, const F::ProposalLobe& lobe) {
+    HWY_INLINE void add(int k, const typename F::ProposalLobe& lobe) {
         Lobes of_lobes;
         if (k >= Seen<grain>::k_few) {
             of_lobes = F::folded_pdf(lobe, above, below);
@@ -187,7 +187,7 @@ DirectionSample sample_of(const MixtureProposal& proposal, const LobeTable& tabl
     return with_pdf(wl, density.sum.sum());
 }
 
-// Calls the first for proposals with a grain, the second for others.
+// There is a grain where lobes are stretched along it.
 float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
     return (proposal.stretch == 1 ? pdf_of<false> : pdf_of<true>)(proposal, table, wl, wv);
 }

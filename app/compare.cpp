@@ -16,7 +16,35 @@ struct CompareCommand {
     int threads = 0;
 
     int run() const;
+    int of_both_sides(const Subject& a, const Subject& b, double theta) const;
 };
+
+/// The same measures for each part that both have. Unscattered light is not a part of f, and of no measure.
+int CompareCommand::of_both_sides(const Subject& a, const Subject& b, double theta) const {
+    Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
+    if (json != "-")
+        fmt::print("{} against {}, directions within {:g}° of the normal, without beams\n", other, reference, theta);
+    bool any = false;
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        const Part part = Part(p);
+        if (!has_part(a.content, part) || !has_part(b.content, part)) continue;
+        const Evaluate others[] = {part_of(evaluator(b), part)};
+        const Comparison comparison = compare(part_of(evaluator(a), part), others, {theta * k_degree, threads},
+                                              fibonacci_directions(k_matrix_directions, theta * k_degree))[0];
+        if (comparison.matrix.pairs == 0 || comparison.heldout.pairs == 0) continue;
+        any = true;
+        Json of;
+        add_measures(of, comparison, "");
+        report[std::string(name(part))] = of;
+        if (json == "-") continue;
+        fmt::print("\n{}\n", name(part));
+        print_measures({{"", &comparison}});
+    }
+    if (!any) return complain({reference, {}, "parts", "some that both have", "none"});
+    if (!json.empty())
+        if (const auto written = write_json(report, json); !written) return complain(written.error());
+    return k_done;
+}
 
 int CompareCommand::run() const {
     const auto a = load(reference);
@@ -28,6 +56,7 @@ int CompareCommand::run() const {
     if (!writable) return complain(writable.error());
 
     const double own = fitted_theta(*b), theta = max_theta > 0 ? max_theta : own > 0 ? own : 80;
+    if (is_two_sided(a->content) || is_two_sided(b->content)) return of_both_sides(*a, *b, theta);
     const Evaluate others[] = {evaluator(*b)};
     const auto* model = std::get_if<Model>(&b->content);
     const std::vector<Vec3f> directions = model ? matrix_directions(*model, theta * k_degree)

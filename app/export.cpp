@@ -164,7 +164,7 @@ Result<std::string> ExportCommand::page(const std::vector<Subject>& models,
     return page_html(page);
 }
 
-/// Models by the names of their files, numbered where two are the same.
+/// Models by the names of their files, numbered where two are the same; of a BSDF its parts, with their names.
 std::vector<NamedModel> ExportCommand::named(const std::vector<Subject>& models) const {
     std::vector<NamedModel> named;
     for (const Subject& model : models) {
@@ -174,7 +174,11 @@ std::vector<NamedModel> ExportCommand::named(const std::vector<Subject>& models)
         };
         std::string own = name;
         for (int i = 2; is_taken(own); ++i) own = fmt::format("{}_{}", name, i);
-        named.push_back({own, &std::get<Model>(model.content)});
+        const Model& of = std::get<Model>(model.content);
+        const auto* bsdf = std::get_if<BsdfModel>(&of.model);
+        if (!bsdf) named.push_back({own, &of});
+        for (std::size_t p = 0; bsdf && p < k_parts; ++p)
+            if (bsdf->part[p]) named.push_back({fmt::format("{}_{}", own, k_part_names[p]), bsdf->part[p].get()});
     }
     return named;
 }
@@ -206,7 +210,8 @@ void add_export(CommandLine& app, int& status) {
            "glsl, hlsl, wgsl, msl, c: source code with functions NAME_brdf of each model, named by its file, and\n"
            "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
            "three: a module for three.js with a class NAMEMaterial of each model.\n"
-           "The numbers of a view-by-view model go into NAME.data beside the code")
+           "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF each part is a model,\n"
+           "as NAME_transmission_front: it takes both directions above the horizon, those at the back mirrored")
         .type_name("KIND")
         .required()
         .one_of({"html", "glsl", "hlsl", "wgsl", "msl", "c", "three"});

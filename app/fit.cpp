@@ -20,7 +20,7 @@ struct FitCommand {
     std::string model = "pm", form = std::string(name(PmRequest{}.form)),
                 objective = std::string(name(FitRequest{}.objective)),
                 discretise = std::string(name(SuRequest{}.discretise)),
-                interpolation = std::string(name(SuRequest{}.interpolation)), with_index, channels = "rgb";
+                interpolation = std::string(name(SuRequest{}.interpolation)), with_index, channels = "rgb", band;
     int axial = 0;  // 1: axial lobes, -1: general lobes, 0: depends on the measurement
     bool no_scale = false, reciprocal = false, lobes_auto = false, exchange = false;
     double max_theta = 0;  // [degrees], 0: the objective's default
@@ -64,7 +64,7 @@ struct FitCommand {
         request.spectral = channels == "spectral";
         request.seed = seed, request.threads = threads;
         const std::string beside = std::filesystem::path(input).stem().string() + ".srbf";
-        return {input, output.empty() ? beside : output, preview, json, request, exchange};
+        return {input, output.empty() ? beside : output, preview, json, request, exchange, band};
     }
 };
 
@@ -93,13 +93,18 @@ int run(FileFit fit) {
     const Stopwatch loading;
     auto subject = load(fit.input);
     if (!subject) return complain(subject.error());
-    if (auto* to_exchange = std::get_if<Measured>(&subject->content); to_exchange && fit.exchange)
-        exchange(*to_exchange);
+    if (auto* loaded = std::get_if<Measured>(&subject->content)) {
+        if (fit.exchange) exchange(*loaded);
+        if (!fit.band.empty())
+            if (const auto chosen = choose_band(*loaded, fit.band); !chosen) return complain(chosen.error());
+    }
     fit.load_seconds = loading.seconds();
     const auto* measured = std::get_if<Measured>(&subject->content);
     if (!measured) return complain({fit.input, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind});
     const auto writable = check_outputs({fit.input}, {fit.output, fit.preview, fit.json == "-" ? "" : fit.json});
     if (!writable) return complain(writable.error());
+
+    if (std::holds_alternative<BsdfTable>(measured->table)) return fit_both_sides(fit, *measured);
 
     ProgressLine line;
     auto outcome = srbf::fit(*measured, fit.request,
@@ -149,7 +154,8 @@ void add_fit(CommandLine& app, int& status) {
     const auto command = std::make_shared<FitCommand>();
     const Subcommand sub = app.add_subcommand("fit", "Fit a model to a measurement and report its errors");
     sub.add_option("INPUT", command->input,
-                   "The measurement: a table of MERL's, RGL's, UTIA's or MDL's layout, or scattered samples")
+                   "The measurement: a table of MERL's, RGL's, UTIA's or MDL's layout, scattered samples,\n"
+                   "or BSDF XML of WINDOW and Radiance")
         .type_name("")
         .required();
     sub.add_option("-o,--output", command->output, "The model; default: INPUT's stem + .srbf in the working directory")
@@ -258,6 +264,9 @@ void add_fit(CommandLine& app, int& status) {
                                              "su: store an index texture, the samples nearest to each direction")
                                   .type_name("cube|parabolic")
                                   .one_of({"cube", "parabolic"});
+    sub.add_option("--band", command->band,
+                   "Of BSDF XML: the band of wavelengths, Visible or Solar; default: Visible, or the first")
+        .type_name("NAME");
     const Option channels =
         sub.add_option("--channels", command->channels,
                        "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement")

@@ -35,6 +35,8 @@ void describe(Json& json, const GgxModel& model) {
     json["variates"] = 1;
     json["axial"] = true;
 }
+void describe(Json& json, const BsdfModel&) { json["form"] = "bsdf"; }
+std::string words(const BsdfModel&) { return "bsdf"; }
 std::string words(const PmModel& model) {
     return fmt::format("pm, form {}, {} lobes, {} variates, {}{}", name(model.form), model.lobes, model.variates,
                        model.axial ? "axial" : "general",

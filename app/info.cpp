@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <span>
@@ -84,7 +85,6 @@ void print_table(const MbsdfTable& table) {
     }
     print_row("dimensions",
               fmt::format("{0} θl × {0} θv × {1} φ, {2}", table.polar, table.azimuths, table.grey ? "grey" : "RGB"));
-    print_row("transmission", table.has_transmission ? "in the file, not read" : "none");
     print_row("masked entries", fmt::format("{} of {}", grouped(table.masked), grouped(table.cells.size())));
     print_channel_ranges("value [1/sr]", table.cells);
 }
@@ -104,6 +104,41 @@ void print_table(const ScatteredSamples& samples) {
               fmt::format("{} of {}", grouped(samples.masked), grouped(samples.masked + samples.wl.size())));
     if (!samples.spectrum.empty()) print_row("spectrum [1/sr]", spectrum.text());
     print_channel_ranges("value [1/sr]", samples.colour);
+}
+
+/// The light that is not scattered.
+void add_beams(std::string& text, const Beams& beams) {
+    for (std::size_t b = 0; b < beams.size(); ++b) {
+        if (beams[b].empty()) continue;
+        std::string row;
+        for (std::size_t i = 0; i < beams[b].theta.size(); ++i)
+            row += fmt::format("{}{:.4g} at {:.3g}°", i ? ", " : "", beams[b].share[i].g,
+                               double(beams[b].theta[i]) / k_degree);
+        add_row(text, "beam", fmt::format("{}: {}", k_beam_names[b], row));
+    }
+}
+
+void print_table(const KlemsTable& table) {
+    print_row("patches", fmt::format("{} outgoing ({}) × {} incident ({})", table.outgoing.patches(),
+                                     table.outgoing.name, table.incident.patches(), table.incident.name));
+    print_channel_ranges("value [1/sr]", table.cells);
+}
+
+void print_table(const BsdfTable& table) {
+    if (!table.description.empty()) print_row("description", table.description);
+    std::vector<std::string> names;
+    for (std::size_t b = 0; b < table.bands.size(); ++b)
+        if (!table.bands[b].name.empty()) names.push_back(table.bands[b].name + (b == table.chosen ? " (here)" : ""));
+    if (!names.empty()) print_row("bands", fmt::format("{}", fmt::join(names, ", ")));
+    std::string text;
+    add_beams(text, table.band().beam);
+    fmt::print("{}", text);
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        if (!table.band().part[p]) continue;
+        const Measured& part = *table.band().part[p];
+        fmt::print("\n  {}{}\n", k_part_names[p], is_isotropic(part) ? "" : ", anisotropic");
+        std::visit([](const auto& of) { print_table(of); }, part.table);
+    }
 }
 
 void add_model(std::string& text, const PmModel& model) {
@@ -183,6 +218,21 @@ void add_model(std::string& text, const SuModel& model) {
     add_channel_ranges(text, "coefficient", model.coefficient);
 }
 
+void add_model(std::string& text, const BsdfModel& model) {
+    add_row(text, "model", fmt::format("bsdf: models of reflection and transmission, {} bytes", payload_bytes(model)));
+    add_beams(text, model.beam);
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        const Answering<Model> of = answering(model.part, Part(p));
+        if (model.part[p])
+            text += fmt::format("\n  {}\n{}", k_part_names[p], parameters_text(*model.part[p]));
+        else
+            text += fmt::format("\n  {}: {}\n", k_part_names[p],
+                                !of.brdf       ? "0"
+                                : of.exchanged ? "by reciprocity"
+                                               : "that of the other side");
+    }
+}
+
 void add_model(std::string& text, const GgxModel& model) {
     add_row(text, "model", "ggx: Lambert and GGX");
     add_row(
@@ -239,6 +289,39 @@ void print_behaviour(const Subject& subject) {
     print_row("smallest value", fmt::format("{:.4g} 1/sr, θ ≤ {}°", range.least, max_theta));
 }
 
+/// What becomes of light that comes from a direction: directional-hemispherical sums of each part, with its beam.
+void print_sides(const Subject& subject) {
+    const Evaluate bsdf = evaluator(subject);
+    const auto* measured = std::get_if<Measured>(&subject.content);
+    const Beams& beams = measured ? std::get<BsdfTable>(measured->table).band().beam
+                                  : std::get<BsdfModel>(std::get<Model>(subject.content).model).beam;
+    fmt::print("\n  {:<22}", "light from θl =");
+    for (const double theta : k_info_theta) fmt::print("{:>9}°", theta);
+    fmt::print("\n");
+    std::array<std::array<double, k_info_theta.size()>, 2> of_side{};
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        const Part part = Part(p);
+        if (!has_part(subject.content, part)) continue;
+        const Evaluate exchanged = [of = part_of(bsdf, part)](auto wl, auto wv, auto f) { of(wv, wl, f); };
+        fmt::print("  {:<22}", name(part));
+        for (std::size_t i = 0; i < k_info_theta.size(); ++i) {
+            const double theta = k_info_theta[i] * k_degree;
+            const double sum = double(albedo(exchanged, theta, k_pi / 2).g) +
+                               double(share_at(beams[beam_of(part)], float(std::cos(theta))).g);
+            of_side[std::size_t(is_back(part))][i] += sum;
+            fmt::print("{:>#10.4g}", sum);
+        }
+        fmt::print("\n");
+    }
+    for (const std::size_t side : {0, 1}) {
+        fmt::print("  {:<22}", side ? "all, from the back" : "all, from the front");
+        for (const double sum : of_side[side]) fmt::print("{:>#10.4g}", sum);
+        fmt::print("\n");
+        if (std::ranges::any_of(of_side[side], [](double sum) { return sum > 1; }))
+            print_row("warning", "more light leaves it than it receives");
+    }
+}
+
 int run(const std::string& file) {
     const auto subject = load(file);
     if (!subject) return complain(subject.error());
@@ -252,7 +335,7 @@ int run(const std::string& file) {
         if (!model.provenance.empty()) fmt::print("\n");
         for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", key, text);
     }
-    print_behaviour(*subject);
+    is_two_sided(subject->content) ? print_sides(*subject) : print_behaviour(*subject);
     return k_done;
 }
 

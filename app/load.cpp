@@ -39,9 +39,6 @@ double fitted_theta(const Subject& subject) {
 Result<Subject> load(const std::string& path) {
     auto loaded = load_brdf(path);
     if (!loaded) return loaded.error();
-    if (const auto* measured = std::get_if<Measured>(&*loaded))
-        if (const auto* table = std::get_if<MbsdfTable>(&measured->table); table && table->has_transmission)
-            std::fputs(fmt::format("srbf: {}: its transmission is not read\n", path).c_str(), stderr);
     return Subject{path, *std::move(loaded)};
 }
 

@@ -25,7 +25,6 @@ Channels channels(const Subject& subject);
 /// θmax of a model's fit [degrees] if `subject` is a model with that metadata; otherwise 0.
 double fitted_theta(const Subject& subject);
 
-/// Says on standard error what of the file is left out.
 Result<Subject> load(const std::string& path);
 
 /// Prints the error as one line to standard error; returns the exit status of an input error.

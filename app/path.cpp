@@ -1,11 +1,13 @@
 #include "app/path.h"
 
 #include "app/report.h"
+#include "render/room.h"
 
 namespace srbf {
 namespace {
 
 constexpr Rgb k_ground{0.35f, 0.35f, 0.35f};  // reflectance
+constexpr Rgb k_walls{0.7f, 0.7f, 0.68f}, k_floor{0.3f, 0.24f, 0.18f}, k_ball{0.5f, 0.15f, 0.1f};
 
 /// A square light above the scene, to the left and in front of it, as large as the scene.
 AreaLight softbox(const Scene& scene) {
@@ -23,15 +25,15 @@ int azimuths_of(const Subject& subject) {
     return std::visit([](const auto& of) { return is_isotropic(of); }, subject.content) ? 1 : k_anisotropic_azimuths;
 }
 
-PreparedBrdf by_cosine(const Subject& subject) {
+PreparedBsdf by_cosine(const Subject& subject) {
     return std::visit([](const auto& content) { return prepare(content); }, subject.content);
 }
 
 }  // namespace
 
-PreparedBrdf prepared(const Subject& subject, int threads) {
+PreparedBsdf prepared(const Subject& subject, int threads) {
     const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
-    return std::visit([&](const auto& content) { return prepare(content, options); }, subject.content);
+    return std::visit([&](const auto& content) { return prepare_bsdf(content, options); }, subject.content);
 }
 
 void PathCommand::add_options(const Subcommand& sub) {
@@ -53,6 +55,12 @@ void PathCommand::add_options(const Subcommand& sub) {
     sub.add_option("--draw", draw, "path: sample directions by the brdf or, for comparison, by the cosine")
         .type_name("BY")
         .one_of({"brdf", "cosine"})
+        .capture_default_str();
+    sub.add_option("--scene", scene_name,
+                   "path: object: the mesh; room: a room lit through a shade of the material, which is as large as its "
+                   "window")
+        .type_name("NAME")
+        .check(one_of({"object", "room"}))
         .capture_default_str();
     sub.add_flag("--no-ground", no_ground, "path: omit the ground below the mesh");
     sub.add_option("--seed", seed, "path: seed of the random numbers").type_name("N").capture_default_str();
@@ -79,10 +87,19 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
     if (!no_ground) paths.bodies.push_back({&floor, 1});
     if (lights == "three" || (lights.empty() && !light)) paths.lights = scene.lights;
     if (lights == "softbox") paths.area_lights = {softbox(scene)};
+    const Room behind_shade = room();
+    std::vector<PreparedBsdf> others{diffuse(k_ground)};
+    if (scene_name == "room") {
+        paths.bodies = {
+            {&behind_shade.shade, 0}, {&behind_shade.walls, 1}, {&behind_shade.floor, 2}, {&behind_shade.ball, 3}};
+        others = {diffuse(k_walls), diffuse(k_floor), diffuse(k_ball)};
+        paths.camera = behind_shade.camera;
+    }
 
     std::vector<PathPicture> pictures;
     for (const Subject& subject : subjects) {
-        paths.materials = {draw == "cosine" ? by_cosine(subject) : prepared(subject, threads), diffuse(k_ground)};
+        paths.materials = {draw == "cosine" ? by_cosine(subject) : prepared(subject, threads)};
+        paths.materials.insert(paths.materials.end(), others.begin(), others.end());
         const auto before = double(pictures.size()), all = double(subjects.size());
         const auto of_all = [&](double part) {
             if (progress) progress((before + part) / all);

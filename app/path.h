@@ -12,7 +12,7 @@ namespace srbf {
 
 struct PathCommand {
     std::string environment{k_built_in_environment}, lights,
-        draw = "brdf";  ///< lights not given: three if `environment` is none
+        draw = "brdf", scene_name = "object";  ///< lights not given: three if `environment` is none
     int samples = 64, bounces = 8, threads = 0;
     std::uint64_t seed = 0;
     bool no_ground = false;
@@ -25,6 +25,6 @@ struct PathCommand {
 };
 
 /// The subject, importance-sampled by a proposal prepared for it.
-PreparedBrdf prepared(const Subject& subject, int threads);
+PreparedBsdf prepared(const Subject& subject, int threads);
 
 }  // namespace srbf

@@ -17,7 +17,14 @@ MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size = k_m
 /// an anisotropic measurement.
 Result<Material> material_of(const Subject& subject);
 inline Material material_of(const Model& model) {
-    return std::visit([](const auto& of) -> Material { return of; }, model.model);
+    if (std::holds_alternative<BsdfModel>(model.model)) return table_of(evaluator(model));  // its front reflection
+    Material material;
+    std::visit(
+        [&](const auto& of) {
+            if constexpr (!std::is_same_v<decltype(of), const BsdfModel&>) material = of;
+        },
+        model.model);
+    return material;
 }
 
 /// Renders the scene with each of the subjects, four samples per pixel. Errors: those of `material_of` and `rasterize`;

@@ -44,7 +44,14 @@ template <typename B> void check_spectra(const B& brdf, std::span<const Vec3f> w
     for (const float x : f) require(std::isfinite(x) && x >= 0, "finite spectra, not negative");
 }
 
-/// A BRDF satisfies the contract of `Brdf`.
+/// Whether something answers on both sides.
+template <typename B> bool is_two_sided(const B& brdf) {
+    if constexpr (std::is_same_v<B, Model>) return std::holds_alternative<BsdfModel>(brdf.model);
+    if constexpr (std::is_same_v<B, Measured>) return std::holds_alternative<BsdfTable>(brdf.table);
+    return false;
+}
+
+/// A BRDF satisfies the contract of `Brdf`, a BSDF that of its parts.
 template <typename B> void check_answers(const Result<B>& brdf) {
     if (!brdf) return check_error(brdf.error());
     std::mt19937_64 random(1);
@@ -61,7 +68,7 @@ template <typename B> void check_answers(const Result<B>& brdf) {
         if (i % 6 == 4) wv = {1, 0, 1e-30f};
         lights.push_back(wl), views.push_back(wv);
         const Rgb f = value(*brdf, wl, wv);
-        if (wl.z <= 0 || wv.z <= 0) {
+        if ((wl.z <= 0 || wv.z <= 0) && !is_two_sided(*brdf)) {
             require(f == Rgb{}, "0 below the horizon");
             continue;
         }
@@ -101,6 +108,18 @@ inline void check_mbsdf(std::span<const std::byte> bytes) {
     const auto again = read_mbsdf(written, "f");
     require(again.ok() && again->metadata == table->metadata && write_mbsdf(*again) == written,
             "write(read(written)) = written");
+}
+
+/// Beams are shares of the light, which the patches that they were taken from keep apart.
+inline void check_bsdf_xml(std::span<const std::byte> bytes) {
+    auto table = read_bsdf_xml(bytes, "f");
+    if (table) {
+        for (const Beam& beam : table->band().beam)
+            for (const float cosine : {0.f, 1e-4f, 0.3f, 1.f})
+                for (int c = 0; c < 3; ++c)
+                    require(share_at(beam, cosine)[c] >= 0 && share_at(beam, cosine)[c] <= 1, "a share");
+    }
+    check_measured(std::move(table));
 }
 
 /// A model that was read can be written; the written bytes can be read, and written again to the same bytes. (A file
@@ -149,6 +168,7 @@ inline const NamedTarget k_targets[] = {
     {"rgl", [](auto bytes) { check_measured(read_rgl(bytes, "f")); }},
     {"utia", check_utia},
     {"mbsdf", check_mbsdf},
+    {"bsdf_xml", check_bsdf_xml},
     {"cornell", [](auto bytes) { check_measured(read_cornell(bytes, "f")); }},
     {"astm", [](auto bytes) { check_answers(read_astm(bytes, "f")); }},
     {"alta", [](auto bytes) { check_answers(read_alta(bytes, "f")); }},

@@ -10,15 +10,17 @@
 #include <condition_variable>
 #include <cstring>
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <thread>
 
 #include "parallel.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
+#include "srbf/fit_bsdf.h"
 #include "srbf/fitting.h"
 #include "srbf/load.h"
-#include "srbf/prepared.h"
+#include "srbf/prepared_bsdf.h"
 #include "srbf/shading_code.h"
 
 namespace py = pybind11;
@@ -119,10 +121,20 @@ class Held {
         return **prepared_;
     }
 
+    /// Of something of both sides.
+    const PreparedBsdf& prepared_sides() const {
+        std::call_once(*once_, [&] {
+            const ProposeOptions options{.azimuths = isotropic() ? 1 : k_anisotropic_azimuths};
+            *sides_ = std::visit([&](const auto& of) { return prepare_bsdf(of, options); }, *content_);
+        });
+        return **sides_;
+    }
+
   private:
     std::shared_ptr<const AnyBrdf> content_;
     std::shared_ptr<std::once_flag> once_ = std::make_shared<std::once_flag>();
     std::shared_ptr<std::optional<PreparedBrdf>> prepared_ = std::make_shared<std::optional<PreparedBrdf>>();
+    std::shared_ptr<std::optional<PreparedBsdf>> sides_ = std::make_shared<std::optional<PreparedBsdf>>();
 };
 
 Array values_of(const Held& brdf, const Array& wl, const Array& wv) {
@@ -163,6 +175,21 @@ py::tuple sampled(const Held& brdf, const Array& wv, const Array& u) {
     const auto wl_to = changing<Vec3f>(wl);
     const auto weight_to = changing<Rgb>(weight);
     const auto density_to = changing<float>(density);
+    if (is_two_sided(brdf.content())) {
+        const PreparedBsdf& bsdf = [&]() -> const PreparedBsdf& {
+            const py::gil_scoped_release released;
+            return brdf.prepared_sides();
+        }();
+        in_parts(v.size(), [&](std::size_t first, std::size_t count) {
+            for (std::size_t i = first; i < first + count; ++i) {
+                const Vec3f& at = uniform[i];
+                const BsdfSample drawn = sample(bsdf, v[i], {at.x, at.y}, at.z);
+                wl_to[i] = drawn.wl, weight_to[i] = drawn.weight;
+                density_to[i] = drawn.is_beam ? std::numeric_limits<float>::infinity() : drawn.pdf;
+            }
+        });
+        return py::make_tuple(wl, weight, density);
+    }
     const PreparedBrdf& prepared = [&]() -> const PreparedBrdf& {
         const py::gil_scoped_release released;
         return brdf.prepared();
@@ -182,10 +209,12 @@ Array density(const Held& brdf, const Array& wl, const Array& wv) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
     Array densities{py::ssize_t(rows(wl))};
+    const bool two_sided = is_two_sided(brdf.content());
     const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
     const auto to = changing<float>(densities);
     in_parts(l.size(), [&](std::size_t first, std::size_t count) {
-        for (std::size_t i = first; i < first + count; ++i) to[i] = pdf(brdf.prepared(), l[i], v[i]);
+        for (std::size_t i = first; i < first + count; ++i)
+            to[i] = two_sided ? pdf(brdf.prepared_sides(), l[i], v[i]) : pdf(brdf.prepared(), l[i], v[i]);
     });
     return densities;
 }
@@ -207,7 +236,18 @@ py::dict parameters(const Held& brdf) {
         of[name] = array_of(numbers, std::move(shape));
     };
     const auto& model = brdf.require_model().model;
-    if (const auto* pm = std::get_if<PmModel>(&model)) {
+    if (const auto* bsdf = std::get_if<BsdfModel>(&model)) {
+        for (std::size_t p = 0; p < k_parts; ++p)
+            if (bsdf->part[p]) of[py::str(std::string(k_part_names[p]))] = parameters(Held(*bsdf->part[p]));
+        for (std::size_t b = 0; b < bsdf->beam.size(); ++b) {
+            const Beam& beam = bsdf->beam[b];
+            if (beam.empty()) continue;
+            const std::string beam_name = "beam_" + std::string(k_beam_names[b]);
+            const auto n = py::ssize_t(beam.theta.size());
+            add((beam_name + "_angle").c_str(), beam.theta, {n});
+            add((beam_name + "_share").c_str(), floats(beam.share), {n, 3});
+        }
+    } else if (const auto* pm = std::get_if<PmModel>(&model)) {
         const py::ssize_t J = pm->lobes, N = pm->variates, F = features(pm->form);
         of["form"] = std::string(name(pm->form));
         of["axial"] = pm->axial;
@@ -384,6 +424,20 @@ py::dict outcome_of(FitOutcome outcome) {
 py::dict fit_brdf(const Held& brdf, const Request& asked, const py::object& progress) {
     if (!brdf.measured()) raise({"srbf.fit", {}, "input", "a measurement", "a model", ErrorCode::wrong_kind});
     const FitRequest request = asked.fit_request();
+    if (is_two_sided(brdf.content())) {
+        BsdfOutcome outcome = required(in_background(
+            progress, [&](const ProgressToken& token) { return fit_bsdf(*brdf.measured(), request, token); }));
+        outcome.model.provenance["source"] = brdf.measured()->source;
+        py::dict of, errors;
+        for (const PartFit& part : outcome.parts)
+            errors[py::str(std::string(name(part.part)))] = part.squared_error_ratio;
+        of["errors"] = errors;
+        of["seconds"] = outcome.fit_seconds;
+        of["reached"] = true;
+        of["stop_reason"] = py::none();
+        of["model"] = Held(std::move(outcome.model));
+        return of;
+    }
     FitOutcome outcome = required(
         in_background(progress, [&](const ProgressToken& token) { return fit(*brdf.measured(), request, token); }));
     outcome.model.provenance["source"] = brdf.measured()->source;

@@ -78,9 +78,9 @@ float share(float a, float b) { return a > 0 ? 1 / (1 + (b / a) * (b / a)) : 0; 
 struct Surface {
     Vec3f position;
     Vec3f geometric;  ///< normal on the viewer's side
-    Axes axes;        ///< about the shading normal, on the viewer's side
-    const PreparedBrdf* material;
-    Vec3f wv;  ///< in these axes
+    Axes axes;        ///< about the shading normal, of a BRDF on the viewer's side
+    const PreparedBsdf* material;
+    Vec3f wv;  ///< in these axes, whose z is that of a BSDF's front
 };
 
 /// The result of one path.
@@ -131,20 +131,20 @@ class Tracer {
             if (bounce == 0) {
                 found.hit = true;
                 found.depth = hit->distance;
-                found.normal = camera_.to(surface.axes.z);
+                found.normal = camera_.to(surface.wv.z > 0 ? surface.axes.z : -surface.axes.z);
             }
             add_sampled_lights(found, throughput, surface, random);
 
             const Vec2f u{random.next(), random.next()};
-            const LightSample drawn = sample(*surface.material, surface.wv, u, random.next());
+            const BsdfSample drawn = sample(*surface.material, surface.wv, u, random.next());
             if (!(largest(drawn.weight) > 0)) return found;
             drawn_pdf = drawn.pdf;
             if (bounce == 0) found.albedo = drawn.weight;
             throughput = throughput * drawn.weight;
             random.independent();
             direction = surface.axes.from(drawn.wl);
-            if (!(dot(direction, surface.geometric) > 0)) return found;
-            origin = surface.position;
+            if (!on_its_side(surface, drawn.wl, direction)) return found;
+            origin = origin_of(surface, direction);
             if (bounce >= k_roulette) {
                 const float going_on = std::min(largest(throughput), 0.95f);
                 if (!(random.next() < going_on)) return found;
@@ -180,12 +180,21 @@ class Tracer {
         if (dot(normal, surface.geometric) < 0) normal = -normal;
         // An interpolated normal may point away from a viewer who sees the triangle.
         if (!(dot(normal, direction) < 0)) normal = surface.geometric;
-        surface.axes = in_float(surface_frame(to_double(normal)));
+        const bool from_back = !surface.material->is_brdf() && dot(hit.geometric_normal, direction) > 0;
+        const float side = from_back ? -1.f : 1.f;
+        surface.axes = in_float(surface_frame(to_double(side * normal)));
         surface.wv = surface.axes.to(-direction);
         // Rounding must not move the viewer below the horizon or off the unit sphere.
-        surface.wv.z = std::max(surface.wv.z, 1e-5f);
-        surface.position = surface.position + offset_ * surface.geometric;
+        surface.wv.z = side * std::max(side * surface.wv.z, 1e-5f);
         return surface;
+    }
+
+    /// Whether a direction leaves the triangle on the side on which it leaves the shading normal's horizon.
+    static bool on_its_side(const Surface& surface, Vec3f wl, Vec3f direction) {
+        return dot(direction, surface.geometric) * (wl.z * surface.wv.z > 0 ? 1.f : -1.f) > 0;
+    }
+    Vec3f origin_of(const Surface& surface, Vec3f direction) const {
+        return surface.position + (dot(direction, surface.geometric) > 0 ? offset_ : -offset_) * surface.geometric;
     }
 
     Rgb value_at(const Surface& surface, Vec3f wl) const {
@@ -198,14 +207,14 @@ class Tracer {
     void add_light(Found& found, const Rgb& throughput, const Surface& surface, Vec3f direction, float distance,
                    const Rgb& arriving, float light_pdf) const {
         const Vec3f wl = surface.axes.to(direction);
-        if (!(wl.z > 0 && dot(direction, surface.geometric) > 0)) return;
+        if (!on_its_side(surface, wl, direction)) return;
         const Rgb f = value_at(surface, wl);
         if (!(largest(f) > 0)) return;
         ++found.rays;
-        if (rays_.occluded(surface.position, direction, distance - offset_)) return;
+        if (rays_.occluded(origin_of(surface, direction), direction, distance - offset_)) return;
         const float by_brdf = light_pdf > 0 ? pdf(*surface.material, wl, surface.wv) : 0;
         const float scale = light_pdf > 0 ? share(light_pdf, by_brdf) / light_pdf : 1;
-        found.radiance += (scale * wl.z) * (throughput * f * arriving);
+        found.radiance += (scale * std::abs(wl.z)) * (throughput * f * arriving);
     }
 
     void add_sampled_lights(Found& found, const Rgb& throughput, const Surface& surface, Random& random) const {
@@ -221,7 +230,7 @@ class Tracer {
             const float which = random.next() * float(scene_.area_lights.size()), u1 = random.next(),
                         u2 = random.next();
             const AreaLight& light = scene_.area_lights[std::min(std::size_t(which), scene_.area_lights.size() - 1)];
-            const Vec3f to = light.corner + u1 * light.x + u2 * light.y - surface.position;
+            const Vec3f to = light.corner + u1 * light.x + u2 * light.y - seen_from(surface);
             const float distance = std::sqrt(dot(to, to));
             const Vec3f direction = (1 / distance) * to;
             if (const float density = area_pdf(light, direction, distance); density > 0)
@@ -229,6 +238,7 @@ class Tracer {
         }
     }
 
+    Vec3f seen_from(const Surface& surface) const { return surface.position + offset_ * surface.geometric; }
     bool has_environment() const { return scene_.environment && !scene_.environment->is_black(); }
 
     /// Density of sampling a direction by a point of that light; 0 from behind.

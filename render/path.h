@@ -8,7 +8,7 @@
 #include "render/environment.h"
 #include "render/image.h"
 #include "render/scene.h"
-#include "srbf/prepared.h"
+#include "srbf/prepared_bsdf.h"
 
 namespace srbf {
 
@@ -26,8 +26,8 @@ struct Body {
 
 struct PathScene {
     std::vector<Body> bodies;
-    std::vector<PreparedBrdf> materials;
-    Camera camera;  ///< its `up` is also the environment's +y
+    std::vector<PreparedBsdf> materials;  ///< a BRDF is the same on both sides, and lets nothing through
+    Camera camera;                        ///< its `up` is also the environment's +y
     std::vector<DirectionalLight> lights;
     std::vector<AreaLight> area_lights;
     const Environment* environment = nullptr;  ///< none: black
@@ -56,8 +56,9 @@ struct PathPicture {
 };
 
 /// Path tracing from the eye. At each hit the environment, the area lights and the BRDF are sampled and combined with
-/// the power heuristic (Veach & Guibas 1995); directional lights are summed. Normals are interpolated; both sides of a
-/// surface have the same material.
+/// the power heuristic (Veach & Guibas 1995); directional lights are summed. Normals are interpolated. The front of
+/// a BSDF is the side from which triangles are counter-clockwise; light that its beams let through is followed as it
+/// goes, so that they show the environment and area lights, but not directional ones.
 PathPicture render_paths(const PathScene& scene, const PathOptions& options);
 
 /// A square on the ground below a mesh, `size` times as wide as the mesh, with its upper side towards `up`.

@@ -72,6 +72,8 @@ BrdfParts parts_of(const Model& model) {
     }
     if (const auto* su = std::get_if<SuModel>(&model.model))
         return parts_of(std::make_shared<const SuModel>(*su), pair_by_pair<SuModel>());
+    if (const auto* bsdf = std::get_if<BsdfModel>(&model.model))
+        return parts_of(std::make_shared<const BsdfModel>(*bsdf), pair_by_pair<BsdfModel>());
     return parts_of(std::make_shared<const GgxModel>(std::get<GgxModel>(model.model)), pair_by_pair<GgxModel>());
 }
 

@@ -76,6 +76,42 @@ PmModel glossy() {
     return model;
 }
 
+/// A BSDF of both sides that scatters or passes all light: a quarter is reflected, as much transmitted, half passes
+/// unscattered.
+PreparedBsdf lossless() {
+    BsdfModel bsdf;
+    const auto quarter = std::make_shared<const Model>(Model{GgxModel{{0.25f, 0.25f, 0.25f}, {{1, {}, 0}}}, {}});
+    bsdf.part[std::size_t(Part::reflection_front)] = bsdf.part[std::size_t(Part::transmission_front)] = quarter;
+    bsdf.beam[2] = {{0.f, float(k_pi / 2)}, {{0.5f, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}}};
+    return prepare_bsdf(Model{bsdf, {}}, {.threads = 1});
+}
+
+TEST(Path, ThinSphereInEvenLightIsWhite) {
+    PathScene scene = sphere_scene(diffuse({}), &even_light());
+    scene.materials = {lossless()};
+    PathOptions options = small(256);
+    options.bounces = 64;
+    const Mean mean = mean_of(render_paths(scene, options).rendering.radiance);
+    EXPECT_PRED3(near, mean.value, 1, 3 * mean.deviation + 0.003);
+}
+
+/// Through a plane in front of light on one side, from either side: what passes unscattered and what is transmitted.
+TEST(Path, LightPassesThroughAPlane) {
+    for (const double eye : {5.0, -5.0}) {
+        PathScene scene = plane_scene(diffuse({}));
+        scene.materials = {lossless()};
+        scene.camera.eye.z = eye;
+        // A square light beyond it, which covers a cone about the axis; E is its irradiance over its radiance.
+        const float z = eye > 0 ? -2.f : 2.f;
+        AreaLight light{{-1, -1, z}, {2, 0, 0}, {0, 2, 0}, {1, 1, 1}};
+        if (eye < 0) std::swap(light.x, light.y);  // towards the plane
+        scene.area_lights = {light};
+        const double h = 2, q = std::sqrt(1 + h * h), form = 4 / k_pi * 1 / q * std::atan(1 / q);
+        const Mean mean = mean_of(render_paths(scene, small(64, 32)).rendering.radiance);
+        EXPECT_PRED3(near, mean.value, 0.5 + 0.25 * form, 4 * mean.deviation + 1e-3) << eye;
+    }
+}
+
 TEST(Path, WhiteSphereInEvenLightIsWhite) {
     const PmModel model = [] {
         PmModel white = glossy();

@@ -72,7 +72,18 @@ constexpr double k_last_ring = 89.5 * k_degree;
 }  // namespace
 
 std::vector<Model> terms_of(const Model& model, std::size_t most) {
-    return std::visit([&](const auto& of) { return terms(of, most); }, model.model);
+    if (const auto* bsdf = std::get_if<BsdfModel>(&model.model)) {
+        const Answering<Model> front = answering(bsdf->part, Part::reflection_front);
+        return front.brdf ? terms_of(*front.brdf, most) : std::vector<Model>{};
+    }
+    return std::visit(
+        [&](const auto& of) -> std::vector<Model> {
+            if constexpr (std::is_same_v<decltype(of), const BsdfModel&>)
+                return {};
+            else
+                return terms(of, most);
+        },
+        model.model);
 }
 
 std::vector<Vec3f> view_directions() {

@@ -14,7 +14,8 @@ namespace [[gnu::visibility("default")]] srbf {
 
 /// A BRDF is a type with `value(brdf, wl, wv)`: f_r(wl, wv) [1/sr] for each channel, without the cosine. `wl` and `wv`
 /// are unit vectors in the local frame. The value is 0 below the horizon (wl.z ≤ 0 or wv.z ≤ 0), NaN in every channel
-/// where a table holds no measurement, and finite and ≥ 0 everywhere else.
+/// where a table holds no measurement, and finite and ≥ 0 everywhere else. (A BSDF, see bsdf.h, also
+/// answers with directions below.)
 template <typename B>
 concept Brdf = requires(const B& brdf, Vec3f wl, Vec3f wv) {
     { value(brdf, wl, wv) } -> std::same_as<Rgb>;

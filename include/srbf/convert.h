@@ -54,8 +54,9 @@ std::vector<std::byte> write_merl(const MerlTable& table);
 /// where they compute in colours.
 std::vector<std::byte> write_rgl(const RglTable& table, bool spectra = true);
 /// The bytes of an MBSDF file, version 1, with a block of reflection. Control characters in values of the metadata,
-/// other than line ends, become blanks. read_mbsdf(write_mbsdf(table)) is `table` but for `has_transmission`.
-std::vector<std::byte> write_mbsdf(const MbsdfTable& table);
+/// other than line ends, become blanks. read_mbsdf(write_mbsdf(table)) is `table` but for `has_transmission`. With
+/// `transmission` a block of it follows, of which the metadata do not matter.
+std::vector<std::byte> write_mbsdf(const MbsdfTable& table, const MbsdfTable* transmission = nullptr);
 /// CSV with a row per sample: wl_x .. wv_z, then r,g,b, or a spectrum in columns such as 450nm.
 /// read_csv(write_csv(samples)) is `samples`.
 std::string write_csv(const ScatteredSamples& samples);

@@ -15,6 +15,10 @@ namespace [[gnu::visibility("default")]] srbf {
 
 /// A measurement or a model.
 using AnyBrdf = std::variant<Measured, Model>;
+/// Whether it answers on both sides (bsdf.h).
+bool is_two_sided(const AnyBrdf& brdf);
+/// Whether a part of it is known, or answered by its counterpart; of a BRDF the front reflection alone.
+bool has_part(const AnyBrdf& brdf, Part part);
 /// Reads a measurement or a model, recognised by its content. Errors: those of load_measured and load_model.
 Result<AnyBrdf> load_brdf(const std::string& path);
 
@@ -39,8 +43,9 @@ struct TableOptions {
     bool spectra = true;               ///< RGL: spectra beside the colours, see `write_rgl`
     int threads = 0;                   ///< 0: as many as the machine has; the result does not depend on it
 };
-/// The bytes of a file of that format with the values of `brdf`. Scattered samples become CSV as they are. Errors: an
-/// anisotropic measurement, except for CSV.
+/// The bytes of a file of that format with the values of `brdf`. Scattered samples become CSV as they are. Of
+/// a BSDF an MBSDF file has the parts of light from the front, CSV has all of them. Errors: an anisotropic measurement,
+/// except for CSV; a BSDF, for MERL and RGL.
 Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, TableFormat format, const TableOptions& options = {});
 
 }  // namespace srbf

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "srbf/brdf.h"
+#include "srbf/bsdf.h"
 #include "srbf/result.h"
 
 namespace [[gnu::visibility("default")]] srbf {
@@ -100,7 +101,7 @@ struct MbsdfTable {
     std::vector<Rgb> cells;    ///< f_r [1/sr]; k varies fastest, then j; negative channels not yet clamped. NaN: masked
     std::uint64_t masked = 0;  ///< samples that are not finite
     std::vector<Entry> metadata;    ///< in the order of the file
-    bool has_transmission = false;  ///< the file also has a block of transmission, which is not read
+    bool has_transmission = false;  ///< the file also has a block of transmission (`read_mbsdf_of_both_sides`)
 };
 
 class SampleIndex;
@@ -131,18 +132,74 @@ struct ScatteredSamples {
 /// Builds the search structure of `value`. Call it again after any change of the samples.
 void make_index(ScatteredSamples& samples);
 
+/// A division of the hemisphere into patches, after Klems ("A new method for predicting the solar heat gain of complex
+/// fenestration systems", 1994): rings of polar angles, and in a ring patches of one width, the first about azimuth 0.
+struct AngleBasis {
+    struct Ring {
+        float theta = 0;             ///< [rad], by which the file names it
+        float from = 0, to = 0;      ///< [rad]
+        std::uint32_t azimuths = 1;  ///< number of patches
+    };
+    std::string name;
+    std::vector<Ring> rings;  ///< from 0 to π/2
+
+    std::size_t patches() const;
+    /// The first patch of a ring; `rings.size()`: the number of patches.
+    std::size_t first_of(std::size_t ring) const;
+    std::size_t ring_of(std::size_t patch) const;
+    /// The patch that contains a direction above the horizon.
+    std::size_t patch_of(Vec3f w) const;
+    /// The middle of a patch in azimuth [rad].
+    double azimuth_of(std::size_t patch) const;
+    /// ∫ cosθ dω over a patch of the ring [sr].
+    double projected_solid_angle(std::size_t ring) const;
+    /// A point of a patch, (s, t) in [0, 1]²: uniform in ∫ cosθ dω.
+    Vec3d point_of(std::size_t patch, double s, double t) const;
+};
+
+/// A matrix of patches: one part of a BSDF in WINDOW's and Radiance's XML, in the frame of that part (bsdf.h). Cell
+/// (o, i) is the mean of f over the outgoing patch o and the incident patch i, both weighted by their cosines. In that
+/// frame the light that belongs to point (x, y, z) of an incident patch comes from (x, −y, z), and point (x, y, z) of an
+/// outgoing patch is the view direction (−x, y, z): the mirror direction has the same patch. Look-up is constant over
+/// patches.
+struct KlemsTable {
+    AngleBasis incident, outgoing;
+    std::vector<Rgb> cells;    ///< f [1/sr] without the beam, outgoing × incident
+    std::vector<Rgb> beam;     ///< of each incident patch: the share that was a peak within one patch; or empty
+    std::uint64_t masked = 0;  ///< cells without a measurement, NaN: none in files
+    Rgb cell(std::size_t o, std::size_t i) const { return cells[o * incident.patches() + i]; }
+};
+
+struct Measured;
+
+/// A measurement of both sides, in bands of wavelengths. Each part is a measurement of its own, in the frame of
+/// the part.
+struct BsdfTable {
+    struct Band {
+        std::string name;  ///< "Visible", "Solar"; empty: colours
+        Parts<Measured> part;
+        Beams beam;
+    };
+    std::vector<Band> bands;  ///< at least one
+    std::size_t chosen = 0;   ///< the one that all functions look up
+    std::string description;
+    const Band& band() const { return bands[chosen]; }
+};
+
 /// Any measurement.
 struct Measured {
     std::string source;       ///< the file name
-    std::string format;       ///< "MERL", "RGL", "UTIA", "MBSDF", "Cornell", "ASTM E1392", "ALTA" or "CSV"
+    std::string format;       ///< "MERL", "RGL", "UTIA", "MBSDF", "Cornell", "ASTM E1392", "ALTA", "CSV" or "BSDF XML"
     std::uint64_t bytes = 0;  ///< size of the file
-    std::variant<MerlTable, RglTable, UtiaTable, MbsdfTable, ScatteredSamples> table;
+    std::variant<MerlTable, RglTable, UtiaTable, MbsdfTable, ScatteredSamples, KlemsTable, BsdfTable> table;
     bool exchanged = false;  ///< all functions of a `Measured` look up the table at (wv, wl)
 };
 /// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument.
 void exchange(Measured& measured);
-/// Whether f_r depends only on the difference of the azimuths.
+/// Whether f_r depends only on the difference of the azimuths; of patches, as far as their centres have the same
+/// difference, up to 1 % of the root mean square.
 bool is_isotropic(const Measured& measured);
+bool is_isotropic(const KlemsTable& table);
 
 /// f_r by trilinear interpolation over the measured ones of the eight surrounding nodes; NaN if none was measured.
 Rgb value(const MerlTable& table, Vec3f wl, Vec3f wv);
@@ -157,6 +214,9 @@ Rgb value(const UtiaTable& table, Vec3f wl, Vec3f wv);
 Rgb value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
 /// f_r by interpolation, with negative values clamped to 0.
 Rgb value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
+Rgb value(const KlemsTable& table, Vec3f wl, Vec3f wv);
+/// f of the chosen band on either side.
+Rgb value(const BsdfTable& table, Vec3f wl, Vec3f wv);
 Rgb value(const Measured& measured, Vec3f wl, Vec3f wv);
 
 /// f_r without clamping of negative channels, which occur where a saturated colour lies outside of the gamut.
@@ -165,6 +225,8 @@ Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
+Rgb signed_value(const KlemsTable& table, Vec3f wl, Vec3f wv);
+Rgb signed_value(const BsdfTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
 /// f[i] = signed_value(table, wl[i], wv[i]). The spans have the same length. Isotropic tables use the widest SIMD
 /// instructions of the machine, within 1e-4 relative or 1e-5 of the table's largest colour over cosθv.
@@ -202,6 +264,21 @@ Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string&
 /// n_φ, and n_θ n_θ n_φ samples. A block of transmission may follow; its size is checked, and it is left out. A sample
 /// that is not finite is masked.
 Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name);
+/// Reads BSDF data in the XML of LBNL's WINDOW and of Radiance: matrices of patches in Klems' bases or in bases that the
+/// file defines, for reflection and transmission at front and back, in bands of wavelengths ("Visible" is chosen if there
+/// is one). WINDOW's front is +z. A peak of one patch about the mirror direction, of which the neighbouring patches see
+/// less than a tenth, is a `Beam`. Errors: not well-formed XML; a document type (with which entities are defined); tensor
+/// trees; a matrix of another size than its bases; numbers that are not finite.
+Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name);
+inline constexpr std::size_t k_largest_xml = std::size_t(1) << 28;
+/// Reads CSV (see `read_csv`) of samples on both sides, for each part those of its own.
+Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name);
+/// Reads both blocks of an MBSDF file as reflection and transmission of light from the front, whose frame is that of the
+/// parts. Errors: those of `read_mbsdf`, or it has no block of transmission.
+Result<BsdfTable> read_mbsdf_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name);
+/// Chooses the band with that name, whatever the case of its letters. Errors: it has no such band.
+Result<Done> choose_band(Measured& measured, std::string_view name);
+
 /// Reads a `.brdf` of Cornell's Program of Computer Graphics: the number of wavelengths, the wavelengths [nm], then for
 /// each sample θ_i φ_i θ_s φ_s [rad] of the light and the viewer and the spectrum of f_r. '#' starts a comment.
 Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name);

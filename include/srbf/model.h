@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "srbf/brdf.h"
+#include "srbf/bsdf.h"
 #include "srbf/ggx.h"
 #include "srbf/result.h"
 #include "srbf/su.h"
@@ -50,16 +51,27 @@ std::vector<Rgb> colours(std::span<const float> spectra, std::span<const float> 
 /// ρ(wl, wv) in single precision; 0 below the horizon.
 Rgb value(const PmModel& model, Vec3f wl, Vec3f wv);
 
+struct Model;
+
+/// A BSDF: a model for each part, in the frame of that part (bsdf.h), none of them a BSDF itself, and its beams.
+struct BsdfModel {
+    Parts<Model> part;
+    Beams beam;
+};
+
 /// The content of a model file: a model and its provenance.
 struct Model {
-    std::variant<PmModel, SuModel, GgxModel> model;
+    std::variant<PmModel, SuModel, GgxModel, BsdfModel> model;
     std::map<std::string, std::string> provenance;  ///< source file, options, errors, version
 };
+/// f(wl, wv) on either side, without the beams.
+Rgb value(const BsdfModel& model, Vec3f wl, Vec3f wv);
 Rgb value(const Model& model, Vec3f wl, Vec3f wv);
 
 /// f[i] = value(model, wl[i], wv[i]), with the widest SIMD instructions of the machine. The spans have the same length.
 /// Within 1e-4 of `value` or 1e-6 of the model's peak.
 void evaluate(const PmModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
+void evaluate(const BsdfModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 void evaluate(const Model& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const PmModel& model);
@@ -80,6 +92,8 @@ Channels spectra(const PmModel&&) = delete;
 Channels channels(const Model& model);
 Channels channels(const Model&&) = delete;
 
+std::size_t payload_bytes(const BsdfModel& model);
+std::size_t auxiliary_bytes(const BsdfModel& model);
 /// Size of a model's stored numbers, and of the tables that it needs in addition at run time.
 std::size_t payload_bytes(const Model& model);
 std::size_t auxiliary_bytes(const Model& model);
@@ -107,7 +121,10 @@ PmModel rounded(const PmModel& model);
 /// [nm], separated by blanks. A view-by-view model has `coefficient` [n,J,3], `bandwidth` [n,J] and `centre` [n,J,2],
 /// the (θ, φ) of a centre minus those of its view's mirror direction. If it has an index texture, it also has
 /// `aux.index`, U16 [6,s,s,8] or [s,s,8], and `aux.directions` [n,4], the sampled directions and a 0. A model of
-/// Lambert and GGX has `diffuse` [3], and for its L lobes `roughness` [L], `facing` [L,3] (F0) and `grazing` [L] (F90).
+/// Lambert and GGX has `diffuse` [3], and for its L lobes `roughness` [L], `facing` [L,3] (F0) and `grazing` [L] (F90). A BSDF
+/// has the tensors and the metadata of each part's model after the part's name and a point, as in
+/// `transmission_front.bandwidth`, and for each of its beams, named by `k_beam_names`, `beam.NAME.angle` [n] and
+/// `beam.NAME.share` [n,3].
 std::vector<std::byte> write_model(const Model& model);
 /// Errors: not a model file; tensors that are missing, of another type or shape, overlapping or with gaps between them;
 /// numbers that are not finite or out of range; `wrong_kind`: a measurement. `file_name` appears in errors only.

@@ -367,7 +367,7 @@ MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options) {
     return table;
 }
 
-std::vector<std::byte> write_mbsdf(const MbsdfTable& table) {
+std::vector<std::byte> write_mbsdf(const MbsdfTable& table, const MbsdfTable* transmission) {
     std::string header = fmt::format("{}\n", k_mbsdf_magic);
     const auto append = [&header](const std::string& text) {
         for (const char c : text) {
@@ -385,17 +385,21 @@ std::vector<std::byte> write_mbsdf(const MbsdfTable& table) {
         append(text);
         header += "\"\n";
     }
-    header += fmt::format("{}\n", k_mbsdf_reflection);
-    const auto raw = as_bytes(header);
-    std::vector<std::byte> bytes(raw.begin(), raw.end());
-    const int channels = table.grey ? 1 : 3;
-    bytes.reserve(bytes.size() + 3 * sizeof(std::uint32_t) +
-                  table.cells.size() * std::size_t(channels) * sizeof(float));
-    store(bytes, std::uint32_t(table.grey ? 0 : 1));
-    store(bytes, table.polar);
-    store(bytes, table.azimuths);
-    for (const Rgb& f : table.cells)
-        for (int c = 0; c < channels; ++c) store(bytes, f[c]);
+    std::vector<std::byte> bytes;
+    const auto add_block = [&](const std::string& head, const MbsdfTable& block) {
+        const int channels = block.grey ? 1 : 3;
+        bytes.reserve(bytes.size() + head.size() + 3 * sizeof(std::uint32_t) +
+                      block.cells.size() * std::size_t(channels) * sizeof(float));
+        const auto raw = as_bytes(head);
+        bytes.insert(bytes.end(), raw.begin(), raw.end());
+        store(bytes, std::uint32_t(block.grey ? 0 : 1));
+        store(bytes, block.polar);
+        store(bytes, block.azimuths);
+        for (const Rgb& f : block.cells)
+            for (int c = 0; c < channels; ++c) store(bytes, f[c]);
+    };
+    add_block(header + fmt::format("{}\n", k_mbsdf_reflection), table);
+    if (transmission) add_block(fmt::format("{}\n", k_mbsdf_transmission), *transmission);
     return bytes;
 }
 

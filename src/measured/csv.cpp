@@ -111,11 +111,27 @@ bool is_csv(std::string_view text) {
     return false;
 }
 
-Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name) {
+bool is_csv_of_both_sides(std::string_view text) {
+    for (Lines lines(text); auto line = lines.next();) {
+        if (!line->starts_with('#')) return false;
+        if (lower(trimmed(line->substr(1))) == "both sides") return true;
+    }
+    return false;
+}
+
+namespace {
+
+/// Samples as they are read; of both sides for each part, in its frame.
+struct Collected {
+    std::array<std::optional<SampleBuilder>, k_parts> part;
+    bool isotropic = false;
+};
+
+Result<Collected> collect(std::span<const std::byte> bytes, const std::string& file_name, bool both_sides) {
     Lines lines(as_text(bytes));
     std::vector<std::string_view> fields;
     std::optional<Columns> columns;
-    std::optional<SampleBuilder> builder;
+    Collected collected;
     std::vector<float> f;
     bool is_isotropic = false, turned = false;
     while (auto line = lines.next()) {
@@ -128,8 +144,9 @@ Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, cons
             const auto named = columns_of(fields, file_name, lines.number());
             if (!named) return named.error();
             columns = *named;
-            builder.emplace(columns->values, columns->wavelengths, bytes.size(), lines_of(bytes));
-            f.resize(builder->width());
+            for (auto& builder : std::span(collected.part).first(both_sides ? k_parts : 1))
+                builder.emplace(columns->values, columns->wavelengths, bytes.size(), lines_of(bytes));
+            f.resize(collected.part[0]->width());
             continue;
         }
         if (fields.size() != columns->count)
@@ -166,12 +183,41 @@ Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, cons
         }
         for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(read(columns->value[v]));
         if (error) return *error;
-        builder->add(wl, wv, f);
+        const auto part = both_sides ? folded(to_float(wl), to_float(wv)) : std::nullopt;
+        if (part)
+            collected.part[std::size_t(part->part)]->add({wl.x, wl.y, std::abs(wl.z)}, {wv.x, wv.y, std::abs(wv.z)}, f);
+        else
+            collected.part[0]->add(wl, wv, f);  // where it is masked, if it is not above the horizon
     }
-    if (!builder)
+    if (!collected.part[0])
         return at_line(file_name, std::max<std::uint64_t>(lines.number(), 1), "header", "names of columns",
                        "an empty file");
-    return std::move(*builder).finish(file_name, {}, is_isotropic || !turned);
+    collected.isotropic = is_isotropic || !turned;
+    return collected;
+}
+
+}  // namespace
+
+Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name) {
+    auto collected = collect(bytes, file_name, false);
+    if (!collected) return collected.error();
+    return std::move(*collected->part[0]).finish(file_name, {}, collected->isotropic);
+}
+
+Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name) {
+    auto collected = collect(bytes, file_name, true);
+    if (!collected) return collected.error();
+    BsdfTable table{{{}}, 0, {}};
+    bool any = false;
+    for (std::size_t p = 0; p < k_parts; ++p) any = any || !collected->part[p]->empty();
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        if (any && collected->part[p]->empty()) continue;
+        auto samples = indexed(std::move(*collected->part[p]).finish(file_name, {}, collected->isotropic));
+        if (!samples) return samples.error();
+        Measured part{file_name, "CSV", 0, *std::move(samples)};
+        table.bands[0].part[p] = std::make_shared<const Measured>(std::move(part));
+    }
+    return table;
 }
 
 Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name) {

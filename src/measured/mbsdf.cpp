@@ -113,13 +113,41 @@ Between between(float at, std::uint32_t n) {
 
 bool is_mbsdf(std::span<const std::byte> bytes) { return as_text(bytes).starts_with(k_family); }
 
-Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name) {
+namespace {
+
+/// The blocks of a file: reflection, and transmission if it has any.
+struct Blocks {
+    MbsdfTable reflection;
+    std::optional<MbsdfTable> transmission;
+};
+
+Result<Done> read_samples(const Cursor& file, const Block& block, MbsdfTable& table) {
+    table.polar = block.polar, table.azimuths = block.azimuths;
+    table.grey = block.channels == 1;
+    table.cells.resize(block.samples());
+    const auto* number = reinterpret_cast<const std::byte*>(file.text.data()) + block.offset;
+    for (Rgb& f : table.cells) {
+        for (int c = 0; c < 3; ++c) {
+            f[c] = load<float>(number);
+            if (!table.grey || c == 2) number += sizeof(float);
+        }
+        if (is_finite(f)) continue;
+        f = {k_nan, k_nan, k_nan};
+        ++table.masked;
+    }
+    if (table.masked == table.cells.size())
+        return file.error(block.offset, "MBSDF samples", "at least one that is finite", "none");
+    return Done{};
+}
+
+Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& file_name, bool with_transmission) {
     Cursor file{as_text(bytes), file_name};
     const auto magic = file.line();
     if (!magic || *magic != k_mbsdf_magic)
         return file.error(0, "MBSDF file", fmt::format("the line '{}'", k_mbsdf_magic),
                           quoted(magic.value_or(file.text)));
-    MbsdfTable table;
+    Blocks blocks;
+    MbsdfTable& table = blocks.reflection;
     for (;;) {
         const std::size_t begin = file.at;
         const auto line = file.line();
@@ -140,28 +168,40 @@ Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::strin
             return file.error(begin, "after the MBSDF block of reflection",
                               fmt::format("the end of the file, or {}", k_mbsdf_transmission),
                               fmt::format("{} bytes", file.text.size() - begin));
-        if (const auto transmission = parse_block(file); !transmission) return transmission.error();
+        const auto transmission = parse_block(file);
+        if (!transmission) return transmission.error();
         if (!file.at_end())
             return file.error(file.at, "after the MBSDF block of transmission", "the end of the file",
                               fmt::format("{} bytes", file.text.size() - file.at));
         table.has_transmission = true;
-    }
-
-    table.polar = block->polar, table.azimuths = block->azimuths;
-    table.grey = block->channels == 1;
-    table.cells.resize(block->samples());
-    const std::byte* number = bytes.data() + block->offset;
-    for (Rgb& f : table.cells) {
-        for (int c = 0; c < 3; ++c) {
-            f[c] = load<float>(number);
-            if (!table.grey || c == 2) number += sizeof(float);
+        if (with_transmission) {
+            blocks.transmission.emplace();
+            if (const auto read = read_samples(file, *transmission, *blocks.transmission); !read) return read.error();
         }
-        if (is_finite(f)) continue;
-        f = {k_nan, k_nan, k_nan};
-        ++table.masked;
     }
-    if (table.masked == table.cells.size())
-        return file.error(block->offset, "MBSDF samples", "at least one that is finite", "none");
+    if (const auto read = read_samples(file, *block, table); !read) return read.error();
+    return blocks;
+}
+
+}  // namespace
+
+Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name) {
+    auto blocks = read_blocks(bytes, file_name, false);
+    if (!blocks) return blocks.error();
+    return std::move(blocks->reflection);
+}
+
+Result<BsdfTable> read_mbsdf_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name) {
+    auto blocks = read_blocks(bytes, file_name, true);
+    if (!blocks) return blocks.error();
+    if (!blocks->transmission)
+        return Error{file_name, {}, "MBSDF file", "a block of transmission", "none", ErrorCode::argument};
+    BsdfTable table{{{}}, 0, {}};
+    const auto part = [&](MbsdfTable&& of) {
+        return std::make_shared<const Measured>(Measured{file_name, "MBSDF", 0, std::move(of)});
+    };
+    table.bands[0].part[std::size_t(Part::reflection_front)] = part(std::move(blocks->reflection));
+    table.bands[0].part[std::size_t(Part::transmission_front)] = part(*std::move(blocks->transmission));
     return table;
 }
 

@@ -32,12 +32,20 @@ Result<Measured> labelled(Result<Table> table, const std::string& file_name, std
 /// Reads a measurement of any format, without the index of samples.
 Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::string& file_name) {
     if (is_rgl(bytes)) return labelled(read_rgl(bytes, file_name), file_name, "RGL", bytes.size());
-    if (is_mbsdf(bytes)) return labelled(read_mbsdf(bytes, file_name), file_name, "MBSDF", bytes.size());
+    if (is_mbsdf(bytes)) {
+        auto table = read_mbsdf(bytes, file_name);
+        if (table && table->has_transmission)
+            return labelled(read_mbsdf_of_both_sides(bytes, file_name), file_name, "MBSDF", bytes.size());
+        return labelled(std::move(table), file_name, "MBSDF", bytes.size());
+    }
     if (is_merl(bytes)) return labelled(read_merl(bytes, file_name), file_name, "MERL", bytes.size());
     if (is_text(bytes)) {
         const std::string_view text = as_text(bytes);
         if (is_alta(text)) return labelled(read_alta_samples(bytes, file_name), file_name, "ALTA", bytes.size());
         if (is_astm(text)) return labelled(read_astm_samples(bytes, file_name), file_name, "ASTM E1392", bytes.size());
+        if (is_xml(text)) return labelled(read_bsdf_xml(bytes, file_name), file_name, "BSDF XML", bytes.size());
+        if (is_csv(text) && is_csv_of_both_sides(text))
+            return labelled(read_csv_of_both_sides(bytes, file_name), file_name, "CSV", bytes.size());
         if (is_csv(text)) return labelled(read_csv_samples(bytes, file_name), file_name, "CSV", bytes.size());
         if (is_cornell(text))
             return labelled(read_cornell_samples(bytes, file_name), file_name, "Cornell", bytes.size());
@@ -45,8 +53,11 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
     if (is_safetensors(bytes))
         return Error{file_name, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
     if (is_utia(bytes)) return labelled(read_utia(bytes, file_name), file_name, "UTIA", bytes.size());
-    return Error{
-        file_name, {}, "unknown format", "MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA or CSV", opening(bytes)};
+    return Error{file_name,
+                 {},
+                 "unknown format",
+                 "MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV or BSDF XML",
+                 opening(bytes)};
 }
 
 Result<Measured> indexed(Result<Measured> measured) {
@@ -76,6 +87,9 @@ Result<Measured> load_measured(const std::string& path) {
 bool is_isotropic(const Measured& measured) {
     if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return rgl->phi_l.empty();
     if (const auto* samples = std::get_if<ScatteredSamples>(&measured.table)) return samples->isotropic;
+    if (const auto* klems = std::get_if<KlemsTable>(&measured.table)) return is_isotropic(*klems);
+    if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table))
+        return std::ranges::all_of(bsdf->band().part, [](const auto& part) { return !part || is_isotropic(*part); });
     return !std::holds_alternative<UtiaTable>(measured.table);
 }
 

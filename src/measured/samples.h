@@ -28,6 +28,7 @@ class SampleBuilder {
     /// Adds a sample with values f[width()]. It is masked if a number is not finite or a direction is below the
     /// horizon.
     void add(Vec3d wl, Vec3d wv, std::span<const float> f);
+    bool empty() const { return samples_.wl.empty(); }
     /// The samples, without an index. Errors: no samples are left; there were too many.
     Result<ScatteredSamples> finish(const std::string& file_name, std::string description, bool isotropic) &&;
 
@@ -58,5 +59,8 @@ bool is_cornell(std::string_view text);
 bool is_astm(std::string_view text);
 bool is_alta(std::string_view text);
 bool is_csv(std::string_view text);
+/// Whether one of the comments before the header of a CSV is "both sides".
+bool is_csv_of_both_sides(std::string_view text);
+bool is_xml(std::string_view text);
 
 }  // namespace srbf

@@ -325,6 +325,9 @@ void evaluate(const PmModel& model, std::span<const Vec3f> wl, std::span<const V
     evaluate(PmLanes(model), wl, wv, f);
 }
 
+void evaluate(const BsdfModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    evaluate(model.part, wl, wv, f, [](const Model& part, auto l, auto v, auto to) { evaluate(part, l, v, to); });
+}
 void evaluate(const Model& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     std::visit([&](const auto& m) { evaluate(m, wl, wv, f); }, model.model);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "floating_point.h"
+#include "model/bsdf_file.h"
 #include "model/ggx_file.h"
 #include "model/safetensors.h"
 #include "model/su_file.h"
@@ -210,6 +211,8 @@ std::vector<Rgb> colours(std::span<const float> spectra, std::span<const float> 
 
 bool is_isotropic(const Model& model) {
     const auto* pm = std::get_if<PmModel>(&model.model);
+    const auto* bsdf = std::get_if<BsdfModel>(&model.model);
+    if (bsdf) return std::ranges::all_of(bsdf->part, [](const auto& part) { return !part || is_isotropic(*part); });
     return !pm || pm->axial;
 }
 
@@ -218,6 +221,15 @@ void exchange(Model& model) {
         for (Parameterization& of : pm->parameterization) std::swap(of.a, of.b);  // all else is symmetric
     if (auto* su = std::get_if<SuModel>(&model.model))
         su->discretise = su->discretise == Discretise::view ? Discretise::light : Discretise::view;
+    if (auto* bsdf = std::get_if<BsdfModel>(&model.model)) {
+        for (auto& part : bsdf->part) {
+            if (!part) continue;
+            Model copy = *part;
+            exchange(copy);
+            part = std::make_shared<const Model>(std::move(copy));
+        }
+        std::swap(bsdf->part[std::size_t(Part::transmission_front)], bsdf->part[std::size_t(Part::transmission_back)]);
+    }
 }
 
 std::span<const float> wavelengths(const Model& model) {
@@ -237,11 +249,12 @@ PmModel rounded(const PmModel& model) {
     return *std::move(decoded);
 }
 
-std::vector<std::byte> write_model(const Model& model) {
-    const FlushSubnormals mode;
+namespace {
+
+/// A model's tensors and metadata, without the version.
+Safetensors content_of(const Model& model) {
     Safetensors content{{}, model.provenance};
     auto& metadata = content.metadata;
-    metadata["srbf"] = k_version;
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
         content.tensors = encode(*pm);
         metadata["model"] = "pm";
@@ -254,18 +267,22 @@ std::vector<std::byte> write_model(const Model& model) {
         metadata["discretise"] = name(su->discretise);
         metadata["interpolation"] = name(su->interpolation);
         metadata["neighbours"] = std::to_string(su->neighbours);
-    } else {
-        content.tensors = encode_ggx(std::get<GgxModel>(model.model));
+    } else if (const auto* ggx = std::get_if<GgxModel>(&model.model)) {
+        content.tensors = encode_ggx(*ggx);
         metadata["model"] = "ggx";
+    } else {
+        const auto& bsdf = std::get<BsdfModel>(model.model);
+        content.tensors = encode_beams(bsdf.beam);
+        for (std::size_t p = 0; p < k_parts; ++p)
+            if (bsdf.part[p]) add_part(content_of(*bsdf.part[p]), Part(p), content);
+        metadata["model"] = "bsdf";
     }
-    return write_safetensors(content);
+    return content;
 }
 
-Result<Model> read_model(std::span<const std::byte> bytes, const std::string& file_name) {
-    const FlushSubnormals mode;
-    Result<Safetensors> content = read_safetensors(bytes, file_name);
-    if (!content) return content.error();
-    auto& metadata = content->metadata;
+/// The model of these; `may_be_bsdf`: a part may not.
+Result<Model> model_of(Safetensors content, bool may_be_bsdf, const std::string& file_name) {
+    auto& metadata = content.metadata;
     // The metadata that determine the meaning of the tensors; all other metadata are provenance. The first unknown
     // value is reported.
     std::optional<Error> error;
@@ -281,8 +298,28 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
         }
         return found;
     };
-    const std::string version = take("srbf", {k_version}), kind = take("model", {"pm", "su", "ggx"});
+    std::vector<std::string_view> kinds{"pm", "su", "ggx"};
+    if (may_be_bsdf) kinds.push_back("bsdf");
+    const std::string kind = take("model", kinds);
     if (error) return *error;
+    if (kind == "bsdf") {
+        BsdfModel bsdf;
+        for (std::size_t p = 0; p < k_parts; ++p) {
+            Safetensors of_part = take_part(content, Part(p));
+            if (of_part.tensors.empty() && of_part.metadata.empty()) continue;
+            auto part = model_of(std::move(of_part), false, file_name);
+            if (!part) {
+                Error of = part.error();
+                of.what = fmt::format("{}: {}", k_part_names[p], of.what);
+                return of;
+            }
+            bsdf.part[p] = std::make_shared<const Model>(*std::move(part));
+        }
+        auto beams = decode_beams(content.tensors, file_name);
+        if (!beams) return beams.error();
+        bsdf.beam = *std::move(beams);
+        return Model{std::move(bsdf), std::move(metadata)};
+    }
     if (kind == "su") {
         const auto discretise = take("discretise", {name(Discretise::view), name(Discretise::light)}),
                    interpolation =
@@ -290,13 +327,13 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
                    neighbours = take("neighbours", {"1", "2", "3", "4", "5", "6", "7"});
         if (error) return *error;
         Result<SuModel> su = decode_su(
-            content->tensors, {*discretise_named(discretise), *interpolation_named(interpolation), neighbours[0] - '0'},
+            content.tensors, {*discretise_named(discretise), *interpolation_named(interpolation), neighbours[0] - '0'},
             file_name);
         if (!su) return su.error();
         return Model{*std::move(su), std::move(metadata)};
     }
     if (kind == "ggx") {
-        Result<GgxModel> ggx = decode_ggx(content->tensors, file_name);
+        Result<GgxModel> ggx = decode_ggx(content.tensors, file_name);
         if (!ggx) return ggx.error();
         return Model{*std::move(ggx), std::move(metadata)};
     }
@@ -311,9 +348,30 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
         wavelength = *std::move(known);
         metadata.erase(at);
     }
-    Result<PmModel> pm = decode(content->tensors, *form_named(form), axial == "true", std::move(wavelength), file_name);
+    Result<PmModel> pm = decode(content.tensors, *form_named(form), axial == "true", std::move(wavelength), file_name);
     if (!pm) return pm.error();
     return Model{*std::move(pm), std::move(metadata)};
+}
+
+}  // namespace
+
+std::vector<std::byte> write_model(const Model& model) {
+    const FlushSubnormals mode;
+    Safetensors content = content_of(model);
+    content.metadata["srbf"] = k_version;
+    return write_safetensors(content);
+}
+
+Result<Model> read_model(std::span<const std::byte> bytes, const std::string& file_name) {
+    const FlushSubnormals mode;
+    Result<Safetensors> content = read_safetensors(bytes, file_name);
+    if (!content) return content.error();
+    const auto version = content->metadata.find("srbf");
+    if (version == content->metadata.end() || version->second != k_version)
+        return Error{file_name, 8, "metadata 'srbf'", std::string(k_version),
+                     version == content->metadata.end() ? "none" : fmt::format("{:.40}", version->second)};
+    content->metadata.erase(version);
+    return model_of(*std::move(content), true, file_name);
 }
 
 Result<Done> save_model(const Model& model, const std::string& path) { return write_file(path, write_model(model)); }

@@ -381,6 +381,8 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     std::string list;
     for (const auto& [name, printed] : entries(options)) roots.push_back(name);
     for (const NamedModel& of : models) {
+        if (std::holds_alternative<BsdfModel>(of.model->model))
+            return Error{of.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
         if (const auto* su = std::get_if<SuModel>(&of.model->model)) {
             const auto refused = [&](const char* what, const char* expected, const char* found) {
                 return Error{of.name, {}, what, expected, found, ErrorCode::argument};
@@ -406,9 +408,8 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 }
 
 Result<std::string> python_code(const Model& model, int threads) {
-    if (std::holds_alternative<SuModel>(model.model))
-        return Error{"python code",      {}, "model", "multivariate, or Lambert and GGX", "view by view",
-                     ErrorCode::argument};
+    if (std::holds_alternative<SuModel>(model.model) || std::holds_alternative<BsdfModel>(model.model))
+        return Error{"python code", {}, "model", "multivariate, or Lambert and GGX", "another", ErrorCode::argument};
     const Program program = program_of(model, {.sampling = true, .threads = threads},
                                        {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"});
     std::string text;

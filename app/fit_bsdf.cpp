@@ -1,0 +1,124 @@
+// `srbf fit` of a measurement of both sides.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <thread>
+
+#include "app/commands.h"
+#include "app/fit.h"
+#include "render/preview.h"
+#include "srbf/directions.h"
+
+namespace srbf {
+namespace {
+
+Json json_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome) {
+    Json json{{"source", fit.input},
+              {"source_format", measured.format},
+              {"source_bytes", measured.bytes},
+              {"output", fit.output},
+              {"version", SRBF_VERSION},
+              {"model", "bsdf"},
+              {"band", std::get<BsdfTable>(measured.table).band().name},
+              {"payload_bytes", payload_bytes(outcome.model)},
+              {"auxiliary_bytes", auxiliary_bytes(outcome.model)},
+              {"fit_seconds", outcome.fit_seconds},
+              {"load_seconds", fit.load_seconds},
+              {"seed", fit.request.seed},
+              {"threads", fit.request.threads > 0 ? fit.request.threads : int(std::thread::hardware_concurrency())},
+              {"most_light_measured", outcome.most_measured},
+              {"most_light", outcome.most_fitted}};
+    for (const PartFit& part : outcome.parts) {
+        Json of{{"part", name(part.part)},
+                {"answered_by", part.answered_by ? Json(name(*part.answered_by)) : Json()},
+                {"black", part.black},
+                {"squared_error_ratio", part.squared_error_ratio}};
+        for (const Hemispherical& sum : part.hemispherical)
+            of["hemispherical"].push_back({{"theta", std::round(sum.theta / k_degree * 1e4) / 1e4},
+                                           {"measured", sum.measured},
+                                           {"fitted", sum.fitted}});
+        json["parts"].push_back(std::move(of));
+    }
+    return json;
+}
+
+/// The largest errors of directional-hemispherical sums.
+std::string text_of(const std::vector<Hemispherical>& sums) {
+    double largest = 0, relative = 0;
+    for (const Hemispherical& sum : sums) {
+        const double error = std::abs(sum.fitted - sum.measured);
+        largest = std::max(largest, error);
+        if (sum.measured > 0) relative = std::max(relative, error / sum.measured);
+    }
+    return fmt::format("{:>9.4f} {:>9}", largest, percent(relative));
+}
+
+Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome) {
+    const auto& table = std::get<BsdfTable>(measured.table);
+    fmt::print("{}  ({}, {} bytes{})\n", fit.input, measured.format, grouped(measured.bytes),
+               table.band().name.empty() ? "" : ", " + table.band().name);
+    fmt::print("  stored    {} bytes, fitted in {:.2f} s\n\n", grouped(payload_bytes(outcome.model)),
+               outcome.fit_seconds);
+    fmt::print("  {:<20} {:>7} {:>12}   {}\n", "", "", "squared", "directional-hemispherical");
+    fmt::print("  {:<20} {:>7} {:>12}   {:>9} {:>9}\n", "part", "bytes", "error ratio", "error", "relative");
+    for (const PartFit& part : outcome.parts) {
+        const std::string bytes = part.answered_by ? "shared"
+                                  : part.black     ? "black"
+                                                   : grouped(payload_bytes(part.outcome.model));
+        fmt::print("  {:<20} {:>7} {:>12}   {}\n", name(part.part), bytes, percent(part.squared_error_ratio),
+                   text_of(part.hemispherical));
+    }
+    const auto& beams = std::get<BsdfModel>(outcome.model.model).beam;
+    for (std::size_t b = 0; b < beams.size(); ++b)
+        if (!beams[b].empty())
+            fmt::print("  {:<20} {:>7}   unscattered light, {:.3g} % at 0°, stored as it is\n",
+                       fmt::format("beam, {}", k_beam_names[b]), 8 * beams[b].theta.size(),
+                       100 * double(share_at(beams[b], 1).g));
+    fmt::print("\n  reflected and transmitted: at most {} of the light, measured {}\n", percent(outcome.most_fitted),
+               percent(outcome.most_measured));
+    fmt::print("  model     {}\n", fit.output);
+    if (!fit.preview.empty()) fmt::print("  picture   {}\n", fit.preview);
+    if (!fit.json.empty()) fmt::print("  report    {}\n", fit.json);
+    return flush_standard_output();
+}
+
+}  // namespace
+
+int fit_both_sides(const FileFit& fit, const Measured& measured) {
+    ProgressLine line;
+    auto outcome =
+        fit_bsdf(measured, fit.request, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+    if (!outcome) {
+        Error error = outcome.error();
+        error.source = fit.input;
+        return line.clear(), complain(error);
+    }
+    auto& provenance = outcome->model.provenance;
+    provenance["generator"] = "srbf " SRBF_VERSION;
+    provenance["source"] = std::filesystem::path(fit.input).filename().string();
+    provenance["seed"] = fmt::format("{}", fit.request.seed);
+    if (const auto& band = std::get<BsdfTable>(measured.table).band().name; !band.empty()) provenance["band"] = band;
+    if (fit.exchange) provenance["exchanged"] = "light and viewer of the source";
+    for (const PartFit& part : outcome->parts)
+        provenance[fmt::format("squared_error_ratio of {}", name(part.part))] =
+            fmt::format("{:.4g}", part.squared_error_ratio);
+    line.clear();
+    if (!fit.preview.empty()) {
+        PreviewOptions options;
+        options.threads = fit.request.threads;
+        options.captions[1] = fmt::format("fit, {} bytes", payload_bytes(outcome->model));
+        const Image8 picture = preview(evaluator(measured), evaluator(outcome->model), options);
+        if (const auto written = write_png(picture, fit.preview); !written) return complain(written.error());
+    }
+    if (const auto written = save_model(outcome->model, fit.output); !written) return complain(written.error());
+    if (!fit.json.empty())
+        if (const auto written = write_json(json_of(fit, measured, *outcome), fit.json); !written)
+            return complain(written.error());
+    if (fit.json == "-") return k_done;
+    const auto printed = print(fit, measured, *outcome);
+    return printed ? k_done : complain(printed.error());
+}
+
+}  // namespace srbf

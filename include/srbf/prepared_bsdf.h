@@ -1,0 +1,63 @@
+// A BSDF that owns what it needs, ready to be asked pair by pair on either side: level 4.
+#pragma once
+#include <array>
+#include <optional>
+
+#include "srbf/prepared.h"
+
+namespace srbf {
+
+/// A direction to the light, on either side.
+struct BsdfSample {
+    Vec3f wl;
+    Rgb weight;     ///< f |cosθl| / pdf, or the beam's share over the chance of drawing it
+    float pdf = 0;  ///< [1/sr] of a scattered direction; 0: no direction, or the beam's
+    bool is_beam = false;
+};
+
+/// The parts of a BSDF (bsdf.h), each ready for a renderer. Copies share them; all functions may be called from several
+/// threads at once.
+class PreparedBsdf {
+  public:
+    using PreparedParts = std::array<std::optional<PreparedBrdf>, k_parts>;
+    /// A BRDF on both sides, through which no light passes.
+    PreparedBsdf(PreparedBrdf of_both_sides);
+    /// Parts that are none are 0.
+    PreparedBsdf(PreparedParts parts, Beams beams);
+
+    /// Whether front and back are the same BRDF and no light passes.
+    bool is_brdf() const { return is_brdf_; }
+
+    friend Rgb value(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
+    friend BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector);
+    friend float pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
+
+  private:
+    /// The chances of drawing from reflection, transmission and their beams, for a viewer.
+    struct Chances {
+        std::array<Part, 2> part;  ///< of reflection, of transmission
+        std::array<float, 2> of_part;
+        std::array<Rgb, 2> beam;
+        std::array<float, 2> of_beam;
+    };
+    Chances chances(Vec3f wv) const;
+
+    PreparedParts parts_;
+    Beams beams_;
+    bool is_brdf_ = false;
+};
+
+/// f(wl, wv) [1/sr] without the beams.
+Rgb value(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
+/// Draws a direction for wv on either side from a point of the unit square and a selector of part and lobe, all uniform
+/// in [0,1). Reflection, transmission and beams are drawn in proportion to their luminance at θv.
+BsdfSample sample(const PreparedBsdf& bsdf, Vec3f wv, Vec2f u, float selector);
+/// The density of scattered directions [1/sr]; ∫ pdf over the sphere is 1 but for the chances of the beams and of draws
+/// without a direction.
+float pdf(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv);
+
+/// A model or a measurement, of either kind.
+PreparedBsdf prepare_bsdf(const Model& model, const ProposeOptions& options);
+PreparedBsdf prepare_bsdf(const Measured& measured, const ProposeOptions& options);
+
+}  // namespace srbf

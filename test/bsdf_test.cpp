@@ -1,0 +1,227 @@
+// BSDFs: their parts, models and files, sampling over the sphere, and fits of both sides.
+#include "bsdf_files.h"
+#include "models.h"
+#include "srbf/convert.h"
+#include "srbf/file.h"
+#include "srbf/fit_bsdf.h"
+#include "srbf/load.h"
+#include "srbf/prepared_bsdf.h"
+#include "statistics.h"
+
+namespace srbf {
+namespace {
+
+std::shared_ptr<const Model> part(std::uint64_t seed, const RandomModelOptions& options) {
+    std::mt19937_64 random(seed);
+    PmModel model = random_model(random, options);
+    for (Rgb& beta : model.coefficient) beta = {0.1f * beta.r, 0.1f * beta.g, 0.1f * beta.b};
+    return std::make_shared<const Model>(Model{model, {}});
+}
+
+/// Four parts of different models, and beams.
+BsdfModel full_bsdf(double most_bandwidth = 30) {
+    BsdfModel bsdf;
+    const PmForm form = PmForm::horizon;
+    for (std::size_t p = 0; p < k_parts; ++p)
+        bsdf.part[p] = part(p + 1, {.lobes = 3, .most_bandwidth = most_bandwidth, .form = form});
+    bsdf.beam[0] = {{0.f, 1.f}, {{0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}}};
+    bsdf.beam[2] = {{0.5f}, {{0.3f, 0.2f, 0.1f}}};
+    return bsdf;
+}
+
+std::vector<std::pair<Vec3f, Vec3f>> random_pairs(int count) {
+    std::mt19937_64 random(5);
+    std::vector<std::pair<Vec3f, Vec3f>> all;
+    for (int i = 0; i < count; ++i)
+        all.emplace_back(to_float(random_direction(random)), to_float(random_direction(random)));
+    return all;
+}
+
+/// Each part answers in its frame; light from straight behind comes to it from the mirror direction.
+TEST(Bsdf, PartsAnswerInTheirFrames) {
+    const Model model{full_bsdf(), {}};
+    const auto& parts = std::get<BsdfModel>(model.model).part;
+    std::array<int, k_parts> asked{};
+    std::vector<Vec3f> lights, views;
+    for (const auto& [wl, wv] : random_pairs(400)) {
+        const auto at = folded(wl, wv);
+        ASSERT_TRUE(at.has_value());
+        ++asked[std::size_t(at->part)];
+        EXPECT_EQ(is_transmission(at->part), wl.z * wv.z < 0);
+        EXPECT_EQ(is_back(at->part), wl.z < 0);
+        EXPECT_EQ(to_side(at->wl, side_of_light(at->part)), wl);
+        EXPECT_EQ(to_side(at->wv, side_of_viewer(at->part)), wv);
+        EXPECT_EQ(value(model, wl, wv), value(*parts[std::size_t(at->part)], at->wl, at->wv));
+        EXPECT_EQ(folded(wl, {-wl.x, -wl.y, -wl.z})->wv, mirror(folded(wl, wl)->wl));
+        lights.push_back(wl), views.push_back(wv);
+    }
+    for (const int n : asked) EXPECT_GT(n, 50);
+    std::vector<Rgb> f(lights.size());
+    evaluator(model)(lights, views, f);
+    for (std::size_t i = 0; i < f.size(); ++i)
+        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, f[i][c], value(model, lights[i], views[i])[c], 1e-5);
+    EXPECT_EQ(value(model, {1, 0, 0}, {0, 0, 1}), Rgb{});
+    EXPECT_FALSE(folded({1, 0, 1e-40f}, {0, 0, 1}).has_value());
+}
+
+/// A part that is empty is answered by its counterpart: transmission is then reciprocal.
+TEST(Bsdf, CounterpartsAnswer) {
+    BsdfModel bsdf = full_bsdf();
+    bsdf.part[1].reset(), bsdf.part[3].reset();
+    const Model model{bsdf, {}};
+    for (const auto& [wl, wv] : random_pairs(400)) {
+        const bool across = wl.z * wv.z < 0;
+        EXPECT_EQ(value(model, wl, wv), across ? value(model, wv, wl) : value(model, to_side(wl, -1), to_side(wv, -1)));
+    }
+    Model swapped = model;
+    exchange(swapped);
+    const Model whole{full_bsdf(), {}};
+    Model whole_swapped = whole;
+    exchange(whole_swapped);
+    for (const auto& [wl, wv] : random_pairs(200))
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_PRED3(near, value(swapped, wl, wv)[c], value(model, wv, wl)[c], 1e-6);
+            EXPECT_PRED3(near, value(whole_swapped, wl, wv)[c], value(whole, wv, wl)[c], 1e-6);
+        }
+}
+
+TEST(Bsdf, FilesKeepAllParts) {
+    Model model{full_bsdf(), {{"source", "test"}}};
+    auto& bsdf = std::get<BsdfModel>(model.model);
+    bsdf.part[1].reset();
+    bsdf.part[2] = std::make_shared<const Model>(Model{GgxModel{{0.1f, 0.2f, 0.3f}, {GgxModel::Lobe{}}}, {}});
+    const auto bytes = write_model(model);
+    const auto again = read_model(bytes, "m");
+    ASSERT_TRUE(again.ok()) << message(again.error());
+    EXPECT_EQ(write_model(*again), bytes);
+    EXPECT_EQ(again->provenance, model.provenance);
+    EXPECT_EQ(payload_bytes(*again), payload_bytes(model));
+    const auto& read = std::get<BsdfModel>(again->model);
+    EXPECT_FALSE(read.part[1]);
+    EXPECT_TRUE(std::holds_alternative<GgxModel>(read.part[2]->model));
+    for (const auto& [wl, wv] : random_pairs(200))
+        for (int c = 0; c < 3; ++c)
+            EXPECT_PRED3(near, value(*again, wl, wv)[c], value(model, wl, wv)[c],
+                         1e-4 + 0.02 * double(value(model, wl, wv)[c]));
+    for (std::size_t size = 0; size < bytes.size(); size += 7)
+        EXPECT_FALSE(read_model(std::span(bytes).first(size), "m").ok());
+}
+
+/// The density over the sphere integrates to 1 with the chances of beams and of draws without a direction, and draws
+/// follow it.
+TEST(Bsdf, SamplingIsThatOfItsDensity) {
+    const PreparedBsdf bsdf = prepare_bsdf(Model{full_bsdf(), {}}, {.threads = 1});
+    int test = 0;
+    for (const double theta : {10.0, 55.0, 125.0, 165.0}) {
+        const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
+        std::mt19937_64 random(std::uint64_t(++test));
+        const auto next = [&] { return float(uniform(random)); };
+        PolarBins bins{{0, 0, 1}, {0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 1.9, 2}};
+        const auto density = [&](Vec3d w) { return double(pdf(bsdf, to_float(w), wv)); };
+        std::vector<double> expected = bins.masses(density, 48), observed(bins.size());
+        constexpr int count = 200000;
+        int beams = 0, lost = 0;
+        double scattered = 0, squares = 0, by_beam = 0;
+        for (int i = 0; i < count; ++i) {
+            const Vec2f u{next(), next()};
+            const BsdfSample drawn = sample(bsdf, wv, u, next());
+            if (drawn.is_beam) {
+                ++beams;
+                EXPECT_EQ(drawn.pdf, 0);
+                const Vec3f straight{-wv.x, -wv.y, drawn.wl.z * wv.z < 0 ? -wv.z : wv.z};
+                EXPECT_EQ(drawn.wl, straight);
+                by_beam += double(drawn.weight.r);
+                continue;
+            }
+            if (!(drawn.pdf > 0)) {
+                ++lost;
+                continue;
+            }
+            EXPECT_PRED3(near_relative, drawn.pdf, pdf(bsdf, drawn.wl, wv), 1e-3);
+            observed[bins.index(to_double(drawn.wl))] += 1;
+            scattered += double(drawn.weight.r), squares += std::pow(double(drawn.weight.r), 2);
+        }
+        double mass = 0;
+        for (double& m : expected) mass += m, m *= count;
+        EXPECT_PRED3(near, mass + double(beams + lost) / count, 1, 5e-3);
+        // As many as were drawn.
+        double drawn = 0, due = 0;
+        for (std::size_t i = 0; i < observed.size(); ++i) drawn += observed[i], due += expected[i];
+        for (double& m : expected) m *= drawn / due;
+        EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, 4)) << theta;
+        // Weights are unbiased: the light that arrives, and that of the beams.
+        double whole = 0;
+        const auto each = [&](Vec3d w) { return double(value(bsdf, to_float(w), wv).r) * std::abs(w.z); };
+        for (const double m : bins.masses(each, 48)) whole += m;
+        const double mean = scattered / count, deviation = std::sqrt((squares / count - mean * mean) / count);
+        EXPECT_PRED3(near, mean, whole, 4 * deviation + 2e-3 * whole);
+        const Beams beam = full_bsdf().beam;
+        const double of_beams = double(share_at(beam[theta < 90 ? 0 : 1], wv.z).r) + double(share_at(beam[2], wv.z).r);
+        EXPECT_PRED3(near_relative, by_beam / count, of_beams, 0.03);
+    }
+}
+
+/// A BRDF is the same on both sides, and drawn as ever.
+TEST(Bsdf, BrdfsAreDrawnAsEver) {
+    std::mt19937_64 random(3);
+    const Model model{random_model(random, {}), {}};
+    const PreparedBrdf brdf = prepare(model, {.threads = 1});
+    const PreparedBsdf bsdf(brdf);
+    EXPECT_TRUE(bsdf.is_brdf());
+    for (int i = 0; i < 200; ++i) {
+        const Vec3f wv = to_float(random_direction(random, 0.01));
+        const Vec2f u{float(uniform(random)), float(uniform(random))};
+        const float selector = float(uniform(random));
+        const LightSample a = sample(brdf, wv, u, selector);
+        const BsdfSample b = sample(bsdf, wv, u, selector), c = sample(bsdf, to_side(wv, -1), u, selector);
+        EXPECT_EQ(a.pdf, b.pdf);
+        EXPECT_EQ(a.weight, b.weight);
+        EXPECT_EQ(to_side(c.wl, -1), b.wl);
+        EXPECT_EQ(pdf(bsdf, a.wl, wv), pdf(brdf, a.wl, wv));
+    }
+}
+
+// ---- Formats of both sides ----
+
+TEST(Bsdf, CsvOfBothSides) {
+    const std::string text =
+        "# both sides\nwl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0,1,0,0.6,0.8,1\n0,0,-1,0,0.6,-0.8,2\n"
+        "0,0,1,0,0.6,-0.8,3\n0,0,1,1,0,0,9\n";
+    const auto measured = read_measured(as_bytes(text), "f");
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const Vec3f up{0, 0, 1}, down{0, 0, -1}, above{0, 0.6f, 0.8f}, below{0, 0.6f, -0.8f};
+    EXPECT_PRED3(near, value(*measured, up, above).r, 1, 1e-6);
+    EXPECT_PRED3(near, value(*measured, down, below).r, 2, 1e-6);
+    EXPECT_PRED3(near, value(*measured, up, below).r, 3, 1e-6);
+    EXPECT_PRED3(near, value(*measured, below, up).r, 3, 1e-6);  // by reciprocity
+    // Without the comment what is below the horizon is masked.
+    const auto front = read_measured(as_bytes(text.substr(text.find('\n') + 1)), "f");
+    ASSERT_TRUE(front.ok());
+    EXPECT_EQ(std::get<ScatteredSamples>(front->table).masked, 3u);
+}
+
+/// A BSDF as MBSDF and as CSV has the values that it had.
+TEST(Bsdf, IsConverted) {
+    BsdfModel bsdf = full_bsdf(4);
+    bsdf.part[1].reset(), bsdf.part[3].reset();
+    const AnyBrdf model = Model{bsdf, {}};
+    EXPECT_TRUE(is_two_sided(model));
+    for (const TableFormat format : {TableFormat::mbsdf, TableFormat::csv}) {
+        const auto bytes = table_file(model, format, {.description = "a leaf", .directions = 48});
+        ASSERT_TRUE(bytes.ok()) << message(bytes.error());
+        const auto again = read_measured(*bytes, "f");
+        ASSERT_TRUE(again.ok()) << message(again.error());
+        double error = 0, energy = 0;
+        for (const auto& [wl, wv] : random_pairs(2000)) {
+            if (std::min(std::abs(wl.z), std::abs(wv.z)) < 0.2) continue;
+            const double a = double(value(std::get<Model>(model), wl, wv).g), b = double(value(*again, wl, wv).g);
+            error += (a - b) * (a - b), energy += a * a;
+        }
+        EXPECT_LT(error / energy, format == TableFormat::mbsdf ? 1e-4 : 2e-2);
+    }
+    for (const TableFormat format : {TableFormat::merl, TableFormat::rgl})
+        EXPECT_EQ(message(table_file(model, format).error()), "table: input: expected a BRDF, found a BSDF");
+}
+
+}  // namespace
+}  // namespace srbf

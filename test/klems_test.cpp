@@ -1,0 +1,195 @@
+// Matrices of patches: bases, look-up, beams, a real roller shade, and what is refused.
+#include "measured/klems.h"
+#include "bsdf_files.h"
+#include "properties.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+Result<Measured> read(const std::string& text) { return read_measured(as_bytes(text), "f"); }
+std::string error_of(const std::string& text) {
+    const auto read_ = read(text);
+    return read_ ? "" : message(read_.error());
+}
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    const auto at = text.find(what);
+    EXPECT_NE(at, text.npos) << what;
+    return at == text.npos ? text : text.replace(at, what.size(), by);
+}
+
+/// Radiance's bases have 145, 77 and 41 patches, which cover the hemisphere: their projected solid angles sum to π.
+TEST(Klems, BasesCoverTheHemisphere) {
+    for (const auto& [name, count] :
+         {std::pair("LBNL/Klems Full", 145), {"LBNL/Klems Half", 77}, {"lbnl/klems quarter", 41}}) {
+        const auto of = read(
+            bsdf_xml("", matrix_xml("Reflection Front", name, std::size_t(count), [](auto, auto) { return 0.25; })));
+        ASSERT_TRUE(of.ok()) << message(of.error());
+        const auto& part = std::get<KlemsTable>(std::get<BsdfTable>(of->table).band().part[0]->table);
+        const AngleBasis& basis = part.incident;
+        ASSERT_EQ(basis.patches(), std::size_t(count));
+        double sum = 0;
+        for (std::size_t r = 0; r < basis.rings.size(); ++r)
+            sum += basis.projected_solid_angle(r) * basis.rings[r].azimuths;
+        EXPECT_PRED3(near, sum, k_pi, 1e-6);
+        EXPECT_PRED3(near, value(*of, {0, 0.6f, 0.8f}, {0, 0, 1}).r, 0.25, 1e-7);
+        // Every point of a patch is in it.
+        std::mt19937_64 random(1);
+        for (std::size_t p = 0; p < basis.patches(); ++p)
+            for (int k = 0; k < 20; ++k) {
+                const double s = 0.001 + 0.998 * uniform(random), t = 0.001 + 0.998 * uniform(random);
+                EXPECT_EQ(basis.patch_of(to_float(basis.point_of(p, s, t))), p);
+            }
+    }
+}
+
+TEST(Klems, LooksUpPatchesOnBothSides) {
+    const auto measured = read(small_shade());
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    EXPECT_EQ(measured->format, "BSDF XML");
+    const auto& table = std::get<BsdfTable>(measured->table);
+    ASSERT_EQ(table.bands.size(), 2u);
+    EXPECT_EQ(table.band().name, "Visible");
+    EXPECT_EQ(table.description, "A shade");
+    const AngleBasis basis = small_basis();
+    for (std::size_t o = 0; o < basis.patches(); ++o)
+        for (std::size_t i = 0; i < basis.patches(); ++i) {
+            const Vec3d in = basis.point_of(i, 0.4, 0.3), out = basis.point_of(o, 0.6, 0.7);
+            const Vec3f wl = to_float({in.x, -in.y, in.z}), wv = to_float({-out.x, out.y, out.z});
+            const double back = 0.1 + 0.02 * double(o) + 0.001 * double(i);
+            EXPECT_PRED3(near, value(*measured, wl, wv).g, 0.5 * back, 1e-6);
+            EXPECT_PRED3(near, value(*measured, to_side(wl, -1), to_side(wv, -1)).r, back, 1e-6);
+            // Without the beam.
+            EXPECT_PRED3(near, value(*measured, to_side(wl, -1), wv).r, 0.05, 1e-6);
+            EXPECT_PRED3(near, value(*measured, wl, to_side(wv, -1)).b, 0.05, 1e-6);
+        }
+    EXPECT_EQ(value(*measured, {1, 0, 0}, {0, 0, 1}), Rgb{});
+    auto solar = *measured;
+    ASSERT_TRUE(choose_band(solar, "solar").ok());
+    EXPECT_PRED3(near, value(solar, {0, 0, 1}, {0, 0, -1}).r, 0.025, 1e-6);
+    EXPECT_EQ(message(choose_band(solar, "ultraviolet").error()),
+              "f: band of wavelengths: expected Visible or Solar, found ultraviolet");
+}
+
+/// The peak of a patch about the direction straight through is a beam; the sum of its share and the rest is that of the
+/// file. Reflections without a peak have none.
+TEST(Klems, SeparatesTheBeam) {
+    const auto measured = read(small_shade());
+    ASSERT_TRUE(measured.ok());
+    const auto& band = std::get<BsdfTable>(measured->table).band();
+    EXPECT_TRUE(band.beam[0].empty() && band.beam[1].empty());
+    ASSERT_EQ(band.beam[2].theta.size(), 3u);
+    for (std::size_t r = 0; r < 3; ++r)
+        EXPECT_PRED3(near, band.beam[2].share[r].g, 0.08 * std::cos(double(band.beam[2].theta[r])), 1e-6);
+    EXPECT_PRED3(near, share_at(band.beam[2], 1).g, 0.08, 1e-6);
+    EXPECT_PRED3(near, share_at(band.beam[2], 0).g, 0, 1e-6);
+}
+
+/// A peak that reaches the neighbouring patches is a lobe, not a beam.
+TEST(Klems, KeepsWideLobes) {
+    const char* name = "LBNL/Klems Full";
+    const auto even = read(bsdf_xml("", matrix_xml("Transmission Front", name, 145, [](auto, auto) { return 0.1; })));
+    ASSERT_TRUE(even.ok());
+    const AngleBasis basis = std::get<KlemsTable>(std::get<BsdfTable>(even->table).band().part[2]->table).incident;
+    const auto wide = [&](std::size_t o, std::size_t i) {
+        const Vec3d a = basis.point_of(o, 0.5, 0.5), b = basis.point_of(i, 0.5, 0.5);
+        return 0.02 + std::exp(50 * (dot(a, b) - 1));
+    };
+    const auto measured = read(bsdf_xml("", matrix_xml("Transmission Front", name, basis.patches(), wide)));
+    ASSERT_TRUE(measured.ok());
+    EXPECT_TRUE(std::get<BsdfTable>(measured->table).band().beam[2].empty());
+}
+
+/// Rows: the incident patches are the rows. Transmission in one direction serves both, by reciprocity.
+TEST(Klems, ReadsRowsAndOneWayOnly) {
+    const std::size_t n = small_basis().patches();
+    const auto f = [](std::size_t o, std::size_t i) { return 1 + 0.1 * double(o) + 0.01 * double(i); };
+    const auto transposed = [&](std::size_t o, std::size_t i) { return f(i, o); };
+    const auto a = read(bsdf_xml(small_basis_xml(), matrix_xml("Transmission Front", "small", n, f))),
+               b = read(bsdf_xml(small_basis_xml(), matrix_xml("Transmission Front", "small", n, transposed), "Rows"));
+    ASSERT_TRUE(a.ok() && b.ok());
+    std::mt19937_64 random(2);
+    for (int i = 0; i < 200; ++i) {
+        const Vec3f wl = to_float(random_direction(random)), wv = to_float(random_direction(random));
+        EXPECT_EQ(value(*a, wl, wv), value(*b, wl, wv));
+        EXPECT_EQ(value(*a, wl, wv), value(*a, wv, wl));
+        EXPECT_EQ(value(*a, wl, wv) == Rgb{}, wl.z * wv.z > 0);  // no reflection
+    }
+}
+
+TEST(Klems, KnowsIsotropy) {
+    const AngleBasis basis = small_basis();
+    const auto by = [&](bool turned) {
+        const auto measured =
+            read(bsdf_xml(small_basis_xml(),
+                          matrix_xml("Reflection Front", "small", basis.patches(), [&](std::size_t o, std::size_t i) {
+                              return 1 + 0.2 * std::cos(basis.azimuth_of(o) - (turned ? basis.azimuth_of(i) : 0.5));
+                          })));
+        return is_isotropic(*measured);
+    };
+    EXPECT_TRUE(by(true));
+    EXPECT_FALSE(by(false));
+}
+
+TEST(Klems, RefusesBadFiles) {
+    const std::string good = small_shade();
+    EXPECT_EQ(error_of(good), "");
+    for (const auto& [what, by, error] : std::initializer_list<std::array<std::string, 3>>{
+             {"0.05", "1e99", "within the range of floats, found '1e99'"},
+             {"0.05", "nan", "found 'nan'"},
+             {"0.05", "x", "found 'x'"},
+             {"0.05,", "0.05, 1,", "81 numbers, found more"},
+             {"0.05,", "", "81 numbers, found 80"},
+             {"Transmission Front", "Sideways", "Reflection, Front or Back, found 'Sideways'"},
+             {"Transmission Front", "Transmission Back", "transmission_back: expected one matrix in a band"},
+             {"<ColumnAngleBasis>small", "<ColumnAngleBasis>large", "found 'large'"},
+             {"Columns", "TensorTree3", "found a tensor tree"},
+             {"Columns", "Diagonals", "found 'Diagonals'"},
+             {"<nPhis>4", "<nPhis>0", "nPhis: expected 1 to 4096, found 0"},
+             {"<nPhis>4", "<nPhis>1e9", "found 1e+09"},
+             {"<nPhis>4", "<nPhis>2.5", "found 2.5"},
+             {"<UpperTheta>20", "<UpperTheta>-20", "bounds of a ring"},
+             {"<UpperTheta>90", "<UpperTheta>80", "expected rings to 90 degrees"},
+             {"<Optical>", "<Optics>", "XML: expected a well-formed file"},
+             {"</WindowElement>", "", "XML: expected a well-formed file"},
+             {"<WindowElement ", "<!DOCTYPE x [<!ENTITY a \"b\">]><WindowElement ", "no document type"}}) {
+        const std::string found = error_of(replaced(good, what, by));
+        EXPECT_NE(found.find(error), found.npos) << what << " → " << by << ": " << found;
+        EXPECT_EQ(found.find('\n'), found.npos);
+    }
+    // Elements in elements, as deep as memory allows, are not read by recursion.
+    std::string deep = "<?xml version=\"1.0\"?><WindowElement>";
+    EXPECT_NE(error_of(deep + std::string(1 << 18, '<')).find("tags and attributes"), std::string::npos);
+    for (int i = 0; i < 60000; ++i) deep += "<a>";
+    EXPECT_NE(error_of(deep).find("well-formed"), std::string::npos);
+    for (int i = 0; i < 60000; ++i) deep += "</a>";
+    EXPECT_NE(error_of(deep + "</WindowElement>").find("Optical"), std::string::npos);
+    for (std::size_t size = 0; size + 2 < good.size(); size += 97) EXPECT_NE(error_of(good.substr(0, size)), "");
+}
+
+/// A real roller shade: the sums of its columns are those of the product's documentation, and the same with the beam apart.
+TEST(Klems, RollerShade) {
+    const auto path = shared_data() / "klems" / "2011-SA1.xml";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
+    const auto measured = load_measured(path);
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    EXPECT_TRUE(is_isotropic(*measured));
+    const auto& band = std::get<BsdfTable>(measured->table).band();
+    // Directional-hemispherical sums of the file at 0° and 82.5°, added up apart from this library.
+    const double expected[k_parts][2] = {{0.48246, 0.64137}, {0.56, 0.71018}, {0.09587, 0.05868}, {0.09432, 0.01227}};
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        const auto& table = std::get<KlemsTable>(band.part[p]->table);
+        for (int k = 0; k < 2; ++k) {
+            const std::size_t ring = k ? 8 : 0, i = table.incident.first_of(ring);
+            double sum = table.beam.empty() ? 0 : double(table.beam[i].g);
+            for (std::size_t o = 0; o < table.outgoing.patches(); ++o)
+                sum += double(table.cell(o, i).g) * table.outgoing.projected_solid_angle(table.outgoing.ring_of(o));
+            EXPECT_PRED3(near, sum, expected[p][k], 1e-5) << k_part_names[p];
+        }
+    }
+    EXPECT_TRUE(band.beam[0].empty() && band.beam[1].empty());
+    EXPECT_PRED3(near, share_at(band.beam[2], 1).g, 0.0489, 2e-4);  // it is sold as 5 % open
+}
+
+}  // namespace
+}  // namespace srbf

@@ -184,7 +184,8 @@ py::tuple sampled(const Held& brdf, const Array& wv, const Array& u) {
             for (std::size_t i = first; i < first + count; ++i) {
                 const Vec3f& at = uniform[i];
                 const BsdfSample drawn = sample(bsdf, v[i], {at.x, at.y}, at.z);
-                wl_to[i] = drawn.wl, weight_to[i] = drawn.weight;
+                const bool has_direction = drawn.is_beam || drawn.pdf > 0;
+                wl_to[i] = has_direction ? drawn.wl : Vec3f(0, 0, -1), weight_to[i] = drawn.weight;
                 density_to[i] = drawn.is_beam ? std::numeric_limits<float>::infinity() : drawn.pdf;
             }
         });
@@ -602,7 +603,7 @@ PYBIND11_MODULE(_srbf, module) {
              })
         .def("kind",
              [](const Held& brdf) {
-                 constexpr std::array<const char*, 3> names{"pm", "su", "ggx"};
+                 constexpr std::array<const char*, 4> names{"pm", "su", "ggx", "bsdf"};
                  return brdf.model() ? std::string(names[brdf.model()->model.index()]) : brdf.measured()->format;
              })
         .def("nbytes",

@@ -262,3 +262,21 @@ def test_the_notebook_runs(monkeypatch):
         if cell["cell_type"] == "code":
             exec("".join(cell["source"]), names)
     assert names["fit"].model.nbytes == 208
+
+
+def test_both_sides(tmp_path):
+    path = tmp_path / "both.csv"
+    rows = ["# both sides", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value"]
+    rows += ["0,0,1,0,0.6,0.8,1", "0,0,-1,0,0.6,-0.8,2", "0,0,1,0,0.6,-0.8,3"]
+    path.write_text("\n".join(rows) + "\n")
+    both = srbf.load(str(path))
+    up, away = np.array([0, 0, 1.0]), np.array([0, 0.6, 0.8])
+    down = away * [1, 1, -1]
+    wl, wv = np.stack([up, -up, up, down]), np.stack([away, down, down, up])
+    assert np.allclose(both.eval(wl, wv)[:, 1], [1, 2, 3, 3])  # the last by reciprocity
+    u = np.random.default_rng(1).random((500, 3))
+    drawn, weight, pdf = both.sample(np.broadcast_to(away, (500, 3)), u)
+    assert (drawn[:, 2] < 0).any() and (drawn[:, 2] > 0).any()
+    assert np.isfinite(weight).all()
+    kept = pdf > 0
+    assert np.allclose(both.pdf(drawn[kept], np.broadcast_to(away, (kept.sum(), 3))), pdf[kept], rtol=1e-3)

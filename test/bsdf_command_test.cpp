@@ -1,0 +1,93 @@
+// The command line with BSDFs of both sides.
+#include "bsdf_files.h"
+#include "command.h"
+#include "srbf/load.h"
+#include "srbf/text.h"
+
+namespace srbf {
+namespace {
+
+/// A shade and a small fit of it.
+class OfShade : public CommandLine {
+  protected:
+    void SetUp() override {
+        write(folder / "shade.xml", small_shade());
+        write(folder / "p.csv",
+              "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0.6,-0.8\n0,0,-1,0,0.6,0.8\n0,0,-1,0,0.6,-0.8\n0,0,1,0,0.6,0.8\n");
+        fitted = run(folder, {"fit", "shade.xml", "--lobes", "1", "--variates", "2", "--axial", "--threads", "1",
+                              "--json", "r.json", "--preview", "p.png"});
+    }
+    ProgramRun fitted;
+};
+
+TEST_F(OfShade, is_fitted_and_evaluated_on_both_sides) {
+    ASSERT_EQ(fitted.status, 0) << fitted.err;
+    const Json report = Json::parse(contents(folder / "r.json"));
+    EXPECT_EQ(report["model"], "bsdf");
+    EXPECT_EQ(report["band"], "Visible");
+    ASSERT_EQ(report["parts"].size(), 4u);
+    EXPECT_EQ(report["parts"][3]["answered_by"], "transmission_front");
+    EXPECT_EQ(report["parts"][2]["hemispherical"].size(), 3u);
+    const auto model = load_brdf(folder / "shade.srbf");
+    ASSERT_TRUE(model.ok()) << message(model.error());
+    EXPECT_TRUE(is_two_sided(*model));
+    EXPECT_EQ(report["payload_bytes"], payload_bytes(std::get<Model>(*model)));
+
+    const ProgramRun values = run(folder, {"eval", "shade.srbf", "--pairs", "p.csv"});
+    ASSERT_EQ(values.status, 0) << values.err;
+    std::vector<double> green;
+    for (Lines lines(values.out); auto line = lines.next();) {
+        std::vector<std::string_view> fields;
+        split_fields(*line, fields);
+        ASSERT_EQ(fields.size(), 9u);
+        if (lines.number() > 1) green.push_back(*to_number<double>(fields[7]));
+    }
+    ASSERT_EQ(green.size(), 4u);
+    EXPECT_PRED3(near, green[0], 0.05, 2e-3);
+    EXPECT_PRED3(near, green[1], 0.05, 2e-3);
+    EXPECT_PRED3(near_relative, green[2], 2 * green[3], 0.1);
+
+    const ProgramRun info = run(folder, {"info", "shade.srbf"}), of_file = run(folder, {"info", "shade.xml"});
+    EXPECT_NE(info.out.find("transmission_back: by reciprocity"), std::string::npos) << info.out;
+    EXPECT_NE(info.out.find("transmission: 0.07996 at 0°"), std::string::npos) << info.out;
+    EXPECT_NE(of_file.out.find("Visible (here), Solar"), std::string::npos) << of_file.out;
+    const ProgramRun solar = run(folder, {"fit", "shade.xml", "--band", "solar", "--lobes", "1", "--axial", "--json", "-"});
+    EXPECT_EQ(Json::parse(solar.out)["band"], "Solar") << solar.err;
+    expect_failure(1, {"fit", "shade.xml", "--band", "x"}, "shade.xml: band of wavelengths: expected Visible or Solar");
+    expect_failure(1, {"fit", k_paper, "--band", "Solar"}, "expected a measurement in bands");
+}
+
+TEST_F(OfShade, is_compared_converted_and_exported) {
+    ASSERT_EQ(fitted.status, 0) << fitted.err;
+    const ProgramRun compared = run(folder, {"compare", "shade.xml", "shade.srbf", "--json", "-"});
+    ASSERT_EQ(compared.status, 0) << compared.err;
+    const Json errors = Json::parse(compared.out);
+    for (const std::string_view part : k_part_names)
+        EXPECT_LT(errors[std::string(part)]["heldout_squared_error_ratio_cosine"], 0.2) << part;
+    EXPECT_LT(errors["transmission_back"]["heldout_squared_error_ratio_cosine"], 1e-4);
+    for (const std::string output : {"o.csv", "o.mbsdf"}) {
+        ASSERT_EQ(run(folder, {"convert", "shade.srbf", "-o", output, "--directions", "16"}).status, 0);
+        const auto again = load_brdf(folder / output);
+        ASSERT_TRUE(again.ok()) << message(again.error());
+        EXPECT_TRUE(is_two_sided(*again));
+        EXPECT_TRUE(has_part(*again, Part::transmission_back));
+    }
+    for (const char* output : {"o.binary", "o.bsdf"})
+        expect_failure(1, {"convert", "shade.srbf", "-o", output}, "expected a BRDF");
+    ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "c", "-o", "shade.h"}).status, 0);
+    const std::string code = contents(folder / "shade.h");
+    for (const char* function : {"shade_reflection_front_brdf", "shade_reflection_back_brdf",
+                                 "shade_transmission_front_brdf"})
+        EXPECT_NE(code.find(function), std::string::npos) << function;
+}
+
+TEST_F(OfShade, lets_light_into_a_room) {
+    ASSERT_EQ(fitted.status, 0) << fitted.err;
+    const ProgramRun drawn = run(folder, {"render", "shade.xml", "shade.srbf", "--scene", "room", "--size", "24x16",
+                                          "--spp", "16", "-o", "room.exr"});
+    ASSERT_EQ(drawn.status, 0) << drawn.err;
+    expect_failure(2, {"render", "shade.xml", "--scene", "garden", "-o", "x.png"}, "--scene");
+}
+
+}  // namespace
+}  // namespace srbf

@@ -12,8 +12,9 @@ class OfShade : public CommandLine {
   protected:
     void SetUp() override {
         write(folder / "shade.xml", small_shade());
-        write(folder / "p.csv",
-              "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0.6,-0.8\n0,0,-1,0,0.6,0.8\n0,0,-1,0,0.6,-0.8\n0,0,1,0,0.6,0.8\n");
+        write(
+            folder / "p.csv",
+            "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0.6,-0.8\n0,0,-1,0,0.6,0.8\n0,0,-1,0,0.6,-0.8\n0,0,1,0,0.6,0.8\n");
         fitted = run(folder, {"fit", "shade.xml", "--lobes", "1", "--variates", "2", "--axial", "--threads", "1",
                               "--json", "r.json", "--preview", "p.png"});
     }
@@ -51,7 +52,8 @@ TEST_F(OfShade, is_fitted_and_evaluated_on_both_sides) {
     EXPECT_NE(info.out.find("transmission_back: by reciprocity"), std::string::npos) << info.out;
     EXPECT_NE(info.out.find("transmission: 0.07996 at 0°"), std::string::npos) << info.out;
     EXPECT_NE(of_file.out.find("Visible (here), Solar"), std::string::npos) << of_file.out;
-    const ProgramRun solar = run(folder, {"fit", "shade.xml", "--band", "solar", "--lobes", "1", "--axial", "--json", "-"});
+    const ProgramRun solar =
+        run(folder, {"fit", "shade.xml", "--band", "solar", "--lobes", "1", "--axial", "--json", "-"});
     EXPECT_EQ(Json::parse(solar.out)["band"], "Solar") << solar.err;
     expect_failure(1, {"fit", "shade.xml", "--band", "x"}, "shade.xml: band of wavelengths: expected Visible or Solar");
     expect_failure(1, {"fit", k_paper, "--band", "Solar"}, "expected a measurement in bands");
@@ -76,8 +78,8 @@ TEST_F(OfShade, is_compared_converted_and_exported) {
         expect_failure(1, {"convert", "shade.srbf", "-o", output}, "expected a BRDF");
     ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "c", "-o", "shade.h"}).status, 0);
     const std::string code = contents(folder / "shade.h");
-    for (const char* function : {"shade_reflection_front_brdf", "shade_reflection_back_brdf",
-                                 "shade_transmission_front_brdf"})
+    for (const char* function :
+         {"shade_reflection_front_brdf", "shade_reflection_back_brdf", "shade_transmission_front_brdf"})
         EXPECT_NE(code.find(function), std::string::npos) << function;
 }
 

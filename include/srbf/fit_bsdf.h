@@ -56,7 +56,11 @@ struct PatchSums {
     std::vector<Vec3f> wl, wv;   ///< classes × points
     /// The mean of `f` over the points of each.
     std::vector<Rgb> averages(const Evaluate& f) const;
+    /// The weighted squared error ratio of these means, over all channels.
+    double error_ratio(const Evaluate& f) const;
 };
+/// Points of each pair with which errors are measured.
+inline constexpr std::size_t k_measured_points = 64;
 /// `points` of each pair, uniform in the projected solid angles.
 PatchSums sums_of(const KlemsTable& table, std::size_t points);
 

@@ -71,19 +71,6 @@ std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fit
     return all;
 }
 
-double error_of_patches(const KlemsTable& table, const Evaluate& f) {
-    constexpr std::size_t k_points = 64;
-    const PatchSums sums = sums_of(table, k_points);
-    const std::vector<Rgb> fitted = sums.averages(f);
-    double error = 0, energy = 0;
-    for (std::size_t k = 0; k < fitted.size(); ++k) {
-        const Rgb a = sums.mean[k], b = fitted[k];
-        error += sums.weight[k] * square_of({a.r - b.r, a.g - b.g, a.b - b.b});
-        energy += sums.weight[k] * square_of(a);
-    }
-    return energy > 0 ? error / energy : 0;
-}
-
 Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const FitRequest& request,
                                const ProgressToken& progress) {
     const FlushSubnormals mode;
@@ -148,7 +135,7 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
         };
         fit.hemispherical = hemispherical(inputs[p], fitted, bsdf.beam[beam_of(fit.part)]);
         if (inputs[p].patches()) {
-            fit.squared_error_ratio = error_of_patches(*inputs[p].patches(), fitted);
+            fit.squared_error_ratio = sums_of(*inputs[p].patches(), k_measured_points).error_ratio(fitted);
         } else if (!fit.black) {
             const auto a = sampled(inputs[p].f, false), b = sampled(fitted, false);
             fit.squared_error_ratio = energy_between(a, b) / energy_between(a, std::vector<Rgb>(a.size()));

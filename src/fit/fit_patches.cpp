@@ -16,8 +16,8 @@
 namespace srbf {
 namespace {
 
-/// Points of a pair of patches that a fit sees, and that its averages are measured with.
-constexpr std::size_t k_fitted_points = 8, k_measured_points = 64;
+/// Points of a pair of patches that a fit sees.
+constexpr std::size_t k_fitted_points = 8;
 /// Points of an outgoing patch in directional-hemispherical sums.
 constexpr std::size_t k_hemisphere_points = 4;
 /// Each but the first begins from the previous one's errors.
@@ -107,16 +107,6 @@ bool is_good(const Hemispherical& sum) {
     return std::abs(sum.fitted - sum.measured) <= std::max(k_good_share * sum.measured, k_good_sum);
 }
 
-double error_ratio(const PatchSums& sums, const std::vector<Rgb>& fitted) {
-    double error = 0, energy = 0;
-    for (std::size_t k = 0; k < fitted.size(); ++k) {
-        const Rgb a = sums.mean[k], b = fitted[k];
-        error += sums.weight[k] * square_of({a.r - b.r, a.g - b.g, a.b - b.b});
-        energy += sums.weight[k] * square_of(a);
-    }
-    return energy > 0 ? error / energy : 0;
-}
-
 }  // namespace
 
 PatchSums sums_of(const KlemsTable& table, std::size_t points) {
@@ -141,6 +131,17 @@ std::vector<Rgb> PatchSums::averages(const Evaluate& f) const {
     for (std::size_t k = 0; k < values.size(); ++k)
         for (int c = 0; c < 3; ++c) all[k / points][c] += values[k][c] / float(points);
     return all;
+}
+
+double PatchSums::error_ratio(const Evaluate& f) const {
+    const std::vector<Rgb> fitted = averages(f);
+    double error = 0, energy = 0;
+    for (std::size_t k = 0; k < fitted.size(); ++k) {
+        const Rgb a = mean[k], b = fitted[k];
+        error += weight[k] * square_of({a.r - b.r, a.g - b.g, a.b - b.b});
+        energy += weight[k] * square_of(a);
+    }
+    return energy > 0 ? error / energy : 0;
 }
 
 std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate& f, const Beam& beam) {
@@ -195,7 +196,7 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
             outcome.stop = fit->stop;
             take(outcome, *std::move(fit));
             exchange(outcome.model), exchange(outcome.unrounded);
-            const double error = error_ratio(measured, measured.averages(evaluator(outcome.model)));
+            const double error = measured.error_ratio(evaluator(outcome.model));
             const double error_before = error_of_size;
             const bool is_better = !of_size || error < error_of_size;
             // The expected values within the patches, for their averages and this fit.

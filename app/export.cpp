@@ -121,7 +121,11 @@ int ExportCommand::run() const {
         auto subject = load(file);
         if (!subject) return complain(subject.error());
         if (!subject->is_model()) return complain({file, {}, "input", "a model", "a measurement (see --reference)"});
-        models.push_back(*std::move(subject));
+        const auto* bsdf = std::get_if<BsdfModel>(&std::get<Model>(subject->content).model);
+        for (std::size_t p = 0; bsdf && p < k_parts; ++p)  // each part is a model of its own
+            if (bsdf->part[p])
+                models.push_back({fmt::format("{}_{}.srbf", stem(file), k_part_names[p]), *bsdf->part[p]});
+        if (!bsdf) models.push_back(*std::move(subject));
     }
     std::optional<Subject> measured;
     if (!reference.empty()) {
@@ -129,6 +133,8 @@ int ExportCommand::run() const {
         auto subject = load(reference);
         if (!subject) return complain(subject.error());
         if (subject->is_model()) return complain({reference, {}, "reference", "a measurement", "a model"});
+        if (is_two_sided(subject->content))
+            return complain({reference, {}, "reference", "a measurement of a BRDF", "one of both sides"});
         measured = *std::move(subject);
     }
     const bool is_page = to == "html";
@@ -164,7 +170,7 @@ Result<std::string> ExportCommand::page(const std::vector<Subject>& models,
     return page_html(page);
 }
 
-/// Models by the names of their files, numbered where two are the same; of a BSDF its parts, with their names.
+/// Models by the names of their files, numbered where two are the same.
 std::vector<NamedModel> ExportCommand::named(const std::vector<Subject>& models) const {
     std::vector<NamedModel> named;
     for (const Subject& model : models) {
@@ -174,11 +180,7 @@ std::vector<NamedModel> ExportCommand::named(const std::vector<Subject>& models)
         };
         std::string own = name;
         for (int i = 2; is_taken(own); ++i) own = fmt::format("{}_{}", name, i);
-        const Model& of = std::get<Model>(model.content);
-        const auto* bsdf = std::get_if<BsdfModel>(&of.model);
-        if (!bsdf) named.push_back({own, &of});
-        for (std::size_t p = 0; bsdf && p < k_parts; ++p)
-            if (bsdf->part[p]) named.push_back({fmt::format("{}_{}", own, k_part_names[p]), bsdf->part[p].get()});
+        named.push_back({own, &std::get<Model>(model.content)});
     }
     return named;
 }

@@ -60,7 +60,7 @@ void PathCommand::add_options(const Subcommand& sub) {
                    "path: object: the mesh; room: a room lit through a shade of the material, which is as large as its "
                    "window")
         .type_name("NAME")
-        .check(one_of({"object", "room"}))
+        .one_of({"object", "room"})
         .capture_default_str();
     sub.add_flag("--no-ground", no_ground, "path: omit the ground below the mesh");
     sub.add_option("--seed", seed, "path: seed of the random numbers").type_name("N").capture_default_str();

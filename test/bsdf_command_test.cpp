@@ -78,6 +78,10 @@ TEST_F(OfShade, is_compared_converted_and_exported) {
         expect_failure(1, {"convert", "shade.srbf", "-o", output}, "expected a BRDF");
     ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "c", "-o", "shade.h"}).status, 0);
     const std::string code = contents(folder / "shade.h");
+    ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "html", "-o", "shade.html"}).status, 0);
+    EXPECT_NE(contents(folder / "shade.html").find("shade_transmission_front"), std::string::npos);
+    expect_failure(1, {"export", "shade.srbf", "--to", "html", "--reference", "shade.xml", "-o", "x.html"},
+                   "expected a measurement of a BRDF");
     for (const char* function :
          {"shade_reflection_front_brdf", "shade_reflection_back_brdf", "shade_transmission_front_brdf"})
         EXPECT_NE(code.find(function), std::string::npos) << function;

@@ -12,7 +12,7 @@
 
 #include "srbf/brdf.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 // A BSDF answers for light and viewer on either side: z > 0 is the front, z < 0 the back. A BRDF is a BSDF that is 0
 // unless both are at the front. A BSDF consists of four parts. To a part both directions are above the horizon: those

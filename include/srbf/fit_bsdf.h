@@ -7,7 +7,7 @@
 
 #include "srbf/fitting.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// Light that leaves a surface at a polar angle of the incident light.
 struct Hemispherical {

@@ -5,7 +5,7 @@
 
 #include "srbf/prepared.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// A direction to the light, on either side.
 struct BsdfSample {

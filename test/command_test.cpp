@@ -177,7 +177,8 @@ TEST_F(OfModel, eval_names_the_line_at_fault) {
 }
 
 TEST_F(OfModel, help_shows_an_example) {
-    for (const Arguments& of : {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}, {"convert"}, {"render"}, {"manual"}}) {
+    for (const Arguments& of :
+         {Arguments{}, {"fit"}, {"info"}, {"eval"}, {"compare"}, {"convert"}, {"render"}, {"manual"}}) {
         const ProgramRun help = run(folder, of + Arguments{"--help"});
         EXPECT_EQ(help.status, 0);
         EXPECT_EQ(help.err, "");
@@ -211,7 +212,8 @@ TEST_F(OfModel, the_manual_tells_what_help_tells) {
 
     // What bash offers.
     write(folder / "completion", bash.out);
-    write(folder / "ask", "source ./completion; COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _srbf; echo \"${COMPREPLY[@]}\"");
+    write(folder / "ask",
+          "source ./completion; COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _srbf; echo \"${COMPREPLY[@]}\"");
     const auto offered = [&](const std::string& words) {
         FILE* pipe = popen(fmt::format("cd {} && bash ask {} 2>&1", folder.path.string(), words).c_str(), "r");
         std::string text(200, '\0');

@@ -90,7 +90,14 @@ TEST(Three, ShowsWhatTheDesktopShows) {
         const float exposure = automatic_exposure(render_sphere(evaluator(models[i]), {.size = 80, .samples = 1}));
         const RasterView view{scene.camera, double(k_width) / k_height, scene.lights, exposure};
         const RasterMesh mesh(scene.mesh);
-        const Material content = std::visit([](const auto& of) { return Material(of); }, models[i].model);
+        const Material content = std::visit(
+            [](const auto& of) {
+                if constexpr (std::is_same_v<decltype(of), const BsdfModel&>)
+                    return Material();
+                else
+                    return Material(of);
+            },
+            models[i].model);
         const auto material = RasterMaterial::make(content, {.dialect = context->dialect()});
         const auto target = RasterTarget::make(k_width, k_height, 1, RasterTarget::Format::bytes);
         const auto surface = RasterSurface::make(context->dialect(), k_width, k_height);

@@ -7,65 +7,12 @@
 
 #include "app/commands.h"
 #include "app/load.h"
+#include "app/pairs.h"
 #include "srbf/file.h"
 #include "srbf/text.h"
 
 namespace srbf {
 namespace {
-
-constexpr std::array<std::string_view, 6> k_columns{"wl_x", "wl_y", "wl_z", "wv_x", "wv_y", "wv_z"};
-
-struct Pairs {
-    std::vector<Vec3f> wl, wv;
-    std::vector<std::array<std::string, 6>> text;  ///< as written in the file
-};
-
-/// Reads the columns `k_columns` of a CSV whose first line names its columns. Errors name the line.
-Result<Pairs> read_pairs(std::string_view csv, const std::string& file_name) {
-    Pairs pairs;
-    std::array<std::size_t, 6> column{};
-    std::vector<std::string_view> fields;
-    bool has_header = false;
-    Lines lines(csv);
-    while (const auto line = lines.next()) {
-        split_fields(*line, fields);
-        if (!has_header) {
-            has_header = true;
-            for (std::size_t c = 0; c < 6; ++c) {
-                const auto found = std::find(fields.begin(), fields.end(), k_columns[c]);
-                if (found == fields.end())
-                    return at_line(file_name, lines.number(), "header", fmt::format("a column {}", k_columns[c]),
-                                   "none");
-                column[c] = std::size_t(found - fields.begin());
-            }
-            continue;
-        }
-        std::array<std::string, 6> text;
-        std::array<double, 6> number{};
-        for (std::size_t c = 0; c < 6; ++c) {
-            const std::string_view field = column[c] < fields.size() ? fields[column[c]] : std::string_view();
-            const auto parsed = to_number<double>(field);
-            if (!parsed || !std::isfinite(*parsed))
-                return at_line(file_name, lines.number(), fmt::format("column {}", k_columns[c]), "a number",
-                               quoted(field));
-            number[c] = *parsed;
-            text[c] = field;
-        }
-        const auto direction = [&](std::size_t c) { return Vec3d{number[c], number[c + 1], number[c + 2]}; };
-        for (const std::size_t c : {std::size_t(0), std::size_t(3)}) {
-            const double length = std::sqrt(dot(direction(c), direction(c)));
-            if (!(std::abs(length - 1) <= 0.01))
-                return at_line(file_name, lines.number(), fmt::format("direction {}", k_columns[c].substr(0, 2)),
-                               "length 1", fmt::format("{:.6g}", length));
-        }
-        const Vec3d wl = normalize(direction(0)), wv = normalize(direction(3));
-        pairs.wl.push_back({float(wl.x), float(wl.y), float(wl.z)});
-        pairs.wv.push_back({float(wv.x), float(wv.y), float(wv.z)});
-        pairs.text.push_back(std::move(text));
-    }
-    if (!has_header) return at_line(file_name, 1, "header", "columns wl_x to wv_z", "an empty file");
-    return pairs;
-}
 
 int run(const std::string& file, const std::string& pairs_file, const std::string& asked, bool exchanged) {
     auto subject = load(file);
@@ -83,7 +30,7 @@ int run(const std::string& file, const std::string& pairs_file, const std::strin
     const std::size_t C = brdf.count();
     std::vector<float> f(C * pairs->wl.size());
     brdf.evaluate(pairs->wl, pairs->wv, f);
-    std::string out = fmt::format("{}", fmt::join(k_columns, ","));
+    std::string out = fmt::format("{}", fmt::join(k_pair_columns, ","));
     if (brdf.wavelengths.empty()) out += ",r,g,b";
     for (const float nm : brdf.wavelengths) out += fmt::format(",{}nm", nm);
     out += '\n';

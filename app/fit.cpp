@@ -10,19 +10,24 @@
 #include "app/fit.h"
 #include "render/preview.h"
 #include "srbf/directions.h"
+#include "srbf/fit_batch.h"
+#include "srbf/text.h"
 
 namespace srbf {
 namespace {
 
 /// The parsed command line.
 struct FitCommand {
-    std::string input, output, preview, json;
-    std::string model = "pm", form = std::string(name(PmRequest{}.form)),
+    std::vector<std::string> inputs;
+    std::string output, preview, json;
+    std::string pairs;  // of texels; empty: none
+    std::size_t first = 0, last = 0, slab = TexelFits{}.slab;
+    std::string device = "auto", model = "pm", form = std::string(name(PmRequest{}.form)),
                 objective = std::string(name(FitRequest{}.objective)),
                 discretise = std::string(name(SuRequest{}.discretise)),
                 interpolation = std::string(name(SuRequest{}.interpolation)), with_index, channels = "rgb", band;
     int axial = 0;  // 1: axial lobes, -1: general lobes, 0: depends on the measurement
-    bool no_scale = false, reciprocal = false, lobes_auto = false, exchange = false;
+    bool no_scale = false, reciprocal = false, lobes_auto = false, exchange = false, resume = false;
     double max_theta = 0;  // [degrees], 0: the objective's default
     int lobes = 0;         // 0: not given
     int variates = PmRequest{}.variates, threads = 0;
@@ -54,7 +59,7 @@ struct FitCommand {
         if (!with_index.empty()) su.index = map_named(with_index);
         return su;
     }
-    FileFit file_fit() const {
+    FitRequest request() const {
         FitRequest request;
         if (model == "pm") request.model = pm();
         if (model == "su") request.model = su();
@@ -63,8 +68,33 @@ struct FitCommand {
         if (max_theta > 0) request.max_theta = max_theta * k_degree;
         request.spectral = channels == "spectral";
         request.seed = seed, request.threads = threads;
-        const std::string beside = std::filesystem::path(input).stem().string() + ".srbf";
-        return {input, output.empty() ? beside : output, preview, json, request, exchange, band};
+        request.device = device == "cuda" ? Device::cuda : device == "cpu" ? Device::cpu : Device::automatic;
+        return request;
+    }
+    /// Several inputs go into a folder, and one does if the output is a folder, as with `cp`.
+    bool into_folder() const {
+        std::error_code ignored;
+        return inputs.size() > 1 || resume || output.ends_with('/') || std::filesystem::is_directory(output, ignored);
+    }
+    FileFit file_fit() const {
+        const std::string beside = std::filesystem::path(inputs[0]).stem().string() + ".srbf";
+        return {inputs[0], output.empty() ? beside : output, preview, json, request(), exchange, band};
+    }
+    FolderFit folder_fit() const {
+        return {inputs, output, {{}, {}, {}, {}, request(), exchange, band}, options_text(), resume};
+    }
+    TexelFits texel_fits() const {
+        TexelFits fit{inputs[0], pairs, output, request(), first, last, slab, axial < 0, options_text(), resume};
+        auto& pm = std::get<PmRequest>(fit.request.model);
+        if (!pm.size) pm.size = std::get<PmRequest>(BatchOptions{}.request.model).size;
+        return fit;
+    }
+    /// All options that a model depends on.
+    std::string options_text() const {
+        return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", device == "cuda",
+                           model, form, objective, discretise, interpolation, with_index, channels, axial, no_scale,
+                           reciprocal, lobes_auto, exchange, max_theta, lobes, variates, directions, between,
+                           neighbours, seed, target_error, target_delta_e, budget, band);
     }
 };
 
@@ -90,32 +120,17 @@ Result<Done> write(const FileFit& fit, const Measured& measured, const FitOutcom
 }
 
 int run(FileFit fit) {
-    const Stopwatch loading;
-    auto subject = load(fit.input);
-    if (!subject) return complain(subject.error());
-    if (auto* loaded = std::get_if<Measured>(&subject->content)) {
-        if (fit.exchange) exchange(*loaded);
-        if (!fit.band.empty())
-            if (const auto chosen = choose_band(*loaded, fit.band); !chosen) return complain(chosen.error());
-    }
-    fit.load_seconds = loading.seconds();
-    const auto* measured = std::get_if<Measured>(&subject->content);
-    if (!measured) return complain({fit.input, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind});
+    const auto measured = load_measured(fit);
+    if (!measured) return complain(measured.error());
     const auto writable = check_outputs({fit.input}, {fit.output, fit.preview, fit.json == "-" ? "" : fit.json});
     if (!writable) return complain(writable.error());
 
     if (std::holds_alternative<BsdfTable>(measured->table)) return fit_both_sides(fit, *measured);
 
     ProgressLine line;
-    auto outcome = srbf::fit(*measured, fit.request,
-                             [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
-    if (!outcome) {
-        Error error = outcome.error();
-        error.source = fit.input;
-        return line.clear(), complain(error);
-    }
-    outcome->model.provenance["source"] = std::filesystem::path(fit.input).filename().string();
-    if (fit.exchange) outcome->model.provenance["exchanged"] = "light and viewer of the source";
+    auto outcome =
+        fit_measured(*measured, fit, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+    if (!outcome) return line.clear(), complain(outcome.error());
     Image8 picture;
     if (!fit.preview.empty()) {
         line.show("drawing", 1);
@@ -143,6 +158,18 @@ std::vector<std::string> names_of_objectives() {
     return names;
 }
 
+constexpr std::size_t k_most_texels_of_a_slab = std::size_t(1) << 20;
+
+/// FIRST:END, FIRST < END.
+Check texel_range() {
+    return [](const std::string& text) -> std::string {
+        const auto at = text.find(':');
+        const auto first = to_number<std::uint64_t>(std::string_view(text).substr(0, at)),
+                   end = at == text.npos ? std::nullopt : to_number<std::uint64_t>(text.substr(at + 1));
+        return first && end && *first < *end ? "" : fmt::format("expected FIRST:END, found {}", text);
+    };
+}
+
 /// A number of lobes, or "auto".
 Check lobes_or_auto() {
     return [](std::string& text) { return text == "auto" ? "" : within(1, k_most_fitted_lobes)(text); };
@@ -150,16 +177,48 @@ Check lobes_or_auto() {
 
 }  // namespace
 
+Result<Measured> load_measured(FileFit& fit) {
+    const Stopwatch loading;
+    auto subject = load(fit.input);
+    if (!subject) return subject.error();
+    auto* measured = std::get_if<Measured>(&subject->content);
+    if (!measured) return Error{fit.input, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
+    if (fit.exchange) exchange(*measured);
+    if (!fit.band.empty())
+        if (const auto chosen = choose_band(*measured, fit.band); !chosen) return chosen.error();
+    fit.load_seconds = loading.seconds();
+    return std::move(*measured);
+}
+
+Result<FitOutcome> fit_measured(const Measured& measured, const FileFit& fit, const ProgressToken& progress) {
+    auto outcome = srbf::fit(measured, fit.request, progress);
+    if (!outcome) {
+        Error error = outcome.error();
+        error.source = fit.input;
+        return error;
+    }
+    outcome->model.provenance["source"] = std::filesystem::path(fit.input).filename().string();
+    if (fit.exchange) outcome->model.provenance["exchanged"] = "light and viewer of the source";
+    return outcome;
+}
+
 void add_fit(CommandLine& app, int& status) {
     const auto command = std::make_shared<FitCommand>();
-    const Subcommand sub = app.add_subcommand("fit", "Fit a model to a measurement and report its errors");
-    sub.add_option("INPUT", command->input,
+    const Subcommand sub =
+        app.add_subcommand("fit", "Fit a model to a measurement, or to each of many, and report its errors");
+    sub.add_option("INPUT", command->inputs,
                    "The measurement: a table of MERL's, RGL's, UTIA's or MDL's layout, scattered samples,\n"
-                   "or BSDF XML of WINDOW and Radiance")
+                   "or BSDF XML of WINDOW and Radiance; several of them with a folder for the models")
         .type_name("")
         .required();
-    sub.add_option("-o,--output", command->output, "The model; default: INPUT's stem + .srbf in the working directory")
-        .type_name("FILE");
+    const Option output =
+        sub.add_option("-o,--output", command->output,
+                       "The model; default: INPUT's stem + .srbf in the working directory. Or a folder, for STEM.srbf\n"
+                       "and the report STEM.json of each INPUT")
+            .type_name("FILE|DIR");
+    sub.add_flag(
+        "--resume", [command] { command->resume = true; },
+        "Keep the models of the folder that were made of the same file by the same options and version");
     sub.add_option("--model", command->model,
                    "pm: parameterized multivariate SRBFs, one sum of lobes for the whole BRDF;\n"
                    "su: scattered univariate SRBFs, a sum of lobes for each of many view directions;\n"
@@ -289,15 +348,45 @@ void add_fit(CommandLine& app, int& status) {
                                          "pm: the best model of all forms and sizes with at most this many bytes")
                               .type_name("BYTES")
                               .check(within(std::size_t(12), k_most_chosen_bytes));
-    sub.add_option("--preview", command->preview,
-                   "Write a picture of the measurement, the fit and 10 x their difference")
-        .type_name("FILE.png")
-        .check(png_name());
-    sub.add_option("--json", command->json, "Write the report to this file; - is standard output").type_name("FILE");
+    const Option picture = sub.add_option("--preview", command->preview,
+                                          "Write a picture of the measurement, the fit and 10 x their difference")
+                               .type_name("FILE.png")
+                               .check(png_name());
+    const Option json = sub.add_option("--json", command->json, "Write the report to this file; - is standard output")
+                            .type_name("FILE");
+    const Option pairs =
+        sub.add_option(
+               "--pairs", command->pairs,
+               "INPUT is a .npy file of texels, float32 [T, M, 3], [T, M, 1] or [T, M]: f_r at the M pairs of\n"
+               "directions of this CSV file, columns wl_x to wv_z. Writes DIR/STEM-FIRST.srbf, stacks of models;\n"
+               "4 lobes by default, a short search")
+            .type_name("P.csv");
+    const Option texels = sub.add_option(
+                                 "--texels",
+                                 [command](const std::string& text) {
+                                     const auto at = text.find(':');
+                                     command->first = std::stoull(text.substr(0, at));
+                                     command->last = std::stoull(text.substr(at + 1));
+                                 },
+                                 "With --pairs: only texels FIRST to END - 1, for one of several machines")
+                              .type_name("FIRST:END")
+                              .check(texel_range());
+    const Option slab =
+        sub.add_option("--slab", command->slab, "With --pairs: number of texels in memory and in a file")
+            .type_name("T")
+            .check(within(std::size_t(1), k_most_texels_of_a_slab))
+            .capture_default_str();
     sub.add_option("--seed", command->seed, "Seed of the random numbers")
         .type_name("SEED")
         .check(within(std::uint64_t(0), std::numeric_limits<std::uint64_t>::max()))
         .capture_default_str();
+    const Option device =
+        sub.add_option("--device", command->device,
+                       "pm: what searches for lobes: the processor, which auto is too, or CUDA, which has\n"
+                       "been tried in emulation only")
+            .type_name("NAME")
+            .one_of({"auto", "cpu", "cuda"})
+            .capture_default_str();
     sub.add_option("--threads", command->threads,
                    "Number of threads; 0: all of the machine. The model does not depend on it")
         .type_name("T")
@@ -307,8 +396,10 @@ void add_fit(CommandLine& app, int& status) {
         "Examples:\n  srbf fit paper_white_rgb.bsdf\n"
         "  srbf fit nickel.binary --lobes 6 --variates 3 --objective raw --preview nickel.png --json -\n"
         "  srbf fit paper_white_rgb.bsdf --model su --lobes 5 --with-index cube\n"
+        "  srbf fit materials/*.binary -o models --resume\n"
         "  srbf fit paper_white_rgb.bsdf --target-delta-e 2\n  srbf fit krylon_blue.brdf --objective cube-root");
-    const std::vector<Option> of_pm{form, variates, axial, reciprocal, no_scale, target_error, target_delta_e, budget},
+    const std::vector<Option> of_pm{form,         variates,       axial,  reciprocal, no_scale,
+                                    target_error, target_delta_e, budget, device},
         of_su{discretise, directions, interpolation, neighbours, between, with_index};
     sub.callback([=, &status] {
         for (const auto& [kind, options] : {std::pair("pm", &of_pm), {"su", &of_su}})
@@ -329,7 +420,25 @@ void add_fit(CommandLine& app, int& status) {
                 option.fail("chooses the number of lobes; not together with --lobes");
         if (command->lobes_auto && command->model != "pm") lobes.fail("auto only with --model pm");
         if (command->model == "ggx" && command->lobes > k_most_ggx_lobes) lobes.fail("of ggx 1 or 2");
-        status = run(command->file_fit());
+        for (const Option& option : {texels, slab})
+            if (option.given() && !pairs.given()) option.fail("only with --pairs");
+        if (pairs.given()) {
+            if (command->inputs.size() > 1) pairs.fail("with one INPUT");
+            if (!output.given()) output.fail("a folder is required with --pairs");
+            if (command->model != "pm" || spectral || command->lobes_auto) pairs.fail("only a number of lobes of pm");
+            for (const Option& option : {target_error, target_delta_e, budget, picture, json})
+                if (option.given()) option.fail("not with --pairs");
+            status = fit_texels(command->texel_fits());
+            return;
+        }
+        if (!command->into_folder()) {
+            status = run(command->file_fit());
+            return;
+        }
+        if (!output.given()) output.fail("a folder is required for several inputs and --resume");
+        for (const Option& option : {picture, json})
+            if (option.given()) option.fail("not with a folder, which has a report of each fit");
+        status = fit_files(command->folder_fit());
     });
 }
 

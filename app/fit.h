@@ -1,6 +1,7 @@
 // Input, output and messages of `srbf fit`. The fit itself is in srbf/fitting.h.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "app/report.h"
 #include "srbf/fit_bsdf.h"
@@ -23,8 +24,36 @@ std::string_view kind_of(const FitRequest& request);
 
 /// Fits a measurement of both sides, writes the outputs and prints the report; returns the exit status.
 int fit_both_sides(const FileFit& fit, const Measured& measured);
+/// Loads the measurement of a fit, with light and viewer exchanged if that is asked.
+Result<Measured> load_measured(FileFit& fit);
+/// Fits and measures the errors; the model's provenance names the source.
+Result<FitOutcome> fit_measured(const Measured& measured, const FileFit& fit, const ProgressToken& progress);
 
 Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& outcome);
 Result<Done> print_report(const FileFit& fit, const Measured& measured, const FitOutcome& outcome);
+
+/// Fits of many files, with the same options.
+struct FolderFit {
+    std::vector<std::string> inputs;
+    std::string folder;   // STEM.srbf and STEM.json of each input STEM.*
+    FileFit each;         // request and exchange
+    std::string options;  // everything that models depend on besides the input, as text
+    bool resume = false;  // keep what is done
+};
+/// Prints a line for each file in their order, and a summary; returns the exit status. Failures do not stop the others.
+int fit_files(const FolderFit& fit);
+
+/// Fits of the texels of a file of arrays.
+struct TexelFits {
+    std::string input, pairs, folder;
+    FitRequest request;
+    std::size_t begin = 0, end = 0;  // the texels; end 0: all
+    std::size_t slab = 1024;
+    bool anisotropic = false;
+    std::string options;  // everything that models depend on besides the inputs, as text
+    bool resume = false;  // keep the slabs that are done
+};
+/// Writes a stack of models (model.h) for each slab of texels; returns the exit status.
+int fit_texels(const TexelFits& fit);
 
 }  // namespace srbf

@@ -112,6 +112,15 @@ Result<Done> write_json(const Json& json, const std::string& path) {
     return flush_standard_output();
 }
 
+std::optional<Json> read_json(const std::string& path) {
+    const auto bytes = read_file(path);
+    if (!bytes) return {};
+    const auto* text = reinterpret_cast<const char*>(bytes->data());
+    Json json = Json::parse(text, text + bytes->size(), nullptr, false);
+    if (json.is_discarded()) return {};
+    return json;
+}
+
 Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
     for (auto path = outputs.begin(); path != outputs.end(); ++path) {
         if (path->empty()) continue;
@@ -122,6 +131,15 @@ Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::ve
         if (std::any_of(outputs.begin(), path, is_same))
             return Error{*path, {}, "output", "a file for each output", "one for two"};
     }
+    return Done{};
+}
+
+Result<Done> make_folder(const std::string& path) {
+    std::error_code code;
+    fs::create_directories(path, code);
+    if (!fs::is_directory(path, code)) return Error{path, {}, "output", "a folder, or none yet", "something else"};
+    if (access(path.c_str(), W_OK) != 0)
+        return Error{path, {}, "output", "a folder that may be written", "one that may not"};
     return Done{};
 }
 

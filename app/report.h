@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,8 @@ void print_measures(const std::vector<std::pair<std::string, const Comparison*>>
 
 /// Writes `json` to `path`; "-" is standard output, which is flushed.
 Result<Done> write_json(const Json& json, const std::string& path);
+/// The JSON in that file, if it can be read and is whole.
+std::optional<Json> read_json(const std::string& path);
 
 /// A description of a model in lines, as in `srbf info`.
 std::string parameters_text(const Model& model);
@@ -38,6 +41,8 @@ std::string parameters_text(const Model& model);
 /// file as another output. Empty names are ignored. To be called before long computations; the write itself may still
 /// fail.
 Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
+/// Makes a folder to write into, unless there is one. Errors: it cannot be made or written.
+Result<Done> make_folder(const std::string& path);
 /// Returns an error if standard output has not accepted everything that was printed (disk full).
 Result<Done> flush_standard_output();
 

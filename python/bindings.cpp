@@ -5,7 +5,6 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstring>
@@ -17,6 +16,7 @@
 #include "parallel.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
+#include "srbf/fit_batch.h"
 #include "srbf/fit_bsdf.h"
 #include "srbf/fitting.h"
 #include "srbf/load.h"
@@ -497,30 +497,40 @@ Measured samples_of(const Array& wl, const Array& wv, const Array& f, bool isotr
     return {"arrays", "arrays", bytes, std::move(samples)};
 }
 
-py::list fit_batch(const Array& wl, const Array& wv, const Array& f, const Request& asked, bool isotropic,
-                   const py::object& progress) {
-    const std::size_t materials = std::size_t(f.shape(0)), pairs = rows(wl);
-    FitRequest request = asked.fit_request();
-    const int threads = request.threads;
-    request.threads = 1;
-    std::vector<Measured> measured;
-    for (std::size_t i = 0; i < materials; ++i)
-        measured.push_back(
-            samples_of(wl, wv, array_of({f.data() + 3 * i * pairs, 3 * pairs}, {py::ssize_t(pairs), 3}), isotropic));
-    using Outcomes = std::vector<std::optional<Result<FitOutcome>>>;
-    Outcomes outcomes = in_background(progress, [&](const ProgressToken& token) {
-        Outcomes all(materials);
-        std::atomic<std::size_t> done = 0;
-        parallel_for(materials, threads, [&](std::size_t i) {
-            // Each stops when the whole is cancelled.
-            all[i] = fit(measured[i], request, [&](const Progress&) { return !token.cancelled(); });
-            token.report("fitting", double(++done) / double(materials));
-        });
-        return all;
-    });
-    py::list fits;
-    for (auto& outcome : outcomes) fits.append(outcome_of(required(*std::move(outcome))));
-    return fits;
+py::list fit_texels(const Array& wl, const Array& wv, const Array& f, const Request& asked, bool isotropic,
+                    const py::object& progress) {
+    require_unit(wl, "wl");
+    require_unit(wv, "wv");
+    const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
+    const SharedPairs pairs{{l.begin(), l.end()}, {v.begin(), v.end()}, isotropic};
+    const std::span<const Rgb> values(reinterpret_cast<const Rgb*>(f.data()), std::size_t(f.size()) / 3);
+    BatchOptions options;
+    options.request = asked.fit_request();
+    const auto start = std::chrono::steady_clock::now();
+    auto fits = required(
+        in_background(progress, [&](const ProgressToken& token) { return fit_batch(pairs, values, options, token); }));
+    const std::chrono::duration<double> all = std::chrono::steady_clock::now() - start;
+    py::list outcomes;
+    for (TexelFit& fit : fits) {
+        py::dict of, errors;
+        const bool fitted = fit.state == TexelState::fitted;
+        for (const MeasureName& measure : k_measures) errors[measure.name] = fit.errors.*measure.member;
+        of["errors"] = fitted ? py::object(errors) : py::none();
+        of["seconds"] = all.count() / double(fits.size());
+        of["reached"] = fitted;
+        of["stop_reason"] = fitted ? py::object(py::str(std::string(name(fit.stop)))) : py::none();
+        of["model"] = Held(Model{std::move(fit.model), {{"objective", std::string(name(options.request.objective))}}});
+        outcomes.append(of);
+    }
+    return outcomes;
+}
+
+py::list load_stack(const std::string& path) {
+    const auto stack = required(read_stack(required(read_file(path)), path));
+    py::list texels;
+    for (std::size_t i = 0; i < stack.models.size(); ++i)
+        texels.append(py::make_tuple(Held(Model{stack.models[i], stack.provenance}), stack.error[i], stack.state[i]));
+    return texels;
 }
 
 // ---- The rest ----------------------------------------------------------------------------------------------------
@@ -646,7 +656,8 @@ PYBIND11_MODULE(_srbf, module) {
     });
     module.def("fit", &fit_brdf);
     module.def("fit_function", &fit_function);
-    module.def("fit_batch", &fit_batch);
+    module.def("fit_batch", &fit_texels);
+    module.def("load_stack", &load_stack);
     module.def("errors", &errors);
     module.def("render", &render);
     module.def("convert", &convert);

@@ -90,6 +90,21 @@ Result<std::vector<std::byte>> read_file(const std::string& path) {
     }
 }
 
+Result<std::vector<std::byte>> read_part(const std::string& path, std::uint64_t offset, std::size_t most) {
+    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    if (file.number() < 0) return cannot_read(path, reason(errno));
+    std::vector<std::byte> bytes(most);
+    for (std::size_t filled = 0;;) {
+        const ssize_t count = ::pread(file.number(), bytes.data() + filled, most - filled, off_t(offset + filled));
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) return cannot_read(path, reason(errno));
+        filled += std::size_t(count);
+        if (count > 0 && filled < most) continue;
+        bytes.resize(filled);
+        return bytes;
+    }
+}
+
 Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes) {
     // Follows a link; the rename would otherwise replace the link instead of its target.
     std::error_code unresolved;

@@ -90,6 +90,53 @@ TEST_F(Command, fit_does_not_depend_on_threads_but_on_the_seed) {
     EXPECT_NE(std::get<PmModel>(a->model), std::get<PmModel>(b->model));
 }
 
+/// Numbers of the reports that are durations, or names.
+Json lasting(Json report) {
+    for (const char* key : {"threads", "output", "source", "fit_seconds", "load_seconds", "key"}) report.erase(key);
+    return report;
+}
+
+TEST_F(Command, fit_of_many_files_is_that_of_each) {
+    write(folder / "small.binary", small_merl());
+    write(folder / "broken.binary", small_merl() + "x");
+    std::filesystem::copy(k_paper, folder / "small.bsdf");
+    const Arguments options{"--lobes", "2", "--variates", "2", "--threads", "2"};
+    const Arguments many =
+        Arguments{"fit", "small.binary", "broken.binary", "missing", k_paper, "small.bsdf", "-o", "new/models"} +
+        options;
+    const ProgramRun all = run(folder, many);
+    EXPECT_EQ(all.status, 1);
+    // A line for each on standard output or error, in their order; failures stop none of the others.
+    EXPECT_LT(all.out.find("\nsmall  "), all.out.find("\npaper_white_rgb  ")) << all.out;
+    EXPECT_NE(all.out.find("2 fitted"), all.out.npos) << all.out;
+    EXPECT_NE(all.out.find("0 kept; 3 failed"), all.out.npos) << all.out;
+    EXPECT_EQ(std::ranges::count(all.err, '\n'), 3) << all.err;
+    EXPECT_LT(all.err.find("broken.binary"), all.err.find("missing"));
+    EXPECT_NE(all.err.find("small.bsdf: model: expected a name of its own, found that of small.binary"), all.err.npos)
+        << all.err;
+    const std::string models = folder / "new/models/";
+    EXPECT_EQ(contents(models + "paper_white_rgb.srbf"), contents(*fitted / "m.srbf"));
+    EXPECT_EQ(lasting(Json::parse(contents(models + "paper_white_rgb.json"), nullptr, false)), lasting(report()));
+    EXPECT_FALSE(std::filesystem::exists(models + "broken.srbf"));
+
+    // Resumed: what is done and whole is kept, as it is.
+    const std::string small = contents(models + "small.srbf");
+    write(models + "small.srbf", small.substr(0, small.size() / 2));
+    const auto written = std::filesystem::last_write_time(models + "paper_white_rgb.srbf");
+    const ProgramRun again = run(folder, many + Arguments{"--resume"});
+    EXPECT_NE(again.out.find("1 fitted"), again.out.npos) << again.out;
+    EXPECT_NE(again.out.find("1 kept; 3 failed"), again.out.npos) << again.out;
+    EXPECT_EQ(contents(models + "small.srbf"), small);
+    EXPECT_EQ(std::filesystem::last_write_time(models + "paper_white_rgb.srbf"), written);
+    // Not what was made by other options, or of another file.
+    const Arguments resume{"fit", "small.binary", "-o", "new/models", "--resume", "--variates", "2"};
+    EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
+    EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 kept"), std::string::npos);
+    write(folder / "small.binary",
+          text_of(merl_file({9, 6, 8}, [](int h, int, int, int) { return 0.2 + 1.0 / (h + 1); })));
+    EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
+}
+
 /// `count` samples of a smooth BRDF at random directions, as CSV.
 std::string smooth_samples(int count) {
     std::mt19937_64 random(3);

@@ -18,7 +18,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/vec", "include/srbf/half", "src/half", "include/srbf/colour", "src/colour", "include/srbf/result",
      "src/result", "include/srbf/picture.h", "include/srbf/progress", "src/progress", "src/reporter"},
     {"src/floating_point", "src/parallel", "src/r_sequence", "src/k_d_tree", "src/least_squares", "include/srbf/file",
-     "src/file", "include/srbf/text"},
+     "src/file", "src/npy", "include/srbf/npy", "include/srbf/text"},
     {"include/srbf/kernel", "src/batch-inl"},
     {"include/srbf/directions", "src/directions"},
     {"include/srbf/brdf", "include/srbf/bsdf"},

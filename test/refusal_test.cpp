@@ -49,7 +49,8 @@ TEST_F(CommandLine, outputs_that_cannot_be_written_leave_nothing_behind) {
     const Arguments fit{"fit", "small.binary", "--model", "ggx"};
     for (const char* option : {"-o", "--preview", "--json"})
         for (const char* name : {"missing/x", "a folder", "link"})
-            expect_failure(1, fit + Arguments{option, name}, name);
+            if (option != std::string("-o") || name != std::string("a folder"))  // which is for the models of many
+                expect_failure(1, fit + Arguments{option, name}, name);
     expect_failure(1, fit + Arguments{"-o", "./small.binary"}, "small.binary");
     expect_failure(1, fit + Arguments{"-o", "x.png", "--preview", "./x.png"}, "x.png");
     expect_failure(1, {"compare", "small.binary", k_paper, "--json", "small.binary"}, "small.binary");
@@ -82,7 +83,14 @@ TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
         {{"bogus"}, "bogus"},
         {{"--bogus"}, "--bogus"},
         {{"fit"}, "INPUT"},
-        {{"fit", k_paper, "two"}, "two"},
+        {{"fit", k_paper, "two"}, "--output"},
+        {{"fit", k_paper, "--resume"}, "--output"},
+        {{"fit", k_paper, "two", "-o", "d", "--json", "r.json"}, "--json"},
+        {{"fit", k_paper, "--device", "gpu"}, "expected auto or cpu or cuda, found gpu"},
+        {{"fit", k_paper, "--device", "cuda", "--model", "ggx"}, "only with --model pm"},
+        {{"fit", k_paper, "--texels", "0:1"}, "only with --pairs"},
+        {{"fit", k_paper, "--pairs", "p.csv"}, "--output"},
+        {{"fit", k_paper, "--pairs", "p.csv", "-o", "d", "--model", "ggx"}, "--pairs"},
         {{"fit", "--bogus"}, "--bogus"},
         {{"fit", k_paper, "--bogus"}, "--bogus"},
         {{"info"}, "FILE"},
@@ -113,6 +121,7 @@ TEST_F(CommandLine, convert_refuses) {
                    "expected an isotropic BRDF, as RGL tables are, found an anisotropic one");
     expect_failure(1, {"convert", "none.binary", "-o", "m.csv"}, "none.binary");
     expect_failure(1, {"convert", "m.binary", "-o", "no/folder.bsdf"}, "a folder that exists");
+    expect_failure(1, {"fit", "m.binary", "--pairs", "a.csv", "-o", "d"}, "m.binary: at 0: magic");
     expect_failure(1, {"fit", "a.csv"}, "samples at different directions: expected at least 5, found 1");
 }
 

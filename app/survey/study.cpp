@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 
+#include "app/jobs.h"
 #include "app/path.h"
 #include "render/slices.h"
 #include "srbf/file.h"
@@ -25,18 +26,6 @@ struct PictureSize {
 constexpr std::array<PictureSize, 3> k_pictures_of{{{240, 256}, {176, 48}, {16, 1}}};
 /// JPEG quality of pictures in the page, and of differences.
 constexpr int k_quality = 85, k_quality_of_differences = 70;
-
-/// FNV-1a, 64 bits.
-class Hash {
-  public:
-    void add(std::span<const std::byte> bytes) {
-        for (const std::byte byte : bytes) state_ = (state_ ^ std::uint64_t(byte)) * 0x100000001b3;
-    }
-    std::string text() const { return fmt::format("{:016x}", state_); }
-
-  private:
-    std::uint64_t state_ = 0xcbf29ce484222325;
-};
 
 /// The characters of a folder name that every file system accepts.
 std::string plain(std::string text) {
@@ -204,15 +193,6 @@ class Maker {
     Drawn drawn_;
 };
 
-std::optional<Json> read_json(const fs::path& path) {
-    const auto bytes = read_file(path.string());
-    if (!bytes) return {};
-    const auto* text = reinterpret_cast<const char*>(bytes->data());
-    Json json = Json::parse(text, text + bytes->size(), nullptr, false);
-    if (json.is_discarded()) return {};
-    return json;
-}
-
 }  // namespace
 
 Result<std::string> study_name(const std::string& file, const StudyOptions& options) {
@@ -231,10 +211,11 @@ Result<std::string> study_name(const std::string& file, const StudyOptions& opti
 }
 
 std::optional<Study> load_study(const std::string& folder) {
-    auto material = read_json(fs::path(folder) / "material.json"), times = read_json(fs::path(folder) / "times.json");
+    auto material = read_json((fs::path(folder) / "material.json").string()),
+         times = read_json((fs::path(folder) / "times.json").string());
     if (!material || !times) return {};
     return Study{folder, *std::move(material), *std::move(times),
-                 read_json(fs::path(folder) / "frames.json").value_or(Json())};
+                 read_json((fs::path(folder) / "frames.json").string()).value_or(Json())};
 }
 
 Result<Study> make_study(const std::string& file, const std::string& folder, const StudyOptions& options,

@@ -3,14 +3,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <thread>
 
 #include "app/commands.h"
+#include "app/jobs.h"
 #include "app/survey/page.h"
 #include "app/survey/parts.h"
 #include "render/mesh.h"
@@ -31,35 +30,7 @@ struct ReportCommand {
 };
 
 /// The last stages of a fit use four candidates and then one at a time, so that more than four threads are mostly idle.
-/// A material with the size of MERL takes less than half a GiB.
 constexpr int k_cores_of_a_job = 4;
-constexpr std::uint64_t k_memory_of_a_job = std::uint64_t(1) << 29;
-
-int jobs_for(int cores, std::size_t materials) {
-    const long pages = ::sysconf(_SC_AVPHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
-    const std::uint64_t memory = pages > 0 && page > 0 ? std::uint64_t(pages) * std::uint64_t(page) : 0;
-    const auto fit =
-        std::min({std::uint64_t(cores / k_cores_of_a_job), memory / k_memory_of_a_job, std::uint64_t(materials)});
-    return int(std::max<std::uint64_t>(fit, 1));
-}
-
-/// A line about the materials in progress.
-class Board {
-  public:
-    Board(std::size_t todo, ProgressLine& line) : fraction_(todo), line_(line) {}
-    void show(std::size_t i, const std::string& what, double fraction) {
-        const std::scoped_lock lock(one_at_a_time_);
-        fraction_[i] = fraction;
-        double sum = 0;
-        for (const double of : fraction_) sum += of;
-        line_.show(what, sum / double(fraction_.size()));
-    }
-
-  private:
-    std::mutex one_at_a_time_;
-    std::vector<double> fraction_;
-    ProgressLine& line_;
-};
 
 /// Studies the missing materials. The number of materials at a time affects only the durations.
 void study_all(std::vector<Surveyed>& materials, const std::vector<std::string>& folders, const StudyOptions& options) {
@@ -68,24 +39,17 @@ void study_all(std::vector<Surveyed>& materials, const std::vector<std::string>&
         if (materials[i].error.empty() && !(materials[i].study = load_study(folders[i]))) todo.push_back(i);
     ProgressLine line;
     Board board(std::max<std::size_t>(todo.size(), 1), line);
-    std::atomic<std::size_t> next = 0;
-    const auto work = [&] {
-        for (std::size_t at; (at = next++) < todo.size();) {
-            Surveyed& of = materials[todo[at]];
-            auto study = make_study(of.file, folders[todo[at]], options, [&](const std::string& what, double part) {
-                board.show(at, fmt::format("{} of {}, {}: {}", at + 1, todo.size(), of.name, what), part);
-            });
-            if (study)
-                of.study = *std::move(study);
-            else
-                of.error = message(study.error());
-            board.show(at, of.name, 1);
-        }
-    };
-    std::vector<std::thread> workers;
-    for (int i = 1; i < options.jobs; ++i) workers.emplace_back(work);
-    work();
-    for (std::thread& worker : workers) worker.join();
+    in_jobs(todo.size(), options.jobs, [&](std::size_t at) {
+        Surveyed& of = materials[todo[at]];
+        auto study = make_study(of.file, folders[todo[at]], options, [&](const std::string& what, double part) {
+            board.show(at, fmt::format("{} of {}, {}: {}", at + 1, todo.size(), of.name, what), part);
+        });
+        if (study)
+            of.study = *std::move(study);
+        else
+            of.error = message(study.error());
+        board.show(at, of.name, 1);
+    });
 
     // While nothing else runs.
     for (std::size_t i = 0; i < materials.size(); ++i) {
@@ -155,17 +119,13 @@ void print_summary(const ReportCommand& command, const Tables& tables) {
 }
 
 int ReportCommand::run() const {
-    std::error_code code;
-    fs::create_directories(folder, code);
-    if (!fs::is_directory(folder, code))
-        return complain({folder, {}, "output", "a folder, or none yet", "something else"});
-    if (::access(folder.c_str(), W_OK) != 0)
-        return complain({folder, {}, "output", "a folder that may be written", "one that may not"});
+    if (const auto made = make_folder(folder); !made) return complain(made.error());
     if (const auto loaded = load_mesh(mesh); !loaded) return complain(loaded.error());
 
     const int cores = threads > 0 ? threads : int(std::max(std::thread::hardware_concurrency(), 1u));
     StudyOptions options{sweep, mesh, up == "z", cores, 1};
-    options.jobs = jobs > 0 ? std::min(jobs, int(files.size())) : jobs_for(cores, files.size());
+    const std::size_t most = std::min(std::size_t(cores / k_cores_of_a_job), files.size());
+    options.jobs = jobs > 0 ? std::min(jobs, int(files.size())) : jobs_within_memory(most);
     options.threads = std::max(cores / options.jobs, 1);
     std::vector<std::string> folders;
     std::vector<Surveyed> materials = materials_of(*this, options, folders);

@@ -13,6 +13,10 @@ namespace [[gnu::visibility("default")]] srbf {
 Result<std::vector<std::byte>> read_file(const std::string& path);
 inline constexpr std::uint64_t k_largest_file = std::uint64_t(1) << 34;
 
+/// Bytes `offset`, `offset` + 1, … of the file at `path`: `most` of them, or fewer where it ends. Errors: those of
+/// `read_file`.
+Result<std::vector<std::byte>> read_part(const std::string& path, std::uint64_t offset, std::size_t most);
+
 /// Writes `bytes` to a temporary file next to `path` and renames it, so that `path` holds either its previous content
 /// or all of `bytes`. Errors: the folder is missing or cannot be written, `path` is a folder, the disk is full.
 Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes);

@@ -149,6 +149,13 @@ inline constexpr std::size_t k_most_between = 4096;
 /// Evaluates `f`, which may be negative (see signed_value) or NaN. Errors: options out of range; cancelled.
 Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options = {}, const ProgressToken& progress = {});
 
+/// What searches for lobes.
+enum class Device {
+    automatic,  ///< today the processor: the search on CUDA has been run in emulation only
+    cpu,
+    cuda,  ///< the first CUDA device; the rest of a fit remains on the processor
+};
+
 struct FitOptions {
     PmForm form = PmForm::extended;
     bool axial = true;  ///< only centres at +z or −z, sufficient for isotropic data
@@ -170,6 +177,8 @@ struct FitOptions {
     std::optional<int> perturbations = {};
     std::uint64_t seed = 0;  ///< of the random numbers
     int threads = 0;         ///< 0: as many as the machine has; the result does not depend on it
+    /// Models that CUDA finds are other ones, of about the same loss: the order of sums differs.
+    Device device = Device::automatic;
 };
 inline constexpr int k_most_fitted_lobes = 64;
 
@@ -193,7 +202,8 @@ struct PmFit {
 /// parameterizations the coefficients solve a non-negative linear problem; Levenberg-Marquardt minimises the remaining
 /// residual (Kaufman 1975) over the others. Lobes are grown one by one. With spectral observations the search uses the
 /// colours; its best lobes are polished with a coefficient per wavelength. Details: docs/fitting.md.
-/// Errors: options out of range, fewer observations than parameters, values that are not finite.
+/// Errors: options out of range, fewer observations than parameters, values that are not finite; CUDA requested without
+/// a device or in a build without it.
 Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress = {});
 
 struct SuFitOptions {

@@ -51,6 +51,8 @@ struct ObserveSamplesOptions {
     /// Also observe the completed samples, for lobes; only for an objective of pictures, in colours.
     bool complete = true;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    /// If not 0, for fits of many: only the completed samples, at this many pairs and without views.
+    std::size_t only_completed = 0;
 };
 
 /// Samples prepared for fits. Each sample counts twice: as it is, and with light and viewer exchanged.

@@ -133,4 +133,17 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
 Result<Done> save_model(const Model& model, const std::string& path);
 Result<Model> load_model(const std::string& path);
 
+/// Multivariate models of one form and size, one for each texel of a material.
+struct ModelStack {
+    std::vector<PmModel> models;       ///< T
+    std::vector<float> error;          ///< T: of the fits, 0..k_half_max
+    std::vector<std::uint16_t> state;  ///< T: of the fits, see `TexelState`
+    std::map<std::string, std::string> provenance;
+};
+/// The file of a stack: the tensors of a model file with one more dimension in front, T, always with `log_scale`; and
+/// `aux.error`, F16 [T], and `aux.state`, U16 [T].
+std::vector<std::byte> write_stack(const ModelStack& stack);
+/// Errors: as in `read_model`.
+Result<ModelStack> read_stack(std::span<const std::byte> bytes, const std::string& file_name);
+
 }  // namespace srbf

@@ -16,7 +16,7 @@ from typing import Any, Callable, Optional, Sequence, Union
 import numpy as np
 
 __all__ = ["Brdf", "Error", "Fit", "Measurement", "Model", "code", "convert", "errors", "fit", "fit_batch", "from_arrays", "lightings",
-           "load", "render"]
+           "load", "load_texels", "render"]
 
 
 class Error(ValueError):
@@ -297,16 +297,25 @@ def fit(brdf: Union[Measurement, str, "os.PathLike[str]", Callable[[np.ndarray, 
         return _fit_of(_srbf.fit_function(brdf, request, callback))
 
 
-def fit_batch(wl: Any, wv: Any, f: Any, *, lobes: int = 4, model: str = "pm", isotropic: bool = True, objective: Optional[str] = None,
+def fit_batch(wl: Any, wv: Any, f: Any, *, lobes: int = 4, isotropic: bool = True, objective: Optional[str] = None,
               seed: int = 0, threads: int = 0, progress: Progress = False, **options: Any) -> list[Fit]:
-    """Fits T materials or texels measured at the same M pairs: wl, wv [M, 3], f [T, M, 3]. A material takes one thread."""
+    """Fits T materials or texels measured at the same M pairs: wl, wv [M, 3], f [T, M, 3], NaN where nothing was measured. Each takes one
+    thread, and a shorter search than `fit`; its errors are those at its own values. A texel that cannot be fitted, a black one, say, has
+    a model of coefficients 0, errors None and `reached` False. Options besides: variates, form, axial, reciprocal, max_theta."""
     wl, wv, f = _numbers(wl, "wl"), _numbers(wv, "wv"), _numbers(f, "f")
     if wl.ndim != 2 or wv.shape != wl.shape or f.ndim != 3 or f.shape[1:] != wl.shape:
         raise ValueError(f"expected wl [M, 3], wv [M, 3], f [T, M, 3], found {list(wl.shape)}, {list(wv.shape)}, {list(f.shape)}")
-    request = _request(lobes, model=model, objective=objective, seed=seed, threads=threads, **options)
+    request = _request(lobes, objective=objective, seed=seed, threads=threads, **options)
     with _Shown(progress) as callback:
         rows = (np.ascontiguousarray(array) for array in (wl, wv, f))
         return [_fit_of(outcome) for outcome in _srbf.fit_batch(*rows, request, isotropic, callback)]
+
+
+def load_texels(path: Union[str, "os.PathLike[str]"]) -> list[Fit]:
+    """The fits of one slab of texels, a file that `srbf fit --pairs` wrote. Their errors hold one number, "error", by the objective's
+    measure; a texel that could not be fitted has errors None and `reached` False."""
+    return [Fit(Model(held), {"error": error} if state == 0 else None, 0.0, None, state == 0)
+            for held, error, state in _srbf.load_stack(os.fspath(path))]
 
 
 def errors(reference: Brdf, other: Brdf, *, max_theta: float = 80, threads: int = 0) -> dict[str, Any]:

@@ -158,6 +158,9 @@ def test_functions_and_arrays_are_fitted():
     grey = np.stack([np.full((300, 3), level) for level in (0.1, 0.3)])
     for level, one in zip((0.1, 0.3), srbf.fit_batch(wl, wv, grey, lobes=1)):
         np.testing.assert_allclose(one.model.eval(wl, wv), level, rtol=0.02)
+        assert one.reached and one.errors["cube_root_error_ratio"] < 1e-3
+    black, unseen = srbf.fit_batch(wl, wv, np.stack([np.zeros((300, 3)), np.full((300, 3), np.nan)]), lobes=1)
+    assert not black.reached and not unseen.reached and black.errors is None and not black.model.eval(wl, wv).any()
 
 
 def test_progress_is_told_and_cancels(paper):

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
+#include "fit/batched_fits.h"
 #include "fit/excess.h"
 #include "fit/objective.h"
 #include "fit/rounding.h"
@@ -161,31 +163,55 @@ std::string_view name(StopReason reason) {
     return "";
 }
 
-Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress) {
-    const FlushSubnormals mode;
-    if (const auto valid = validate(observations, options); !valid) return valid.error();
-    const double log_peak_limit = options.log_scale ? k_log_peak_limit : std::log(double(k_half_max));
-    // The unit of work is a grown lobe or a perturbation.
+namespace {
+
+/// The units of work of a fit: a grown lobe or a perturbation.
+struct Work {
+    double search = 0, polish = 0;
+    double all() const { return search + 2 * polish; }
+};
+Work work_of(const Observations& observations, const FitOptions& options) {
     int perturbations = 0, before = 0;
     for (const Round& round : rounds_of(observations)) {
         const int until = round.perturbations_until(options);
         perturbations += round.candidates(options) * (until - before);
         before = until;
     }
-    const double polish_work = 0.2 * perturbations + 1;
-    Reporter reporter(progress, starts_of(options) * options.lobes + perturbations + 2 * polish_work);
+    return {double(starts_of(options) * options.lobes + perturbations), 0.2 * perturbations + 1};
+}
 
-    PmFit fit;
-    std::vector<Candidate> found(std::size_t(starts_of(options)));
-    on_threads(options.threads, [&] {
-        Sample sample(observations);
-        const auto by_loss = [](const Candidate& a, const Candidate& b) { return a.loss < b.loss; };
-        const auto each = [&](const auto& body) { parallel_for(found.size(), body); };
+double log_peak_limit_of(const FitOptions& options) {
+    return options.log_scale ? k_log_peak_limit : std::log(double(k_half_max));
+}
+
+void sort_by_loss(std::vector<Candidate>& found) {
+    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.loss < b.loss; });
+}
+
+/// A fit from its observations on, on the threads of the caller's `on_threads`.
+struct Fit {
+    const Observations& observations;
+    const FitOptions& options;
+    Reporter& reporter;
+    double log_peak_limit = log_peak_limit_of(options);
+    Work work = work_of(observations, options);
+    Sample sample{observations};
+    std::vector<Candidate> found = std::vector<Candidate>(std::size_t(starts_of(options)));
+
+    template <typename Body> void each(const Body& body) { parallel_for(found.size(), body); }
+    void polished_one() { reporter.advance("polishing", work.polish / double(found.size())); }
+    PmFit finished(const Candidate& candidate, double picture_importance) const {
+        const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
+        const double radiance_importance = sample.radiance_importance() * 3 / channels;
+        return finish(candidate.lobes, observations, radiance_importance, picture_importance, options, log_peak_limit,
+                      reporter);
+    }
+
+    void search() {
         const Rows to_grow_on = sample.to_grow_on();
         each(
             [&](std::size_t start) { found[start] = grow(to_grow_on, options, log_peak_limit, int(start), reporter); });
-        std::stable_sort(found.begin(), found.end(), by_loss);
-
+        sort_by_loss(found);
         for (const Round& round : rounds_of(observations)) {
             sample.look_about(found, options, log_peak_limit);
             found.resize(std::size_t(round.candidates(options)));
@@ -194,45 +220,154 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
             each([&](std::size_t i) {
                 if (!reporter.cancelled()) improve(rows, options, log_peak_limit, until, found[i], reporter);
             });
-            std::stable_sort(found.begin(), found.end(), by_loss);
+            sort_by_loss(found);
         }
         sample.look_about(found, options, log_peak_limit);
-        const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
-        const auto finished = [&](const Candidate& candidate, double picture_importance) {
-            const double radiance_importance = sample.radiance_importance() * 3 / channels;
-            return finish(candidate.lobes, observations, radiance_importance, picture_importance, options,
-                          log_peak_limit, reporter);
-        };
-        const auto advance = [&] { reporter.advance("polishing", polish_work / double(found.size())); };
+    }
 
-        if (!observations.views.empty()) {
-            const double importance = sample.picture_importance(found.front(), options, log_peak_limit);
-            const Rows to_see = sample.to_see(importance);
-            each([&](std::size_t i) {
-                if (!reporter.cancelled()) see(to_see, options, log_peak_limit, found[i]);
-                advance();
-            });
-            fit = finished(*std::min_element(found.begin(), found.end(), by_loss), importance);
-        } else {
-            found.resize(std::min(found.size(), k_polished));
-            const Rows to_polish = sample.to_polish();
-            each([&](std::size_t i) {
-                if (!reporter.cancelled()) polish(to_polish, options, log_peak_limit, found[i]);
-                advance();
-            });
-            // The loss over all observations decides which candidates continue.
-            const Rows all(observations, {.radiance_importance = sample.radiance_importance()});
-            LobeProblem whole(all, shape_of(options), true, log_peak_limit);
-            for (Candidate& candidate : found) candidate.loss = whole.loss(LobeProblem::pack(candidate.lobes));
-            std::stable_sort(found.begin(), found.end(), by_loss);
-            found.resize(std::min(found.size(), k_finished));
-            for (std::size_t i = 0; i < found.size(); ++i) {
-                if (i > 0 && (found[i].loss > (1 + k_nearly_best) * fit.loss || reporter.cancelled())) break;
-                PmFit next = finished(found[i], 0);
-                if (i == 0 || next.loss < fit.loss) fit = std::move(next);
-            }
+    /// With views.
+    PmFit seen() {
+        const double importance = sample.picture_importance(found.front(), options, log_peak_limit);
+        const Rows to_see = sample.to_see(importance);
+        each([&](std::size_t i) {
+            if (!reporter.cancelled()) see(to_see, options, log_peak_limit, found[i]);
+            polished_one();
+        });
+        const auto by_loss = [](const Candidate& a, const Candidate& b) { return a.loss < b.loss; };
+        return finished(*std::min_element(found.begin(), found.end(), by_loss), importance);
+    }
+
+    void polish_best() {
+        found.resize(std::min(found.size(), k_polished));
+        const Rows to_polish = sample.to_polish();
+        each([&](std::size_t i) {
+            if (!reporter.cancelled()) polish(to_polish, options, log_peak_limit, found[i]);
+            polished_one();
+        });
+    }
+    /// Of polished candidates.
+    PmFit best_finished() {
+        // The loss over all observations decides which candidates continue.
+        const Rows all(observations, {.radiance_importance = sample.radiance_importance()});
+        LobeProblem whole(all, shape_of(options), true, log_peak_limit);
+        for (Candidate& candidate : found) candidate.loss = whole.loss(LobeProblem::pack(candidate.lobes));
+        sort_by_loss(found);
+        found.resize(std::min(found.size(), k_finished));
+        PmFit fit;
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            if (i > 0 && (found[i].loss > (1 + k_nearly_best) * fit.loss || reporter.cancelled())) break;
+            PmFit next = finished(found[i], 0);
+            if (i == 0 || next.loss < fit.loss) fit = std::move(next);
         }
-        if (!reporter.advance("polishing", polish_work)) fit.stop = StopReason::cancelled;
+        return fit;
+    }
+};
+
+/// The search of all fits, which have the same options, in batches.
+Result<Done> search(std::span<const std::unique_ptr<Fit>> fits, const FitOptions& options, Batches::Where where) {
+    if (fits.empty()) return Done{};
+    Reporter& reporter = fits[0]->reporter;
+    const double limit = log_peak_limit_of(options);
+    // Calls stage(batches, candidates) with the candidates of all fits on these rows.
+    const auto together = [&](const auto& rows_of, const auto& stage) -> Result<Done> {
+        std::vector<std::unique_ptr<Rows>> rows(fits.size());
+        parallel_for(fits.size(), [&](std::size_t i) { rows[i] = std::make_unique<Rows>(rows_of(*fits[i])); });
+        std::vector<const Rows*> pointers;
+        std::vector<BatchedCandidate> all;
+        for (std::size_t i = 0; i < fits.size(); ++i) {
+            pointers.push_back(rows[i].get());
+            for (Candidate& of : fits[i]->found) all.push_back({std::move(of), i});
+        }
+        auto batches = Batches::make(where, pointers);
+        if (!batches) return batches.error();
+        const auto done = stage(*batches, std::span(all));
+        if (!done) return done;
+        for (const auto& fit : fits) fit->found.clear();
+        for (BatchedCandidate& of : all) fits[of.rows]->found.push_back(std::move(of.candidate));
+        for (const auto& fit : fits) sort_by_loss(fit->found);
+        return Done{};
+    };
+    for (const auto& fit : fits)
+        for (std::size_t start = 0; start < fit->found.size(); ++start) fit->found[start].start = int(start);
+    const auto look_about = [&] {
+        for (const auto& fit : fits) fit->sample.look_about(fit->found, options, limit);
+    };
+    auto done = together([](const Fit& fit) { return fit.sample.to_grow_on(); },
+                         [&](Batches& batches, std::span<BatchedCandidate> all) {
+                             return grow(batches, options, limit, all, reporter);
+                         });
+    if (!done) return done;
+    const bool has_views = !fits[0]->observations.views.empty();
+    for (const Round& round : rounds_of(fits[0]->observations)) {
+        look_about();
+        for (const auto& fit : fits) fit->found.resize(std::size_t(round.candidates(options)));
+        done = together([&](const Fit& fit) { return fit.sample.to_search(round.starts == 1); },
+                        [&](Batches& batches, std::span<BatchedCandidate> all) {
+                            return improve(batches, options, limit, round.perturbations_until(options), all, reporter);
+                        });
+        if (!done) return done;
+    }
+    look_about();
+    if (has_views) return Done{};
+    for (const auto& fit : fits) fit->found.resize(std::min(fit->found.size(), k_polished));
+    return together(
+        [](const Fit& fit) { return fit.sample.to_polish(); },
+        [&](Batches& batches, std::span<BatchedCandidate> all) { return polish(batches, options, limit, all); });
+}
+
+}  // namespace
+
+Result<std::vector<PmFit>> fit_pm_in_batches(std::span<const Observations* const> observations,
+                                             const FitOptions& options, Batches::Where where,
+                                             const ProgressToken& progress) {
+    const FlushSubnormals mode;
+    double all = 0;
+    for (const Observations* of : observations) {
+        if (const auto valid = validate(*of, options); !valid) return valid.error();
+        if (of->views.empty() != observations[0]->views.empty())
+            return Error{"fit", {}, "observations", "with views, or without any", "both", ErrorCode::argument};
+        all += work_of(*of, options).all();
+    }
+    Reporter reporter(progress, all);
+    std::vector<PmFit> done(observations.size());
+    Result<Done> searched = Done{};
+    on_threads(options.threads, [&] {
+        std::vector<std::unique_ptr<Fit>> fits(observations.size());
+        parallel_for(fits.size(), [&](std::size_t i) {
+            fits[i] = std::unique_ptr<Fit>(new Fit{*observations[i], options, reporter});
+        });
+        searched = search(fits, options, where);
+        if (!searched) return;
+        parallel_for(fits.size(), [&](std::size_t i) {
+            done[i] = observations[i]->views.empty() ? fits[i]->best_finished() : fits[i]->seen();
+            if (!reporter.advance("polishing", fits[i]->work.polish)) done[i].stop = StopReason::cancelled;
+        });
+    });
+    if (!searched) return searched.error();
+    return done;
+}
+
+Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress) {
+    const FlushSubnormals mode;
+    if (const auto valid = validate(observations, options); !valid) return valid.error();
+    if (options.device == Device::cuda) {
+        const Observations* const one = &observations;
+        auto fits = fit_pm_in_batches({&one, 1}, options, Batches::Where::cuda, progress);
+        if (!fits) return fits.error();
+        return std::move(fits->front());
+    }
+    Reporter reporter(progress, work_of(observations, options).all());
+    PmFit fit;
+    on_threads(options.threads, [&] {
+        Fit whole{observations, options, reporter};
+        whole.search();
+        if (!observations.views.empty()) {
+            fit = whole.seen();
+        } else {
+            whole.polish_best();
+            fit = whole.best_finished();
+        }
+        if (!reporter.advance("polishing", whole.work.polish)) fit.stop = StopReason::cancelled;
     });
     return fit;
 }

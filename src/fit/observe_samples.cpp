@@ -73,12 +73,13 @@ Result<Observations> observe_completed(const ScatteredSamples& samples, const Ob
     const auto table = observe(evaluator(*completed),
                                {.objective = options.objective,
                                 .max_theta = options.max_theta,
-                                .count = k_completed_pairs,
+                                .count = options.only_completed > 0 ? options.only_completed : k_completed_pairs,
                                 .seed = options.seed,
                                 .threads = options.threads},
                                progress);
     if (!table) return table.error();
     Observations all = *table;
+    if (options.only_completed > 0) all.views.clear();
     const std::size_t pairs = all.f.size() - all.checks;
     all.wl.resize(pairs), all.wv.resize(pairs), all.f.resize(pairs), all.weight.resize(pairs);
     for (std::size_t i = 0; i < observed.f.size(); ++i)
@@ -169,6 +170,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         auto completed = observe_completed(samples, observed.samples, observed.options, progress.part(0, 0.9));
         if (!completed) return completed.error();
         observed.completed = *std::move(completed);
+        if (options.only_completed > 0) return observed;
     }
     // Errors of the interpolation of each sample from the others.
     const ProgressToken interpolating = progress.part(observed.completed.f.empty() ? 0 : 0.9, 1);
@@ -240,7 +242,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
                      const ProgressToken& progress) {
     const FlushSubnormals mode;
-    const auto& [objective, max_theta, seed, spectral, complete, threads] = observations.options;
+    const auto& [objective, max_theta, seed, spectral, complete, threads, only_completed] = observations.options;
     const bool completed = !observations.completed.f.empty();
     FitOptions bounded = options.pm;
     if (!completed) bounded.finest = std::max(bounded.finest, observations.finest);

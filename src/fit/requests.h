@@ -29,6 +29,7 @@ inline FitOptions pm_options(const FitRequest& request, bool axial) {
     options.log_scale = pm.log_scale;
     options.seed = request.seed;
     options.threads = request.threads;
+    options.device = request.device;
     return options;
 }
 

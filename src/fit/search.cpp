@@ -68,25 +68,38 @@ std::mt19937_64 generator(std::uint64_t seed, int start, int stage) {
     return std::mt19937_64(seeds);
 }
 
+std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes) {
+    std::vector<std::vector<double>> candidates;
+    for (int i = 0; i < k_candidates; ++i) candidates.push_back(random_lobe(random, lobes));
+    return candidates;
+}
+
+Lobes with_lobe(Lobes lobes, const std::vector<double>& lobe) {
+    lobes.weight.insert(lobes.weight.end(), lobe.begin(), lobe.end());
+    if (lobe.empty()) lobes.weight.insert(lobes.weight.end(), std::size_t(lobes.shape.width()), 0.0);
+    return lobes;
+}
+
+Lobes without_lobe(Lobes lobes, std::ptrdiff_t j) {
+    const auto at = lobes.weight.begin() + j * lobes.shape.width();
+    lobes.weight.erase(at, at + lobes.shape.width());
+    return lobes;
+}
+
+Lobes without_variate(Lobes lobes, int n) {
+    const int C = lobes.shape.components();
+    for (int j = 0; j < lobes.count(); ++j) std::fill_n(lobes.weight.begin() + j * lobes.shape.width() + n * C, C, 0.0);
+    return lobes;
+}
+
 namespace {
 
-constexpr int k_candidates = 256;
-/// Number of steps after each lobe that is grown except the last, and after the last.
-constexpr int k_growth_steps = 6, k_grown_steps = 12;
-constexpr int k_perturbation_steps = 12;
 constexpr int k_seen_steps = 12;
-/// Number of lobe perturbations per variate perturbation.
-constexpr int k_lobe_perturbations = 3;
 
 /// Adds the best of many random lobes to those of the problem's last call of `loss`.
 void add_lobe(LobeProblem& problem, Lobes& lobes, std::mt19937_64& random) {
-    std::vector<std::vector<double>> candidates;
-    for (int i = 0; i < k_candidates; ++i) candidates.push_back(random_lobe(random, lobes));
-    const std::vector<double> best = problem.best_addition(candidates);
-    if (best.empty())
-        lobes.weight.insert(lobes.weight.end(), std::size_t(lobes.shape.width()), 0.0);
-    else
-        lobes.weight.insert(lobes.weight.end(), best.begin(), best.end());
+    const std::vector<double> best = problem.best_addition(random_candidates(random, lobes));
+    lobes = with_lobe(std::move(lobes), best);
 }
 
 double optimise(LobeProblem& problem, Lobes& lobes, int iterations,
@@ -104,21 +117,13 @@ void keep_better(Candidate& best, Candidate next) {
     if (next.loss < best.loss) best = std::move(next);
 }
 
-/// The lobes with the weights of variate n set to 0.
-Lobes without_variate(Lobes lobes, int n) {
-    const int C = lobes.shape.components();
-    for (int j = 0; j < lobes.count(); ++j) std::fill_n(lobes.weight.begin() + j * lobes.shape.width() + n * C, C, 0.0);
-    return lobes;
-}
-
 /// Drops the least useful lobe and adds another, after the problem's call of `loss` for `best`; keeps the result if it
 /// is better.
 void replace_lobe(LobeProblem& problem, Candidate& best, std::mt19937_64& random) {
     const std::vector<double> cost = problem.cost_of_dropping();
     const auto least = std::min_element(cost.begin(), cost.end()) - cost.begin();
     Candidate next = best;
-    const auto at = next.lobes.weight.begin() + least * best.lobes.shape.width();
-    next.lobes.weight.erase(at, at + best.lobes.shape.width());
+    next.lobes = without_lobe(std::move(next.lobes), least);
     problem.loss(LobeProblem::pack(next.lobes));
     add_lobe(problem, next.lobes, random);
     next.loss = optimise(problem, next.lobes, k_perturbation_steps, best.loss);
@@ -159,7 +164,7 @@ Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limi
 void improve(const Rows& rows, const FitOptions& options, double log_peak_limit, int until, Candidate& best,
              Reporter& reporter) {
     LobeProblem problem(rows, shape_of(options), false, log_peak_limit);
-    if (best.perturbations < until) best.loss = optimise(problem, best.lobes, 6);
+    if (best.perturbations < until) best.loss = optimise(problem, best.lobes, k_first_steps);
     while (best.perturbations < until) {
         std::mt19937_64 random = generator(options.seed, best.start, 2 + best.perturbations++);
         if (best.perturbations % (k_lobe_perturbations + 1) == 0) {
@@ -175,11 +180,11 @@ void improve(const Rows& rows, const FitOptions& options, double log_peak_limit,
 void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate) {
     std::mt19937_64 random = generator(options.seed, candidate.start, 1);
     LobeProblem problem(rows, shape_of(options), false, log_peak_limit);
-    candidate.loss = optimise(problem, candidate.lobes, 25);
+    candidate.loss = optimise(problem, candidate.lobes, k_polish_steps);
     // On more rows than it was found on, a lobe may become useless.
-    for (int attempt = 0; attempt < 3; ++attempt) {
+    for (int attempt = 0; attempt < k_polish_attempts; ++attempt) {
         const std::vector<double> cost = problem.cost_of_dropping();
-        if (*std::min_element(cost.begin(), cost.end()) > 1e-4 * candidate.loss) break;
+        if (*std::min_element(cost.begin(), cost.end()) > k_useless * candidate.loss) break;
         replace_lobe(problem, candidate, random);
         problem.loss(LobeProblem::pack(candidate.lobes));
     }

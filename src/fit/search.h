@@ -55,6 +55,24 @@ struct Candidate {
     int perturbations = 0;                                  ///< number of perturbations so far
 };
 
+/// Numbers of the search, on every device.
+inline constexpr int k_candidates = 256;
+/// Number of steps after each lobe that is grown except the last, and after the last.
+inline constexpr int k_growth_steps = 6, k_grown_steps = 12;
+inline constexpr int k_first_steps = 6, k_perturbation_steps = 12, k_polish_steps = 25, k_polish_attempts = 3;
+/// Number of lobe perturbations per variate perturbation.
+inline constexpr int k_lobe_perturbations = 3;
+/// A lobe whose absence would cost less than this share of the loss is useless.
+inline constexpr double k_useless = 1e-4;
+
+/// Random lobes to choose an additional one from.
+std::vector<std::vector<double>> random_candidates(std::mt19937_64& random, const Lobes& lobes);
+/// The lobes with another one: `lobe`, or one of weights 0 if it is empty.
+Lobes with_lobe(Lobes lobes, const std::vector<double>& lobe);
+Lobes without_lobe(Lobes lobes, std::ptrdiff_t j);
+/// The lobes with the weights of variate n set to 0.
+Lobes without_variate(Lobes lobes, int n);
+
 /// Grows J lobes one by one.
 Candidate grow(const Rows& rows, const FitOptions& options, double log_peak_limit, int start, Reporter& reporter);
 

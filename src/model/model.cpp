@@ -19,12 +19,12 @@
 namespace srbf {
 namespace {
 
-constexpr std::string_view k_version = "1";
+constexpr std::string_view k_version = "1", k_stack = "pm-stack";
 
 static_assert(k_terms.size() == SRBF_TERMS);
 
 /// The tensors of a model, with its numbers rounded to 16-bit floats.
-std::map<std::string, Tensor16> encode(const PmModel& model) {
+std::map<std::string, Tensor16> encode(const PmModel& model, bool with_log_scale) {
     const auto J = std::uint64_t(model.lobes), N = std::uint64_t(model.variates);
     std::map<std::string, Tensor16> tensors;
 
@@ -36,7 +36,7 @@ std::map<std::string, Tensor16> encode(const PmModel& model) {
             for (int c = 0; c < 3; ++c) add_coefficient(beta[c]);
     for (const float beta : model.spectrum) add_coefficient(beta);
 
-    if (has_log_scale(model)) {
+    if (with_log_scale) {
         Tensor16& log_scale = tensors["log_scale"] = {Type16::half, {J}, {}};
         for (const float s : model.log_scale) log_scale.data.push_back(to_half(std::clamp(s, -k_half_max, k_half_max)));
     }
@@ -72,6 +72,8 @@ std::map<std::string, Tensor16> encode(const PmModel& model) {
     }
     return tensors;
 }
+
+std::map<std::string, Tensor16> encode(const PmModel& model) { return encode(model, has_log_scale(model)); }
 
 /// The model of these tensors, or an error.
 Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm form, bool axial,
@@ -139,6 +141,29 @@ Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm fo
         model.parameterization.push_back(p);
     }
     return model;
+}
+
+/// Takes the value of `key` out of the metadata; the first that is not one of `known` becomes the error. The metadata
+/// that remain are provenance.
+std::string taken(std::map<std::string, std::string>& metadata, const char* key,
+                  const std::vector<std::string_view>& known, const std::string& file_name,
+                  std::optional<Error>& error) {
+    const auto at = metadata.find(key);
+    const std::string found = at == metadata.end() ? "" : at->second;
+    if (std::find(known.begin(), known.end(), found) == known.end()) {
+        if (!error)
+            error = {file_name, 8, fmt::format("metadata '{}'", key), fmt::format("{}", fmt::join(known, " or ")),
+                     at == metadata.end() ? "none" : fmt::format("{:.40}", found)};
+    } else {
+        metadata.erase(at);
+    }
+    return found;
+}
+
+std::vector<std::string_view> stored_forms() {
+    std::vector<std::string_view> forms;
+    for (const PmForm form : k_forms) forms.push_back(stored_name(form));
+    return forms;
 }
 
 /// Wavelengths in the metadata of a file, separated by blanks.
@@ -287,16 +312,7 @@ Result<Model> model_of(Safetensors content, bool may_be_bsdf, const std::string&
     // value is reported.
     std::optional<Error> error;
     const auto take = [&](const char* key, const std::vector<std::string_view>& known) {
-        const auto at = metadata.find(key);
-        const std::string found = at == metadata.end() ? "" : at->second;
-        if (std::find(known.begin(), known.end(), found) == known.end()) {
-            if (!error)
-                error = {file_name, 8, fmt::format("metadata '{}'", key), fmt::format("{}", fmt::join(known, " or ")),
-                         at == metadata.end() ? "none" : fmt::format("{:.40}", found)};
-        } else {
-            metadata.erase(at);
-        }
-        return found;
+        return taken(metadata, key, known, file_name, error);
     };
     std::vector<std::string_view> kinds{"pm", "su", "ggx"};
     if (may_be_bsdf) kinds.push_back("bsdf");
@@ -337,9 +353,7 @@ Result<Model> model_of(Safetensors content, bool may_be_bsdf, const std::string&
         if (!ggx) return ggx.error();
         return Model{*std::move(ggx), std::move(metadata)};
     }
-    std::vector<std::string_view> forms;
-    for (const PmForm form : k_forms) forms.push_back(stored_name(form));
-    const auto form = take("form", forms), axial = take("axial", {"true", "false"});
+    const auto form = take("form", stored_forms()), axial = take("axial", {"true", "false"});
     if (error) return *error;
     std::vector<float> wavelength;
     if (const auto at = metadata.find("wavelengths"); at != metadata.end()) {
@@ -372,6 +386,79 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
                      version == content->metadata.end() ? "none" : fmt::format("{:.40}", version->second)};
     content->metadata.erase(version);
     return model_of(*std::move(content), true, file_name);
+}
+
+std::vector<std::byte> write_stack(const ModelStack& stack) {
+    const FlushSubnormals mode;
+    const std::uint64_t T = stack.models.size();
+    Safetensors content{{}, stack.provenance};
+    content.metadata["srbf"] = k_version;
+    content.metadata["model"] = k_stack;
+    content.metadata["form"] = stored_name(stack.models[0].form);
+    content.metadata["axial"] = stack.models[0].axial ? "true" : "false";
+    for (const PmModel& model : stack.models)
+        for (auto& [name, tensor] : encode(model, true)) {
+            Tensor16& all = content.tensors[name];
+            if (all.shape.empty()) {
+                all.type = tensor.type;
+                all.shape.push_back(T);
+                all.shape.insert(all.shape.end(), tensor.shape.begin(), tensor.shape.end());
+            }
+            all.data.insert(all.data.end(), tensor.data.begin(), tensor.data.end());
+        }
+    Tensor16& error = content.tensors["aux.error"] = {Type16::half, {T}, {}};
+    for (const float of : stack.error) error.data.push_back(to_half(std::clamp(of, 0.f, k_half_max)));
+    content.tensors["aux.state"] = {Type16::count, {T}, stack.state};
+    return write_safetensors(content);
+}
+
+Result<ModelStack> read_stack(std::span<const std::byte> bytes, const std::string& file_name) {
+    const FlushSubnormals mode;
+    Result<Safetensors> content = read_safetensors(bytes, file_name);
+    if (!content) return content.error();
+    std::optional<Error> error;
+    const auto take = [&](const char* key, const std::vector<std::string_view>& known) {
+        return taken(content->metadata, key, known, file_name, error);
+    };
+    take("srbf", {k_version}), take("model", {k_stack});
+    const auto form = take("form", stored_forms()), axial = take("axial", {"true", "false"});
+    if (error) return *error;
+    auto& tensors = content->tensors;
+    const auto state_at = tensors.find("aux.state");
+    if (state_at == tensors.end() || state_at->second.shape.size() != 1)
+        return Error{file_name, {}, "tensor 'aux.state'", "of one dimension", "none"};
+    const std::uint64_t T = state_at->second.shape[0];
+    std::map<std::string, Tensor16> own{{"aux.state", state_at->second}};
+    if (const auto at = tensors.find("aux.error"); at != tensors.end()) own.insert(*at);
+    if (const auto valid =
+            check_tensors(own, {{"aux.state", {Type16::count, {T}}}, {"aux.error", {Type16::half, {T}}}}, file_name);
+        !valid)
+        return valid.error();
+    for (const auto& [name, tensor] : own) tensors.erase(name);
+    for (const auto& [name, tensor] : tensors)
+        if (tensor.shape.size() < 2 || tensor.shape[0] != T)
+            return Error{file_name,
+                         {},
+                         fmt::format("tensor '{:.80}': shape", name),
+                         fmt::format("[{}, ..]", T),
+                         shape_text(tensor.shape)};
+    ModelStack stack;
+    stack.state = own["aux.state"].data;
+    for (const std::uint16_t half : own["aux.error"].data) stack.error.push_back(from_half(half));
+    for (std::uint64_t t = 0; t < T; ++t) {
+        std::map<std::string, Tensor16> of;
+        for (const auto& [name, tensor] : tensors) {
+            const auto count = std::ptrdiff_t(tensor.data.size() / T), begin = count * std::ptrdiff_t(t);
+            of[name] = {tensor.type,
+                        {tensor.shape.begin() + 1, tensor.shape.end()},
+                        {tensor.data.begin() + begin, tensor.data.begin() + begin + count}};
+        }
+        auto model = decode(of, *form_named(form), axial == "true", {}, file_name);
+        if (!model) return model.error();
+        stack.models.push_back(*std::move(model));
+    }
+    stack.provenance = std::move(content->metadata);
+    return stack;
 }
 
 Result<Done> save_model(const Model& model, const std::string& path) { return write_file(path, write_model(model)); }

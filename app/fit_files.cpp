@@ -1,0 +1,171 @@
+// `srbf fit` of many files into a folder.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <numeric>
+#include <thread>
+
+#include "app/commands.h"
+#include "app/fit.h"
+#include "app/jobs.h"
+#include "srbf/file.h"
+
+namespace srbf {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What is kept of a fit: the numbers of its line. A report without one of them is not whole.
+struct Line {
+    std::size_t bytes = 0;
+    double image_error = 0, raw_error = 0, delta_e = 0, seconds = 0;
+};
+std::optional<Line> line_of(const Json& report) {
+    const auto number = [](const Json& of, const char* key) {
+        const auto at = of.find(key);
+        return at != of.end() && at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
+    };
+    const auto pictures = report.is_object() ? report.find("pictures") : report.end();
+    if (pictures == report.end() || !pictures->is_object()) return {};
+    const auto bytes = number(report, "payload_bytes"), seconds = number(report, "fit_seconds"),
+               image = number(report, "heldout_squared_error_ratio_cosine"),
+               raw = number(report, "heldout_squared_error_ratio"), delta_e = number(*pictures, "delta_e_itp");
+    if (!bytes || !seconds || !image || !raw || !delta_e) return {};
+    return Line{std::size_t(*bytes), *image, *raw, *delta_e, *seconds};
+}
+
+enum class State { waiting, fitted, kept, failed };
+struct Material {
+    std::string name;
+    FileFit fit;
+    State state = State::waiting;
+    Line line;          ///< of a model
+    std::string error;  ///< of a failure
+};
+
+/// Fits one file, or finds that it is done: its report is written last, and its key covers the file's content, the
+/// options and the program's version.
+Result<State> fit_one(Material& of, const FolderFit& all, const ProgressToken& progress) {
+    Hash hash;
+    if (const auto bytes = read_file(of.fit.input))
+        hash.add(*bytes);
+    else
+        return bytes.error();
+    hash.add(as_bytes(fmt::format("{} {}", SRBF_VERSION, all.options)));
+    const std::string key = hash.text();
+    if (all.resume)
+        if (const auto report = read_json(of.fit.json))
+            if (const auto line = line_of(*report); line && report->value("key", Json()) == key)
+                if (load_model(of.fit.output).ok()) return of.line = *line, State::kept;
+
+    const auto measured = load_measured(of.fit);
+    if (!measured) return measured.error();
+    const auto outcome = fit_measured(*measured, of.fit, progress);
+    if (!outcome) return outcome.error();
+    std::error_code none;
+    fs::remove(of.fit.json, none);  // that of another model
+    if (const auto saved = save_model(outcome->model, of.fit.output); !saved) return saved.error();
+    Json report = report_of(of.fit, *measured, *outcome);
+    report["key"] = key;
+    if (const auto written = write_json(report, of.fit.json); !written) return written.error();
+    of.line = line_of(report).value_or(Line{});
+    return State::fitted;
+}
+
+void print_line(const Material& of) {
+    if (of.state == State::failed) {
+        fmt::print(stderr, "srbf: {}\n", of.error);
+        return;
+    }
+    fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10.3g}{:>10}\n", of.name, of.line.bytes, percent(of.line.image_error),
+               percent(of.line.raw_error), of.line.delta_e,
+               of.state == State::kept ? "kept" : fmt::format("{:.2f}", of.line.seconds));
+}
+
+void print_summary(const FolderFit& all, const std::vector<Material>& materials, double seconds) {
+    const auto count = [&](State state) { return std::ranges::count(materials, state, &Material::state); };
+    const auto summary = [&](const char* title, double Line::*member, bool is_ratio) {
+        std::vector<double> sorted;
+        for (const Material& of : materials)
+            if (of.state != State::failed) sorted.push_back(of.line.*member);
+        if (sorted.empty()) return;
+        std::ranges::sort(sorted);
+        const auto shown = [&](double x) { return is_ratio ? percent(x) : fmt::format("{:.3g}", x); };
+        const auto at = [&](double share) {
+            return shown(sorted[std::size_t(std::ceil(share * double(sorted.size()))) - 1]);
+        };
+        const double mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / double(sorted.size());
+        fmt::print("  {:<14}mean {}, median {}, 95 % {}\n", title, shown(mean), at(0.5), at(0.95));
+    };
+    fmt::print("\n");
+    summary("image error", &Line::image_error, true);
+    summary("raw error", &Line::raw_error, true);
+    summary("Delta E", &Line::delta_e, false);
+    fmt::print("  {} fitted in {:.1f} s, {:.3g} a second; {} kept; {} failed\n", count(State::fitted), seconds,
+               double(count(State::fitted)) / seconds, count(State::kept), count(State::failed));
+    fmt::print("  models        {}\n", all.folder);
+}
+
+}  // namespace
+
+int fit_files(const FolderFit& all) {
+    if (const auto made = make_folder(all.folder); !made) return complain(made.error());
+
+    std::vector<Material> materials;
+    std::map<std::string, std::string> input_of;
+    for (const std::string& input : all.inputs) {
+        Material of;
+        of.name = fs::path(input).stem().string();
+        of.fit = all.each;
+        of.fit.input = input;
+        of.fit.output = (fs::path(all.folder) / (of.name + ".srbf")).string();
+        of.fit.json = (fs::path(all.folder) / (of.name + ".json")).string();
+        if (const auto [at, is_new] = input_of.try_emplace(of.name, input); !is_new)
+            of.state = State::failed,
+            of.error = message({input, {}, "model", "a name of its own", "that of " + at->second});
+        else if (const auto free = check_outputs({input}, {of.fit.output, of.fit.json}); !free)
+            of.state = State::failed, of.error = message(free.error());
+        materials.push_back(std::move(of));
+    }
+    // Fits of one thread each, side by side, as long as there are enough of them.
+    const int cores = all.each.request.threads > 0 ? all.each.request.threads
+                                                   : int(std::max(std::thread::hardware_concurrency(), 1u));
+    const int jobs = jobs_within_memory(std::min(std::size_t(cores), materials.size()));
+    for (Material& of : materials) of.fit.request.threads = std::max(cores / jobs, 1);
+
+    const Stopwatch watch;
+    ProgressLine line;
+    Board board(materials.size(), line);
+    std::size_t printed = 0;
+    fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10}{:>10}\n", "material", "bytes", "image error", "raw error", "Delta E",
+               "seconds");
+    in_jobs(materials.size(), jobs, [&](std::size_t i) {
+        Material of = materials[i];
+        if (of.state == State::waiting) {
+            const auto done = fit_one(of, all, [&](const Progress& now) {
+                board.show(i, fmt::format("{} of {}, {}: {}", i + 1, materials.size(), of.name, now.stage),
+                           now.fraction);
+                return true;
+            });
+            of.state = done ? *done : State::failed;
+            if (!done) of.error = message(done.error());
+        }
+        board.show(i, of.name, 1);
+        board.print([&] {
+            materials[i] = std::move(of);
+            for (; printed < materials.size(); ++printed) {
+                if (materials[printed].state == State::waiting) break;
+                print_line(materials[printed]);
+            }
+            std::fflush(stdout);
+        });
+    });
+    print_summary(all, materials, watch.seconds());
+    if (const auto written = flush_standard_output(); !written) return complain(written.error());
+    return std::ranges::count(materials, State::failed, &Material::state) > 0 ? k_input_error : k_done;
+}
+
+}  // namespace srbf

@@ -1,0 +1,69 @@
+// Fits of many BRDFs that were measured at the same pairs of directions, such as the texels of a material: level 5.
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "srbf/fitting.h"
+#include "srbf/metrics.h"
+#include "srbf/model.h"
+#include "srbf/progress.h"
+#include "srbf/result.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// The pairs of directions at which every texel was measured: unit vectors. Those below the horizon are left out.
+struct SharedPairs {
+    std::vector<Vec3f> wl, wv;
+    bool isotropic = true;  ///< f_r depends only on the difference of the azimuths
+};
+
+struct BatchOptions {
+    /// PM with a number of lobes; the number of threads is that of all texels together, each takes one.
+    FitRequest request = {.model = PmRequest{.size = LobeCount{4}}};
+    /// The search of each texel: shorter than that of a single fit, see `FitOptions`.
+    int starts = 3, perturbations = 4;
+};
+
+enum class TexelState {
+    fitted,
+    black,   ///< no value above 0: the model's coefficients are 0
+    failed,  ///< too few values, for example: the model's coefficients are 0
+};
+
+struct TexelFit {
+    PmModel model;  ///< of the requested form and size, every number rounded to a 16-bit float
+    TexelState state = TexelState::fitted;
+    Measures errors;  ///< at the texel's own values within θmax, of a texel that is fitted
+    StopReason stop = StopReason::converged;
+    std::optional<Error> failure;
+};
+
+/// Fits T texels: f is T × pairs [1/sr], NaN where nothing was measured. Lobes follow the completed samples
+/// (fit_samples.h) as those of a single fit do, at fewer pairs and without pictures, if the objective is one of
+/// pictures, otherwise the samples; no fold is left out. A texel's fit depends on its values, the pairs and the options
+/// alone, not on other texels or the number of threads.
+/// Errors: another number of values than whole texels; a request for another kind of model or without a number of
+/// lobes; a wrong option; cancelled.
+Result<std::vector<TexelFit>> fit_batch(const SharedPairs& pairs, std::span<const Rgb> f, const BatchOptions& options,
+                                        const ProgressToken& progress = {});
+
+/// Texels that are read and fitted in slabs, so that only one slab of them is in memory.
+struct TexelStream {
+    std::size_t begin = 0, end = 0;  ///< the texels to fit
+    std::size_t slab = 1024;         ///< their number in a slab; the last one may have fewer
+    /// Writes the values of texels `first`, `first` + 1, … to f, as many as it has room for.
+    std::function<Result<Done>(std::size_t first, std::span<Rgb> f)> read;
+    /// Receives the fits of a slab.
+    std::function<Result<Done>(std::size_t first, std::span<const TexelFit> fits)> take;
+    /// Whether a slab was taken by an earlier run, and is to be left out; none: no slab was.
+    std::function<bool(std::size_t first, std::size_t count)> is_done = {};
+};
+
+/// Fits the texels of a stream, slab after slab. Errors: those of `read` and `take`, which end it, and those above.
+Result<Done> fit_batch(const SharedPairs& pairs, const TexelStream& texels, const BatchOptions& options,
+                       const ProgressToken& progress = {});
+
+}  // namespace srbf

@@ -1,0 +1,49 @@
+#include "fit/cuda/kernels.h"
+
+namespace srbf::on_device {
+namespace {
+
+constexpr int k_threads = 256;
+
+// The limit on registers leaves room for two blocks on a multiprocessor.
+__global__ void __launch_bounds__(k_threads, 2) optimise(const Problem* problems) {
+    extern __shared__ float shared[];
+    levenberg_marquardt(Block{}, problems[blockIdx.x], shared);
+}
+__global__ void __launch_bounds__(k_threads, 2) gains(const Problem* problems) {
+    extern __shared__ float shared[];
+    gains_of_additions(Block{}, problems[blockIdx.x], shared);
+}
+
+std::string text(cudaError_t error) { return error == cudaSuccess ? "" : cudaGetErrorString(error); }
+
+}  // namespace
+
+std::string device_name(std::string& name) {
+    int count = 0;
+    if (const auto error = cudaGetDeviceCount(&count); error != cudaSuccess) return text(error);
+    if (count == 0) return "no CUDA device";
+    cudaDeviceProp of;
+    if (const auto error = cudaGetDeviceProperties(&of, 0); error != cudaSuccess) return text(error);
+    name = of.name;
+    return of.major * 10 + of.minor >= 75 ? "" : name + " is older than sm_75";
+}
+std::string allocate(std::size_t bytes, void*& memory) { return text(cudaMalloc(&memory, bytes)); }
+void release(void* memory) { cudaFree(memory); }
+std::string copy_to_device(void* to, const void* from, std::size_t bytes) {
+    return text(cudaMemcpy(to, from, bytes, cudaMemcpyHostToDevice));
+}
+std::string copy_to_host(void* to, const void* from, std::size_t bytes) {
+    return text(cudaMemcpy(to, from, bytes, cudaMemcpyDeviceToHost));
+}
+std::string launch(Task task, const Problem* problems, int count) {
+    constexpr std::size_t shared = sizeof(float) * k_tile * (k_most_columns + 4);
+    if (task == Task::optimise)
+        optimise<<<count, k_threads, shared>>>(problems);
+    else
+        gains<<<count, k_threads, shared>>>(problems);
+    if (const auto error = cudaGetLastError(); error != cudaSuccess) return text(error);
+    return text(cudaDeviceSynchronize());
+}
+
+}  // namespace srbf::on_device

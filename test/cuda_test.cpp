@@ -1,0 +1,226 @@
+// The text of the CUDA backend, compiled for this processor and run over a serial grid.
+#include "fit/cuda/steps.h"
+
+#include <fmt/format.h>
+
+#include "fit/batched_fits.h"
+#include "fit/lobes.h"
+#include "fit/search.h"
+#include "least_squares.h"
+#include "properties.h"
+
+namespace srbf {
+namespace {
+
+Observations observations() {
+    const Evaluate f = [](auto wl, auto wv, auto out) {
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            const Vec3f h = Kernel<float>::psi(wl[i], wv[i], 1, 1);
+            const float g = Kernel<float>::gaussian(h, {0, 0, 1}, 80), b = wl[i].z * wv[i].z;
+            out[i] = {0.2f + g, 0.3f * b + 0.5f * g, 0.1f * g + 0.05f * b * b};
+        }
+    };
+    return *observe(f, {Objective::appearance, 0, 1024, 7});
+}
+
+on_device::Observed observed(const Rows& rows) {
+    on_device::Observed of{};
+    for (std::size_t k = 0; k < 3; ++k) of.wl[k] = rows.wl[k].data(), of.wv[k] = rows.wv[k].data();
+    for (std::size_t c = 0; c < 3; ++c) of.y[c] = rows.y[c].data();
+    of.root_weight = rows.root_weight.data();
+    of.pairs = int(rows.blocks * k_block);
+    of.radiances = int(rows.radiances), of.rows_of_radiance = int(rows.radiance_blocks * k_block);
+    of.scale = rows.scale;
+    return of;
+}
+
+on_device::Shape shape_on_device(const LobeShape& shape, int lobes) {
+    return {shape.variates, shape.components(), features(shape.form), lobes, shape.reciprocal};
+}
+
+/// A problem with all its memory.
+struct Emulated {
+    Emulated(const Rows& rows, const LobeShape& shape, const Eigen::VectorXd& at, double log_peak_limit)
+        : x(at.begin(), at.end()), tile(std::size_t(on_device::k_tile * (on_device::k_most_columns + 4))) {
+        problem.shape = shape_on_device(shape, int(at.size() - shape.variates) / shape.width());
+        problem.observed = observed(rows);
+        problem.log_peak_limit = log_peak_limit;
+        doubles.resize(memory.lay_out(problem.shape, nullptr, nullptr));
+        memory.lay_out(problem.shape, tile.data(), doubles.data());
+        LobeProblem bounds(rows, shape, false);
+        const Eigen::VectorXd least = bounds.lower(at), most = bounds.upper(at);
+        lower.assign(least.begin(), least.end()), upper.assign(most.begin(), most.end());
+        const auto J = std::size_t(problem.shape.lobes);
+        beta.resize(3 * J), gram.resize(J * J);
+        problem.doubles = doubles.data(), problem.x = x.data(), problem.loss = &loss, problem.beta = beta.data();
+        problem.gram = gram.data(), problem.lower = lower.data(), problem.upper = upper.data();
+    }
+    Emulated(const Emulated&) = delete;
+
+    std::vector<double> x, doubles, lower, upper, beta, gram;
+    std::vector<float> tile;
+    double loss = 0;
+    on_device::Memory memory{};
+    on_device::Problem problem{};
+    static constexpr on_device::Block block{};
+};
+
+LobeShape shape_of(PmForm form, bool axial, bool reciprocal, int variates) {
+    LobeShape shape;
+    shape.form = form, shape.axial = axial, shape.reciprocal = reciprocal, shape.variates = variates;
+    return shape;
+}
+
+Eigen::VectorXd random_variables(const LobeShape& shape, int lobes, std::mt19937_64& random) {
+    Lobes of = without_lobes(shape, 1, random);
+    for (int j = 0; j < lobes; ++j) {
+        const std::vector<double> lobe = random_lobe(random, of);
+        of.weight.insert(of.weight.end(), lobe.begin(), lobe.end());
+    }
+    return LobeProblem::pack(of);
+}
+
+/// Calls check(rows, shape, x, log peak limit) for random problems of every form.
+template <typename Check> void for_problems(const Check& check) {
+    const Observations all = observations();
+    const Rows pairs(all), with_radiances(all, {.radiance_importance = 0.05});
+    std::mt19937_64 random(5);
+    for (const PmForm form : k_forms)
+        for (const bool axial : {true, false})
+            for (const bool reciprocal : {false, true})
+                for (const int lobes : {2, 3, 7}) {
+                    SCOPED_TRACE(
+                        fmt::format("{} axial {} reciprocal {} lobes {}", name(form), axial, reciprocal, lobes));
+                    const LobeShape shape = shape_of(form, axial, reciprocal, reciprocal ? 2 : 3);
+                    const Eigen::VectorXd x = random_variables(shape, lobes, random);
+                    // The second one bounds the coefficients.
+                    for (const double log_peak_limit : {300.0, -12.0})
+                        check(lobes % 2 == 1 ? with_radiances : pairs, shape, x, log_peak_limit);
+                }
+}
+
+TEST(Cuda, loss_gradient_and_products_are_those_of_the_problem) {
+    int limited = 0, not_adapting = 0, close = 0, count = 0;
+    for_problems([&](const Rows& rows, const LobeShape& shape, const Eigen::VectorXd& x, double log_peak_limit) {
+        LobeProblem expected(rows, shape, false, log_peak_limit);
+        const double loss = expected.loss(x);
+        const Eigen::MatrixXd beta = expected.beta();
+        Eigen::MatrixXd H;
+        Eigen::VectorXd g;
+        expected.linearise(x, H, g);
+
+        Emulated of(rows, shape, x, log_peak_limit);
+        const auto& [memory, problem] = std::tie(of.memory, of.problem);
+        const double found =
+            on_device::loss(of.block, problem.shape, problem.observed, log_peak_limit, memory, of.x.data());
+        EXPECT_TRUE(near(found, loss, 1e-5 * loss)) << found << ' ' << loss;
+        bool adapt = false;
+        for (int j = 0; j < problem.shape.lobes; ++j)
+            for (int c = 0; c < 3; ++c) {
+                const bool is_limited = memory.beta[j * 3 + c] == memory.limit[j];
+                limited += is_limited;
+                adapt = adapt || (beta(j, c) > 0 && !is_limited);
+            }
+        on_device::linearise(of.block, problem.shape, problem.observed, memory, of.x.data());
+        const Eigen::Index n = x.size();
+        const Eigen::Map<const Eigen::MatrixXd> hessian(memory.hessian, n, n);
+        const Eigen::Map<const Eigen::VectorXd> gradient(memory.gradient, n);
+        // Relative to the products of columns, which may cancel.
+        double products = 0;
+        for (int v = 0; v < int(n); ++v)
+            for (int c = 0; c < 3; ++c)
+                on_device::for_columns(problem.shape, memory, of.x.data(), c, v, [&](int i, double of_i) {
+                    on_device::for_columns(problem.shape, memory, of.x.data(), c, v, [&](int k, double of_k) {
+                        products += std::abs(of_i * of_k * on_device::entry(memory, problem.shape.columns(), i, k));
+                    });
+                });
+        EXPECT_GE(products, 0.99 * H.trace());
+        // A solve for lobes that nearly coincide amplifies differences.
+        EXPECT_LE((hessian - H).norm(), (adapt ? 1e-3 : 1e-4) * products);
+        not_adapting += !adapt;
+        close += (hessian - H).norm() <= 1e-5 * products, ++count;
+        EXPECT_LE((gradient - g).norm(), 1e-5 * std::sqrt(loss * products));
+    });
+    EXPECT_GT(limited, 10);  // coefficients at their bounds are among them, and problems in which none adapts
+    EXPECT_GT(not_adapting, 5);
+    EXPECT_GE(close, count - count / 10);
+}
+
+TEST(Cuda, steps_reach_the_same_loss) {
+    int count = 0, same = 0;
+    for_problems([&](const Rows& rows, const LobeShape& shape, const Eigen::VectorXd& start, double log_peak_limit) {
+        if (log_peak_limit < 0 || start.size() > 40) return;  // the largest take most of the time
+        LobeProblem problem(rows, shape, false, log_peak_limit);
+        Eigen::VectorXd x = start;
+        LevenbergMarquardtOptions options;
+        options.max_iterations = 2;
+        const auto expected = levenberg_marquardt(problem, x, options);
+        Emulated of(rows, shape, start, log_peak_limit);
+        of.problem.iterations = options.max_iterations, of.problem.target = options.target;
+        on_device::levenberg_marquardt(of.block, of.problem, of.tile.data());
+        EXPECT_LT(of.loss, problem.loss(start));
+        // It is the loss of these numbers.
+        const double loss = problem.loss(Eigen::Map<Eigen::VectorXd>(of.x.data(), start.size()));
+        EXPECT_TRUE(near(loss, of.loss, 1e-5 * of.loss)) << of.loss;
+        // Where lobes nearly coincide rounding decides which way a step goes.
+        same += std::abs(of.loss - expected.loss) < 1e-3 * expected.loss, ++count;
+    });
+    EXPECT_GE(same, count - count / 10);
+}
+
+TEST(Cuda, the_same_candidates_are_best) {
+    for_problems([&](const Rows& rows, const LobeShape& shape, const Eigen::VectorXd& x, double log_peak_limit) {
+        if (log_peak_limit < 0) return;
+        std::mt19937_64 random(9);
+        LobeProblem problem(rows, shape, false, log_peak_limit);
+        problem.loss(x);
+        std::vector<std::vector<double>> candidates;
+        std::vector<float> weights;
+        for (int k = 0; k < 40; ++k) {
+            candidates.push_back(random_lobe(random, problem.unpack(x)));
+            weights.insert(weights.end(), candidates.back().begin(), candidates.back().end());
+        }
+        Emulated of(rows, shape, x, log_peak_limit);
+        const std::size_t stride = std::size_t(of.problem.shape.lobes) + 5;
+        std::vector<double> gain(40 * stride);
+        of.problem.candidates = weights.data(), of.problem.candidate_count = 40, of.problem.gain = gain.data();
+        on_device::gains_of_additions(of.block, of.problem, of.tile.data());
+        std::size_t best = 0;
+        for (std::size_t k = 1; k < 40; ++k)
+            if (gain[k * stride] > gain[best * stride]) best = k;
+        EXPECT_EQ(candidates[best], problem.best_addition(candidates));
+    });
+}
+
+TEST(Cuda, searches_in_batches_find_fits_as_good) {
+    const Observations first = beginning(observations(), 1024);
+    Observations second = first;
+    for (Rgb& f : second.f) f = {0.5f * f.g, 2 * f.r, f.b};
+    FitOptions options;
+    options.lobes = 3, options.variates = 2, options.starts = 3, options.perturbations = 4, options.threads = 1;
+    const Observations* const both[] = {&first, &second};
+    const auto fits = fit_pm_in_batches(both, options, Batches::Where::emulated);
+    ASSERT_TRUE(fits) << message(fits.error());
+    const auto again = fit_pm_in_batches(std::span(both).last(1), options, Batches::Where::emulated);
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->front().model, (*fits)[1].model);  // whatever else is in the batch
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto expected = fit_pm(*both[i], options);
+        ASSERT_TRUE(expected);
+        EXPECT_LT((*fits)[i].loss, 1.5 * expected->loss);
+    }
+}
+
+TEST(Cuda, without_a_device_the_error_says_so) {
+    if (cuda_device()) GTEST_SKIP() << "there is a device";
+    FitOptions options;
+    options.device = Device::cuda;
+    const auto fit = fit_pm(beginning(observations(), 1024), options);
+    ASSERT_FALSE(fit);
+    EXPECT_TRUE(
+        message(fit.error()).starts_with("cuda: device: expected one of compute capability 7.5 or more, found "))
+        << message(fit.error());
+}
+
+}  // namespace
+}  // namespace srbf

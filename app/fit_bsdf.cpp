@@ -102,8 +102,7 @@ int fit_both_sides(const FileFit& fit, const Measured& measured) {
     if (const auto& band = std::get<BsdfTable>(measured.table).band().name; !band.empty()) provenance["band"] = band;
     if (fit.exchange) provenance["exchanged"] = "light and viewer of the source";
     for (const PartFit& part : outcome->parts)
-        provenance[fmt::format("error_ratio_of_{}", name(part.part))] =
-            fmt::format("{:.4g}", part.squared_error_ratio);
+        provenance[fmt::format("error_ratio_of_{}", name(part.part))] = fmt::format("{:.4g}", part.squared_error_ratio);
     line.clear();
     if (!fit.preview.empty()) {
         PreviewOptions options;

@@ -167,7 +167,7 @@ TEST(Klems, RefusesBadFiles) {
     for (std::size_t size = 0; size + 2 < good.size(); size += 97) EXPECT_NE(error_of(good.substr(0, size)), "");
 }
 
-/// A real roller shade: the sums of its columns are those of the product's documentation, and the same with the beam apart.
+/// A real roller shade: the sums of its columns, as added up apart from this library, with the beam apart.
 TEST(Klems, RollerShade) {
     const auto path = shared_data() / "klems" / "2011-SA1.xml";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;

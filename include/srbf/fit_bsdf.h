@@ -22,8 +22,8 @@ struct PartFit {
     std::optional<Part> answered_by;  ///< the part that answers for it too; none: it has a model of its own
     bool black = false;               ///< all values are 0
     FitOutcome outcome;               ///< of its own model; without errors of pictures where patches were fitted
-    /// Σ (f − f̂)² / Σ f² of the averages over pairs of patches, or of a table at pairs of directions, with the pairs'
-    /// projected solid angles for weights and the beam where it falls.
+    /// Σ w (f − f̂)² / Σ w f², without beams: of averages over pairs of patches, w their projected solid angles; of other
+    /// parts at pairs of directions within 80°, w both cosines.
     double squared_error_ratio = 0;
     std::vector<Hemispherical> hemispherical;
 };

@@ -7,6 +7,7 @@
 #include "app/commands.h"
 #include "srbf/directions.h"
 #include "srbf/metrics.h"
+#include "srbf/sampling.h"
 
 namespace srbf {
 Rgb value(const Subject& subject, Vec3f wl, Vec3f wv) {
@@ -15,6 +16,10 @@ Rgb value(const Subject& subject, Vec3f wl, Vec3f wv) {
 
 Evaluate evaluator(const Subject& subject) {
     return std::visit([](const auto& brdf) { return evaluator(brdf); }, subject.content);
+}
+
+int azimuths_of(const Subject& subject) {
+    return std::visit([](const auto& of) { return is_isotropic(of); }, subject.content) ? 1 : k_anisotropic_azimuths;
 }
 
 std::span<const float> wavelengths(const Subject& subject) {

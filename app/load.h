@@ -17,6 +17,9 @@ Rgb value(const Subject& subject, Vec3f wl, Vec3f wv);
 /// The subject on arrays of pairs. It keeps a reference to `subject`.
 Evaluate evaluator(const Subject& subject);
 
+/// How many azimuths `ProposeOptions` should have for the subject.
+int azimuths_of(const Subject& subject);
+
 /// The wavelengths [nm] of a spectral measurement or model; otherwise empty.
 std::span<const float> wavelengths(const Subject& subject);
 /// Its wavelengths if it has any, otherwise R, G, B. It keeps a reference to `subject`.

@@ -21,15 +21,21 @@ AreaLight softbox(const Scene& scene) {
     return {to_float(corner), to_float(0.8 * size * x), to_float(0.8 * size * y), {12, 12, 12}};
 }
 
-int azimuths_of(const Subject& subject) {
-    return std::visit([](const auto& of) { return is_isotropic(of); }, subject.content) ? 1 : k_anisotropic_azimuths;
-}
-
 PreparedBsdf by_cosine(const Subject& subject) {
     return std::visit([](const auto& content) { return prepare(content); }, subject.content);
 }
 
 }  // namespace
+
+Result<std::optional<Environment>> load_light(const std::string& name) {
+    if (name == "none") return std::optional<Environment>();
+    auto loaded = load_environment(name);
+    if (!loaded) return loaded.error();
+    if (loaded->clamped() > 0)
+        fmt::print(stderr, "srbf: {}: {} texels with channels below 0 or not finite, which count as 0\n", name,
+                   grouped(loaded->clamped()));
+    return std::optional(*std::move(loaded));
+}
 
 PreparedBsdf prepared(const Subject& subject, int threads) {
     const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
@@ -37,17 +43,17 @@ PreparedBsdf prepared(const Subject& subject, int threads) {
 }
 
 void PathCommand::add_options(const Subcommand& sub) {
-    sub.add_option("--env", environment, "path: environment map, a .hdr or .exr file, or studio or none")
-        .type_name("FILE")
-        .capture_default_str();
+    sub.add_option("--env", environment,
+                   "Environment map, a .hdr or .exr file, or studio (default of path) or none (default of raster)")
+        .type_name("FILE");
     sub.add_option("--lights", lights,
-                   "path: further lights: three (directional; default with --env none), softbox (a square) or none")
+                   "Further lights: three (directional; default without environment), softbox (path: a square) or none")
         .type_name("NAME")
         .one_of({"none", "three", "softbox"});
-    sub.add_option("--spp", samples, "path: paths per pixel, 1 to 1048576")
+    sub.add_option("--spp", samples,
+                   "Samples per pixel, 1 to 1048576: paths, or of raster (64; 4 without environment) directions")
         .type_name("S")
-        .check(within(1, 1 << 20))
-        .capture_default_str();
+        .check(within(1, 1 << 20));
     sub.add_option("--bounces", bounces, "path: maximum number of bounces, 1 to 1000")
         .type_name("N")
         .check(within(1, 1000))
@@ -63,6 +69,8 @@ void PathCommand::add_options(const Subcommand& sub) {
         .one_of({"object", "room"})
         .capture_default_str();
     sub.add_flag("--no-ground", no_ground, "path: omit the ground below the mesh");
+    sub.add_flag("--no-occlusion", no_occlusion,
+                 "path: let all light reach every point, in one bounce, as the renderer raster does");
     sub.add_option("--seed", seed, "path: seed of the random numbers").type_name("N").capture_default_str();
     sub.add_option("--threads", threads,
                    "path: number of threads; 0: all of the machine. The picture does not depend on it")
@@ -73,15 +81,9 @@ void PathCommand::add_options(const Subcommand& sub) {
 
 Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::span<const Subject> subjects, int width,
                                                      int height, const std::function<void(double)>& progress) const {
-    std::optional<Environment> light;
-    if (environment != "none") {
-        auto loaded = load_environment(environment);
-        if (!loaded) return loaded.error();
-        if (loaded->clamped() > 0)
-            fmt::print(stderr, "srbf: {}: {} texels with channels below 0 or not finite, which count as 0\n",
-                       environment, grouped(loaded->clamped()));
-        light = *std::move(loaded);
-    }
+    const auto loaded = load_light(environment.empty() ? std::string(k_built_in_environment) : environment);
+    if (!loaded) return loaded.error();
+    const std::optional<Environment>& light = *loaded;
     const Mesh floor = ground_below(scene.mesh, scene.camera.up);
     PathScene paths{{{&scene.mesh, 0}}, {}, scene.camera, {}, {}, light ? &*light : nullptr};
     if (!no_ground) paths.bodies.push_back({&floor, 1});
@@ -104,7 +106,14 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
         const auto of_all = [&](double part) {
             if (progress) progress((before + part) / all);
         };
-        pictures.push_back(render_paths(paths, {width, height, samples, bounces, seed, threads, of_all}));
+        pictures.push_back(render_paths(paths, {.width = width,
+                                                .height = height,
+                                                .samples = samples > 0 ? samples : k_samples,
+                                                .bounces = bounces,
+                                                .occlusion = !no_occlusion,
+                                                .seed = seed,
+                                                .threads = threads,
+                                                .progress = of_all}));
     }
     return pictures;
 }

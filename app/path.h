@@ -1,5 +1,6 @@
 // The path tracer with its command-line options.
 #pragma once
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,11 +12,12 @@
 namespace srbf {
 
 struct PathCommand {
-    std::string environment{k_built_in_environment}, lights,
-        draw = "brdf", scene_name = "object";  ///< lights not given: three if `environment` is none
-    int samples = 64, bounces = 8, threads = 0;
+    /// Not given: the renderer's default; three lights if `environment` is none.
+    std::string environment, lights, draw = "brdf", scene_name = "object";
+    int samples = 0;  ///< 0: not given
+    int bounces = 8, threads = 0;
     std::uint64_t seed = 0;
-    bool no_ground = false;
+    bool no_ground = false, no_occlusion = false;
 
     void add_options(const Subcommand& sub);
     /// Renders the scene with each of the subjects under the lights of `lights`. `progress` receives the completed
@@ -23,6 +25,11 @@ struct PathCommand {
     Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Subject> subjects, int width,
                                             int height, const std::function<void(double)>& progress = {}) const;
 };
+
+/// Samples per pixel under an environment, where none are asked for.
+inline constexpr int k_samples = 64;
+/// The environment of that name or file; none for "none". Says on standard error what of it counts as 0.
+Result<std::optional<Environment>> load_light(const std::string& name);
 
 /// The subject, importance-sampled by a proposal prepared for it.
 PreparedBsdf prepared(const Subject& subject, int threads);

@@ -1,13 +1,16 @@
 // The OpenGL renderer with its command-line options.
 #pragma once
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "app/load.h"
+#include "render/environment.h"
 #include "render/image.h"
 #include "render/pixel_shader.h"
 #include "render/scene.h"
 #include "srbf/convert.h"
+#include "srbf/sampling.h"
 
 namespace srbf {
 
@@ -27,8 +30,18 @@ inline Material material_of(const Model& model) {
     return material;
 }
 
-/// Renders the scene with each of the subjects, four samples per pixel. Errors: those of `material_of` and `rasterize`;
-/// a program built without this renderer.
-Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Subject> subjects, int width, int height);
+/// What the subject's light is drawn from in OpenGL. `threads`: 0 is as many as the machine has.
+MixtureProposal proposal_of(const Subject& subject, int threads = 0);
+
+/// The light of a rasterized picture.
+struct RasterLight {
+    const Environment* environment = nullptr;  ///< none: the scene's lights alone
+    int samples = 4;                           ///< per pixel
+    std::function<void(double)> progress;      ///< with an environment: receives the completed share
+};
+/// Renders the scene with each of the subjects. Errors: those of `material_of` and `rasterize`; a program built without
+/// this renderer.
+Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Subject> subjects, int width, int height,
+                                         const RasterLight& light);
 
 }  // namespace srbf

@@ -55,7 +55,22 @@ Result<Pictures> render_paths(const Scene& scene, std::span<const Subject> subje
 }
 
 Result<Pictures> render_raster(const Scene& scene, std::span<const Subject> subjects, const RenderCommand& options) {
-    auto renderings = rasterize(scene, subjects, options.width, options.height);
+    const PathCommand& asked = options.path;
+    const auto environment = load_light(asked.environment.empty() ? "none" : asked.environment);
+    if (!environment) return environment.error();
+    if (asked.lights == "softbox")
+        return Error{"--lights", {}, "lights of the renderer raster", "three or none", "softbox"};
+    RasterLight light;
+    ProgressLine line;
+    if (*environment) {
+        light.environment = &**environment;
+        light.samples = k_samples;
+        light.progress = [&](double part) { line.show("drawing", part); };
+    }
+    if (asked.samples > 0) light.samples = asked.samples;
+    Scene lit = scene;
+    if (asked.lights == "none" || (asked.lights.empty() && *environment)) lit.lights.clear();
+    auto renderings = rasterize(lit, subjects, options.width, options.height, light);
     if (!renderings) return renderings.error();
     return Pictures{*std::move(renderings), {}};
 }

@@ -9,7 +9,8 @@ namespace {
 
 struct ViewCommand {
     std::vector<std::string> files;
-    std::string mesh = "ball";
+    std::string mesh = "ball", environment = "none";
+    bool wipe = false;
     WindowOptions window;
 
     int run() const;
@@ -24,7 +25,7 @@ int ViewCommand::run() const {
         if (message.is_error) fmt::print(stderr, "srbf: {}\n", message.text);
     if (!files.empty() && session.subjects().empty()) return k_input_error;
     Look look;
-    look.mesh = mesh;
+    look.mesh = mesh, look.environment = environment, look.wipe = wipe;
     const auto shown = run_window(session, look, window);
     return shown ? int(k_done) : complain(shown.error());
 }
@@ -47,6 +48,10 @@ void add_view(CommandLine& app, int& status) {
     sub.add_option("--mesh", command->mesh, "A .ply or .obj file, or sphere, knot or ball")
         .type_name("FILE")
         .capture_default_str();
+    sub.add_option("--env", command->environment, "Environment map, a .hdr or .exr file, or studio or none")
+        .type_name("FILE")
+        .capture_default_str();
+    sub.add_flag("--wipe", command->wipe, "Begin with one picture, divided between measured and fit");
     sub.add_option("--screenshot", command->window.screenshot,
                    "Save a picture of the window once fit and errors are complete, and quit")
         .type_name("FILE.png")

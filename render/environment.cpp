@@ -92,6 +92,42 @@ Vec3f Environment::sample(float u1, float u2) const {
     return {float(r * std::sin(phi)), float(y), float(-r * std::cos(phi))};
 }
 
+Image halved(const Image& texels) {
+    Image half(std::max(texels.width / 2, 1), std::max(texels.height / 2, 1));
+    // Texels first..last of `from` along an axis that texel i of `to` covers, with an odd number at one end of it.
+    const auto range = [](int i, int from, int to) { return std::pair(i * from / to, ((i + 1) * from + to - 1) / to); };
+    for (int y = 0; y < half.height; ++y)
+        for (int x = 0; x < half.width; ++x) {
+            const auto [top, bottom] = range(y, texels.height, half.height);
+            const auto [left, right] = range(x, texels.width, half.width);
+            std::array<double, 3> sum{};
+            double weight = 0;
+            for (int row = top; row < bottom; ++row) {
+                const double of_row = solid_angle(row, texels.width, texels.height);
+                for (int column = left; column < right; ++column, weight += of_row)
+                    for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += of_row * double(texels.at(column, row)[c]);
+            }
+            for (int c = 0; c < 3; ++c) half.at(x, y)[c] = float(sum[std::size_t(c)] / weight);
+        }
+    return half;
+}
+
+std::vector<std::array<std::uint8_t, 4>> to_rgbe(const Image& image) {
+    std::vector<std::array<std::uint8_t, 4>> texels;
+    texels.reserve(image.pixels.size());
+    for (const Rgb& c : image.pixels) {
+        auto& texel = texels.emplace_back();
+        const float peak = std::max({c.r, c.g, c.b});
+        if (!(peak > 1e-30f)) continue;
+        int exponent = 0;
+        if (std::frexp(peak, &exponent) > 255.5f / 256) ++exponent;
+        for (int k = 0; k < 3; ++k)
+            texel[std::size_t(k)] = std::uint8_t(std::lround(std::ldexp(std::max(c[k], 0.f), 8 - exponent)));
+        texel[3] = std::uint8_t(std::clamp(exponent + 128, 1, 255));
+    }
+    return texels;
+}
+
 namespace {
 
 /// Reads consecutive bytes.

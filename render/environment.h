@@ -31,6 +31,10 @@ class Environment {
     bool is_black() const { return !(row_.back() > 0); }
     const Image& texels() const { return texels_; }
     std::uint64_t clamped() const { return clamped_; }
+    /// What `sample` inverts: the running sums of the texels' light along each row, height × (width + 1), and over the
+    /// rows, height + 1, both from 0 to 1.
+    std::span<const float> columns() const { return column_; }
+    std::span<const float> rows() const { return row_; }
 
   private:
     Image texels_;
@@ -40,6 +44,12 @@ class Environment {
     std::vector<float> solid_angle_;  ///< height: solid angle of a texel [sr]
 };
 
+/// The map with half the width and height, rounded down but at least 1: a texel is the mean over the solid angle that
+/// it covers.
+Image halved(const Image& texels);
+
+/// Colours as the texels of a Radiance file: 8-bit mantissas and a common exponent, rounded to nearest.
+std::vector<std::array<std::uint8_t, 4>> to_rgbe(const Image& image);
 /// Reads a Radiance `.hdr` (RGBE, flat or run-length encoded, rows from the top and columns from the left).
 Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads an environment, `.hdr` or `.exr`, recognised by its content.

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <nlohmann/json.hpp>
 
+#include "render/environment.h"
 #include "render/html.h"
 #include "render/page_text.h"
 #include "render/preview.h"
@@ -80,6 +81,12 @@ Json json_of(const Mesh& mesh) {
             {"distance", std::sqrt(dot(camera.eye - camera.target, camera.eye - camera.target))}};
 }
 
+/// What pictures under an environment sample a material by.
+int azimuths_of(const Material& material) {
+    const auto* general = std::get_if<PmModel>(&material);
+    return general && !general->axial ? k_anisotropic_azimuths : 1;
+}
+
 ShaderText text_of(const Material& material) { return shader_text(material, {.dialect = Dialect::es_300}); }
 
 /// The data of viewer.js, except for the shaders.
@@ -100,9 +107,29 @@ Json data_of(const Page& page) {
     for (const std::string_view name : {"ball", "sphere", "knot"})
         data["meshes"][std::string(name)] = json_of(page_mesh(name));
     data["vertex"] = text_of(Flat{}).vertex;
-    for (const PageMaterial& of : page.materials)
-        data["materials"].push_back(of.material ? std::visit([](const auto& m) { return numbers_of(m); }, *of.material)
-                                                : Json());
+    data["pixel"] = pixel_text({});
+    // Pictures under an environment.
+    const ShaderText develop = develop_shader_text(Dialect::es_300);
+    data["whole"] = develop.vertex;
+    data["develop"] = develop.fragment;
+    data["surface"] = surface_shader_text(Dialect::es_300).fragment;
+    data["environment_pixel"] = pixel_text({.environment = true});
+    data["knee"] = k_knee;
+    data["filtered_samples"] = k_filtered_samples;
+    const Image studio = halved(load_environment(std::string(k_built_in_environment))->texels());
+    data["environment"] = {{"width", studio.width}, {"height", studio.height}, {"rgbe", base64_of(to_rgbe(studio))}};
+    for (const PageMaterial& of : page.materials) {
+        if (!of.material) {
+            data["materials"].emplace_back();
+            continue;
+        }
+        Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *of.material);
+        const ProposalNumbers proposal = proposal_numbers(propose(of.brdf, {.azimuths = azimuths_of(*of.material)}));
+        std::vector<float> all(proposal.weights.begin(), proposal.weights.end());
+        all.insert(all.end(), proposal.grain.begin(), proposal.grain.end());
+        numbers["proposal"] = base64_of(all);
+        data["materials"].push_back(std::move(numbers));
+    }
     return data;
 }
 
@@ -245,7 +272,7 @@ std::string page_html(const Page& page) {
         {"texts", texts_of(page)},
         {"generator", html_escaped(page.generator)},
         {"data", script_text(data_of(page))},
-        {"script", k_viewer_text},
+        {"script", std::string(k_light_text) + k_viewer_text},
     };
     return filled(k_page_text, parts);
 }

@@ -99,10 +99,8 @@ class Tracer {
           options_(options),
           meshes_(meshes_of(scene)),
           rays_(meshes_),
-          camera_(in_float(frame(scene.camera))) {
-        const Vec3d y = normalize(scene.camera.up), side = normalize(cross(y, frame(scene.camera).z)),
-                    z = cross(side, y);
-        environment_axes_ = in_float({side, y, z});
+          camera_(in_float(frame(scene.camera))),
+          environment_axes_(in_float(environment_frame(scene.camera))) {
         // Offset of a ray's origin from the surface, proportional to the size of the scene.
         double size = 0;
         for (const Mesh* mesh : meshes_) {
@@ -124,7 +122,7 @@ class Tracer {
         float drawn_pdf = 0;  // of the direction; 0: a camera ray, which was not sampled
         for (int bounce = 0;; ++bounce) {
             ++found.rays;
-            const auto hit = rays_.closest(origin, direction);
+            const auto hit = is_free(bounce) ? std::nullopt : rays_.closest(origin, direction);
             add_lights(found.radiance, throughput, origin, direction, hit ? hit->distance : k_far, drawn_pdf);
             if (!hit || bounce == options_.bounces) return found;
             const Surface surface = surface_at(*hit, direction);
@@ -156,6 +154,9 @@ class Tracer {
     Axes camera() const { return camera_; }
 
   private:
+    /// Whether nothing stops the path after that many bounces.
+    bool is_free(int bounce) const { return bounce > 0 && !options_.occlusion; }
+
     static constexpr float k_far = std::numeric_limits<float>::infinity();
 
     static std::vector<const Mesh*> meshes_of(const PathScene& scene) {
@@ -190,8 +191,8 @@ class Tracer {
     }
 
     /// Whether a direction leaves the triangle on the side on which it leaves the shading normal's horizon.
-    static bool on_its_side(const Surface& surface, Vec3f wl, Vec3f direction) {
-        return dot(direction, surface.geometric) * (wl.z * surface.wv.z > 0 ? 1.f : -1.f) > 0;
+    bool on_its_side(const Surface& surface, Vec3f wl, Vec3f direction) const {
+        return !options_.occlusion || dot(direction, surface.geometric) * (wl.z * surface.wv.z > 0 ? 1.f : -1.f) > 0;
     }
     Vec3f origin_of(const Surface& surface, Vec3f direction) const {
         return surface.position + (dot(direction, surface.geometric) > 0 ? offset_ : -offset_) * surface.geometric;
@@ -210,8 +211,10 @@ class Tracer {
         if (!on_its_side(surface, wl, direction)) return;
         const Rgb f = value_at(surface, wl);
         if (!(largest(f) > 0)) return;
-        ++found.rays;
-        if (rays_.occluded(origin_of(surface, direction), direction, distance - offset_)) return;
+        if (options_.occlusion) {
+            ++found.rays;
+            if (rays_.occluded(origin_of(surface, direction), direction, distance - offset_)) return;
+        }
         const float by_brdf = light_pdf > 0 ? pdf(*surface.material, wl, surface.wv) : 0;
         const float scale = light_pdf > 0 ? share(light_pdf, by_brdf) / light_pdf : 1;
         found.radiance += (scale * std::abs(wl.z)) * (throughput * f * arriving);

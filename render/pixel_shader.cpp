@@ -8,17 +8,27 @@
 
 namespace srbf {
 
-ShaderText shader_text(const Material& material, const ShaderOptions& options) {
+std::string pixel_text(const ShaderOptions& options) {
     assert(options.lights >= 1);
+    if (options.environment) {
+        return proposal_text() + k_shading_text + k_environment_text +
+               fmt::format("#define LIGHTS {}\n#define FILTERED_DRAWS {}\n#define FILTERED_LIGHTS {}\n", options.lights,
+                           k_filtered_draws, k_filtered_lights) +
+               k_environment_pixel_text;
+    }
     std::string each_light;
     for (int k = 0; k < options.lights; ++k) each_light += fmt::format(" f({})", k);
-    const bool deferred = options.input == PixelInput::surface;
+    return fmt::format("#define LIGHTS {}\n#define EACH_LIGHT(f){}\n#define DEFERRED {:d}\n#define SHOWN {:d}\n",
+                       options.lights, each_light, options.input == PixelInput::surface,
+                       options.output == PixelOutput::shown) +
+           k_shading_text + k_pixel_text;
+}
+
+ShaderText shader_text(const Material& material, const ShaderOptions& options) {
+    const bool whole = options.environment || options.input == PixelInput::surface;
     const std::string first = version_text(options.dialect);
-    return {first + (deferred ? k_whole_text : k_surface_text),
-            first + brdf_text(material, options.open) +
-                fmt::format("#define LIGHTS {}\n#define EACH_LIGHT(f){}\n#define DEFERRED {:d}\n#define SHOWN {:d}\n",
-                            options.lights, each_light, deferred, options.output == PixelOutput::shown) +
-                k_shading_text + k_pixel_text};
+    return {first + (whole ? k_whole_text : k_surface_text),
+            first + brdf_text(material, options.open) + pixel_text(options)};
 }
 
 ShaderText surface_shader_text(Dialect dialect) {

@@ -19,11 +19,29 @@ enum class PixelInput {
     surface,
 };
 
+/// Which directions a pixel adds up the environment's light from.
+enum class LightDraws {
+    both,      ///< one by the environment and one by the BRDF, combined with the power heuristic (Veach & Guibas 1995)
+    material,  ///< one by the BRDF
+    light,     ///< one by the environment
+    /// `k_filtered_lights` by the environment and `k_filtered_draws` by each lobe of the BRDF's mixture, the same in
+    /// every pixel; the latter each for the solid angle that is its share: the environment's mip level follows from the
+    /// density (Krivanek & Colbert 2008). A picture without noise, but biased.
+    filtered,
+};
+inline constexpr int k_filtered_draws = 1, k_filtered_lights = 16;
+/// The number of samples from which on a picture at rest is their mean alone: before, the share of the filtered picture
+/// falls linearly.
+inline constexpr int k_filtered_samples = 8;
+
 struct ShaderOptions {
     Dialect dialect = Dialect::gl_450;
     PixelOutput output = PixelOutput::shown;
     PixelInput input = PixelInput::triangles;
     int lights = 3;  ///< directional lights, ≥ 1
+    /// Whether the light is an environment's, and `lights` are beside it: environment_pixel.glsl instead of pixel.glsl,
+    /// for radiance from a surface.
+    bool environment = false;
     /// Use the open text of a multivariate model (`brdf_text`): compilation of another text takes longer than a fit.
     bool open = false;
 };
@@ -31,10 +49,13 @@ struct ShaderOptions {
 struct ShaderText {
     std::string vertex, fragment;
 };
-/// The complete shaders of a material: `version_text`, `brdf_text`, shading.glsl and pixel.glsl. Their inputs are
-/// attributes 0 `position` and 1 `normal` and the uniform `to_clip`, or samplers `surface_positions` and
-/// `surface_normals`; uniforms `eye`, `light_direction`, `light_irradiance` and `exposure`; and those of `brdf_text`.
+/// The complete shaders of a material: `version_text`, `brdf_text` and `pixel_text`. Their inputs are attributes 0
+/// `position` and 1 `normal` and the uniform `to_clip`, or samplers `surface_positions` and `surface_normals`; uniforms
+/// `eye`, `light_direction`, `light_irradiance` and `exposure`; and those of `brdf_text`. Those with an environment are
+/// in environment_pixel.glsl, environment.glsl and `proposal_text`.
 ShaderText shader_text(const Material& material, const ShaderOptions& options);
+/// What of a fragment shader follows the text of a material: shading.glsl, and pixel.glsl or its like.
+std::string pixel_text(const ShaderOptions& options);
 /// The shaders of a `RasterSurface`: positions to colour 0, normals to colour 1.
 ShaderText surface_shader_text(Dialect dialect);
 /// The shaders of a `RasterDevelopment`, see render/develop.glsl.

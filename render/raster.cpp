@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 
 #include "render/offscreen.h"
 #include "srbf/half.h"
+#include "src/r_sequence.h"
 
 namespace srbf {
 namespace {
@@ -139,7 +141,8 @@ Result<Done> check_limits(const SuModel& model) {
 }
 
 /// The transform from x, y, z, w to OpenGL's clip coordinates, column-major.
-std::array<float, 16> to_clip(const Camera& camera, double aspect, const Bounds& box) {
+std::array<float, 16> to_clip(const RasterView& view, const Bounds& box) {
+    const Camera& camera = view.camera;
     const Frame axes = frame(camera);
     double near = HUGE_VAL, far = 0;
     for (int corner = 0; corner < 8; ++corner) {
@@ -153,7 +156,8 @@ std::array<float, 16> to_clip(const Camera& camera, double aspect, const Bounds&
     const double half = std::tan(camera.fov / 2);
     const double scale_z = (near + far) / (near - far), shift_z = 2 * near * far / (near - far);
     // Rows of the matrix times (p − eye): x, y, z' and −z.
-    const std::array<Vec3d, 4> rows{1 / (half * aspect) * axes.x, 1 / half * axes.y, scale_z * axes.z, -1.0 * axes.z};
+    const std::array<Vec3d, 4> rows{1 / (half * view.aspect) * axes.x + 2 * view.shift[0] * axes.z,
+                                    1 / half * axes.y + 2 * view.shift[1] * axes.z, scale_z * axes.z, -1.0 * axes.z};
     std::array<float, 16> columns{};
     for (std::size_t r = 0; r < 4; ++r) {
         columns[r] = float(rows[r].x), columns[4 + r] = float(rows[r].y), columns[8 + r] = float(rows[r].z);
@@ -167,10 +171,18 @@ void bind_texture(std::size_t unit, GLenum target, const GlObject& texture) {
     glBindTexture(target, texture.id());
 }
 
+/// A texture of `levels` mip levels, to be filled.
+GlObject new_mip_texture(int levels) {
+    GlObject texture = new_texture(GL_TEXTURE_2D, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, levels - 1);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    return texture;
+}
+
 /// Uses the current program, `program`.
 void draw_mesh(const GlObject& program, const RasterMesh& mesh, const RasterView& view) {
-    glUniformMatrix4fv(glGetUniformLocation(program.id(), "to_clip"), 1, GL_FALSE,
-                       to_clip(view.camera, view.aspect, mesh.bounds()).data());
+    glUniformMatrix4fv(glGetUniformLocation(program.id(), "to_clip"), 1, GL_FALSE, to_clip(view, mesh.bounds()).data());
     glEnable(GL_DEPTH_TEST);
     if (!view.back_faces) glEnable(GL_CULL_FACE);
     mesh.draw();
@@ -284,23 +296,103 @@ void RasterMaterial::draw(const RasterMesh& mesh, const RasterView& view) const 
     draw_mesh(program_, mesh, view);
 }
 
-void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view) const {
-    use(view);
-    for (const auto& [sampler, texture] :
-         {std::pair{"surface_positions", &surface.positions_}, std::pair{"surface_normals", &surface.normals_}}) {
-        const std::size_t unit = textures_.size() + (texture == &surface.normals_ ? 1 : 0);
+void RasterMaterial::draw_whole(std::initializer_list<std::pair<const char*, const GlObject*>> textures) const {
+    std::size_t unit = textures_.size();
+    for (const auto& [sampler, texture] : textures) {
         glUniform1i(glGetUniformLocation(program_.id(), sampler), GLint(unit));
-        bind_texture(unit, GL_TEXTURE_2D, *texture);
+        bind_texture(unit++, GL_TEXTURE_2D, *texture);
     }
-    // The triangle lies at the far plane: the surface is where the depth is less.
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_GREATER);
     glDepthMask(GL_FALSE);
     glBindVertexArray(no_array_.id());
     glDrawArrays(GL_TRIANGLES, 0, 3);
-    glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);
     glBindVertexArray(0);
+}
+
+void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view) const {
+    use(view);
+    // The triangle lies at the far plane: the surface is where the depth is less.
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    draw_whole({{"surface_positions", &surface.positions_}, {"surface_normals", &surface.normals_}});
+    glDepthFunc(GL_LESS);
+}
+
+void RasterMaterial::set_proposal(const MixtureProposal& proposal) {
+    const ProposalNumbers numbers = proposal_numbers(proposal);
+    glUseProgram(program_.id());
+    glUniform1fv(glGetUniformLocation(program_.id(), "mixture_weights"), GLsizei(numbers.weights.size()),
+                 numbers.weights.data());
+    glUniform3fv(glGetUniformLocation(program_.id(), "mixture_grain"), 1, numbers.grain.data());
+}
+
+void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view, const EnvironmentLight& light,
+                          const RasterTarget& before, int index) const {
+    use(view);
+    const auto place = [&](const char* uniform) { return glGetUniformLocation(program_.id(), uniform); };
+    const auto set_axes = [&](const char* uniform, Vec3d x, Vec3d y, Vec3d z, bool in_rows) {
+        const std::array<Vec3f, 3> vectors{to_float(x), to_float(y), to_float(z)};
+        std::array<float, 9> columns;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Vec3f& w = vectors[in_rows ? k : i];
+                const std::size_t of = in_rows ? i : k;
+                columns[3 * i + k] = of == 0 ? w.x : of == 1 ? w.y : w.z;
+            }
+        glUniformMatrix3fv(place(uniform), 1, GL_FALSE, columns.data());
+    };
+    const RasterEnvironment& environment = *light.environment;
+    const Frame camera = frame(view.camera);
+    const double half = std::tan(view.camera.fov / 2);
+    set_axes("into_environment", light.axes.x, light.axes.y, light.axes.z, true);
+    set_axes("picture_axes", half * view.aspect * camera.x, half * camera.y, camera.z, false);
+    glUniform1f(place("environment_scale"), environment.scale_);
+    glUniform1f(place("share"), light.draws == LightDraws::filtered ? 1.f : 1 / float(index + 1));
+    glUniform1i(place("sample_index"), index);
+    glUniform1i(place("draws"), int(light.draws));
+    glUniform2f(place("picture_size"), float(surface.width_), float(surface.height_));
+    glUniform2f(place("shift"), float(view.shift[0] * surface.width_), float(view.shift[1] * surface.height_));
+    glDisable(GL_DEPTH_TEST);
+    draw_whole({{"surface_positions", &surface.positions_},
+                {"surface_normals", &surface.normals_},
+                {"before", &before.colour_},
+                {"environment", &environment.radiance_},
+                {"environment_columns", &environment.columns_},
+                {"environment_rows", &environment.rows_}});
+}
+
+// ---- Environments ------------------------------------------------------------------------------------------------
+
+Result<RasterEnvironment> RasterEnvironment::make(const Environment& of) {
+    const Image& texels = of.texels();
+    const auto fits = check_size("texels of an environment along a side",
+                                 std::uint64_t(std::max(texels.width, texels.height)) + 1, GL_MAX_TEXTURE_SIZE);
+    if (!fits) return fits.error();
+    RasterEnvironment environment;
+    float most = 0;
+    for (const Rgb& texel : texels.pixels) most = std::max({most, texel.r, texel.g, texel.b});
+    environment.scale_ = std::max(1.f, most / k_half_max);
+    const int levels = std::bit_width(unsigned(std::max(texels.width, texels.height)));
+    environment.radiance_ = new_mip_texture(levels);
+    Image level = texels;
+    for (int k = 0; k < levels; ++k) {
+        if (k > 0) level = halved(level);
+        std::vector<std::array<std::uint16_t, 4>> halves(level.pixels.size());
+        for (std::size_t i = 0; i < halves.size(); ++i)
+            for (int c = 0; c < 3; ++c) halves[i][std::size_t(c)] = to_half(level.pixels[i][c] / environment.scale_);
+        glTexImage2D(GL_TEXTURE_2D, k, GL_RGBA16F, level.width, level.height, 0, GL_RGBA, GL_HALF_FLOAT, halves.data());
+    }
+    const auto sums = [](std::span<const float> numbers, int width, int height) {
+        GlObject texture = new_texture(GL_TEXTURE_2D, GL_NEAREST);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, width, height, 0, GL_RED, GL_FLOAT, numbers.data());
+        return texture;
+    };
+    environment.columns_ = sums(of.columns(), texels.width + 1, texels.height);
+    environment.rows_ = sums(of.rows(), texels.height + 1, 1);
+    if (glGetError() == GL_OUT_OF_MEMORY)
+        return missing("environment", "memory of the graphics library",
+                       fmt::format("{} x {} texels", texels.width, texels.height));
+    return environment;
 }
 
 // ---- Framebuffers ------------------------------------------------------------------------------------------------
@@ -493,6 +585,30 @@ std::vector<Float4> RasterSurface::read(unsigned colour) const {
     return read_colour(GL_COLOR_ATTACHMENT0 + colour, width_, height_);
 }
 
+// ---- Means of samples --------------------------------------------------------------------------------------------
+
+Result<RasterMean> RasterMean::make(const RasterSurface& surface) {
+    auto first = RasterTarget::make_for(surface, RasterTarget::Format::floats);
+    if (!first) return first.error();
+    auto second = RasterTarget::make_for(surface, RasterTarget::Format::floats);
+    if (!second) return second.error();
+    return RasterMean({*std::move(first), *std::move(second)});
+}
+
+void RasterMean::add(const RasterMaterial& material, const RasterSurface& surface, const RasterView& view,
+                     const EnvironmentLight& light) {
+    const RasterTarget& before = picture();
+    const RasterTarget& after = targets_[std::size_t((samples_ + 1) % 2)];
+    after.begin();
+    material.draw(surface, view, light, before, samples_);
+    ++samples_;
+}
+
+std::array<double, 2> sample_shift(int i, int width, int height) {
+    const auto point = RSequence<2>().at(std::size_t(i));
+    return {(point[0] - 0.5) / width, (point[1] - 0.5) / height};
+}
+
 // ---- Development -------------------------------------------------------------------------------------------------
 
 Result<RasterDevelopment> RasterDevelopment::make(Dialect dialect) {
@@ -504,8 +620,8 @@ Result<RasterDevelopment> RasterDevelopment::make(Dialect dialect) {
     return development;
 }
 
-void RasterDevelopment::draw(const RasterTarget& radiance, const RasterTarget& other, float exposure,
-                             float full_scale) const {
+void RasterDevelopment::draw(const RasterTarget& radiance, const RasterTarget& other, float exposure, float full_scale,
+                             bool in_delta_e, float share) const {
     glUseProgram(program_.id());
     const auto place = [&](const char* uniform) { return glGetUniformLocation(program_.id(), uniform); };
     const auto set = [&](const char* uniform, Rgb c) { glUniform3f(place(uniform), c.r, c.g, c.b); };
@@ -514,6 +630,8 @@ void RasterDevelopment::draw(const RasterTarget& radiance, const RasterTarget& o
         set("brighter", k_brighter);
     glUniform1f(place("exposure"), exposure);
     glUniform1f(place("full_scale"), full_scale);
+    glUniform1i(place("in_delta_e"), in_delta_e);
+    glUniform1f(place("share"), share);
     glUniform1i(place("radiance"), 0), glUniform1i(place("other"), 1);
     bind_texture(0, GL_TEXTURE_2D, radiance.colour_);
     bind_texture(1, GL_TEXTURE_2D, other.colour_);
@@ -548,6 +666,52 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Mat
                 rendering.radiance.pixels[i] = {pixel[0] / pixel[3], pixel[1] / pixel[3], pixel[2] / pixel[3]};
             ++i;
         }
+    }
+    return renderings;
+}
+
+Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& environment,
+                                         std::span<const SampledMaterial> materials,
+                                         const EnvironmentOptions& options) {
+    const int width = options.width, height = options.height;
+    const auto context = OffscreenContext::make();
+    if (!context) return context.error();
+    const Dialect dialect = context->dialect();
+    const auto light = RasterEnvironment::make(environment);
+    if (!light) return light.error();
+    const auto surface = RasterSurface::make(dialect, width, height);
+    if (!surface) return surface.error();
+    std::vector<RasterMaterial> made;
+    std::vector<RasterMean> means;
+    for (const SampledMaterial& of : materials) {
+        auto material = RasterMaterial::make(
+            of.material, {.dialect = dialect, .lights = std::max(1, int(scene.lights.size())), .environment = true});
+        if (!material) return material.error();
+        material->set_proposal(of.proposal);
+        made.push_back(*std::move(material));
+        auto mean = RasterMean::make(*surface);
+        if (!mean) return mean.error();
+        means.push_back(*std::move(mean));
+    }
+    const RasterMesh mesh(scene.mesh);
+    for (int i = 0; i < options.samples; ++i) {
+        const RasterView view{.camera = scene.camera,
+                              .aspect = double(width) / height,
+                              .lights = scene.lights,
+                              .shift = sample_shift(i, width, height)};
+        surface->draw(mesh, view);
+        for (std::size_t k = 0; k < made.size(); ++k)
+            means[k].add(made[k], *surface, view, {&*light, environment_frame(scene.camera), options.draws});
+        glFinish();
+        if (options.progress) options.progress(double(i + 1) / options.samples);
+    }
+    std::vector<Rendering> renderings;
+    for (const RasterMean& mean : means) {
+        const std::vector<Float4> pixels = mean.picture().read_floats();
+        Rendering& rendering = renderings.emplace_back(Rendering{Image(width, height), {}});
+        rendering.coverage.assign(pixels.size(), 1);
+        for (std::size_t i = 0; i < pixels.size(); ++i)
+            rendering.radiance.pixels[i] = {pixels[i][0], pixels[i][1], pixels[i][2]};
     }
     return renderings;
 }

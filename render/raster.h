@@ -1,11 +1,14 @@
 // Drawing with OpenGL 4.5 or OpenGL ES 3.0 in the current context, off screen or into a window's framebuffer: level 6.
 #pragma once
 #include <array>
+#include <functional>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "render/environment.h"
 #include "render/image.h"
 #include "render/pixel_shader.h"
 #include "render/scene.h"
@@ -55,6 +58,28 @@ struct RasterView {
     /// Whether to draw back faces, for open surfaces. Without them a frame of a scanned mesh takes two thirds of the
     /// time.
     bool back_faces = true;
+    /// Of the points that pixels show from their centres, right and up, in widths and heights of the picture.
+    std::array<double, 2> shift{};
+};
+
+/// An environment in textures of the graphics library.
+class RasterEnvironment {
+  public:
+    /// Errors: larger than the library's textures.
+    static Result<RasterEnvironment> make(const Environment& environment);
+
+  private:
+    friend class RasterMaterial;
+    RasterEnvironment() = default;
+    GlObject radiance_, columns_, rows_;
+    float scale_ = 1;  ///< of the radiance: half floats hold at most 65504
+};
+
+/// Light of an environment for one more sample of every pixel.
+struct EnvironmentLight {
+    const RasterEnvironment* environment = nullptr;
+    Frame axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  ///< of the environment in the world
+    LightDraws draws = LightDraws::both;
 };
 
 /// Position and normal of the visible surface at each pixel, one sample each: the first of two passes.
@@ -77,6 +102,8 @@ class RasterSurface {
     GlObject program_, positions_, normals_, depth_, framebuffer_;
 };
 
+class RasterTarget;
+
 /// A material in the graphics library: a program and its numbers.
 class RasterMaterial {
   public:
@@ -91,6 +118,12 @@ class RasterMaterial {
     /// Shades `surface`, drawn from the same view, into a framebuffer with the depths of the surface, as made by
     /// `RasterTarget::make_for`; for PixelInput::surface.
     void draw(const RasterSurface& surface, const RasterView& view) const;
+    /// What the directions to the light are drawn from, with `ShaderOptions::environment`.
+    void set_proposal(const MixtureProposal& proposal);
+    /// Adds sample `index`, counted from 0, to the mean `before` of all samples before it, over the whole picture:
+    /// where there is no surface the environment is seen. With `ShaderOptions::environment`, after `set_proposal`.
+    void draw(const RasterSurface& surface, const RasterView& view, const EnvironmentLight& light,
+              const RasterTarget& before, int index) const;
     /// Size of the numbers that a pixel looks up, and of the index texture and table of directions.
     std::size_t data_bytes() const { return data_bytes_; }
     std::size_t auxiliary_bytes() const { return auxiliary_bytes_; }
@@ -103,6 +136,8 @@ class RasterMaterial {
     explicit RasterMaterial(GlObject program) : program_(std::move(program)) {}
     void add_texture(const char* sampler, Texture texture);
     void use(const RasterView& view) const;
+    /// Binds the textures of a pass that covers the picture, after the material's own; draws it.
+    void draw_whole(std::initializer_list<std::pair<const char*, const GlObject*>> textures) const;
     void load(const Flat&) {}
     void load(const MerlTable& table);
     void load(const PmModel& model);
@@ -137,6 +172,7 @@ class RasterTarget {
 
   private:
     friend class RasterDevelopment;
+    friend class RasterMaterial;
     RasterTarget() = default;
     void resolve() const;
     int width_ = 0, height_ = 0, samples_ = 1;
@@ -144,6 +180,28 @@ class RasterTarget {
     GlObject colour_, depth_, framebuffer_;
     GlObject resolved_colour_, resolved_;  ///< with one sample, if the other has several
 };
+
+/// The mean of the samples of a picture under an environment, which converges as they are added. Sample i is seen
+/// through points `sample_shift(i)` from the centres of pixels.
+class RasterMean {
+  public:
+    static Result<RasterMean> make(const RasterSurface& surface);
+    /// Forgets all samples.
+    void restart() { samples_ = 0; }
+    int samples() const { return samples_; }
+    /// Adds a sample; `surface` was drawn from the same view, with the shift of sample `samples()`.
+    void add(const RasterMaterial& material, const RasterSurface& surface, const RasterView& view,
+             const EnvironmentLight& light);
+    /// The mean; requires a sample.
+    const RasterTarget& picture() const { return targets_[std::size_t(samples_ % 2)]; }
+
+  private:
+    explicit RasterMean(std::array<RasterTarget, 2> targets) : targets_(std::move(targets)) {}
+    std::array<RasterTarget, 2> targets_;
+    int samples_ = 0;
+};
+/// The shift of sample i in a picture of that size, uniform over a pixel: a low-discrepancy sequence.
+std::array<double, 2> sample_shift(int i, int width, int height);
 
 /// Displays previously rendered radiances, so that changes of exposure or of the scale of a difference need no shading.
 class RasterDevelopment {
@@ -153,21 +211,45 @@ class RasterDevelopment {
 
     static Result<RasterDevelopment> make(Dialect dialect);
     /// Displays a target of floats in the current framebuffer of the same size, like `shown`.
-    void draw(const RasterTarget& radiance, float exposure) const { draw(radiance, radiance, exposure, 0); }
-    /// Displays exposure (other − reference) of the luminances; `full_scale` > 0 has the full colour.
-    void draw_difference(const RasterTarget& reference, const RasterTarget& other, float exposure,
-                         float full_scale) const {
-        draw(reference, other, exposure, full_scale);
+    void draw(const RasterTarget& radiance, float exposure) const { draw(radiance, radiance, exposure, 0, false, 0); }
+    /// The same of a mixture, with that share of `other`.
+    void draw_mixed(const RasterTarget& radiance, const RasterTarget& other, float share, float exposure) const {
+        draw(radiance, other, exposure, 0, false, share);
+    }
+    /// Displays exposure (other − reference) of the luminances, or ΔE_ITP / 100 of the displayed colours (from
+    /// `k_equal` to `k_brighter`); `full_scale` > 0 has the full colour.
+    void draw_difference(const RasterTarget& reference, const RasterTarget& other, float exposure, float full_scale,
+                         bool in_delta_e = false) const {
+        draw(reference, other, exposure, full_scale, in_delta_e, 0);
     }
 
   private:
     RasterDevelopment() = default;
-    void draw(const RasterTarget& radiance, const RasterTarget& other, float exposure, float full_scale) const;
+    void draw(const RasterTarget& radiance, const RasterTarget& other, float exposure, float full_scale,
+              bool in_delta_e, float share) const;
     GlObject program_, no_array_;
 };
 
 /// Pictures of the scene with each material: linear radiance and coverage, as from other renderers. Errors: as above.
 Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Material> materials, int width, int height,
                                          int samples = 4);
+
+/// A material and what the light that it reflects is drawn from.
+struct SampledMaterial {
+    Material material;
+    MixtureProposal proposal;
+};
+struct EnvironmentOptions {
+    int width = 640, height = 480;
+    int samples = 64;  ///< per pixel, at least 1
+    LightDraws draws = LightDraws::both;
+    /// Called regularly with the completed share, 0..1.
+    std::function<void(double)> progress;
+};
+/// The same under an environment, which is seen around the scene as `environment_frame` has it, and the scene's lights.
+/// All light reaches every point of a surface, and is reflected once: pictures tend to those of `render_paths` without
+/// occlusion and ground. Further errors: an environment larger than the library's textures.
+Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& environment,
+                                         std::span<const SampledMaterial> materials, const EnvironmentOptions& options);
 
 }  // namespace srbf

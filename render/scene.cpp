@@ -11,6 +11,11 @@ namespace srbf {
 
 Frame frame(const Camera& camera) { return frame_about(normalize(camera.eye - camera.target), camera.up); }
 
+Frame environment_frame(const Camera& camera) {
+    const Vec3d y = normalize(camera.up), side = normalize(cross(y, frame(camera).z));
+    return {side, y, cross(side, y)};
+}
+
 Vec3d direction_through(const Camera& camera, double aspect, double s, double t) {
     const double half = std::tan(camera.fov / 2);
     return frame(camera).from(normalize(Vec3d{half * aspect * s, half * t, -1}));

@@ -16,6 +16,8 @@ struct Camera {
 };
 
 Frame frame(const Camera& camera);
+/// The axes of an environment for that camera: its +y is `up`, and the picture is of what lies towards its -z.
+Frame environment_frame(const Camera& camera);
 /// The unit vector from the eye through the point (s, t) of the picture: s from −1 (left) to 1 (right), t from −1
 /// (bottom) to 1 (top); aspect = width / height.
 Vec3d direction_through(const Camera& camera, double aspect, double s, double t);

@@ -150,10 +150,13 @@ TEST_F(Glsl, EveryMaterialCompiles) {
         for (const Material& material : materials()) {
             const ShaderText text = shader_text(material, {.dialect = dialect, .lights = 2});
             EXPECT_TRUE(compiles(text.fragment)) << text.fragment.substr(0, 500);
+            const ShaderText lit = shader_text(material, {.dialect = dialect, .lights = 2, .environment = true});
+            EXPECT_TRUE(compiles(lit.fragment)) << lit.fragment.substr(0, 500);
         }
         for (const PixelOutput output : {PixelOutput::shown, PixelOutput::radiance})
             for (const PixelInput input : {PixelInput::triangles, PixelInput::surface}) {
-                const ShaderText text = shader_text(Flat{}, {dialect, output, input, 1});
+                const ShaderText text =
+                    shader_text(Flat{}, {.dialect = dialect, .output = output, .input = input, .lights = 1});
                 EXPECT_TRUE(compiles(text.vertex, "vert")) << text.vertex;
                 EXPECT_TRUE(compiles(text.fragment)) << text.fragment.substr(0, 500);
             }

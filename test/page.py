@@ -5,6 +5,7 @@ import base64
 import json
 import os
 import sys
+import time
 
 from chromium import WEBGL, Chromium, program
 
@@ -63,10 +64,62 @@ def with_webgl():
     visit.take("phone")
     chromium.swipe("canvas", 60, 0)
     visit.take("swiped")
-    answers = {"pictures": visit.pictures, "problems": chromium.problems, "requests": chromium.requests,
-               "phone": chromium.run("[document.documentElement.scrollWidth, innerWidth]")}
+    phone = chromium.run("[document.documentElement.scrollWidth, innerWidth]")
+    under_environments(visit)
+    answers = {"pictures": visit.pictures, "problems": chromium.problems, "requests": chromium.requests, "phone": phone,
+               "refused": refused_environments(chromium)}
     chromium.close()
     return answers
+
+
+CHOOSE = "document.forms[0].environment.dispatchEvent(new Event('input', {bubbles: true}))"
+
+
+def under_environments(visit):
+    """Pictures once they are means of samples alone."""
+    chromium = visit.chromium
+
+    def converged(step):
+        end = time.time() + 60
+        while chromium.run("viewer.scene(1).samples") < 36 and time.time() < end:
+            chromium.settle()
+        visit.take(step)
+
+    chromium.size(240, 600, mobile=True)
+    for material in (0, 1, 3, 6):  # one of each kind
+        chromium.click(f"[data-show='{material}']")
+        if material == 0:
+            chromium.run("document.forms[0].environment.value = 'studio'; " + CHOOSE)
+            chromium.settle()
+        converged("studio")
+    chromium.drag("figure:not([hidden]) canvas", 60, 0, modifiers=8)  # Shift
+    converged("studio turned")
+    chromium.click("[name='lamps']")
+    converged("studio and lights")
+
+
+def refused_environments(chromium):
+    """What the page says to files that are no environments, and to a lost context."""
+    said = {}
+    for name, size, content in (("text.hdr", None, "no environment"), ("cut.hdr", None, "#?RADIANCE\\n\\n-Y 4 +X 8\\nxxx 40 bytes or more, but not 128 of them"),
+                                ("cut.exr", None, "\\x76\\x2f\\x31\\x01\\x02"), ("huge.hdr", 4 << 30, "#?")):
+        chromium.run(f"""(() => {{
+            const file = new File([Uint8Array.from("{content}", (c) => c.charCodeAt(0))], "{name}"), given = new DataTransfer();
+            {f"Object.defineProperty(File.prototype, 'size', {{ value: {size} }});" if size else ""}
+            given.items.add(file);
+            const input = document.forms[0].file;
+            input.files = given.files;
+            input.dispatchEvent(new Event("change"));
+            return new Promise((done) => setTimeout(done, 200));
+        }})()""")
+        said[name] = chromium.run("document.getElementById('said').innerText")
+    chromium.run("window.lost = viewer.gl.getExtension('WEBGL_lose_context'); lost.loseContext()")
+    chromium.run("new Promise((done) => setTimeout(done, 200))")
+    said["lost"] = chromium.run("document.getElementById('said').innerText")
+    chromium.run("lost.restoreContext()")
+    chromium.run("new Promise((done) => setTimeout(done, 500))")
+    said["restored"] = chromium.run("document.getElementById('said').innerText + (viewer.gl.isContextLost() ? 'lost' : '')")
+    return said
 
 
 def without_webgl():

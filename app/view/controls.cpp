@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "app/view/ink.h"
+#include "render/environment.h"
 
 namespace srbf {
 namespace {
@@ -32,6 +33,23 @@ void draw_files(Session& session) {
                                                  : "measurement: click to make it the reference");
         ImGui::PopID();
     }
+}
+
+void draw_environment(Look& look, std::string& typed) {
+    const bool is_file = look.has_environment() && look.environment != k_built_in_environment;
+    if (ImGui::BeginCombo("environment", std::filesystem::path(look.environment).filename().c_str())) {
+        for (const std::string& name : {std::string("none"), std::string(k_built_in_environment)})
+            if (ImGui::Selectable(name.c_str(), look.environment == name)) look.environment = name;
+        if (is_file) ImGui::Selectable(std::filesystem::path(look.environment).filename().c_str(), true);
+        ImGui::EndCombo();
+    }
+    if (look.name_environment) ImGui::SetKeyboardFocusHere(), look.name_environment = false;
+    if (ImGui::InputTextWithHint("its file", ".hdr or .exr, Enter", &typed, ImGuiInputTextFlags_EnterReturnsTrue))
+        look.environment = typed;
+    if (!look.has_environment()) return;
+    float degrees = float(look.turned / k_degree);
+    if (ImGui::SliderFloat("turned", &degrees, -180, 180, "%.0f\xC2\xB0")) look.turned = double(degrees) * k_degree;
+    ImGui::Checkbox("lights as well", &look.lamps);
 }
 
 void draw_lights(Look& look) {
@@ -120,6 +138,17 @@ void Controls::draw_picture(Look& look) {
                        ImGuiSliderFlags_Logarithmic);
     if (ImGui::IsItemHovered())
         ImGui::SetTooltip("the difference that shows in full red or blue;\n1 is the brightness of white");
+    if (ImGui::IsItemHovered() && look.in_delta_e)
+        ImGui::SetTooltip(
+            "hundredths of a \xCE\x94"
+            "E_ITP");
+    int wiped = look.wipe;
+    ImGui::RadioButton("side by side", &wiped, 0), ImGui::SameLine(), ImGui::RadioButton("wipe", &wiped, 1);
+    look.wipe = wiped == 1;
+    ImGui::Checkbox(
+        "difference in \xCE\x94"
+        "E",
+        &look.in_delta_e);
     if (ImGui::Button("Screenshot")) look.screenshot = true;
     ImGui::SameLine();
     if (ImGui::Button("Keys (H)")) look.help = !look.help;
@@ -137,8 +166,12 @@ void Controls::draw(Session& session, Look& look, ImVec2 at, ImVec2 size) {
     draw_save(session, look);
     heading("Picture");
     draw_picture(look);
-    heading("Lights");
-    draw_lights(look);
+    heading("Environment");
+    draw_environment(look, typed_environment_);
+    if (look.has_lights()) {
+        heading("Lights");
+        draw_lights(look);
+    }
     ImGui::PopItemWidth();
     ImGui::End();
 }

@@ -23,7 +23,7 @@ class Controls {
     void draw_save(const Session& session, Look& look);
     void draw_picture(Look& look);
 
-    std::string typed_mesh_, typed_model_;
+    std::string typed_mesh_, typed_model_, typed_environment_;
     std::optional<FitChoice> sliding_;  ///< while a slider is held
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/environment.h"
+
 namespace srbf {
 
 namespace {
@@ -43,6 +45,8 @@ void turn_light(Look& look, int light, double right, double up) {
     towards = normalize(turned(turned(towards, axes.y, right), axes.x, -up));
 }
 
+void turn_environment(Look& look, double right) { look.turned = std::remainder(look.turned + right, 2 * k_pi); }
+
 void zoom(Look& look, double factor) { look.zoom = std::clamp(look.zoom * factor, 0.2, 20.0); }
 
 void next_mesh(Look& look) {
@@ -64,6 +68,16 @@ void rescale(Look& look, float factor) {
 void brighten(Look& look, float factor) {
     Rgb& irradiance = look.lights[std::size_t(look.light)].irradiance;
     for (int c = 0; c < 3; ++c) irradiance[c] = std::clamp(irradiance[c] * factor, 0.01f, 100.f);
+}
+void keep(Look& look) {
+    look.bookmarks.push_back({look.azimuth, look.elevation, look.zoom, look.turned, look.lights});
+    look.bookmark = 0;
+}
+void recall(Look& look) {
+    if (look.bookmarks.empty()) return;
+    const Bookmark& kept = look.bookmarks[look.bookmark++ % look.bookmarks.size()];
+    look.azimuth = kept.azimuth, look.elevation = kept.elevation, look.zoom = kept.zoom, look.turned = kept.turned;
+    look.lights = kept.lights;
 }
 template <typename Change> void choose(Session& session, const Change& change) {
     FitChoice choice = session.choice();
@@ -104,6 +118,24 @@ constexpr Key k_keys[] = {
     {"Shift+Down", "", [](Look& look, Session&) { turn_light(look, look.light, 0, -k_turn); }},
     {"Shift+PageUp", "brighten the chosen light", [](Look& look, Session&) { brighten(look, 1.25f); }},
     {"Shift+PageDown", "dim it", [](Look& look, Session&) { brighten(look, 0.8f); }},
+    {"V", "environment: studio, none",
+     [](Look& look, Session&) {
+         look.environment = look.has_environment() ? "none" : std::string(k_built_in_environment);
+     }},
+    {"Shift+V", "type the name of an environment file", [](Look& look, Session&) { look.name_environment = true; }},
+    {"X", "turn the environment", [](Look& look, Session&) { turn_environment(look, k_turn); }},
+    {"Shift+X", "", [](Look& look, Session&) { turn_environment(look, -k_turn); }},
+    {"C", "the three lights beside the environment", [](Look& look, Session&) { look.lamps = !look.lamps; }},
+    {"W", "wipe: measured and fit in one picture", [](Look& look, Session&) { look.wipe = !look.wipe; }},
+    {"Z", "move the divider", [](Look& look, Session&) { look.divider = std::max(look.divider - 0.02f, 0.f); }},
+    {"Shift+Z", "", [](Look& look, Session&) { look.divider = std::min(look.divider + 0.02f, 1.f); }},
+    {"B", "keep view and lights as a bookmark", [](Look& look, Session&) { keep(look); }},
+    {"Shift+B", "next bookmark", [](Look& look, Session&) { recall(look); }},
+    {"Y", "open the next recent file", [](Look& look, Session&) { look.open_recent = true; }},
+    {"G",
+     "difference of luminance or Î"
+     "E",
+     [](Look& look, Session&) { look.in_delta_e = !look.in_delta_e; }},
     {"E", "longer exposure", [](Look& look, Session&) { expose(look, 0.25f); }},
     {"Shift+E", "shorter exposure", [](Look& look, Session&) { expose(look, -0.25f); }},
     {"A", "automatic exposure", [](Look& look, Session&) { look.automatic = true; }},

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace srbf {
 namespace {
 
@@ -12,7 +15,7 @@ std::string key_of(const Look& look) {
     std::string key = fmt::format("{} {} {}", look.azimuth, look.elevation, look.zoom);
     for (const DirectionalLight& light : look.lights)
         key += fmt::format(" {} {} {} {}", light.towards.x, light.towards.y, light.towards.z, light.irradiance.r);
-    return key;
+    return key + fmt::format(" {} {} {}", look.environment, look.turned, look.lamps);
 }
 
 /// The key of what was drawn.
@@ -40,9 +43,13 @@ void Panels::set_mesh(const Mesh& mesh) {
     drawn_.clear();
 }
 
-Result<Done> Panels::set_material(Which which, const std::optional<Material>& material) {
+Result<Done> Panels::set_material(Which which, const std::optional<Material>& material,
+                                  std::function<MixtureProposal()> propose) {
     Panel& panel = of(which);
     panel.is_stale = true;
+    panel.content = material;
+    panel.propose = std::move(propose);
+    panel.is_proposed = false;
     if (!material) return panel.material.reset(), panel.text.clear(), Done{};
     const ShaderOptions options{
         .dialect = dialect_, .output = PixelOutput::radiance, .input = PixelInput::surface, .lights = 3, .open = true};
@@ -58,9 +65,73 @@ Result<Done> Panels::set_material(Which which, const std::optional<Material>& ma
     return Done{};
 }
 
+Result<Done> Panels::set_environment(const Environment* environment) {
+    environment_.reset();
+    drawn_.clear();
+    if (!environment) return Done{};
+    auto made = RasterEnvironment::make(*environment);
+    if (!made) return made.error();
+    environment_.emplace(*std::move(made));
+    return Done{};
+}
+
+int Panels::samples() const {
+    int least = k_converged;
+    if (environment_)
+        for (const Which which : k_materials)
+            if (has(which)) least = std::min(least, of(which).mean ? of(which).mean->samples() : 0);
+    return least;
+}
+
+EnvironmentLight Panels::light_of(const Look& look, LightDraws draws) const {
+    const double s = std::sin(look.turned), c = std::cos(look.turned);
+    return {&*environment_, {{c, 0, -s}, {0, 1, 0}, {s, 0, c}}, draws};
+}
+
+Result<Done> Panels::draw_filtered(Panel& panel, const RasterView& view, const Look& look) {
+    if (!panel.is_proposed) {
+        const ShaderOptions options{.dialect = dialect_, .lights = 3, .environment = true, .open = true};
+        std::string text = shader_text(*panel.content, options).fragment;
+        const auto* pm = std::get_if<PmModel>(&*panel.content);
+        if (pm && panel.lit && panel.lit_text == text) {
+            panel.lit->update(*pm);
+        } else {
+            panel.lit.reset();
+            auto made = RasterMaterial::make(*panel.content, options);
+            if (!made) return made.error();
+            panel.lit.emplace(*std::move(made));
+            panel.lit_text = std::move(text);
+        }
+        panel.lit->set_proposal(panel.propose());
+        panel.is_proposed = true;
+    }
+    if (!panel.mean) {
+        auto mean = RasterMean::make(*surface_);
+        if (!mean) return mean.error();
+        panel.mean.emplace(*std::move(mean));
+    }
+    panel.mean->restart();
+    panel.radiance->begin();
+    panel.lit->draw(*surface_, view, light_of(look, LightDraws::filtered), panel.mean->picture(), 0);
+    return Done{};
+}
+
+/// The next sample of each picture, all of them seen through the same points of their pixels.
+void Panels::add_samples(const Look& look, RasterView view) {
+    const int index = samples();
+    if (index >= k_converged) return;
+    view.shift = sample_shift(index, width_, height_);
+    surface_->draw(*mesh_, view);
+    for (const Which which : k_materials) {
+        Panel& panel = of(which);
+        if (panel.material && panel.mean && panel.mean->samples() == index)
+            panel.mean->add(*panel.lit, *surface_, view, light_of(look, LightDraws::both));
+    }
+}
+
 Result<Done> Panels::resize(int width, int height) {
     if (width == width_ && height == height_) return Done{};
-    for (Panel& panel : panels_) panel.radiance.reset(), panel.shown.reset();
+    for (Panel& panel : panels_) panel.radiance.reset(), panel.shown.reset(), panel.mean.reset();
     surface_.reset();
     auto surface = RasterSurface::make(dialect_, width, height);
     if (!surface) return surface.error();
@@ -79,10 +150,17 @@ Result<Done> Panels::resize(int width, int height) {
     return Done{};
 }
 
-Result<Done> Panels::draw(Look& look, int width, int height, bool expose) {
+Result<Done> Panels::draw(Look& look, int width, int height, bool expose, bool moving) {
     if (const auto sized = resize(width, height); !sized) return sized.error();
-    const RasterView view{camera_of(look, bounds()), double(width) / height, look.lights};
-    if (const std::string key = key_of(look); key != drawn_) {
+    std::array<DirectionalLight, 3> lights = look.lights;
+    if (!look.has_lights())
+        for (DirectionalLight& light : lights) light.irradiance = {};
+    const RasterView view{.camera = camera_of(look, bounds()), .aspect = double(width) / height, .lights = lights};
+    const std::string key = key_of(look);
+    bool anew = key != drawn_;
+    // One that is stale is drawn from the surface that is seen through the centres of pixels, and both begin again.
+    if (environment_) anew = anew || of(reference).is_stale || of(fit).is_stale;
+    if (anew) {
         drawn_ = key;
         surface_->draw(*mesh_, view);
         for (const Which which : k_materials) of(which).is_stale = true;
@@ -91,19 +169,33 @@ Result<Done> Panels::draw(Look& look, int width, int height, bool expose) {
         Panel& panel = of(which);
         if (!panel.is_stale) continue;
         panel.is_stale = false;
+        if (!environment_) panel.mean.reset();
         panel.radiance->begin();
-        if (panel.material) panel.material->draw(*surface_, view);
+        if (!panel.material) continue;
+        if (environment_) {
+            if (const auto drawn = draw_filtered(panel, view, look); !drawn) return drawn.error();
+        } else {
+            panel.material->draw(*surface_, view);
+        }
     }
     if (expose && look.automatic)
         if (const Which which = has(reference) ? reference : fit; has(which))
             look.exposure = exposure_of(*of(which).radiance, width, height);
+    if (environment_ && !moving) add_samples(look, view);
     for (const Which which : k_materials) {
-        of(which).shown->begin();
-        development_->draw(*of(which).radiance, look.exposure);
+        const Panel& panel = of(which);
+        panel.shown->begin();
+        if (panel.mean && panel.mean->samples() > 0)
+            development_->draw_mixed(*panel.radiance, panel.mean->picture(),
+                                     std::min(1.f, float(panel.mean->samples() - 1) / k_filtered_samples),
+                                     look.exposure);
+        else
+            development_->draw(*panel.radiance, look.exposure);
     }
     of(difference).shown->begin();
     if (has(reference) && has(fit))
-        development_->draw_difference(*of(reference).radiance, *of(fit).radiance, look.exposure, look.full_scale);
+        development_->draw_difference(of(reference).seen(), of(fit).seen(), look.exposure, look.full_scale,
+                                      look.in_delta_e);
     return Done{};
 }
 

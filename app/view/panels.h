@@ -1,6 +1,7 @@
 // The three pictures of the window: reference, fit, and their difference.
 #pragma once
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -19,11 +20,18 @@ class Panels {
     void set_mesh(const Mesh& mesh);
     /// Sets a material; none: an empty picture. A multivariate model with the same shader text only costs the upload of
     /// its numbers.
-    Result<Done> set_material(Which which, const std::optional<Material>& material);
+    Result<Done> set_material(Which which, const std::optional<Material>& material,
+                              std::function<MixtureProposal()> propose = {});
+    /// Sets the light around the scene; none: lights alone.
+    Result<Done> set_environment(const Environment* environment);
 
     /// Redraws what has changed since the last call; each picture has width × height pixels. Automatic exposure is
-    /// updated only with `expose`, since it would flicker during rotation.
-    Result<Done> draw(Look& look, int width, int height, bool expose);
+    /// updated only with `expose`, since it would flicker during rotation. Under an environment the pictures begin
+    /// filtered; if they are not `moving`, each call adds a sample.
+    Result<Done> draw(Look& look, int width, int height, bool expose, bool moving);
+    /// Of the pictures under an environment; `k_converged` without one.
+    int samples() const;
+    static constexpr int k_converged = 1024;
     /// A picture as a texture, rows from the bottom.
     unsigned texture(Which which) const { return of(which).shown ? of(which).shown->texture() : 0; }
     const Bounds& bounds() const { return mesh_->bounds(); }
@@ -37,7 +45,20 @@ class Panels {
         std::string text;  ///< of its shader
         bool is_pm = false, is_stale = true;
         std::optional<RasterTarget> radiance, shown;
+        // Under an environment, where `radiance` is the filtered picture; made when there is one.
+        std::optional<Material> content;
+        std::function<MixtureProposal()> propose;
+        std::optional<RasterMaterial> lit;
+        std::string lit_text;
+        bool is_proposed = false;
+        std::optional<RasterMean> mean;
+        const RasterTarget& seen() const {
+            return mean && mean->samples() >= k_filtered_samples ? mean->picture() : *radiance;
+        }
     };
+    Result<Done> draw_filtered(Panel& panel, const RasterView& view, const Look& look);
+    void add_samples(const Look& look, RasterView view);
+    EnvironmentLight light_of(const Look& look, LightDraws draws) const;
     Panel& of(Which which) { return panels_[which]; }
     const Panel& of(Which which) const { return panels_[which]; }
 
@@ -45,6 +66,7 @@ class Panels {
     std::array<Panel, 3> panels_;
     std::optional<RasterMesh> mesh_;
     std::optional<RasterSurface> surface_;
+    std::optional<RasterEnvironment> environment_;
     std::optional<RasterDevelopment> development_;
     int width_ = 0, height_ = 0;
     std::string drawn_;  ///< key of camera, lights and mesh of the current pictures

@@ -25,21 +25,31 @@ std::string name_of_fit(const Session& session) {
     return text;
 }
 
+std::string exposure_text(const Look& look) {
+    return fmt::format("exposure {:+.2f} stops{}", std::log2(look.exposure), look.automatic ? ", automatic" : "");
+}
+
 /// The colours of differences, darker to brighter.
-void draw_scale(float full_scale, float width) {
+void draw_scale(const Look& look, float width) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float height = 12, middle = at.x + width / 2;
     using D = RasterDevelopment;
-    list.AddRectFilledMultiColor(at, {middle, at.y + height}, colour_of(D::k_darker), colour_of(D::k_equal),
-                                 colour_of(D::k_equal), colour_of(D::k_darker));
-    list.AddRectFilledMultiColor({middle, at.y}, {at.x + width, at.y + height}, colour_of(D::k_equal),
-                                 colour_of(D::k_brighter), colour_of(D::k_brighter), colour_of(D::k_equal));
+    if (!look.in_delta_e)
+        list.AddRectFilledMultiColor(at, {middle, at.y + height}, colour_of(D::k_darker), colour_of(D::k_equal),
+                                     colour_of(D::k_equal), colour_of(D::k_darker));
+    list.AddRectFilledMultiColor({look.in_delta_e ? at.x : middle, at.y}, {at.x + width, at.y + height},
+                                 colour_of(D::k_equal), colour_of(D::k_brighter), colour_of(D::k_brighter),
+                                 colour_of(D::k_equal));
     const ImU32 ink = IM_COL32(230, 230, 230, 255);
-    const std::string most = fmt::format("+{:.3g}", full_scale), least = fmt::format("-{:.3g}", full_scale);
-    list.AddText({at.x, at.y + height}, ink, (least + " fit darker").c_str());
-    list.AddText({middle - 3, at.y + height}, ink, "0");
-    const std::string right = "fit brighter " + most;
+    const std::string most = fmt::format("+{:.3g}", look.full_scale), least = fmt::format("-{:.3g}", look.full_scale);
+    const std::string right = look.in_delta_e ? fmt::format(
+                                                    "{:.3g} \xCE\x94"
+                                                    "E",
+                                                    100 * look.full_scale)
+                                              : "fit brighter " + most;
+    list.AddText({at.x, at.y + height}, ink, look.in_delta_e ? "0" : (least + " fit darker").c_str());
+    if (!look.in_delta_e) list.AddText({middle - 3, at.y + height}, ink, "0");
     list.AddText({at.x + width - ImGui::CalcTextSize(right.c_str()).x, at.y + height}, ink, right.c_str());
     ImGui::Dummy({width, height + ImGui::GetTextLineHeight()});
 }
@@ -62,8 +72,28 @@ void Pictures::take_mesh(Session& session, Look& look) {
     is_exposed_ = false;
 }
 
-void Pictures::set_material(Session& session, Panels::Which which, const Result<Material>& material) {
-    const auto done = material ? panels_.set_material(which, *material) : Result<Done>(material.error());
+void Pictures::take_environment(Session& session, Look& look) {
+    if (environment_ == look.environment) return;
+    Result<Done> done = Done{};
+    if (look.has_environment()) {
+        const auto loaded = load_environment(look.environment);
+        done = loaded ? panels_.set_environment(&*loaded) : Result<Done>(loaded.error());
+    } else {
+        done = panels_.set_environment(nullptr);
+    }
+    if (!done) {
+        session.complain(done.error());
+        look.environment = environment_;
+        return;
+    }
+    environment_ = look.environment;
+    is_exposed_ = false;
+}
+
+void Pictures::set_material(Session& session, Panels::Which which, const Result<Material>& material,
+                            std::function<MixtureProposal()> propose) {
+    const auto done =
+        material ? panels_.set_material(which, *material, std::move(propose)) : Result<Done>(material.error());
     if (done) return;
     session.complain(done.error());
     (void)panels_.set_material(which, {});
@@ -71,25 +101,32 @@ void Pictures::set_material(Session& session, Panels::Which which, const Result<
 
 void Pictures::take(Session& session, Look& look, bool swapped) {
     take_mesh(session, look);
+    take_environment(session, look);
     if (reference_ != session.reference()) {
         reference_ = session.reference();
-        set_material(session, Panels::reference, material_of(*session.subjects()[std::size_t(reference_)]));
+        const auto subject = session.subjects()[std::size_t(reference_)];
+        set_material(session, Panels::reference, material_of(*subject), [subject] { return proposal_of(*subject); });
         is_exposed_ = false;
         swapped = true;
     }
-    if (session.fitted() && swapped) set_material(session, Panels::fit, material_of(session.fitted()->model));
+    if (session.fitted() && swapped)
+        set_material(session, Panels::fit, material_of(session.fitted()->model), [model = session.fitted()->model] {
+            return proposal_of({"", model});
+        });
     if (!session.fitted() && panels_.has(Panels::fit)) (void)panels_.set_material(Panels::fit, {});
 }
 
 void Pictures::draw_panels(Session& session, Look& look, float width, float height) {
     std::string key = fmt::format("{} {} {}", look.azimuth, look.elevation, look.zoom);
     for (const auto& light : look.lights) key += fmt::format(" {} {}", light.towards.x, light.towards.y);
+    key += fmt::format(" {}", look.turned);
     if (key != shown_key_) touch(), shown_key_ = key;
     const bool is_moving = moves();
     const float share = is_moving ? reduction_ : 1;
     const bool expose = !is_exposed_ && (panels_.has(Panels::reference) || panels_.has(Panels::fit));
     const Stopwatch watch;
-    const auto drawn = panels_.draw(look, std::max(16, int(width * share)), std::max(16, int(height * share)), expose);
+    const auto drawn =
+        panels_.draw(look, std::max(16, int(width * share)), std::max(16, int(height * share)), expose, is_moving);
     glFinish();
     const double took = watch.seconds();
     if (is_moving && took > k_slow_frame) reduction_ = std::max(0.35f, reduction_ * 0.8f);
@@ -126,31 +163,69 @@ void Pictures::draw_lights(Look& look, ImVec2 corner, float width, float height,
     }
 }
 
-/// Rotates the held object: a light, or the camera.
+/// Rotates the held object: the environment, a light, or the camera.
 void Pictures::drag(Look& look, float height) {
     const ImVec2 delta = ImGui::GetIO().MouseDelta;
     if (delta.x == 0 && delta.y == 0) return;
     const double right = double(delta.x) / double(height) * k_pi, up = double(-delta.y) / double(height) * k_pi;
-    if (dragged_light_ >= 0 || ImGui::IsMouseDown(1))
+    if (look.has_environment() && (ImGui::GetIO().KeyCtrl || (ImGui::IsMouseDown(1) && !look.lamps)))
+        turn_environment(look, right);
+    else if (dragged_light_ >= 0 || ImGui::IsMouseDown(1))
         turn_light(look, dragged_light_ >= 0 ? dragged_light_ : look.light, right, up);
     else
         orbit(look, -right, -up);
 }
 
-void Pictures::draw_picture(const Session& session, Look& look, Panels::Which which, float width, float height) {
+std::string Pictures::caption(const Session& session, Panels::Which which) const {
     const bool is_measured = reference_ >= 0 && !session.subjects()[std::size_t(reference_)]->is_model();
-    const auto caption = [&]() -> std::string {
-        if (which == Panels::fit) return name_of_fit(session);
-        if (which == Panels::difference)
-            return "difference: fit - " + std::string(is_measured ? "measured" : "reference");
-        return (is_measured ? "measured: " : "reference: ") +
-               (reference_ < 0
-                    ? "no reference"
-                    : std::filesystem::path(session.subjects()[std::size_t(reference_)]->path).filename().string());
+    if (which == Panels::fit) return name_of_fit(session);
+    if (which == Panels::difference) return "difference: fit - " + std::string(is_measured ? "measured" : "reference");
+    return (is_measured ? "measured: " : "reference: ") +
+           (reference_ < 0
+                ? "no reference"
+                : std::filesystem::path(session.subjects()[std::size_t(reference_)]->path).filename().string());
+}
+
+/// One picture, measured to the left of a divider and the fit to the right of it.
+void Pictures::draw_wipe(const Session& session, Look& look, float width, float height) {
+    ImGui::TextColored(k_white, "%s", caption(session, Panels::reference).c_str());
+    const std::string right = caption(session, Panels::fit);
+    ImGui::SameLine(width - ImGui::CalcTextSize(right.c_str()).x);
+    ImGui::TextColored(k_white, "%s", right.c_str());
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    ImGui::InvisibleButton("wipe", {width, height},
+                           ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
+    const bool hovered = ImGui::IsItemHovered(), active = ImGui::IsItemActive();
+    const float at = std::round(look.divider * width);
+    const ImVec2 mouse = ImGui::GetMousePos();
+    const bool near_divider = hovered && std::abs(mouse.x - corner.x - at) < 8;
+    if (near_divider && ImGui::IsMouseClicked(0)) drags_divider_ = true;
+    if (!ImGui::IsMouseDown(0)) drags_divider_ = false;
+    if (drags_divider_) look.divider = std::clamp((mouse.x - corner.x) / width, 0.f, 1.f);
+    if (near_divider || drags_divider_) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const auto part = [&](Panels::Which which, float from, float to) {
+        list.AddImage(ImTextureID(std::uintptr_t(panels_.texture(which))), {corner.x + from, corner.y},
+                      {corner.x + to, corner.y + height}, {from / width, 1}, {to / width, 0});
     };
+    part(Panels::reference, 0, at);
+    part(Panels::fit, at, width);
+    list.AddLine({corner.x + at, corner.y}, {corner.x + at, corner.y + height}, IM_COL32(255, 255, 255, 220), 2);
+    list.AddRectFilled({corner.x + at - 4, corner.y + height / 2 - 16}, {corner.x + at + 4, corner.y + height / 2 + 16},
+                       IM_COL32(255, 255, 255, 220), 3);
+    ImGui::PushClipRect(corner, {corner.x + width, corner.y + height}, true);
+    if (look.has_lights()) draw_lights(look, corner, width, height, hovered && !drags_divider_);
+    ImGui::PopClipRect();
+    if (active && !drags_divider_) drag(look, height);
+    if (const float wheel = ImGui::GetIO().MouseWheel; hovered && wheel != 0) zoom(look, std::pow(1.1, double(wheel)));
+    ImGui::TextColored(k_dim, "drag the line, or the picture to orbit   W: side by side   %s",
+                       exposure_text(look).c_str());
+}
+
+void Pictures::draw_picture(const Session& session, Look& look, Panels::Which which, float width, float height) {
     const bool is_late = which == Panels::fit && session.fitted() && session.fitted()->quick;
     ImGui::PushClipRect(ImGui::GetCursorScreenPos(), {ImGui::GetCursorScreenPos().x + width, 1e4f}, true);
-    ImGui::TextColored(is_late ? k_hint : k_white, "%s", caption().c_str());
+    ImGui::TextColored(is_late ? k_hint : k_white, "%s", caption(session, which).c_str());
     ImGui::PopClipRect();
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     ImGui::PushID(which);
@@ -168,37 +243,39 @@ void Pictures::draw_picture(const Session& session, Look& look, Panels::Which wh
                                 : reference_ < 0 ? "Drop a measurement or\na model on this window."
                                                  : "fitting ...";
         list.AddText({corner.x + width / 2 - 70, corner.y + height / 2 - 12}, IM_COL32(255, 255, 255, 200), why);
-    } else if (which != Panels::difference) {
+    } else if (which != Panels::difference && look.has_lights()) {
         draw_lights(look, corner, width, height, hovered);
     }
     ImGui::PopClipRect();
     if (active) drag(look, height);
     if (const float wheel = ImGui::GetIO().MouseWheel; hovered && wheel != 0) zoom(look, std::pow(1.1, double(wheel)));
     if (which == Panels::difference)
-        draw_scale(look.full_scale, width);
+        draw_scale(look, width);
     else if (which == Panels::reference)
-        ImGui::TextColored(k_dim, "drag: orbit   wheel: zoom   yellow dots: lights");
+        ImGui::TextColored(k_dim, look.has_environment() ? "drag: orbit   with Ctrl: environment"
+                                                         : "drag: orbit   wheel: zoom   yellow dots: lights");
     else
-        ImGui::TextColored(
-            k_dim, "%s",
-            fmt::format("exposure {:+.2f} stops{}", std::log2(look.exposure), look.automatic ? ", automatic" : "")
-                .c_str());
+        ImGui::TextColored(k_dim, "%s", exposure_text(look).c_str());
 }
 
 void Pictures::draw(Session& session, Look& look, ImVec2 at, ImVec2 size) {
     ImGui::SetNextWindowPos(at), ImGui::SetNextWindowSize(size);
     ImGui::Begin("pictures", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoScrollWithMouse);
-    const float gap = ImGui::GetStyle().ItemSpacing.x, below = 34;
-    const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * gap) / 3);
-    const float height =
-        std::max(40.f, ImGui::GetContentRegionAvail().y - below - ImGui::GetTextLineHeightWithSpacing());
+    const float gap = ImGui::GetStyle().ItemSpacing.x, line = ImGui::GetTextLineHeightWithSpacing();
+    const float whole = ImGui::GetContentRegionAvail().x;
+    const float width = look.wipe ? whole : std::floor((whole - 2 * gap) / 3);
+    const float height = std::max(40.f, ImGui::GetContentRegionAvail().y - (look.wipe ? 2 : 3) * line);
     draw_panels(session, look, width, height);
-    for (const auto which : {Panels::reference, Panels::fit, Panels::difference}) {
-        if (which > 0) ImGui::SameLine();
-        ImGui::BeginGroup();
-        draw_picture(session, look, which, width, height);
-        ImGui::EndGroup();
+    if (look.wipe) {
+        draw_wipe(session, look, width, height);
+    } else {
+        for (const auto which : {Panels::reference, Panels::fit, Panels::difference}) {
+            if (which > 0) ImGui::SameLine();
+            ImGui::BeginGroup();
+            draw_picture(session, look, which, width, height);
+            ImGui::EndGroup();
+        }
     }
     if (!ImGui::IsMouseDown(0)) dragged_light_ = -1;
     ImGui::End();

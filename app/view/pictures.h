@@ -22,17 +22,25 @@ class Pictures {
     bool moves() const;
     /// Whether the last pictures have the full resolution.
     bool is_whole() const { return is_whole_; }
+    /// The samples of the pictures under an environment, which increase while nothing moves.
+    int samples() const { return panels_.samples(); }
 
   private:
     void take_mesh(Session& session, Look& look);
-    void set_material(Session& session, Panels::Which which, const Result<Material>& material);
+    void take_environment(Session& session, Look& look);
+    void set_material(Session& session, Panels::Which which, const Result<Material>& material,
+                      std::function<MixtureProposal()> propose);
     void draw_panels(Session& session, Look& look, float width, float height);
     void draw_picture(const Session& session, Look& look, Panels::Which which, float width, float height);
+    void draw_wipe(const Session& session, Look& look, float width, float height);
+    std::string caption(const Session& session, Panels::Which which) const;
     void draw_lights(Look& look, ImVec2 corner, float width, float height, bool can_drag);
     void drag(Look& look, float height);
 
     Panels panels_;
-    std::string mesh_;         ///< name of the current mesh
+    std::string mesh_;                  ///< name of the current mesh
+    std::string environment_ = "none";  ///< name of the current environment
+    bool drags_divider_ = false;
     int reference_ = -1;       ///< the subject whose material is on the left
     bool is_exposed_ = false;  ///< whether automatic exposure has been computed
     bool is_whole_ = false;

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <filesystem>
 #include <vector>
 
 #include "render/pixel_shader.h"
@@ -54,6 +56,21 @@ std::string name_of(int key, int scancode, int modifiers) {
     return (modifiers & GLFW_MOD_SHIFT) != 0 && !name.empty() ? "Shift+" + name : name;
 }
 
+/// A proportional font of the system, with Latin and Greek; Dear ImGui's own where there is none.
+void load_font(float scale) {
+    constexpr float height = 16;
+    static const ImWchar ranges[] = {0x20, 0xff, 0x391, 0x3c9, 0x2010, 0x2026, 0x2212, 0x2212, 0};
+    for (const char* path :
+         {"/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf", "/usr/share/fonts/noto/NotoSans-Regular.ttf",
+          "/usr/share/fonts/google-noto/NotoSans-Regular.ttf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+          "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans.ttf",
+          "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf"})
+        if (std::filesystem::exists(path) &&
+            ImGui::GetIO().Fonts->AddFontFromFileTTF(path, std::round(height * scale), nullptr, ranges))
+            return;
+    ImGui::GetIO().FontGlobalScale = scale;
+}
+
 Screen& screen_of(GLFWwindow* window) { return *static_cast<Screen*>(glfwGetWindowUserPointer(window)); }
 
 }  // namespace
@@ -78,8 +95,14 @@ Result<Done> Screen::open(int width, int height) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
     window_ = glfwCreateWindow(width, height, "srbf view", nullptr, nullptr);
-    if (!window_) return Error{"window", {}, "graphics library", std::string(name(Dialect::gl_450)), found()};
+    if (!window_)
+        return Error{"window",
+                     {},
+                     "graphics library of this display",
+                     std::string(name(Dialect::gl_450)),
+                     found() + " (Mesa draws it on the CPU with LIBGL_ALWAYS_SOFTWARE=1)"};
     glfwMakeContextCurrent(window_);
     glfwSetWindowUserPointer(window_, this);
     // Before Dear ImGui's callbacks, which then call these.
@@ -94,6 +117,11 @@ Result<Done> Screen::open(int width, int height) {
     });
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
+    float across = 1, down = 1;
+    glfwGetWindowContentScale(window_, &across, &down);
+    scale_ = std::clamp(std::max(across, down), 1.f, 4.f);
+    load_font(scale_);
+    ImGui::GetStyle().ScaleAllSizes(scale_);
     ImGui::GetStyle().WindowRounding = 0;
     ImGui_ImplGlfw_InitForOpenGL(window_, true);
     ImGui_ImplOpenGL3_Init("#version 330 core");

@@ -34,12 +34,15 @@ class Screen {
     /// it.
     void begin_frame();
     void end_frame();
+    /// Pixels of the monitor for a pixel of a monitor of scale 1.
+    float scale() const { return scale_; }
     Image8 read() const;
     void show();
 
   private:
     GLFWwindow* window_ = nullptr;
     bool has_imgui_ = false;
+    float scale_ = 1;
 };
 
 }  // namespace srbf

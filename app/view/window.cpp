@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <vector>
@@ -11,15 +12,18 @@
 #include "app/view/ink.h"
 #include "app/view/pictures.h"
 #include "app/view/readings.h"
+#include "app/view/recent.h"
 #include "app/view/screen.h"
 #include "app/view/timing.h"
 
 namespace srbf {
 namespace {
 
-constexpr float k_controls = 262, k_messages = 58;  // pixels
+constexpr float k_controls = 262, k_messages = 58;  // pixels of a monitor of scale 1
 /// While a fit runs the picture leaves the processor to it: seconds per frame.
 constexpr double k_frame_beside_fit = 0.05;
+/// Samples of a picture under an environment for a screenshot.
+constexpr int k_clean = 64;
 /// Interval of updates without input [s].
 constexpr double k_idle = 0.1;
 
@@ -27,12 +31,25 @@ constexpr double k_idle = 0.1;
 void drop(const std::string& path, Session& session, Look& look) {
     const auto ending = std::filesystem::path(path).extension();
     if (ending == ".ply" || ending == ".obj") return void(look.mesh = path);
+    if (ending == ".hdr" || ending == ".exr") return void(look.environment = path);
     if (!session.open(path)) return;
+    keep_recent(path);
     const int added = int(session.subjects().size()) - 1;
     if (!session.subjects().back()->is_model())
         session.set_reference(added);
     else if (session.reference() != added)
         session.show_model(added);
+}
+
+/// Opens the most recent file that is not open yet.
+void open_recent(Session& session, Look& look) {
+    for (const std::string& path : recent_files()) {
+        const auto is_open = [&](const auto& subject) {
+            return std::filesystem::absolute(subject->path).string() == path;
+        };
+        if (std::ranges::none_of(session.subjects(), is_open)) return drop(path, session, look);
+    }
+    session.say("No recent file is left to open.");
 }
 
 void draw_messages(const Session& session, ImVec2 at, ImVec2 size) {
@@ -72,8 +89,8 @@ void draw_help(Look& look) {
         ImGui::EndTable();
     }
     ImGui::Text(
-        "Mouse: drag a picture to orbit, a yellow dot to move that light, with the right button the chosen light; "
-        "wheel: zoom.");
+        "Mouse: drag a picture to orbit, a yellow dot to move that light, with the right button the chosen light, with "
+        "Ctrl the environment; wheel: zoom.");
     ImGui::End();
 }
 
@@ -98,13 +115,15 @@ Result<Done> run_window(Session& session, Look& look, const WindowOptions& optio
     Readings readings;
     Refits refits(options.timed_refits);
     screen.on_key = [&](const std::string& name) { press(name, look, session), pictures.touch(); };
+    for (const auto& subject : session.subjects()) keep_recent(subject->path);
     screen.on_drop = [&](const std::string& path) { drop(path, session, look); };
 
     int settled = 0;
     while (!screen.is_closing() && !look.quit) {
         const Stopwatch frame;
         const bool is_busy = session.stage() != Stage::idle;
-        const bool moves = pictures.moves() || options.timed_refits > 0 || !options.screenshot.empty();
+        const bool moves = pictures.moves() || options.timed_refits > 0 || !options.screenshot.empty() ||
+                           pictures.samples() < Panels::k_converged;
         screen.wait(is_busy || moves ? 0 : k_idle);
         const bool swapped = session.poll();
         if (options.timed_refits > 0) refits.step(session, look);
@@ -113,21 +132,25 @@ Result<Done> run_window(Session& session, Look& look, const WindowOptions& optio
 
         screen.begin_frame();
         const ImVec2 all = ImGui::GetIO().DisplaySize;
-        const float right = all.x - k_controls, high = std::floor((all.y - k_messages) * 0.55f);
-        controls.draw(session, look, {0, 0}, {k_controls, all.y});
-        pictures.draw(session, look, {k_controls, 0}, {right, high});
-        readings.draw(session, look, {k_controls, high}, {right, all.y - k_messages - high});
-        draw_messages(session, {k_controls, all.y - k_messages}, {right, k_messages});
+        const float left = k_controls * screen.scale(), below = k_messages * screen.scale(), right = all.x - left;
+        // A wiped picture is as large as it can be.
+        const float high = look.wipe ? all.y - below : std::floor((all.y - below) * 0.55f);
+        controls.draw(session, look, {0, 0}, {left, all.y});
+        pictures.draw(session, look, {left, 0}, {right, high});
+        if (!look.wipe) readings.draw(session, look, {left, high}, {right, all.y - below - high});
+        draw_messages(session, {left, all.y - below}, {right, below});
         draw_help(look);
+        if (look.open_recent) open_recent(session, look), look.open_recent = false;
         if (look.save) controls.save(session), look.save = false;
         screen.end_frame();
 
         // A few frames after everything is displayed, so that the layout is final.
-        settled = session.stage() == Stage::idle && pictures.is_whole() ? settled + 1 : 0;
+        const bool is_clean = pictures.is_whole() && pictures.samples() >= k_clean;
+        settled = session.stage() == Stage::idle && is_clean ? settled + 1 : 0;
         if (!options.screenshot.empty() && settled == 5) return write_png(screen.read(), options.screenshot);
         if (look.screenshot && pictures.is_whole()) write_screenshot(screen, session), look.screenshot = false;
         screen.show();
-        if (const double left = k_frame_beside_fit - frame.seconds(); is_busy && left > 0) screen.wait(left);
+        if (const double rest = k_frame_beside_fit - frame.seconds(); is_busy && rest > 0) screen.wait(rest);
     }
     return Done{};
 }

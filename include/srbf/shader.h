@@ -10,6 +10,7 @@
 
 #include "srbf/measured.h"
 #include "srbf/model.h"
+#include "srbf/sampling.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 
@@ -45,6 +46,19 @@ std::string version_text(Dialect dialect);
 /// new compilation. Other materials have their own text even with `open`.
 std::string brdf_text(const Material& material, bool open = false);
 inline constexpr int k_most_open_lobes = 32;
+
+/// The text, to follow `brdf_text`, that defines
+///   vec3 sample_light(vec3 wv, float u1, float u2, float selector)   a direction to the light for u1, u2 and selector
+///                                                uniform in [0,1); z <= 0 where the draw has none
+///   float light_pdf(vec3 wl, vec3 wv)            its density [1/sr]; 0 where either is not above the horizon
+/// Its numbers are the uniforms `mixture_weights` and `mixture_grain` (`ProposalNumbers`).
+std::string proposal_text();
+/// The weights of a mixture at its nodes, one node after the other; its stretch, and its grain's cosine and sine.
+struct ProposalNumbers {
+    std::array<float, MixtureProposal::k_nodes * MixtureProposal::k_lobes> weights;
+    std::array<float, 3> grain;
+};
+ProposalNumbers proposal_numbers(const MixtureProposal& proposal);
 
 using Float4 = std::array<float, 4>;
 /// The contents of the block `PmNumbers` (std140): colours and log2 scales, exponents, kernels, weights of the

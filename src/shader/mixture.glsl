@@ -1,8 +1,7 @@
-// Sampling of a BRDF's mixture of proposal lobes, and its directional albedo, to follow kernel.glsl. What precedes:
+// Sampling of a BRDF's mixture of proposal lobes, to follow kernel.glsl. What precedes:
 //   mixture_weights                 SRBF_PROPOSAL_LOBES weights of each of MIXTURE_NODES nodes
 //   mixture_stretch()               how many times as wide half-vector lobes are along the grain
 //   into_grain(w), out_of_grain(w)  the frame whose x is along the grain
-//   albedo_nodes                    R, G, B of each of ALBEDO_NODES nodes
 
 // Between which nodes a view is, and its distance from the lower one, of 1: nodes are uniform in sqrt(1 - cos(theta_v)).
 struct NodesAbout {
@@ -52,12 +51,4 @@ Real light_pdf(Vec3 wl, Vec3 wv) {
     Real sum = Real(0.0);
     for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum = sum + mixture_weight(k, nodes) * proposal_lobe_pdf(k, at);
     return sum;
-}
-
-// The integral of f_r cos(theta_l) over the directions to the light, for R, G, B, at the cosine of the view to the
-// normal.
-Vec3 albedo_node(int i) { return Vec3(albedo_nodes[3 * i], albedo_nodes[3 * i + 1], albedo_nodes[3 * i + 2]); }
-Vec3 directional_albedo(Real cosine) {
-    NodesAbout nodes = nodes_about(cosine, ALBEDO_NODES);
-    return (Real(1.0) - nodes.beyond) * albedo_node(nodes.below) + nodes.beyond * albedo_node(nodes.below + 1);
 }

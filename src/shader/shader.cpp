@@ -104,6 +104,18 @@ std::string brdf_text(const Material& material, bool open) {
     return of_shape + k_host_text + k_kernel_text + k_material_text;
 }
 
+std::string proposal_text() {
+    return fmt::format("#define MIXTURE_NODES {}\n", MixtureProposal::k_nodes) + k_proposal_text + k_mixture_text;
+}
+
+ProposalNumbers proposal_numbers(const MixtureProposal& proposal) {
+    ProposalNumbers numbers{{}, {proposal.stretch, proposal.cosine, proposal.sine}};
+    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
+        std::copy_n(proposal.weight(node).begin(), MixtureProposal::k_lobes,
+                    numbers.weights.begin() + std::ptrdiff_t(node) * MixtureProposal::k_lobes);
+    return numbers;
+}
+
 std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
     std::array<Float4, 4> numbers{
         {{model.diffuse.r, model.diffuse.g, model.diffuse.b, 0}, {0, 0, 0, 1}, {0, 0, 0, 1}, {}}};

@@ -243,7 +243,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     syntax::parse(k_handles + accessors, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(brdf, program, defines);
-    if (is_mixture) syntax::parse(mixture.functions + k_mixture_text, program, defines);
+    if (is_mixture) syntax::parse(mixture.functions + k_mixture_text + k_albedo_text, program, defines);
     syntax::specialise(program, roots);
     return program;
 }

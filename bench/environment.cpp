@@ -1,0 +1,214 @@
+// Pictures of the raster renderer under an environment: error against the number of samples, frames until they are
+// clean.
+//   usage: environment MESH ENVIRONMENT FILE...
+// FILE is a measurement, drawn from a table in Rusinkiewicz coordinates, or a model.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <optional>
+
+#include "render/offscreen.h"
+#include "render/path.h"
+#include "render/raster.h"
+#include "srbf/convert.h"
+#include "srbf/likeness.h"
+#include "srbf/load.h"
+
+namespace srbf {
+namespace {
+
+constexpr int k_converged = 1024;
+constexpr double k_clean = 0.02;  ///< mean ꟻLIP
+constexpr std::array<int, 5> k_counts{1, 4, 16, 64, 256};
+
+struct Subject {
+    SampledMaterial sampled;
+    PreparedBrdf brdf;
+};
+template <typename M> Subject subject_of(const M& of, int azimuths) {
+    const MixtureProposal proposal = propose(evaluator(of), {.azimuths = azimuths});
+    return {{of, proposal}, prepare(of, proposal)};
+}
+Subject subject_of(const AnyBrdf& brdf) {
+    if (const auto* measured = std::get_if<Measured>(&brdf))
+        return subject_of(to_merl(evaluator(*measured), k_merl_size), 1);
+    const Model& model = std::get<Model>(brdf);
+    const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
+    return std::visit([&](const auto& of) { return subject_of(of, azimuths); }, model.model);
+}
+
+/// A picture under an environment that takes its samples one by one.
+class Progress {
+  public:
+    static Result<Progress> make(const OffscreenContext& context, const Scene& scene, const Environment& environment,
+                                 const SampledMaterial& of, int width, int height) {
+        auto light = RasterEnvironment::make(environment);
+        if (!light) return light.error();
+        auto surface = RasterSurface::make(context.dialect(), width, height);
+        if (!surface) return surface.error();
+        auto material = RasterMaterial::make(of.material, {.dialect = context.dialect(), .environment = true});
+        if (!material) return material.error();
+        material->set_proposal(of.proposal);
+        auto mean = RasterMean::make(*surface);
+        if (!mean) return mean.error();
+        return Progress{scene, *std::move(light), *std::move(surface), *std::move(material), *std::move(mean), width,
+                        height};
+    }
+    void restart() { mean_.restart(); }
+    void add(LightDraws draws) {
+        const RasterView view{.camera = scene_.camera,
+                              .aspect = double(width_) / height_,
+                              .lights = {},
+                              .shift = sample_shift(mean_.samples(), width_, height_)};
+        surface_.draw(mesh_, view);
+        mean_.add(material_, surface_, view, {&light_, environment_frame(scene_.camera), draws});
+    }
+    Image read() const {
+        Image image(width_, height_);
+        const auto pixels = mean_.picture().read_floats();
+        for (std::size_t i = 0; i < pixels.size(); ++i) image.pixels[i] = {pixels[i][0], pixels[i][1], pixels[i][2]};
+        return image;
+    }
+
+  private:
+    Progress(const Scene& scene, RasterEnvironment light, RasterSurface surface, RasterMaterial material,
+             RasterMean mean, int width, int height)
+        : scene_(scene),
+          mesh_(scene.mesh),
+          light_(std::move(light)),
+          surface_(std::move(surface)),
+          material_(std::move(material)),
+          mean_(std::move(mean)),
+          width_(width),
+          height_(height) {}
+    const Scene& scene_;
+    RasterMesh mesh_;
+    RasterEnvironment light_;
+    RasterSurface surface_;
+    RasterMaterial material_;
+    RasterMean mean_;
+    int width_, height_;
+};
+
+Image8 displayed(const Image& image, float exposure) {
+    return shown({image, std::vector<float>(image.pixels.size(), 1)}, exposure);
+}
+Image between(const Image& a, const Image& b, float share) {
+    Image mixed = a;
+    for (std::size_t i = 0; i < mixed.pixels.size(); ++i)
+        for (int c = 0; c < 3; ++c) mixed.pixels[i][c] += share * (b.pixels[i][c] - a.pixels[i][c]);
+    return mixed;
+}
+
+/// PSNR against the path tracer, by strategy and number of samples.
+Result<Done> print_errors(const OffscreenContext& context, const Mesh& mesh, const Environment& environment,
+                          const Subject& of, const std::string& name) {
+    constexpr int width = 160, height = 120;
+    const Scene scene = scene_of(mesh, {}, double(width) / height);
+    const PathScene paths{{{&scene.mesh, 0}}, {of.brdf}, scene.camera, {}, {}, &environment};
+    const Image reference =
+        render_paths(paths, {.width = width, .height = height, .samples = 4096, .occlusion = false, .progress = {}})
+            .rendering.radiance;
+    const float exposure = automatic_exposure(reference);
+    const Image8 expected = displayed(reference, exposure);
+    auto progress = Progress::make(context, scene, environment, of.sampled, width, height);
+    if (!progress) return progress.error();
+    for (const auto& [title, draws] : {std::pair("both", LightDraws::both),
+                                       {"BRDF alone", LightDraws::material},
+                                       {"environment alone", LightDraws::light},
+                                       {"filtered", LightDraws::filtered}}) {
+        fmt::print("| {} | {} |", name, title);
+        progress->restart();
+        for (int i = 1; i <= k_counts.back(); ++i) {
+            progress->add(draws);
+            if (std::ranges::find(k_counts, i) != k_counts.end()) {
+                const Likeness alike = likeness(expected, displayed(progress->read(), exposure));
+                fmt::print(" {:.1f}, {:.3f} |", alike.psnr, alike.flip);
+            }
+            if (draws == LightDraws::filtered) break;
+        }
+        fmt::print("\n");
+        std::fflush(stdout);
+    }
+    return Done{};
+}
+
+/// Frames until the picture differs by less than `k_clean` from the converged one: the mean alone, and as shown, which
+/// begins with the filtered picture.
+Result<Done> print_frames(const OffscreenContext& context, const Mesh& mesh, const Environment& environment,
+                          const Subject& of, const std::string& name) {
+    constexpr int width = 640, height = 480;
+    const Scene scene = scene_of(mesh, {}, double(width) / height);
+    auto progress = Progress::make(context, scene, environment, of.sampled, width, height);
+    if (!progress) return progress.error();
+    progress->add(LightDraws::filtered);
+    const auto start = std::chrono::steady_clock::now();
+    progress->restart();
+    progress->add(LightDraws::filtered);
+    const Image filtered = progress->read();
+    const double first = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    progress->restart();
+    std::vector<Image> means;
+    for (int i = 1; i <= k_converged; ++i) {
+        progress->add(LightDraws::both);
+        if (i <= 64) means.push_back(progress->read());
+    }
+    const Image converged = progress->read();
+    const double each =
+        (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - first) / k_converged;
+    const float exposure = automatic_exposure(converged);
+    const Image8 expected = displayed(converged, exposure);
+    const auto flip = [&](const Image& image) { return likeness(expected, displayed(image, exposure)).flip; };
+    int mean_clean = 0, shown_clean = 0;
+    for (int i = 1; i <= int(means.size()) && !(mean_clean && shown_clean); ++i) {
+        const Image& mean = means[std::size_t(i - 1)];
+        if (!mean_clean && flip(mean) < k_clean) mean_clean = i;
+        const float share = std::min(float(i - 1) / k_filtered_samples, 1.f);
+        if (!shown_clean && flip(between(filtered, mean, share)) < k_clean) shown_clean = i;
+    }
+    const auto text = [](int frames) { return frames ? std::to_string(frames) : "> 64"; };
+    fmt::print("| {} | {:.3f} | {:.3f} | {:.3f} | {} | {} | {:.0f} | {:.0f} |\n", name, flip(filtered), flip(means[0]),
+               flip(means[15]), text(mean_clean), text(shown_clean), 1000 * first, 1000 * each);
+    std::fflush(stdout);
+    return Done{};
+}
+
+Result<Done> print_tables(const std::vector<std::string>& arguments) {
+    const auto mesh = load_mesh(arguments[0]);
+    if (!mesh) return mesh.error();
+    const auto environment = load_environment(arguments[1]);
+    if (!environment) return environment.error();
+    const auto context = OffscreenContext::make();
+    if (!context) return context.error();
+    fmt::print("{}\n\n", context->renderer());
+    std::vector<std::pair<std::string, Subject>> subjects;
+    for (std::size_t i = 2; i < arguments.size(); ++i) {
+        const auto brdf = load_brdf(arguments[i]);
+        if (!brdf) return brdf.error();
+        subjects.emplace_back(std::filesystem::path(arguments[i]).stem().string(), subject_of(*brdf));
+    }
+    fmt::print(
+        "| 640 × 480 | ꟻLIP, filtered | 1 sample | 16 samples | frames until {}: mean alone | as shown | filtered "
+        "[ms] | sample [ms] |\n|---|---|---|---|---|---|---|---|\n",
+        k_clean);
+    for (const auto& [name, of] : subjects)
+        if (const auto done = print_frames(*context, *mesh, *environment, of, name); !done) return done;
+    fmt::print("\n| PSNR [dB], ꟻLIP | draws | {} |\n|---|---|---|---|---|---|---|\n", fmt::join(k_counts, " | "));
+    for (const auto& [name, of] : subjects)
+        if (const auto done = print_errors(*context, *mesh, *environment, of, name); !done) return done;
+    return Done{};
+}
+
+}  // namespace
+}  // namespace srbf
+
+int main(int argc, char** argv) {
+    if (argc < 4) return fmt::print(stderr, "usage: environment MESH ENVIRONMENT FILE...\n"), 2;
+    if (const auto printed = srbf::print_tables({argv + 1, argv + argc}); !printed) {
+        fmt::print(stderr, "{}\n", srbf::message(printed.error()));
+        return 1;
+    }
+    return 0;
+}

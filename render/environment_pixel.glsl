@@ -1,0 +1,171 @@
+// One more sample of a pixel under an environment, and directional lights beside it; to follow proposal_text,
+// shading.glsl, environment.glsl, LIGHTS and FILTERED_DRAWS. It covers the picture: where there is no surface the
+// environment is seen.
+out vec4 pixel;  // the mean of the samples so far
+
+uniform sampler2D surface_positions;
+uniform sampler2D surface_normals;
+uniform sampler2D before;  // the mean without this sample
+uniform float share;       // of this sample in the mean: 1 for the first
+uniform int sample_index;
+uniform int draws;  // a LightDraws
+uniform vec3 eye;
+uniform mat3 picture_axes;  // x and y to the right and upper edge, and -z to the middle of a picture at distance 1
+uniform vec2 picture_size;
+uniform vec2 shift;  // of this sample from the pixel's centre, in pixels
+uniform vec3 light_direction[LIGHTS];   // to the light, unit vectors
+uniform vec3 light_irradiance[LIGHTS];  // on a surface that faces the light
+
+// The first three dimensions of Sobol's sequence, scrambled as Owen has it by hashes of Laine and Karras (Burley,
+// "Practical Hash-based Owen Scrambling", JCGT 2020), by seeds of the pixel's own: pictures repeat, and neighbours
+// differ.
+uint hashed(uint x) {  // lowbias32 (Wellons 2018)
+    x = (x ^ (x >> 16)) * 0x7feb352du;
+    x = (x ^ (x >> 15)) * 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+uint reversed(uint x) {
+    x = (x >> 16) | (x << 16);
+    x = ((x & 0x00ff00ffu) << 8) | ((x & 0xff00ff00u) >> 8);
+    x = ((x & 0x0f0f0f0fu) << 4) | ((x & 0xf0f0f0f0u) >> 4);
+    x = ((x & 0x33333333u) << 2) | ((x & 0xccccccccu) >> 2);
+    return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
+}
+// A number in [0,1) from 32 bits in reversed order.
+float scrambled(uint x, uint seed) {
+    x += seed;
+    x ^= x * 0x6c50b47cu;
+    x ^= x * 0xb82f1e52u;
+    x ^= x * 0xc7afe638u;
+    x ^= x * 0x8d22f6e6u;
+    return float(reversed(x) >> 8) / 16777216.0;
+}
+struct Points {
+    vec2 environment;
+    vec3 material;
+};
+Points points_at(int index, uint seed) {
+    // Columns of the second and of the third dimension's matrices, for bit after bit of the index.
+    uint second = 0u;
+    uint third = 0u;
+    uint of_second = 0x80000000u;
+    uint of_third = 0x80000000u;
+    uint next_of_third = 0xc0000000u;
+    for (uint rest = uint(index); rest != 0u; rest >>= 1) {
+        if ((rest & 1u) != 0u) {
+            second ^= of_second;
+            third ^= of_third;
+        }
+        of_second ^= of_second >> 1;
+        uint after = next_of_third ^ of_third ^ (of_third >> 2);
+        of_third = next_of_third;
+        next_of_third = after;
+    }
+    second = reversed(second);
+    third = reversed(third);
+    Points points;
+    points.environment = vec2(scrambled(uint(index), hashed(seed)), scrambled(second, hashed(seed + 1u)));
+    points.material = vec3(scrambled(uint(index), hashed(seed + 2u)), scrambled(second, hashed(seed + 3u)),
+                           scrambled(third, hashed(seed + 4u)));
+    return points;
+}
+
+// f_r cos(theta_l); what was not measured counts as 0.
+Vec3 reflectance(Vec3 wl, Vec3 wv) {
+    if (wl.z <= 0.0) return Vec3(0.0);
+    Vec3 f = brdf(wl, wv);
+    bool known = is_measured && !any(isnan(f)) && !any(isinf(f));
+    return known ? wl.z * f : Vec3(0.0);
+}
+float luminance(Vec3 colour) { return dot(colour, Vec3(0.2126, 0.7152, 0.0722)); }
+Vec3 from_surface(SurfaceFrame frame, Vec3 w) {
+    return w.x * frame.tangent + w.y * frame.bitangent + w.z * frame.normal;
+}
+// The power heuristic's weight of a draw of density a where another one has density b.
+float power_share(float a, float b) { return 1.0 / (1.0 + (b / a) * (b / a)); }
+
+// The environment's light from a direction that the BRDF draws.
+Vec3 by_material(SurfaceFrame frame, Vec3 wv, vec3 u) {
+    Vec3 wl = sample_light(wv, u.x, u.y, u.z);
+    float density = wl.z > 0.0 ? light_pdf(wl, wv) : 0.0;
+    if (density <= 0.0) return Vec3(0.0);
+    vec2 place = environment_place(from_surface(frame, wl));
+    float weight = draws == 0 ? power_share(density, environment_pdf(place)) : 1.0;
+    return weight / density * reflectance(wl, wv) * environment_radiance(place, 0.0);
+}
+Vec3 by_environment(SurfaceFrame frame, Vec3 wv, vec2 u) {
+    EnvironmentSample drawn = sample_environment(u.x, u.y);
+    Vec3 wl = to_surface(frame, drawn.towards);
+    if (wl.z <= 0.0 || drawn.pdf <= 0.0) return Vec3(0.0);
+    float weight = draws == 0 ? power_share(drawn.pdf, light_pdf(wl, wv)) : 1.0;
+    return weight / drawn.pdf * reflectance(wl, wv) * drawn.radiance;
+}
+
+// Without noise: the same draws in every pixel, FILTERED_LIGHTS by the environment and FILTERED_DRAWS by each of the
+// BRDF's lobes, whose weights change smoothly over a surface. A draw by the BRDF stands for a solid angle, its share of
+// the draws over their density, over which the environment is averaged.
+Vec3 filtered_radiance(SurfaceFrame frame, Vec3 wv) {
+    NodesAbout nodes = nodes_about(wv.z, MIXTURE_NODES);
+    float of_material = float(FILTERED_DRAWS);
+    float of_light = float(FILTERED_LIGHTS);
+    // The integral of the environment's luminance, to which its draws are in proportion, also in means over an angle.
+    float whole = 4.0 * k_pi_ * luminance(environment_radiance(vec2(0.5), 32.0));
+    Vec3 sum = Vec3(0.0);
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
+        float weight = mixture_weight(k, nodes);
+        if (weight <= 0.0) continue;
+        for (int i = 0; i < FILTERED_DRAWS; ++i) {
+            float u1 = (float(i) + 0.5) / float(FILTERED_DRAWS);
+            Vec3 wl = sample_of_lobe(k, wv, u1, fract(0.6180339887 * float(i) + 0.37 * float(k)));
+            float density = wl.z > 0.0 ? light_pdf(wl, wv) : 0.0;
+            if (density <= 0.0) continue;
+            float solid_angle = weight / (float(FILTERED_DRAWS) * density);
+            Vec3 arriving =
+                environment_radiance(environment_place(from_surface(frame, wl)), environment_level(solid_angle));
+            float by_light = of_light * luminance(arriving) / max(whole, 1.0e-30);
+            float share_ = power_share(of_material * density, by_light);
+            sum += share_ * solid_angle * reflectance(wl, wv) * arriving;
+        }
+    }
+    for (int i = 0; i < FILTERED_LIGHTS; ++i) {
+        EnvironmentSample drawn = sample_environment((float(i) + 0.5) / of_light, fract(0.6180339887 * float(i) + 0.5));
+        Vec3 wl = to_surface(frame, drawn.towards);
+        if (wl.z <= 0.0 || drawn.pdf <= 0.0) continue;
+        float share_ = power_share(of_light * drawn.pdf, of_material * light_pdf(wl, wv));
+        sum += share_ / (of_light * drawn.pdf) * reflectance(wl, wv) * drawn.radiance;
+    }
+    return sum;
+}
+
+Vec3 reflected_radiance(Vec3 position, Vec3 normal) {
+    Vec3 to_viewer = normalize(eye - position);
+    SurfaceFrame frame = surface_frame_about(visible_normal(normal, to_viewer));
+    Vec3 wv = to_surface(frame, to_viewer);
+    Vec3 sum = Vec3(0.0);
+    if (draws == 3) {
+        sum += filtered_radiance(frame, wv);
+    } else {
+        Points points = points_at(sample_index, hashed(uint(gl_FragCoord.x) + hashed(uint(gl_FragCoord.y))));
+        if (draws != 2) sum += by_material(frame, wv, points.material);
+        if (draws != 1) sum += by_environment(frame, wv, points.environment);
+    }
+    for (int k = 0; k < LIGHTS; ++k)
+        if (any(greaterThan(light_irradiance[k], vec3(0.0))))
+            sum += reflectance(to_surface(frame, light_direction[k]), wv) * light_irradiance[k];
+    return sum;
+}
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    vec4 position = texelFetch(surface_positions, at, 0);
+    Vec3 radiance;
+    if (position.w > 0.0) {
+        radiance = reflected_radiance(position.xyz, texelFetch(surface_normals, at, 0).xyz);
+    } else {
+        vec2 seen = 2.0 * (gl_FragCoord.xy + shift) / picture_size - 1.0;
+        radiance = environment_radiance(environment_place(normalize(picture_axes * vec3(seen, -1.0))), 0.0);
+    }
+    if (any(isnan(radiance)) || any(isinf(radiance))) radiance = Vec3(0.0);
+    vec4 now = vec4(radiance, 1.0);
+    pixel = share < 1.0 ? mix(texelFetch(before, at, 0), now, share) : now;
+}

@@ -11,8 +11,8 @@
 
 namespace srbf {
 
-/// Number of files at a time: at most `most`, and one for each half GiB of free memory, which is more than a material of
-/// MERL's size takes; at least 1.
+/// Number of files at a time: at most `most`, and one for each half GiB of free memory, which is more than a material
+/// of MERL's size takes; at least 1.
 int jobs_within_memory(std::uint64_t most);
 
 /// Calls work(i) for i in 0..count−1, in order of i, `jobs` of them at a time.

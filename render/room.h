@@ -5,8 +5,8 @@
 
 namespace srbf {
 
-/// A room whose only light comes through a shade, which fills the opening of one wall. Lengths in metres, y up; the wall
-/// with the opening is at z = 0, the room at z < 0.
+/// A room whose only light comes through a shade, which fills the opening of one wall. Lengths in metres, y up; the
+/// wall with the opening is at z = 0, the room at z < 0.
 struct Room {
     Mesh shade;     ///< a rectangle, its front outwards, to +z
     Mesh walls;     ///< with floor and ceiling, seen from inside, without the opening

@@ -158,7 +158,7 @@ TEST(Cuda, steps_reach_the_same_loss) {
         Emulated of(rows, shape, start, log_peak_limit);
         of.problem.iterations = options.max_iterations, of.problem.target = options.target;
         on_device::levenberg_marquardt(of.block, of.problem, of.tile.data());
-        EXPECT_LT(of.loss, problem.loss(start));
+        EXPECT_LE(of.loss, (1 + 1e-6) * problem.loss(start));  // no step raises it
         // It is the loss of these numbers.
         const double loss = problem.loss(Eigen::Map<Eigen::VectorXd>(of.x.data(), start.size()));
         EXPECT_TRUE(near(loss, of.loss, 1e-5 * of.loss)) << of.loss;

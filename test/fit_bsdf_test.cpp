@@ -93,7 +93,8 @@ void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alik
 TEST(FitBsdf, RoughDielectricSlab) { expect_good(rough_slab(), true); }
 TEST(FitBsdf, Leaf) { expect_good(leaf(), false); }
 
-/// Averages over patches of a smooth function are fitted as such: the fit is nearer to the function than the patches are.
+/// Averages over patches of a smooth function are fitted as such: the fit is nearer to the function than the patches
+/// are.
 TEST(FitBsdf, AveragesOverPatches) {
     const AngleBasis basis = small_basis();
     const auto f = [](Vec3d wl, Vec3d wv) { return 0.1 + 0.3 * std::exp(8 * (normalize(wl + wv).z - 1)); };

@@ -36,9 +36,9 @@ struct MbsdfOptions {
     std::vector<MbsdfTable::Entry> metadata;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
-/// `brdf` at the samples of an `MbsdfTable`, as an isotropic material, with azimuth 0 of the light; not evaluated beyond
-/// 89.7°. The format has no mark for what is not measured: such a sample is the mean of its neighbours in θ_v and φ.
-/// `grey` if all channels of all samples are equal.
+/// `brdf` at the samples of an `MbsdfTable`, as an isotropic material, with azimuth 0 of the light; not evaluated
+/// beyond 89.7°. The format has no mark for what is not measured: such a sample is the mean of its neighbours in θ_v
+/// and φ. `grey` if all channels of all samples are equal.
 MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options = {});
 
 /// `brdf` at all pairs of n directions of the Fibonacci set on the cap θ ≤ θmax [rad], without the pairs that were not
@@ -50,8 +50,8 @@ std::vector<std::byte> write_merl(const MerlTable& table);
 /// The bytes of an RGL `.bsdf` of an isotropic table with `jacobian`. It holds `rgb` and `luminance`, and for renderers
 /// that read only spectra also `spectra` at `wavelengths`, whose colours are these (`reflectance_spectrum`).
 /// read_rgl(write_rgl(table)) is `table` up to rounding.
-/// Without `spectra` it holds the colours alone: renderers that take a file with spectra for spectral refuse it otherwise
-/// where they compute in colours.
+/// Without `spectra` it holds the colours alone: renderers that take a file with spectra for spectral refuse it
+/// otherwise where they compute in colours.
 std::vector<std::byte> write_rgl(const RglTable& table, bool spectra = true);
 /// The bytes of an MBSDF file, version 1, with a block of reflection. Control characters in values of the metadata,
 /// other than line ends, become blanks. read_mbsdf(write_mbsdf(table)) is `table` but for `has_transmission`. With

@@ -167,8 +167,8 @@ struct FitOptions {
     double finest = 0;
     /// form gaussian: true stores a log scale per lobe where β leaves the range of 16-bit floats; false bounds β
     bool log_scale = true;
-    /// Number of starts: independent growths of J lobes. The best four are polished, one to three of them finished; with
-    /// views, which decide among the better half, one. Default: 20, or 16 for 8 lobes and more.
+    /// Number of starts: independent growths of J lobes. The best four are polished, one to three of them finished;
+    /// with views, which decide among the better half, one. Default: 20, or 16 for 8 lobes and more.
     std::optional<int> starts = {};
     /// Maximum number of perturbations of a candidate, replacements of the least useful lobe, or every fourth time of
     /// the least useful variate. All starts get a fifth of them, the better half another three tenths, the best quarter
@@ -210,7 +210,8 @@ struct SuFitOptions {
     int lobes = 8;  ///< J, 1..k_most_view_lobes
     Objective objective = k_default_objective;
     double max_theta = 0;  ///< [rad], 1 to 89.9°; 0: the objective's default. Pairs beyond it are guards
-    /// Whether lobes have the factor cosθ^κ of the direction that they are functions of; none: for objective appearance.
+    /// Whether lobes have the factor cosθ^κ of the direction that they are functions of; none: for objective
+    /// appearance.
     std::optional<bool> horizon = {};
     SuInterpolation interpolation = SuInterpolation::rotated;  ///< stored in the model; the fit does not depend on it
     int neighbours = 3;                                        ///< K of plain interpolation, 1..k_most_neighbours

@@ -22,8 +22,8 @@ struct PartFit {
     std::optional<Part> answered_by;  ///< the part that answers for it too; none: it has a model of its own
     bool black = false;               ///< all values are 0
     FitOutcome outcome;               ///< of its own model; without errors of pictures where patches were fitted
-    /// Σ w (f − f̂)² / Σ w f², without beams: of averages over pairs of patches, w their projected solid angles; of other
-    /// parts at pairs of directions within 80°, w both cosines.
+    /// Σ w (f − f̂)² / Σ w f², without beams: of averages over pairs of patches, w their projected solid angles; of
+    /// other parts at pairs of directions within 80°, w both cosines.
     double squared_error_ratio = 0;
     std::vector<Hemispherical> hemispherical;
 };
@@ -39,8 +39,8 @@ struct BsdfOutcome {
 /// A part counts as answered by its counterpart if the squared error ratio between the two is at most this.
 inline constexpr double k_same_part = 1e-4;
 
-/// Fits the parts of a measurement of both sides: those that are like their counterparts only once. A part of patches is
-/// fitted to their averages (`patches.h`), any other like the measurement of a BRDF. Beams are kept as they are.
+/// Fits the parts of a measurement of both sides: those that are like their counterparts only once. A part of patches
+/// is fitted to their averages (`patches.h`), any other like the measurement of a BRDF. Beams are kept as they are.
 /// Errors: those of `fit`; a measurement of one side.
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
 

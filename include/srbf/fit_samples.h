@@ -74,10 +74,10 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
 
 struct SampleFitOptions {
     FitOptions pm;
-    /// Whether a fit without completed samples also follows values interpolated between the samples. A short fit without
-    /// them estimates the remaining error; the grid's weight is the ratio of that error to the error of interpolation, at
-    /// most 1. The grid constrains lobes where samples are sparse, but is harmful where a fit is better than
-    /// interpolation. Cross-validation decides.
+    /// Whether a fit without completed samples also follows values interpolated between the samples. A short fit
+    /// without them estimates the remaining error; the grid's weight is the ratio of that error to the error of
+    /// interpolation, at most 1. The grid constrains lobes where samples are sparse, but is harmful where a fit is
+    /// better than interpolation. Cross-validation decides.
     bool fill = false;
 };
 

@@ -159,9 +159,9 @@ struct AngleBasis {
 
 /// A matrix of patches: one part of a BSDF in WINDOW's and Radiance's XML, in the frame of that part (bsdf.h). Cell
 /// (o, i) is the mean of f over the outgoing patch o and the incident patch i, both weighted by their cosines. In that
-/// frame the light that belongs to point (x, y, z) of an incident patch comes from (x, −y, z), and point (x, y, z) of an
-/// outgoing patch is the view direction (−x, y, z): the mirror direction has the same patch. Look-up is constant over
-/// patches.
+/// frame the light that belongs to point (x, y, z) of an incident patch comes from (x, −y, z), and point (x, y, z) of
+/// an outgoing patch is the view direction (−x, y, z): the mirror direction has the same patch. Look-up is constant
+/// over patches.
 struct KlemsTable {
     AngleBasis incident, outgoing;
     std::vector<Rgb> cells;    ///< f [1/sr] without the beam, outgoing × incident
@@ -264,17 +264,17 @@ Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string&
 /// n_φ, and n_θ n_θ n_φ samples. A block of transmission may follow; its size is checked, and it is left out. A sample
 /// that is not finite is masked.
 Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads BSDF data in the XML of LBNL's WINDOW and of Radiance: matrices of patches in Klems' bases or in bases that the
-/// file defines, for reflection and transmission at front and back, in bands of wavelengths ("Visible" is chosen if there
-/// is one). WINDOW's front is +z. A peak of one patch about the mirror direction, of which the neighbouring patches see
-/// less than a tenth, is a `Beam`. Errors: not well-formed XML; a document type (with which entities are defined); tensor
-/// trees; a matrix of another size than its bases; numbers that are not finite.
+/// Reads BSDF data in the XML of LBNL's WINDOW and of Radiance: matrices of patches in Klems' bases or in bases that
+/// the file defines, for reflection and transmission at front and back, in bands of wavelengths ("Visible" is chosen if
+/// there is one). WINDOW's front is +z. A peak of one patch about the mirror direction, of which the neighbouring
+/// patches see less than a tenth, is a `Beam`. Errors: not well-formed XML; a document type (with which entities are
+/// defined); tensor trees; a matrix of another size than its bases; numbers that are not finite.
 Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name);
 inline constexpr std::size_t k_largest_xml = std::size_t(1) << 28;
 /// Reads CSV (see `read_csv`) of samples on both sides, for each part those of its own.
 Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads both blocks of an MBSDF file as reflection and transmission of light from the front, whose frame is that of the
-/// parts. Errors: those of `read_mbsdf`, or it has no block of transmission.
+/// Reads both blocks of an MBSDF file as reflection and transmission of light from the front, whose frame is that of
+/// the parts. Errors: those of `read_mbsdf`, or it has no block of transmission.
 Result<BsdfTable> read_mbsdf_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name);
 /// Chooses the band with that name, whatever the case of its letters. Errors: it has no such band.
 Result<Done> choose_band(Measured& measured, std::string_view name);

@@ -11,8 +11,8 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// Light on a sphere by formula: a sky above a ground, both distant, and sources. World axes: +x to the right, +y up, +z
-/// to the viewer.
+/// Light on a sphere by formula: a sky above a ground, both distant, and sources. World axes: +x to the right, +y up,
+/// +z to the viewer.
 struct Lighting {
     /// A disc of uniform radiance with a soft edge, or, with radius 0, a direction.
     struct Source {
@@ -42,7 +42,8 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
 /// Whether pixel (x, y) of such a picture shows the sphere.
 bool shows_sphere(int size, int x, int y);
 
-/// A picture is exposed so that the 90th percentile of its lit pixels, by their largest channel, is this share of white.
+/// A picture is exposed so that the 90th percentile of its lit pixels, by their largest channel, is this share of
+/// white.
 inline constexpr double k_exposed_value = 0.75;
 
 /// Differences between pictures of a sphere as a display shows them: with the reference's exposure, clipped at white.

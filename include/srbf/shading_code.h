@@ -51,9 +51,9 @@ std::string identifier(std::string_view text);
 ///   float NAME_pdf(Vec3 wl, Vec3 wv)   its density [1/sr], 0 where wl or wv is not above the horizon
 ///   Vec3 NAME_albedo(float cosine)     directional albedo of a view at that cosine to the normal
 /// of unit vectors in the local frame: z along the normal, and of anisotropic models x along the tangent. Vec3 is the
-/// language's vector of three floats, in C the structure srbf_vec3. The functions are printed from kernel.glsl, with the
-/// numbers of the model as constants, equal to those of the model file, and contain what the model needs of them. The
-/// names of functions that several models share begin with `prefix`; with one model the name of the model is usual.
+/// language's vector of three floats, in C the structure srbf_vec3. The functions are printed from kernel.glsl, with
+/// the numbers of the model as constants, equal to those of the model file, and contain what the model needs of them.
+/// The names of functions that several models share begin with `prefix`; with one model the name of the model is usual.
 /// The numbers of a view-by-view model are too many for constants: before the text the host defines NAME_number(i), a
 /// function or macro, as number i of `shading_data`. Errors, of code `argument`: a view-by-view model with plain
 /// interpolation, with sampling, or for Metal, which has no global buffers.
@@ -68,9 +68,9 @@ Result<std::string> python_code(const Model& model, int threads = 0);
 /// What NAME_number of a view-by-view model returns.
 std::vector<float> shading_data(const SuModel& model);
 
-/// The same models as an ES module for three.js (release 187) and its WebGLRenderer: for each model a class, FilmMaterial
-/// for "film", that is a MeshLambertMaterial with this reflectance under all lights of three but area lights and
-/// environment maps. Errors as of `shading_code`.
+/// The same models as an ES module for three.js (release 187) and its WebGLRenderer: for each model a class,
+/// FilmMaterial for "film", that is a MeshLambertMaterial with this reflectance under all lights of three but area
+/// lights and environment maps. Errors as of `shading_code`.
 Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads = 0);
 
 }  // namespace srbf

@@ -7,8 +7,8 @@
 
 namespace srbf {
 
-/// `fit_pm` of each of the observations, all with views or all without; the search runs in batches, the rest on threads.
-/// Errors: those of `fit_pm`, for one of them; no device.
+/// `fit_pm` of each of the observations, all with views or all without; the search runs in batches, the rest on
+/// threads. Errors: those of `fit_pm`, for one of them; no device.
 Result<std::vector<PmFit>> fit_pm_in_batches(std::span<const Observations* const> observations,
                                              const FitOptions& options, Batches::Where where,
                                              const ProgressToken& progress = {});

@@ -94,7 +94,8 @@ double sum(const float* column);
 double sum_of_squares(const float* column);
 /// G[i × n + k] += columns[i] · columns[k] for k ≤ i, n the number of columns.
 void add_gram(std::span<const float* const> columns, double* G);
-/// G[i × n + k] += rows[i] · columns[k], n the number of columns, over `count` numbers, a multiple of k_least_view_rows.
+/// G[i × n + k] += rows[i] · columns[k], n the number of columns, over `count` numbers, a multiple of
+/// k_least_view_rows.
 void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
                   std::size_t count = k_block);
 

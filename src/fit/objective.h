@@ -15,8 +15,8 @@ struct ObjectiveTraits {
     std::string_view name;
     double Measures::*measure;  ///< that it minimises
     double max_theta;           ///< default θmax [degrees]
-    /// The weight of (f−f̂)² per solid angle of both directions, for a pair with mean `f` over its channels; `typical` is
-    /// their `typical_value`.
+    /// The weight of (f−f̂)² per solid angle of both directions, for a pair with mean `f` over its channels; `typical`
+    /// is their `typical_value`.
     double (*weight)(double f, double typical, double cos_l, double cos_v);
     /// Weights that are added for pairs which `weight` alone neglects: an error of 100 % everywhere adds to Σ w |f|²
     /// this share of it. null: none.
@@ -30,9 +30,9 @@ struct ObjectiveTraits {
 };
 const ObjectiveTraits& traits(Objective objective);
 
-/// The value to which an objective's weights are relative: the mean f, or for an objective of pictures the upper quartile
-/// of f cosθl, weighted by cosθv, which a display exposed for the picture shows as bright. f by its mean over the
-/// channels; `weight`: solid angles of the pairs. 0 if all of f is 0.
+/// The value to which an objective's weights are relative: the mean f, or for an objective of pictures the upper
+/// quartile of f cosθl, weighted by cosθv, which a display exposed for the picture shows as bright. f by its mean over
+/// the channels; `weight`: solid angles of the pairs. 0 if all of f is 0.
 double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                      std::span<const double> weight);
 
@@ -92,9 +92,9 @@ inline void normalise(Observations& observations) {
 /// Whether the measure of an objective is a root mean square, as opposed to a ratio of sums of squares.
 bool is_root(Objective objective);
 
-/// For an objective whose weights hold for small errors, and a fitted value `fitted`: the factor that makes the weighted
-/// square the actual error, Σ_c (g(f_c) − g(f̂_c))² / Σ_c (f_c−f̂_c)² over the square of g's slope; clamped to a factor
-/// of `most`. 1 for the other objectives.
+/// For an objective whose weights hold for small errors, and a fitted value `fitted`: the factor that makes the
+/// weighted square the actual error, Σ_c (g(f_c) − g(f̂_c))² / Σ_c (f_c−f̂_c)² over the square of g's slope; clamped to
+/// a factor of `most`. 1 for the other objectives.
 inline double large_error_weight(Objective objective, const Rgb& f, const Rgb& fitted, double typical, double cos_l,
                                  double most) {
     const ObjectiveTraits& of = traits(objective);

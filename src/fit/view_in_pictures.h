@@ -7,8 +7,8 @@
 namespace srbf {
 
 /// The loss of a `ViewProblem` plus importance × the mean error of the view's `Pixels`. It is not quadratic in the
-/// coefficients and couples the channels, so that these are variables too, after those of the lobes: β_jc at 3 j + c, of
-/// lobes with a largest value of 1 on the rows at the start.
+/// coefficients and couples the channels, so that these are variables too, after those of the lobes: β_jc at 3 j + c,
+/// of lobes with a largest value of 1 on the rows at the start.
 class ViewInPictures {
   public:
     /// Uses the working memory of `problem`.

@@ -21,8 +21,8 @@ Eigen::MatrixXd symmetric(const std::vector<double>& triangle, Eigen::Index n) {
     return Eigen::Map<const Eigen::MatrixXd>(triangle.data(), n, n).selfadjointView<Eigen::Upper>();
 }
 
-/// Where a lobe λ, κ with a centre at height z has its maximum over the hemisphere: the height, and the logarithm there.
-/// The maximum lies in the plane of centre and normal, where λ sin(θ_centre − θ) = κ tan θ.
+/// Where a lobe λ, κ with a centre at height z has its maximum over the hemisphere: the height, and the logarithm
+/// there. The maximum lies in the plane of centre and normal, where λ sin(θ_centre − θ) = κ tan θ.
 std::pair<double, double> highest(double z, double lambda, double kappa) {
     const double centre = std::acos(std::clamp(z, -1.0, 1.0));
     double low = std::max(0.0, centre - k_pi / 2), high = std::min(centre, k_pi / 2);

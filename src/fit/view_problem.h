@@ -45,7 +45,8 @@ class ViewProblem {
     /// `horizon`: lobes have a factor (w_z)^κ with a κ of their own.
     explicit ViewProblem(int lobes, bool horizon = false);
 
-    /// The problem of `view`, which must outlive it, linearised about these lobes: x has these of each lobe, with shifts 0.
+    /// The problem of `view`, which must outlive it, linearised about these lobes: x has these of each lobe, with
+    /// shifts 0.
     Eigen::VectorXd start(const ViewRows& view, std::span<const ViewLobe> lobes);
     std::vector<ViewLobe> lobes(const Eigen::VectorXd& x) const;
 

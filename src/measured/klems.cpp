@@ -261,8 +261,8 @@ Result<KlemsTable> read_matrix(const Element& block, const std::vector<AngleBasi
 /// many times what these rise above the rest: a lobe as wide as a patch would reach them.
 constexpr float k_least_rise = 0.5f, k_narrow = 10;
 
-/// The patches that touch a patch: those of its ring, of a ring of one those of the next; and those of other rings at its
-/// azimuth.
+/// The patches that touch a patch: those of its ring, of a ring of one those of the next; and those of other rings at
+/// its azimuth.
 struct Neighbours {
     std::vector<std::size_t> of_ring, all;
 };

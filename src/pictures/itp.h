@@ -17,8 +17,8 @@ constexpr Matrix3 product(const Matrix3& a, const Matrix3& b, double factor) {
     return c;
 }
 
-/// (I, C_T / 2, C_P) times 720, in which a distance is ΔE_ITP (ITU-R BT.2124), of a linear sRGB colour that is displayed
-/// with white at 100 cd/m².
+/// (I, C_T / 2, C_P) times 720, in which a distance is ΔE_ITP (ITU-R BT.2124), of a linear sRGB colour that is
+/// displayed with white at 100 cd/m².
 class Itp {
   public:
     using Triplet = std::array<double, 3>;

@@ -3,7 +3,8 @@
 //   mixture_stretch()               how many times as wide half-vector lobes are along the grain
 //   into_grain(w), out_of_grain(w)  the frame whose x is along the grain
 
-// Between which nodes a view is, and its distance from the lower one, of 1: nodes are uniform in sqrt(1 - cos(theta_v)).
+// Between which nodes a view is, and its distance from the lower one, of 1: nodes are uniform in sqrt(1 -
+// cos(theta_v)).
 struct NodesAbout {
     int below;
     Real beyond;

@@ -309,8 +309,8 @@ class Printed {
         return names;
     }
 
-    /// Lets each model have its own of what is not the same in all that have it, or needs what is a model's own; whether
-    /// there was such.
+    /// Lets each model have its own of what is not the same in all that have it, or needs what is a model's own;
+    /// whether there was such.
     bool separate() {
         Names texts;
         const std::size_t before = own_.size();

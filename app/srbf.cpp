@@ -10,8 +10,8 @@ int main(int argc, char** argv) {
     srbf::CommandLine app(
         "srbf", "srbf " SRBF_VERSION " (" SRBF_DATE ")",
         "srbf: measured BRDFs as a few spherical radial basis functions.\n"
-        "Reads measurements (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV), fits models to them and\n"
-        "reports the errors; evaluates, compares, converts, renders and exports BRDFs.",
+        "Reads measurements (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML), fits models to them\n"
+        "and reports the errors; evaluates, compares, converts, renders and exports BRDFs.",
         "Example:\n  srbf fit paper_white_rgb.bsdf --preview paper.png\n\n"
         "Exit status: 0 success, 1 an error of input or output (reported in one line), 2 wrong usage.");
 

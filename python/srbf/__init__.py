@@ -209,7 +209,8 @@ def _brdf(held: "_srbf.Brdf") -> Union[Model, Measurement]:
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Union[Model, Measurement]:
-    """Reads a measurement (MERL, RGL, UTIA, Cornell, ASTM E1392, ALTA, CSV) or a model, recognised by its content. Raises Error."""
+    """Reads a measurement (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML) or a model, recognised by its
+    content. Raises Error."""
     return _brdf(_srbf.load(os.fspath(path)))
 
 

@@ -206,6 +206,9 @@ void add_export(CommandLine& app, int& status) {
     const Subcommand sub =
         app.add_subcommand("export", "Export models as shading code, or as a page to look at and to share");
     sub.add_option("MODEL", command->files, "Fitted models, side by side").type_name("").required();
+    std::vector<std::string> kinds{"html"};
+    for (const CodeLanguageRow& row : k_code_languages) kinds.emplace_back(row.name);
+    kinds.emplace_back("three");
     sub.add_option(
            "--to", command->to,
            "html: a single file for any browser, without network access\n"
@@ -216,7 +219,7 @@ void add_export(CommandLine& app, int& status) {
            "as NAME_transmission_front: it takes both directions above the horizon, those at the back mirrored")
         .type_name("KIND")
         .required()
-        .one_of({"html", "glsl", "hlsl", "wgsl", "msl", "c", "three"});
+        .one_of(kinds);
     const Option with =
         sub.add_option(
                "--with", command->with,

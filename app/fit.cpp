@@ -238,16 +238,13 @@ void add_fit(CommandLine& app, int& status) {
         forms.emplace_back(row.name);
         form_summaries.push_back(fmt::format("{}: {}", row.name, row.summary));
     }
-    const Option form = sub.add_option("--form", command->form, fmt::format("{}", fmt::join(form_summaries, "; ")))
-                            .type_name("NAME")
-                            .check(
-                                [forms](std::string& text) {
-                                    return form_named(text)
-                                               ? std::string()
-                                               : fmt::format("expected {}, found {}", fmt::join(forms, " or "), text);
-                                },
-                                forms)
-                            .capture_default_str();
+    const Option form =
+        sub.add_option("--form", command->form, fmt::format("{}", fmt::join(form_summaries, "; ")))
+            .type_name("NAME")
+            .check(
+                [is_one = one_of(forms)](std::string& text) { return form_named(text) ? std::string() : is_one(text); },
+                forms)
+            .capture_default_str();
     const Option lobes =
         sub.add_option(
                "--lobes",

@@ -31,20 +31,20 @@ OptionHelp help_of(CLI::Option& option) {
 
 }  // namespace
 
+Check one_of(const std::vector<std::string>& names) {
+    return [names](const std::string& text) -> std::string {
+        if (std::find(names.begin(), names.end(), text) != names.end()) return {};
+        return fmt::format("expected {}, found {}", fmt::join(names, " or "), text);
+    };
+}
+
 Option Option::type_name(const std::string& name) const { return Option(option_->type_name(name)); }
 Option Option::required() const { return Option(option_->required()); }
 Option Option::check(const Check& check, const std::vector<std::string>& choices) const {
     const std::string between(1, k_between_choices);
     return Option(option_->check(CLI::Validator(check, "", CLI::detail::join(choices, between))));
 }
-Option Option::one_of(const std::vector<std::string>& names) const {
-    return check(
-        [names](const std::string& text) -> std::string {
-            if (std::find(names.begin(), names.end(), text) != names.end()) return {};
-            return fmt::format("expected {}, found {}", fmt::join(names, " or "), text);
-        },
-        names);
-}
+Option Option::one_of(const std::vector<std::string>& names) const { return check(srbf::one_of(names), names); }
 Option Option::capture_default_str() const { return Option(option_->capture_default_str()); }
 Option Option::hidden() const { return Option(option_->group("")); }
 Option Option::one_at_a_time() const { return Option(option_->allow_extra_args(false)); }

@@ -17,6 +17,9 @@ namespace srbf {
 /// Validates the text of an option, which it may change; returns an error message, or an empty string.
 using Check = std::function<std::string(std::string&)>;
 
+/// Accepts `names` alone.
+Check one_of(const std::vector<std::string>& names);
+
 /// An option of a subcommand.
 class Option {
   public:
@@ -26,7 +29,7 @@ class Option {
     Option required() const;
     /// `choices`: texts that a shell offers.
     Option check(const Check& check, const std::vector<std::string>& choices = {}) const;
-    /// Accepts these texts alone.
+    /// Accepts these texts alone, which a shell offers.
     Option one_of(const std::vector<std::string>& names) const;
     Option capture_default_str() const;
     Option hidden() const;         ///< from --help

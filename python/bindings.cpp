@@ -166,6 +166,21 @@ Array channels_of(const Held& brdf, const Array& wl, const Array& wv) {
     return f;
 }
 
+/// Calls use(prepared), with what the BRDF or BSDF is sampled by, made without the interpreter's lock.
+template <typename Use> void with_prepared(const Held& brdf, const Use& use) {
+    const auto made = [&](auto get) -> const auto& {
+        const py::gil_scoped_release released;
+        return (brdf.*get)();
+    };
+    if (is_two_sided(brdf.content()))
+        use(made(&Held::prepared_sides));
+    else
+        use(made(&Held::prepared));
+}
+
+bool is_beam(const LightSample&) { return false; }
+bool is_beam(const BsdfSample& drawn) { return drawn.is_beam; }
+
 /// Directions, weights and densities.
 py::tuple sampled(const Held& brdf, const Array& wv, const Array& u) {
     require_unit(wv, "wv");
@@ -175,33 +190,16 @@ py::tuple sampled(const Held& brdf, const Array& wv, const Array& u) {
     const auto wl_to = changing<Vec3f>(wl);
     const auto weight_to = changing<Rgb>(weight);
     const auto density_to = changing<float>(density);
-    if (is_two_sided(brdf.content())) {
-        const PreparedBsdf& bsdf = [&]() -> const PreparedBsdf& {
-            const py::gil_scoped_release released;
-            return brdf.prepared_sides();
-        }();
+    with_prepared(brdf, [&](const auto& prepared) {
         in_parts(v.size(), [&](std::size_t first, std::size_t count) {
             for (std::size_t i = first; i < first + count; ++i) {
                 const Vec3f& at = uniform[i];
-                const BsdfSample drawn = sample(bsdf, v[i], {at.x, at.y}, at.z);
-                const bool has_direction = drawn.is_beam || drawn.pdf > 0;
+                const auto drawn = sample(prepared, v[i], {at.x, at.y}, at.z);
+                const bool has_direction = is_beam(drawn) || drawn.pdf > 0;
                 wl_to[i] = has_direction ? drawn.wl : Vec3f(0, 0, -1), weight_to[i] = drawn.weight;
-                density_to[i] = drawn.is_beam ? std::numeric_limits<float>::infinity() : drawn.pdf;
+                density_to[i] = is_beam(drawn) ? std::numeric_limits<float>::infinity() : drawn.pdf;
             }
         });
-        return py::make_tuple(wl, weight, density);
-    }
-    const PreparedBrdf& prepared = [&]() -> const PreparedBrdf& {
-        const py::gil_scoped_release released;
-        return brdf.prepared();
-    }();
-    in_parts(v.size(), [&](std::size_t first, std::size_t count) {
-        for (std::size_t i = first; i < first + count; ++i) {
-            const Vec3f& at = uniform[i];
-            const LightSample drawn = sample(prepared, v[i], {at.x, at.y}, at.z);
-            wl_to[i] = drawn.pdf > 0 ? drawn.wl : Vec3f(0, 0, -1), weight_to[i] = drawn.weight,
-            density_to[i] = drawn.pdf;
-        }
     });
     return py::make_tuple(wl, weight, density);
 }
@@ -210,12 +208,12 @@ Array density(const Held& brdf, const Array& wl, const Array& wv) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
     Array densities{py::ssize_t(rows(wl))};
-    const bool two_sided = is_two_sided(brdf.content());
     const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
     const auto to = changing<float>(densities);
-    in_parts(l.size(), [&](std::size_t first, std::size_t count) {
-        for (std::size_t i = first; i < first + count; ++i)
-            to[i] = two_sided ? pdf(brdf.prepared_sides(), l[i], v[i]) : pdf(brdf.prepared(), l[i], v[i]);
+    with_prepared(brdf, [&](const auto& prepared) {
+        in_parts(l.size(), [&](std::size_t first, std::size_t count) {
+            for (std::size_t i = first; i < first + count; ++i) to[i] = pdf(prepared, l[i], v[i]);
+        });
     });
     return densities;
 }

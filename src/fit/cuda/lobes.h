@@ -9,9 +9,9 @@ namespace srbf::on_device {
 constexpr int k_channels = 3;
 constexpr int k_most_angles = 24;  ///< derivatives by angles: 8 variates of 3 components
 constexpr int k_most_width = k_most_angles + int(k_terms.size());  ///< weights of a lobe
-constexpr int k_most_lobes = 16;   ///< J
-constexpr int k_tile = 32;         ///< rows in shared memory at a time
-constexpr int k_lanes = 256;       ///< partial sums and maxima over rows
+constexpr int k_most_lobes = 16;                                   ///< J
+constexpr int k_tile = 32;                                         ///< rows in shared memory at a time
+constexpr int k_lanes = 256;                                       ///< partial sums and maxima over rows
 constexpr int k_radiance_lanes = 32;
 constexpr int k_most_columns = 352;  ///< of a tile, which is 45 KiB then
 

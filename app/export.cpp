@@ -206,17 +206,21 @@ void add_export(CommandLine& app, int& status) {
     const Subcommand sub =
         app.add_subcommand("export", "Export models as shading code, or as a page to look at and to share");
     sub.add_option("MODEL", command->files, "Fitted models, side by side").type_name("").required();
-    std::vector<std::string> kinds{"html"};
-    for (const CodeLanguageRow& row : k_code_languages) kinds.emplace_back(row.name);
-    kinds.emplace_back("three");
+    std::vector<std::string> languages;
+    for (const CodeLanguageRow& row : k_code_languages) languages.emplace_back(row.name);
+    std::vector<std::string> kinds{"html", "three"};
+    kinds.insert(kinds.begin() + 1, languages.begin(), languages.end());
     sub.add_option(
            "--to", command->to,
-           "html: a single file for any browser, without network access\n"
-           "glsl, hlsl, wgsl, msl, c: source code with functions NAME_brdf of each model, named by its file, and\n"
-           "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
-           "three: a module for three.js with a class NAMEMaterial of each model.\n"
-           "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF each part is a model,\n"
-           "as NAME_transmission_front: it takes both directions above the horizon, those at the back mirrored")
+           fmt::format(
+               "html: a single file for any browser, without network access\n"
+               "{}: source code with functions NAME_brdf of each model, named by its file, and\n"
+               "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
+               "three: a module for three.js with a class NAMEMaterial of each model.\n"
+               "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF each part is a "
+               "model,\n"
+               "as NAME_transmission_front: it takes both directions above the horizon, those at the back mirrored",
+               fmt::join(languages, ", ")))
         .type_name("KIND")
         .required()
         .one_of(kinds);
@@ -236,8 +240,7 @@ void add_export(CommandLine& app, int& status) {
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
         "  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
     sub.callback([command, with, reference, &status] {
-        if ((command->to == "html" || command->to == "three") && with.given())
-            with.fail("is for glsl, hlsl, wgsl, msl and c");
+        if ((command->to == "html" || command->to == "three") && with.given()) with.fail("is for source code");
         if (command->to != "html" && reference.given()) reference.fail("is for --to html");
         status = command->run();
     });

@@ -158,6 +158,14 @@ std::vector<std::string> names_of_objectives() {
     return names;
 }
 
+/// A line for each.
+std::string summaries_of_objectives() {
+    std::string lines;
+    for (const Objective objective : objectives())
+        lines += fmt::format("\n{}: {}", name(objective), summary(objective));
+    return lines;
+}
+
 constexpr std::size_t k_most_texels_of_a_slab = std::size_t(1) << 20;
 
 /// FIRST:END, FIRST < END.
@@ -278,10 +286,7 @@ void add_fit(CommandLine& app, int& status) {
     sub.add_flag("--exchange", command->exchange,
                  "Exchange light and viewer of the measurement, as renderers do that take the first\n"
                  "direction of an RGL file for the viewer");
-    sub.add_option("--objective", command->objective,
-                   "Minimise the squared error of\nraw: f; cosine: f cos(theta_l), weighted by cos(theta_v);\n"
-                   "log: log(1 + f cos(theta_l)), weighted by cos(theta_v); cube-root: the cube root of f;\n"
-                   "appearance: what is seen of a picture, about the sixth root of f cos(theta_l)")
+    sub.add_option("--objective", command->objective, "What the fit minimises:" + summaries_of_objectives())
         .type_name("NAME")
         .one_of(names_of_objectives())
         .capture_default_str();

@@ -358,7 +358,7 @@ struct Request {
         if (model == "pm") {
             PmRequest pm;
             const auto named = form_named(form);
-            if (!form.empty() && !named) throw py::value_error("form: expected gaussian, horizon or extended");
+            if (!form.empty() && !named) throw py::value_error("form: expected one of srbf.forms(), found " + form);
             if (named) pm.form = *named;
             if (variates) pm.variates = *variates;
             if (lobes) pm.size = LobeCount{*lobes};
@@ -379,7 +379,7 @@ struct Request {
         }
         if (!objective.empty()) {
             const auto named = objective_named(objective);
-            if (!named) throw py::value_error("objective: found " + objective);
+            if (!named) throw py::value_error("objective: expected one of srbf.objectives(), found " + objective);
             request.objective = *named;
         }
         if (max_theta) request.max_theta = *max_theta * k_degree;
@@ -546,7 +546,7 @@ py::dict errors(const Held& reference, const Held& other, double max_theta, int 
 Array render(const Held& brdf, const std::string& lighting, int size) {
     const auto all = standard_lightings();
     const auto found = std::ranges::find(all, std::string_view(lighting), &Lighting::name);
-    if (found == all.end()) throw py::value_error("lighting: found " + lighting + ", see srbf.lightings()");
+    if (found == all.end()) throw py::value_error("lighting: expected one of srbf.lightings(), found " + lighting);
     if (size < 1 || size > 4096) throw py::value_error("size: expected 1 to 4096");
     const Evaluate of[] = {brdf.evaluate()};
     const auto pictures = in_background(py::none(), [&](const ProgressToken& token) {
@@ -564,6 +564,13 @@ void convert(const Held& brdf, const std::string& path, bool spectra, int thread
     required(write_file(path, bytes));
 }
 
+/// The names of a table's rows.
+template <typename Rows> std::vector<std::string> names_of(const Rows& rows) {
+    std::vector<std::string> names;
+    for (const auto& row : rows) names.emplace_back(row.name);
+    return names;
+}
+
 std::string code(const std::vector<Held>& models, const std::vector<std::string>& names, const std::string& to,
                  const std::string& prefix, bool sampling, bool albedo) {
     std::vector<NamedModel> named;
@@ -573,7 +580,7 @@ std::string code(const std::vector<Held>& models, const std::vector<std::string>
         if (to == name)
             return required(
                 shading_code(named, prefix, {.language = language, .sampling = sampling, .albedo = albedo}));
-    throw py::value_error("to: expected glsl, hlsl, wgsl, msl, c or three, found " + to);
+    throw py::value_error("to: expected three or one of srbf.code_languages(), found " + to);
 }
 
 Held loaded(const std::string& path) {
@@ -662,9 +669,12 @@ PYBIND11_MODULE(_srbf, module) {
     module.def("code", &code);
     module.def("python_code", [](const Held& brdf) { return required(python_code(brdf.require_model())); });
     module.def("identifier", [](const std::string& text) { return identifier(text); });
-    module.def("lightings", [] {
+    module.def("lightings", [] { return names_of(standard_lightings()); });
+    module.def("forms", [] { return names_of(k_form_rows); });
+    module.def("code_languages", [] { return names_of(k_code_languages); });
+    module.def("objectives", [] {
         std::vector<std::string> names;
-        for (const Lighting& lighting : standard_lightings()) names.emplace_back(lighting.name);
+        for (const Objective objective : objectives()) names.emplace_back(name(objective));
         return names;
     });
     module.attr("version") = SRBF_VERSION;

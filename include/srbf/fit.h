@@ -34,6 +34,7 @@ inline constexpr Objective k_default_objective = Objective::appearance;
 inline constexpr double k_dark_share = 0.07;
 std::span<const Objective> objectives();  ///< all objectives
 std::string_view name(Objective objective);
+std::string_view summary(Objective objective);  ///< what it minimises, a line in ASCII
 std::optional<Objective> objective_named(std::string_view text);
 /// The measure that an objective minimises and by which its fits are judged.
 double Measures::*measure_of(Objective objective);

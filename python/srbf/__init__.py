@@ -15,8 +15,8 @@ from typing import Any, Callable, Optional, Sequence, Union
 
 import numpy as np
 
-__all__ = ["Brdf", "Error", "Fit", "Measurement", "Model", "code", "convert", "errors", "fit", "fit_batch", "from_arrays", "lightings",
-           "load", "load_texels", "render"]
+__all__ = ["Brdf", "Error", "Fit", "Measurement", "Model", "code", "code_languages", "convert", "errors", "fit", "fit_batch", "forms",
+           "from_arrays", "lightings", "load", "load_texels", "objectives", "render"]
 
 
 class Error(ValueError):
@@ -277,8 +277,8 @@ def fit(brdf: Union[Measurement, str, "os.PathLike[str]", Callable[[np.ndarray, 
     """Fits a measurement, a file of one, or a function f(wl, wv) of arrays [n, 3] that returns f_r as [n, 3] or [n, 1].
 
     The options are those of `srbf fit`: `model` "pm", "su" or "ggx"; `lobes` a number or "auto", or instead of it the size by `budget`
-    [bytes], `target_error` or `target_delta_e`; `form` "gaussian", "horizon" or "extended"; `objective` "appearance", "cosine", "raw",
-    "log" or "cube-root"; `max_theta` [degrees]; `channels` "rgb" or "spectral"; `threads` 0: all. The outcome depends on `seed` alone.
+    [bytes], `target_error` or `target_delta_e`; `form` one of `forms()`; `objective` one of `objectives()`; `max_theta` [degrees];
+    `channels` "rgb" or "spectral"; `threads` 0: all. The outcome depends on `seed` alone.
 
     `progress`: True for a bar of tqdm, or a function of (stage, fraction) that may return False to cancel. Ctrl-C cancels.
     """
@@ -327,6 +327,21 @@ def errors(reference: Brdf, other: Brdf, *, max_theta: float = 80, threads: int 
     return _srbf.errors(reference._held, other._held, max_theta, threads)
 
 
+def forms() -> list[str]:
+    """The names of the forms of multivariate models that `fit` takes."""
+    return _srbf.forms()
+
+
+def objectives() -> list[str]:
+    """The names of the objectives of `fit`."""
+    return _srbf.objectives()
+
+
+def code_languages() -> list[str]:
+    """The names of the languages that `code` writes besides "three"."""
+    return _srbf.code_languages()
+
+
 def lightings() -> list[str]:
     """The names of the lightings of `render`."""
     return _srbf.lightings()
@@ -344,7 +359,7 @@ def convert(brdf: Brdf, path: Union[str, "os.PathLike[str]"], *, spectra: bool =
 
 
 def code(models: Union[Model, dict[str, Model]], to: str, *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:
-    """Source code that stands alone, `to` "glsl", "hlsl", "wgsl", "msl", "c" or "three", as `srbf export` writes it. Of one model with
+    """Source code that stands alone, `to` one of `code_languages()` or "three", as `srbf export` writes it. Of one model with
     functions `name`_brdf and so on, or of several by their names; `name` then begins the names of what they share."""
     named = models if isinstance(models, dict) else {name: models}
     prefix = _srbf.identifier(name)

@@ -208,7 +208,7 @@ def test_pictures_and_code(paper):
     picture = srbf.render(paper, "lamp", 64)
     assert picture.shape == (64, 64, 3) and picture[0, 0].max() == 0 and picture.max() > 0
     model = srbf.fit(paper, model="ggx", lobes=1).model
-    for language in ("glsl", "hlsl", "wgsl", "msl", "c"):
+    for language in srbf.code_languages():
         assert "white_paint_brdf(" in srbf.code(model, language, name="white paint")
     assert "a_brdf(" in srbf.code({"a": model, "b": model}, "c", albedo=True) and "class AMaterial" in srbf.code({"a": model}, "three")
 

@@ -27,11 +27,13 @@ double displayed_slope(double f, double bright, double cos_l) {
 constexpr ObjectiveTraits k_traits[] = {
     {.objective = Objective::raw,
      .name = "raw",
+     .summary = "squared error of f",
      .measure = &Measures::squared_error_ratio,
      .max_theta = 80,
      .weight = [](double, double, double, double) { return 1.0; }},
     {.objective = Objective::cosine,
      .name = "cosine",
+     .summary = "squared error of f cos(theta_l), weighted by cos(theta_v)",
      .measure = &Measures::squared_error_ratio_cosine,
      .max_theta = 89,
      .weight = cosine_weight,
@@ -40,12 +42,14 @@ constexpr ObjectiveTraits k_traits[] = {
      .importance = k_body_importance},
     {.objective = Objective::log,
      .name = "log",
+     .summary = "squared error of log(1 + f cos(theta_l)), weighted by cos(theta_v)",
      .measure = &Measures::log_rms_cosine,
      .max_theta = 89,
      .weight = [](double f, double, double cos_l,
                   double cos_v) { return std::pow(cos_l / (1 + f * cos_l), 2) * cos_v; }},
     {.objective = Objective::cube_root,
      .name = "cube-root",
+     .summary = "squared error of the cube root of f",
      .measure = &Measures::cube_root_error_ratio,
      .max_theta = 80,
      .weight = cube_root_weight,
@@ -53,6 +57,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .slope = cube_root_slope},
     {.objective = Objective::appearance,
      .name = "appearance",
+     .summary = "what is seen of a picture, about the sixth root of f cos(theta_l)",
      .measure = &Measures::sixth_root_error_ratio,
      .max_theta = 89,
      .weight = [](double f, double bright, double cos_l,
@@ -77,6 +82,7 @@ const ObjectiveTraits& traits(Objective objective) {
 
 std::span<const Objective> objectives() { return k_objectives; }
 std::string_view name(Objective objective) { return traits(objective).name; }
+std::string_view summary(Objective objective) { return traits(objective).summary; }
 double Measures::*measure_of(Objective objective) { return traits(objective).measure; }
 double default_max_theta(Objective objective) { return traits(objective).max_theta * k_degree; }
 

@@ -12,7 +12,7 @@ namespace srbf {
 /// Definition of an objective: a row of the table in objective.cpp.
 struct ObjectiveTraits {
     Objective objective;
-    std::string_view name;
+    std::string_view name, summary;
     double Measures::*measure;  ///< that it minimises
     double max_theta;           ///< default θmax [degrees]
     /// The weight of (f−f̂)² per solid angle of both directions, for a pair with mean `f` over its channels; `typical`

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <string_view>
 #include <utility>
 
@@ -16,28 +17,92 @@ using Word = std::pair<std::string_view, std::string_view>;
 
 constexpr std::size_t k_columns = 120;
 
-/// What the built-in types and functions are called in a language, where not as in GLSL.
-const std::vector<Word>& words(CodeLanguage language) {
-    static const std::vector<Word> glsl{{"Real", "float"}, {"Vec3", "vec3"}},
-        hlsl{{"Real", "float"}, {"Vec3", "float3"}, {"inversesqrt", "rsqrt"}},
-        wgsl{{"Real", "f32"}, {"Vec3", "vec3f"}, {"int", "i32"}, {"inversesqrt", "inverseSqrt"}},
-        c{{"Real", "float"},   {"Vec3", "srbf_vec3"}, {"dot", "srbf_dot"},
-          {"min", "srbf_min"}, {"max", "srbf_max"},   {"inversesqrt", "srbf_inversesqrt"},
-          {"exp", "expf"},     {"exp2", "exp2f"},     {"log", "logf"},
-          {"sqrt", "sqrtf"},   {"cos", "cosf"},       {"sin", "sinf"},
-          {"abs", "fabsf"}};
-    switch (language) {
-        case CodeLanguage::glsl:
-            return glsl;
-        case CodeLanguage::hlsl:
-        case CodeLanguage::msl:
-            return hlsl;
-        case CodeLanguage::wgsl:
-            return wgsl;
-        case CodeLanguage::c:
-            return c;
-    }
-    return glsl;
+/// C has no operators on structures.
+constexpr const char* k_opening_of_c = R"(#include <math.h>
+
+#ifndef SRBF_VEC3
+#define SRBF_VEC3
+#ifdef __CUDACC__
+#define SRBF_FN __host__ __device__ static inline
+#else
+#define SRBF_FN static inline
+#endif
+typedef struct {
+    float x, y, z;
+} srbf_vec3;
+SRBF_FN srbf_vec3 srbf_vec3_of(float x, float y, float z) { srbf_vec3 w = {x, y, z}; return w; }
+SRBF_FN srbf_vec3 srbf_add(srbf_vec3 a, srbf_vec3 b) { return srbf_vec3_of(a.x + b.x, a.y + b.y, a.z + b.z); }
+SRBF_FN srbf_vec3 srbf_subtract(srbf_vec3 a, srbf_vec3 b) { return srbf_vec3_of(a.x - b.x, a.y - b.y, a.z - b.z); }
+SRBF_FN srbf_vec3 srbf_scale(float s, srbf_vec3 a) { return srbf_vec3_of(s * a.x, s * a.y, s * a.z); }
+SRBF_FN float srbf_dot(srbf_vec3 a, srbf_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+SRBF_FN float srbf_min(float a, float b) { return a < b ? a : b; }
+SRBF_FN float srbf_max(float a, float b) { return a > b ? a : b; }
+SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / sqrtf(x); }
+#endif
+
+)";
+
+/// A language, where it is not as GLSL.
+struct Language {
+    std::string_view usage;          ///< how a text is used
+    std::vector<Word> words;         ///< what the types and built-in functions are called
+    std::string_view function = {};  ///< begins a definition of a function
+    std::string_view table;          ///< a constant array, of {0} name, {1} size, {2} numbers
+    std::string_view suffix = {};    ///< of a number with a decimal point
+    std::string_view opening = {};   ///< what definitions require
+    bool is_guarded = true;          ///< by #ifndef
+    bool types_follow = false;       ///< name: type, let and var, array<type, size>, and select() for ?:
+    bool is_c = false;               ///< no operators on structures, no bool, and a table is a function
+    bool reads_buffers = true;       ///< a function without parameters may read what the host supplies
+};
+
+const Language& row_of(CodeLanguage language) {
+    static const std::vector<Word> floats{{"Real", "float"}, {"Vec3", "float3"}, {"inversesqrt", "rsqrt"}};
+    static const std::map<CodeLanguage, Language> rows{
+        {CodeLanguage::glsl,
+         {.usage = "GLSL, to follow the version (300 es or later) and the precision of float",
+          .words = {{"Real", "float"}, {"Vec3", "vec3"}},
+          .table = "const float {0}[{1}] = float[{1}](\n{2});\n"}},
+        {CodeLanguage::hlsl, {.usage = "HLSL", .words = floats, .table = "static const float {0}[{1}] = {{\n{2}}};\n"}},
+        {CodeLanguage::wgsl,
+         {.usage = "WGSL",
+          .words = {{"Real", "f32"}, {"Vec3", "vec3f"}, {"int", "i32"}, {"inversesqrt", "inverseSqrt"}},
+          .function = "fn ",
+          .table = "const {0} = array<f32, {1}>(\n{2});\n",
+          .is_guarded = false,
+          .types_follow = true}},
+        {CodeLanguage::msl,
+         {.usage = "Metal",
+          .words = floats,
+          .function = "inline ",
+          .table = "constant float {0}[{1}] = {{\n{2}}};\n",
+          .suffix = "f",
+          .opening = "#include <metal_stdlib>\nusing namespace metal;\n\n",
+          .reads_buffers = false}},
+        {CodeLanguage::c,
+         {.usage = "C99, C++ and CUDA",
+          .words = {{"Real", "float"},
+                    {"Vec3", "srbf_vec3"},
+                    {"bool", "int"},
+                    {"dot", "srbf_dot"},
+                    {"min", "srbf_min"},
+                    {"max", "srbf_max"},
+                    {"inversesqrt", "srbf_inversesqrt"},
+                    {"exp", "expf"},
+                    {"exp2", "exp2f"},
+                    {"log", "logf"},
+                    {"sqrt", "sqrtf"},
+                    {"cos", "cosf"},
+                    {"sin", "sinf"},
+                    {"abs", "fabsf"}},
+          .function = "SRBF_FN ",
+          .table = "SRBF_FN float {0}(int i) {{\n    static const float numbers[{1}] = {{\n{2}    }};\n"
+                   "    return numbers[i];\n}}\n",
+          .suffix = "f",
+          .opening = k_opening_of_c,
+          .is_c = true}},
+    };
+    return rows.at(language);
 }
 
 /// Names of the kernel that one of the languages reserves.
@@ -84,31 +149,6 @@ std::string code_line(const std::string& line, int depth) {
                   [](char before) { return std::string_view(",+*?:=").find(before) != std::string_view::npos; });
 }
 
-/// C has no operators on structures. A table is a function, see `Printer::text`.
-constexpr const char* k_opening_of_c = R"(#include <math.h>
-
-#ifndef SRBF_VEC3
-#define SRBF_VEC3
-#ifdef __CUDACC__
-#define SRBF_FN __host__ __device__ static inline
-#else
-#define SRBF_FN static inline
-#endif
-typedef struct {
-    float x, y, z;
-} srbf_vec3;
-SRBF_FN srbf_vec3 srbf_vec3_of(float x, float y, float z) { srbf_vec3 w = {x, y, z}; return w; }
-SRBF_FN srbf_vec3 srbf_add(srbf_vec3 a, srbf_vec3 b) { return srbf_vec3_of(a.x + b.x, a.y + b.y, a.z + b.z); }
-SRBF_FN srbf_vec3 srbf_subtract(srbf_vec3 a, srbf_vec3 b) { return srbf_vec3_of(a.x - b.x, a.y - b.y, a.z - b.z); }
-SRBF_FN srbf_vec3 srbf_scale(float s, srbf_vec3 a) { return srbf_vec3_of(s * a.x, s * a.y, s * a.z); }
-SRBF_FN float srbf_dot(srbf_vec3 a, srbf_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-SRBF_FN float srbf_min(float a, float b) { return a < b ? a : b; }
-SRBF_FN float srbf_max(float a, float b) { return a > b ? a : b; }
-SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / sqrtf(x); }
-#endif
-
-)";
-
 }  // namespace
 
 std::string digits(float number) {
@@ -137,25 +177,20 @@ std::string Printer::named(const std::string& name) const {
 }
 
 std::string Printer::type_text(const Type& type) const {
-    std::string name;
-    if (type.name == "bool" && language_ == CodeLanguage::c)
-        name = "int";
-    else {
-        const auto& of = words(language_);
-        const auto found = std::ranges::find(of, std::string_view(type.name), &Word::first);
-        name = found != of.end() ? std::string(found->second) : named(type.name);
-    }
-    return language_ == CodeLanguage::wgsl && !type.size.empty() ? fmt::format("array<{}, {}>", name, type.size) : name;
+    const Language& language = row_of(language_);
+    const auto found = std::ranges::find(language.words, std::string_view(type.name), &Word::first);
+    const std::string name = found != language.words.end() ? std::string(found->second) : named(type.name);
+    return language.types_follow && !type.size.empty() ? fmt::format("array<{}, {}>", name, type.size) : name;
 }
 
 std::string Printer::declaration(const Type& type, const std::string& name) const {
-    if (language_ == CodeLanguage::wgsl) return fmt::format("{}: {}", named(name), type_text(type));
+    if (row_of(language_).types_follow) return fmt::format("{}: {}", named(name), type_text(type));
     const std::string size = type.size.empty() ? "" : fmt::format("[{}]", type.size);
     return fmt::format("{} {}{}", type_text(type), named(name), size);
 }
 
 std::string Printer::call_text(const Expression& of) {
-    const bool is_c = language_ == CodeLanguage::c;
+    const bool is_c = row_of(language_).is_c;
     std::string arguments;
     for (const Expression& argument : of.parts)
         arguments += (arguments.empty() ? "" : ", ") + expression_text(argument);
@@ -167,7 +202,7 @@ std::string Printer::call_text(const Expression& of) {
 
 std::string Printer::binary_text(const Expression& of, int outside) {
     const Expression &left = of.parts[0], &right = of.parts[1];
-    if (language_ == CodeLanguage::c && of.type.name == "Vec3") {
+    if (row_of(language_).is_c && of.type.name == "Vec3") {
         const char* name = of.text == "+" ? "add" : of.text == "-" ? "subtract" : "scale";
         const bool swapped = of.text == "*" && left.type.name == "Vec3";
         std::string first = expression_text(swapped ? right : left), second = expression_text(swapped ? left : right);
@@ -180,13 +215,12 @@ std::string Printer::binary_text(const Expression& of, int outside) {
 }
 
 std::string Printer::expression_text(const Expression& of, int outside) {
+    const Language& language = row_of(language_);
     const auto part = [&](std::size_t i, int within = 0) { return expression_text(of.parts[i], within); };
     switch (of.kind) {
-        case EKind::number: {
-            if (of.type.name == "bool" && language_ == CodeLanguage::c) return of.text == "true" ? "1" : "0";
-            const bool suffixed = language_ == CodeLanguage::c || language_ == CodeLanguage::msl;
-            return of.text + (of.type.name == "Real" && suffixed ? "f" : "");
-        }
+        case EKind::number:
+            if (of.type.name == "bool" && language.is_c) return of.text == "true" ? "1" : "0";
+            return of.text + std::string(of.type.name == "Real" ? language.suffix : "");
         case EKind::name:
             return named(of.text);
         case EKind::call:
@@ -198,17 +232,16 @@ std::string Printer::expression_text(const Expression& of, int outside) {
             // the host supplies is one in every language.
             const bool is_table = of.parts[0].kind == EKind::name && names_.contains(of.parts[0].text);
             const bool is_supplied = of.parts[0].type.size.empty();
-            const char* brackets = is_table && (language_ == CodeLanguage::c || is_supplied) ? "()" : "[]";
+            const char* brackets = is_table && (language.is_c || is_supplied) ? "()" : "[]";
             return part(0, 9) + brackets[0] + part(1) + brackets[1];
         }
         case EKind::unary:
-            if (language_ == CodeLanguage::c && of.type.name == "Vec3")
-                return fmt::format("srbf_scale(-1.0f, {})", part(0));
+            if (language.is_c && of.type.name == "Vec3") return fmt::format("srbf_scale(-1.0f, {})", part(0));
             return of.text + part(0, 8);
         case EKind::binary:
             return binary_text(of, outside);
         case EKind::conditional:
-            if (language_ == CodeLanguage::wgsl) return fmt::format("select({}, {}, {})", part(2), part(1), part(0));
+            if (language.types_follow) return fmt::format("select({}, {}, {})", part(2), part(1), part(0));
             {
                 const std::string text = fmt::format("{} ? {} : {}", part(0, 2), part(1, 1), part(2, 1));
                 return outside > 1 ? "(" + text + ")" : text;
@@ -219,7 +252,7 @@ std::string Printer::expression_text(const Expression& of, int outside) {
 
 void Printer::print(const std::vector<Statement>& body, const std::set<std::string>& changed, int depth,
                     std::string& to) {
-    const bool is_wgsl = language_ == CodeLanguage::wgsl;
+    const bool types_follow = row_of(language_).types_follow;
     const std::string indent(std::size_t(4 * depth), ' ');
     const auto line = [&](const std::string& text) { to += code_line(indent + text, depth); };
     const auto value = [&](const Statement& of, std::size_t i = 0) { return expression_text(of.values[i]); };
@@ -228,7 +261,7 @@ void Printer::print(const std::vector<Statement>& body, const std::set<std::stri
         switch (of.kind) {
             case SKind::declare: {
                 std::string text = declaration(of.type, of.name);
-                if (is_wgsl) text = (of.values.empty() || changed.contains(of.name) ? "var " : "let ") + text;
+                if (types_follow) text = (of.values.empty() || changed.contains(of.name) ? "var " : "let ") + text;
                 if (!of.values.empty()) text += " = " + value(of);
                 line(text + ";");
                 break;
@@ -250,8 +283,8 @@ void Printer::print(const std::vector<Statement>& body, const std::set<std::stri
                 break;
             case SKind::loop: {
                 const std::string name = named(of.name);
-                line(fmt::format("for ({} {} = {}; {} < {}; {}) {{", is_wgsl ? "var" : "int", name, value(of), name,
-                                 value(of, 1), is_wgsl ? name + "++" : "++" + name));
+                line(fmt::format("for ({} {} = {}; {} < {}; {}) {{", types_follow ? "var" : "int", name, value(of),
+                                 name, value(of, 1), types_follow ? name + "++" : "++" + name));
                 print(of.body, changed, depth + 1, to);
                 line("}");
                 break;
@@ -261,42 +294,27 @@ void Printer::print(const std::vector<Statement>& body, const std::set<std::stri
 }
 
 std::string Printer::text(const Structure& structure) {
-    const bool is_wgsl = language_ == CodeLanguage::wgsl, is_c = language_ == CodeLanguage::c;
+    const Language& language = row_of(language_);
     std::string text = comment_text(structure.comment, 0);
-    text += fmt::format("{}{{\n", is_c ? "typedef struct " : "struct " + named(structure.name) + " ");
+    text += fmt::format("{}{{\n", language.is_c ? "typedef struct " : "struct " + named(structure.name) + " ");
     for (const Variable& member : structure.members)
-        text += fmt::format("    {}{}\n", declaration(member.type, member.name), is_wgsl ? "," : ";");
-    return text + (is_wgsl ? "}\n" : is_c ? fmt::format("}} {};\n", named(structure.name)) : "};\n");
+        text += fmt::format("    {}{}\n", declaration(member.type, member.name), language.types_follow ? "," : ";");
+    if (language.types_follow) return text + "}\n";
+    return text + (language.is_c ? fmt::format("}} {};\n", named(structure.name)) : "};\n");
 }
 
 std::string Printer::text(const Table& table) {
     if (table.numbers.empty()) return comment_text(fmt::format("{}(i): {}", named(table.name), table.comment));
+    const Language& language = row_of(language_);
     const std::string name = named(table.name);
     const std::size_t size = table.numbers.size();
     std::string numbers;
     for (std::size_t i = 0; i < size; ++i) {
-        const bool suffixed = language_ == CodeLanguage::c || language_ == CodeLanguage::msl;
         numbers += i % table.columns == 0 ? "    " : " ";
-        numbers += digits(table.numbers[i]) + (suffixed ? "f" : "") + (i + 1 < size ? "," : "");
+        numbers += fmt::format("{}{}{}", digits(table.numbers[i]), language.suffix, i + 1 < size ? "," : "");
         if ((i + 1) % table.columns == 0 || i + 1 == size) numbers += "\n";
     }
-    const std::string comment = comment_text(table.comment, 0);
-    switch (language_) {
-        case CodeLanguage::glsl:
-            return fmt::format("{}const float {}[{}] = float[{}](\n{});\n", comment, name, size, size, numbers);
-        case CodeLanguage::hlsl:
-            return fmt::format("{}static const float {}[{}] = {{\n{}}};\n", comment, name, size, numbers);
-        case CodeLanguage::wgsl:
-            return fmt::format("{}const {} = array<f32, {}>(\n{});\n", comment, name, size, numbers);
-        case CodeLanguage::msl:
-            return fmt::format("{}constant float {}[{}] = {{\n{}}};\n", comment, name, size, numbers);
-        case CodeLanguage::c:
-            return fmt::format(
-                "{}SRBF_FN float {}(int i) {{\n    static const float numbers[{}] = {{\n{}    }};\n"
-                "    return numbers[i];\n}}\n",
-                comment, name, size, numbers);
-    }
-    return "";
+    return comment_text(table.comment, 0) + fmt::format(fmt::runtime(language.table), name, size, numbers);
 }
 
 std::string Printer::text(const Function& function) {
@@ -307,29 +325,25 @@ std::string Printer::text(const Function& function) {
     std::string parameters;
     for (const Variable& of : function.parameters)
         parameters += (parameters.empty() ? "" : ", ") + declaration(of.type, of.name);
+    const Language& language = row_of(language_);
     const std::string name = named(function.name), type = type_text(function.type);
-    std::string head;
-    switch (language_) {
-        case CodeLanguage::wgsl:
-            head = fmt::format("fn {}({}) -> {} {{", name, parameters, type);
-            break;
-        case CodeLanguage::c:
-            head = fmt::format("SRBF_FN {} {}({}) {{", type, name, parameters);
-            break;
-        case CodeLanguage::msl:
-            head = fmt::format("inline {} {}({}) {{", type, name, parameters);
-            break;
-        default:
-            head = fmt::format("{} {}({}) {{", type, name, parameters);
-    }
+    const std::string head = language.types_follow
+                                 ? fmt::format("{}{}({}) -> {} {{", language.function, name, parameters, type)
+                                 : fmt::format("{}{} {}({}) {{", language.function, type, name, parameters);
     std::string text = comment_text(function.comment, 0) + code_line(head, 0);
     print(function.body, changed, 1, text);
     return text + "}\n";
 }
 
-std::string opening(CodeLanguage language) {
-    if (language == CodeLanguage::msl) return "#include <metal_stdlib>\nusing namespace metal;\n\n";
-    return language == CodeLanguage::c ? k_opening_of_c : "";
+std::string whole_text(CodeLanguage language, const std::string& list, std::string guard,
+                       const std::string& definitions) {
+    const Language& of = row_of(language);
+    const std::string head = fmt::format("// {}: {}.\n\n", of.usage, list);
+    if (!of.is_guarded) return fmt::format("{}{}{}", head, of.opening, definitions);
+    for (char& c : guard) c = char(std::toupper(static_cast<unsigned char>(c)));
+    return fmt::format("{0}#ifndef {1}\n#define {1}\n\n{2}{3}#endif\n", head, guard, of.opening, definitions);
 }
+
+bool reads_buffers(CodeLanguage language) { return row_of(language).reads_buffers; }
 
 }  // namespace srbf::syntax

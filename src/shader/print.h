@@ -32,9 +32,12 @@ class Printer {
     std::map<std::string, std::string> names_;
 };
 
-/// What the printed definitions require in that language: in C a vector and functions in place of operators on it, the
-/// same ones in every text.
-std::string opening(CodeLanguage language);
+/// A file of printed definitions: how it is used, with a `list` of its functions, then what they require in that
+/// language (in C a vector and functions in place of operators on it, the same ones in every file).
+std::string whole_text(CodeLanguage language, const std::string& list, std::string guard,
+                       const std::string& definitions);
+/// Whether a function without parameters may read numbers that the host supplies.
+bool reads_buffers(CodeLanguage language);
 /// The shortest digits that read as the same float, with a decimal point.
 std::string digits(float number);
 /// A comment of those lines, which may hold any text.

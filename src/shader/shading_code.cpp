@@ -337,10 +337,6 @@ class Printed {
     std::set<std::string> own_;
 };
 
-/// How a text is used.
-constexpr std::array<const char*, 5> k_usage{"GLSL, to follow the version (300 es or later) and the precision of float",
-                                             "HLSL", "WGSL", "Metal", "C99, C++ and CUDA"};
-
 }  // namespace
 
 std::vector<float> shading_data(const SuModel& model) {
@@ -390,21 +386,15 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
             if (su->interpolation == SuInterpolation::plain)
                 return refused("model", "interpolation of rotated views", "plain interpolation");
             if (options.sampling) return refused("sampling code", "a model that is not view by view", "one that is");
-            if (options.language == CodeLanguage::msl)
-                return refused("view-by-view model", "a language with global buffers", "Metal");
+            if (!syntax::reads_buffers(options.language))
+                return refused("view-by-view model", "a language with global buffers", "one without");
         }
         programs.push_back(program_of(*of.model, options, roots));
         for (const auto& [name, printed] : entries(options))
             list += fmt::format("{}{}_{}", list.empty() ? "" : ", ", of.name, printed);
     }
     const std::string definitions = Printed(models, std::move(programs), prefix, options).text();
-    std::string guard(prefix);
-    for (char& c : guard) c = char(std::toupper(static_cast<unsigned char>(c)));
-    guard += "_BRDF";
-    std::string text = fmt::format("// {}: {}.\n\n", k_usage[std::size_t(options.language)], list);
-    if (options.language == CodeLanguage::wgsl) return text + definitions;
-    text += fmt::format("#ifndef {0}\n#define {0}\n\n{1}", guard, syntax::opening(options.language));
-    return text + definitions + "#endif\n";
+    return syntax::whole_text(options.language, list, std::string(prefix) + "_BRDF", definitions);
 }
 
 Result<std::string> python_code(const Model& model, int threads) {

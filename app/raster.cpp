@@ -10,7 +10,7 @@ namespace {
 
 /// Sets each cell without a measurement to the mean of its neighbours with one.
 void grow(MerlTable& table) {
-    const auto [n_h, n_d, n_p] = table.size;
+    const std::size_t n_h = table.size[0], n_d = table.size[1], n_p = table.size[2];
     const MerlTable before = table;
     const auto at = [&](std::size_t h, std::size_t d, std::size_t p) { return p + n_p * (d + n_d * h); };
     for (std::size_t h = 0; h < n_h; ++h)

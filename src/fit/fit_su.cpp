@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t k_chain =
     32;  ///< number of consecutive views that are fitted one from the other; the first of them starts from clusterings
 constexpr int k_first_steps = 40, k_steps = 15, k_perturbation_steps = 12;
-constexpr int k_perturbations = 8;
+constexpr int k_view_perturbations = 8;
 /// Steps with the pixels of a view, of all variables and of rounded lobes' coefficients; and what the pixels cost at
 /// first, relative to the rest of the loss.
 constexpr int k_picture_steps = 4, k_coefficient_steps = 3;
@@ -124,7 +124,7 @@ ViewFit from_nothing(ViewProblem& problem, const ViewRows& rows, std::size_t J, 
                 optimised(problem, rows, vmf_clusters(points.direction, points.weight, start, rounds), k_first_steps);
             if (fit.loss < best.loss) best = std::move(fit);
         }
-    for (int perturbation = 0; perturbation < k_perturbations; ++perturbation) {
+    for (int perturbation = 0; perturbation < k_view_perturbations; ++perturbation) {
         problem.loss(problem.start(rows, best.lobes));
         const std::vector<double> cost = problem.cost_of_dropping();
         std::vector<ViewLobe> next = best.lobes;

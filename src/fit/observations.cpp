@@ -23,7 +23,6 @@ constexpr std::size_t k_mirror_checks = 32768;
 constexpr std::size_t k_pool = 8, k_most_pairs = std::size_t(1) << 20;
 /// This share is chosen with probability proportional to Σ w |f|², the rest uniformly.
 constexpr double k_by_energy = 0.5;
-constexpr double k_guard_theta = 89.9 * k_degree;
 
 /// Distribution of view directions: uniform over the cap, but a quarter uniform in log cosθ, so that directions close
 /// to the horizon are not rare.
@@ -230,7 +229,7 @@ Result<Done> validate(const Observations& observations, std::size_t parameters) 
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress) {
     const FlushSubnormals mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
-    if (!(theta_max >= k_degree && theta_max <= 89.9 * k_degree))
+    if (!(theta_max >= k_degree && theta_max <= k_guard_theta))
         return Error{"observe",          {}, "max_theta", "1 to 89.9 degrees", std::to_string(theta_max / k_degree),
                      ErrorCode::argument};
     if (options.count < 1024 || options.count > std::size_t(1) << 24)

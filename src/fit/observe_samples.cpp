@@ -18,13 +18,12 @@
 namespace srbf {
 namespace {
 
-constexpr std::size_t k_mirror_checks = 8192;
+constexpr std::size_t k_sampled_mirror_checks = 8192;
 constexpr std::size_t k_completed_pairs = 16384;
 /// Number of pairs of the grid (of ten thousand) that also constrain lobes.
 constexpr std::size_t k_most_between_samples = 4096;
 /// Extrapolation beyond θmax gets a smaller weight than values of a table.
 constexpr double k_guard_share = 0.1;
-constexpr double k_guard_theta = 89.9 * k_degree;
 // The short fit: its error is needed within a factor of about two.
 constexpr int k_short_starts = 4, k_short_perturbations = 10;
 
@@ -226,7 +225,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     const MirrorMixture lights(k_guard_theta);
     std::array<double, 6> first;
     for (double& x : first) x = uniform(random);
-    for (RSequence<6> points(first); observed.samples.f.size() < fitted + grid.size() + k_mirror_checks;) {
+    for (RSequence<6> points(first); observed.samples.f.size() < fitted + grid.size() + k_sampled_mirror_checks;) {
         const auto u = points.next();
         const Vec3d v = lights.sample_cap(u[1], u[2]), l = lights.sample(v, u[3], u[4], u[5]);
         if (!lights.contains(l)) continue;

@@ -8,8 +8,7 @@ namespace srbf {
 
 namespace {
 
-constexpr std::array<std::string_view, 4> k_angles{"theta_i", "phi_i", "theta_s", "phi_s"};
-constexpr std::size_t k_absent = k_most_columns;
+constexpr std::array<std::string_view, 4> k_names_of_angles{"theta_i", "phi_i", "theta_s", "phi_s"};
 
 /// Cornell's files say "RGB for Trinitron phosphors". The conversion to linear sRGB is the least-squares map from
 /// krylon_blue_RGB.astm to the colours of the spectra of the same samples (krylon_blue.brdf); its squared error ratio
@@ -26,15 +25,15 @@ Rgb from_trinitron(std::span<const float> f) {
 }
 
 /// Positions of the columns that VARS names.
-struct Columns {
+struct Vars {
     std::array<std::size_t, 4> angle{k_absent, k_absent, k_absent, k_absent};
     std::vector<std::size_t> value;
     Values values = Values::grey;
     std::size_t count = 0;
 };
 
-Result<Columns> columns_of(std::string_view vars, const std::string& file_name, std::uint64_t line) {
-    Columns columns;
+Result<Vars> columns_of(std::string_view vars, const std::string& file_name, std::uint64_t line) {
+    Vars columns;
     std::vector<std::string_view> names, values;
     split_fields(vars, names);
     columns.count = names.size();
@@ -42,20 +41,20 @@ Result<Columns> columns_of(std::string_view vars, const std::string& file_name, 
         return at_line(file_name, line, "VARS", fmt::format("at most {} columns", k_most_columns),
                        fmt::format("{}", columns.count));
     for (std::size_t i = 0; i < names.size(); ++i) {
-        const auto angle = std::ranges::find(k_angles, names[i]);
-        if (angle == k_angles.end()) {
+        const auto angle = std::ranges::find(k_names_of_angles, names[i]);
+        if (angle == k_names_of_angles.end()) {
             columns.value.push_back(i);
             values.push_back(names[i]);
             continue;
         }
-        std::size_t& at = columns.angle[std::size_t(angle - k_angles.begin())];
+        std::size_t& at = columns.angle[std::size_t(angle - k_names_of_angles.begin())];
         if (at != k_absent) return at_line(file_name, line, "VARS", "each column once", quoted(names[i]) + " again");
         at = i;
     }
     // The azimuth of the light is optional; it is then 0.
     for (const std::size_t a : {std::size_t(0), std::size_t(2), std::size_t(3)})
         if (columns.angle[a] == k_absent)
-            return at_line(file_name, line, "VARS", fmt::format("a column {}", k_angles[a]), "none");
+            return at_line(file_name, line, "VARS", fmt::format("a column {}", k_names_of_angles[a]), "none");
     const std::vector<std::string_view> rgb{"R", "G", "B"}, xyz{"X", "Y", "Z"};
     columns.values = values == rgb ? Values::rgb : values == xyz ? Values::xyz : Values::grey;
     if (columns.values == Values::grey && values.size() != 1)
@@ -82,7 +81,7 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
     Lines lines(as_text(bytes));
     std::string description;
     std::optional<std::uint64_t> points;
-    std::optional<Columns> columns;
+    std::optional<Vars> columns;
     while (!columns) {
         auto line = lines.next();
         if (!line) return at_line(file_name, lines.number(), "header", "a line VARS", "the end of the file");
@@ -126,7 +125,7 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
         };
         for (std::size_t a = 0; a < 4; ++a)
             if (columns->angle[a] != k_absent && !read(columns->angle[a], angle[a]))
-                return at_line(file_name, lines.number(), std::string(k_angles[a]), "a number",
+                return at_line(file_name, lines.number(), std::string(k_names_of_angles[a]), "a number",
                                quoted(fields[columns->angle[a]]));
         for (std::size_t v = 0; v < f.size(); ++v)
             if (!read(columns->value[v], f[v]))

@@ -4,10 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/limits.h"
 #include "measured/mbsdf.h"
 #include "measured/merl.h"
 #include "measured/tensor_file.h"
@@ -21,7 +21,6 @@ namespace srbf {
 
 namespace {
 
-constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
 
 /// f_r may grow without bound towards the horizon; it is not evaluated below this cosine (89.7°).
 constexpr float k_horizon = 5e-3f;

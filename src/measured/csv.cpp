@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::array<std::string_view, 6> k_vectors{"wl_x", "wl_y", "wl_z", "wv_x", "wv_y", "wv_z"};
 constexpr std::array<std::string_view, 4> k_angles{"theta_l", "phi_l", "theta_v", "phi_v"};
-constexpr std::size_t k_absent = k_most_columns;
 
 std::string lower(std::string_view text) {
     std::string copy(text.substr(0, 100));

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/limits.h"
 #include "measured/mbsdf.h"
 #include "srbf/measured.h"
 #include "srbf/text.h"
@@ -16,8 +16,6 @@ namespace srbf {
 namespace {
 
 constexpr std::string_view k_family = "NVIDIA ARC MBSDF V";  // of any version
-constexpr std::uint32_t k_largest_dimension = 4096;
-constexpr float k_nan = std::numeric_limits<float>::quiet_NaN(), k_max = std::numeric_limits<float>::max();
 
 /// A position in a file.
 struct Cursor {
@@ -221,7 +219,7 @@ Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
     add_row(l.second, v.first, l.to * (1 - v.to));
     add_row(l.second, v.second, l.to * v.to);
     // Rounding may take the mean of samples beyond the largest float. A NaN is kept.
-    for (int c = 0; c < 3; ++c) sum[c] = std::clamp(sum[c], -k_max, k_max);
+    for (int c = 0; c < 3; ++c) sum[c] = std::clamp(sum[c], -k_most_float, k_most_float);
     return sum;
 }
 

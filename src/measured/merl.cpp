@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/limits.h"
 #include "measured/merl.h"
 #include "srbf/measured.h"
 
@@ -14,7 +14,6 @@ namespace srbf {
 namespace {
 
 constexpr std::size_t k_header = 3 * sizeof(std::int32_t);
-constexpr std::int32_t k_largest_dimension = 4096;
 
 using Dimensions = std::array<std::int32_t, 3>;
 
@@ -23,7 +22,7 @@ Dimensions dimensions(std::span<const std::byte> bytes) {
 }
 
 bool in_range(const Dimensions& n) {
-    return std::ranges::all_of(n, [](std::int32_t i) { return 1 <= i && i <= k_largest_dimension; });
+    return std::ranges::all_of(n, [](std::int32_t i) { return 1 <= i && i <= std::int32_t(k_largest_dimension); });
 }
 
 /// Size in bytes of a file with these dimensions, at most 2⁴¹.
@@ -63,7 +62,6 @@ const Rgb& cell(const MerlTable& table, std::uint32_t h, std::uint32_t d, std::u
     return table.cells[p + table.size[2] * (d + std::size_t(table.size[1]) * h)];
 }
 
-constexpr float k_nan = std::numeric_limits<float>::quiet_NaN(), k_max = std::numeric_limits<float>::max();
 
 }  // namespace
 
@@ -131,7 +129,7 @@ Rgb value(const MerlTable& table, Vec3f wl, Vec3f wv) {
     add_line(next_h, next_d, to_h * to_d);
     if (!(weight > 0)) return {k_nan, k_nan, k_nan};
     // Rounding may take the mean of cells beyond the largest float.
-    return {std::min(sum.r / weight, k_max), std::min(sum.g / weight, k_max), std::min(sum.b / weight, k_max)};
+    return {std::min(sum.r / weight, k_most_float), std::min(sum.g / weight, k_most_float), std::min(sum.b / weight, k_most_float)};
 }
 
 Rgb nearest(const MerlTable& table, Vec3f wl, Vec3f wv) {

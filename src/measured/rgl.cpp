@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "measured/angles.h"
+#include "measured/limits.h"
 #include "measured/tensor_file.h"
 #include "measured/warp.h"
 #include "srbf/colour.h"
@@ -14,8 +15,6 @@ namespace {
 
 constexpr std::uint64_t k_largest_extent = 65536;
 /// Larger than any quantity of a measurement, and small enough that sums and differences stay finite.
-constexpr float k_largest_value = 1e12f;
-constexpr double k_max = std::numeric_limits<float>::max();
 
 /// Requirements on a field; extent 0 stands for any extent from `least_extent` up.
 struct Expected {
@@ -259,7 +258,7 @@ template <typename Look> double look_up(const RglTable& table, Vec3f wl, Vec3f w
 }
 
 /// At the horizon the quotient may exceed the range of float; values are kept finite.
-float finite(double x) { return float(std::clamp(x, -k_max, k_max)); }
+float finite(double x) { return float(std::clamp<double>(x, -k_most_float, k_most_float)); }
 
 }  // namespace
 

@@ -14,6 +14,7 @@ enum class Values { grey, rgb, xyz, spectrum };
 
 /// Limit on the columns of a file, far above those of any measurement.
 inline constexpr std::size_t k_most_columns = 4096;
+inline constexpr std::size_t k_absent = k_most_columns;  ///< the position of a column that a file has not
 
 /// Collects samples, and drops invalid ones.
 class SampleBuilder {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
 #include "k_d_tree.h"
 #include "measured/angles.h"
+#include "measured/limits.h"
 #include "measured/samples.h"
 
 namespace srbf {
@@ -13,7 +13,6 @@ namespace srbf {
 namespace {
 
 constexpr std::uint32_t k_neighbours = 8;
-constexpr float k_largest_value = 1e12f;  // as for tables: sums and products of such numbers stay finite
 
 using Point = std::array<float, 5>;
 
@@ -97,7 +96,7 @@ struct Blend {
 
     /// Σ of these numbers, clamped to the range of float: at the horizon the quotient may exceed it.
     template <typename Of> float of(const Of& number) const {
-        constexpr double most = std::numeric_limits<float>::max();
+        constexpr double most = k_most_float;
         double sum = 0;
         for (std::uint32_t k = 0; k < count; ++k) sum += weight[k] * double(number(sample[k]));
         return float(std::clamp(sum * scale, -most, most));

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 
 #include "measured/angles.h"
 #include "measured/bytes.h"
+#include "measured/limits.h"
 #include "srbf/measured.h"
 
 namespace srbf {
@@ -13,8 +13,6 @@ namespace {
 
 constexpr std::size_t k_cells = std::size_t(UtiaTable::k_directions) * UtiaTable::k_directions;
 constexpr std::size_t k_bytes = 3 * k_cells * sizeof(double);
-constexpr double k_largest_value = 1e12;  // far above any measurement
-constexpr float k_nan = std::numeric_limits<float>::quiet_NaN(), k_max = std::numeric_limits<float>::max();
 
 /// The four nodes about a direction and their weights, which sum to 1; some are negative beyond the last polar angle.
 struct Corners {
@@ -78,7 +76,7 @@ Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv) {
 
 Rgb value(const UtiaTable& table, Vec3f wl, Vec3f wv) {
     const Rgb f = signed_value(table, wl, wv);
-    const auto clamped = [](float x) { return x > 0 ? std::min(x, k_max) : x <= 0 ? 0 : x; };
+    const auto clamped = [](float x) { return x > 0 ? std::min(x, k_most_float) : x <= 0 ? 0 : x; };
     return {clamped(f.r), clamped(f.g), clamped(f.b)};
 }
 

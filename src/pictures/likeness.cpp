@@ -122,10 +122,10 @@ template <typename Pixel> std::array<Plane, 3> opponent(const Picture<Pixel>& im
 /// Filters each channel by the contrast sensitivity of the eye, Σ a √(π/b) e^{−π²x²/b} with x in degrees, and converts
 /// to the colours that `colour_distance` compares.
 std::vector<Triplet> seen(const std::array<Plane, 3>& planes, double pixels_per_degree) {
-    struct Term {
+    struct Gaussian {
         double a, b;
     };
-    static const std::vector<Term> sensitivity[3] = {{{1, 0.0047}}, {{1, 0.0053}}, {{34.1, 0.04}, {13.5, 0.025}}};
+    static const std::vector<Gaussian> sensitivity[3] = {{{1, 0.0047}}, {{1, 0.0053}}, {{34.1, 0.04}, {13.5, 0.025}}};
     const int radius = int(std::ceil(3 * std::sqrt(0.04 / (2 * k_pi * k_pi)) * pixels_per_degree));
     std::vector<Plane> resolved;
     for (std::size_t c = 0; c < 3; ++c) {

@@ -1,0 +1,14 @@
+// What readers accept as sizes and values, and what stands for none.
+#pragma once
+#include <cstdint>
+#include <limits>
+
+namespace srbf {
+
+inline constexpr std::uint32_t k_largest_dimension = 4096;  ///< of a table
+/// f_r [1/sr], far above any measurement: sums and products of such numbers stay finite.
+inline constexpr float k_largest_value = 1e12f;
+inline constexpr float k_most_float = std::numeric_limits<float>::max();
+inline constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
+
+}  // namespace srbf

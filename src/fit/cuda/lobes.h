@@ -74,21 +74,21 @@ struct Row {
 };
 
 /// Adds factor times the features of ψ of angle (a, b), and sign times its derivatives.
-SRBF_DEVICE inline void add_variate(const Shape& shape, Vec3<float> wl, Vec3<float> wv, float a, float b, float sign,
+SRBF_DEVICE inline void add_variate(const Shape& shape, Vec3<Number> wl, Vec3<Number> wv, float a, float b, float sign,
                                     float* s, float* by_angle) {
-    const Vec3<float> psi = Formula::psi(wl, wv, a, b), derivative = Formula::psi_by_angle(wl, wv, a, b);
-    const float below = Formula::gaussian_exponent(psi, Vec3<float>(0, 0, 1), 1.f);
+    const Vec3<Number> psi = Formula::psi(wl, wv, a, b), derivative = Formula::psi_by_angle(wl, wv, a, b);
+    const Number below = Formula::gaussian_exponent(psi, Vec3<Number>(0.f, 0.f, 1.f), 1.f);
     if (shape.components == 3) {
-        s[0] += psi.x, s[1] += psi.y;
-        by_angle[0] += sign * derivative.x, by_angle[1] += sign * derivative.y;
+        s[0] += psi.x.value, s[1] += psi.y.value;
+        by_angle[0] += sign * derivative.x.value, by_angle[1] += sign * derivative.y.value;
     }
-    s[shape.components - 1] += below;
-    by_angle[shape.components - 1] += sign * derivative.z;
+    s[shape.components - 1] += below.value;
+    by_angle[shape.components - 1] += sign * derivative.z.value;
 }
 
 /// The features of row i for these variables.
 SRBF_CALLED void features_of(const Shape& shape, const Observed& of, const double* x, int i, Row& row) {
-    const Vec3<float> wl(of.wl[0][i], of.wl[1][i], of.wl[2][i]), wv(of.wv[0][i], of.wv[1][i], of.wv[2][i]);
+    const Vec3<Number> wl(of.wl[0][i], of.wl[1][i], of.wl[2][i]), wv(of.wv[0][i], of.wv[1][i], of.wv[2][i]);
     for (int k = 0; k < shape.directional(); ++k) row.s[k] = row.by_angle[k] = 0;
     for (int n = 0; n < shape.variates; ++n) {
         const float a = float(::cos(x[n])), b = float(::sin(x[n]));
@@ -98,7 +98,7 @@ SRBF_CALLED void features_of(const Shape& shape, const Observed& of, const doubl
         if (shape.reciprocal) add_variate(shape, wl, wv, b, a, -1, s, by_angle);
     }
     const auto further = Formula::pm_further_features(shape.terms, wl, wv);
-    for (int k = 0; k < shape.terms; ++k) row.s[shape.directional() + k] = further.x[k];
+    for (int k = 0; k < shape.terms; ++k) row.s[shape.directional() + k] = further.x[k].value;
 }
 
 /// Σ weight s, with one rounding a term: terms of sharp lobes are large and nearly cancel.

@@ -155,6 +155,7 @@ TEST(Cuda, features_are_those_of_the_problem) {
         const int C = shape.components();
         Aligned<float> s(std::size_t(shape.width()) * k_block), by_angle(3 * k_block);
         on_device::Row row;
+        on_device::keep(of.block, of.problem.shape, of.memory, of.x.data());
         for (std::size_t block = 0; block < rows.blocks; ++block) {
             for (int n = 0; n < shape.variates; ++n)
                 (shape.axial ? axial_feature : general_features)(rows, block, float(std::cos(x[n])),
@@ -164,8 +165,7 @@ TEST(Cuda, features_are_those_of_the_problem) {
                 further_features(rows, block, features(shape.form), &s[std::size_t(shape.directional()) * k_block]);
             for (std::size_t i = 0; i < k_block; ++i) {
                 if (!(rows.root_weight[block * k_block + i] > 0)) continue;
-                on_device::features_of(of.problem.shape, of.problem.observed, of.x.data(), int(block * k_block + i),
-                                       row);
+                on_device::features_of(of.problem.shape, of.problem.observed, of.memory, int(block * k_block + i), row);
                 for (int k = 0; k < shape.width(); ++k) {
                     const double expected = s[std::size_t(k) * k_block + i];
                     EXPECT_TRUE(near(row.s[k], expected, tolerance * std::max(1.0, std::abs(expected)))) << k;

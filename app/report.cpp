@@ -137,7 +137,10 @@ Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::ve
 Result<Done> make_folder(const std::string& path) {
     std::error_code code;
     fs::create_directories(path, code);
-    if (!fs::is_directory(path, code)) return Error{path, {}, "output", "a folder, or none yet", "something else"};
+    if (std::error_code none; !fs::is_directory(path, none)) {
+        const std::string found = fs::exists(path, none) || !code ? "something else" : code.message();
+        return Error{path, {}, "output", "a folder, or none yet", found};
+    }
     if (access(path.c_str(), W_OK) != 0)
         return Error{path, {}, "output", "a folder that may be written", "one that may not"};
     return Done{};

@@ -97,7 +97,7 @@ Result<std::vector<std::byte>> read_part(const std::string& path, std::uint64_t 
     for (std::size_t filled = 0;;) {
         const ssize_t count = ::pread(file.number(), bytes.data() + filled, most - filled, off_t(offset + filled));
         if (count < 0 && errno == EINTR) continue;
-        if (count < 0) return cannot_read(path, reason(errno));
+        if (count < 0) return cannot_read(path, errno == EISDIR ? "a folder" : reason(errno));
         filled += std::size_t(count);
         if (count > 0 && filled < most) continue;
         bytes.resize(filled);

@@ -7,6 +7,7 @@
 #include "fit/lobes.h"
 #include "fit/search.h"
 #include "least_squares.h"
+#include "one_target.h"
 #include "properties.h"
 
 namespace srbf {
@@ -99,51 +100,125 @@ template <typename Check> void for_problems(const Check& check) {
                 }
 }
 
+/// Whether the processor's own code fuses products and sums, as the device's does: not without AVX2, nor in sanitized
+/// builds, which have the least instruction set only.
+bool is_fused() {
+    const auto targets = hwy::SupportedAndGeneratedTargets();
+    const auto best = *std::min_element(targets.begin(), targets.end());
+    return best != HWY_SSE4 && best != HWY_SSSE3 && best != HWY_SCALAR;
+}
+
+/// The loss, Hessian and gradient of the processor's own code.
+struct Expected {
+    Expected(const Rows& rows, const LobeShape& shape, const Eigen::VectorXd& x, double log_peak_limit) {
+        LobeProblem problem(rows, shape, false, log_peak_limit);
+        loss = problem.loss(x), beta = problem.beta();
+        problem.linearise(x, H, g);
+    }
+    double loss;
+    Eigen::MatrixXd beta, H;
+    Eigen::VectorXd g;
+};
+
+/// The norm of A − B with row and column v divided by √scale_v, of which all but the smallest 1e-12 count, as for
+/// damping.
+double difference(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::VectorXd& scale) {
+    const Eigen::VectorXd by = scale.cwiseMax(1e-12 * scale.maxCoeff()).cwiseSqrt().cwiseInverse();
+    return (by.asDiagonal() * (A - B) * by.asDiagonal()).norm();
+}
+
+/// How much the processor's own Hessian depends on rounding, by the same norm: on the instruction set, and on the last
+/// bit of the directions.
+double by_rounding(const Rows& rows, const LobeShape& shape, const Eigen::VectorXd& x, double log_peak_limit,
+                   const Eigen::MatrixXd& H, const Eigen::VectorXd& scale) {
+    double most = 0;
+    for (const Target target : hwy::SupportedAndGeneratedTargets()) {
+        const OneTarget one(target);
+        most = std::max(most, difference(Expected(rows, shape, x, log_peak_limit).H, H, scale));
+    }
+    std::mt19937_64 random(3);
+    for (int k = 0; k < 3; ++k) {
+        Rows moved = rows;
+        for (auto* w : {&moved.wl, &moved.wv})
+            for (auto& component : *w)
+                for (float& value : component) value = std::nextafter(value, uniform(random) < 0.5 ? -2.f : 2.f);
+        most = std::max(most, difference(Expected(moved, shape, x, log_peak_limit).H, H, scale));
+    }
+    return most;
+}
+
+TEST(Cuda, features_are_those_of_the_problem) {
+    const double tolerance = is_fused() ? 5e-7 : 5e-6;
+    for_problems([&](const Rows& rows, const LobeShape& shape, const Eigen::VectorXd& x, double log_peak_limit) {
+        if (shape.reciprocal) return;  // sums of these
+        const Emulated of(rows, shape, x, log_peak_limit);
+        const int C = shape.components();
+        Aligned<float> s(std::size_t(shape.width()) * k_block), by_angle(3 * k_block);
+        on_device::Row row;
+        on_device::keep(of.block, of.problem.shape, of.memory, of.x.data());
+        for (std::size_t block = 0; block < rows.blocks; ++block) {
+            for (int n = 0; n < shape.variates; ++n)
+                (shape.axial ? axial_feature : general_features)(rows, block, float(std::cos(x[n])),
+                                                                 float(std::sin(x[n])),
+                                                                 &s[std::size_t(n * C) * k_block], by_angle.data());
+            if (features(shape.form) > 0)
+                further_features(rows, block, features(shape.form), &s[std::size_t(shape.directional()) * k_block]);
+            for (std::size_t i = 0; i < k_block; ++i) {
+                if (!(rows.root_weight[block * k_block + i] > 0)) continue;
+                on_device::features_of(of.problem.shape, of.problem.observed, of.memory, int(block * k_block + i), row);
+                for (int k = 0; k < shape.width(); ++k) {
+                    const double expected = s[std::size_t(k) * k_block + i];
+                    EXPECT_TRUE(near(row.s[k], expected, tolerance * std::max(1.0, std::abs(expected)))) << k;
+                }
+            }
+        }
+    });
+}
+
 TEST(Cuda, loss_gradient_and_products_are_those_of_the_problem) {
     int limited = 0, not_adapting = 0, close = 0, count = 0;
+    const double allowed = is_fused() ? 2 : 10;  // times by_rounding
     for_problems([&](const Rows& rows, const LobeShape& shape, const Eigen::VectorXd& x, double log_peak_limit) {
-        LobeProblem expected(rows, shape, false, log_peak_limit);
-        const double loss = expected.loss(x);
-        const Eigen::MatrixXd beta = expected.beta();
-        Eigen::MatrixXd H;
-        Eigen::VectorXd g;
-        expected.linearise(x, H, g);
-
+        const Expected expected(rows, shape, x, log_peak_limit);
         Emulated of(rows, shape, x, log_peak_limit);
         const auto& [memory, problem] = std::tie(of.memory, of.problem);
         const double found =
             on_device::loss(of.block, problem.shape, problem.observed, log_peak_limit, memory, of.x.data());
-        EXPECT_TRUE(near(found, loss, 1e-5 * loss)) << found << ' ' << loss;
+        EXPECT_TRUE(near(found, expected.loss, 1e-5 * expected.loss)) << found << ' ' << expected.loss;
         bool adapt = false;
         for (int j = 0; j < problem.shape.lobes; ++j)
             for (int c = 0; c < 3; ++c) {
                 const bool is_limited = memory.beta[j * 3 + c] == memory.limit[j];
                 limited += is_limited;
-                adapt = adapt || (beta(j, c) > 0 && !is_limited);
+                adapt = adapt || (expected.beta(j, c) > 0 && !is_limited);
             }
+        not_adapting += !adapt;
         on_device::linearise(of.block, problem.shape, problem.observed, memory, of.x.data());
         const Eigen::Index n = x.size();
         const Eigen::Map<const Eigen::MatrixXd> hessian(memory.hessian, n, n);
         const Eigen::Map<const Eigen::VectorXd> gradient(memory.gradient, n);
-        // Relative to the products of columns, which may cancel.
-        double products = 0;
+        // The scale of each variable: the sizes of the products of columns that its diagonal element is a sum of, which
+        // cancel where coefficients adapt or follow their bounds.
+        Eigen::VectorXd products = Eigen::VectorXd::Zero(n);
         for (int v = 0; v < int(n); ++v)
             for (int c = 0; c < 3; ++c)
                 on_device::for_columns(problem.shape, memory, of.x.data(), c, v, [&](int i, double of_i) {
                     on_device::for_columns(problem.shape, memory, of.x.data(), c, v, [&](int k, double of_k) {
-                        products += std::abs(of_i * of_k * on_device::entry(memory, problem.shape.columns(), i, k));
+                        products[v] += std::abs(of_i * of_k * on_device::entry(memory, problem.shape.columns(), i, k));
                     });
                 });
-        EXPECT_GE(products, 0.99 * H.trace());
-        // A solve for lobes that nearly coincide amplifies differences.
-        EXPECT_LE((hessian - H).norm(), (adapt ? 1e-3 : 1e-4) * products);
-        not_adapting += !adapt;
-        close += (hessian - H).norm() <= 1e-5 * products, ++count;
-        EXPECT_LE((gradient - g).norm(), 1e-5 * std::sqrt(loss * products));
+        EXPECT_GE(products.sum(), 0.99 * expected.H.trace());
+        EXPECT_LE((gradient - expected.g).norm(), 1e-5 * std::sqrt(expected.loss * products.sum()));
+        // Lobes of weights of 1e3 and more amplify the rounding of their features, and lobes that nearly coincide that
+        // of their products; then the processor's own result depends as much on the instruction set and the last bits.
+        const double off = difference(hessian, expected.H, products);
+        close += off <= 1e-5, ++count;
+        EXPECT_TRUE(off <= 1e-5 || off <= allowed * by_rounding(rows, shape, x, log_peak_limit, expected.H, products))
+            << off;
     });
     EXPECT_GT(limited, 10);  // coefficients at their bounds are among them, and problems in which none adapts
     EXPECT_GT(not_adapting, 5);
-    EXPECT_GE(close, count - count / 10);
+    EXPECT_GE(close, count / 2);
 }
 
 TEST(Cuda, steps_reach_the_same_loss) {

@@ -102,15 +102,15 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     std::filesystem::copy(k_paper, folder / "small.bsdf");
     const Arguments options{"--lobes", "2", "--variates", "2", "--threads", "2"};
     const Arguments many =
-        Arguments{"fit", "small.binary", "broken.binary", "missing", k_paper, "small.bsdf", "-o", "new/models"} +
+        Arguments{"fit", "small.binary", "broken.binary", "missing", k_paper, "small.bsdf", ".", "-o", "new/models"} +
         options;
     const ProgramRun all = run(folder, many);
     EXPECT_EQ(all.status, 1);
     // A line for each on standard output or error, in their order; failures stop none of the others.
     EXPECT_LT(all.out.find("\nsmall  "), all.out.find("\npaper_white_rgb  ")) << all.out;
     EXPECT_NE(all.out.find("2 fitted"), all.out.npos) << all.out;
-    EXPECT_NE(all.out.find("0 kept; 3 failed"), all.out.npos) << all.out;
-    EXPECT_EQ(std::ranges::count(all.err, '\n'), 3) << all.err;
+    EXPECT_NE(all.out.find("0 kept; 4 failed"), all.out.npos) << all.out;
+    EXPECT_EQ(std::ranges::count(all.err, '\n'), 4) << all.err;
     EXPECT_LT(all.err.find("broken.binary"), all.err.find("missing"));
     EXPECT_NE(all.err.find("small.bsdf: model: expected a name of its own, found that of small.binary"), all.err.npos)
         << all.err;
@@ -125,7 +125,7 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     const auto written = std::filesystem::last_write_time(models + "paper_white_rgb.srbf");
     const ProgramRun again = run(folder, many + Arguments{"--resume"});
     EXPECT_NE(again.out.find("1 fitted"), again.out.npos) << again.out;
-    EXPECT_NE(again.out.find("1 kept; 3 failed"), again.out.npos) << again.out;
+    EXPECT_NE(again.out.find("1 kept; 4 failed"), again.out.npos) << again.out;
     EXPECT_EQ(contents(models + "small.srbf"), small);
     EXPECT_EQ(std::filesystem::last_write_time(models + "paper_white_rgb.srbf"), written);
     // Not what was made by other options, or of another file.
@@ -135,6 +135,52 @@ TEST_F(Command, fit_of_many_files_is_that_of_each) {
     write(folder / "small.binary",
           text_of(merl_file({9, 6, 8}, [](int h, int, int, int) { return 0.2 + 1.0 / (h + 1); })));
     EXPECT_NE(run(folder, resume + Arguments{"--lobes", "1"}).out.find("1 fitted"), std::string::npos);
+}
+
+TEST_F(Command, fit_of_texels_resumes_what_is_whole) {
+    constexpr int count = 8, pairs = 30;
+    std::mt19937_64 random(4);
+    std::string csv = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n";
+    std::vector<float> f;
+    std::vector<Vec3d> wl, wv;
+    for (int i = 0; i < pairs; ++i) {
+        const Vec3d l = random_direction(random, 0.3), v = random_direction(random, 0.3);
+        csv += fmt::format("{},{},{},{},{},{}\n", l.x, l.y, l.z, v.x, v.y, v.z);
+        wl.push_back(l), wv.push_back(v);
+    }
+    for (int t = 0; t < count; ++t)
+        for (int i = 0; i < pairs; ++i) {
+            const double z = normalize(wl[std::size_t(i)] + wv[std::size_t(i)]).z;
+            f.push_back(float(0.1 + 0.02 * t + std::exp(20 * (t + 1) * (z - 1))));
+        }
+    std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}", count, pairs);
+    header.resize(117, ' ');
+    const std::string npy = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + '\n';
+    write(folder / "t.npy", npy + std::string(reinterpret_cast<const char*>(f.data()), f.size() * sizeof(float)));
+    write(folder / "p.csv", csv);
+    const auto fit = [&](const std::string& output, const Arguments& more) {
+        return run(folder, Arguments{"fit", "t.npy", "--pairs", "p.csv", "--lobes", "1", "--slab", "4", "--threads",
+                                     "1", "-o", output} +
+                               more);
+    };
+    ASSERT_EQ(fit("one", {}).status, 0);
+    const std::string early = contents(folder / "one/t-000000000.srbf"),
+                      late = contents(folder / "one/t-000000004.srbf");
+    ASSERT_FALSE(late.empty());
+    // By ranges, and after a slab was lost or cut short: the same bytes.
+    for (const char* range : {"0:4", "4:8"}) ASSERT_EQ(fit("parts", {"--texels", range}).status, 0);
+    write(folder / "parts/t-000000004.srbf", late.substr(0, late.size() / 2));
+    const ProgramRun again = fit("parts", {"--resume"});
+    EXPECT_NE(again.out.find("4 texels fitted"), again.out.npos) << again.out;
+    EXPECT_NE(again.out.find("4 kept"), again.out.npos) << again.out;
+    EXPECT_EQ(contents(folder / "parts/t-000000000.srbf"), early);
+    EXPECT_EQ(contents(folder / "parts/t-000000004.srbf"), late);
+
+    expect_failure(1, {"fit", ".", "--pairs", "p.csv", "-o", "d"},
+                   ".: cannot be read: expected a readable file, found a folder");
+    expect_failure(1, {"fit", "t.npy", "--pairs", ".", "-o", "d"}, "found a folder");
+    expect_failure(1, {"fit", "t.npy", "--pairs", "p.csv", "-o", "p.csv"}, "output: expected a folder, or none yet");
+    expect_failure(1, {"fit", "t.npy", "--pairs", "p.csv", "-o", "/proc/none/d"}, "/proc/none/d: output: ");
 }
 
 /// `count` samples of a smooth BRDF at random directions, as CSV.

@@ -19,7 +19,7 @@ const std::vector<std::vector<std::string>> k_groups{
      "src/result", "include/srbf/picture.h", "include/srbf/progress", "src/progress", "src/reporter"},
     {"src/floating_point", "src/parallel", "src/r_sequence", "src/k_d_tree", "src/least_squares", "include/srbf/file",
      "src/file", "src/npy", "include/srbf/npy", "include/srbf/text"},
-    {"include/srbf/kernel", "src/batch-inl"},
+    {"include/srbf/kernel", "src/batch-inl", "src/fused"},
     {"include/srbf/directions", "src/directions"},
     {"include/srbf/brdf", "include/srbf/bsdf"},
     {"include/srbf/likeness", "src/pictures/likeness", "src/pictures/itp"},

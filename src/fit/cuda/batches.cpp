@@ -13,6 +13,10 @@ Error of_device(const std::string& what) {
     return {"cuda", {}, "device", "one of compute capability 7.5 or more", what, ErrorCode::argument};
 }
 
+Error while_running(const std::string& what) {
+    return {"cuda", {}, "search", "to run on the device", what, ErrorCode::argument};
+}
+
 /// Memory of a device, or of this processor.
 class Buffer {
   public:
@@ -30,7 +34,7 @@ class Buffer {
             memory_ = ::operator new(bytes);
         } else if (const std::string failure = on_device::allocate(bytes, memory_); !failure.empty()) {
             memory_ = nullptr;
-            return of_device(failure);
+            return Error{"cuda", {}, "memory", std::to_string(bytes >> 20) + " MiB", failure, ErrorCode::argument};
         }
         bytes_ = bytes;
         return Done{};
@@ -42,7 +46,7 @@ class Buffer {
             return Done{};
         }
         const std::string failure = on_device::copy_to_device(memory_, from, bytes);
-        return failure.empty() ? Result<Done>(Done{}) : of_device(failure);
+        return failure.empty() ? Result<Done>(Done{}) : while_running(failure);
     }
     Result<Done> read(void* to, std::size_t bytes) const {
         if (!is_cuda_) {
@@ -50,9 +54,10 @@ class Buffer {
             return Done{};
         }
         const std::string failure = on_device::copy_to_host(to, memory_, bytes);
-        return failure.empty() ? Result<Done>(Done{}) : of_device(failure);
+        return failure.empty() ? Result<Done>(Done{}) : while_running(failure);
     }
     template <typename T> T* as() const { return static_cast<T*>(memory_); }
+    std::size_t bytes() const { return bytes_; }
 
   private:
     void release() {
@@ -94,8 +99,8 @@ on_device::Shape shape_of(const Lobes& lobes) {
             lobes.shape.reciprocal};
 }
 
-/// Blocks of a launch; their memory is a few hundred kilobytes each.
-constexpr std::size_t k_blocks = 4096;
+constexpr std::size_t k_blocks = 4096;                            ///< of a launch, at most
+constexpr std::size_t k_emulated_scratch = std::size_t(4) << 20;  ///< bytes of an emulated launch
 
 }  // namespace
 
@@ -107,6 +112,9 @@ struct Batches::State {
     Buffer scratch, numbers, problems;
 
     Result<Done> run(Task task, std::span<DeviceWork> work);
+    /// The number of works from the first on that are launched together.
+    Result<std::size_t> together(std::span<const DeviceWork> work) const;
+    Result<Done> run_all(Task task, std::span<DeviceWork> work);
 };
 
 Result<std::string> cuda_device() {
@@ -192,7 +200,7 @@ Result<Done> Batches::State::run(Task task, std::span<DeviceWork> work) {
         if (const std::string failure =
                 on_device::launch(task, problems.as<const on_device::Problem>(), int(launched.size()));
             !failure.empty())
-            return of_device(failure);
+            return while_running(failure);
     } else {
         std::vector<float> tile(std::size_t(on_device::k_tile * (on_device::k_most_columns + 4)));
         for (const on_device::Problem& problem : launched)
@@ -222,21 +230,34 @@ Result<Done> Batches::State::run(Task task, std::span<DeviceWork> work) {
     return Done{};
 }
 
-namespace {
+// Up to half of the memory that is free is for their scratch memory, some hundred kilobytes to 3 MiB each.
+Result<std::size_t> Batches::State::together(std::span<const DeviceWork> work) const {
+    std::size_t available = k_emulated_scratch;
+    if (is_cuda) {
+        if (const std::string failure = on_device::free_memory(available); !failure.empty())
+            return while_running(failure);
+        available = (available + scratch.bytes()) / 2;
+    }
+    std::size_t count = 0, bytes = 0;
+    for (; count < std::min(work.size(), k_blocks); ++count) {
+        on_device::Memory memory{};
+        bytes += memory.lay_out(shape_of(work[count].lobes), nullptr, nullptr) * sizeof(double);
+        if (count > 0 && bytes > available) break;
+    }
+    return count;
+}
 
-template <typename Run> Result<Done> in_launches(std::span<DeviceWork> work, const Run& run) {
-    for (std::size_t first = 0; first < work.size(); first += k_blocks)
-        if (const auto done = run(work.subspan(first, std::min(k_blocks, work.size() - first))); !done) return done;
+Result<Done> Batches::State::run_all(Task task, std::span<DeviceWork> work) {
+    while (!work.empty()) {
+        const auto count = together(work);
+        if (!count) return count.error();
+        if (const auto done = run(task, work.first(*count)); !done) return done;
+        work = work.subspan(*count);
+    }
     return Done{};
 }
 
-}  // namespace
-
-Result<Done> Batches::optimise(std::span<DeviceWork> work) {
-    return in_launches(work, [&](std::span<DeviceWork> some) { return state_->run(Task::optimise, some); });
-}
-Result<Done> Batches::best_additions(std::span<DeviceWork> work) {
-    return in_launches(work, [&](std::span<DeviceWork> some) { return state_->run(Task::gains, some); });
-}
+Result<Done> Batches::optimise(std::span<DeviceWork> work) { return state_->run_all(Task::optimise, work); }
+Result<Done> Batches::best_additions(std::span<DeviceWork> work) { return state_->run_all(Task::gains, work); }
 
 }  // namespace srbf

@@ -16,26 +16,54 @@
 
 namespace srbf::on_device {
 
-#include "srbf/vec3.inl"
-
-// The built-in functions of GLSL that kernel.glsl uses.
 SRBF_DEVICE inline float exp(float x) { return ::expf(x); }
-SRBF_DEVICE inline float exp2(float x) { return ::exp2f(x); }
-SRBF_DEVICE inline float log(float x) { return ::logf(x); }
-SRBF_DEVICE inline float sqrt(float x) { return ::sqrtf(x); }
-SRBF_DEVICE inline float inversesqrt(float x) { return 1 / ::sqrtf(x); }
-SRBF_DEVICE inline float cos(float x) { return ::cosf(x); }
-SRBF_DEVICE inline float sin(float x) { return ::sinf(x); }
 SRBF_DEVICE inline float min(float a, float b) { return b < a ? b : a; }
 SRBF_DEVICE inline float max(float a, float b) { return a < b ? b : a; }
-SRBF_DEVICE inline float select(bool condition, float a, float b) { return condition ? a : b; }
 SRBF_DEVICE inline double lesser(double a, double b) { return b < a ? b : a; }
 SRBF_DEVICE inline double greater(double a, double b) { return a < b ? b : a; }
+
+#include "srbf/vec3.inl"
+#define SRBF_FUSED SRBF_DEVICE
+#include "fused.inl"
+
+/// A float with the products of SIMD code (batch-inl.h): features are rounded as there, on any processor, so that they
+/// differ only by the elementary functions.
+struct Number {
+    float value;
+    constexpr SRBF_DEVICE Number() : value(0) {}
+    constexpr SRBF_DEVICE Number(float x) : value(x) {}
+    constexpr SRBF_DEVICE explicit Number(double x) : value(float(x)) {}
+
+    friend SRBF_DEVICE Number multiply_add(Number a, Number b, Number c) { return ::fmaf(a.value, b.value, c.value); }
+    friend SRBF_DEVICE Number multiply_subtract(Number a, Number b, Number c) {
+        return ::fmaf(a.value, b.value, -c.value);
+    }
+    friend SRBF_DEVICE Number subtract_product(Number c, Number a, Number b) {
+        return ::fmaf(-a.value, b.value, c.value);
+    }
+    friend SRBF_DEVICE Number product(Number a, Number b) { return a.value * b.value; }
+    friend SRBF_DEVICE Number operator+(Number a, Number b) { return a.value + b.value; }
+    friend SRBF_DEVICE Number operator-(Number a, Number b) { return a.value - b.value; }
+    friend SRBF_DEVICE Number operator-(Number a) { return -a.value; }
+    friend SRBF_DEVICE Product<Number> operator*(Number a, Number b) { return {a, b}; }
+    friend SRBF_DEVICE Scaled<Number> operator*(Number s, Vec3<Number> v) { return {s, v}; }
+    friend SRBF_DEVICE Number operator/(Number a, Number b) { return a.value / b.value; }
+    friend SRBF_DEVICE bool operator<(Number a, Number b) { return a.value < b.value; }
+    friend SRBF_DEVICE Number min(Number a, Number b) { return on_device::min(a.value, b.value); }
+    friend SRBF_DEVICE Number max(Number a, Number b) { return on_device::max(a.value, b.value); }
+    friend SRBF_DEVICE Number log(Number x) { return ::logf(x.value); }
+    friend SRBF_DEVICE Number sqrt(Number x) { return ::sqrtf(x.value); }
+    friend SRBF_DEVICE Number inversesqrt(Number x) { return 1 / ::sqrtf(x.value); }
+};
+// Those of vec3.inl would be for the host only.
+SRBF_DEVICE inline Vec3<Number> operator+(Vec3<Number> a, Vec3<Number> b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+SRBF_DEVICE inline Vec3<Number> operator-(Vec3<Number> a, Vec3<Number> b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+SRBF_DEVICE inline Number dot(Vec3<Number> a, Vec3<Number> b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 template <typename Real> using Triple = Vec3<Real>;
 #define SRBF_FN static SRBF_DEVICE
 #include "srbf/kernel_host.inl"
-using Formula = Formulas<float, PmModel>;
+using Formula = Formulas<Number, PmModel>;
 
 /// The threads of a block. All of them run the same text: what is outside of `each` is the same in every thread, and
 /// only items of `each` write to memory. No item reads what another one of the same loop writes, so that results

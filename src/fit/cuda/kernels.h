@@ -12,6 +12,8 @@ enum class Task { optimise, gains };
 
 // Functions that can fail return an error's text, or an empty one.
 std::string device_name(std::string& name);
+/// Bytes that can be allocated, at least about.
+std::string free_memory(std::size_t& bytes);
 std::string allocate(std::size_t bytes, void*& memory);
 void release(void* memory);
 std::string copy_to_device(void* to, const void* from, std::size_t bytes);

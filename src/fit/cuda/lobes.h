@@ -49,6 +49,7 @@ struct Memory {
     float* tile;  ///< k_tile rows of columns, shared
     double *gram, *by_column, *hessian, *damped, *gradient, *step, *x, *next;
     double *beta, *limit, *offset, *partial, *adapting, *number;
+    float *angle, *weight;  ///< what rows need of x: N times cos, then sin of the angles; J × W weights
 
     static constexpr int k_numbers = 8;
     /// Lays out the parts in `doubles`, or counts them if there are none yet. `most` is the largest shape.
@@ -64,6 +65,9 @@ struct Memory {
         take(gradient, n), take(step, n), take(x, n), take(next, n);
         take(beta, J * k_channels), take(limit, J), take(offset, J), take(adapting, n * J + J * J);
         take(partial, k_lanes * (J > k_channels ? J : k_channels) + 1), take(number, k_numbers);
+        double *angles = nullptr, *weights = nullptr;
+        take(angles, most.variates), take(weights, (J * most.width() + 1) / 2);
+        angle = reinterpret_cast<float*>(angles), weight = reinterpret_cast<float*>(weights);
         return used;
     }
 };
@@ -74,48 +78,57 @@ struct Row {
 };
 
 /// Adds factor times the features of ψ of angle (a, b), and sign times its derivatives.
-SRBF_DEVICE inline void add_variate(const Shape& shape, Vec3<float> wl, Vec3<float> wv, float a, float b, float sign,
+SRBF_DEVICE inline void add_variate(const Shape& shape, Vec3<Number> wl, Vec3<Number> wv, float a, float b, float sign,
                                     float* s, float* by_angle) {
-    const Vec3<float> psi = Formula::psi(wl, wv, a, b), derivative = Formula::psi_by_angle(wl, wv, a, b);
-    const float below = Formula::gaussian_exponent(psi, Vec3<float>(0, 0, 1), 1.f);
+    const Vec3<Number> psi = Formula::psi(wl, wv, a, b), derivative = Formula::psi_by_angle(wl, wv, a, b);
+    const Number below = Formula::gaussian_exponent(psi, Vec3<Number>(0.f, 0.f, 1.f), 1.f);
     if (shape.components == 3) {
-        s[0] += psi.x, s[1] += psi.y;
-        by_angle[0] += sign * derivative.x, by_angle[1] += sign * derivative.y;
+        s[0] += psi.x.value, s[1] += psi.y.value;
+        by_angle[0] += sign * derivative.x.value, by_angle[1] += sign * derivative.y.value;
     }
-    s[shape.components - 1] += below;
-    by_angle[shape.components - 1] += sign * derivative.z;
+    s[shape.components - 1] += below.value;
+    by_angle[shape.components - 1] += sign * derivative.z.value;
 }
 
-/// The features of row i for these variables.
-SRBF_CALLED void features_of(const Shape& shape, const Observed& of, const double* x, int i, Row& row) {
-    const Vec3<float> wl(of.wl[0][i], of.wl[1][i], of.wl[2][i]), wv(of.wv[0][i], of.wv[1][i], of.wv[2][i]);
+/// Keeps what rows need of the variables, in floats.
+SRBF_DEVICE inline void keep(const Block& block, const Shape& shape, const Memory& memory, const double* x) {
+    const int N = shape.variates;
+    block.each(N + shape.lobes * shape.width(), [&](int i) {
+        if (i < N)
+            memory.angle[i] = float(::cos(x[i])), memory.angle[N + i] = float(::sin(x[i]));
+        else
+            memory.weight[i - N] = float(x[i]);
+    });
+}
+/// The features of row i for the variables that are kept.
+SRBF_CALLED void features_of(const Shape& shape, const Observed& of, const Memory& memory, int i, Row& row) {
+    const Vec3<Number> wl(of.wl[0][i], of.wl[1][i], of.wl[2][i]), wv(of.wv[0][i], of.wv[1][i], of.wv[2][i]);
     for (int k = 0; k < shape.directional(); ++k) row.s[k] = row.by_angle[k] = 0;
     for (int n = 0; n < shape.variates; ++n) {
-        const float a = float(::cos(x[n])), b = float(::sin(x[n]));
+        const float a = memory.angle[n], b = memory.angle[shape.variates + n];
         float *s = row.s + n * shape.components, *by_angle = row.by_angle + n * shape.components;
         add_variate(shape, wl, wv, a, b, 1, s, by_angle);
         // The angle of (b, a) is π/2 minus that of (a, b).
         if (shape.reciprocal) add_variate(shape, wl, wv, b, a, -1, s, by_angle);
     }
     const auto further = Formula::pm_further_features(shape.terms, wl, wv);
-    for (int k = 0; k < shape.terms; ++k) row.s[shape.directional() + k] = further.x[k];
+    for (int k = 0; k < shape.terms; ++k) row.s[shape.directional() + k] = further.x[k].value;
 }
 
 /// Σ weight s, with one rounding a term: terms of sharp lobes are large and nearly cancel.
-SRBF_DEVICE inline float exponent(const Shape& shape, const double* weight, const Row& row) {
+SRBF_DEVICE inline float exponent(const Shape& shape, const float* weight, const Row& row) {
     float sum = 0;
-    for (int i = 0; i < shape.width(); ++i) sum = ::fmaf(float(weight[i]), row.s[i], sum);
+    for (int i = 0; i < shape.width(); ++i) sum = ::fmaf(weight[i], row.s[i], sum);
     return sum;
 }
 SRBF_DEVICE inline const double* weights_of(const Shape& shape, const double* x, int j) {
     return x + shape.variates + j * shape.width();
 }
 /// Features and lobes of row i: √w exp(exponent − offset).
-SRBF_CALLED void lobes_of(const Shape& shape, const Observed& of, const Memory& memory, const double* x, int i,
-                          Row& row) {
-    features_of(shape, of, x, i, row);
+SRBF_CALLED void lobes_of(const Shape& shape, const Observed& of, const Memory& memory, int i, Row& row) {
+    features_of(shape, of, memory, i, row);
     for (int j = 0; j < shape.lobes; ++j) {
-        const float above = exponent(shape, weights_of(shape, x, j), row) - float(memory.offset[j]);
+        const float above = exponent(shape, memory.weight + j * shape.width(), row) - float(memory.offset[j]);
         row.lobe[j] = of.root_weight[i] * exp(min(above, 0.f));
     }
 }
@@ -293,14 +306,15 @@ SRBF_DEVICE inline double log_peak_factor(const Shape& shape, const double* weig
 SRBF_CALLED double loss(const Block& block, const Shape& shape, const Observed& of, double log_peak_limit,
                         const Memory& memory, const double* x) {
     const int J = shape.lobes, rows = of.pairs + of.radiances * of.rows_of_radiance;
+    keep(block, shape, memory, x);
     block.each(k_lanes, [&](int lane) {
         Row row;
         float most[k_most_lobes];
         for (int j = 0; j < J; ++j) most[j] = -3.402823466e38f;
         for (int i = lane; i < rows; i += k_lanes) {
             if (!(of.root_weight[i] > 0)) continue;
-            features_of(shape, of, x, i, row);
-            for (int j = 0; j < J; ++j) most[j] = max(most[j], exponent(shape, weights_of(shape, x, j), row));
+            features_of(shape, of, memory, i, row);
+            for (int j = 0; j < J; ++j) most[j] = max(most[j], exponent(shape, memory.weight + j * shape.width(), row));
         }
         for (int j = 0; j < J; ++j) memory.partial[lane * J + j] = double(most[j]);
     });
@@ -314,7 +328,7 @@ SRBF_CALLED double loss(const Block& block, const Shape& shape, const Observed& 
     const int n = J + k_channels;
     gram(block, of, n, memory, [&](int i, float* to) {
         Row row;
-        lobes_of(shape, of, memory, x, i, row);
+        lobes_of(shape, of, memory, i, row);
         for (int j = 0; j < J; ++j) to[j] = row.lobe[j];
         for (int c = 0; c < k_channels; ++c) to[J + c] = of.y[c][i];
     });
@@ -324,7 +338,7 @@ SRBF_CALLED double loss(const Block& block, const Shape& shape, const Observed& 
         Row row;
         double sum = 0;
         for (int i = lane; i < of.pairs; i += k_lanes) {
-            lobes_of(shape, of, memory, x, i, row);
+            lobes_of(shape, of, memory, i, row);
             for (int c = 0; c < k_channels; ++c) {
                 const double rest = double(rest_of(shape, of, memory, row, i, c));
                 sum += rest * rest;
@@ -343,7 +357,7 @@ SRBF_CALLED double loss(const Block& block, const Shape& shape, const Observed& 
             Row row;
             double sum[k_channels] = {};
             for (int i = begin + lane; i < end; i += k_radiance_lanes) {
-                lobes_of(shape, of, memory, x, i, row);
+                lobes_of(shape, of, memory, i, row);
                 for (int c = 0; c < k_channels; ++c) sum[c] += double(rest_of(shape, of, memory, row, i, c));
             }
             for (int c = 0; c < k_channels; ++c) memory.partial[lane * k_channels + c] = sum[c];
@@ -390,7 +404,7 @@ SRBF_CALLED void linearise(const Block& block, const Shape& shape, const Observe
               D = shape.derivatives(), all = shape.columns();
     gram(block, of, all, memory, [&](int i, float* to) {
         Row row;
-        lobes_of(shape, of, memory, x, i, row);
+        lobes_of(shape, of, memory, i, row);
         for (int j = 0; j < J; ++j)
             for (int k = 0; k < W; ++k) to[j * W + k] = row.lobe[j] * row.s[k];
         for (int s = 0; s < shape.sums(); ++s)

@@ -6,6 +6,7 @@ namespace {
 const std::string k_without = "this build has no CUDA";
 }
 std::string device_name(std::string&) { return k_without; }
+std::string free_memory(std::size_t&) { return k_without; }
 std::string allocate(std::size_t, void*&) { return k_without; }
 void release(void*) {}
 std::string copy_to_device(void*, const void*, std::size_t) { return k_without; }

@@ -154,7 +154,7 @@ SRBF_DEVICE inline void gains_of_additions(const Block& block, const Problem& pr
         block.each(count, [&](int r) {
             Row row;
             const int i = first + r;
-            lobes_of(shape, of, memory, problem.x, i, row);
+            lobes_of(shape, of, memory, i, row);
             float* const to = memory.tile + r * stride;
             for (int k = 0; k < W; ++k) to[k] = row.s[k];
             for (int j = 0; j < J; ++j) to[W + j] = row.lobe[j];

@@ -52,7 +52,9 @@ struct Language {
     std::string_view opening = {};   ///< what definitions require
     bool is_guarded = true;          ///< by #ifndef
     bool types_follow = false;       ///< name: type, let and var, array<type, size>, and select() for ?:
-    bool is_c = false;               ///< no operators on structures, no bool, and a table is a function
+    bool is_c = false;               ///< typedef struct, casts, and numbers for true and false
+    std::string_view vector = {};    ///< makes a Vec3, if its name does not
+    bool has_operators = true;       ///< on vectors; if not, functions, and a table is one too
     bool reads_buffers = true;       ///< a function without parameters may read what the host supplies
 };
 
@@ -100,7 +102,9 @@ const Language& row_of(CodeLanguage language) {
                    "    return numbers[i];\n}}\n",
           .suffix = "f",
           .opening = k_opening_of_c,
-          .is_c = true}},
+          .is_c = true,
+          .vector = "srbf_vec3_of",
+          .has_operators = false}},
     };
     return rows.at(language);
 }
@@ -190,19 +194,19 @@ std::string Printer::declaration(const Type& type, const std::string& name) cons
 }
 
 std::string Printer::call_text(const Expression& of) {
-    const bool is_c = row_of(language_).is_c;
+    const Language& language = row_of(language_);
     std::string arguments;
     for (const Expression& argument : of.parts)
         arguments += (arguments.empty() ? "" : ", ") + expression_text(argument);
-    if (is_c && (of.text == "Real" || of.text == "int"))
-        return fmt::format("({})({})", type_text({of.text, ""}), arguments);
-    const std::string name = type_text({of.text, ""}) + (is_c && of.text == "Vec3" ? "_of" : "");
+    const std::string name = type_text({of.text, ""});
+    if (language.is_c && (of.text == "Real" || of.text == "int")) return fmt::format("({})({})", name, arguments);
+    if (of.text == "Vec3" && !language.vector.empty()) return fmt::format("{}({})", language.vector, arguments);
     return fmt::format("{}({})", name, arguments);
 }
 
 std::string Printer::binary_text(const Expression& of, int outside) {
     const Expression &left = of.parts[0], &right = of.parts[1];
-    if (row_of(language_).is_c && of.type.name == "Vec3") {
+    if (!row_of(language_).has_operators && of.type.name == "Vec3") {
         const char* name = of.text == "+" ? "add" : of.text == "-" ? "subtract" : "scale";
         const bool swapped = of.text == "*" && left.type.name == "Vec3";
         std::string first = expression_text(swapped ? right : left), second = expression_text(swapped ? left : right);
@@ -232,11 +236,11 @@ std::string Printer::expression_text(const Expression& of, int outside) {
             // the host supplies is one in every language.
             const bool is_table = of.parts[0].kind == EKind::name && names_.contains(of.parts[0].text);
             const bool is_supplied = of.parts[0].type.size.empty();
-            const char* brackets = is_table && (language.is_c || is_supplied) ? "()" : "[]";
+            const char* brackets = is_table && (!language.has_operators || is_supplied) ? "()" : "[]";
             return part(0, 9) + brackets[0] + part(1) + brackets[1];
         }
         case EKind::unary:
-            if (language.is_c && of.type.name == "Vec3") return fmt::format("srbf_scale(-1.0f, {})", part(0));
+            if (!language.has_operators && of.type.name == "Vec3") return fmt::format("srbf_scale(-1.0f, {})", part(0));
             return of.text + part(0, 8);
         case EKind::binary:
             return binary_text(of, outside);

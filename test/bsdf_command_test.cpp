@@ -83,8 +83,11 @@ TEST_F(OfShade, is_compared_converted_and_exported) {
     expect_failure(1, {"export", "shade.srbf", "--to", "html", "--reference", "shade.xml", "-o", "x.html"},
                    "expected a measurement of a BRDF");
     for (const char* function :
-         {"shade_reflection_front_brdf", "shade_reflection_back_brdf", "shade_transmission_front_brdf"})
+         {"shade_bsdf(", "shade_beam(", "shade_reflection_front_brdf", "shade_transmission_front_brdf"})
         EXPECT_NE(code.find(function), std::string::npos) << function;
+    EXPECT_EQ(code.find("shade_sample("), std::string::npos);
+    ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "three", "-o", "shade.js"}).status, 0);
+    EXPECT_NE(contents(folder / "shade.js").find("class ShadeTransmissionFrontMaterial"), std::string::npos);
 }
 
 TEST_F(OfShade, lets_light_into_a_room) {

@@ -160,19 +160,11 @@ Result<std::string> ExportCommand::page(const std::vector<Subject>& models,
     page.title = stem(files[0]);
     page.generator = "Written by srbf " SRBF_VERSION ". This page is one file and asks nothing of the network.";
     page.table.push_back({"bytes", "", {}});
-    std::vector<Subject> brdfs;
     for (const Subject& model : models) {
-        const auto* bsdf = std::get_if<BsdfModel>(&std::get<Model>(model.content).model);
-        for (std::size_t p = 0; bsdf && p < k_parts; ++p)  // each part is a material
-            if (bsdf->part[p])
-                brdfs.push_back({fmt::format("{}_{}.srbf", stem(model.path), k_part_names[p]), *bsdf->part[p]});
-        if (!bsdf) brdfs.push_back(model);
-    }
-    for (const Subject& model : brdfs) {
         page.materials.push_back(shown(model));
         page.table[0].cells.push_back(grouped(payload_bytes(std::get<Model>(model.content))));
     }
-    if (measured) add_reference(page, *measured, brdfs);
+    if (measured) add_reference(page, *measured, models);
     return page_html(page);
 }
 

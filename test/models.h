@@ -66,4 +66,14 @@ inline BsdfModel full_bsdf(double most_bandwidth = 30) {
     return bsdf;
 }
 
+/// Lambert and GGX, other in each part.
+inline BsdfModel rough_bsdf() {
+    BsdfModel bsdf;
+    for (std::size_t p = 0; p < k_parts; ++p)
+        bsdf.part[p] = std::make_shared<const Model>(
+            Model{GgxModel{{0.1f, 0.2f, 0.1f * float(p)}, {{0.4f, {0.5f, 0.1f * float(p), 0.1f}, 1}}}, {}});
+    bsdf.beam[2] = {{0.f}, {{0.3f, 0.2f, 0.1f}}};
+    return bsdf;
+}
+
 }  // namespace srbf

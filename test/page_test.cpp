@@ -41,14 +41,15 @@ Page all_kinds() {
     parabolic.index = index_texture(parabolic, DirectionMap::parabolic, 64);
     plain.index = index_texture(plain, DirectionMap::cube, 32);
     static const GgxModel ggx{{0.1f, 0.2f, 0.4f}, {{0.1f, {0.1f, 0.05f, 0.02f}, 0.9f}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}};
+    static const Model bsdf{rough_bsdf(), {}};
     Page page;
     page.title = "<every> kind";
     page.generator = "test";
     for (const Material& material :
-         std::initializer_list<Material>{table, lobes, general, by_view, plain, parabolic, ggx}) {
+         std::initializer_list<Material>{table, lobes, general, by_view, plain, parabolic, ggx, rough_bsdf()}) {
         const auto i = page.materials.size();
-        page.materials.push_back(
-            {fmt::format("m{} & <b>", i), "kind", material, evaluator(ggx), i > 0 ? "numbers" : ""});
+        page.materials.push_back({fmt::format("m{} & <b>", i), "kind", material,
+                                  is_two_sided(material) ? evaluator(bsdf) : evaluator(ggx), i > 0 ? "numbers" : ""});
     }
     page.table.push_back({"bytes", "how many", std::vector<std::string>(page.materials.size(), "1")});
     return page;
@@ -90,6 +91,9 @@ TEST(Page, HoldsItsShadersAndNothingFromOutside) {
     EXPECT_EQ(count(single, "<canvas"), 1u);
     EXPECT_EQ(count(single, "<button type='button' data-show"), 0u);
     EXPECT_EQ(count(single, "material differs"), 0u);
+    // A light behind is for what light passes through.
+    EXPECT_EQ(count(html, "name='behind'"), 1u);
+    EXPECT_EQ(count(single, "name='behind'"), 0u);
 }
 
 /// The points of the drawing's curves.
@@ -240,7 +244,9 @@ Image8 environment_picture(const Json& of, const PageMaterial& material, Dialect
     auto shaded = RasterMaterial::make(*material.material, {.dialect = dialect, .environment = true});
     if (!light || !surface || !shaded) return ADD_FAILURE(), Image8(width, height);
     const auto* general = std::get_if<PmModel>(&*material.material);
-    shaded->set_proposal(propose(material.brdf, {.azimuths = general && !general->axial ? k_anisotropic_azimuths : 1}));
+    const ProposeOptions options{.azimuths = general && !general->axial ? k_anisotropic_azimuths : 1};
+    shaded->set_proposal(is_two_sided(*material.material) ? propose_parts(material.brdf, options)
+                                                          : Proposals(propose(material.brdf, options)));
     auto mean = RasterMean::make(*surface);
     if (!mean) return ADD_FAILURE(), Image8(width, height);
     const RasterMesh mesh(page_mesh(std::string(scene["mesh"])));
@@ -348,10 +354,18 @@ TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
     EXPECT_EQ(of_first["knot"]["scene"]["mesh"], "knot");
     EXPECT_EQ(of_first["knot"]["scene"]["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
     EXPECT_TRUE(pixels["again"] == pixels["opened"]);
+    // The light behind the object is beyond the plane through its middle, and is seen through it.
+    EXPECT_EQ(count["behind"], 1);
+    const Json behind = of_first["behind"]["scene"];
+    double facing = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+        facing += double(behind["directions"][k]) * (double(behind["eye"][k]) - double(behind["target"][k]));
+    EXPECT_LT(facing, 0);
+    EXPECT_EQ(behind["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
     EXPECT_NE(of_first["phone"]["scene"]["eye"], of_first["swiped"]["scene"]["eye"]);
 
     // Under an environment.
-    EXPECT_EQ(count["studio"], 4);
+    EXPECT_EQ(count["studio"], 5);
     EXPECT_EQ(of_first["studio"]["scene"]["irradiances"], Json(std::vector<int>(9, 0)));
     EXPECT_EQ(of_first["studio turned"]["scene"]["eye"], of_first["studio"]["scene"]["eye"]);
     EXPECT_GT(double(of_first["studio turned"]["scene"]["turned"]), 0.1);

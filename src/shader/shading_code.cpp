@@ -237,6 +237,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(variates)},
                                                {"SRBF_TERMS", std::to_string(terms)},
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
+                                               {"MIXTURE_FIRST", "0"},
                                                {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
     const bool is_mixture = options.sampling || options.albedo;
     const MixtureText mixture = is_mixture ? mixture_of(model, options, program) : MixtureText{};

@@ -38,7 +38,7 @@ std::string kind_of(const Subject& subject) {
 }
 
 PageMaterial shown(const Subject& subject) {
-    PageMaterial of{stem(subject.path), kind_of(subject), {}, evaluator(subject), {}};
+    PageMaterial of{stem(subject.path), kind_of(subject), {}, evaluator(subject), is_two_sided(subject.content), {}};
     if (const auto* model = std::get_if<Model>(&subject.content)) {
         of.material = material_of(*model);
         of.parameters = parameters_text(*model);

@@ -198,15 +198,34 @@ std::string choices_of(const Page& page) {
         "<button type='button' data-show='all' aria-pressed='true'>Side by side</button>\n{}</div>\n",
         buttons);
 }
+bool plots_both_sides(const Page& page) { return std::ranges::any_of(page.materials, &PageMaterial::both_sides); }
+/// What the plots show.
+std::string slices_lead_of(const Page& page) {
+    const std::string scale =
+        plots_both_sides(page)
+            ? "How bright the surface is from each viewing angle, all around: the front above, the back below, for "
+              "light on either side. Every ring is ten times the one within. Light that passes "
+              "unscattered has no width and is not drawn."
+            : "How bright the surface is from each viewing angle, for four positions of the light, on a scale "
+              "where every line is ten times the one below it. The peak is the highlight.";
+    if (page.materials.size() < 2) return scale;
+    return fmt::format("{} Where a thin line leaves the thick black one ({}), that material differs.", scale,
+                       html_escaped(page.materials[0].name));
+}
 std::string slices_of(const Page& page) {
     std::vector<SliceCurve> curves;
     std::string html = "<p class='legend'>";
     for (std::size_t i = 0; i < page.materials.size(); ++i) {
-        curves.push_back({page.materials[i].name, colour_of(i), page.materials[i].brdf});
+        curves.push_back({page.materials[i].name, colour_of(i), page.materials[i].brdf, page.materials[i].both_sides});
         html += fmt::format("<span>{}</span> ", label_of(page, i));
     }
     html += "</p>\n<div class='slices'>\n";
-    for (const double theta : k_slice_theta) html += slice_drawing(curves, theta * k_degree);
+    const bool both_sides = plots_both_sides(page);
+    for (const double theta : k_slice_theta)
+        html += both_sides ? lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic)
+                           : slice_drawing(curves, theta * k_degree);
+    for (const double theta : k_slice_theta_behind)
+        if (both_sides) html += lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic);
     return html + "</div>";
 }
 std::string table_of(const Page& page) {
@@ -285,10 +304,7 @@ std::string page_html(const Page& page) {
         {"choices", choices_of(page)},
         {"behind", shows_both_sides(page) ? "<button type='button' name='behind'>Light from behind</button>\n" : ""},
         {"picture_note", note(page.picture_note)},
-        {"slices_lead", page.materials.size() < 2
-                            ? ""
-                            : fmt::format(" Where a thin line leaves the thick black one ({}), that material differs.",
-                                          html_escaped(page.materials[0].name))},
+        {"slices_lead", slices_lead_of(page)},
         {"slices", slices_of(page)},
         {"table", table_of(page)},
         {"table_note", note(page.table_note)},

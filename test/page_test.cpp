@@ -49,7 +49,8 @@ Page all_kinds() {
          std::initializer_list<Material>{table, lobes, general, by_view, plain, parabolic, ggx, rough_bsdf()}) {
         const auto i = page.materials.size();
         page.materials.push_back({fmt::format("m{} & <b>", i), "kind", material,
-                                  is_two_sided(material) ? evaluator(bsdf) : evaluator(ggx), i > 0 ? "numbers" : ""});
+                                  is_two_sided(material) ? evaluator(bsdf) : evaluator(ggx), false,
+                                  i > 0 ? "numbers" : ""});
     }
     page.table.push_back({"bytes", "how many", std::vector<std::string>(page.materials.size(), "1")});
     return page;
@@ -169,6 +170,53 @@ TEST(Slices, LobesReachAsFarAsTheyAreBright) {
     EXPECT_PRED3(near, logarithmic[0], linear[0], 0.2);
     EXPECT_PRED3(near, logarithmic[1], (1 - std::log10(2)) * linear[0], 0.2);
     EXPECT_PRED3(near, logarithmic[2], 0, 0.2);
+}
+
+TEST(Slices, OfBothSidesGoAllAround) {
+    // 10 is reflected at the front, 5 at the back, 0.1 transmitted to the back and 1 to the front.
+    const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
+        constexpr float of_part[] = {10, 5, 0.1f, 1};
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            const float value = of_part[std::size_t(folded(wl[i], wv[i])->part)];
+            out[i] = {value, value, value};
+        }
+    };
+    const SliceCurve plotted[] = {{"a", "red", f, true}};
+    const double x0 = 180, y0 = 186, radius = 140;
+    const auto radii = [&](double theta, LobeScale scale) {  // above and below
+        std::array<double, 2> all{};
+        std::array<int, 2> points{};
+        for (const auto& curve : curves_of(lobe_drawing(plotted, theta, scale)))
+            for (const auto& [x, y] : curve) {
+                if (std::abs(y - y0) < 0.1) continue;  // rounded onto the surface
+                const std::size_t side = y > y0;
+                const double r = std::hypot(x - x0, y - y0);
+                if (points[side]++ == 0) all[side] = r;
+                EXPECT_PRED3(near, r, all[side], 0.2);
+            }
+        EXPECT_GT(points[0], 4);
+        return all;
+    };
+    const auto front = radii(0.5, LobeScale::linear), back = radii(k_pi - 0.5, LobeScale::linear);
+    EXPECT_PRED3(near, front[0], radius, 0.2);
+    EXPECT_PRED3(near, front[1], 0.01 * radius, 0.2);
+    EXPECT_PRED3(near, back[1], radius, 0.2);
+    EXPECT_PRED3(near, back[0], 0.2 * radius, 0.2);
+    // Two decades apart, and one more from the smallest to the centre.
+    EXPECT_PRED3(near, radii(0.5, LobeScale::logarithmic)[1], radius / 3, 0.5);
+    const LuminanceSlice slice = luminance_slice(f, 0.5, true);
+    EXPECT_TRUE(std::ranges::is_sorted(slice.degrees));
+    EXPECT_EQ(slice.degrees.front(), -89);
+    EXPECT_EQ(slice.degrees.back(), 269);
+    EXPECT_EQ(luminance_slice(f, 0.5).degrees.back(), 89);
+
+    Page page;
+    page.title = page.generator = "both";
+    page.materials.push_back({"shade", "kind", {}, f, true, ""});
+    page.table.push_back({"bytes", "", {"1"}});
+    const std::string html = page_html(page);
+    EXPECT_EQ(count(html, "<svg class='slice lobes'"), k_slice_theta.size() + k_slice_theta_behind.size());
+    EXPECT_EQ(count(html, "all around"), 1u);
 }
 
 TEST(Charts, AreLogarithmicInBothDirections) {

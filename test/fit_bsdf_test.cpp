@@ -127,6 +127,17 @@ TEST(FitBsdf, AveragesOverPatches) {
     EXPECT_LT(of_fit, 0.2 * of_patches);
 }
 
+/// What fits one side refuses both.
+TEST(FitBsdf, IsAskedForByName) {
+    const auto shade = read_measured(as_bytes(small_shade()), "shade.xml");
+    ASSERT_TRUE(shade.ok()) << message(shade.error());
+    const std::string expected = "fit: measurement: expected one of a BRDF, found one of both sides, for fit_bsdf";
+    const auto fitted = fit(*shade, {});
+    ASSERT_FALSE(fitted.ok());
+    EXPECT_EQ(message(fitted.error()), expected);
+    EXPECT_EQ(message(Fitter(*shade).draft({}, 0).error()), expected);
+}
+
 TEST(FitBsdf, SmallShade) {
     const std::string text = small_shade();
     const auto measured = read_measured(as_bytes(text), "f");

@@ -74,9 +74,10 @@ void Readings::draw_measures(const Session& session) const {
     const bool is_scattered = measured && std::holds_alternative<ScatteredSamples>(measured->table);
     ImGui::TextColored(k_hint, "%s",
                        fmt::format("Errors within {:.0f}\xC2\xB0, against {}", session.max_theta() / k_degree,
-                                   is_scattered ? "samples; albedo: completed ones"
-                                   : measured   ? "measured"
-                                                : "the reference")
+                                   is_scattered                                    ? "samples; albedo: completed ones"
+                                   : reference && is_two_sided(reference->content) ? "the front's reflection"
+                                   : measured                                      ? "measured"
+                                                                                   : "the reference")
                            .c_str());
     if (!fitted) return ImGui::Text("none yet");
     if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_SizingStretchProp)) {

@@ -21,6 +21,7 @@ struct ExportCommand {
     int run() const;
     Result<std::string> page(const std::vector<Subject>& models, const std::optional<Subject>& measured) const;
     std::vector<NamedModel> named(const std::vector<Subject>& models) const;
+    static std::vector<NamedModel> with_parts(const std::vector<NamedModel>& named);
     Result<std::string> code(const std::vector<NamedModel>& named) const;
     std::string data_path(const NamedModel& of) const;
 };
@@ -32,12 +33,12 @@ std::string kind_of(const Subject& subject) {
     if (const auto* measured = std::get_if<Measured>(&subject.content))
         return fmt::format("{}, {} bytes", measured->format, grouped(measured->bytes));
     const Model& model = std::get<Model>(subject.content);
-    constexpr std::array<const char*, 3> names{"multivariate", "view by view", "Lambert and GGX"};
+    constexpr std::array<const char*, 4> names{"multivariate", "view by view", "Lambert and GGX", "both sides"};
     return fmt::format("{}, {} bytes", names[model.model.index()], grouped(payload_bytes(model)));
 }
 
 PageMaterial shown(const Subject& subject) {
-    PageMaterial of{stem(subject.path), kind_of(subject), {}, evaluator(subject), {}};
+    PageMaterial of{stem(subject.path), kind_of(subject), {}, evaluator(subject), is_two_sided(subject.content), {}};
     if (const auto* model = std::get_if<Model>(&subject.content)) {
         of.material = material_of(*model);
         of.parameters = parameters_text(*model);
@@ -121,11 +122,7 @@ int ExportCommand::run() const {
         auto subject = load(file);
         if (!subject) return complain(subject.error());
         if (!subject->is_model()) return complain({file, {}, "input", "a model", "a measurement (see --reference)"});
-        const auto* bsdf = std::get_if<BsdfModel>(&std::get<Model>(subject->content).model);
-        for (std::size_t p = 0; bsdf && p < k_parts; ++p)  // each part is a model of its own
-            if (bsdf->part[p])
-                models.push_back({fmt::format("{}_{}.srbf", stem(file), k_part_names[p]), *bsdf->part[p]});
-        if (!bsdf) models.push_back(*std::move(subject));
+        models.push_back(*std::move(subject));
     }
     std::optional<Subject> measured;
     if (!reference.empty()) {
@@ -138,15 +135,16 @@ int ExportCommand::run() const {
         measured = *std::move(subject);
     }
     const bool is_page = to == "html";
-    const std::vector<NamedModel> all = named(models);
+    const std::vector<NamedModel> all = named(models), brdfs = with_parts(all);
     std::vector<std::string> outputs{output};
-    for (const NamedModel& of : all)
+    for (const NamedModel& of : brdfs)
         if (!is_page && std::holds_alternative<SuModel>(of.model->model)) outputs.push_back(data_path(of));
     if (const auto writable = check_outputs(inputs, outputs); !writable) return complain(writable.error());
 
-    const auto text = is_page ? page(models, measured) : code(all);
+    // three.js has no light behind a surface: each part is a material.
+    const auto text = is_page ? page(models, measured) : code(to == "three" ? brdfs : all);
     if (!text) return complain(text.error());
-    for (const NamedModel& of : all)
+    for (const NamedModel& of : brdfs)
         if (const auto* su = std::get_if<SuModel>(&of.model->model); su && !is_page) {
             const std::vector<float> data = shading_data(*su);
             if (const auto written = write_file(data_path(of), std::as_bytes(std::span(data))); !written)
@@ -185,6 +183,18 @@ std::vector<NamedModel> ExportCommand::named(const std::vector<Subject>& models)
     return named;
 }
 
+/// The same with a BSDF's parts in its place, as in its code.
+std::vector<NamedModel> ExportCommand::with_parts(const std::vector<NamedModel>& named) {
+    std::vector<NamedModel> all;
+    for (const NamedModel& of : named) {
+        const auto* bsdf = std::get_if<BsdfModel>(&of.model->model);
+        if (!bsdf) all.push_back(of);
+        for (std::size_t p = 0; bsdf && p < k_parts; ++p)
+            if (bsdf->part[p]) all.push_back({fmt::format("{}_{}", of.name, k_part_names[p]), bsdf->part[p].get()});
+    }
+    return all;
+}
+
 /// Where the numbers of a view-by-view model go, beside the code.
 std::string ExportCommand::data_path(const NamedModel& of) const {
     return (std::filesystem::path(output).parent_path() / (of.name + ".data")).string();
@@ -217,9 +227,9 @@ void add_export(CommandLine& app, int& status) {
                "{}: source code with functions NAME_brdf of each model, named by its file, and\n"
                "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
                "three: a module for three.js with a class NAMEMaterial of each model.\n"
-               "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF each part is a "
-               "model,\n"
-               "as NAME_transmission_front: it takes both directions above the horizon, those at the back mirrored",
+               "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF the functions are\n"
+               "NAME_bsdf, of directions on either side, and NAME_beam, the share of light that passes unscattered;\n"
+               "for three.js each of its parts is a material",
                fmt::join(languages, ", ")))
         .type_name("KIND")
         .required()

@@ -199,13 +199,6 @@ Result<Measured> load_measured(FileFit& fit) {
 }
 
 Result<FitOutcome> fit_measured(const Measured& measured, const FileFit& fit, const ProgressToken& progress) {
-    if (std::holds_alternative<BsdfTable>(measured.table))
-        return Error{fit.input,
-                     {},
-                     "measurement",
-                     "one of reflection among several",
-                     "both sides, to be fitted alone",
-                     ErrorCode::wrong_kind};
     auto outcome = srbf::fit(measured, fit.request, progress);
     if (!outcome) {
         Error error = outcome.error();

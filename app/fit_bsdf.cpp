@@ -12,9 +12,8 @@
 #include "srbf/directions.h"
 
 namespace srbf {
-namespace {
 
-Json json_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome) {
+Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome) {
     Json json{{"source", fit.input},
               {"source_format", measured.format},
               {"source_bytes", measured.bytes},
@@ -43,6 +42,8 @@ Json json_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& ou
     }
     return json;
 }
+
+namespace {
 
 /// The largest errors of directional-hemispherical sums.
 std::string text_of(const std::vector<Hemispherical>& sums) {
@@ -86,14 +87,12 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
 
 }  // namespace
 
-int fit_both_sides(const FileFit& fit, const Measured& measured) {
-    ProgressLine line;
-    auto outcome =
-        fit_bsdf(measured, fit.request, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
+Result<BsdfOutcome> fit_sides(const Measured& measured, const FileFit& fit, const ProgressToken& progress) {
+    auto outcome = fit_bsdf(measured, fit.request, progress);
     if (!outcome) {
         Error error = outcome.error();
         error.source = fit.input;
-        return line.clear(), complain(error);
+        return error;
     }
     auto& provenance = outcome->model.provenance;
     provenance["generator"] = "srbf " SRBF_VERSION;
@@ -103,7 +102,15 @@ int fit_both_sides(const FileFit& fit, const Measured& measured) {
     if (fit.exchange) provenance["exchanged"] = "light and viewer of the source";
     for (const PartFit& part : outcome->parts)
         provenance[fmt::format("error_ratio_of_{}", name(part.part))] = fmt::format("{:.4g}", part.squared_error_ratio);
+    return outcome;
+}
+
+int fit_both_sides(const FileFit& fit, const Measured& measured) {
+    ProgressLine line;
+    const auto outcome =
+        fit_sides(measured, fit, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
     line.clear();
+    if (!outcome) return complain(outcome.error());
     if (!fit.preview.empty()) {
         PreviewOptions options;
         options.threads = fit.request.threads;
@@ -113,7 +120,7 @@ int fit_both_sides(const FileFit& fit, const Measured& measured) {
     }
     if (const auto written = save_model(outcome->model, fit.output); !written) return complain(written.error());
     if (!fit.json.empty())
-        if (const auto written = write_json(json_of(fit, measured, *outcome), fit.json); !written)
+        if (const auto written = write_json(report_of(fit, measured, *outcome), fit.json); !written)
             return complain(written.error());
     if (fit.json == "-") return k_done;
     const auto printed = print(fit, measured, *outcome);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <thread>
@@ -18,17 +19,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is kept of a fit: the numbers of its line. A report without one of them is not whole.
+constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
+
+/// What is kept of a fit: the numbers of its line. A report without one of them is not whole; of both sides there is
+/// the largest error of a part alone, which is weighted by both cosines like that of images.
 struct Line {
     std::size_t bytes = 0;
-    double image_error = 0, raw_error = 0, delta_e = 0, seconds = 0;
+    double image_error = 0, raw_error = k_none, delta_e = k_none, seconds = 0;
 };
 std::optional<Line> line_of(const Json& report) {
     const auto number = [](const Json& of, const char* key) {
         const auto at = of.find(key);
         return at != of.end() && at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
     };
-    const auto pictures = report.is_object() ? report.find("pictures") : report.end();
+    if (!report.is_object()) return {};
+    if (const auto parts = report.find("parts"); parts != report.end() && parts->is_array()) {
+        const auto bytes = number(report, "payload_bytes"), seconds = number(report, "fit_seconds");
+        if (!bytes || !seconds) return {};
+        Line line{.bytes = std::size_t(*bytes), .seconds = *seconds};
+        for (const Json& part : *parts) {
+            const auto error = part.is_object() ? number(part, "squared_error_ratio") : std::nullopt;
+            if (!error) return {};
+            line.image_error = std::max(line.image_error, *error);
+        }
+        return line;
+    }
+    const auto pictures = report.find("pictures");
     if (pictures == report.end() || !pictures->is_object()) return {};
     const auto bytes = number(report, "payload_bytes"), seconds = number(report, "fit_seconds"),
                image = number(report, "heldout_squared_error_ratio_cosine"),
@@ -63,16 +79,19 @@ Result<State> fit_one(Material& of, const FolderFit& all, const ProgressToken& p
 
     const auto measured = load_measured(of.fit);
     if (!measured) return measured.error();
-    const auto outcome = fit_measured(*measured, of.fit, progress);
-    if (!outcome) return outcome.error();
-    std::error_code none;
-    fs::remove(of.fit.json, none);  // that of another model
-    if (const auto saved = save_model(outcome->model, of.fit.output); !saved) return saved.error();
-    Json report = report_of(of.fit, *measured, *outcome);
-    report["key"] = key;
-    if (const auto written = write_json(report, of.fit.json); !written) return written.error();
-    of.line = line_of(report).value_or(Line{});
-    return State::fitted;
+    const auto keep = [&](const auto& outcome) -> Result<State> {
+        if (!outcome) return outcome.error();
+        std::error_code none;
+        fs::remove(of.fit.json, none);  // that of another model
+        if (const auto saved = save_model(outcome->model, of.fit.output); !saved) return saved.error();
+        Json report = report_of(of.fit, *measured, *outcome);
+        report["key"] = key;
+        if (const auto written = write_json(report, of.fit.json); !written) return written.error();
+        of.line = line_of(report).value_or(Line{});
+        return State::fitted;
+    };
+    if (std::holds_alternative<BsdfTable>(measured->table)) return keep(fit_sides(*measured, of.fit, progress));
+    return keep(fit_measured(*measured, of.fit, progress));
 }
 
 void print_line(const Material& of) {
@@ -80,8 +99,9 @@ void print_line(const Material& of) {
         fmt::print(stderr, "srbf: {}\n", of.error);
         return;
     }
-    fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10.3g}{:>10}\n", of.name, of.line.bytes, percent(of.line.image_error),
-               percent(of.line.raw_error), of.line.delta_e,
+    const bool both_sides = std::isnan(of.line.raw_error);
+    fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10}{:>10}\n", of.name, of.line.bytes, percent(of.line.image_error),
+               both_sides ? "-" : percent(of.line.raw_error), both_sides ? "-" : fmt::format("{:.3g}", of.line.delta_e),
                of.state == State::kept ? "kept" : fmt::format("{:.2f}", of.line.seconds));
 }
 
@@ -90,7 +110,7 @@ void print_summary(const FolderFit& all, const std::vector<Material>& materials,
     const auto summary = [&](const char* title, double Line::*member, bool is_ratio) {
         std::vector<double> sorted;
         for (const Material& of : materials)
-            if (of.state != State::failed) sorted.push_back(of.line.*member);
+            if (of.state != State::failed && !std::isnan(of.line.*member)) sorted.push_back(of.line.*member);
         if (sorted.empty()) return;
         std::ranges::sort(sorted);
         const auto shown = [&](double x) { return is_ratio ? percent(x) : fmt::format("{:.3g}", x); };

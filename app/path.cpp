@@ -47,9 +47,10 @@ void PathCommand::add_options(const Subcommand& sub) {
                    "Environment map, a .hdr or .exr file, or studio (default of path) or none (default of raster)")
         .type_name("FILE");
     sub.add_option("--lights", lights,
-                   "Further lights: three (directional; default without environment), softbox (path: a square) or none")
+                   "Further lights: three (directional; default without environment), behind (one behind the object,\n"
+                   "for what light passes through), softbox (path: a square) or none")
         .type_name("NAME")
-        .one_of({"none", "three", "softbox"});
+        .one_of({"none", "three", "behind", "softbox"});
     sub.add_option("--spp", samples,
                    "Samples per pixel, 1 to 1048576: paths, or of raster (64; 4 without environment) directions")
         .type_name("S")
@@ -88,6 +89,7 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
     PathScene paths{{{&scene.mesh, 0}}, {}, scene.camera, {}, {}, light ? &*light : nullptr};
     if (!no_ground) paths.bodies.push_back({&floor, 1});
     if (lights == "three" || (lights.empty() && !light)) paths.lights = scene.lights;
+    if (lights == "behind") paths.lights = {light_behind(scene.camera)};
     if (lights == "softbox") paths.area_lights = {softbox(scene)};
     const Room behind_shade = room();
     std::vector<PreparedBsdf> others{diffuse(k_ground)};

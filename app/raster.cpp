@@ -1,5 +1,6 @@
 #include "app/raster.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "render/raster.h"
@@ -41,17 +42,41 @@ MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size) {
     return table;
 }
 
+namespace {
+/// The parts that there are as tables.
+BsdfTables tables_of(const AnyBrdf& bsdf, const Evaluate& values, const Beams& beams) {
+    BsdfTables tables{{}, beams};
+    for (std::size_t p = 0; p < k_parts; ++p)
+        if (has_part(bsdf, Part(p)))
+            tables.part[p] = std::make_shared<const MerlTable>(table_of(part_of(values, Part(p)), k_bsdf_table));
+    return tables;
+}
+}  // namespace
+
+Material material_of(const Model& model) {
+    const auto* bsdf = std::get_if<BsdfModel>(&model.model);
+    const bool by_view = bsdf && std::ranges::any_of(bsdf->part, [](const auto& part) {
+                             return part && std::holds_alternative<SuModel>(part->model);
+                         });
+    if (by_view) return tables_of(model, evaluator(model), bsdf->beam);
+    return std::visit([](const auto& of) { return Material(of); }, model.model);
+}
+
 Result<Material> material_of(const Subject& subject) {
     if (const auto* model = std::get_if<Model>(&subject.content)) return material_of(*model);
     const Measured& measured = std::get<Measured>(subject.content);
     if (const auto* table = std::get_if<MerlTable>(&measured.table)) return Material(*table);
     if (!is_isotropic(measured))
         return Error{subject.path, {}, "measurement for the renderer raster", "an isotropic one", "an anisotropic one"};
+    if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table))
+        return Material(tables_of(subject.content, evaluator(subject), bsdf->band().beam));
     return Material(table_of(evaluator(subject)));
 }
 
-MixtureProposal proposal_of(const Subject& subject, int threads) {
-    return propose(evaluator(subject), {.azimuths = azimuths_of(subject), .threads = threads});
+Proposals proposal_of(const Subject& subject, int threads) {
+    const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
+    if (is_two_sided(subject.content)) return propose_parts(evaluator(subject), options);
+    return propose(evaluator(subject), options);
 }
 
 #ifdef SRBF_RASTER

@@ -59,7 +59,7 @@ Result<Pictures> render_raster(const Scene& scene, std::span<const Subject> subj
     const auto environment = load_light(asked.environment.empty() ? "none" : asked.environment);
     if (!environment) return environment.error();
     if (asked.lights == "softbox")
-        return Error{"--lights", {}, "lights of the renderer raster", "three or none", "softbox"};
+        return Error{"--lights", {}, "lights of the renderer raster", "three, behind or none", "softbox"};
     RasterLight light;
     ProgressLine line;
     if (*environment) {
@@ -69,6 +69,7 @@ Result<Pictures> render_raster(const Scene& scene, std::span<const Subject> subj
     }
     if (asked.samples > 0) light.samples = asked.samples;
     Scene lit = scene;
+    if (asked.lights == "behind") lit.lights = {light_behind(scene.camera)};
     if (asked.lights == "none" || (asked.lights.empty() && *environment)) lit.lights.clear();
     auto renderings = rasterize(lit, subjects, options.width, options.height, light);
     if (!renderings) return renderings.error();

@@ -70,13 +70,23 @@ Points points_at(int index, uint seed) {
     return points;
 }
 
-// f_r cos(theta_l); what was not measured counts as 0.
+// f |cos(theta_l)|; what was not measured counts as 0.
 Vec3 reflectance(Vec3 wl, Vec3 wv) {
-    if (wl.z <= 0.0) return Vec3(0.0);
-    Vec3 f = brdf(wl, wv);
+    if (SIDES == 1 && wl.z <= 0.0) return Vec3(0.0);
+    Vec3 f = bsdf(wl, wv);
     bool known = is_measured && !any(isnan(f)) && !any(isinf(f));
-    return known ? wl.z * f : Vec3(0.0);
+    return known ? abs(wl.z) * f : Vec3(0.0);
 }
+// Directions in the frame of a part (srbf/bsdf.h), with the side of the direction to the light, 1 or -1.
+#if SIDES == 2
+Vec3 to_part(Vec3 w) { return Vec3(w.xy, abs(w.z)); }
+Vec3 to_side(Vec3 w, float side) { return Vec3(w.xy, side * w.z); }
+void choose_part(float side, Vec3 wv) { mixture_part = (side * wv.z < 0.0 ? 2 : 0) + (side < 0.0 ? 1 : 0); }
+#else
+Vec3 to_part(Vec3 w) { return w; }
+Vec3 to_side(Vec3 w, float side) { return w; }
+void choose_part(float side, Vec3 wv) {}
+#endif
 float luminance(Vec3 colour) { return dot(colour, Vec3(0.2126, 0.7152, 0.0722)); }
 Vec3 from_surface(SurfaceFrame frame, Vec3 w) {
     return w.x * frame.tangent + w.y * frame.bitangent + w.z * frame.normal;
@@ -84,11 +94,13 @@ Vec3 from_surface(SurfaceFrame frame, Vec3 w) {
 // The power heuristic's weight of a draw of density a where another one has density b.
 float power_share(float a, float b) { return 1.0 / (1.0 + (b / a) * (b / a)); }
 
-// The environment's light from a direction that the BRDF draws.
-Vec3 by_material(SurfaceFrame frame, Vec3 wv, vec3 u) {
-    Vec3 wl = sample_light(wv, u.x, u.y, u.z);
-    float density = wl.z > 0.0 ? light_pdf(wl, wv) : 0.0;
+// The environment's light from a direction on that side that the material draws.
+Vec3 by_material(SurfaceFrame frame, Vec3 wv, float side, vec3 u) {
+    choose_part(side, wv);
+    Vec3 drawn = sample_light(to_part(wv), u.x, u.y, u.z);
+    float density = drawn.z > 0.0 ? light_pdf(drawn, to_part(wv)) : 0.0;
     if (density <= 0.0) return Vec3(0.0);
+    Vec3 wl = to_side(drawn, side);
     vec2 place = environment_place(from_surface(frame, wl));
     float weight = draws == 0 ? power_share(density, environment_pdf(place)) : 1.0;
     return weight / density * reflectance(wl, wv) * environment_radiance(place, 0.0);
@@ -96,16 +108,19 @@ Vec3 by_material(SurfaceFrame frame, Vec3 wv, vec3 u) {
 Vec3 by_environment(SurfaceFrame frame, Vec3 wv, vec2 u) {
     EnvironmentSample drawn = sample_environment(u.x, u.y);
     Vec3 wl = to_surface(frame, drawn.towards);
-    if (wl.z <= 0.0 || drawn.pdf <= 0.0) return Vec3(0.0);
-    float weight = draws == 0 ? power_share(drawn.pdf, light_pdf(wl, wv)) : 1.0;
+    if ((SIDES == 1 && wl.z <= 0.0) || drawn.pdf <= 0.0) return Vec3(0.0);
+    choose_part(wl.z < 0.0 ? -1.0 : 1.0, wv);
+    float weight = draws == 0 ? power_share(drawn.pdf, light_pdf(to_part(wl), to_part(wv))) : 1.0;
     return weight / drawn.pdf * reflectance(wl, wv) * drawn.radiance;
 }
 
 // Without noise: the same draws in every pixel, FILTERED_LIGHTS by the environment and FILTERED_DRAWS by each of the
 // BRDF's lobes, whose weights change smoothly over a surface. A draw by the BRDF stands for a solid angle, its share of
-// the draws over their density, over which the environment is averaged.
-Vec3 filtered_radiance(SurfaceFrame frame, Vec3 wv) {
-    NodesAbout nodes = nodes_about(wv.z, MIXTURE_NODES);
+// the draws over their density, over which the environment is averaged. The light is that on one side.
+Vec3 filtered_radiance(SurfaceFrame frame, Vec3 wv, float side) {
+    choose_part(side, wv);
+    Vec3 v = to_part(wv);
+    NodesAbout nodes = nodes_about(v.z, MIXTURE_NODES);
     float of_material = float(FILTERED_DRAWS);
     float of_light = float(FILTERED_LIGHTS);
     // The integral of the environment's luminance, to which its draws are in proportion, also in means over an angle.
@@ -116,9 +131,10 @@ Vec3 filtered_radiance(SurfaceFrame frame, Vec3 wv) {
         if (weight <= 0.0) continue;
         for (int i = 0; i < FILTERED_DRAWS; ++i) {
             float u1 = (float(i) + 0.5) / float(FILTERED_DRAWS);
-            Vec3 wl = sample_of_lobe(k, wv, u1, fract(0.6180339887 * float(i) + 0.37 * float(k)));
-            float density = wl.z > 0.0 ? light_pdf(wl, wv) : 0.0;
+            Vec3 drawn = sample_of_lobe(k, v, u1, fract(0.6180339887 * float(i) + 0.37 * float(k)));
+            float density = drawn.z > 0.0 ? light_pdf(drawn, v) : 0.0;
             if (density <= 0.0) continue;
+            Vec3 wl = to_side(drawn, side);
             float solid_angle = weight / (float(FILTERED_DRAWS) * density);
             Vec3 arriving =
                 environment_radiance(environment_place(from_surface(frame, wl)), environment_level(solid_angle));
@@ -130,25 +146,33 @@ Vec3 filtered_radiance(SurfaceFrame frame, Vec3 wv) {
     for (int i = 0; i < FILTERED_LIGHTS; ++i) {
         EnvironmentSample drawn = sample_environment((float(i) + 0.5) / of_light, fract(0.6180339887 * float(i) + 0.5));
         Vec3 wl = to_surface(frame, drawn.towards);
-        if (wl.z <= 0.0 || drawn.pdf <= 0.0) continue;
-        float share_ = power_share(of_light * drawn.pdf, of_material * light_pdf(wl, wv));
+        if (side * wl.z <= 0.0 || drawn.pdf <= 0.0) continue;
+        float share_ = power_share(of_light * drawn.pdf, of_material * light_pdf(to_part(wl), v));
         sum += share_ / (of_light * drawn.pdf) * reflectance(wl, wv) * drawn.radiance;
     }
     return sum;
 }
 
-Vec3 reflected_radiance(Vec3 position, Vec3 normal) {
+// `normal` as of surface_pixel.glsl. Both sides of a surface have their own draws by the material.
+Vec3 scattered_radiance(Vec3 position, vec4 normal) {
     Vec3 to_viewer = normalize(eye - position);
-    SurfaceFrame frame = surface_frame_about(visible_normal(normal, to_viewer));
+    SurfaceFrame frame = surface_frame_about((SIDES == 2 ? normal.w : 1.0) * visible_normal(normal.xyz, to_viewer));
     Vec3 wv = to_surface(frame, to_viewer);
     Vec3 sum = Vec3(0.0);
     if (draws == 3) {
-        sum += filtered_radiance(frame, wv);
+        sum += filtered_radiance(frame, wv, 1.0);
+        if (SIDES == 2) sum += filtered_radiance(frame, wv, -1.0);
     } else {
         Points points = points_at(sample_index, hashed(uint(gl_FragCoord.x) + hashed(uint(gl_FragCoord.y))));
-        if (draws != 2) sum += by_material(frame, wv, points.material);
+        if (draws != 2) sum += by_material(frame, wv, 1.0, points.material);
+        if (SIDES == 2 && draws != 2) sum += by_material(frame, wv, -1.0, points.material);
         if (draws != 1) sum += by_environment(frame, wv, points.environment);
     }
+#if SIDES == 2
+    sum += straight_beam(wv) * environment_radiance(environment_place(-to_viewer), 0.0);
+    Vec3 mirrored = from_surface(frame, Vec3(-wv.xy, wv.z));
+    sum += mirror_beam(wv) * environment_radiance(environment_place(mirrored), 0.0);
+#endif
     for (int k = 0; k < LIGHTS; ++k)
         if (any(greaterThan(light_irradiance[k], vec3(0.0))))
             sum += reflectance(to_surface(frame, light_direction[k]), wv) * light_irradiance[k];
@@ -160,7 +184,7 @@ void main() {
     vec4 position = texelFetch(surface_positions, at, 0);
     Vec3 radiance;
     if (position.w > 0.0) {
-        radiance = reflected_radiance(position.xyz, texelFetch(surface_normals, at, 0).xyz);
+        radiance = scattered_radiance(position.xyz, texelFetch(surface_normals, at, 0));
     } else {
         vec2 seen = 2.0 * (gl_FragCoord.xy + shift) / picture_size - 1.0;
         radiance = environment_radiance(environment_place(normalize(picture_axes * vec3(seen, -1.0))), 0.0);

@@ -41,14 +41,22 @@ Json numbers_of(const GgxModel& model) {
     const auto numbers = ggx_numbers(model);
     return {{"vectors", base64(std::as_bytes(std::span(numbers)))}};
 }
-Json numbers_of(const MerlTable& table) {
+Json numbers_of(const std::vector<Float4>& merl_texels, std::vector<std::uint32_t> size) {
     std::vector<std::array<std::uint16_t, 4>> halves;
-    for (const Float4& texel : merl_texels(table)) {
+    for (const Float4& texel : merl_texels) {
         auto& half = halves.emplace_back();
         for (std::size_t c = 0; c < 4; ++c) half[c] = to_half(std::min(texel[c], k_half_max));
     }
+    return {{"textures", {texture("merl_table", "3D", "RGBA16F", std::move(size), base64_of(halves))}}};
+}
+Json numbers_of(const MerlTable& table) {
     const auto [h, d, p] = table.size;
-    return {{"textures", {texture("merl_table", "3D", "RGBA16F", {p, d, h}, base64_of(halves))}}};
+    return numbers_of(merl_texels(table), {p, d, h});
+}
+Json numbers_of(const BsdfModel&) { return Json::object(); }
+Json numbers_of(const BsdfTables& tables) {
+    const auto [h, d, p] = size_of(tables);
+    return numbers_of(merl_texels(tables), {p, d, std::uint32_t(k_parts) * h});
 }
 Json numbers_of(const SuModel& model) {
     const auto n = std::uint32_t(model.direction.size());
@@ -84,10 +92,18 @@ Json json_of(const Mesh& mesh) {
 /// What pictures under an environment sample a material by.
 int azimuths_of(const Material& material) {
     const auto* general = std::get_if<PmModel>(&material);
-    return general && !general->axial ? k_anisotropic_azimuths : 1;
+    const auto* bsdf = std::get_if<BsdfModel>(&material);
+    const bool isotropic = bsdf ? is_isotropic(Model{*bsdf, {}}) : !general || general->axial;
+    return isotropic ? 1 : k_anisotropic_azimuths;
 }
 
 ShaderText text_of(const Material& material) { return shader_text(material, {.dialect = Dialect::es_300}); }
+
+/// Whether a picture is of a BSDF.
+bool shows_both_sides(const Page& page) {
+    return std::ranges::any_of(page.materials,
+                               [](const PageMaterial& of) { return of.material && is_two_sided(*of.material); });
+}
 
 /// The data of viewer.js, except for the shaders.
 Json data_of(const Page& page) {
@@ -106,6 +122,7 @@ Json data_of(const Page& page) {
                                   {"irradiance", {light.irradiance.r, light.irradiance.g, light.irradiance.b}}});
     for (const std::string_view name : {"ball", "sphere", "knot"})
         data["meshes"][std::string(name)] = json_of(page_mesh(name));
+    data["light_behind"] = json_of(k_light_behind.towards);
     data["vertex"] = text_of(Flat{}).vertex;
     data["pixel"] = pixel_text({});
     // Pictures under an environment.
@@ -114,6 +131,8 @@ Json data_of(const Page& page) {
     data["develop"] = develop.fragment;
     data["surface"] = surface_shader_text(Dialect::es_300).fragment;
     data["environment_pixel"] = pixel_text({.environment = true});
+    if (shows_both_sides(page))
+        data["environment_pixel_of_both_sides"] = pixel_text({.environment = true, .two_sided = true});
     data["knee"] = k_knee;
     data["filtered_samples"] = k_filtered_samples;
     const Image studio = halved(load_environment(std::string(k_built_in_environment))->texels());
@@ -124,10 +143,13 @@ Json data_of(const Page& page) {
             continue;
         }
         Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *of.material);
-        const ProposalNumbers proposal = proposal_numbers(propose(of.brdf, {.azimuths = azimuths_of(*of.material)}));
-        std::vector<float> all(proposal.weights.begin(), proposal.weights.end());
-        all.insert(all.end(), proposal.grain.begin(), proposal.grain.end());
-        numbers["proposal"] = base64_of(all);
+        const bool two_sided = is_two_sided(*of.material);
+        const ProposeOptions options{.azimuths = azimuths_of(*of.material)};
+        const ProposalNumbers proposal =
+            proposal_numbers(two_sided ? propose_parts(of.brdf, options) : Proposals(propose(of.brdf, options)));
+        numbers["two_sided"] = two_sided;
+        numbers["weights"] = base64_of(proposal.weights);
+        numbers["grains"] = base64_of(proposal.grains);
         data["materials"].push_back(std::move(numbers));
     }
     return data;
@@ -176,15 +198,34 @@ std::string choices_of(const Page& page) {
         "<button type='button' data-show='all' aria-pressed='true'>Side by side</button>\n{}</div>\n",
         buttons);
 }
+bool plots_both_sides(const Page& page) { return std::ranges::any_of(page.materials, &PageMaterial::both_sides); }
+/// What the plots show.
+std::string slices_lead_of(const Page& page) {
+    const std::string scale =
+        plots_both_sides(page)
+            ? "How bright the surface is from each viewing angle, all around: the front above, the back below, for "
+              "light on either side. Every ring is ten times the one within. Light that passes "
+              "unscattered has no width and is not drawn."
+            : "How bright the surface is from each viewing angle, for four positions of the light, on a scale "
+              "where every line is ten times the one below it. The peak is the highlight.";
+    if (page.materials.size() < 2) return scale;
+    return fmt::format("{} Where a thin line leaves the thick black one ({}), that material differs.", scale,
+                       html_escaped(page.materials[0].name));
+}
 std::string slices_of(const Page& page) {
     std::vector<SliceCurve> curves;
     std::string html = "<p class='legend'>";
     for (std::size_t i = 0; i < page.materials.size(); ++i) {
-        curves.push_back({page.materials[i].name, colour_of(i), page.materials[i].brdf});
+        curves.push_back({page.materials[i].name, colour_of(i), page.materials[i].brdf, page.materials[i].both_sides});
         html += fmt::format("<span>{}</span> ", label_of(page, i));
     }
     html += "</p>\n<div class='slices'>\n";
-    for (const double theta : k_slice_theta) html += slice_drawing(curves, theta * k_degree);
+    const bool both_sides = plots_both_sides(page);
+    for (const double theta : k_slice_theta)
+        html += both_sides ? lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic)
+                           : slice_drawing(curves, theta * k_degree);
+    for (const double theta : k_slice_theta_behind)
+        if (both_sides) html += lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic);
     return html + "</div>";
 }
 std::string table_of(const Page& page) {
@@ -261,11 +302,9 @@ std::string page_html(const Page& page) {
                               : "An object of the material. Drag the picture to turn it."},
         {"pictures", pictures_of(page)},
         {"choices", choices_of(page)},
+        {"behind", shows_both_sides(page) ? "<button type='button' name='behind'>Light from behind</button>\n" : ""},
         {"picture_note", note(page.picture_note)},
-        {"slices_lead", page.materials.size() < 2
-                            ? ""
-                            : fmt::format(" Where a thin line leaves the thick black one ({}), that material differs.",
-                                          html_escaped(page.materials[0].name))},
+        {"slices_lead", slices_lead_of(page)},
         {"slices", slices_of(page)},
         {"table", table_of(page)},
         {"table_note", note(page.table_note)},

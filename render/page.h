@@ -17,6 +17,7 @@ struct PageMaterial {
     std::string kind;                  ///< "multivariate, 208 bytes"
     std::optional<Material> material;  ///< for its picture; none: only plots and tables
     Evaluate brdf;                     ///< for the plots
+    bool both_sides = false;           ///< a BSDF, whose plots go all around
     std::string parameters;            ///< text to read and copy; may be empty
 };
 
@@ -44,6 +45,8 @@ Mesh page_mesh(std::string_view name);
 inline constexpr double k_page_aspect = 4.0 / 3;
 /// The polar angles of the light in the plots [degrees].
 inline constexpr std::array<double, 4> k_slice_theta{0, 30, 60, 75};
+/// Those of the light at the back, from the front's normal, in the plots of a BSDF.
+inline constexpr std::array<double, 4> k_slice_theta_behind{180, 150, 120, 105};
 /// Maximum θ_h, θ_d, φ_d nodes of a table for its picture; `picture_note` should mention the loss.
 inline constexpr std::array<std::uint32_t, 3> k_page_table{128, 45, 24};
 

@@ -15,28 +15,31 @@ uniform vec3 light_direction[LIGHTS];   // to the light, unit vectors
 uniform vec3 light_irradiance[LIGHTS];  // on a surface that faces the light
 uniform float exposure;
 
-// f_r max(0, n.l) E of one light, and 1 where f_r was needed but not measured. Without branches, so that the compiler
-// shares common subexpressions between lights.
-vec4 reflected(SurfaceFrame frame, Vec3 wv, Vec3 towards, Vec3 irradiance) {
+// f |n.l| E of one light, of a BRDF if it is above the horizon, and 1 where f was needed but not measured. Without
+// branches, so that the compiler shares common subexpressions between lights. Lights have no width: beams show none.
+vec4 scattered(SurfaceFrame frame, Vec3 wv, Vec3 towards, Vec3 irradiance) {
     Vec3 wl = to_surface(frame, towards);
-    vec4 lit = vec4(wl.z * brdf(wl, wv) * irradiance, is_measured ? 0.0 : 1.0);
-    return wl.z > 0.0 ? lit : vec4(0.0);
+    vec4 lit = vec4(abs(wl.z) * bsdf(wl, wv) * irradiance, is_measured ? 0.0 : 1.0);
+    return SIDES == 2 || wl.z > 0.0 ? lit : vec4(0.0);
 }
 
 void main() {
 #if DEFERRED
     ivec2 at = ivec2(gl_FragCoord.xy);
     Vec3 position = texelFetch(surface_positions, at, 0).xyz;
-    Vec3 normal = texelFetch(surface_normals, at, 0).xyz;
+    vec4 normal = texelFetch(surface_normals, at, 0);
 #else
     Vec3 position = surface_position;
-    Vec3 normal = gl_FrontFacing ? surface_normal : -surface_normal;
+    float facing = gl_FrontFacing ? 1.0 : -1.0;
+    vec4 normal = vec4(facing * surface_normal, facing);
 #endif
     Vec3 to_viewer = normalize(eye - position);
-    SurfaceFrame frame = surface_frame_about(visible_normal(normal, to_viewer));
+    // The frame of a BRDF is about the normal on the viewer's side, that of a BSDF about its front's.
+    float side = SIDES == 2 ? normal.w : 1.0;
+    SurfaceFrame frame = surface_frame_about(side * visible_normal(normal.xyz, to_viewer));
     Vec3 wv = to_surface(frame, to_viewer);
     vec4 sum = vec4(0.0);
-#define ADD_LIGHT(k) sum += reflected(frame, wv, light_direction[k], light_irradiance[k]);
+#define ADD_LIGHT(k) sum += scattered(frame, wv, light_direction[k], light_irradiance[k]);
     EACH_LIGHT(ADD_LIGHT)
 #if SHOWN
     Vec3 shown = tone_mapped(min(exposure * max(sum.rgb, 0.0), Vec3(3.4e38)));

@@ -11,7 +11,7 @@ namespace srbf {
 std::string pixel_text(const ShaderOptions& options) {
     assert(options.lights >= 1);
     if (options.environment) {
-        return proposal_text() + k_shading_text + k_environment_text +
+        return proposal_text(options.two_sided ? int(k_parts) : 1) + k_shading_text + k_environment_text +
                fmt::format("#define LIGHTS {}\n#define FILTERED_DRAWS {}\n#define FILTERED_LIGHTS {}\n", options.lights,
                            k_filtered_draws, k_filtered_lights) +
                k_environment_pixel_text;
@@ -24,7 +24,9 @@ std::string pixel_text(const ShaderOptions& options) {
            k_shading_text + k_pixel_text;
 }
 
-ShaderText shader_text(const Material& material, const ShaderOptions& options) {
+ShaderText shader_text(const Material& material, const ShaderOptions& asked) {
+    ShaderOptions options = asked;
+    options.two_sided = is_two_sided(material);
     const bool whole = options.environment || options.input == PixelInput::surface;
     const std::string first = version_text(options.dialect);
     return {first + (whole ? k_whole_text : k_surface_text),

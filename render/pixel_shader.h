@@ -44,6 +44,7 @@ struct ShaderOptions {
     bool environment = false;
     /// Use the open text of a multivariate model (`brdf_text`): compilation of another text takes longer than a fit.
     bool open = false;
+    bool two_sided = false;  ///< the material; `shader_text` sets it
 };
 
 struct ShaderText {

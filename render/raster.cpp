@@ -125,6 +125,12 @@ Result<Done> check_size(const char* what, std::uint64_t size, GLenum limit) {
 /// Whether a material's numbers fit the limits of the library.
 Result<Done> check_limits(const Flat&) { return Done{}; }
 Result<Done> check_limits(const GgxModel&) { return Done{}; }
+Result<Done> check_limits(const BsdfModel&) { return Done{}; }
+Result<Done> check_limits(const BsdfTables& tables) {
+    const auto [h, d, p] = size_of(tables);
+    return check_size("nodes of a table along an axis", std::max({std::size_t(d), std::size_t(p), k_parts * h}),
+                      GL_MAX_3D_TEXTURE_SIZE);
+}
 Result<Done> check_limits(const MerlTable& table) {
     return check_size("nodes of a table along an axis", *std::ranges::max_element(table.size), GL_MAX_3D_TEXTURE_SIZE);
 }
@@ -196,11 +202,15 @@ void RasterMaterial::add_texture(const char* sampler, Texture texture) {
     textures_.push_back(std::move(texture));
 }
 
-void RasterMaterial::load(const MerlTable& table) {
-    const auto [h, d, p] = table.size;
+void RasterMaterial::load(const MerlTable& table) { load_table(table.size, merl_texels(table)); }
+void RasterMaterial::load(const BsdfTables& tables) {
+    const auto [h, d, p] = size_of(tables);
+    load_table({std::uint32_t(k_parts) * h, d, p}, merl_texels(tables));
+}
+void RasterMaterial::load_table(std::array<std::uint32_t, 3> size, std::vector<Float4> texels) {
+    const auto [h, d, p] = size;
     // Linear interpolation of 32-bit floats is an extension in OpenGL ES.
     const bool is_fine = epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_OES_texture_float_linear");
-    auto texels = merl_texels(table);
     if (!is_fine)
         for (Float4& texel : texels)
             for (float& x : texel) x = std::min(x, k_half_max);
@@ -318,12 +328,13 @@ void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view) 
     glDepthFunc(GL_LESS);
 }
 
-void RasterMaterial::set_proposal(const MixtureProposal& proposal) {
-    const ProposalNumbers numbers = proposal_numbers(proposal);
+void RasterMaterial::set_proposal(const Proposals& proposals) {
+    const ProposalNumbers numbers = proposal_numbers(proposals);
     glUseProgram(program_.id());
     glUniform1fv(glGetUniformLocation(program_.id(), "mixture_weights"), GLsizei(numbers.weights.size()),
                  numbers.weights.data());
-    glUniform3fv(glGetUniformLocation(program_.id(), "mixture_grain"), 1, numbers.grain.data());
+    glUniform3fv(glGetUniformLocation(program_.id(), "mixture_grain"), GLsizei(numbers.grains.size()),
+                 numbers.grains[0].data());
 }
 
 void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view, const EnvironmentLight& light,

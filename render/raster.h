@@ -89,7 +89,8 @@ class RasterSurface {
     static Result<RasterSurface> make(Dialect dialect, int width, int height);
     /// Draws the mesh. Restores the framebuffer binding and the viewport.
     void draw(const RasterMesh& mesh, const RasterView& view) const;
-    /// Rows from the top: (x, y, z), and 1 where there is a surface; its interpolated normal, facing the viewer.
+    /// Rows from the top: (x, y, z), and 1 where there is a surface; its interpolated normal, facing the viewer, and 1
+    /// at the front or −1 at the back.
     std::vector<Float4> read_positions() const { return read(0); }
     std::vector<Float4> read_normals() const { return read(1); }
 
@@ -119,7 +120,7 @@ class RasterMaterial {
     /// `RasterTarget::make_for`; for PixelInput::surface.
     void draw(const RasterSurface& surface, const RasterView& view) const;
     /// What the directions to the light are drawn from, with `ShaderOptions::environment`.
-    void set_proposal(const MixtureProposal& proposal);
+    void set_proposal(const Proposals& proposals);
     /// Adds sample `index`, counted from 0, to the mean `before` of all samples before it, over the whole picture:
     /// where there is no surface the environment is seen. With `ShaderOptions::environment`, after `set_proposal`.
     void draw(const RasterSurface& surface, const RasterView& view, const EnvironmentLight& light,
@@ -143,6 +144,9 @@ class RasterMaterial {
     void load(const PmModel& model);
     void load(const SuModel& model);
     void load(const GgxModel& model);
+    void load(const BsdfModel&) {}  // its numbers are in the text
+    void load(const BsdfTables& tables);
+    void load_table(std::array<std::uint32_t, 3> size, std::vector<Float4> texels);
 
     GlObject program_, numbers_, no_array_;
     std::vector<Texture> textures_;  ///< in the order of their units
@@ -237,7 +241,7 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Mat
 /// A material and what the light that it reflects is drawn from.
 struct SampledMaterial {
     Material material;
-    MixtureProposal proposal;
+    Proposals proposal;
 };
 struct EnvironmentOptions {
     int width = 640, height = 480;

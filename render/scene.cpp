@@ -57,6 +57,10 @@ std::array<DirectionalLight, 3> lights_of(const Camera& camera) {
     return lights;
 }
 
+DirectionalLight light_behind(const Camera& camera) {
+    return {frame(camera).from(k_light_behind.towards), k_light_behind.irradiance};
+}
+
 Scene scene_of(Mesh mesh, const Viewpoint& viewpoint, double aspect) {
     const Camera camera = camera_of(mesh, viewpoint, aspect);
     const auto lights = lights_of(camera);

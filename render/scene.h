@@ -49,6 +49,11 @@ inline constexpr std::array<DirectionalLight, 3> k_three_lights{{
 }};
 /// `k_three_lights` in the camera's frame.
 std::array<DirectionalLight, 3> lights_of(const Camera& camera);
+/// A light behind the scene in the camera's frame, from the upper left, 132° off the view direction: what of a surface
+/// faces the camera is lit only by what passes through it.
+inline constexpr DirectionalLight k_light_behind{{-1.0 / 3, 2.0 / 3, -2.0 / 3}, {3, 3, 3}};
+/// `k_light_behind` in the camera's frame.
+DirectionalLight light_behind(const Camera& camera);
 
 /// A scene without its material.
 struct Scene {

@@ -17,12 +17,12 @@ namespace {
 /// The frame of the plot within the drawing.
 constexpr double k_width = 360, k_height = 250, k_left = 40, k_right = 344, k_top = 36, k_bottom = 210;
 
-std::vector<double> angles_of(double mirror) {
-    std::vector<double> degrees;
-    for (double at = -89; at <= 89; at += 0.5) degrees.push_back(at);
-    for (int i = -40; i <= 40; ++i) degrees.push_back(std::clamp(mirror + 0.1 * i, -89.0, 89.0));
-    std::ranges::sort(degrees);
-    return degrees;
+/// Of one side about its normal at `normal` [degrees], with the mirror direction, or that straight through, at `peak`.
+void add_angles(std::vector<double>& degrees, double normal, double peak) {
+    const auto first = std::ptrdiff_t(degrees.size());
+    for (double at = -89; at <= 89; at += 0.5) degrees.push_back(normal + at);
+    for (int i = -40; i <= 40; ++i) degrees.push_back(std::clamp(peak + 0.1 * i, normal - 89.0, normal + 89.0));
+    std::sort(degrees.begin() + first, degrees.end());
 }
 
 /// The points of a curve as a path: interrupted where `y` is not finite, without points that nearly coincide with the
@@ -65,8 +65,13 @@ struct Decades {
 
 }  // namespace
 
-LuminanceSlice luminance_slice(const Evaluate& brdf, double theta_l) {
-    LuminanceSlice of{angles_of(theta_l / k_degree), {}};
+LuminanceSlice luminance_slice(const Evaluate& brdf, double theta_l, bool both_sides) {
+    // The light is at −light; its mirror direction and that straight through are on its side and across.
+    const double light = theta_l / k_degree, of_front = light <= 90 ? light : 180 - light;
+    LuminanceSlice of;
+    add_angles(of.degrees, 0, of_front);
+    const auto front = std::ptrdiff_t(of.degrees.size());
+    if (both_sides) add_angles(of.degrees, 180, 180 - of_front);
     const std::vector<Vec3f> wl(of.degrees.size(), {float(std::sin(theta_l)), 0, float(std::cos(theta_l))});
     std::vector<Vec3f> wv;
     for (const double at : of.degrees)
@@ -74,6 +79,10 @@ LuminanceSlice luminance_slice(const Evaluate& brdf, double theta_l) {
     std::vector<Rgb> f(wv.size());
     brdf(wl, wv, f);
     for (const Rgb& value : f) of.luminance.push_back(luminance(value));
+    if (both_sides) {  // a gap between the sides
+        of.degrees.insert(of.degrees.begin() + front, 90);
+        of.luminance.insert(of.luminance.begin() + front, std::numeric_limits<double>::quiet_NaN());
+    }
     return of;
 }
 
@@ -123,18 +132,22 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
 }
 
 std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, LobeScale scale) {
-    constexpr double radius = 140, x0 = 180, y0 = 190, outside = 1.04, least_step = 1.5, counted = 85;
+    constexpr double radius = 140, x0 = 180, outside = 1.04, least_step = 1.5, counted = 85;
+    const bool whole = std::ranges::any_of(curves, &SliceCurve::both_sides);
+    const double y0 = whole ? 186 : 190, height = whole ? 366 : 218;
     const double light = theta_l / k_degree;
     std::vector<LuminanceSlice> slices;
-    for (const SliceCurve& curve : curves) slices.push_back(luminance_slice(curve.brdf, theta_l));
+    for (const SliceCurve& curve : curves) slices.push_back(luminance_slice(curve.brdf, theta_l, curve.both_sides));
     double most = 0, least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < slices[0].degrees.size(); ++i)
-        if (const double y = slices[0].luminance[i]; std::abs(slices[0].degrees[i]) <= counted && y > 0)
+        if (const double y = slices[0].luminance[i];
+            std::abs(std::cos(slices[0].degrees[i] * k_degree)) >= std::cos(counted * k_degree) && y > 0)
             most = std::max(most, y), least = std::min(least, y);
     if (most == 0) most = least = 1;
     // Logarithms from the centre to the outermost ring, which is the largest value.
     const double highest = std::log10(most),
-                 lowest = std::max(std::min(std::log10(least), highest - 1), highest - k_lobe_decades);
+                 // Of both sides the smallest value is still a lobe to be seen.
+        lowest = std::max(std::min(std::log10(least), highest - 1) - (whole ? 1 : 0), highest - k_lobe_decades);
     const bool is_linear = scale == LobeScale::linear;
     const auto r_of = [&](double y) {
         const double share = is_linear ? y / most : (std::log10(std::max(y, 1e-300)) - lowest) / (highest - lowest);
@@ -144,15 +157,19 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
     const auto y_of = [&](double r, double degrees) { return y0 - r * std::cos(degrees * k_degree); };
 
     std::string svg = fmt::format(
-        "<svg class='slice lobes' viewBox='0 0 360 218' role='img' aria-label='Lobes for light at {:g}° from the "
-        "normal'>",
-        light);
-    svg += svg_text(4, 14, "start",
-                    fmt::format("<tspan font-weight='bold'>light at {:g}°</tspan>, {}", light,
-                                is_linear ? "linear" : "every ring ten times the one within"));
+        "<svg class='slice lobes' viewBox='0 0 360 {}' role='img' aria-label='Lobes for light at {:g}° from the "
+        "normal{}'>",
+        height, light <= 90 ? light : 180 - light, light <= 90 ? "" : " of the back");
+    svg += svg_text(
+        4, 14, "start",
+        fmt::format("<tspan font-weight='bold'>light at {:g}°{}</tspan>, {}", light <= 90 ? light : 180 - light,
+                    light <= 90 ? "" : " behind", is_linear ? "linear" : "every ring ten times the one within"));
     const auto ring = [&](double r, const std::string& label) {
         svg += fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 1 {:.1f} {}'/>", x0 - r, y0,
                            r, r, x0 + r, y0);
+        if (whole)
+            svg += fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 0 {:.1f} {}'/>", x0 - r,
+                               y0, r, r, x0 + r, y0);
         svg += svg_text(x0 + r, y0 + 13, "middle", label);
     };
     if (is_linear)
@@ -160,10 +177,12 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
     else
         for (int exponent = int(std::floor(lowest)) + 1; exponent <= highest; ++exponent)
             ring(r_of(std::pow(10.0, exponent)), power_of_ten(exponent));
-    svg += svg_line("axis", x0 - radius, y0, x0 + radius, y0) + svg_line("axis", x0, y0, x0, y0 - radius);
+    svg += svg_line("axis", x0 - radius, y0, x0 + radius, y0) +
+           svg_line("axis", x0, whole ? y0 + radius : y0, x0, y0 - radius);
+    if (whole) svg += svg_text(4, y0 - 6, "start", "front") + svg_text(4, y0 + 13, "start", "back");
     const double far = 1.1 * radius;
     svg += svg_line("mark", x0, y0, x_of(far, -light), y_of(far, -light));
-    svg += svg_text(x_of(far, -light), y_of(far, -light) - 3, "middle", "light");
+    svg += svg_text(x_of(far, -light), y_of(far, -light) + (light <= 90 ? -3 : 11), "middle", "light");
     for (std::size_t c = 0; c < curves.size(); ++c) {
         Outline outline;
         for (std::size_t i = 0; i < slices[c].degrees.size(); ++i) {

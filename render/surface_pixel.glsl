@@ -1,4 +1,5 @@
-// Position and normal of the visible surface at a pixel, input of pixel.glsl in a second pass.
+// Position and normal of the visible surface at a pixel, input of pixel.glsl in a second pass; the normal points to the
+// viewer, and its fourth number is 1 at the front, -1 at the back.
 in vec3 surface_position;
 in vec3 surface_normal;
 layout(location = 0) out vec4 position;
@@ -6,5 +7,6 @@ layout(location = 1) out vec4 normal;
 
 void main() {
     position = vec4(surface_position, 1.0);
-    normal = vec4(gl_FrontFacing ? surface_normal : -surface_normal, 0.0);
+    float side = gl_FrontFacing ? 1.0 : -1.0;
+    normal = vec4(side * surface_normal, side);
 }

@@ -79,12 +79,64 @@ TEST_F(OfShade, is_compared_converted_and_exported) {
     ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "c", "-o", "shade.h"}).status, 0);
     const std::string code = contents(folder / "shade.h");
     ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "html", "-o", "shade.html"}).status, 0);
-    EXPECT_NE(contents(folder / "shade.html").find("shade_transmission_front"), std::string::npos);
+    EXPECT_NE(contents(folder / "shade.html").find("name='behind'"), std::string::npos);
     expect_failure(1, {"export", "shade.srbf", "--to", "html", "--reference", "shade.xml", "-o", "x.html"},
                    "expected a measurement of a BRDF");
     for (const char* function :
-         {"shade_reflection_front_brdf", "shade_reflection_back_brdf", "shade_transmission_front_brdf"})
+         {"shade_bsdf(", "shade_beam(", "shade_reflection_front_brdf", "shade_transmission_front_brdf"})
         EXPECT_NE(code.find(function), std::string::npos) << function;
+    EXPECT_EQ(code.find("shade_sample("), std::string::npos);
+    ASSERT_EQ(run(folder, {"export", "shade.srbf", "--to", "three", "-o", "shade.js"}).status, 0);
+    EXPECT_NE(contents(folder / "shade.js").find("class ShadeTransmissionFrontMaterial"), std::string::npos);
+}
+
+TEST_F(OfShade, is_fitted_view_by_view_and_by_lambert_and_ggx) {
+    for (const std::string model : {"su", "ggx"}) {
+        std::vector<std::string> fit{"fit",           "shade.xml", "--model", model,    "-o",
+                                     model + ".srbf", "--threads", "1",       "--json", model + ".json"};
+        if (model == "su") fit.insert(fit.end(), {"--directions", "96", "--lobes", "2"});
+        const ProgramRun made = run(folder, fit);
+        ASSERT_EQ(made.status, 0) << made.err;
+        const Json report = Json::parse(contents(folder / (model + ".json")));
+        ASSERT_EQ(report["parts"].size(), 4u);
+        for (const Json& part : report["parts"])  // the matrix has steps
+            EXPECT_LT(part["squared_error_ratio"], 0.05) << model << part["part"];
+        const auto loaded = load_brdf(folder / (model + ".srbf"));
+        ASSERT_TRUE(loaded.ok()) << message(loaded.error());
+        EXPECT_EQ(report["payload_bytes"], payload_bytes(std::get<Model>(*loaded)));
+        const auto& part = std::get<BsdfModel>(std::get<Model>(*loaded).model).part[0];
+        ASSERT_TRUE(part);
+        EXPECT_EQ(std::holds_alternative<SuModel>(part->model), model == "su");
+        for (const std::vector<std::string>& command :
+             {std::vector<std::string>{"export", model + ".srbf", "--to", "c", "-o", model + ".h"},
+              {"export", model + ".srbf", "--to", "html", "-o", model + ".html"},
+              {"render", model + ".srbf", "--size", "16x12", "--spp", "1", "-o", model + ".png"}}) {
+            const ProgramRun ran = run(folder, command);
+            EXPECT_EQ(ran.status, 0) << ran.err;
+        }
+        EXPECT_EQ(std::filesystem::exists(folder / (model + "_reflection_front.data")), model == "su");
+    }
+    expect_failure(1, {"export", "su.srbf", "--to", "c", "--with", "sampling", "-o", "x.h"},
+                   "expected a model that is not view by view");
+}
+
+TEST_F(OfShade, is_fitted_among_many) {
+    write(folder / "other.xml", small_shade());
+    write(folder / "bad.xml", small_shade().substr(0, 2000));
+    const std::vector<std::string> command{"fit", "shade.xml", "other.xml", "bad.xml", k_paper,
+                                           "-o",  "models",    "--lobes",   "1",       "--variates",
+                                           "2",   "--axial",   "--threads", "2",       "--resume"};
+    const ProgramRun first = run(folder, command), second = run(folder, command);
+    EXPECT_EQ(first.status, 1);
+    EXPECT_NE(first.err.find("bad.xml"), std::string::npos) << first.err;
+    EXPECT_NE(first.out.find("3 fitted"), std::string::npos) << first.out;
+    EXPECT_NE(second.out.find("3 kept"), std::string::npos) << second.out;
+    // The same model as alone, but for what is told of it.
+    const auto alone = load_model(folder / "shade.srbf"), among = load_model(folder / "models/shade.srbf");
+    ASSERT_TRUE(alone.ok() && among.ok());
+    EXPECT_EQ(write_model({alone->model, {}}), write_model({among->model, {}}));
+    const Json report = Json::parse(contents(folder / "models/other.json"));
+    EXPECT_EQ(report["parts"].size(), 4u);
 }
 
 TEST_F(OfShade, lets_light_into_a_room) {

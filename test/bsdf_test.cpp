@@ -11,24 +11,6 @@
 namespace srbf {
 namespace {
 
-std::shared_ptr<const Model> part(std::uint64_t seed, const RandomModelOptions& options) {
-    std::mt19937_64 random(seed);
-    PmModel model = random_model(random, options);
-    for (Rgb& beta : model.coefficient) beta = {0.1f * beta.r, 0.1f * beta.g, 0.1f * beta.b};
-    return std::make_shared<const Model>(Model{model, {}});
-}
-
-/// Four parts of different models, and beams.
-BsdfModel full_bsdf(double most_bandwidth = 30) {
-    BsdfModel bsdf;
-    const PmForm form = PmForm::horizon;
-    for (std::size_t p = 0; p < k_parts; ++p)
-        bsdf.part[p] = part(p + 1, {.lobes = 3, .most_bandwidth = most_bandwidth, .form = form});
-    bsdf.beam[0] = {{0.f, 1.f}, {{0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}}};
-    bsdf.beam[2] = {{0.5f}, {{0.3f, 0.2f, 0.1f}}};
-    return bsdf;
-}
-
 std::vector<std::pair<Vec3f, Vec3f>> random_pairs(int count) {
     std::mt19937_64 random(5);
     std::vector<std::pair<Vec3f, Vec3f>> all;

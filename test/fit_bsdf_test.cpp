@@ -2,6 +2,7 @@
 #include "srbf/fit_bsdf.h"
 #include "bsdf_files.h"
 #include "properties.h"
+#include "render/path.h"
 #include "srbf/file.h"
 #include "srbf/kernel.h"
 #include "srbf/prepared_bsdf.h"
@@ -74,6 +75,56 @@ FitRequest five_lobes() {
     return request;
 }
 
+/// A thin sphere in even light of radiance 1, seen from far away: after one bounce without occlusion, or as many as it
+/// takes with it.
+PathPicture furnace(const PreparedBsdf& bsdf, bool whole) {
+    static const Environment even_light(Image(8, 4, {1, 1, 1}));
+    static const Mesh mesh = sphere(64);
+    const PathScene scene{{{&mesh, 0}}, {bsdf}, {{0, 0, 400}, {0, 0, 0}, {0, 1, 0}, 0.0052}, {}, {}, &even_light};
+    PathOptions options;
+    options.width = options.height = 32, options.samples = whole ? 64 : 256;
+    options.bounces = whole ? 64 : 1, options.occlusion = whole;
+    return render_paths(scene, options);
+}
+/// Whether a pixel lies within the sphere, and the cosine of its normal to the viewer there.
+std::optional<double> cosine_at(const PathPicture& picture, std::size_t pixel) {
+    const Rgb n = picture.first.normal.pixels[pixel];
+    const double length = std::sqrt(double(n.r * n.r + n.g * n.g + n.b * n.b));
+    return length > 0.99 && n.b > 0.3f ? std::optional(double(n.b) / length) : std::nullopt;
+}
+double mean_of(const PathPicture& picture) {
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < picture.first.depth.size(); ++i)
+        if (cosine_at(picture, i)) sum += double(picture.rendering.radiance.pixels[i].g), ++count;
+    EXPECT_GT(count, 300);
+    return sum / count;
+}
+/// What a model sends to its viewer in even light: after one bounce the sum of its parts' albedos and beams, along the
+/// middle of the picture; in all no more than that, since it is not brighter within than around it.
+double expect_furnace(const Model& model) {
+    const auto& bsdf = std::get<BsdfModel>(model.model);
+    const PreparedBsdf prepared = prepare_bsdf(model, {.threads = 1});
+    const PathPicture once = furnace(prepared, false);
+    const Evaluate values = evaluator(model);
+    double sum = 0, expected = 0, most_apart = 0;
+    for (std::size_t i = 15 * 32; i < 17 * 32; ++i) {
+        const auto cosine = cosine_at(once, i);
+        if (!cosine) continue;
+        double due =
+            double(share_at(bsdf.beam[0], float(*cosine)).g) + double(share_at(bsdf.beam[2], float(*cosine)).g);
+        for (const Part part : {Part::reflection_front, Part::transmission_back})
+            due += double(albedo(part_of(values, part), std::acos(*cosine), k_pi / 2).g);
+        const double seen = double(once.rendering.radiance.pixels[i].g);
+        sum += seen, expected += due;
+        most_apart = std::max(most_apart, std::abs(seen - due));
+    }
+    EXPECT_PRED3(near_relative, sum, expected, 0.01);
+    EXPECT_LT(most_apart, 0.05);  // with the noise of a pixel
+    const double all = mean_of(furnace(prepared, true));
+    EXPECT_LE(all, std::min(1.0, 1.002 * mean_of(once)));
+    return all;
+}
+
 /// At most 0.5 % in at most 400 bytes, and light that is neither lost nor made.
 void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alike) {
     const auto fitted = fit_bsdf(parts, five_lobes());
@@ -88,6 +139,7 @@ void expect_good(const std::array<Evaluate, k_parts>& parts, bool sides_are_alik
     }
     EXPECT_PRED3(near, fitted->most_fitted, fitted->most_measured, 0.01);
     EXPECT_LE(fitted->most_fitted, 1.01);
+    EXPECT_GT(expect_furnace(fitted->model), 0.1);
 }
 
 TEST(FitBsdf, RoughDielectricSlab) { expect_good(rough_slab(), true); }
@@ -125,6 +177,17 @@ TEST(FitBsdf, AveragesOverPatches) {
         of_patches += std::pow(double(value(*measured, l, v).r) - f(wl, wv), 2);
     }
     EXPECT_LT(of_fit, 0.2 * of_patches);
+}
+
+/// What fits one side refuses both.
+TEST(FitBsdf, IsAskedForByName) {
+    const auto shade = read_measured(as_bytes(small_shade()), "shade.xml");
+    ASSERT_TRUE(shade.ok()) << message(shade.error());
+    const std::string expected = "fit: measurement: expected one of a BRDF, found one of both sides, for fit_bsdf";
+    const auto fitted = fit(*shade, {});
+    ASSERT_FALSE(fitted.ok());
+    EXPECT_EQ(message(fitted.error()), expected);
+    EXPECT_EQ(message(Fitter(*shade).draft({}, 0).error()), expected);
 }
 
 TEST(FitBsdf, SmallShade) {
@@ -214,6 +277,13 @@ TEST(FitBsdf, LightBehindTheRollerShade) {
         // Suns fall between the angles of the matrix, which has steps of 10°.
         EXPECT_PRED3(near_relative, model, matrix, &sky == &skies[0] ? 0.02 : 0.07);
     }
+}
+
+TEST(FitBsdf, RollerShadeInEvenLight) {
+    const Shade* of = shade();
+    if (!of) GTEST_SKIP() << "no klems/2011-SA1.xml";
+    const double matrix = mean_of(furnace(prepare_bsdf(of->measured, {.threads = 1}), true));
+    EXPECT_PRED3(near_relative, expect_furnace(of->fitted.model), matrix, 0.01);
 }
 
 TEST(FitBsdf, RollerShadeIsDrawnWithLittleNoise) {

@@ -59,6 +59,9 @@ def with_webgl():
     chromium.click("[type='reset']")
     chromium.settle()
     visit.take("again")
+    chromium.click("[data-show='7']")
+    chromium.click("[name='behind']")
+    visit.take("behind")
     chromium.size(390, 844, mobile=True)
     chromium.open(page)
     visit.take("phone")
@@ -86,7 +89,7 @@ def under_environments(visit):
         visit.take(step)
 
     chromium.size(240, 600, mobile=True)
-    for material in (0, 1, 3, 6):  # one of each kind
+    for material in (0, 7, 1, 3, 6):  # one of each kind
         chromium.click(f"[data-show='{material}']")
         if material == 0:
             chromium.run("document.forms[0].environment.value = 'studio'; " + CHOOSE)

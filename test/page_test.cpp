@@ -41,14 +41,16 @@ Page all_kinds() {
     parabolic.index = index_texture(parabolic, DirectionMap::parabolic, 64);
     plain.index = index_texture(plain, DirectionMap::cube, 32);
     static const GgxModel ggx{{0.1f, 0.2f, 0.4f}, {{0.1f, {0.1f, 0.05f, 0.02f}, 0.9f}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}};
+    static const Model bsdf{rough_bsdf(), {}};
     Page page;
     page.title = "<every> kind";
     page.generator = "test";
     for (const Material& material :
-         std::initializer_list<Material>{table, lobes, general, by_view, plain, parabolic, ggx}) {
+         std::initializer_list<Material>{table, lobes, general, by_view, plain, parabolic, ggx, rough_bsdf()}) {
         const auto i = page.materials.size();
-        page.materials.push_back(
-            {fmt::format("m{} & <b>", i), "kind", material, evaluator(ggx), i > 0 ? "numbers" : ""});
+        page.materials.push_back({fmt::format("m{} & <b>", i), "kind", material,
+                                  is_two_sided(material) ? evaluator(bsdf) : evaluator(ggx), false,
+                                  i > 0 ? "numbers" : ""});
     }
     page.table.push_back({"bytes", "how many", std::vector<std::string>(page.materials.size(), "1")});
     return page;
@@ -90,6 +92,9 @@ TEST(Page, HoldsItsShadersAndNothingFromOutside) {
     EXPECT_EQ(count(single, "<canvas"), 1u);
     EXPECT_EQ(count(single, "<button type='button' data-show"), 0u);
     EXPECT_EQ(count(single, "material differs"), 0u);
+    // A light behind is for what light passes through.
+    EXPECT_EQ(count(html, "name='behind'"), 1u);
+    EXPECT_EQ(count(single, "name='behind'"), 0u);
 }
 
 /// The points of the drawing's curves.
@@ -167,6 +172,53 @@ TEST(Slices, LobesReachAsFarAsTheyAreBright) {
     EXPECT_PRED3(near, logarithmic[2], 0, 0.2);
 }
 
+TEST(Slices, OfBothSidesGoAllAround) {
+    // 10 is reflected at the front, 5 at the back, 0.1 transmitted to the back and 1 to the front.
+    const Evaluate f = [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
+        constexpr float of_part[] = {10, 5, 0.1f, 1};
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            const float value = of_part[std::size_t(folded(wl[i], wv[i])->part)];
+            out[i] = {value, value, value};
+        }
+    };
+    const SliceCurve plotted[] = {{"a", "red", f, true}};
+    const double x0 = 180, y0 = 186, radius = 140;
+    const auto radii = [&](double theta, LobeScale scale) {  // above and below
+        std::array<double, 2> all{};
+        std::array<int, 2> points{};
+        for (const auto& curve : curves_of(lobe_drawing(plotted, theta, scale)))
+            for (const auto& [x, y] : curve) {
+                if (std::abs(y - y0) < 0.1) continue;  // rounded onto the surface
+                const std::size_t side = y > y0;
+                const double r = std::hypot(x - x0, y - y0);
+                if (points[side]++ == 0) all[side] = r;
+                EXPECT_PRED3(near, r, all[side], 0.2);
+            }
+        EXPECT_GT(points[0], 4);
+        return all;
+    };
+    const auto front = radii(0.5, LobeScale::linear), back = radii(k_pi - 0.5, LobeScale::linear);
+    EXPECT_PRED3(near, front[0], radius, 0.2);
+    EXPECT_PRED3(near, front[1], 0.01 * radius, 0.2);
+    EXPECT_PRED3(near, back[1], radius, 0.2);
+    EXPECT_PRED3(near, back[0], 0.2 * radius, 0.2);
+    // Two decades apart, and one more from the smallest to the centre.
+    EXPECT_PRED3(near, radii(0.5, LobeScale::logarithmic)[1], radius / 3, 0.5);
+    const LuminanceSlice slice = luminance_slice(f, 0.5, true);
+    EXPECT_TRUE(std::ranges::is_sorted(slice.degrees));
+    EXPECT_EQ(slice.degrees.front(), -89);
+    EXPECT_EQ(slice.degrees.back(), 269);
+    EXPECT_EQ(luminance_slice(f, 0.5).degrees.back(), 89);
+
+    Page page;
+    page.title = page.generator = "both";
+    page.materials.push_back({"shade", "kind", {}, f, true, ""});
+    page.table.push_back({"bytes", "", {"1"}});
+    const std::string html = page_html(page);
+    EXPECT_EQ(count(html, "<svg class='slice lobes'"), k_slice_theta.size() + k_slice_theta_behind.size());
+    EXPECT_EQ(count(html, "all around"), 1u);
+}
+
 TEST(Charts, AreLogarithmicInBothDirections) {
     const Chart chart{"<a> title",
                       "J",
@@ -240,7 +292,9 @@ Image8 environment_picture(const Json& of, const PageMaterial& material, Dialect
     auto shaded = RasterMaterial::make(*material.material, {.dialect = dialect, .environment = true});
     if (!light || !surface || !shaded) return ADD_FAILURE(), Image8(width, height);
     const auto* general = std::get_if<PmModel>(&*material.material);
-    shaded->set_proposal(propose(material.brdf, {.azimuths = general && !general->axial ? k_anisotropic_azimuths : 1}));
+    const ProposeOptions options{.azimuths = general && !general->axial ? k_anisotropic_azimuths : 1};
+    shaded->set_proposal(is_two_sided(*material.material) ? propose_parts(material.brdf, options)
+                                                          : Proposals(propose(material.brdf, options)));
     auto mean = RasterMean::make(*surface);
     if (!mean) return ADD_FAILURE(), Image8(width, height);
     const RasterMesh mesh(page_mesh(std::string(scene["mesh"])));
@@ -348,10 +402,18 @@ TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
     EXPECT_EQ(of_first["knot"]["scene"]["mesh"], "knot");
     EXPECT_EQ(of_first["knot"]["scene"]["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
     EXPECT_TRUE(pixels["again"] == pixels["opened"]);
+    // The light behind the object is beyond the plane through its middle, and is seen through it.
+    EXPECT_EQ(count["behind"], 1);
+    const Json behind = of_first["behind"]["scene"];
+    double facing = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+        facing += double(behind["directions"][k]) * (double(behind["eye"][k]) - double(behind["target"][k]));
+    EXPECT_LT(facing, 0);
+    EXPECT_EQ(behind["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
     EXPECT_NE(of_first["phone"]["scene"]["eye"], of_first["swiped"]["scene"]["eye"]);
 
     // Under an environment.
-    EXPECT_EQ(count["studio"], 4);
+    EXPECT_EQ(count["studio"], 5);
     EXPECT_EQ(of_first["studio"]["scene"]["irradiances"], Json(std::vector<int>(9, 0)));
     EXPECT_EQ(of_first["studio turned"]["scene"]["eye"], of_first["studio"]["scene"]["eye"]);
     EXPECT_GT(double(of_first["studio turned"]["scene"]["turned"]), 0.1);

@@ -1,13 +1,16 @@
 // Pictures of a graphics library agree with the CPU's evaluation of the same text at the same positions and normals.
 #include "render/raster.h"
 #include "render/offscreen.h"
+#include "render/path.h"
 
 #include <map>
 
 #include "models.h"
 #include "program.h"
+#include "render/exr.h"
 #include "render/shading.h"
 #include "srbf/convert.h"
+#include "srbf/file.h"
 #include "srbf/fit.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
@@ -32,6 +35,8 @@ Rgb by_text(const SuModel& model, Vec3f wl, Vec3f wv) {
     return rgb(Kernel<float>::su_plain_value(model, nearest, of_lobes, sampled, model.neighbours));
 }
 Rgb by_text(const MerlTable& table, Vec3f wl, Vec3f wv) { return value(table, wl, wv); }
+Rgb by_text(const BsdfModel& model, Vec3f wl, Vec3f wv) { return value(model, wl, wv); }
+Rgb by_text(const BsdfTables& tables, Vec3f wl, Vec3f wv) { return value(tables.part, wl, wv); }
 Rgb by_text(const Flat&, Vec3f, Vec3f) { return {Flat::k_value, Flat::k_value, Flat::k_value}; }
 
 /// The scene's positions and normals, a pixel each, as the library interpolates them.
@@ -361,6 +366,75 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
     EXPECT_EQ(refused.status, 1);
     EXPECT_NE(refused.err.find("expected an isotropic one, found an anisotropic one"), std::string::npos)
         << refused.err;
+}
+
+/// PSNR [dB] of direct light against the path tracer's, where the object covers pixels as a whole.
+double psnr_to_paths(const Scene& scene, const Material& material, const Model& model) {
+    constexpr int size = 96;
+    PathScene traced{{{&scene.mesh, 0}}, {prepare_bsdf(model, {.threads = 1})}, scene.camera, scene.lights, {}};
+    PathOptions options;
+    options.width = options.height = size, options.samples = 16, options.bounces = 1, options.occlusion = false;
+    const Rendering expected = render_paths(traced, options).rendering;
+    const auto drawn = rasterize(scene, std::vector<Material>{material}, size, size, 4);
+    if (!drawn) return ADD_FAILURE() << message(drawn.error()), 0;
+    const float exposure = automatic_exposure(expected.radiance);
+    double squares = 0, count = 0;
+    for (std::size_t i = 0; i < expected.coverage.size(); ++i) {
+        if (!(expected.coverage[i] == 1 && (*drawn)[0].coverage[i] == 1)) continue;
+        const Rgb8 a = to_srgb8(expected.radiance.pixels[i], exposure),
+                   b = to_srgb8((*drawn)[0].radiance.pixels[i], exposure);
+        for (std::size_t c = 0; c < 3; ++c, ++count) squares += std::pow(double(a[c]) - double(b[c]), 2);
+    }
+    EXPECT_GT(count, 0.2 * size * size);
+    return 10 * std::log10(255 * 255 * count / squares);
+}
+
+TEST(Rasterize, BothSidesAreLitFromBothSides) {
+    if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
+    const Model ggx{rough_bsdf(), {}};
+    BsdfModel lobes = full_bsdf(5);
+    lobes.part[1].reset(), lobes.part[3].reset();
+    BsdfTables tables;
+    const Evaluate values = evaluator(ggx);
+    for (std::size_t p = 0; p < k_parts; ++p)
+        tables.part[p] = std::make_shared<const MerlTable>(to_merl(part_of(values, Part(p)), {64, 45, 48}));
+    Scene outside = scene_of(sphere(96), {}, 1), inside = outside;
+    std::erase_if(inside.mesh.triangles, [&](const Triangle& t) {
+        return dot(to_double(inside.mesh.positions[t[0]]), inside.camera.eye) > 0;
+    });
+    for (Scene* scene : {&outside, &inside})
+        for (const bool behind : {false, true}) {
+            if (behind) scene->lights = {light_behind(scene->camera)};
+            const double of_tables = psnr_to_paths(*scene, tables, ggx),
+                         of_code = psnr_to_paths(*scene, rough_bsdf(), ggx),
+                         of_lobes = psnr_to_paths(*scene, lobes, {lobes, {}});
+            EXPECT_GE(of_code, 42) << behind;
+            EXPECT_GE(of_lobes, 40) << behind;
+            EXPECT_GE(of_tables, 40) << behind;
+            // Another model is told apart.
+            EXPECT_LT(psnr_to_paths(*scene, lobes, ggx), 30) << behind;
+        }
+}
+
+TEST(Render, DrawsALightBehind) {
+    if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());
+    const TemporaryFolder folder;
+    ASSERT_TRUE(save_model({rough_bsdf(), {}}, folder / "both.srbf").ok());
+    ASSERT_TRUE(save_model(*rough_bsdf().part[0], folder / "front.srbf").ok());
+    const auto render = [&](const char* file, const char* renderer) {
+        const ProgramRun made =
+            run(folder, {"render", file, "--renderer", renderer, "--env", "none", "--lights", "behind", "--mesh",
+                         "sphere", "--spp", "16", "--size", "64x64", "--no-ground", "--no-occlusion", "-o", "x.exr"});
+        EXPECT_EQ(made.status, 0) << made.err;
+        const auto bytes = read_file(folder / "x.exr");
+        return *read_exr(*bytes, "x.exr");
+    };
+    const Image by_raster = render("both.srbf", "raster"), by_paths = render("both.srbf", "path"),
+                opaque = render("front.srbf", "raster");
+    // The middle of the picture faces away from the light.
+    EXPECT_GT(by_raster.at(32, 32).g, 0.01f);
+    EXPECT_PRED3(near_relative, by_raster.at(32, 32).g, by_paths.at(32, 32).g, 0.02);
+    EXPECT_EQ(opaque.at(32, 32), Rgb{});
 }
 
 TEST(Rasterize, GivesRadianceAndCoverage) {

@@ -217,7 +217,11 @@ TEST(Lobes, TheirSumIsTheModelAndTheirSharesAreOne) {
 TEST(Slice, IsTheFunctionTimesTheCosine) {
     const auto subject = load(k_film);
     ASSERT_TRUE(subject);
-    const Slice of = slice(evaluator(*subject), 30 * k_degree);
+    const Slice of = slice(evaluator(*subject), 30 * k_degree, false);
+    const Slice around = slice(evaluator(*subject), 30 * k_degree, true);
+    EXPECT_EQ(around.f.size(), 2 * of.f.size());
+    EXPECT_TRUE(std::equal(of.f.begin(), of.f.end(), around.f.begin(),
+                           [](const Rgb& a, const Rgb& b) { return a == b || !is_finite(a); }));
     const Vec3f wl = to_float(spherical(30 * k_degree, k_pi));
     for (std::size_t i = 0; i < of.f.size(); i += 13) {
         const Vec3f wv{std::sin(of.angle[i]), 0, std::cos(of.angle[i])};

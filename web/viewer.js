@@ -136,10 +136,11 @@ function under_environment(index) {
   const material = materials[index];
   if (!material.lit) {
     const text = text_of(index);
-    material.lit = new_material_program(index, data.whole, text.slice(0, text.length - data.pixel.length) + data.environment_pixel);
-    const numbers = new Float32Array(bytes_of(data.materials[index].proposal).buffer);
-    gl.uniform1fv(material.lit.place("mixture_weights"), numbers.subarray(0, -3));
-    gl.uniform3fv(material.lit.place("mixture_grain"), numbers.subarray(-3));
+    const { two_sided, weights, grains } = data.materials[index], floats = (text) => new Float32Array(bytes_of(text).buffer);
+    const pixel = two_sided ? data.environment_pixel_of_both_sides : data.environment_pixel;
+    material.lit = new_material_program(index, data.whole, text.slice(0, text.length - data.pixel.length) + pixel);
+    gl.uniform1fv(material.lit.place("mixture_weights"), floats(weights));
+    gl.uniform3fv(material.lit.place("mixture_grain"), floats(grains));
   }
   return material.lit;
 }
@@ -461,6 +462,14 @@ function start() {
     controls.environment.disabled = controls.file.disabled = true;
     say("Environments need WebGL's EXT_color_buffer_float, which this browser does not offer. The pictures are under three lights.");
   }
+  // The first light behind the object, the others off.
+  controls.behind?.addEventListener("click", () => {
+    const frame = axes(), [x, y, z] = data.light_behind;
+    view.light = angles_of([0, 1, 2].map((i) => x * frame[0][i] + y * frame[1][i] + z * frame[2][i]));
+    controls.others.checked = false;
+    is_exposed = false;
+    redraw();
+  });
   controls.addEventListener("submit", (event) => event.preventDefault());
   controls.addEventListener("reset", () => {
     view = beginning();

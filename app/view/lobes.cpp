@@ -146,20 +146,22 @@ float Slice::most() const {
     return most;
 }
 
-Slice slice(const Evaluate& brdf, double theta_l) {
+Slice slice(const Evaluate& brdf, double theta_l, bool both_sides) {
     constexpr int steps = 356;  // half a degree
     Slice all;
+    all.both_sides = both_sides;
     std::vector<Vec3f> wl, wv;
-    for (int i = 0; i <= steps; ++i) {
-        const double angle = (-89 + 178.0 * i / steps) * k_degree;
-        all.angle.push_back(float(angle));
-        wl.push_back(to_float(spherical(theta_l, k_pi)));
-        wv.push_back(to_float(Vec3d{std::sin(angle), 0, std::cos(angle)}));
-    }
+    for (const double normal : {0.0, 180.0})
+        for (int i = 0; i <= steps && (normal == 0 || both_sides); ++i) {
+            const double angle = (normal - 89 + 178.0 * i / steps) * k_degree;
+            all.angle.push_back(float(angle));
+            wl.push_back(to_float(spherical(theta_l, k_pi)));
+            wv.push_back(to_float(Vec3d{std::sin(angle), 0, std::cos(angle)}));
+        }
     all.f.resize(wl.size());
     brdf(wl, wv, all.f);
     for (std::size_t i = 0; i < wl.size(); ++i)
-        for (int c = 0; c < 3; ++c) all.f[i][c] *= wv[i].z;
+        for (int c = 0; c < 3; ++c) all.f[i][c] *= std::abs(wv[i].z);
     return all;
 }
 

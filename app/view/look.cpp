@@ -45,6 +45,10 @@ void turn_light(Look& look, int light, double right, double up) {
     towards = normalize(turned(turned(towards, axes.y, right), axes.x, -up));
 }
 
+void put_behind(Look& look, int light) {
+    look.lights[std::size_t(light)].towards = light_behind(camera_of(look, {{-1, -1, -1}, {1, 1, 1}})).towards;
+}
+
 void turn_environment(Look& look, double right) { look.turned = std::remainder(look.turned + right, 2 * k_pi); }
 
 void zoom(Look& look, double factor) { look.zoom = std::clamp(look.zoom * factor, 0.2, 20.0); }
@@ -116,6 +120,7 @@ constexpr Key k_keys[] = {
     {"Shift+Right", "", [](Look& look, Session&) { turn_light(look, look.light, k_turn, 0); }},
     {"Shift+Up", "", [](Look& look, Session&) { turn_light(look, look.light, 0, k_turn); }},
     {"Shift+Down", "", [](Look& look, Session&) { turn_light(look, look.light, 0, -k_turn); }},
+    {"I", "the chosen light behind the object", [](Look& look, Session&) { put_behind(look, look.light); }},
     {"Shift+PageUp", "brighten the chosen light", [](Look& look, Session&) { brighten(look, 1.25f); }},
     {"Shift+PageDown", "dim it", [](Look& look, Session&) { brighten(look, 0.8f); }},
     {"V", "environment: studio, none",

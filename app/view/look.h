@@ -54,6 +54,8 @@ Camera camera_of(const Look& look, const Bounds& bounds);
 /// Rotates the eye, or a light relative to the camera, to the right and up [rad].
 void orbit(Look& look, double right, double up);
 void turn_light(Look& look, int light, double right, double up);
+/// Moves a light to `k_light_behind`.
+void put_behind(Look& look, int light);
 /// Turns the environment to the right [rad].
 void turn_environment(Look& look, double right);
 /// Zooms in by factors above 1.

@@ -44,7 +44,7 @@ void Panels::set_mesh(const Mesh& mesh) {
 }
 
 Result<Done> Panels::set_material(Which which, const std::optional<Material>& material,
-                                  std::function<MixtureProposal()> propose) {
+                                  std::function<Proposals()> propose) {
     Panel& panel = of(which);
     panel.is_stale = true;
     panel.content = material;

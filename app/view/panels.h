@@ -21,7 +21,7 @@ class Panels {
     /// Sets a material; none: an empty picture. A multivariate model with the same shader text only costs the upload of
     /// its numbers.
     Result<Done> set_material(Which which, const std::optional<Material>& material,
-                              std::function<MixtureProposal()> propose = {});
+                              std::function<Proposals()> propose = {});
     /// Sets the light around the scene; none: lights alone.
     Result<Done> set_environment(const Environment* environment);
 
@@ -47,7 +47,7 @@ class Panels {
         std::optional<RasterTarget> radiance, shown;
         // Under an environment, where `radiance` is the filtered picture; made when there is one.
         std::optional<Material> content;
-        std::function<MixtureProposal()> propose;
+        std::function<Proposals()> propose;
         std::optional<RasterMaterial> lit;
         std::string lit_text;
         bool is_proposed = false;

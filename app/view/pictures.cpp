@@ -91,7 +91,7 @@ void Pictures::take_environment(Session& session, Look& look) {
 }
 
 void Pictures::set_material(Session& session, Panels::Which which, const Result<Material>& material,
-                            std::function<MixtureProposal()> propose) {
+                            std::function<Proposals()> propose) {
     const auto done =
         material ? panels_.set_material(which, *material, std::move(propose)) : Result<Done>(material.error());
     if (done) return;

@@ -29,7 +29,7 @@ class Pictures {
     void take_mesh(Session& session, Look& look);
     void take_environment(Session& session, Look& look);
     void set_material(Session& session, Panels::Which which, const Result<Material>& material,
-                      std::function<MixtureProposal()> propose);
+                      std::function<Proposals()> propose);
     void draw_panels(Session& session, Look& look, float width, float height);
     void draw_picture(const Session& session, Look& look, Panels::Which which, float width, float height);
     void draw_wipe(const Session& session, Look& look, float width, float height);

@@ -28,9 +28,11 @@ ImU32 lobe_colour(std::size_t k, float alpha) {
 
 void draw_slices(const Slice* reference, const Slice* fit, double theta_l, bool logarithmic, float width) {
     const ImVec2 corner = ImGui::GetCursorScreenPos();
-    const float margin = ImGui::GetTextLineHeight(), radius = width / 2 - margin;
+    // Of both sides a full circle, half as large.
+    const bool whole = (reference && reference->both_sides) || (fit && fit->both_sides);
+    const float margin = ImGui::GetTextLineHeight(), radius = (width / 2 - margin) * (whole ? 0.5f : 1.f);
     const ImVec2 centre{corner.x + width / 2, corner.y + radius + margin};
-    ImGui::Dummy({width, radius + 2 * margin});
+    ImGui::Dummy({width, (whole ? 2 : 1) * radius + 2 * margin});
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float most = reference ? reference->most() : fit ? fit->most() : 0;
     if (!(most > 0)) return label(list, corner, "nothing to plot");
@@ -48,14 +50,15 @@ void draw_slices(const Slice* reference, const Slice* fit, double theta_l, bool 
     for (int ring = 1; ring <= rings; ++ring) {
         const double r = double(ring) / rings;
         list.PathClear();
-        for (int i = -30; i <= 30; ++i) list.PathLineTo(place(i * 3 * k_degree, r));
+        for (int i = -30; i <= (whole ? 90 : 30); ++i) list.PathLineTo(place(i * 3 * k_degree, r));
         list.PathStroke(k_line, 0, 1);
         const double value = double(most) * (logarithmic ? std::pow(10, ring - rings) : r);
         const ImVec2 at = place(-90 * k_degree, r);
         if (ring % 2 == 0)
             label(list, {at.x - 2, at.y + 1}, fmt::format("{:.2g}", value), IM_COL32(255, 255, 255, 150));
     }
-    for (int degrees = -60; degrees <= 60; degrees += 30) list.AddLine(centre, place(degrees * k_degree, 1), k_line);
+    for (int degrees = -60; degrees <= (whole ? 270 : 60); degrees += 30)
+        list.AddLine(centre, place(degrees * k_degree, 1), k_line);
     list.AddLine(place(-90 * k_degree, 1), place(90 * k_degree, 1), k_line);
     list.AddLine(centre, place(-theta_l, 1.04), k_light, 2);
     const ImVec2 at_light = place(-theta_l, 1.1);
@@ -63,10 +66,13 @@ void draw_slices(const Slice* reference, const Slice* fit, double theta_l, bool 
 
     for (int c = 0; c < 3; ++c) {
         if (fit) {
-            list.PathClear();
-            for (std::size_t i = 0; i < fit->f.size(); ++i)
-                list.PathLineTo(place(double(fit->angle[i]), length(fit->f[i][c])));
-            list.PathStroke(k_channel[c], 0, 1.5f);
+            const std::size_t sides = fit->both_sides ? 2 : 1, of_side = fit->f.size() / sides;
+            for (std::size_t side = 0; side < sides; ++side) {
+                list.PathClear();
+                for (std::size_t i = side * of_side; i < (side + 1) * of_side; ++i)
+                    list.PathLineTo(place(double(fit->angle[i]), length(fit->f[i][c])));
+                list.PathStroke(k_channel[c], 0, 1.5f);
+            }
         }
         if (reference)
             for (std::size_t i = 0; i < reference->f.size(); i += 4)

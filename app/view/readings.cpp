@@ -26,11 +26,14 @@ void Readings::take(const Session& session, double theta_l, bool swapped) {
     if (!swapped && !is_gone && reference_ == session.reference() && theta_l_ == theta_l) return;
     reference_ = session.reference();
     theta_l_ = theta_l;
-    if (reference_ >= 0) slice_of_reference_ = slice(evaluator(*session.subjects()[std::size_t(reference_)]), theta_l);
+    if (reference_ >= 0) {
+        const Subject& reference = *session.subjects()[std::size_t(reference_)];
+        slice_of_reference_ = slice(evaluator(reference), theta_l, is_two_sided(reference.content));
+    }
     slice_of_fit_.reset();
     lobes_.clear();
     if (const auto& fitted = session.fitted()) {
-        slice_of_fit_ = slice(evaluator(fitted->model), theta_l);
+        slice_of_fit_ = slice(evaluator(fitted->model), theta_l, is_two_sided(fitted->model));
         lobes_ = seen_lobes(fitted->model, to_float(spherical(theta_l, k_pi)));
     }
 }
@@ -71,9 +74,10 @@ void Readings::draw_measures(const Session& session) const {
     const bool is_scattered = measured && std::holds_alternative<ScatteredSamples>(measured->table);
     ImGui::TextColored(k_hint, "%s",
                        fmt::format("Errors within {:.0f}\xC2\xB0, against {}", session.max_theta() / k_degree,
-                                   is_scattered ? "samples; albedo: completed ones"
-                                   : measured   ? "measured"
-                                                : "the reference")
+                                   is_scattered                                    ? "samples; albedo: completed ones"
+                                   : reference && is_two_sided(reference->content) ? "the front's reflection"
+                                   : measured                                      ? "measured"
+                                                                                   : "the reference")
                            .c_str());
     if (!fitted) return ImGui::Text("none yet");
     if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_SizingStretchProp)) {

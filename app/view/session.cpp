@@ -8,6 +8,7 @@
 #include <map>
 
 #include "srbf/file.h"
+#include "srbf/fit_bsdf.h"
 
 namespace srbf {
 /// The worker thread: one job at a time, the newest.
@@ -94,6 +95,15 @@ class Session::Worker {
 
     /// Fits the reference with increasing effort, and reports each fit but the last.
     Result<FitOutcome> fit(const Job& job, const FitRequest& request, Fitted& fitted, const ProgressToken& progress) {
+        if (const auto* measured = std::get_if<Measured>(&job.reference->content);
+            measured && std::holds_alternative<BsdfTable>(measured->table)) {
+            auto sides = fit_bsdf(*measured, request, progress);
+            if (!sides) return sides.error();
+            fitted.seconds = job.asked.seconds();
+            FitOutcome outcome;
+            outcome.model = outcome.unrounded = std::move(sides->model);
+            return outcome;
+        }
         for (int draft = 0; draft < Fitter::k_drafts; ++draft) {
             auto quick = fitter(job).draft(request, draft, progress.part(0.1 * draft, 0.1 * (draft + 1)));
             if (!quick) return quick;

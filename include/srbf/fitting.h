@@ -117,7 +117,8 @@ class Fitter {
     Fitter& operator=(Fitter&&) noexcept;
     ~Fitter();
 
-    /// Fits the requested model. For scattered samples this also measures the errors.
+    /// Fits the requested model. For scattered samples this also measures the errors. Errors: a measurement of both
+    /// sides; `measure` takes its front reflection.
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress = {});
     /// A fast preview of `fit`, from a few tens of milliseconds to a second. A higher `draft`, 0..k_drafts−1, is more
     /// accurate. Only for PM with a given number of lobes (default 8).
@@ -132,7 +133,7 @@ class Fitter {
 };
 
 /// Fits a measurement and measures the errors of the model: everything that `srbf fit` does between reading and
-/// writing.
+/// writing. Errors: a measurement of both sides, which `fit_bsdf` (fit_bsdf.h) fits.
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
 /// The same for a BRDF as a function.
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress = {});

@@ -18,8 +18,17 @@ namespace [[gnu::visibility("default")]] srbf {
 struct Flat {
     static constexpr float k_value = float(1 / k_pi);  ///< [1/sr]
 };
-/// The material of a surface.
-using Material = std::variant<Flat, MerlTable, PmModel, SuModel, GgxModel>;
+/// The parts of a BSDF (bsdf.h) as tables of one size, and its beams.
+struct BsdfTables {
+    Parts<MerlTable> part;
+    Beams beam;
+};
+/// The material of a surface: a BRDF, or a BSDF, whose models of parts are not view by view.
+using Material = std::variant<Flat, MerlTable, PmModel, SuModel, GgxModel, BsdfModel, BsdfTables>;
+/// Whether both sides of the surface and the light behind it are seen.
+inline bool is_two_sided(const Material& material) {
+    return std::holds_alternative<BsdfModel>(material) || std::holds_alternative<BsdfTables>(material);
+}
 
 /// The dialects of the shader text.
 enum class Dialect {
@@ -32,14 +41,19 @@ std::string_view name(Dialect dialect);
 std::string version_text(Dialect dialect);
 
 /// The text, to follow `version_text`, that defines
-///   vec3 brdf(vec3 wl, vec3 wv)   f_r [1/sr] for R, G, B, of unit vectors in the local frame, both above the horizon
-///   bool is_measured              whether the last value of `brdf` was measured: false only for tables
+///   SIDES                         1 of a BRDF, 2 of a BSDF
+///   vec3 bsdf(vec3 wl, vec3 wv)   f [1/sr] for R, G, B, of unit vectors in the local frame, with one side both above the
+///                                 horizon; without beams
+///   bool is_measured              whether the last value was measured: false only for tables
+/// and with one side the same as `brdf`, with two
+///   vec3 straight_beam(vec3 wv)   the share of the light from -wv that passes unscattered
+///   vec3 mirror_beam(vec3 wv)     the share of the light from the mirror direction that is reflected unscattered
 /// It consists of the material's sizes (numbers of lobes and the like, so that loops unroll), the definitions that
 /// kernel.glsl requires, kernel.glsl, and the material's own part. It is the same in every dialect. The numbers of the
 /// material are uniforms: for a multivariate model the block `PmNumbers` (`pm_numbers`); for a view-by-view model the
 /// samplers `su_numbers` and `su_directions` (`su_texels`), and `su_index`; for a table the sampler `merl_table`
 /// (`merl_texels`); for Lambert and GGX `ggx_numbers`. Materials with the same text differ only in these. The text
-/// includes which centres of axial lobes are −z.
+/// includes which centres of axial lobes are −z. A BSDF's model is in the text, with its numbers as constants.
 ///
 /// With `open`, the text is the same for all multivariate models of at most `k_most_open_lobes` lobes that are all
 /// axial or all general and have up to four, or five to eight, variates. A model that changes frequently then needs no
@@ -51,14 +65,24 @@ inline constexpr int k_most_open_lobes = 32;
 ///   vec3 sample_light(vec3 wv, float u1, float u2, float selector)   a direction to the light for u1, u2 and selector
 ///                                                uniform in [0,1); z <= 0 where the draw has none
 ///   float light_pdf(vec3 wl, vec3 wv)            its density [1/sr]; 0 where either is not above the horizon
-/// Its numbers are the uniforms `mixture_weights` and `mixture_grain` (`ProposalNumbers`).
-std::string proposal_text();
-/// The weights of a mixture at its nodes, one node after the other; its stretch, and its grain's cosine and sine.
-struct ProposalNumbers {
-    std::array<float, MixtureProposal::k_nodes * MixtureProposal::k_lobes> weights;
-    std::array<float, 3> grain;
+/// Its numbers are the uniforms `mixture_weights` and `mixture_grain` (`ProposalNumbers`). With `parts` mixtures the
+/// global `int mixture_part` chooses the one that is meant; directions are in the frame of that part.
+std::string proposal_text(int parts = 1);
+/// What the light is drawn from: of a BRDF one mixture, of a BSDF one for each part, in the order of `Part`.
+struct Proposals {
+    std::vector<MixtureProposal> of_part;
+    Proposals(const MixtureProposal& of_brdf) : of_part{of_brdf} {}
+    explicit Proposals(std::vector<MixtureProposal> of_parts) : of_part(std::move(of_parts)) {}
 };
-ProposalNumbers proposal_numbers(const MixtureProposal& proposal);
+/// The mixtures for a BSDF's parts; `bsdf` is asked on both sides.
+Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options);
+/// The weights of mixtures at their nodes, one node after the other; the stretch of each, and its grain's cosine and
+/// sine.
+struct ProposalNumbers {
+    std::vector<float> weights;
+    std::vector<std::array<float, 3>> grains;
+};
+ProposalNumbers proposal_numbers(const Proposals& proposals);
 
 using Float4 = std::array<float, 4>;
 /// The contents of the block `PmNumbers` (std140): colours and log2 scales, exponents, kernels, weights of the
@@ -81,5 +105,9 @@ SuTexels su_texels(const SuModel& model);
 /// The texels of a table's texture (RGBA32F), φ_d fastest: (f_r, 1), or 0 in every channel where nothing was measured,
 /// so that interpolation uses only measured nodes.
 std::vector<Float4> merl_texels(const MerlTable& table);
+/// The same of the parts of a BSDF, one after the other; 0 where there is none.
+std::vector<Float4> merl_texels(const BsdfTables& tables);
+/// The size of these tables.
+std::array<std::uint32_t, 3> size_of(const BsdfTables& tables);
 
 }  // namespace srbf

@@ -53,6 +53,13 @@ std::string identifier(std::string_view text);
 /// of unit vectors in the local frame: z along the normal, and of anisotropic models x along the tangent. Vec3 is the
 /// language's vector of three floats, in C the structure srbf_vec3. The functions are printed from kernel.glsl, with
 /// the numbers of the model as constants, equal to those of the model file, and contain what the model needs of them.
+/// Of a BSDF (bsdf.h) the text has those of its parts, as NAME_transmission_front_brdf, and for directions on either
+/// side
+///   Vec3 NAME_bsdf(Vec3 wl, Vec3 wv)   f [1/sr] without beams; 0 where wl or wv lies in the surface
+///   Vec3 NAME_beam(Vec3 wv)            the share of the light from -wv that passes unscattered; only if it has such
+///   Vec3 NAME_mirror_beam(Vec3 wv)     the share of the light from the mirror direction; only if it has such
+///   Vec3 NAME_sample, float NAME_pdf   as above of both sides, without beams; (0, 0, 0) where the draw has none. They
+///                                      include the albedos of the parts.
 /// The names of functions that several models share begin with `prefix`; with one model the name of the model is usual.
 /// The numbers of a view-by-view model are too many for constants: before the text the host defines NAME_number(i), a
 /// function or macro, as number i of `shading_data`. Errors, of code `argument`: a view-by-view model with plain

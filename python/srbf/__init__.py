@@ -360,7 +360,8 @@ def convert(brdf: Brdf, path: Union[str, "os.PathLike[str]"], *, spectra: bool =
 
 def code(models: Union[Model, dict[str, Model]], to: str, *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:
     """Source code that stands alone, `to` one of `code_languages()` or "three", as `srbf export` writes it. Of one model with
-    functions `name`_brdf and so on, or of several by their names; `name` then begins the names of what they share."""
+    functions `name`_brdf and so on (of a BSDF `name`_bsdf and `name`_beam), or of several by their names; `name` then begins the names of
+    what they share."""
     named = models if isinstance(models, dict) else {name: models}
     prefix = _srbf.identifier(name)
     return _srbf.code([model._held for model in named.values()], list(named), to, prefix, sampling, albedo)

@@ -107,6 +107,7 @@ class Fitter::Work {
     }
 
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress) {
+        if (is_of_both_sides()) return both_sides_error();
         const auto start = std::chrono::steady_clock::now();
         if (const auto valid = validate(request, has_spectra(), samples() != nullptr); !valid) return valid.error();
         auto outcome = samples() ? fit_to(*samples(), request, progress) : fit_table(request, progress);
@@ -114,11 +115,17 @@ class Fitter::Work {
     }
 
     Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress) {
+        if (is_of_both_sides()) return both_sides_error();
         const auto start = std::chrono::steady_clock::now();
         if (const auto valid = validate(request, has_spectra(), samples() != nullptr); !valid) return valid.error();
         if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
             return Error{"fit", {}, "draft", "one of a multivariate model", "another", ErrorCode::argument};
         return finished(drafted(request, draft, progress), request, start, progress);
+    }
+
+    bool is_of_both_sides() const { return measured_ && std::holds_alternative<BsdfTable>(measured_->table); }
+    static Error both_sides_error() {
+        return {"fit", {}, "measurement", "one of a BRDF", "one of both sides, for fit_bsdf", ErrorCode::argument};
     }
 
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {

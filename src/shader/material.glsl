@@ -1,4 +1,4 @@
-// The BRDF of a material, to follow its macros, host.glsl and kernel.glsl.
+// The BRDF or BSDF of a material, to follow its macros, host.glsl, kernel.glsl and, of a BSDF, its code.
 bool is_measured = true;  // whether the last value was measured
 
 // f_r(wl, wv) [1/sr] for R, G, B, of unit vectors in the local frame with wl.z, wv.z > 0.
@@ -31,7 +31,7 @@ Vec3 brdf(Vec3 wl, Vec3 wv) { return su_value(wl, wv); }
 // and the weight, which is 0 where nothing was measured. With h = wl + wv, d = wl - wv as for the table of
 // srbf/measured.h.
 uniform sampler3D merl_table;
-Vec3 brdf(Vec3 wl, Vec3 wv) {
+Vec3 merl_value(int part, Vec3 wl, Vec3 wv) {
     Vec3 h = wl + wv;
     Vec3 d = wl - wv;
     float planar2 = dot(h.xy, h.xy);
@@ -44,10 +44,19 @@ Vec3 brdf(Vec3 wl, Vec3 wv) {
     vec3 n = MERL_SIZE;
     vec3 node = n * vec3(phi_d / 3.141592653589793, theta_d / 1.5707963267948966, sqrt(theta_h / 1.5707963267948966));
     node.yz = min(node.yz, n.yz - 1.0);
-    vec4 f = texture(merl_table, (node + 0.5) / n);
+    node.z += n.z * float(part);  // tables one after the other
+    vec4 f = texture(merl_table, (node + 0.5) / (n * vec3(1.0, 1.0, SIDES == 2 ? 4.0 : 1.0)));
     is_measured = f.a > 0.0;
     return f.rgb / max(f.a, 1.0e-6);
 }
+#if SIDES == 1
+Vec3 brdf(Vec3 wl, Vec3 wv) { return merl_value(0, wl, wv); }
+#else
+Vec3 bsdf(Vec3 wl, Vec3 wv) {
+    int part = (wl.z * wv.z < 0.0 ? 2 : 0) + (wl.z < 0.0 ? 1 : 0);
+    return merl_value(part, Vec3(wl.xy, abs(wl.z)), Vec3(wv.xy, abs(wv.z)));
+}
+#endif
 
 #elif defined GGX
 uniform vec4 ggx_numbers[4];
@@ -57,6 +66,24 @@ Vec3 brdf(Vec3 wl, Vec3 wv) {
     return ggx_value(ggx_numbers[0].rgb, first, second, wl, wv);
 }
 
-#else
+#elif defined FLAT
 Vec3 brdf(Vec3 wl, Vec3 wv) { return Vec3(FLAT); }
+
+#else
+Vec3 bsdf(Vec3 wl, Vec3 wv) { return material_bsdf(wl, wv); }
+#endif
+
+#if SIDES == 1
+Vec3 bsdf(Vec3 wl, Vec3 wv) { return brdf(wl, wv); }
+#else
+#if HAS_BEAM
+Vec3 straight_beam(Vec3 wv) { return material_beam(wv); }
+#else
+Vec3 straight_beam(Vec3 wv) { return Vec3(0.0); }
+#endif
+#if HAS_MIRROR_BEAM
+Vec3 mirror_beam(Vec3 wv) { return material_mirror_beam(wv); }
+#else
+Vec3 mirror_beam(Vec3 wv) { return Vec3(0.0); }
+#endif
 #endif

@@ -1,5 +1,5 @@
 // Sampling of a BRDF's mixture of proposal lobes, to follow kernel.glsl. What precedes:
-//   mixture_weights                 SRBF_PROPOSAL_LOBES weights of each of MIXTURE_NODES nodes
+//   mixture_weights                 SRBF_PROPOSAL_LOBES weights of each of MIXTURE_NODES nodes, from MIXTURE_FIRST on
 //   mixture_stretch()               how many times as wide half-vector lobes are along the grain
 //   into_grain(w), out_of_grain(w)  the frame whose x is along the grain
 
@@ -17,8 +17,8 @@ NodesAbout nodes_about(Real cosine, int count) {
     return nodes;
 }
 Real mixture_weight(int k, NodesAbout nodes) {
-    Real below = mixture_weights[SRBF_PROPOSAL_LOBES * nodes.below + k];
-    Real above = mixture_weights[SRBF_PROPOSAL_LOBES * (nodes.below + 1) + k];
+    Real below = mixture_weights[SRBF_PROPOSAL_LOBES * nodes.below + k + MIXTURE_FIRST];
+    Real above = mixture_weights[SRBF_PROPOSAL_LOBES * (nodes.below + 1) + k + MIXTURE_FIRST];
     return below + nodes.beyond * (above - below);
 }
 

@@ -96,6 +96,7 @@ const Language& row_of(CodeLanguage language) {
                     {"sqrt", "sqrtf"},
                     {"cos", "cosf"},
                     {"sin", "sinf"},
+                    {"acos", "acosf"},
                     {"abs", "fabsf"}},
           .function = "SRBF_FN ",
           .table = "SRBF_FN float {0}(int i) {{\n    static const float numbers[{1}] = {{\n{2}    }};\n"

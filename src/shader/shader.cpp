@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <type_traits>
 
+#include "shader/bsdf_code.h"
 #include "shader/shader_text.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
@@ -80,6 +82,26 @@ std::string shape(const SuModel& model) {
 
 std::string shape(const GgxModel&) { return "#define GGX 1\n"; }
 
+std::string beams_shape(const Beams& beams) {
+    return fmt::format("#define HAS_BEAM {:d}\n#define HAS_MIRROR_BEAM {:d}\n", !beams[2].empty(),
+                       !beams[0].empty() || !beams[1].empty());
+}
+std::string shape(const BsdfModel& model) { return beams_shape(model.beam); }
+std::string shape(const BsdfTables& tables) {
+    const auto [h, d, p] = size_of(tables);
+    return fmt::format("#define MERL_SIZE vec3({}.0, {}.0, {}.0)\n", p, d, h) + beams_shape(tables.beam);
+}
+
+/// What precedes material.glsl as code.
+template <typename M> std::string code_of(const M&) { return {}; }
+std::string code_of(const BsdfTables& tables) { return beam_code("material", tables.beam, CodeLanguage::glsl); }
+std::string code_of(const BsdfModel& bsdf) {
+    const Model model{bsdf, {}};
+    const auto code = shading_code(std::vector<NamedModel>{{"material", &model}}, "material");
+    assert(code.ok());  // parts are not view by view
+    return code.ok() ? *code : std::string();
+}
+
 }  // namespace
 
 std::string_view name(Dialect dialect) { return dialect == Dialect::gl_450 ? "OpenGL 4.5" : "OpenGL ES 3.0"; }
@@ -101,18 +123,30 @@ std::string brdf_text(const Material& material, bool open) {
                 return shape(of);
         },
         material);
-    return of_shape + k_host_text + k_kernel_text + k_material_text;
+    const std::string code = std::visit([](const auto& of) { return code_of(of); }, material);
+    return fmt::format("#define SIDES {}\n", is_two_sided(material) ? 2 : 1) + of_shape + k_host_text + k_kernel_text +
+           code + k_material_text;
 }
 
-std::string proposal_text() {
-    return fmt::format("#define MIXTURE_NODES {}\n", MixtureProposal::k_nodes) + k_proposal_text + k_mixture_text;
+std::string proposal_text(int parts) {
+    return fmt::format("#define MIXTURE_NODES {}\n#define MIXTURE_PARTS {}\n", MixtureProposal::k_nodes, parts) +
+           k_proposal_text + k_mixture_text;
 }
 
-ProposalNumbers proposal_numbers(const MixtureProposal& proposal) {
-    ProposalNumbers numbers{{}, {proposal.stretch, proposal.cosine, proposal.sine}};
-    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
-        std::copy_n(proposal.weight(node).begin(), MixtureProposal::k_lobes,
-                    numbers.weights.begin() + std::ptrdiff_t(node) * MixtureProposal::k_lobes);
+Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options) {
+    std::vector<MixtureProposal> of_parts;
+    for (std::size_t p = 0; p < k_parts; ++p) of_parts.push_back(propose(part_of(bsdf, Part(p)), options));
+    return Proposals(std::move(of_parts));
+}
+
+ProposalNumbers proposal_numbers(const Proposals& proposals) {
+    ProposalNumbers numbers;
+    for (const MixtureProposal& of : proposals.of_part) {
+        for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
+            numbers.weights.insert(numbers.weights.end(), of.weight(node).begin(),
+                                   of.weight(node).begin() + MixtureProposal::k_lobes);
+        numbers.grains.push_back({of.stretch, of.cosine, of.sine});
+    }
     return numbers;
 }
 
@@ -176,6 +210,24 @@ SuTexels su_texels(const SuModel& model) {
     return texels;
 }
 
+std::array<std::uint32_t, 3> size_of(const BsdfTables& tables) {
+    const auto any = std::ranges::find_if(tables.part, [](const auto& part) { return part != nullptr; });
+    return any == tables.part.end() ? std::array<std::uint32_t, 3>{1, 1, 1} : (*any)->size;
+}
+std::vector<Float4> merl_texels(const BsdfTables& tables) {
+    const auto [h, d, p] = size_of(tables);
+    std::vector<Float4> texels;
+    for (std::size_t part = 0; part < k_parts; ++part) {
+        // Tables take light and viewer to be exchangeable.
+        if (const MerlTable* table = answering(tables.part, Part(part)).brdf) {
+            const auto own = merl_texels(*table);
+            texels.insert(texels.end(), own.begin(), own.end());
+        } else {
+            texels.insert(texels.end(), std::size_t(h) * d * p, {0, 0, 0, 1});
+        }
+    }
+    return texels;
+}
 std::vector<Float4> merl_texels(const MerlTable& table) {
     std::vector<Float4> texels;
     texels.reserve(table.cells.size());

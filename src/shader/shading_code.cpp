@@ -6,6 +6,7 @@
 #include <cctype>
 #include <set>
 
+#include "shader/bsdf_code.h"
 #include "shader/print.h"
 #include "shader/print_python.h"
 #include "shader/shader_text.h"
@@ -236,6 +237,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(variates)},
                                                {"SRBF_TERMS", std::to_string(terms)},
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
+                                               {"MIXTURE_FIRST", "0"},
                                                {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
     const bool is_mixture = options.sampling || options.albedo;
     const MixtureText mixture = is_mixture ? mixture_of(model, options, program) : MixtureText{};
@@ -256,6 +258,8 @@ std::string about(const NamedModel& of) {
         text += fmt::format("{} lobes of {} variates, form {}", pm->lobes, pm->variates, name(pm->form));
     else if (const auto* su = std::get_if<SuModel>(&model.model))
         text += fmt::format("view by view, {} lobes", su->lobes);
+    else if (std::holds_alternative<BsdfModel>(model.model))
+        text += "both sides";
     else
         text += "Lambert and GGX";
     text += fmt::format(", {} bytes.", payload_bytes(model));
@@ -371,14 +375,30 @@ std::string identifier(std::string_view text) {
 }
 
 Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
-                                 const CodeOptions& options) {
+                                 const CodeOptions& asked) {
+    CodeOptions options = asked;
+    std::vector<NamedModel> brdfs;  // with the parts of BSDFs
+    std::vector<PartModels> parts;
+    std::string list, of_bsdfs;
+    const auto is_bsdf = [](const NamedModel& of) { return std::holds_alternative<BsdfModel>(of.model->model); };
+    // Which part is drawn from follows from their albedos.
+    if (options.sampling && std::ranges::any_of(models, is_bsdf)) options.albedo = true;
+    const auto add_name = [&](const std::string& name) { list += (list.empty() ? "" : ", ") + name; };
+    for (const NamedModel& of : models) {
+        if (is_bsdf(of)) {
+            const PartModels& own = parts.emplace_back(part_models(of, options.sampling));
+            brdfs.insert(brdfs.end(), own.named.begin(), own.named.end());
+            for (const std::string& name : bsdf_functions(of, options.sampling)) add_name(name);
+            of_bsdfs += syntax::comment_text(about(of)) + "\n" + bsdf_code(of, options);
+        } else {
+            brdfs.push_back(of);
+            for (const auto& [name, printed] : entries(options)) add_name(fmt::format("{}_{}", of.name, printed));
+        }
+    }
     std::vector<Program> programs;
     std::vector<std::string> roots;
-    std::string list;
     for (const auto& [name, printed] : entries(options)) roots.push_back(name);
-    for (const NamedModel& of : models) {
-        if (std::holds_alternative<BsdfModel>(of.model->model))
-            return Error{of.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
+    for (const NamedModel& of : brdfs) {
         if (const auto* su = std::get_if<SuModel>(&of.model->model)) {
             const auto refused = [&](const char* what, const char* expected, const char* found) {
                 return Error{of.name, {}, what, expected, found, ErrorCode::argument};
@@ -390,10 +410,8 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
                 return refused("view-by-view model", "a language with global buffers", "one without");
         }
         programs.push_back(program_of(*of.model, options, roots));
-        for (const auto& [name, printed] : entries(options))
-            list += fmt::format("{}{}_{}", list.empty() ? "" : ", ", of.name, printed);
     }
-    const std::string definitions = Printed(models, std::move(programs), prefix, options).text();
+    const std::string definitions = Printed(brdfs, std::move(programs), prefix, options).text() + of_bsdfs;
     return syntax::whole_text(options.language, list, std::string(prefix) + "_BRDF", definitions);
 }
 

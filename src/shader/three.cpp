@@ -33,9 +33,12 @@ std::string capitalised(const std::string& name) {
 }  // namespace
 
 Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads) {
-    for (const NamedModel& of : models)
+    for (const NamedModel& of : models) {
         if (std::holds_alternative<SuModel>(of.model->model))
             return Error{of.name, {}, "model", "multivariate, or Lambert and GGX", "view by view", ErrorCode::argument};
+        if (std::holds_alternative<BsdfModel>(of.model->model))
+            return Error{of.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
+    }
     const auto code =
         shading_code(models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads});
     if (!code) return code.error();

@@ -125,7 +125,7 @@ Json data_of(const Page& page) {
         }
         Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *of.material);
         const ProposalNumbers proposal = proposal_numbers(propose(of.brdf, {.azimuths = azimuths_of(*of.material)}));
-        std::vector<float> all(proposal.weights.begin(), proposal.weights.end());
+        std::vector<float> all(proposal.nodes.begin(), proposal.nodes.end());
         all.insert(all.end(), proposal.grain.begin(), proposal.grain.end());
         numbers["proposal"] = base64_of(all);
         data["materials"].push_back(std::move(numbers));

@@ -321,9 +321,9 @@ void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view) 
 void RasterMaterial::set_proposal(const MixtureProposal& proposal) {
     const ProposalNumbers numbers = proposal_numbers(proposal);
     glUseProgram(program_.id());
-    glUniform1fv(glGetUniformLocation(program_.id(), "mixture_weights"), GLsizei(numbers.weights.size()),
-                 numbers.weights.data());
-    glUniform3fv(glGetUniformLocation(program_.id(), "mixture_grain"), 1, numbers.grain.data());
+    glUniform4fv(glGetUniformLocation(program_.id(), "mixture_numbers"), GLsizei(numbers.nodes.size() / 4),
+                 numbers.nodes.data());
+    glUniform2fv(glGetUniformLocation(program_.id(), "mixture_grain"), 1, numbers.grain.data());
 }
 
 void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view, const EnvironmentLight& light,

@@ -138,8 +138,8 @@ function under_environment(index) {
     const text = text_of(index);
     material.lit = new_material_program(index, data.whole, text.slice(0, text.length - data.pixel.length) + data.environment_pixel);
     const numbers = new Float32Array(bytes_of(data.materials[index].proposal).buffer);
-    gl.uniform1fv(material.lit.place("mixture_weights"), numbers.subarray(0, -3));
-    gl.uniform3fv(material.lit.place("mixture_grain"), numbers.subarray(-3));
+    gl.uniform4fv(material.lit.place("mixture_numbers"), numbers.subarray(0, -2));
+    gl.uniform2fv(material.lit.place("mixture_grain"), numbers.subarray(-2));
   }
   return material.lit;
 }

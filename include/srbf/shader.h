@@ -51,12 +51,14 @@ inline constexpr int k_most_open_lobes = 32;
 ///   vec3 sample_light(vec3 wv, float u1, float u2, float selector)   a direction to the light for u1, u2 and selector
 ///                                                uniform in [0,1); z <= 0 where the draw has none
 ///   float light_pdf(vec3 wl, vec3 wv)            its density [1/sr]; 0 where either is not above the horizon
-/// Its numbers are the uniforms `mixture_weights` and `mixture_grain` (`ProposalNumbers`).
+/// Its numbers are the uniforms `mixture_numbers` and `mixture_grain` (`ProposalNumbers`).
 std::string proposal_text();
-/// The weights of a mixture at its nodes, one node after the other; its stretch, and its grain's cosine and sine.
+/// The numbers of a mixture's nodes, of each in `k_node_vectors` vectors of four; the cosine and sine of its grain's
+/// azimuth, 0 and 0 without one.
+inline constexpr int k_node_vectors = (MixtureProposal::k_numbers + 3) / 4;
 struct ProposalNumbers {
-    std::array<float, MixtureProposal::k_nodes * MixtureProposal::k_lobes> weights;
-    std::array<float, 3> grain;
+    std::array<float, 4 * k_node_vectors * MixtureProposal::k_nodes> nodes;
+    std::array<float, 2> grain;
 };
 ProposalNumbers proposal_numbers(const MixtureProposal& proposal);
 

@@ -105,15 +105,18 @@ std::string brdf_text(const Material& material, bool open) {
 }
 
 std::string proposal_text() {
-    return fmt::format("#define MIXTURE_NODES {}\n", MixtureProposal::k_nodes) + k_proposal_text + k_mixture_text;
+    return fmt::format("#define MIXTURE_NODES {}\n#define MIXTURE_VECTORS {}\n", MixtureProposal::k_nodes,
+                       k_node_vectors) +
+           k_proposal_text + k_mixture_text;
 }
 
 ProposalNumbers proposal_numbers(const MixtureProposal& proposal) {
-    ProposalNumbers numbers{{}, {proposal.stretch, proposal.cosine, proposal.sine}};
-    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
-        std::copy_n(proposal.weight(node).begin(), MixtureProposal::k_lobes,
-                    numbers.weights.begin() + std::ptrdiff_t(node) * MixtureProposal::k_lobes);
-    return numbers;
+    ProposalNumbers all{{}, {proposal.cosine, proposal.sine}};
+    for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
+        const auto numbers = proposal.numbers(node);
+        std::copy(numbers.begin(), numbers.end(), &all.nodes[4 * k_node_vectors * node]);
+    }
+    return all;
 }
 
 std::array<Float4, 4> ggx_numbers(const GgxModel& model) {

@@ -1,7 +1,7 @@
-// Pictures of the raster renderer under an environment: error against the number of samples, frames until they are
-// clean.
-//   usage: environment MESH ENVIRONMENT FILE...
-// FILE is a measurement, drawn from a table in Rusinkiewicz coordinates, or a model.
+// Pictures of the raster renderer under an environment.
+//   usage: environment errors|frames MESH ENVIRONMENT FILE...
+// errors: against the path tracer, by the number of samples; frames: until they are clean. FILE is a measurement, drawn
+// from a table in Rusinkiewicz coordinates, or a model.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace srbf {
 namespace {
 
-constexpr int k_converged = 1024;
+constexpr int k_converged = 256;
 constexpr double k_clean = 0.02;  ///< mean ꟻLIP
 constexpr std::array<int, 5> k_counts{1, 4, 16, 64, 256};
 
@@ -36,7 +36,14 @@ Subject subject_of(const AnyBrdf& brdf) {
         return subject_of(to_merl(evaluator(*measured), k_merl_size), 1);
     const Model& model = std::get<Model>(brdf);
     const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
-    return std::visit([&](const auto& of) { return subject_of(of, azimuths); }, model.model);
+    return std::visit(
+        [&](const auto& of) -> Subject {
+            if constexpr (std::is_same_v<std::decay_t<decltype(of)>, BsdfModel>)
+                return subject_of(to_merl(evaluator(model), k_merl_size), 1);
+            else
+                return subject_of(of, azimuths);
+        },
+        model.model);
 }
 
 /// A picture under an environment that takes its samples one by one.
@@ -105,11 +112,11 @@ Image between(const Image& a, const Image& b, float share) {
 /// PSNR against the path tracer, by strategy and number of samples.
 Result<Done> print_errors(const OffscreenContext& context, const Mesh& mesh, const Environment& environment,
                           const Subject& of, const std::string& name) {
-    constexpr int width = 160, height = 120;
+    constexpr int width = 96, height = 72;
     const Scene scene = scene_of(mesh, {}, double(width) / height);
     const PathScene paths{{{&scene.mesh, 0}}, {of.brdf}, scene.camera, {}, {}, &environment};
     const Image reference =
-        render_paths(paths, {.width = width, .height = height, .samples = 4096, .occlusion = false, .progress = {}})
+        render_paths(paths, {.width = width, .height = height, .samples = 2048, .occlusion = false, .progress = {}})
             .rendering.radiance;
     const float exposure = automatic_exposure(reference);
     const Image8 expected = displayed(reference, exposure);
@@ -176,18 +183,24 @@ Result<Done> print_frames(const OffscreenContext& context, const Mesh& mesh, con
 }
 
 Result<Done> print_tables(const std::vector<std::string>& arguments) {
-    const auto mesh = load_mesh(arguments[0]);
+    const auto mesh = load_mesh(arguments[1]);
     if (!mesh) return mesh.error();
-    const auto environment = load_environment(arguments[1]);
+    const auto environment = load_environment(arguments[2]);
     if (!environment) return environment.error();
     const auto context = OffscreenContext::make();
     if (!context) return context.error();
     fmt::print("{}\n\n", context->renderer());
     std::vector<std::pair<std::string, Subject>> subjects;
-    for (std::size_t i = 2; i < arguments.size(); ++i) {
+    for (std::size_t i = 3; i < arguments.size(); ++i) {
         const auto brdf = load_brdf(arguments[i]);
         if (!brdf) return brdf.error();
         subjects.emplace_back(std::filesystem::path(arguments[i]).stem().string(), subject_of(*brdf));
+    }
+    if (arguments[0] == "errors") {
+        fmt::print("| PSNR [dB], ꟻLIP | draws | {} |\n|---|---|---|---|---|---|---|\n", fmt::join(k_counts, " | "));
+        for (const auto& [name, of] : subjects)
+            if (const auto done = print_errors(*context, *mesh, *environment, of, name); !done) return done;
+        return Done{};
     }
     fmt::print(
         "| 640 × 480 | ꟻLIP, filtered | 1 sample | 16 samples | frames until {}: mean alone | as shown | filtered "
@@ -195,9 +208,6 @@ Result<Done> print_tables(const std::vector<std::string>& arguments) {
         k_clean);
     for (const auto& [name, of] : subjects)
         if (const auto done = print_frames(*context, *mesh, *environment, of, name); !done) return done;
-    fmt::print("\n| PSNR [dB], ꟻLIP | draws | {} |\n|---|---|---|---|---|---|---|\n", fmt::join(k_counts, " | "));
-    for (const auto& [name, of] : subjects)
-        if (const auto done = print_errors(*context, *mesh, *environment, of, name); !done) return done;
     return Done{};
 }
 
@@ -205,7 +215,7 @@ Result<Done> print_tables(const std::vector<std::string>& arguments) {
 }  // namespace srbf
 
 int main(int argc, char** argv) {
-    if (argc < 4) return fmt::print(stderr, "usage: environment MESH ENVIRONMENT FILE...\n"), 2;
+    if (argc < 5) return fmt::print(stderr, "usage: environment errors|frames MESH ENVIRONMENT FILE...\n"), 2;
     if (const auto printed = srbf::print_tables({argv + 1, argv + argc}); !printed) {
         fmt::print(stderr, "{}\n", srbf::message(printed.error()));
         return 1;

@@ -16,7 +16,7 @@
 namespace srbf {
 namespace {
 
-constexpr double k_thetas[] = {0, 45, 75};
+constexpr double k_thetas[] = {0, 45, 60, 75, 85};
 
 struct Quality {
     double variance, lost;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "render/exr.h"
 #include "srbf/file.h"
@@ -175,7 +176,14 @@ bool read_row(Bytes& bytes, std::vector<Rgbe>& row) {
 
 }  // namespace
 
-Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& file_name) {
+namespace {
+
+/// What stands before the texels.
+struct HdrHeader {
+    std::int64_t width, height;
+    std::size_t resolution, texels;  ///< where these begin
+};
+Result<HdrHeader> read_header(std::span<const std::byte> bytes, const std::string& file_name) {
     const auto fail = [&](std::uint64_t at, std::string what, std::string expected, std::string found) {
         return Error{file_name, at, std::move(what), std::move(expected), std::move(found)};
     };
@@ -196,18 +204,30 @@ Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& file
     const auto width = to_number<std::int64_t>(next_word(line));
     if (minus_y != "-Y" || plus_x != "+X" || !height || !width || end == text.size())
         return fail(begin, "resolution", "'-Y HEIGHT +X WIDTH'", quoted(text.substr(begin, end - begin)));
-    // A run of 127 texels takes two bytes in each of the four channels.
-    Bytes rest{bytes.subspan(end + 1)};
-    if (*width < 1 || *height < 1 || *width > k_most_texels / *height ||
-        *width * *height > std::int64_t(rest.rest.size()) * 16)
-        return fail(begin, "resolution", fmt::format("texels that {} bytes can hold", rest.rest.size()),
+    if (*width < 1 || *height < 1 || *width > k_most_texels / *height)
+        return fail(begin, "resolution", fmt::format("1 to {} texels", k_most_texels),
                     fmt::format("{} x {}", *width, *height));
-    Image image(static_cast<int>(*width), static_cast<int>(*height));
-    std::vector<Rgbe> row(static_cast<std::size_t>(*width));
+    return HdrHeader{*width, *height, begin, end + 1};
+}
+
+}  // namespace
+
+Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& file_name) {
+    const auto header = read_header(bytes, file_name);
+    if (!header) return header.error();
+    // A run of 127 texels takes two bytes in each of the four channels.
+    Bytes rest{bytes.subspan(header->texels)};
+    if (header->width * header->height > std::int64_t(rest.rest.size()) * 16)
+        return Error{file_name, header->resolution, "resolution",
+                     fmt::format("texels that {} bytes can hold", rest.rest.size()),
+                     fmt::format("{} x {}", header->width, header->height)};
+    Image image(static_cast<int>(header->width), static_cast<int>(header->height));
+    std::vector<Rgbe> row(static_cast<std::size_t>(header->width));
     for (int y = 0; y < image.height; ++y) {
         const std::size_t at = bytes.size() - rest.rest.size();
         if (!read_row(rest, row))
-            return fail(at, fmt::format("row {}", y), fmt::format("{} texels", *width), "fewer, or a longer run");
+            return Error{file_name, at, fmt::format("row {}", y), fmt::format("{} texels", header->width),
+                         "fewer, or a longer run"};
         for (int x = 0; x < image.width; ++x) image.at(x, y) = decoded(row[std::size_t(x)]);
     }
     return image;
@@ -222,6 +242,23 @@ Result<Environment> read_environment(std::span<const std::byte> bytes, const std
 Result<Environment> load_environment(const std::string& name) {
     if (name == k_built_in_environment)
         return read_environment(std::span(srbf_studio_begin, srbf_studio_end), "studio.hdr");
+    // A picture that is too large is refused by the beginning of its file.
+    std::size_t most = k_largest_file;
+    if (std::filesystem::is_regular_file(name)) {
+        const auto start = read_part(name, 0, 1 << 17);
+        if (!start) return start.error();
+        if (is_exr(*start)) {
+            if (const auto fits = check_exr_size(*start, name); !fits) return fits.error();
+        } else {
+            const auto header = read_header(*start, name);
+            if (!header) return header.error();
+            // Runs of one texel take two bytes for each of the four channels.
+            most = header->texels + std::size_t(header->height) * (8 * std::size_t(header->width) + 4);
+        }
+        const auto bytes = read_part(name, 0, std::min(most, std::size_t(std::filesystem::file_size(name))));
+        if (!bytes) return bytes.error();
+        return read_environment(*bytes, name);
+    }
     const auto bytes = read_file(name);
     if (!bytes) return bytes.error();
     return read_environment(*bytes, name);

@@ -120,14 +120,14 @@ Vec3 by_environment(SurfaceFrame frame, Vec3 wv, vec2 u) {
 Vec3 filtered_radiance(SurfaceFrame frame, Vec3 wv, float side) {
     choose_part(side, wv);
     Vec3 v = to_part(wv);
-    NodesAbout nodes = nodes_about(v.z, MIXTURE_NODES);
+    NodesAbout nodes = mixture_nodes(v);
     float of_material = float(FILTERED_DRAWS);
     float of_light = float(FILTERED_LIGHTS);
     // The integral of the environment's luminance, to which its draws are in proportion, also in means over an angle.
     float whole = 4.0 * k_pi_ * luminance(environment_radiance(vec2(0.5), 32.0));
     Vec3 sum = Vec3(0.0);
     for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
-        float weight = mixture_weight(k, nodes);
+        float weight = mixture_between(k, nodes);
         if (weight <= 0.0) continue;
         for (int i = 0; i < FILTERED_DRAWS; ++i) {
             float u1 = (float(i) + 0.5) / float(FILTERED_DRAWS);

@@ -105,6 +105,21 @@ bool is_exr(std::span<const std::byte> bytes) {
     return bytes.size() >= 4 && std::memcmp(bytes.data(), magic.data(), 4) == 0;
 }
 
+Result<Done> check_exr_size(std::span<const std::byte> start, const std::string& file_name) {
+    // The attribute's name, type and size, then the first and last column and row.
+    constexpr std::string_view attribute("dataWindow\0box2i\0\x10\0\0\0", 21);
+    const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
+    const std::size_t at = text.find(attribute);
+    std::array<std::int32_t, 4> window;
+    if (at == text.npos || text.size() - at < attribute.size() + sizeof window) return Done{};
+    std::memcpy(window.data(), text.data() + at + attribute.size(), sizeof window);
+    const std::int64_t width = std::int64_t(window[2]) - window[0] + 1,
+                       height = std::int64_t(window[3]) - window[1] + 1;
+    if (width >= 1 && height >= 1 && width <= k_most_texels / height) return Done{};
+    return Error{file_name, at, "dataWindow", fmt::format("1 to {} pixels", k_most_texels),
+                 fmt::format("{} x {}", width, height)};
+}
+
 Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file_name) {
     try {
         Source stream(bytes);

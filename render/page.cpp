@@ -148,7 +148,7 @@ Json data_of(const Page& page) {
         const ProposalNumbers proposal =
             proposal_numbers(two_sided ? propose_parts(of.brdf, options) : Proposals(propose(of.brdf, options)));
         numbers["two_sided"] = two_sided;
-        numbers["weights"] = base64_of(proposal.weights);
+        numbers["nodes"] = base64_of(proposal.nodes);
         numbers["grains"] = base64_of(proposal.grains);
         data["materials"].push_back(std::move(numbers));
     }

@@ -331,9 +331,9 @@ void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view) 
 void RasterMaterial::set_proposal(const Proposals& proposals) {
     const ProposalNumbers numbers = proposal_numbers(proposals);
     glUseProgram(program_.id());
-    glUniform1fv(glGetUniformLocation(program_.id(), "mixture_weights"), GLsizei(numbers.weights.size()),
-                 numbers.weights.data());
-    glUniform3fv(glGetUniformLocation(program_.id(), "mixture_grain"), GLsizei(numbers.grains.size()),
+    glUniform4fv(glGetUniformLocation(program_.id(), "mixture_numbers"), GLsizei(numbers.nodes.size() / 4),
+                 numbers.nodes.data());
+    glUniform2fv(glGetUniformLocation(program_.id(), "mixture_grain"), GLsizei(numbers.grains.size()),
                  numbers.grains[0].data());
 }
 

@@ -15,9 +15,11 @@ namespace {
 using K = Kernel<float>;
 
 constexpr int k_steps = 200;
-constexpr int k_points = 128;           // of each lobe
-constexpr double k_lowest_view = 0.02;  // cosθv at which the last node is made, for at 0 nothing is reflected
+constexpr int k_points = 128;          // of each lobe
+constexpr double k_lowest_view = .05;  // cosθv at which the last node is made, for at 0 nothing is reflected
 constexpr float k_least_weight = 1e-3f;
+// Of the second moment, for which there is a grain, and a step of a lobe's shape.
+constexpr double k_least_gain = 0.01, k_least_change = 0.002;
 
 /// Splits u even in [0,1) by shares that sum to 1: the first whose running sum exceeds u, and u anew even in [0,1)
 /// within it.
@@ -42,6 +44,7 @@ using Weights = std::vector<double>;
 /// Directions to the light, weighted to stand for ∫ dωl, and the densities of a mixture's lobes there.
 struct Points {
     std::size_t lobes;
+    std::vector<Vec3f> wl, wv;
     std::vector<double> weight;   ///< (f cosθl)² times the point's solid angle, relative to the square of the albedo
     std::vector<double> density;  ///< points × lobes
 };
@@ -81,6 +84,7 @@ double add_points(const Evaluate& brdf, Vec3f wv, const Lobes& lobes, int count,
     }
     for (std::size_t i = 0; i < wl.size(); ++i) {
         if (!(squared[i] > 0)) continue;
+        points.wl.push_back(wl[i]), points.wv.push_back(wv);
         points.weight.push_back(squared[i] / (albedo * albedo));
         const auto first = density.begin() + std::ptrdiff_t(i * lobes.count);
         points.density.insert(points.density.end(), first, first + std::ptrdiff_t(lobes.count));
@@ -117,36 +121,48 @@ std::vector<float> best_weights(const Points& points, int steps) {
     return kept;
 }
 
-/// The points of views at cosθv = z, `count` of each lobe for each of them.
-Points points_at(const Evaluate& brdf, double z, int azimuths, int count, const MixtureProposal& proposal) {
-    Points points{MixtureProposal::k_lobes, {}, {}};
-    for (int i = 0; i < azimuths; ++i) {
-        const Vec3f wv = to_float(spherical(std::acos(z), 2 * k_pi * i / azimuths)), turned = into_grain(proposal, wv);
-        const Lobes lobes{points.lobes,
-                          [&](std::size_t k, float u1, float u2) {
-                              return out_of_grain(proposal,
-                                                  K::sample_proposal_lobe(int(k), turned, proposal.stretch, u1, u2));
-                          },
-                          [&](Vec3f wl, std::span<double> density) {
-                              const auto at = K::proposal_point(into_grain(proposal, wl), turned, proposal.stretch);
-                              for (std::size_t k = 0; k < density.size(); ++k)
-                                  density[k] = double(K::proposal_lobe_pdf(int(k), at));
-                          }};
-        add_points(brdf, wv, lobes, count, points);
-    }
+/// How half-vector lobes are shaped: stretched along the tangent of this azimuth, or (both 0) along the plane of
+/// incidence.
+struct Shape {
+    float stretch = 1, power = 1;
+    float cosine = 0, sine = 0;
+
+    bool is_grain() const { return cosine != 0 || sine != 0; }
+};
+
+K::Stretch map_of(const Shape& shape, Vec3f wv) {
+    return K::stretch_along(shape.is_grain() ? Vec3f(shape.cosine, shape.sine, 0) : wv, shape.stretch);
+}
+void densities(Vec3f wl, Vec3f wv, const Shape& shape, std::span<double> density) {
+    const auto at = K::proposal_point(wl, wv, map_of(shape, wv), shape.power);
+    for (std::size_t k = 0; k < density.size(); ++k) density[k] = double(K::proposal_lobe_pdf(int(k), at));
+}
+/// The mixture's lobes for a viewer.
+Lobes lobes_for(Vec3f wv, const Shape& shape) {
+    return {MixtureProposal::k_lobes,
+            [=](std::size_t k, float u1, float u2) {
+                return K::sample_proposal_lobe(int(k), wv, map_of(shape, wv), shape.power, u1, u2);
+            },
+            [=](Vec3f wl, std::span<double> density) { densities(wl, wv, shape, density); }};
+}
+
+/// The views at cosθv = z.
+std::vector<Vec3f> views_at(double z, int azimuths) {
+    std::vector<Vec3f> views;
+    for (int i = 0; i < azimuths; ++i) views.push_back(to_float(spherical(std::acos(z), 2 * k_pi * i / azimuths)));
+    return views;
+}
+
+/// The points of these views, `count` of each lobe for each of them.
+Points points_at(const Evaluate& brdf, std::span<const Vec3f> views, int count, const Shape& shape) {
+    Points points{MixtureProposal::k_lobes, {}, {}, {}, {}};
+    for (const Vec3f wv : views) add_points(brdf, wv, lobes_for(wv, shape), count, points);
     return points;
 }
 
-std::vector<float> node_weights(const Evaluate& brdf, int node, int azimuths, const MixtureProposal& proposal) {
-    const double x = double(node) / (MixtureProposal::k_nodes - 1), z = std::max(1 - x * x, k_lowest_view);
-    return best_weights(points_at(brdf, z, azimuths, k_points, proposal), k_steps);
-}
-
-/// The second moment of f cosθl / pdf at 45° with the best weights for the proposal's stretch, over the square of its
-/// mean.
-double moment_stretched(const Evaluate& brdf, const MixtureProposal& proposal) {
-    constexpr int azimuths = 8, count = 32, steps = 40;
-    const Points points = points_at(brdf, std::sqrt(0.5), azimuths, count, proposal);
+/// The second moment of f cosθl / pdf with the best weights, over the square of its mean.
+double least_moment(const Points& points) {
+    constexpr int steps = 30;
     const std::vector<float> weight = best_weights(points, steps);
     double moment = 0;
     for (std::size_t i = 0; i < points.weight.size(); ++i) {
@@ -157,19 +173,82 @@ double moment_stretched(const Evaluate& brdf, const MixtureProposal& proposal) {
     return moment;
 }
 
-/// Sets the stretch and the grain.
-void find_stretch(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
+/// The shapes that are tried: stretches 0.8^i, powers 0.8^(2 - 2 j), i and j below k_shapes.
+constexpr int k_shapes = 7;
+
+/// The shape whose moment at these views is least among its neighbours, found by descent. Along a grain the stretch
+/// remains.
+Shape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, const Shape& start) {
+    constexpr int count = 24;
+    const auto shape_at = [&](int i, int j) {
+        Shape shape = start;
+        if (!start.is_grain()) shape.stretch = float(std::pow(0.8, i));
+        shape.power = float(std::pow(0.8, 2 - 2 * j));
+        return shape;
+    };
+    // The same points for all of them, drawn from a wide shape and a narrow one.
+    constexpr std::size_t lobes = MixtureProposal::k_lobes;
+    Points points{2 * lobes, {}, {}, {}, {}};
+    for (const Vec3f wv : views) {
+        const Lobes wide = lobes_for(wv, shape_at(0, 1)), narrow = lobes_for(wv, shape_at(4, 3));
+        const Lobes both{2 * lobes,
+                         [&](std::size_t k, float u1, float u2) {
+                             return k < lobes ? wide.sample(k, u1, u2) : narrow.sample(k - lobes, u1, u2);
+                         },
+                         [&](Vec3f wl, std::span<double> density) {
+                             wide.pdf(wl, density.first(lobes)), narrow.pdf(wl, density.last(lobes));
+                         }};
+        add_points(brdf, wv, both, count, points);
+    }
+    points.lobes = lobes;
+    std::array<std::array<double, k_shapes>, k_shapes> known{};
+    const auto moment = [&](int i, int j) {
+        double& value = known[std::size_t(i)][std::size_t(j)];
+        if (value > 0) return value;
+        points.density.resize(points.wl.size() * lobes);
+        for (std::size_t m = 0; m < points.wl.size(); ++m)
+            densities(points.wl[m], points.wv[m], shape_at(i, j), std::span(points.density).subspan(m * lobes, lobes));
+        return value = least_moment(points);
+    };
+    int at_i = start.is_grain() ? 0 : 1, at_j = 2;
+    for (bool better = true; better;) {
+        better = false;
+        const int from_i = at_i, from_j = at_j;
+        for (int i = std::max(from_i - 1, 0); i <= std::min(from_i + 1, start.is_grain() ? 0 : k_shapes - 1); ++i)
+            for (int j = std::max(from_j - 1, 0); j <= std::min(from_j + 1, k_shapes - 1); ++j)
+                if (moment(i, j) < (1 - k_least_change) * moment(at_i, at_j)) at_i = i, at_j = j, better = true;
+    }
+    return shape_at(at_i, at_j);
+}
+
+/// Sets what there is at a node.
+void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProposal& proposal) {
+    const double x = double(node) / (MixtureProposal::k_nodes - 1), z = std::max(1 - x, k_lowest_view);
+    const std::vector<Vec3f> views = views_at(z, azimuths);
+    Shape shape{proposal.stretch[node], proposal.power[node], proposal.cosine, proposal.sine};
+    // At the normal the plane of incidence is none.
+    if (node > 0) shape = best_shape(brdf, views, shape);
+    const std::vector<float> weight = best_weights(points_at(brdf, views, k_points, shape), k_steps);
+    proposal.set_weights(node, std::span<const float, MixtureProposal::k_lobes>(weight));
+    proposal.stretch[node] = shape.stretch, proposal.power[node] = shape.power;
+}
+
+/// Sets the grain, and the stretch along it.
+void find_grain(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
     constexpr std::size_t azimuths = 12;
-    std::array<MixtureProposal, azimuths * k_stretches.size()> tried;
+    constexpr int count = 32;
+    const std::vector<Vec3f> views = views_at(std::sqrt(0.5), 8);
+    std::array<Shape, azimuths * k_stretches.size()> tried;
     std::array<double, tried.size()> moment;
     parallel_for(tried.size(), threads, [&](std::size_t i) {
         const double azimuth = k_pi * double(i % azimuths) / azimuths;
-        tried[i].stretch = k_stretches[i / azimuths];
-        tried[i].cosine = float(std::cos(azimuth)), tried[i].sine = float(std::sin(azimuth));
-        moment[i] = moment_stretched(brdf, tried[i]);
+        tried[i] = {k_stretches[i / azimuths], 1, float(std::cos(azimuth)), float(std::sin(azimuth))};
+        moment[i] = least_moment(points_at(brdf, views, count, tried[i]));
     });
     const auto best = std::size_t(std::min_element(moment.begin(), moment.end()) - moment.begin());
-    if (moment[best] < 0.99 * moment[0]) proposal = tried[best];
+    if (!(moment[best] < (1 - k_least_gain) * moment[0])) return;
+    proposal.stretch.fill(tried[best].stretch);
+    proposal.cosine = tried[best].cosine, proposal.sine = tried[best].sine;
 }
 
 }  // namespace
@@ -179,7 +258,6 @@ float pdf(const CosineProposal&, Vec3f wl, Vec3f) { return K::cosine_pdf(wl); }
 
 void MixtureProposal::set_weights(std::size_t node, std::span<const float, k_lobes> weight) {
     weight_[node] = {};
-    running_[node].fill(2);
     float sum = 0;
     for (std::size_t k = 0; k < k_lobes; ++k) {
         weight_[node][k] = weight[k];
@@ -191,11 +269,9 @@ MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
     const FlushSubnormals mode;
     assert(brdf && options.azimuths >= 1);
     MixtureProposal proposal;
-    if (options.azimuths > 1) find_stretch(brdf, options.threads, proposal);
-    parallel_for(MixtureProposal::k_nodes, options.threads, [&](std::size_t node) {
-        const std::vector<float> weight = node_weights(brdf, int(node), options.azimuths, proposal);
-        proposal.set_weights(node, std::span<const float, MixtureProposal::k_lobes>(weight));
-    });
+    if (options.azimuths > 1) find_grain(brdf, options.threads, proposal);
+    parallel_for(MixtureProposal::k_nodes, options.threads,
+                 [&](std::size_t node) { make_node(brdf, node, options.azimuths, proposal); });
     return proposal;
 }
 
@@ -248,7 +324,7 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
             f[k] = {value.x, value.y, value.z};
         }
     };
-    Points points{lobes.count, {}, {}};
+    Points points{lobes.count, {}, {}, {}, {}};
     proposal.albedo[i] = float(add_points(brdf, model.direction[i], lobes, k_view_points, points));
     const std::vector<float> weight = best_weights(points, k_view_steps);
     proposal.cosine[i] = weight[0];

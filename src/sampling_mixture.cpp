@@ -18,10 +18,11 @@ namespace srbf {
 
 /// What the lobes are made of, side by side.
 struct LobeTable {
-    static constexpr int k_count = MixtureProposal::k_lanes;
+    static constexpr int k_count = MixtureProposal::k_lobes;
     using Row = MixtureProposal::Row;
     alignas(64) Row bandwidth, width, scale, rest;
-    Row kind;  ///< -1: the cosine; 0: about the mirror direction; 1: of half vectors
+    Row kind;  ///< -1, -2: the cosine, its square; 0: about the mirror direction; 1: of half vectors
+    Row pull;  ///< of half vectors: the mixture's or none
 };
 
 /// Between which nodes a view is, and the part of the upper one.
@@ -30,9 +31,25 @@ struct NodesAbout {
     float part;
 };
 inline NodesAbout nodes_about(float z) {
-    const float at = std::sqrt(std::clamp(1 - z, 0.f, 1.f)) * (MixtureProposal::k_nodes - 1);
-    const int below = std::min(int(at), MixtureProposal::k_nodes - 2);
+    const float at = (1 - z) * (MixtureProposal::k_nodes - 1);
+    const int below = std::clamp(int(at), 0, MixtureProposal::k_nodes - 2);
     return {std::size_t(below), at - float(below)};
+}
+
+/// A view as its mixture takes it.
+struct ViewOfMixture {
+    Vec3f wv;
+    NodesAbout nodes;
+    Kernel<float>::Stretch map;
+    float pull;
+};
+inline ViewOfMixture view_of(const MixtureProposal& proposal, const Vec3f& wv) {
+    const NodesAbout nodes = nodes_about(wv.z);
+    const auto between = [&](const auto& row) {
+        return row[nodes.below] + nodes.part * (row[nodes.below + 1] - row[nodes.below]);
+    };
+    return {wv, nodes, Kernel<float>::stretch_along(tangent(proposal, wv), between(proposal.stretch)),
+            Kernel<float>::pull_of_visibility(wv, between(proposal.power))};
 }
 
 }  // namespace srbf
@@ -44,10 +61,21 @@ namespace HWY_NAMESPACE {
 
 // As many lobes as a vector holds.
 using Lobes = BatchOf<hn::CappedTag<float, LobeTable::k_count>>;
+// Few of what all lobes have in common.
+using Few = BatchOf<hn::CappedTag<float, 4>>;
 
-HWY_INLINE Lobes everywhere(float x) { return Lobes(double(x)); }
-HWY_INLINE Vec3<Lobes> everywhere(const Vec3f& w) { return {everywhere(w.x), everywhere(w.y), everywhere(w.z)}; }
-HWY_INLINE Vec3<Lobes> select(Lobes::Mask where, const Vec3<Lobes>& a, const Vec3<Lobes>& b) {
+template <typename Lanes> HWY_INLINE Lanes in_all(float x) { return Lanes(double(x)); }
+template <typename Lanes> HWY_INLINE Vec3<Lanes> in_all(const Vec3f& w) {
+    return {in_all<Lanes>(w.x), in_all<Lanes>(w.y), in_all<Lanes>(w.z)};
+}
+template <typename Lanes> HWY_INLINE auto in_all(const Kernel<float>::Stretch& map) {
+    return
+        typename Formulas<Lanes, PmModel>::Stretch{in_all<Lanes>(map.x), in_all<Lanes>(map.y), in_all<Lanes>(map.more),
+                                                   in_all<Lanes>(map.less), in_all<Lanes>(map.shrink)};
+}
+HWY_INLINE Lobes everywhere(float x) { return in_all<Lobes>(x); }
+template <typename Lanes>
+HWY_INLINE Vec3<Lanes> select(typename Lanes::Mask where, const Vec3<Lanes>& a, const Vec3<Lanes>& b) {
     return {select(where, a.x, b.x), select(where, a.y, b.y), select(where, a.z, b.z)};
 }
 
@@ -56,29 +84,27 @@ HWY_INLINE Lobes between(const MixtureProposal::Row& low, const MixtureProposal:
     return a + everywhere(part) * (b - a);
 }
 
-// A mixture as a viewer sees it, in the frame of the grain if it has one: its lobes in the lanes of one vector after
-// the other. Without a grain nothing is stretched or turned.
-template <bool grain> struct Seen {
+// A mixture as a viewer sees it, its lobes in the lanes of one vector after the other.
+struct Seen {
     using F = Formulas<Lobes, PmModel>;
     static constexpr int k_few = LobeTable::k_count / 2;  // beyond, there are half-vector lobes alone
-    const MixtureProposal& proposal;
     const LobeTable& table;
+    Lobes shrink, pull;
     Vec3<Lobes> v, viewer;
 
-    HWY_INLINE Seen(const MixtureProposal& of, const LobeTable& lobes, const Vec3f& wv)
-        : proposal(of), table(lobes), v(everywhere(wv)), viewer(stretched(v)) {}
-    HWY_INLINE Lobes stretch() const { return grain ? everywhere(proposal.stretch) : Lobes(1.0); }
-    HWY_INLINE Vec3<Lobes> stretched(const Vec3<Lobes>& w) const {
-        if constexpr (grain) return F::stretched(w, stretch());
-        return {w.x, w.y, w.z};
-    }
+    HWY_INLINE Seen(const LobeTable& lobes, const ViewOfMixture& view)
+        : table(lobes),
+          shrink(everywhere(view.map.shrink)),
+          pull(everywhere(view.pull)),
+          v(in_all<Lobes>(view.wv)),
+          viewer(in_all<Lobes>(Kernel<float>::stretched(view.wv, view.map))) {}
     HWY_INLINE static Lobes at(const LobeTable::Row& row, int k) { return Lobes::load(&row[std::size_t(k)]); }
     HWY_INLINE Lobes::Mask is_cosine(int k) const { return at(table.kind, k) < Lobes(0.0); }
     HWY_INLINE Lobes::Mask is_half_vector(int k) const { return Lobes(0.0) < at(table.kind, k); }
 
     HWY_INLINE F::ProposalLobe lobe(int k) const {
         const Lobes bandwidth = at(table.bandwidth, k);
-        typename F::ProposalLobe seen = F::half_vector_lobe(viewer, bandwidth);
+        typename F::ProposalLobe seen = F::half_vector_lobe(viewer, shrink, bandwidth, pull * at(table.pull, k));
         if (k >= k_few) return seen;
         const auto where = is_half_vector(k);
         seen.centre = select(where, seen.centre, Vec3<Lobes>(-v.x, -v.y, v.z));
@@ -88,54 +114,74 @@ template <bool grain> struct Seen {
         seen.rest = at(table.rest, k);
         return seen;
     }
-    // What each of these lobes draws.
-    HWY_INLINE Vec3<Lobes> draw(int k, const F::ProposalLobe& lobe, Lobes u1, Lobes u2) const {
-        const Vec3<Lobes> w = F::sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2);
-        Vec3<Lobes> light = F::light_of(stretched(w), v);
-        if (k < k_few) light = select(is_cosine(k), F::sample_cosine(u1, u2), select(is_half_vector(k), light, w));
-        return F::folded(light);
+};
+
+// The half vectors of a direction to the light and of the same mirrored at the horizon, for all lobes.
+struct BothHalfVectors {
+    using F = Seen::F;
+    F::HalfVector above, below;
+
+    HWY_INLINE BothHalfVectors(const ViewOfMixture& view, const Vec3f& wl) {
+        HWY_ALIGN static constexpr float up_and_down[4] = {1, -1, 1, 1};
+        HWY_ALIGN float numbers[4][4];
+        const auto map = in_all<Few>(view.map);
+        for (std::size_t i = 0; i < 2; i += Few::size()) {
+            const auto half = Formulas<Few, PmModel>::half_vector(
+                {in_all<Few>(wl.x), in_all<Few>(wl.y), Few::load(up_and_down + i) * in_all<Few>(wl.z)},
+                in_all<Few>(view.wv), map);
+            half.direction.x.store(numbers[0] + i), half.direction.y.store(numbers[1] + i);
+            half.direction.z.store(numbers[2] + i), half.factor.store(numbers[3] + i);
+        }
+        const auto of = [&](std::size_t i) HWY_ATTR {
+            return F::HalfVector{{everywhere(numbers[0][i]), everywhere(numbers[1][i]), everywhere(numbers[2][i])},
+                                 everywhere(numbers[3][i])};
+        };
+        above = of(0), below = of(1);
     }
 };
 
-// The density of all lobes at one direction to the light, which is in the frame of the grain.
-template <bool grain> struct Density {
-    using F = typename Seen<grain>::F;
-    const Seen<grain>& seen;
+// The density of all lobes at one direction to the light.
+struct Density {
+    using F = Seen::F;
+    const Seen& seen;
     Vec3<Lobes> l, mirrored;
-    typename F::HalfVector above, below;
+    BothHalfVectors half;
     const MixtureProposal::Row &low, &high;
     float part;
     Lobes sum{0.0};
 
-    HWY_INLINE Density(const Seen<grain>& by, const NodesAbout& nodes, const Vec3f& wl)
+    HWY_INLINE Density(const MixtureProposal& proposal, const Seen& by, const ViewOfMixture& view, const Vec3f& wl)
         : seen(by),
-          l(everywhere(wl)),
+          l(in_all<Lobes>(wl)),
           mirrored(l.x, l.y, -l.z),
-          above(F::half_vector(l, seen.v, seen.stretch())),
-          below(F::half_vector(mirrored, seen.v, seen.stretch())),
-          low(seen.proposal.weight(nodes.below)),
-          high(seen.proposal.weight(nodes.below + 1)),
-          part(nodes.part) {}
-    HWY_INLINE void add(int k, const typename F::ProposalLobe& lobe) {
+          half(view, wl),
+          low(proposal.weight(view.nodes.below)),
+          high(proposal.weight(view.nodes.below + 1)),
+          part(view.nodes.part) {}
+    HWY_INLINE void add(int k, const F::ProposalLobe& lobe) {
         Lobes of_lobes;
-        if (k >= Seen<grain>::k_few) {
-            of_lobes = F::folded_pdf(lobe, above, below);
+        if (k >= Seen::k_few) {
+            of_lobes = F::folded_pdf(lobe, half.above, half.below);
         } else {
             const auto where = seen.is_half_vector(k);
-            const auto either = [&](const typename F::HalfVector& h, const Vec3<Lobes>& w) HWY_ATTR {
-                return typename F::HalfVector{select(where, h.direction, w), select(where, h.factor, Lobes(1.0))};
+            const auto either = [&](const F::HalfVector& h, const Vec3<Lobes>& w, Lobes factor) HWY_ATTR {
+                return F::HalfVector{select(where, h.direction, w), select(where, h.factor, factor)};
             };
-            of_lobes = select(seen.is_cosine(k), F::cosine_pdf(l),
-                              F::folded_pdf(lobe, either(above, l), either(below, mirrored)));
+            // A cosine is a lobe of bandwidth 0 times a power of z, once.
+            const Lobes kind = Seen::at(seen.table.kind, k);
+            const Lobes power = select(kind < Lobes(-1.0), l.z * l.z, l.z);
+            const auto is_cosine = kind < Lobes(0.0);
+            of_lobes = F::folded_pdf(lobe, either(half.above, l, select(is_cosine, power, Lobes(1.0))),
+                                     either(half.below, mirrored, select(is_cosine, Lobes(0.0), Lobes(1.0))));
         }
         sum = sum + between(low, high, part, k) * of_lobes;
     }
 };
 
-template <bool grain>
-float pdf_of(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
-    const Seen<grain> seen(proposal, table, wv);
-    Density<grain> density(seen, nodes_about(wv.z), wl);
+float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
+    const ViewOfMixture view = view_of(proposal, wv);
+    const Seen seen(table, view);
+    Density density(proposal, seen, view, wl);
     for (int k = 0; k < LobeTable::k_count; k += int(Lobes::size())) density.add(k, seen.lobe(k));
     return density.sum.sum();
 }
@@ -156,44 +202,48 @@ HWY_INLINE DirectionSample with_pdf(const Vec3f& wl, float pdf) {
 #endif
 }
 
-// A direction and its density, 0 where there is no direction. `wv` is in the frame of the grain, the direction is not.
-// Each lobe draws one while the selector chooses among them.
-template <bool grain>
-DirectionSample sample_of(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u, float selector) {
+// What a lobe draws: in all lanes the same.
+HWY_INLINE Vec3f drawn_by(const ViewOfMixture& view, float kind, const Vec3f& centre, float width, float rest,
+                          const Vec2f& u) {
+    using F = Formulas<Few, PmModel>;
+    const Few u1 = in_all<Few>(u.x), u2 = in_all<Few>(u.y), width_ = in_all<Few>(width);
+    Vec3<Few> wl;
+    if (kind < 0) {
+        wl = F::off_centre(Vec3<Few>(Few(0.0), Few(0.0), Few(1.0)), F::below_power_cosine(width_, u1), u2);
+    } else {
+        const Vec3<Few> w = F::sample_sharp_vmf(in_all<Few>(centre), width_, in_all<Few>(rest), u1, u2);
+        const Vec3<Few> light = F::light_of(F::stretched(w, in_all<Few>(view.map)), in_all<Few>(view.wv));
+        wl = F::folded(select(Few(0.0) < in_all<Few>(kind), light, w));
+    }
+    return {hn::GetLane(wl.x.v), hn::GetLane(wl.y.v), hn::GetLane(wl.z.v)};
+}
+
+// A direction and its density, 0 where there is no direction.
+DirectionSample sample_mixture(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u,
+                               float selector) {
     constexpr int vectors = LobeTable::k_count / int(sizeof(Lobes) / sizeof(float));
-    using Lobe = typename Seen<grain>::F::ProposalLobe;
-    const Seen<grain> seen(proposal, table, wv);
-    const NodesAbout nodes = nodes_about(wv.z);
-    const auto &low = proposal.running(nodes.below), &high = proposal.running(nodes.below + 1);
-    Lobe lobes[vectors];
-    HWY_ALIGN float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count];
+    const ViewOfMixture view = view_of(proposal, wv);
+    const Seen seen(table, view);
+    const auto &low = proposal.running(view.nodes.below), &high = proposal.running(view.nodes.below + 1);
+    Seen::F::ProposalLobe lobes[vectors];
+    HWY_ALIGN float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], width[LobeTable::k_count];
     std::size_t chosen = 0;  // the first lobe whose running sum exceeds the selector
 #pragma GCC unroll 4
     for (int i = 0; i < vectors; ++i) {
         const int k = i * int(Lobes::size());
-        chosen += hn::CountTrue(Lobes::Tag(), hn::Ge(everywhere(selector).v, between(low, high, nodes.part, k).v));
+        chosen += hn::CountTrue(Lobes::Tag(), hn::Ge(everywhere(selector).v, between(low, high, view.nodes.part, k).v));
         lobes[i] = seen.lobe(k);
-        const Vec3<Lobes> each = seen.draw(k, lobes[i], everywhere(u.x), everywhere(u.y));
-        each.x.store(x + k), each.y.store(y + k), each.z.store(z + k);
+        lobes[i].centre.x.store(x + k), lobes[i].centre.y.store(y + k), lobes[i].centre.z.store(z + k);
+        lobes[i].width.store(width + k);
     }
     if (chosen >= MixtureProposal::k_lobes) chosen = 0;  // what rounding leaves over is the cosine's
-    const Vec3f drawn(x[chosen], y[chosen], z[chosen]);
-    const Vec3f wl = grain ? Kernel<float>::turned(drawn, proposal.cosine, proposal.sine) : drawn;
+    const Vec3f wl =
+        drawn_by(view, table.kind[chosen], {x[chosen], y[chosen], z[chosen]}, width[chosen], table.rest[chosen], u);
     if (!above_horizon(wl, wv)) return with_pdf(wl, 0);
-    // As `pdf` turns it back, whose answer this is to the last digit.
-    Density<grain> density(seen, nodes, grain ? Kernel<float>::turned(wl, proposal.cosine, -proposal.sine) : wl);
+    Density density(proposal, seen, view, wl);
 #pragma GCC unroll 4
     for (int i = 0; i < vectors; ++i) density.add(i * int(Lobes::size()), lobes[i]);
     return with_pdf(wl, density.sum.sum());
-}
-
-// There is a grain where lobes are stretched along it.
-float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
-    return (proposal.stretch == 1 ? pdf_of<false> : pdf_of<true>)(proposal, table, wl, wv);
-}
-DirectionSample sample_mixture(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u,
-                               float selector) {
-    return (proposal.stretch == 1 ? sample_of<false> : sample_of<true>)(proposal, table, wv, u, selector);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -215,13 +265,14 @@ const LobeTable& lobe_table() {
         LobeTable table;
         for (int k = 0; k < LobeTable::k_count; ++k) {
             const auto i = std::size_t(k);
-            const bool is_mirror = k > 0 && k < 5;
-            table.bandwidth[i] = K::proposal_bandwidth(std::min(k, SRBF_PROPOSAL_LOBES - 1));
-            const auto mirror = K::mirror_lobe({0, 0, 1}, table.bandwidth[i]);
-            table.width[i] = mirror.width;
-            table.scale[i] = is_mirror ? mirror.scale : 0;  // the cosine is no lobe
+            const bool is_mirror = k > 1 && k < 6;
+            table.bandwidth[i] = k < 2 ? 0 : K::proposal_bandwidth(k);
+            const auto mirror = K::mirror_lobe({0, 0, 1}, K::proposal_bandwidth(k));
+            table.width[i] = k == 0 ? 0.5f : k == 1 ? 1.f / 3 : mirror.width;
+            table.scale[i] = is_mirror ? mirror.scale : float((k + 2) / (2 * k_pi));
             table.rest[i] = is_mirror ? mirror.rest : 0;
-            table.kind[i] = k == 0 ? -1 : is_mirror ? 0 : 1;
+            table.kind[i] = k < 2 ? float(-1 - k) : is_mirror ? 0 : 1;
+            table.pull[i] = K::proposal_pull(k, 1);
         }
         return table;
     }();
@@ -230,11 +281,7 @@ const LobeTable& lobe_table() {
 
 }  // namespace
 
-Vec3f into_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w, proposal.cosine, -proposal.sine); }
-Vec3f out_of_grain(const MixtureProposal& proposal, Vec3f w) { return K::turned(w, proposal.cosine, proposal.sine); }
-
 DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
-    if (proposal.stretch != 1) wv = into_grain(proposal, wv);
     return HWY_DYNAMIC_DISPATCH(sample_mixture)(proposal, lobe_table(), wv, u, selector);
 }
 
@@ -244,8 +291,7 @@ Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector)
 
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return 0;
-    return HWY_DYNAMIC_DISPATCH(mixture_pdf)(proposal, lobe_table(), into_grain(proposal, wl),
-                                             into_grain(proposal, wv));
+    return HWY_DYNAMIC_DISPATCH(mixture_pdf)(proposal, lobe_table(), wl, wv);
 }
 
 }  // namespace srbf

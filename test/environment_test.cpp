@@ -113,6 +113,33 @@ TEST(Environment, SizesBeyondTheFileAreErrorsBeforeAnythingIsAllocated) {
     EXPECT_FALSE(read_hdr(as_bytes("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n1234"), "a.hdr").ok());
 }
 
+TEST(Environment, AFileOfGigabytesIsRefusedByItsHeader) {
+    const TemporaryFolder folder;
+    // Holes: nothing is written, and nothing of it is read.
+    const auto grown = [&](const std::string& name, std::span<const std::byte> start) {
+        EXPECT_TRUE(write_file(folder / name, start).ok());
+        std::filesystem::resize_file(folder / name, std::uint64_t(1) << 32);
+        const auto read = load_environment(folder / name);
+        return read.ok() ? "read" : message(read.error());
+    };
+    const std::string large = "#?RADIANCE\n\n-Y 32768 +X 32768\n";
+    EXPECT_NE(grown("a.hdr", as_bytes(large)).find("a.hdr: at 12: resolution"), std::string::npos)
+        << grown("a.hdr", as_bytes(large));
+    // A header of few texels: only what they can take is read.
+    EXPECT_EQ(grown("b.hdr", as_bytes("#?RADIANCE\n\n-Y 2 +X 2\n")), "read");
+    EXPECT_NE(grown("c.hdr", as_bytes("nothing")).find("c.hdr: at 0: first bytes"), std::string::npos);
+
+    ASSERT_TRUE(write_exr(13, 7, channels_of(texels(13, 7)), folder / "a.exr").ok());
+    auto bytes = *read_file(folder / "a.exr");
+    const std::string_view name("dataWindow");
+    const auto at = std::search(bytes.begin(), bytes.end(), as_bytes(name).begin(), as_bytes(name).end());
+    ASSERT_NE(at, bytes.end());
+    *(at + 21 + 10) = *(at + 21 + 14) = std::byte(1);  // 65536 columns and rows more
+    EXPECT_NE(grown("b.exr", bytes).find("dataWindow: expected 1 to 67108864 pixels, found 65549 x 65543"),
+              std::string::npos)
+        << grown("b.exr", bytes);
+}
+
 TEST(Environment, ExrFilesAreWrittenAndReadBack) {
     const TemporaryFolder folder;
     Image image = texels(13, 7);

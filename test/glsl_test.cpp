@@ -77,11 +77,15 @@ void main() {
     f *= su_plain_weight(Su(5), nearest, wv, 3, 0) * su_rotated_part(Su(5), wl, wv, 0);
     GgxLobe sharp = GgxLobe(u.x, wl, u.y), broad = GgxLobe(ggx_facets(wl, wv, u.y), wv, schlick_weight(wl, wv));
     f += ggx_value(wl, sharp, broad, wl, wv) + ggx_lobe_value(broad, wl, wv);
-    f += sample_cosine(u.x, u.y) * cosine_pdf(wl) + visible_lobe(wv, 8.0).centre * half_vector_pdf(wl, wv, 8.0, 2.0);
-    f += sample_half_vector(wv, 8.0, 2.0, u.x, u.y) *
-         proposal_lobe_pdf(5, proposal_point(wl, wv, 2.0)) * proposal_bandwidth(1);
-    f += sample_proposal_lobe(2, stretched(wv, 2.0), 2.0, u.x, u.y) * half_vector(wl, wv, 2.0).factor;
-    f += folded_pdf(mirror_lobe(wl, 4.0), itself(wl), half_vector(wl, wv, 2.0)) * half_vector_lobe(wv, 8.0).centre;
+    Stretch map = stretch_along(wv, 0.5);
+    f += sample_cosine(u.x, u.y) * cosine_pdf(wl) * power_cosine_pdf(wl, 2.0) * below_power_cosine(0.5, u.x);
+    f += visible_lobe(stretched(wv, map), map.shrink, 8.0, pull_of_visibility(wv, 2.0)).centre;
+    f += half_vector_pdf(wl, wv, 8.0, map, 2.0) * grown_along(wl, u.x, u.y, sample_below(0.1, 0.0, u.x));
+    f += sample_half_vector(wv, 8.0, map, 2.0, u.x, u.y) *
+         proposal_lobe_pdf(5, proposal_point(wl, wv, map, 2.0)) * proposal_bandwidth(1) * proposal_pull(2, 1.0);
+    f += sample_proposal_lobe(2, wv, map, 2.0, u.x, u.y) * half_vector(wl, wv, map).factor;
+    f += folded_pdf(mirror_lobe(wl, 4.0), itself(wl), half_vector(wl, wv, map)) *
+         half_vector_lobe(wv, 1.0, 8.0, 1.0).centre;
     f += folded(light_of(sample_sharp_vmf(wl, 0.25, u.x, u.x, u.y), wv)) + off_centre(wl, u.x, u.y);
     f += times_cosine(wl, 4.0).centre;
     colour = vec4(f, vmf_pdf(w, wl, 2.0) * gaussian_integral(u.y));

@@ -263,10 +263,9 @@ TEST_P(PreparedOn, CopiesOutliveTheirSources) {
 }
 
 /// A mixture of random weights, a third of them 0, and its density by kernel.glsl in double.
-MixtureProposal random_mixture(std::mt19937_64& random, float stretch) {
+MixtureProposal random_mixture(std::mt19937_64& random, bool is_grain) {
     MixtureProposal proposal;
-    proposal.stretch = stretch;
-    if (stretch > 1) proposal.cosine = 0.6f, proposal.sine = 0.8f;
+    if (is_grain) proposal.cosine = 0.6f, proposal.sine = 0.8f;
     for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
         std::array<float, MixtureProposal::k_lobes> row;
         float sum = 0;
@@ -276,46 +275,46 @@ MixtureProposal random_mixture(std::mt19937_64& random, float stretch) {
         }
         for (float& w : row) w /= sum;
         proposal.set_weights(node, row);
+        proposal.stretch[node] = is_grain ? 4 : 0.3f + float(uniform(random));
+        proposal.power[node] = 0.5f + 3 * float(uniform(random));
     }
     return proposal;
 }
-std::array<double, MixtureProposal::k_lobes> weights_at(const MixtureProposal& proposal, double z) {
-    const double at = std::sqrt(1 - z) * (MixtureProposal::k_nodes - 1);
+std::array<double, MixtureProposal::k_numbers> numbers_at(const MixtureProposal& proposal, double z) {
+    const double at = (1 - z) * (MixtureProposal::k_nodes - 1);
     const int below = std::min(int(at), MixtureProposal::k_nodes - 2);
-    std::array<double, MixtureProposal::k_lobes> weight;
-    for (std::size_t k = 0; k < weight.size(); ++k)
-        weight[k] = (1 - at + below) * double(proposal.weight(std::size_t(below))[k]) +
-                    (at - below) * double(proposal.weight(std::size_t(below + 1))[k]);
-    return weight;
+    std::array<double, MixtureProposal::k_numbers> numbers;
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+        numbers[k] = (1 - at + below) * double(proposal.numbers(std::size_t(below))[k]) +
+                     (at - below) * double(proposal.numbers(std::size_t(below + 1))[k]);
+    return numbers;
 }
 
 TEST_P(PreparedOn, DensityAndDrawsAreThoseOfTheText) {
     using D = Kernel<double>;
-    for (const float stretch : {1.f, 4.f})
+    for (const bool is_grain : {false, true})
         for (int i = 0; i < 4; ++i) {
-            const MixtureProposal proposal = random_mixture(random_, stretch);
-            const auto turned = [&](Vec3d w, int way) {
-                return D::turned(w, double(proposal.cosine), way * double(proposal.sine));
-            };
+            const MixtureProposal proposal = random_mixture(random_, is_grain);
             int other = 0;
             for (int n = 0; n < 2000; ++n) {
                 const Vec3f wv = to_float(random_direction(random_, 0.02)), u = draw3();
-                const Vec3d v = turned(to_double(wv), -1);
-                const auto weight = weights_at(proposal, double(wv.z));
+                const Vec3d v = to_double(wv);
+                const auto weight = numbers_at(proposal, double(wv.z));
+                const auto map = D::stretch_along(is_grain ? Vec3d(0.6, 0.8, 0) : v, weight[MixtureProposal::k_lobes]);
+                const double power = weight[MixtureProposal::k_lobes + 1];
                 double left = double(u.z);
                 int k = 0;
                 while (k + 1 < MixtureProposal::k_lobes && left >= weight[std::size_t(k)])
                     left -= weight[std::size_t(k++)];
                 const Vec3f wl = sample(proposal, wv, {u.x, u.y}, u.z);
-                const Vec3d expected =
-                    turned(D::sample_proposal_lobe(k, v, double(stretch), double(u.x), double(u.y)), 1);
+                const Vec3d expected = D::sample_proposal_lobe(k, v, map, power, double(u.x), double(u.y));
                 const Vec3d apart = to_double(wl) - expected;
                 other += !near(std::sqrt(dot(apart, apart)), 0, 2e-3);
                 const DirectionSample both = sample_with_pdf(proposal, wv, {u.x, u.y}, u.z);
                 EXPECT_TRUE(both.wl == wl);
                 EXPECT_EQ(both.pdf, pdf(proposal, wl, wv));
                 if (!(wl.z > 0)) continue;
-                const auto at = D::proposal_point(turned(to_double(wl), -1), v, double(stretch));
+                const auto at = D::proposal_point(to_double(wl), v, map, power);
                 double density = 0;
                 for (int j = 0; j < MixtureProposal::k_lobes; ++j)
                     density += weight[std::size_t(j)] * D::proposal_lobe_pdf(j, at);

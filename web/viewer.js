@@ -136,11 +136,11 @@ function under_environment(index) {
   const material = materials[index];
   if (!material.lit) {
     const text = text_of(index);
-    const { two_sided, weights, grains } = data.materials[index], floats = (text) => new Float32Array(bytes_of(text).buffer);
+    const { two_sided, nodes, grains } = data.materials[index], floats = (text) => new Float32Array(bytes_of(text).buffer);
     const pixel = two_sided ? data.environment_pixel_of_both_sides : data.environment_pixel;
     material.lit = new_material_program(index, data.whole, text.slice(0, text.length - data.pixel.length) + pixel);
-    gl.uniform1fv(material.lit.place("mixture_weights"), floats(weights));
-    gl.uniform3fv(material.lit.place("mixture_grain"), floats(grains));
+    gl.uniform4fv(material.lit.place("mixture_numbers"), floats(nodes));
+    gl.uniform2fv(material.lit.place("mixture_grain"), floats(grains));
   }
   return material.lit;
 }

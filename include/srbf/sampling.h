@@ -1,5 +1,6 @@
 // Drawing the light that a BRDF reflects to the viewer: level 3.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <span>
@@ -35,29 +36,48 @@ struct CosineProposal {};
 Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
 
-/// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine, lobes about the mirror direction, lobes of
-/// half vectors. The weights are linear in √(1 − cosθv) between nodes, whose own are those of least variance for the
-/// BRDF.
+/// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine and its square, lobes about the mirror
+/// direction, lobes of half vectors. The weights, and the stretch and power of the half-vector lobes, are linear in cosθv
+/// between nodes, whose own are those of least variance for the BRDF.
 class MixtureProposal {
   public:
-    static constexpr int k_nodes = 13, k_lobes = 14, k_lanes = 16;
-    using Row = std::array<float, k_lanes>;  ///< for vectors to load: it ends with zeros
+    static constexpr int k_nodes = 13, k_lobes = 16;
+    static constexpr int k_numbers = k_lobes + 2;  ///< of a node
+    using Row = std::array<float, k_lobes>;
 
-    /// The weights at node i, where √(1 − cosθv) = i / 12; they sum to 1.
+    /// The weights at node i, where cosθv = 1 − i / 12; they sum to 1.
     const Row& weight(std::size_t node) const { return weight_[node]; }
-    /// Their running sums, 2 beyond the last lobe.
+    /// Their running sums.
     const Row& running(std::size_t node) const { return running_[node]; }
     void set_weights(std::size_t node, std::span<const float, k_lobes> weight);
 
-    float stretch = 1;           ///< ≥ 1: half-vector lobes are so many times as wide along the grain
-    float cosine = 1, sine = 0;  ///< of the grain's azimuth
+    /// At the nodes: half-vector lobes are so many times as wide along a tangent as across, and weighted by this power of
+    /// their visibility to the viewer.
+    std::array<float, k_nodes> stretch = ones(), power = ones();
+    /// Of the tangent's azimuth, which is the grain's for an anisotropic BRDF; both 0: it is in the plane of incidence.
+    float cosine = 0, sine = 0;
+
+    /// Of a node: the weights, the stretch, the power.
+    std::array<float, k_numbers> numbers(std::size_t node) const {
+        std::array<float, k_numbers> all;
+        std::copy(weight_[node].begin(), weight_[node].end(), all.begin());
+        all[k_lobes] = stretch[node], all[k_lobes + 1] = power[node];
+        return all;
+    }
 
   private:
+    static constexpr std::array<float, k_nodes> ones() {
+        std::array<float, k_nodes> all{};
+        all.fill(1);
+        return all;
+    }
     alignas(64) std::array<Row, k_nodes> weight_{}, running_{};
 };
-/// `w` in the frame of the grain, whose x is along it, and back.
-Vec3f into_grain(const MixtureProposal& proposal, Vec3f w);
-Vec3f out_of_grain(const MixtureProposal& proposal, Vec3f w);
+/// The tangent for a viewer, of any length.
+inline Vec3f tangent(const MixtureProposal& proposal, const Vec3f& wv) {
+    const bool is_grain = proposal.cosine != 0 || proposal.sine != 0;
+    return is_grain ? Vec3f(proposal.cosine, proposal.sine, 0) : wv;
+}
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv);
 /// A direction and its density [1/sr], as `sample` and `pdf` give them one after the other.
@@ -76,9 +96,10 @@ inline constexpr int k_anisotropic_azimuths = 8;
 /// The mixture for a BRDF: at each node the weights that minimise ∫ (f cosθl)² / pdf dωl, f in luminance, by 200 steps
 /// of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
-/// each of which lowers it (Silvey, Titterington & Torgersen 1978). The cosine keeps `k_least_cosine`. The stretch is
-/// that of `k_stretches`, along one of 12 azimuths, with which the variance at the views of 45° is least. What was not
-/// measured counts as 0.
+/// each of which lowers it (Silvey, Titterington & Torgersen 1978). The cosine keeps `k_least_cosine`. The stretch in the
+/// plane of incidence, 0.8^i, and the power, 0.8^(2 − 2j), i and j from 0 to 6, are such that among their neighbours none
+/// has a smaller minimum. A grain's stretch is that of `k_stretches`, along one of 12 azimuths, with which the variance
+/// at the views of 45° is least. What was not measured counts as 0.
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});
 inline constexpr float k_least_cosine = 0.02f;
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};

@@ -65,7 +65,7 @@ inline constexpr int k_most_open_lobes = 32;
 ///   vec3 sample_light(vec3 wv, float u1, float u2, float selector)   a direction to the light for u1, u2 and selector
 ///                                                uniform in [0,1); z <= 0 where the draw has none
 ///   float light_pdf(vec3 wl, vec3 wv)            its density [1/sr]; 0 where either is not above the horizon
-/// Its numbers are the uniforms `mixture_weights` and `mixture_grain` (`ProposalNumbers`). With `parts` mixtures the
+/// Its numbers are the uniforms `mixture_numbers` and `mixture_grain` (`ProposalNumbers`). With `parts` mixtures the
 /// global `int mixture_part` chooses the one that is meant; directions are in the frame of that part.
 std::string proposal_text(int parts = 1);
 /// What the light is drawn from: of a BRDF one mixture, of a BSDF one for each part, in the order of `Part`.
@@ -76,11 +76,12 @@ struct Proposals {
 };
 /// The mixtures for a BSDF's parts; `bsdf` is asked on both sides.
 Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options);
-/// The weights of mixtures at their nodes, one node after the other; the stretch of each, and its grain's cosine and
-/// sine.
+/// The numbers of mixtures' nodes, of each node in `k_node_vectors` vectors of four, one mixture after the other; and of
+/// each mixture the cosine and sine of its grain's azimuth, 0 and 0 without one.
+inline constexpr int k_node_vectors = (MixtureProposal::k_numbers + 3) / 4;
 struct ProposalNumbers {
-    std::vector<float> weights;
-    std::vector<std::array<float, 3>> grains;
+    std::vector<float> nodes;
+    std::vector<std::array<float, 2>> grains;
 };
 ProposalNumbers proposal_numbers(const Proposals& proposals);
 

@@ -68,7 +68,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
                                  const CodeOptions& options = {});
 
 /// The functions of a model as Python for a library of arrays, see src/shader/print_python.h: brdf(wl, wv),
-/// chosen_lobe(wv, selector), sample_of_lobe(k, wv, u1, u2) for each of its 14 lobes k, light_pdf(wl, wv). Errors: a
+/// chosen_lobe(wv, selector), sample_of_lobe(k, wv, u1, u2) for each of its 16 lobes k, light_pdf(wl, wv). Errors: a
 /// view-by-view model.
 Result<std::string> python_code(const Model& model, int threads = 0);
 

@@ -17,7 +17,7 @@ import mitsuba as mi
 import srbf
 from srbf import _srbf
 
-_LOBES = 14
+_LOBES = 16
 _models: dict[str, srbf.Model] = {}
 
 

@@ -1,13 +1,16 @@
 // The definitions that mixture.glsl requires, for shaders.
-uniform float mixture_weights[MIXTURE_PARTS * MIXTURE_NODES * SRBF_PROPOSAL_LOBES];
-uniform vec3 mixture_grain[MIXTURE_PARTS];  // the stretch, and the cosine and sine of the grain's azimuth
+// The numbers of a node, in MIXTURE_VECTORS vectors, one node after the other.
+uniform vec4 mixture_numbers[MIXTURE_PARTS * MIXTURE_NODES * MIXTURE_VECTORS];
+uniform vec2 mixture_grain[MIXTURE_PARTS];  // the cosine and sine of the grain's azimuth, or 0 and 0
 #if MIXTURE_PARTS > 1
 int mixture_part = 0;
-#define MIXTURE_FIRST (MIXTURE_NODES * SRBF_PROPOSAL_LOBES * mixture_part)
 #else
 const int mixture_part = 0;
-#define MIXTURE_FIRST 0
 #endif
-Real mixture_stretch() { return mixture_grain[mixture_part].x; }
-Vec3 into_grain(Vec3 w) { return turned(w, mixture_grain[mixture_part].y, -mixture_grain[mixture_part].z); }
-Vec3 out_of_grain(Vec3 w) { return turned(w, mixture_grain[mixture_part].y, mixture_grain[mixture_part].z); }
+Real mixture_number(int node, int i) {
+    return mixture_numbers[MIXTURE_VECTORS * (MIXTURE_NODES * mixture_part + node) + i / 4][i % 4];
+}
+Vec3 mixture_tangent(Vec3 wv) {
+    vec2 grain = mixture_grain[mixture_part];
+    return grain == vec2(0.0) ? wv : vec3(grain, 0.0);
+}

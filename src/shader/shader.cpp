@@ -129,7 +129,8 @@ std::string brdf_text(const Material& material, bool open) {
 }
 
 std::string proposal_text(int parts) {
-    return fmt::format("#define MIXTURE_NODES {}\n#define MIXTURE_PARTS {}\n", MixtureProposal::k_nodes, parts) +
+    return fmt::format("#define MIXTURE_NODES {}\n#define MIXTURE_VECTORS {}\n#define MIXTURE_PARTS {}\n",
+                       MixtureProposal::k_nodes, k_node_vectors, parts) +
            k_proposal_text + k_mixture_text;
 }
 
@@ -140,14 +141,16 @@ Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options) {
 }
 
 ProposalNumbers proposal_numbers(const Proposals& proposals) {
-    ProposalNumbers numbers;
+    ProposalNumbers all;
     for (const MixtureProposal& of : proposals.of_part) {
-        for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
-            numbers.weights.insert(numbers.weights.end(), of.weight(node).begin(),
-                                   of.weight(node).begin() + MixtureProposal::k_lobes);
-        numbers.grains.push_back({of.stretch, of.cosine, of.sine});
+        for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
+            const auto numbers = of.numbers(node);
+            all.nodes.insert(all.nodes.end(), numbers.begin(), numbers.end());
+            all.nodes.resize(all.nodes.size() + std::size_t(4 * k_node_vectors) - numbers.size());
+        }
+        all.grains.push_back({of.cosine, of.sine});
     }
-    return numbers;
+    return all;
 }
 
 std::array<Float4, 4> ggx_numbers(const GgxModel& model) {

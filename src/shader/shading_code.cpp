@@ -175,21 +175,21 @@ std::string brdf_of(const GgxModel& model) {
     return brdf_function(text + "    return " + sum + ";\n");
 }
 
-/// What mixture.glsl requires: `accessors` to be parsed before kernel.glsl, `functions` after it.
-struct MixtureText {
-    std::string accessors, functions;
-};
-MixtureText mixture_of(const Model& model, const CodeOptions& options, Program& program) {
-    Table weights{
-        "The weights of the proposal's lobes, a row for each node.", "mixture_weights", {}, MixtureProposal::k_lobes};
+/// What mixture.glsl requires, to be parsed before it.
+std::string mixture_of(const Model& model, const CodeOptions& options, Program& program) {
+    Table lobes{"The proposal's lobes, a row for each node: their weights, stretch and power.",
+                "mixture_numbers",
+                {},
+                MixtureProposal::k_numbers};
     Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
     MixtureProposal mixture;
     if (options.sampling) {
         const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
         mixture = std::get<MixtureProposal>(propose(model, {azimuths, options.threads}));
-        for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node)
-            weights.numbers.insert(weights.numbers.end(), mixture.weight(node).begin(),
-                                   mixture.weight(node).begin() + MixtureProposal::k_lobes);
+        for (std::size_t node = 0; node < MixtureProposal::k_nodes; ++node) {
+            const auto numbers = mixture.numbers(node);
+            lobes.numbers.insert(lobes.numbers.end(), numbers.begin(), numbers.end());
+        }
     }
     if (options.albedo) {
         const PreparedBrdf brdf = prepare(model);
@@ -199,14 +199,13 @@ MixtureText mixture_of(const Model& model, const CodeOptions& options, Program& 
             nodes.numbers.insert(nodes.numbers.end(), {reflected.r, reflected.g, reflected.b});
         }
     }
-    program.tables.push_back(std::move(weights));
+    program.tables.push_back(std::move(lobes));
     program.tables.push_back(std::move(nodes));
-    const auto turn = [&](const char* name, float sine) {
-        const std::string turned = fmt::format("turned(w, {}, {})", real(mixture.cosine), real(sine));
-        return fmt::format("Vec3 {}(Vec3 w) {{ return {}; }}\n", name, mixture.sine == 0 ? "w" : turned);
-    };
-    return {fmt::format("Real mixture_stretch() {{ return {}; }}\n", real(mixture.stretch)),
-            turn("into_grain", -mixture.sine) + turn("out_of_grain", mixture.sine)};
+    const bool is_grain = mixture.cosine != 0 || mixture.sine != 0;
+    return fmt::format(
+        "Real mixture_number(int node, int i) {{ return mixture_numbers[{} * node + i]; }}\n"
+        "Vec3 mixture_tangent(Vec3 wv) {{ return {}; }}\n",
+        MixtureProposal::k_numbers, is_grain ? vector({mixture.cosine, mixture.sine, 0}) : "wv");
 }
 
 /// The entry functions, by their names in the kernel's language and in the code.
@@ -237,15 +236,13 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(variates)},
                                                {"SRBF_TERMS", std::to_string(terms)},
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
-                                               {"MIXTURE_FIRST", "0"},
                                                {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
     const bool is_mixture = options.sampling || options.albedo;
-    const MixtureText mixture = is_mixture ? mixture_of(model, options, program) : MixtureText{};
-    accessors += mixture.accessors;
+    const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string();
     syntax::parse(k_handles + accessors, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(brdf, program, defines);
-    if (is_mixture) syntax::parse(mixture.functions + k_mixture_text + k_albedo_text, program, defines);
+    if (is_mixture) syntax::parse(mixture + k_mixture_text + k_albedo_text, program, defines);
     syntax::specialise(program, roots);
     return program;
 }

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/report.h"
+#include "app/output.h"
 #include "srbf/directions.h"
 #include "srbf/fitting.h"
 

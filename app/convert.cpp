@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/report.h"
+#include "app/output.h"
 #include "srbf/file.h"
 
 namespace srbf {

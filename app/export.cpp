@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "app/commands.h"
+#include "app/output.h"
 #include "app/raster.h"
-#include "app/report.h"
 #include "render/page.h"
 #include "srbf/file.h"
 #include "srbf/shading_code.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/report.h"
+#include "app/output.h"
 #include "srbf/fit_bsdf.h"
 #include "srbf/fitting.h"
 

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "app/commands.h"
-#include "app/report.h"
+#include "app/output.h"
 #include "srbf/directions.h"
 
 namespace srbf {

@@ -1,6 +1,6 @@
 #include "app/path.h"
 
-#include "app/report.h"
+#include "app/output.h"
 #include "render/room.h"
 
 namespace srbf {

@@ -8,9 +8,9 @@
 
 #include "app/commands.h"
 #include "app/load.h"
+#include "app/output.h"
 #include "app/path.h"
 #include "app/raster.h"
-#include "app/report.h"
 #include "render/exr.h"
 #include "render/image.h"
 #include "render/scene.h"

@@ -4,7 +4,7 @@
 #include <system_error>
 
 #include "app/commands.h"
-#include "app/report.h"
+#include "app/output.h"
 
 int main(int argc, char** argv) {
     srbf::CommandLine app(

@@ -1,7 +1,7 @@
 #include <memory>
 
 #include "app/commands.h"
-#include "app/report.h"
+#include "app/output.h"
 #include "app/view/window.h"
 
 namespace srbf {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "app/load.h"
-#include "app/report.h"
+#include "app/output.h"
 #include "srbf/fitting.h"
 
 namespace srbf {

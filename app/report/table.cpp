@@ -1,4 +1,4 @@
-#include "app/survey/table.h"
+#include "app/report/table.h"
 
 #include <fmt/format.h>
 
@@ -108,7 +108,7 @@ constexpr std::array<SourceRow, 6> k_source{{
 constexpr std::uint64_t k_source_raw_bytes = std::uint64_t(1536) * 1536 * 3 * 4, k_source_auxiliary_bytes = 1585152;
 
 /// The material of Tsai 2009 that a file holds, by its name; "": none. A labelled file is what its label says.
-std::string source_material(const Surveyed& of) {
+std::string source_material(const Reported& of) {
     std::string name;
     for (const char c : std::filesystem::path(of.file).stem().string())
         if (std::isalnum(static_cast<unsigned char>(c))) name += char(std::tolower(static_cast<unsigned char>(c)));
@@ -118,7 +118,7 @@ std::string source_material(const Surveyed& of) {
     return name == "nickel" ? name : "";
 }
 
-void add_material(Tables& tables, const Surveyed& of) {
+void add_material(Tables& tables, const Reported& of) {
     Json row{{"material", of.name}, {"label", of.label}, {"file", std::filesystem::path(of.file).filename().string()}};
     if (!of.study) {
         row.update({{"status", "failed"}, {"error", of.error}});
@@ -210,7 +210,7 @@ void add_statistics(Tables& tables) {
 
 }  // namespace
 
-Tables tables_of(const std::vector<Surveyed>& materials) {
+Tables tables_of(const std::vector<Reported>& materials) {
     Tables tables;
     tables.constants = {"constants",
                         {"name", "value"},
@@ -295,7 +295,7 @@ Tables tables_of(const std::vector<Surveyed>& materials) {
                                       {"most_frames_per_second", is_su ? 142 : 672},
                                       {"renderer", "GeForce 9800 GX2"}});
     }
-    for (const Surveyed& of : materials) add_material(tables, of);
+    for (const Reported& of : materials) add_material(tables, of);
     add_statistics(tables);
     const auto count = [&](const char* column, const char* value) {
         tables.summary.rows.push_back(

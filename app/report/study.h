@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "app/report.h"
-#include "app/survey/plan.h"
+#include "app/output.h"
+#include "app/report/plan.h"
 #include "render/scene.h"
 #include "srbf/result.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "app/survey/parts.h"
+#include "app/report/parts.h"
 #include "render/chart.h"
 #include "render/html.h"
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "app/survey/page.h"
-#include "app/survey/parts.h"
+#include "app/report/page.h"
+#include "app/report/parts.h"
 
 namespace srbf {
 namespace {
@@ -126,7 +126,7 @@ std::string pictures(const Tables& tables) {
 
 }  // namespace
 
-std::string survey_markdown(const Tables& tables) {
+std::string report_markdown(const Tables& tables) {
     std::string text = "# Accuracy\n\nWritten by `srbf report`. Held out where nothing else is said.\n";
     for (const std::string objective : {"appearance", "raw", "cosine"})
         text += fmt::format("\n## Objective {}\n{}", objective, over_materials(tables, objective));

@@ -1,4 +1,4 @@
-#include "app/survey/study.h"
+#include "app/report/study.h"
 
 #include <fmt/format.h>
 

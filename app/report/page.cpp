@@ -1,11 +1,11 @@
-#include "app/survey/page.h"
+#include "app/report/page.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
 
-#include "app/survey/parts.h"
+#include "app/report/parts.h"
 #include "render/html.h"
 #include "render/page_text.h"
 #include "render/report_text.h"
@@ -16,9 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Whether all pictures fit into the page.
-bool fit_into_a_page(const std::vector<Surveyed>& materials) {
+bool fit_into_a_page(const std::vector<Reported>& materials) {
     std::uintmax_t bytes = 0;
-    for (const Surveyed& of : materials)
+    for (const Reported& of : materials)
         if (of.study)
             for (const auto& entry : fs::directory_iterator(of.study->folder))
                 if (entry.path().extension() == ".jpg") bytes += entry.file_size();
@@ -236,16 +236,16 @@ std::string made_of(const View& view) {
 
 }  // namespace
 
-std::string survey_html(const std::vector<Surveyed>& materials, const Tables& tables, const std::string& note) {
+std::string report_html(const std::vector<Reported>& materials, const Tables& tables, const std::string& note) {
     View view{tables, {"", fit_into_a_page(materials)}};
     std::string cards, sections, links;
-    for (const Surveyed& of : materials)
+    for (const Reported& of : materials)
         if (of.study) view.album.folder = fs::path(of.study->folder).parent_path().string();
     for (const Json* material : view.by_likeness()) {
         cards += card_of(view, *material);
         if (!links.empty()) links += ", ";
         links += link_to(*material);
-        const auto of = std::ranges::find(materials, field(material->at("material")), &Surveyed::name);
+        const auto of = std::ranges::find(materials, field(material->at("material")), &Reported::name);
         sections += material_section(view, *material, *of->study);
     }
     const std::string title =

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/survey/table.h"
+#include "app/report/table.h"
 
 namespace srbf {
 

@@ -1,4 +1,4 @@
-#include "app/survey/parts.h"
+#include "app/report/parts.h"
 
 #include <fmt/format.h>
 

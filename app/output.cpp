@@ -1,4 +1,4 @@
-#include "app/report.h"
+#include "app/output.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "app/survey/plan.h"
+#include "app/report/plan.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/survey/study.h"
+#include "app/report/study.h"
 
 namespace srbf {
 
@@ -19,7 +19,7 @@ std::string csv(const Table& table);
 std::string field(const Json& value);
 
 /// A material of the command line: a study, or an error.
-struct Surveyed {
+struct Reported {
     std::string name;   ///< unique
     std::string label;  ///< given by the user
     std::string file;
@@ -44,7 +44,7 @@ struct Tables {
         return {&constants, &summary, &materials, &fits, &failures, &statistics, &pictures, &frames, &source};
     }
 };
-Tables tables_of(const std::vector<Surveyed>& materials);
+Tables tables_of(const std::vector<Reported>& materials);
 
 /// Similarity of a fit's picture by its mean ꟻLIP: "alike", "close" or "differs".
 const char* likeness_word(double flip);

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "app/raster.h"
-#include "app/survey/study.h"
+#include "app/report/study.h"
 #ifdef SRBF_RASTER
 #include "render/frames.h"
 #endif

@@ -10,8 +10,8 @@
 
 #include "app/commands.h"
 #include "app/jobs.h"
-#include "app/survey/page.h"
-#include "app/survey/parts.h"
+#include "app/report/page.h"
+#include "app/report/parts.h"
 #include "render/mesh.h"
 #include "srbf/file.h"
 
@@ -33,14 +33,14 @@ struct ReportCommand {
 constexpr int k_cores_of_a_job = 4;
 
 /// Studies the missing materials. The number of materials at a time affects only the durations.
-void study_all(std::vector<Surveyed>& materials, const std::vector<std::string>& folders, const StudyOptions& options) {
+void study_all(std::vector<Reported>& materials, const std::vector<std::string>& folders, const StudyOptions& options) {
     std::vector<std::size_t> todo;
     for (std::size_t i = 0; i < materials.size(); ++i)
         if (materials[i].error.empty() && !(materials[i].study = load_study(folders[i]))) todo.push_back(i);
     ProgressLine line;
     Board board(std::max<std::size_t>(todo.size(), 1), line);
     in_jobs(todo.size(), options.jobs, [&](std::size_t at) {
-        Surveyed& of = materials[todo[at]];
+        Reported& of = materials[todo[at]];
         auto study = make_study(of.file, folders[todo[at]], options, [&](const std::string& what, double part) {
             board.show(at, fmt::format("{} of {}, {}: {}", at + 1, todo.size(), of.name, what), part);
         });
@@ -63,15 +63,15 @@ void study_all(std::vector<Surveyed>& materials, const std::vector<std::string>&
 }
 
 /// The materials by name, with the folder of each; reports those that cannot be read.
-std::vector<Surveyed> materials_of(const ReportCommand& command, const StudyOptions& options,
+std::vector<Reported> materials_of(const ReportCommand& command, const StudyOptions& options,
                                    std::vector<std::string>& folders) {
     std::map<std::string, std::string> label_of;
     for (const std::string& label : command.labels)
         label_of[label.substr(0, label.find('='))] = label.substr(label.find('=') + 1);
     std::map<std::string, int> count;
-    std::vector<Surveyed> materials;
+    std::vector<Reported> materials;
     for (const std::string& file : command.files) {
-        Surveyed of;
+        Reported of;
         of.file = file;
         const std::string stem = fs::path(file).stem().string();
         const int same = ++count[stem];
@@ -90,11 +90,11 @@ std::vector<Surveyed> materials_of(const ReportCommand& command, const StudyOpti
     return materials;
 }
 
-Result<Done> write_all(const ReportCommand& command, const std::vector<Surveyed>& materials, const Tables& tables) {
+Result<Done> write_all(const ReportCommand& command, const std::vector<Reported>& materials, const Tables& tables) {
     std::vector<std::pair<std::string, std::string>> texts;
     for (const Table* table : tables.all()) texts.emplace_back(table->name + ".csv", csv(*table));
-    texts.emplace_back("accuracy.md", survey_markdown(tables));
-    texts.emplace_back("index.html", survey_html(materials, tables, command.note));
+    texts.emplace_back("accuracy.md", report_markdown(tables));
+    texts.emplace_back("index.html", report_html(materials, tables, command.note));
     for (const auto& [name, text] : texts)
         if (const auto written = write_file((fs::path(command.folder) / name).string(), as_bytes(text)); !written)
             return written.error();
@@ -128,13 +128,13 @@ int ReportCommand::run() const {
     options.jobs = jobs > 0 ? std::min(jobs, int(files.size())) : jobs_within_memory(most);
     options.threads = std::max(cores / options.jobs, 1);
     std::vector<std::string> folders;
-    std::vector<Surveyed> materials = materials_of(*this, options, folders);
+    std::vector<Reported> materials = materials_of(*this, options, folders);
     study_all(materials, folders, options);
     const Tables tables = tables_of(materials);
     if (const auto written = write_all(*this, materials, tables); !written) return complain(written.error());
     print_summary(*this, tables);
     int status = k_done;
-    for (const Surveyed& of : materials)
+    for (const Reported& of : materials)
         if (!of.study) {
             fmt::print(stderr, "srbf: {}\n", of.error);
             status = k_input_error;

@@ -21,7 +21,7 @@ constexpr float k_least_weight = 1e-3f;
 // Of the second moment, for which there is a grain, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.002;
 
-/// Splits u even in [0,1) by shares that sum to 1: the first whose running sum exceeds u, and u anew even in [0,1)
+/// Splits u, uniform in [0,1), by shares that sum to 1: the first whose running sum exceeds u, and u uniform again
 /// within it.
 struct Choice {
     int k;

@@ -162,7 +162,7 @@ TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
         const Vec3f wv = to_float(spherical(degrees * k_degree, 0.0));
         const auto expected = quadrature(evaluator(film_pm()), wv, uniform_light, k_world);
         for (const LightDraws draws : {LightDraws::both, LightDraws::material, LightDraws::filtered}) {
-            const Mean found = mean_of(picture(sampled(film_pm()), k_plane, plane_camera(degrees * k_degree), 64, 16,
+            const Mean found = mean_of(picture(sampled(film_pm()), k_plane, plane_camera(degrees * k_degree), 32, 16,
                                                uniform_light, k_world, draws));
             // Filtered: biased, most of all where the viewer grazes.
             const double tolerance = draws == LightDraws::filtered ? 0.3 : 0.004;
@@ -191,7 +191,7 @@ TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
         for (const LightDraws draws :
              {LightDraws::both, LightDraws::material, LightDraws::light, LightDraws::filtered}) {
             const Mean found = mean_of(
-                picture(of_both, k_plane, plane_camera(degrees * k_degree), 64, 16, uniform_light, k_world, draws));
+                picture(of_both, k_plane, plane_camera(degrees * k_degree), 32, 16, uniform_light, k_world, draws));
             const double tolerance = draws == LightDraws::filtered ? 0.3 : 0.004;
             for (std::size_t c = 0; c < 3; ++c)
                 EXPECT_TRUE(near(found.value[c], expected[c], tolerance * expected[c] + 4 * found.error[c]))
@@ -242,8 +242,10 @@ TEST_P(RasterEnvironments, ConvergeToThePathTracer) {
         }
     };
     check("pm", sampled(film_pm()), prepared(film_pm()), mesh);
-    check("su", sampled(su), prepared(su), mesh);
-    check("ggx", sampled(k_ggx), prepared(k_ggx), mesh);
+    if (GetParam() == Dialect::gl_450) {  // whose text is the same in the other
+        check("su", sampled(su), prepared(su), mesh);
+        check("ggx", sampled(k_ggx), prepared(k_ggx), mesh);
+    }
     check("table", sampled(film_table()), prepared(film_table()), mesh);
     // Both sides, from outside and from inside.
     const Model bsdf{full_bsdf(), {}};

@@ -173,9 +173,10 @@ SRBF_FN Vec3 grown_along(Vec3 w, Real x, Real y, Real gain) {
 SRBF_FN Vec3 stretched(Vec3 w, Stretch map) { return grown_along(w, map.x, map.y, map.more); }
 
 // A lobe G(g . z | lambda) of directions g, which a map M takes to half vectors h along M g, weighted by a power of the
-// visibility of these: G(g . z | lambda) (M g . wv)^power. With viewer = M wv, M g . wv is g . viewer. With its logarithm
-// linearised about the normal this is again a lobe, along lambda z + pull viewer with pull = power / (n . wv). For a view
-// direction close to the horizon its centre is not beyond halfway between the normal and the viewer.
+// visibility of these: G(g . z | lambda) (M g . wv)^power. With viewer = M wv, M g . wv is g . viewer. With its
+// logarithm linearised about the normal this is again a lobe, along lambda z + pull viewer with
+// pull = power / (n . wv). For a view direction close to the horizon its centre is not beyond halfway between the
+// normal and the viewer.
 SRBF_FN Real pull_of_visibility(Vec3 wv, Real power) { return power / max(wv.z, Real(1.0e-6)); }
 SRBF_FN GaussianProduct visible_lobe(Vec3 viewer, Real shrink, Real bandwidth, Real pull) {
     return gaussian_product(Vec3(Real(0.0), Real(0.0), Real(1.0)), bandwidth, viewer, min(pull, shrink * bandwidth));

@@ -37,8 +37,8 @@ Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
 
 /// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine and its square, lobes about the mirror
-/// direction, lobes of half vectors. The weights, and the stretch and power of the half-vector lobes, are linear in cosθv
-/// between nodes, whose own are those of least variance for the BRDF.
+/// direction, lobes of half vectors. The weights, and the stretch and power of the half-vector lobes, are linear in
+/// cosθv between nodes, whose own are those of least variance for the BRDF.
 class MixtureProposal {
   public:
     static constexpr int k_nodes = 13, k_lobes = 16;
@@ -51,8 +51,8 @@ class MixtureProposal {
     const Row& running(std::size_t node) const { return running_[node]; }
     void set_weights(std::size_t node, std::span<const float, k_lobes> weight);
 
-    /// At the nodes: half-vector lobes are so many times as wide along a tangent as across, and weighted by this power of
-    /// their visibility to the viewer.
+    /// At the nodes: half-vector lobes are so many times as wide along a tangent as across, and weighted by this power
+    /// of their visibility to the viewer.
     std::array<float, k_nodes> stretch = ones(), power = ones();
     /// Of the tangent's azimuth, which is the grain's for an anisotropic BRDF; both 0: it is in the plane of incidence.
     float cosine = 0, sine = 0;
@@ -96,10 +96,10 @@ inline constexpr int k_anisotropic_azimuths = 8;
 /// The mixture for a BRDF: at each node the weights that minimise ∫ (f cosθl)² / pdf dωl, f in luminance, by 200 steps
 /// of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
-/// each of which lowers it (Silvey, Titterington & Torgersen 1978). The cosine keeps `k_least_cosine`. The stretch in the
-/// plane of incidence, 0.8^i, and the power, 0.8^(2 − 2j), i and j from 0 to 6, are such that among their neighbours none
-/// has a smaller minimum. A grain's stretch is that of `k_stretches`, along one of 12 azimuths, with which the variance
-/// at the views of 45° is least. What was not measured counts as 0.
+/// each of which lowers it (Silvey, Titterington & Torgersen 1978). The cosine keeps `k_least_cosine`. The stretch in
+/// the plane of incidence, 0.8^i, and the power, 0.8^(2 − 2j), i and j from 0 to 6, are such that among their
+/// neighbours none has a smaller minimum. A grain's stretch is that of `k_stretches`, along one of 12 azimuths, with
+/// which the variance at the views of 45° is least. What was not measured counts as 0.
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});
 inline constexpr float k_least_cosine = 0.02f;
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};

@@ -76,8 +76,8 @@ struct Proposals {
 };
 /// The mixtures for a BSDF's parts; `bsdf` is asked on both sides.
 Proposals propose_parts(const Evaluate& bsdf, const ProposeOptions& options);
-/// The numbers of mixtures' nodes, of each node in `k_node_vectors` vectors of four, one mixture after the other; and of
-/// each mixture the cosine and sine of its grain's azimuth, 0 and 0 without one.
+/// The numbers of mixtures' nodes, of each node in `k_node_vectors` vectors of four, one mixture after the other; and
+/// of each mixture the cosine and sine of its grain's azimuth, 0 and 0 without one.
 inline constexpr int k_node_vectors = (MixtureProposal::k_numbers + 3) / 4;
 struct ProposalNumbers {
     std::vector<float> nodes;

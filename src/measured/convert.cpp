@@ -21,7 +21,6 @@ namespace srbf {
 
 namespace {
 
-
 /// f_r may grow without bound towards the horizon; it is not evaluated below this cosine (89.7°).
 constexpr float k_horizon = 5e-3f;
 

@@ -62,7 +62,6 @@ const Rgb& cell(const MerlTable& table, std::uint32_t h, std::uint32_t d, std::u
     return table.cells[p + table.size[2] * (d + std::size_t(table.size[1]) * h)];
 }
 
-
 }  // namespace
 
 bool is_merl(std::span<const std::byte> bytes) {
@@ -129,7 +128,8 @@ Rgb value(const MerlTable& table, Vec3f wl, Vec3f wv) {
     add_line(next_h, next_d, to_h * to_d);
     if (!(weight > 0)) return {k_nan, k_nan, k_nan};
     // Rounding may take the mean of cells beyond the largest float.
-    return {std::min(sum.r / weight, k_most_float), std::min(sum.g / weight, k_most_float), std::min(sum.b / weight, k_most_float)};
+    return {std::min(sum.r / weight, k_most_float), std::min(sum.g / weight, k_most_float),
+            std::min(sum.b / weight, k_most_float)};
 }
 
 Rgb nearest(const MerlTable& table, Vec3f wl, Vec3f wv) {

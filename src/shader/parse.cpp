@@ -329,7 +329,8 @@ class Parser {
         for (const Function& function : program_.functions)
             if (function.name == name) return function.type;
         if (name == "dot") return {"Real", ""};
-        for (const char* built_in : {"exp", "exp2", "log", "sqrt", "inversesqrt", "cos", "sin", "acos", "min", "max", "abs"})
+        for (const char* built_in :
+             {"exp", "exp2", "log", "sqrt", "inversesqrt", "cos", "sin", "acos", "min", "max", "abs"})
             if (name == built_in) return arguments[0].type;
         unexpected("a function instead of " + name);
     }

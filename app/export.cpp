@@ -218,8 +218,9 @@ void add_export(CommandLine& app, int& status) {
     sub.add_option("MODEL", command->files, "Fitted models, side by side").type_name("").required();
     std::vector<std::string> languages;
     for (const CodeLanguageRow& row : k_code_languages) languages.emplace_back(row.name);
-    std::vector<std::string> kinds{"html", "three"};
-    kinds.insert(kinds.begin() + 1, languages.begin(), languages.end());
+    std::vector<std::string> kinds{"html"};
+    kinds.insert(kinds.end(), languages.begin(), languages.end());
+    kinds.emplace_back("three");
     sub.add_option(
            "--to", command->to,
            fmt::format(

@@ -34,15 +34,6 @@ void grow(MerlTable& table) {
             }
 }
 
-}  // namespace
-
-MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size) {
-    MerlTable table = to_merl(brdf, size);
-    for (int layer = 0; layer < 2; ++layer) grow(table);
-    return table;
-}
-
-namespace {
 /// The parts that there are as tables.
 BsdfTables tables_of(const AnyBrdf& bsdf, const Evaluate& values, const Beams& beams) {
     BsdfTables tables{{}, beams};
@@ -51,7 +42,14 @@ BsdfTables tables_of(const AnyBrdf& bsdf, const Evaluate& values, const Beams& b
             tables.part[p] = std::make_shared<const MerlTable>(table_of(part_of(values, Part(p)), k_bsdf_table));
     return tables;
 }
+
 }  // namespace
+
+MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size) {
+    MerlTable table = to_merl(brdf, size);
+    for (int layer = 0; layer < 2; ++layer) grow(table);
+    return table;
+}
 
 Material material_of(const Model& model) {
     const auto* bsdf = std::get_if<BsdfModel>(&model.model);

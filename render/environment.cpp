@@ -174,10 +174,6 @@ bool read_row(Bytes& bytes, std::vector<Rgbe>& row) {
     return true;
 }
 
-}  // namespace
-
-namespace {
-
 /// What stands before the texels.
 struct HdrHeader {
     std::int64_t width, height;

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <map>
 
+#include "dialects.h"
 #include "models.h"
 #include "program.h"
-#include "render/offscreen.h"
 #include "render/path.h"
 #include "render/raster.h"
 #include "srbf/convert.h"
@@ -64,14 +64,8 @@ std::array<double, 3> quadrature(const Evaluate& brdf, Vec3f wv, const Environme
     return sum;
 }
 
-class RasterEnvironments : public testing::TestWithParam<Dialect> {
+class RasterEnvironments : public InEachDialect {
   protected:
-    void SetUp() override {
-        auto made = OffscreenContext::make(GetParam());
-        if (!made) GTEST_SKIP() << message(made.error());
-        context.emplace(*std::move(made));
-    }
-
     /// The mean of `samples` samples of each pixel.
     std::vector<Float4> picture(const SampledMaterial& of, const Mesh& mesh, const Camera& camera, int size,
                                 int samples, const Environment& environment, const Frame& axes,
@@ -96,8 +90,6 @@ class RasterEnvironments : public testing::TestWithParam<Dialect> {
         EXPECT_EQ(mean->samples(), samples);
         return mean->picture().read_floats();
     }
-
-    std::optional<OffscreenContext> context;
 };
 
 constexpr Frame k_world{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -271,8 +263,7 @@ TEST_P(RasterEnvironments, TooLargeForTexturesAreRefused) {
     EXPECT_NE(message(refused.error()).find("40001"), std::string::npos) << message(refused.error());
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, RasterEnvironments, testing::Values(Dialect::gl_450, Dialect::es_300),
-                         [](const auto& of) { return of.param == Dialect::gl_450 ? "OpenGL" : "OpenGLES"; });
+IN_EACH_DIALECT(RasterEnvironments);
 
 TEST(Render, TakesAnEnvironmentInTheRasterRenderer) {
     if (const auto context = OffscreenContext::make(); !context) GTEST_SKIP() << message(context.error());

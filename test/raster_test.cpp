@@ -1,6 +1,6 @@
 // Pictures of a graphics library agree with the CPU's evaluation of the same text at the same positions and normals.
 #include "render/raster.h"
-#include "render/offscreen.h"
+#include "dialects.h"
 #include "render/path.h"
 
 #include <map>
@@ -44,14 +44,8 @@ struct Pixels {
     std::vector<Float4> positions, normals;
 };
 
-class Raster : public testing::TestWithParam<Dialect> {
+class Raster : public InEachDialect {
   protected:
-    void SetUp() override {
-        auto made = OffscreenContext::make(GetParam());
-        if (!made) GTEST_SKIP() << message(made.error());
-        context.emplace(*std::move(made));
-    }
-
     static RasterView view_of(const Scene& scene, float exposure = 1) {
         return {scene.camera, double(k_width) / k_height, scene.lights, exposure};
     }
@@ -127,8 +121,6 @@ class Raster : public testing::TestWithParam<Dialect> {
         EXPECT_GT(count, 0.1 * k_width * k_height);
         return 10 * std::log10(255 * 255 * count / squares);
     }
-
-    std::optional<OffscreenContext> context;
     std::map<const Scene*, Pixels> surfaces;
 };
 
@@ -488,8 +480,7 @@ TEST_P(Raster, AnOpenTextDrawsAnyModel) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, Raster, testing::Values(Dialect::gl_450, Dialect::es_300),
-                         [](const auto& of) { return of.param == Dialect::gl_450 ? "OpenGL" : "OpenGLES"; });
+IN_EACH_DIALECT(Raster);
 
 }  // namespace
 }  // namespace srbf

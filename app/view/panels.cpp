@@ -26,6 +26,20 @@ float exposure_of(const RasterTarget& radiance, int width, int height) {
     return automatic_exposure(image);
 }
 
+/// Makes the material, or only uploads its numbers if `made` is a multivariate model with the same shader `text`.
+Result<Done> make_or_update(std::optional<RasterMaterial>& made, std::string& text, const Material& material,
+                            const ShaderOptions& options) {
+    std::string anew = shader_text(material, options).fragment;
+    const auto* pm = std::get_if<PmModel>(&material);
+    if (pm && made && text == anew) return made->update(*pm), Done{};
+    made.reset();
+    auto of = RasterMaterial::make(material, options);
+    if (!of) return of.error();
+    made.emplace(*std::move(of));
+    text = std::move(anew);
+    return Done{};
+}
+
 }  // namespace
 
 Result<Panels> Panels::make(Dialect dialect) {
@@ -53,16 +67,7 @@ Result<Done> Panels::set_material(Which which, const std::optional<Material>& ma
     if (!material) return panel.material.reset(), panel.text.clear(), Done{};
     const ShaderOptions options{
         .dialect = dialect_, .output = PixelOutput::radiance, .input = PixelInput::surface, .lights = 3, .open = true};
-    std::string text = shader_text(*material, options).fragment;
-    const auto* pm = std::get_if<PmModel>(&*material);
-    if (pm && panel.material && panel.is_pm && panel.text == text) return panel.material->update(*pm), Done{};
-    panel.material.reset();
-    auto made = RasterMaterial::make(*material, options);
-    if (!made) return panel.text.clear(), made.error();
-    panel.material.emplace(*std::move(made));
-    panel.text = std::move(text);
-    panel.is_pm = pm != nullptr;
-    return Done{};
+    return make_or_update(panel.material, panel.text, *material, options);
 }
 
 Result<Done> Panels::set_environment(const Environment* environment) {
@@ -91,17 +96,8 @@ EnvironmentLight Panels::light_of(const Look& look, LightDraws draws) const {
 Result<Done> Panels::draw_filtered(Panel& panel, const RasterView& view, const Look& look) {
     if (!panel.is_proposed) {
         const ShaderOptions options{.dialect = dialect_, .lights = 3, .environment = true, .open = true};
-        std::string text = shader_text(*panel.content, options).fragment;
-        const auto* pm = std::get_if<PmModel>(&*panel.content);
-        if (pm && panel.lit && panel.lit_text == text) {
-            panel.lit->update(*pm);
-        } else {
-            panel.lit.reset();
-            auto made = RasterMaterial::make(*panel.content, options);
-            if (!made) return made.error();
-            panel.lit.emplace(*std::move(made));
-            panel.lit_text = std::move(text);
-        }
+        if (const auto done = make_or_update(panel.lit, panel.lit_text, *panel.content, options); !done)
+            return done.error();
         panel.lit->set_proposal(panel.propose());
         panel.is_proposed = true;
     }

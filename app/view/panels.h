@@ -43,7 +43,7 @@ class Panels {
     struct Panel {
         std::optional<RasterMaterial> material;
         std::string text;  ///< of its shader
-        bool is_pm = false, is_stale = true;
+        bool is_stale = true;
         std::optional<RasterTarget> radiance, shown;
         // Under an environment, where `radiance` is the filtered picture; made when there is one.
         std::optional<Material> content;

@@ -57,6 +57,8 @@ class MixtureProposal {
     /// Of the tangent's azimuth, which is the grain's for an anisotropic BRDF; both 0: it is in the plane of incidence.
     float cosine = 0, sine = 0;
 
+    bool has_grain() const { return cosine != 0 || sine != 0; }
+
     /// Of a node: the weights, the stretch, the power.
     std::array<float, k_numbers> numbers(std::size_t node) const {
         std::array<float, k_numbers> all;
@@ -75,8 +77,7 @@ class MixtureProposal {
 };
 /// The tangent for a viewer, of any length.
 inline Vec3f tangent(const MixtureProposal& proposal, const Vec3f& wv) {
-    const bool is_grain = proposal.cosine != 0 || proposal.sine != 0;
-    return is_grain ? Vec3f(proposal.cosine, proposal.sine, 0) : wv;
+    return proposal.has_grain() ? Vec3f(proposal.cosine, proposal.sine, 0) : wv;
 }
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv);

@@ -27,7 +27,7 @@ FitOptions sample_options(const ScatteredSamples& samples, const FitRequest& req
 }
 
 /// What distinguishes the fits of a request that are compared.
-struct Folded {
+struct Variant {
     std::optional<int> lobes = {};
     bool fill = false;
 };
@@ -59,7 +59,7 @@ class SampleFits {
             // Completed samples constrain any number of lobes. The most look best; held-out samples, which are few and
             // crowded about highlights, prefer fewer half of the time.
             if (!goal) lobes = {lobes.back()};
-            std::vector<Folded> candidates;
+            std::vector<Variant> candidates;
             for (const int j : lobes) candidates.push_back({j, true});
             validations_ = double(candidates.size());
             auto all = judged(candidates);
@@ -71,7 +71,7 @@ class SampleFits {
         auto both = judged({{first, false}, {first, true}});
         if (!both) return both.error();
         const bool fill = error((*both)[1]) < error((*both)[0]);
-        std::vector<Folded> others;
+        std::vector<Variant> others;
         for (const int j : lobes)
             if (j != first) others.push_back({j, fill});
         auto all = judged(others);
@@ -96,7 +96,7 @@ class SampleFits {
 
     /// One fit of `samples`; `observed` is of these, and required for PM and GGX.
     Result<FitOutcome> fitted(const ScatteredSamples& samples, const SampleObservations* observed,
-                              const Folded& candidate, const ProgressToken& progress) const {
+                              const Variant& candidate, const ProgressToken& progress) const {
         if (std::holds_alternative<SuRequest>(request_.model)) {
             const Measured measured{"", "", 0, samples};
             return fit_su(signed_evaluator(measured), request_, progress);
@@ -122,9 +122,10 @@ class SampleFits {
 
     /// All candidates' fits of these samples.
     Result<std::vector<FitOutcome>> fitted(const ScatteredSamples& samples, const SampleObservations* observed,
-                                           const std::vector<Folded>& candidates, const ProgressToken& progress) const {
+                                           const std::vector<Variant>& candidates,
+                                           const ProgressToken& progress) const {
         std::vector<FitOutcome> all;
-        for (const Folded& candidate : candidates) {
+        for (const Variant& candidate : candidates) {
             const double done = double(all.size()) / double(candidates.size());
             auto one = fitted(samples, observed, candidate, progress.part(done, done + 1 / double(candidates.size())));
             if (!one) return one.error();
@@ -134,7 +135,7 @@ class SampleFits {
     }
 
     /// The candidates' fits of all samples, with their errors at them and their cross-validated errors.
-    Result<std::vector<FitOutcome>> judged(const std::vector<Folded>& candidates) {
+    Result<std::vector<FitOutcome>> judged(const std::vector<Variant>& candidates) {
         if (candidates.empty()) return std::vector<FitOutcome>{};
         const double share = double(candidates.size()) / validations_;
         const ProgressToken progress = progress_.part(done_, done_ + share);

@@ -9,11 +9,29 @@
 #include <utility>
 
 namespace srbf::syntax {
+
+using Word = std::pair<std::string_view, std::string_view>;
+
+/// A language, where it is not as GLSL.
+struct Language {
+    std::string_view usage;          ///< how a text is used
+    std::vector<Word> words;         ///< what the types and built-in functions are called
+    std::string_view function = {};  ///< begins a definition of a function
+    std::string_view table;          ///< a constant array, of {0} name, {1} size, {2} numbers
+    std::string_view suffix = {};    ///< of a number with a decimal point
+    std::string_view opening = {};   ///< what definitions require
+    bool is_guarded = true;          ///< by #ifndef
+    bool types_follow = false;       ///< name: type, let and var, array<type, size>, and select() for ?:
+    bool is_c = false;               ///< typedef struct, casts, and numbers for true and false
+    std::string_view vector = {};    ///< makes a Vec3, if its name does not
+    bool has_operators = true;       ///< on vectors; if not, functions, and a table is one too
+    bool reads_buffers = true;       ///< a function without parameters may read what the host supplies
+};
+
 namespace {
 
 using EKind = Expression::Kind;
 using SKind = Statement::Kind;
-using Word = std::pair<std::string_view, std::string_view>;
 
 constexpr std::size_t k_columns = 120;
 
@@ -41,22 +59,6 @@ SRBF_FN float srbf_inversesqrt(float x) { return 1.0f / sqrtf(x); }
 #endif
 
 )";
-
-/// A language, where it is not as GLSL.
-struct Language {
-    std::string_view usage;          ///< how a text is used
-    std::vector<Word> words;         ///< what the types and built-in functions are called
-    std::string_view function = {};  ///< begins a definition of a function
-    std::string_view table;          ///< a constant array, of {0} name, {1} size, {2} numbers
-    std::string_view suffix = {};    ///< of a number with a decimal point
-    std::string_view opening = {};   ///< what definitions require
-    bool is_guarded = true;          ///< by #ifndef
-    bool types_follow = false;       ///< name: type, let and var, array<type, size>, and select() for ?:
-    bool is_c = false;               ///< typedef struct, casts, and numbers for true and false
-    std::string_view vector = {};    ///< makes a Vec3, if its name does not
-    bool has_operators = true;       ///< on vectors; if not, functions, and a table is one too
-    bool reads_buffers = true;       ///< a function without parameters may read what the host supplies
-};
 
 const Language& row_of(CodeLanguage language) {
     static const std::vector<Word> floats{{"Real", "float"}, {"Vec3", "float3"}, {"inversesqrt", "rsqrt"}};
@@ -156,6 +158,9 @@ std::string code_line(const std::string& line, int depth) {
 
 }  // namespace
 
+Printer::Printer(CodeLanguage language, std::map<std::string, std::string> names)
+    : language_(row_of(language)), names_(std::move(names)) {}
+
 std::string digits(float number) {
     std::string text = fmt::format("{}", number);
     if (text.find_first_of(".e") == text.npos) text += ".0";
@@ -182,32 +187,30 @@ std::string Printer::named(const std::string& name) const {
 }
 
 std::string Printer::type_text(const Type& type) const {
-    const Language& language = row_of(language_);
-    const auto found = std::ranges::find(language.words, std::string_view(type.name), &Word::first);
-    const std::string name = found != language.words.end() ? std::string(found->second) : named(type.name);
-    return language.types_follow && !type.size.empty() ? fmt::format("array<{}, {}>", name, type.size) : name;
+    const auto found = std::ranges::find(language_.words, std::string_view(type.name), &Word::first);
+    const std::string name = found != language_.words.end() ? std::string(found->second) : named(type.name);
+    return language_.types_follow && !type.size.empty() ? fmt::format("array<{}, {}>", name, type.size) : name;
 }
 
 std::string Printer::declaration(const Type& type, const std::string& name) const {
-    if (row_of(language_).types_follow) return fmt::format("{}: {}", named(name), type_text(type));
+    if (language_.types_follow) return fmt::format("{}: {}", named(name), type_text(type));
     const std::string size = type.size.empty() ? "" : fmt::format("[{}]", type.size);
     return fmt::format("{} {}{}", type_text(type), named(name), size);
 }
 
 std::string Printer::call_text(const Expression& of) {
-    const Language& language = row_of(language_);
     std::string arguments;
     for (const Expression& argument : of.parts)
         arguments += (arguments.empty() ? "" : ", ") + expression_text(argument);
     const std::string name = type_text({of.text, ""});
-    if (language.is_c && (of.text == "Real" || of.text == "int")) return fmt::format("({})({})", name, arguments);
-    if (of.text == "Vec3" && !language.vector.empty()) return fmt::format("{}({})", language.vector, arguments);
+    if (language_.is_c && (of.text == "Real" || of.text == "int")) return fmt::format("({})({})", name, arguments);
+    if (of.text == "Vec3" && !language_.vector.empty()) return fmt::format("{}({})", language_.vector, arguments);
     return fmt::format("{}({})", name, arguments);
 }
 
 std::string Printer::binary_text(const Expression& of, int outside) {
     const Expression &left = of.parts[0], &right = of.parts[1];
-    if (!row_of(language_).has_operators && of.type.name == "Vec3") {
+    if (!language_.has_operators && of.type.name == "Vec3") {
         const char* name = of.text == "+" ? "add" : of.text == "-" ? "subtract" : "scale";
         const bool swapped = of.text == "*" && left.type.name == "Vec3";
         std::string first = expression_text(swapped ? right : left), second = expression_text(swapped ? left : right);
@@ -220,12 +223,11 @@ std::string Printer::binary_text(const Expression& of, int outside) {
 }
 
 std::string Printer::expression_text(const Expression& of, int outside) {
-    const Language& language = row_of(language_);
     const auto part = [&](std::size_t i, int within = 0) { return expression_text(of.parts[i], within); };
     switch (of.kind) {
         case EKind::number:
-            if (of.type.name == "bool" && language.is_c) return of.text == "true" ? "1" : "0";
-            return of.text + std::string(of.type.name == "Real" ? language.suffix : "");
+            if (of.type.name == "bool" && language_.is_c) return of.text == "true" ? "1" : "0";
+            return of.text + std::string(of.type.name == "Real" ? language_.suffix : "");
         case EKind::name:
             return named(of.text);
         case EKind::call:
@@ -234,19 +236,20 @@ std::string Printer::expression_text(const Expression& of, int outside) {
             return part(0, 9) + "." + named(of.text);
         case EKind::index: {
             // In C a table is a function, which a program for a GPU may have where it may not have global arrays. What
-            // the host supplies is one in every language.
+            // the host supplies is one in every language_.
             const bool is_table = of.parts[0].kind == EKind::name && names_.contains(of.parts[0].text);
             const bool is_supplied = of.parts[0].type.size.empty();
-            const char* brackets = is_table && (!language.has_operators || is_supplied) ? "()" : "[]";
+            const char* brackets = is_table && (!language_.has_operators || is_supplied) ? "()" : "[]";
             return part(0, 9) + brackets[0] + part(1) + brackets[1];
         }
         case EKind::unary:
-            if (!language.has_operators && of.type.name == "Vec3") return fmt::format("srbf_scale(-1.0f, {})", part(0));
+            if (!language_.has_operators && of.type.name == "Vec3")
+                return fmt::format("srbf_scale(-1.0f, {})", part(0));
             return of.text + part(0, 8);
         case EKind::binary:
             return binary_text(of, outside);
         case EKind::conditional:
-            if (language.types_follow) return fmt::format("select({}, {}, {})", part(2), part(1), part(0));
+            if (language_.types_follow) return fmt::format("select({}, {}, {})", part(2), part(1), part(0));
             {
                 const std::string text = fmt::format("{} ? {} : {}", part(0, 2), part(1, 1), part(2, 1));
                 return outside > 1 ? "(" + text + ")" : text;
@@ -257,7 +260,7 @@ std::string Printer::expression_text(const Expression& of, int outside) {
 
 void Printer::print(const std::vector<Statement>& body, const std::set<std::string>& changed, int depth,
                     std::string& to) {
-    const bool types_follow = row_of(language_).types_follow;
+    const bool types_follow = language_.types_follow;
     const std::string indent(std::size_t(4 * depth), ' ');
     const auto line = [&](const std::string& text) { to += code_line(indent + text, depth); };
     const auto value = [&](const Statement& of, std::size_t i = 0) { return expression_text(of.values[i]); };
@@ -299,27 +302,25 @@ void Printer::print(const std::vector<Statement>& body, const std::set<std::stri
 }
 
 std::string Printer::text(const Structure& structure) {
-    const Language& language = row_of(language_);
     std::string text = comment_text(structure.comment, 0);
-    text += fmt::format("{}{{\n", language.is_c ? "typedef struct " : "struct " + named(structure.name) + " ");
+    text += fmt::format("{}{{\n", language_.is_c ? "typedef struct " : "struct " + named(structure.name) + " ");
     for (const Variable& member : structure.members)
-        text += fmt::format("    {}{}\n", declaration(member.type, member.name), language.types_follow ? "," : ";");
-    if (language.types_follow) return text + "}\n";
-    return text + (language.is_c ? fmt::format("}} {};\n", named(structure.name)) : "};\n");
+        text += fmt::format("    {}{}\n", declaration(member.type, member.name), language_.types_follow ? "," : ";");
+    if (language_.types_follow) return text + "}\n";
+    return text + (language_.is_c ? fmt::format("}} {};\n", named(structure.name)) : "};\n");
 }
 
 std::string Printer::text(const Table& table) {
     if (table.numbers.empty()) return comment_text(fmt::format("{}(i): {}", named(table.name), table.comment));
-    const Language& language = row_of(language_);
     const std::string name = named(table.name);
     const std::size_t size = table.numbers.size();
     std::string numbers;
     for (std::size_t i = 0; i < size; ++i) {
         numbers += i % table.columns == 0 ? "    " : " ";
-        numbers += fmt::format("{}{}{}", digits(table.numbers[i]), language.suffix, i + 1 < size ? "," : "");
+        numbers += fmt::format("{}{}{}", digits(table.numbers[i]), language_.suffix, i + 1 < size ? "," : "");
         if ((i + 1) % table.columns == 0 || i + 1 == size) numbers += "\n";
     }
-    return comment_text(table.comment, 0) + fmt::format(fmt::runtime(language.table), name, size, numbers);
+    return comment_text(table.comment, 0) + fmt::format(fmt::runtime(language_.table), name, size, numbers);
 }
 
 std::string Printer::text(const Function& function) {
@@ -330,11 +331,10 @@ std::string Printer::text(const Function& function) {
     std::string parameters;
     for (const Variable& of : function.parameters)
         parameters += (parameters.empty() ? "" : ", ") + declaration(of.type, of.name);
-    const Language& language = row_of(language_);
     const std::string name = named(function.name), type = type_text(function.type);
-    const std::string head = language.types_follow
-                                 ? fmt::format("{}{}({}) -> {} {{", language.function, name, parameters, type)
-                                 : fmt::format("{}{} {}({}) {{", language.function, type, name, parameters);
+    const std::string head = language_.types_follow
+                                 ? fmt::format("{}{}({}) -> {} {{", language_.function, name, parameters, type)
+                                 : fmt::format("{}{} {}({}) {{", language_.function, type, name, parameters);
     std::string text = comment_text(function.comment, 0) + code_line(head, 0);
     print(function.body, changed, 1, text);
     return text + "}\n";

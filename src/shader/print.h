@@ -9,11 +9,12 @@
 
 namespace srbf::syntax {
 
+struct Language;
+
 /// Prints definitions in one language. Names of functions, structures and tables are printed as `names` has them.
 class Printer {
   public:
-    Printer(CodeLanguage language, std::map<std::string, std::string> names)
-        : language_(language), names_(std::move(names)) {}
+    Printer(CodeLanguage language, std::map<std::string, std::string> names);
 
     std::string text(const Structure& structure);
     std::string text(const Table& table);
@@ -28,7 +29,7 @@ class Printer {
     std::string expression_text(const Expression& of, int outside = 0);
     void print(const std::vector<Statement>& body, const std::set<std::string>& changed, int depth, std::string& to);
 
-    CodeLanguage language_;
+    const Language& language_;
     std::map<std::string, std::string> names_;
 };
 

@@ -201,11 +201,10 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
     }
     program.tables.push_back(std::move(lobes));
     program.tables.push_back(std::move(nodes));
-    const bool is_grain = mixture.cosine != 0 || mixture.sine != 0;
     return fmt::format(
         "Real mixture_number(int node, int i) {{ return mixture_numbers[{} * node + i]; }}\n"
         "Vec3 mixture_tangent(Vec3 wv) {{ return {}; }}\n",
-        MixtureProposal::k_numbers, is_grain ? vector({mixture.cosine, mixture.sine, 0}) : "wv");
+        MixtureProposal::k_numbers, mixture.has_grain() ? vector({mixture.cosine, mixture.sine, 0}) : "wv");
 }
 
 /// The entry functions, by their names in the kernel's language and in the code.

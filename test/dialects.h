@@ -1,0 +1,28 @@
+// Tests with an OpenGL context off screen, in each dialect.
+#pragma once
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "render/offscreen.h"
+
+namespace srbf {
+
+/// Skipped where there is no such context.
+class InEachDialect : public testing::TestWithParam<Dialect> {
+  protected:
+    void SetUp() override {
+        auto made = OffscreenContext::make(GetParam());
+        if (!made) GTEST_SKIP() << message(made.error());
+        context.emplace(*std::move(made));
+    }
+
+    std::optional<OffscreenContext> context;
+};
+
+/// Their names: Of/SUITE.TEST/OpenGL.
+#define IN_EACH_DIALECT(SUITE)                                                             \
+    INSTANTIATE_TEST_SUITE_P(Of, SUITE, testing::Values(Dialect::gl_450, Dialect::es_300), \
+                             [](const auto& of) { return of.param == Dialect::gl_450 ? "OpenGL" : "OpenGLES"; })
+
+}  // namespace srbf

@@ -25,9 +25,9 @@ enum class Objective {
     log,        ///< Σ (log(1 + f cosθl) − log(1 + f̂ cosθl))² cosθv
     cube_root,  ///< Σ (∛f − ∛f̂)²; where f is below a hundredth of its mean, with the weight at that value
     /// What is seen of a picture: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_share times the upper
-    /// quartile of f cosθl; and for a multivariate model 0.1 times the weights of cosine, and ΔE_ITP of pictures of a
-    /// sphere. The eye's response to a display is about the sixth root of its luminance (the exponent
-    /// 0.159 of the perceptual quantiser, ITU-R BT.2100).
+    /// quartile q of f cosθl; as much of Σ (∛(f cosθl + q) − ∛(f̂ cosθl + q))² cosθv and 0.03 of cosine's sum, each
+    /// scaled to Σ w |f|² = 1; and for a multivariate model ΔE_ITP of pictures of a sphere. The eye's response to a
+    /// display is about the sixth root of its luminance (the exponent 0.159 of the perceptual quantiser, ITU-R BT.2100).
     appearance,
 };
 inline constexpr Objective k_default_objective = Objective::appearance;

@@ -10,18 +10,25 @@ namespace {
 constexpr double k_bright_quantile = 0.75;
 
 /// If a highlight contains nearly all of Σ w |f|², the body under it, which dominates away from the mirror direction,
-/// has almost no weight in the objective cosine; and the highlight has little weight in appearance.
-constexpr double k_body_importance = 5e-3, k_highlight_importance = 0.1;
+/// has almost no weight in the objective cosine; and the highlight has little weight in appearance, its peak less.
+constexpr double k_body_importance = 5e-3, k_highlight_importance = 1, k_peak_importance = 0.03;
 
 double cosine_weight(double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }
 double cube_root_weight(double f, double mean, double, double) {
     return std::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
+}
+double body_weight(double f, double mean, double cos_l, double cos_v) {
+    return cos_l * cos_v * cube_root_weight(f, mean, cos_l, cos_v);
 }
 double cube_root_slope(double f, double mean, double) { return std::pow(std::max(f, 0.01 * mean), -2.0 / 3) / 3; }
 /// f cosθl as a display shows it, with s of `Objective::appearance`.
 double displayed(double f, double bright, double cos_l) { return std::pow(f * cos_l + k_dark_share * bright, 1.0 / 6); }
 double displayed_slope(double f, double bright, double cos_l) {
     return cos_l * std::pow(f * cos_l + k_dark_share * bright, -5.0 / 6) / 6;
+}
+/// The squared slope of ∛(f cosθl + bright), but for a factor, weighted by cosθv.
+double highlight_weight(double f, double bright, double cos_l, double cos_v) {
+    return cos_l * cos_l * std::pow(1 + f * cos_l / bright, -4.0 / 3) * cos_v;
 }
 
 constexpr ObjectiveTraits k_traits[] = {
@@ -37,9 +44,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .measure = &Measures::squared_error_ratio_cosine,
      .max_theta = 89,
      .weight = cosine_weight,
-     .further = [](double f, double mean, double cos_l,
-                   double cos_v) { return cos_l * cos_v * cube_root_weight(f, mean, cos_l, cos_v); },
-     .importance = k_body_importance},
+     .further = {{{body_weight, k_body_importance}}}},
     {.objective = Objective::log,
      .name = "log",
      .summary = "squared error of log(1 + f cos(theta_l)), weighted by cos(theta_v)",
@@ -62,8 +67,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .max_theta = 89,
      .weight = [](double f, double bright, double cos_l,
                   double cos_v) { return std::pow(displayed_slope(f, bright, cos_l), 2) * cos_v; },
-     .further = cosine_weight,
-     .importance = k_highlight_importance,
+     .further = {{{highlight_weight, k_highlight_importance}, {cosine_weight, k_peak_importance}}},
      .seen = displayed,
      .slope = displayed_slope,
      .of_pictures = true},
@@ -117,16 +121,18 @@ double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<c
 void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
            std::span<const Rgb> f, std::span<double> weight) {
     const ObjectiveTraits& of = traits(objective);
-    const auto weighed = [&](const auto& rule, std::size_t i) {
-        return weight[i] * rule(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
+    const std::vector<double> solid_angle(weight.begin(), weight.end());
+    const auto take = [&](auto& to, const auto& rule) {
+        for (std::size_t i = 0; i < f.size(); ++i)
+            to[i] = solid_angle[i] * rule(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
+        return energy_of(f, to);
     };
-    std::vector<double> further;
-    for (std::size_t i = 0; of.further && i < f.size(); ++i) further.push_back(weighed(of.further, i));
-    for (std::size_t i = 0; i < f.size(); ++i) weight[i] = weighed(of.weight, i);
-    const double energy = of.further ? energy_of(f, further) : 0;
-    if (!(energy > 0)) return;
-    const double factor = of.importance * energy_of(f, weight) / energy;
-    for (std::size_t i = 0; i < f.size(); ++i) weight[i] += factor * further[i];
+    const double whole = take(weight, of.weight);
+    std::vector<double> further(f.size());
+    for (const auto& [rule, importance] : of.further) {
+        const double energy = rule ? take(further, rule) : 0;
+        for (std::size_t i = 0; energy > 0 && i < f.size(); ++i) weight[i] += importance * whole / energy * further[i];
+    }
 }
 
 }  // namespace srbf

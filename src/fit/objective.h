@@ -1,6 +1,7 @@
 // Weights of observations.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -19,9 +20,12 @@ struct ObjectiveTraits {
     /// is their `typical_value`.
     double (*weight)(double f, double typical, double cos_l, double cos_v);
     /// Weights that are added for pairs which `weight` alone neglects: an error of 100 % everywhere adds to Σ w |f|²
-    /// this share of it. null: none.
-    double (*further)(double f, double typical, double cos_l, double cos_v) = nullptr;
-    double importance = 0;
+    /// the share `importance` of it.
+    struct Further {
+        double (*weight)(double f, double typical, double cos_l, double cos_v) = nullptr;
+        double importance = 0;
+    };
+    std::array<Further, 2> further{};  ///< null: none
     /// The g of an objective Σ (g(f) − g(f̂))² whose weights, squares of its slope, hold for small errors only;
     /// `large_error_weight` corrects them elsewhere. null: weights hold for errors of any size.
     double (*seen)(double f, double typical, double cos_l) = nullptr;

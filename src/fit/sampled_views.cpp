@@ -21,8 +21,8 @@ constexpr std::size_t k_typical_views = 8;  ///< every eighth view tells the typ
 constexpr double k_between = 0.1;
 /// An error of 1 % in the radiances under all lights costs three channels times 1e-4 times this.
 constexpr double k_light_importance = 6;
-/// Weights of cosine, as a share of a view's Σ w |f|², that keep radiance above white in order.
-constexpr double k_highlights = 0.003;
+/// Of the objective's weights of highlights, as a share of a view's Σ w |f|².
+constexpr double k_highlights = 0.03;
 constexpr double k_elevation = 0.5;  ///< of the light beside, relative to 1
 constexpr std::size_t k_phases = 36;
 constexpr double k_least_sine = 0.05;  ///< of a phase whose density is uniform
@@ -75,9 +75,9 @@ double SampledViews::weight(std::size_t view, Vec3f other, const Rgb& value) con
 
 double SampledViews::highlight_weight(std::size_t view, Vec3f other, const Rgb& value) const {
     const auto& of = traits(objective_);
-    if (!of.of_pictures || !of.further) return 0;
+    if (!of.of_pictures) return 0;
     const auto [wl, wv] = pair(view, other);
-    return of.further(mean_of(value), typical_, double(wl.z), double(wv.z));
+    return of.further.front().weight(mean_of(value), typical_, double(wl.z), double(wv.z));
 }
 
 ViewRows SampledViews::rows(std::size_t view, bool with_pixels) const {

@@ -116,7 +116,7 @@ Result<Done> print_errors(const OffscreenContext& context, const Mesh& mesh, con
     const Scene scene = scene_of(mesh, {}, double(width) / height);
     const PathScene paths{{{&scene.mesh, 0}}, {of.brdf}, scene.camera, {}, {}, &environment};
     const Image reference =
-        render_paths(paths, {.width = width, .height = height, .samples = 2048, .occlusion = false, .progress = {}})
+        render_paths(paths, {.width = width, .height = height, .samples = 8192, .occlusion = false, .progress = {}})
             .rendering.radiance;
     const float exposure = automatic_exposure(reference);
     const Image8 expected = displayed(reference, exposure);

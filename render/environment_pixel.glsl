@@ -16,7 +16,7 @@ uniform vec2 shift;  // of this sample from the pixel's centre, in pixels
 uniform vec3 light_direction[LIGHTS];   // to the light, unit vectors
 uniform vec3 light_irradiance[LIGHTS];  // on a surface that faces the light
 
-// The first three dimensions of Sobol's sequence, scrambled as Owen has it by hashes of Laine and Karras (Burley,
+// The first two dimensions of Sobol's sequence, scrambled as Owen has it by hashes of Laine and Karras (Burley,
 // "Practical Hash-based Owen Scrambling", JCGT 2020), by seeds of the pixel's own: pictures repeat, and neighbours
 // differ.
 uint hashed(uint x) {  // lowbias32 (Wellons 2018)
@@ -40,34 +40,14 @@ float scrambled(uint x, uint seed) {
     x ^= x * 0x8d22f6e6u;
     return float(reversed(x) >> 8) / 16777216.0;
 }
-struct Points {
-    vec2 environment;
-    vec3 material;
-};
-Points points_at(int index, uint seed) {
-    // Columns of the second and of the third dimension's matrices, for bit after bit of the index.
+vec2 point_at(int index, uint seed) {
     uint second = 0u;
-    uint third = 0u;
-    uint of_second = 0x80000000u;
-    uint of_third = 0x80000000u;
-    uint next_of_third = 0xc0000000u;
+    uint column = 0x80000000u;  // of the second dimension's matrix, for bit after bit of the index
     for (uint rest = uint(index); rest != 0u; rest >>= 1) {
-        if ((rest & 1u) != 0u) {
-            second ^= of_second;
-            third ^= of_third;
-        }
-        of_second ^= of_second >> 1;
-        uint after = next_of_third ^ of_third ^ (of_third >> 2);
-        of_third = next_of_third;
-        next_of_third = after;
+        if ((rest & 1u) != 0u) second ^= column;
+        column ^= column >> 1;
     }
-    second = reversed(second);
-    third = reversed(third);
-    Points points;
-    points.environment = vec2(scrambled(uint(index), hashed(seed)), scrambled(second, hashed(seed + 1u)));
-    points.material = vec3(scrambled(uint(index), hashed(seed + 2u)), scrambled(second, hashed(seed + 3u)),
-                           scrambled(third, hashed(seed + 4u)));
-    return points;
+    return vec2(scrambled(uint(index), hashed(seed)), scrambled(reversed(second), hashed(seed + 1u)));
 }
 
 // f |cos(theta_l)|; what was not measured counts as 0.
@@ -91,27 +71,85 @@ float luminance(Vec3 colour) { return dot(colour, Vec3(0.2126, 0.7152, 0.0722));
 Vec3 from_surface(SurfaceFrame frame, Vec3 w) {
     return w.x * frame.tangent + w.y * frame.bitangent + w.z * frame.normal;
 }
-// The power heuristic's weight of a draw of density a where another one has density b.
+// The power heuristic's weight of draws of density a, times their number, where others have b.
 float power_share(float a, float b) { return 1.0 / (1.0 + (b / a) * (b / a)); }
 
-// The environment's light from a direction on that side that the material draws.
-Vec3 by_material(SurfaceFrame frame, Vec3 wv, float side, vec3 u) {
+// Of a view, on one side of a surface: the chance of each of the mixture's lobes, in proportion to its weight times the
+// luminance about its centre, averaged over its solid angle. To this the mean is added, for what the average misses.
+struct LitLobes {
+    Vec3 wv;
+    NodesAbout nodes;
+    float chance[SRBF_PROPOSAL_LOBES];
+};
+LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
     choose_part(side, wv);
-    Vec3 drawn = sample_light(to_part(wv), u.x, u.y, u.z);
-    float density = drawn.z > 0.0 ? light_pdf(drawn, to_part(wv)) : 0.0;
+    LitLobes lit;
+    lit.wv = to_part(wv);
+    lit.nodes = mixture_nodes(lit.wv);
+    vec2 above = environment_place(side * frame.normal);
+    vec2 mirrored = environment_place(from_surface(frame, to_side(Vec3(-lit.wv.xy, lit.wv.z), side)));
+    float mean = luminance(environment_radiance(vec2(0.5), 32.0));
+    float sum = 0.0;
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
+        float chance = mixture_between(k, lit.nodes);
+        if (chance > 0.0) {
+            // 2 pi / lambda; the reflection of half vectors takes 4 cos(theta_v) times as much.
+            float spread = k < 6 ? 2.0 : 8.0 * lit.wv.z;
+            float solid_angle = k < 2 ? k_pi_ : spread * k_pi_ / proposal_bandwidth(k);
+            vec2 centre = k < 2 ? above : mirrored;
+            chance *= mean + luminance(environment_radiance(centre, environment_level(solid_angle)));
+        }
+        lit.chance[k] = chance;
+        sum += chance;
+    }
+    // In the dark any will do.
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k)
+        lit.chance[k] = sum > 0.0 ? lit.chance[k] / sum : mixture_between(k, lit.nodes);
+    return lit;
+}
+// A direction to the light, in the frame of the part. The lobe is chosen by u.x, which is uniform again within its
+// interval: then the points of every lobe are a sequence of low discrepancy in two dimensions.
+Vec3 sample_lit(LitLobes lit, vec2 u) {
+    int chosen = 0;
+    float within = u.x;
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES - 1; ++k) {
+        if (chosen == k && within >= lit.chance[k]) {
+            within -= lit.chance[k];
+            chosen = k + 1;
+        }
+    }
+    if (lit.chance[chosen] <= 0.0) chosen = 0;  // what rounding leaves over is the cosine's
+    return sample_of_lobe(chosen, lit.wv, min(within / lit.chance[chosen], 0.99999994), u.y);
+}
+// Its density [1/sr].
+float lit_pdf(LitLobes lit, Vec3 wl) {
+    if (wl.z <= 0.0 || lit.wv.z <= 0.0) return 0.0;
+    ProposalPoint at = proposal_point(wl, lit.wv, mixture_stretch(lit.wv, lit.nodes), mixture_power(lit.nodes));
+    float sum = 0.0;
+    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum += lit.chance[k] * proposal_lobe_pdf(k, at);
+    return sum;
+}
+
+// Draws by the environment for each by the material: half of them are below the horizon.
+#define LIGHT_DRAWS 2
+
+// The environment's light from a direction on that side that the material draws.
+Vec3 by_material(SurfaceFrame frame, Vec3 wv, LitLobes lit, float side, vec2 u) {
+    choose_part(side, wv);
+    Vec3 drawn = sample_lit(lit, u);
+    float density = drawn.z > 0.0 ? lit_pdf(lit, drawn) : 0.0;
     if (density <= 0.0) return Vec3(0.0);
     Vec3 wl = to_side(drawn, side);
     vec2 place = environment_place(from_surface(frame, wl));
-    float weight = draws == 0 ? power_share(density, environment_pdf(place)) : 1.0;
+    float weight = draws == 0 ? power_share(density, float(LIGHT_DRAWS) * environment_pdf(place)) : 1.0;
     return weight / density * reflectance(wl, wv) * environment_radiance(place, 0.0);
 }
-Vec3 by_environment(SurfaceFrame frame, Vec3 wv, vec2 u) {
-    EnvironmentSample drawn = sample_environment(u.x, u.y);
-    Vec3 wl = to_surface(frame, drawn.towards);
-    if ((SIDES == 1 && wl.z <= 0.0) || drawn.pdf <= 0.0) return Vec3(0.0);
-    choose_part(wl.z < 0.0 ? -1.0 : 1.0, wv);
-    float weight = draws == 0 ? power_share(drawn.pdf, light_pdf(to_part(wl), to_part(wv))) : 1.0;
-    return weight / drawn.pdf * reflectance(wl, wv) * drawn.radiance;
+// The same of a direction wl on that side that the environment draws.
+Vec3 by_environment(Vec3 wl, Vec3 wv, LitLobes lit, float side, EnvironmentSample drawn) {
+    choose_part(side, wv);
+    float density = float(LIGHT_DRAWS) * drawn.pdf;
+    float weight = draws == 0 ? power_share(density, lit_pdf(lit, to_part(wl))) : 1.0;
+    return weight / density * reflectance(wl, wv) * drawn.radiance;
 }
 
 // Without noise: the same draws in every pixel, FILTERED_LIGHTS by the environment and FILTERED_DRAWS by each of the
@@ -163,10 +201,24 @@ Vec3 scattered_radiance(Vec3 position, vec4 normal) {
         sum += filtered_radiance(frame, wv, 1.0);
         if (SIDES == 2) sum += filtered_radiance(frame, wv, -1.0);
     } else {
-        Points points = points_at(sample_index, hashed(uint(gl_FragCoord.x) + hashed(uint(gl_FragCoord.y))));
-        if (draws != 2) sum += by_material(frame, wv, 1.0, points.material);
-        if (SIDES == 2 && draws != 2) sum += by_material(frame, wv, -1.0, points.material);
-        if (draws != 1) sum += by_environment(frame, wv, points.environment);
+        uint seed = hashed(uint(gl_FragCoord.x) + hashed(uint(gl_FragCoord.y)));
+        vec2 of_material = point_at(sample_index, seed + 2u);
+        LitLobes front = lit_lobes(frame, wv, 1.0);
+        if (draws != 2) sum += by_material(frame, wv, front, 1.0, of_material);
+#if SIDES == 2
+        LitLobes back = lit_lobes(frame, wv, -1.0);
+        if (draws != 2) sum += by_material(frame, wv, back, -1.0, of_material);
+#endif
+        for (int i = 0; i < LIGHT_DRAWS && draws != 1; ++i) {
+            vec2 u = point_at(LIGHT_DRAWS * sample_index + i, seed);
+            EnvironmentSample drawn = sample_environment(u.x, u.y);
+            Vec3 wl = to_surface(frame, drawn.towards);
+            if (drawn.pdf <= 0.0) continue;
+#if SIDES == 2
+            if (wl.z < 0.0) sum += by_environment(wl, wv, back, -1.0, drawn);
+#endif
+            if (wl.z > 0.0) sum += by_environment(wl, wv, front, 1.0, drawn);
+        }
     }
 #if SIDES == 2
     sum += straight_beam(wv) * environment_radiance(environment_place(-to_viewer), 0.0);

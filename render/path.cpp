@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "render/rays.h"
+#include "render/shading.h"
 #include "src/parallel.h"
 
 namespace srbf {
@@ -176,17 +177,13 @@ class Tracer {
         surface.material = &scene_.materials[body.material];
         surface.geometric = dot(hit.geometric_normal, direction) < 0 ? hit.geometric_normal : -hit.geometric_normal;
         Vec3f normal = interpolated(body.mesh->normals);
-        const float length = std::sqrt(dot(normal, normal));
-        normal = length > 1e-6f ? (1 / length) * normal : surface.geometric;
+        if (!(dot(normal, normal) > 1e-12f)) normal = surface.geometric;
         if (dot(normal, surface.geometric) < 0) normal = -normal;
-        // An interpolated normal may point away from a viewer who sees the triangle.
-        if (!(dot(normal, direction) < 0)) normal = surface.geometric;
+        normal = Shading<float>::visible_normal(normal, -direction);
         const bool from_back = !surface.material->is_brdf() && dot(hit.geometric_normal, direction) > 0;
         const float side = from_back ? -1.f : 1.f;
         surface.axes = in_float(surface_frame(to_double(side * normal)));
         surface.wv = surface.axes.to(-direction);
-        // Rounding must not move the viewer below the horizon or off the unit sphere.
-        surface.wv.z = side * std::max(side * surface.wv.z, 1e-5f);
         return surface;
     }
 

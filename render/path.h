@@ -58,9 +58,10 @@ struct PathPicture {
 };
 
 /// Path tracing from the eye. At each hit the environment, the area lights and the BRDF are sampled and combined with
-/// the power heuristic (Veach & Guibas 1995); directional lights are summed. Normals are interpolated. The front of
-/// a BSDF is the side from which triangles are counter-clockwise; light that its beams let through is followed as it
-/// goes, so that they show the environment and area lights, but not directional ones.
+/// the power heuristic (Veach & Guibas 1995); directional lights are summed. Normals are interpolated, and made visible
+/// (`visible_normal` of shading.glsl). The front of a BSDF is the side from which triangles are counter-clockwise; light
+/// that its beams let through is followed as it goes, so that they show the environment and area lights, but not
+/// directional ones.
 PathPicture render_paths(const PathScene& scene, const PathOptions& options);
 
 /// A square on the ground below a mesh, `size` times as wide as the mesh, with its upper side towards `up`.

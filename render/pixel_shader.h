@@ -21,7 +21,7 @@ enum class PixelInput {
 
 /// Which directions a pixel adds up the environment's light from.
 enum class LightDraws {
-    both,      ///< one by the environment and one by the BRDF, combined with the power heuristic (Veach & Guibas 1995)
+    both,      ///< two by the environment and one by the BRDF, combined with the power heuristic (Veach & Guibas 1995)
     material,  ///< one by the BRDF
     light,     ///< one by the environment
     /// `k_filtered_lights` by the environment and `k_filtered_draws` by each lobe of the BRDF's mixture, the same in

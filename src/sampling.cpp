@@ -15,8 +15,8 @@ namespace {
 using K = Kernel<float>;
 
 constexpr int k_steps = 200;
-constexpr int k_points = 128;          // of each lobe
-constexpr double k_lowest_view = .05;  // cosθv at which the last node is made, for at 0 nothing is reflected
+constexpr int k_points = 128;           // of each lobe
+constexpr double k_lowest_view = .001;  // cosθv at which the last node is made, for at 0 nothing is reflected
 constexpr float k_least_weight = 1e-3f;
 // Of the second moment, for which there is a grain, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.002;
@@ -223,7 +223,7 @@ Shape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, const Shape
 
 /// Sets what there is at a node.
 void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProposal& proposal) {
-    const double x = double(node) / (MixtureProposal::k_nodes - 1), z = std::max(1 - x, k_lowest_view);
+    const double x = double(node) / (MixtureProposal::k_nodes - 1), z = std::max((1 - x) * (1 - x), k_lowest_view);
     const std::vector<Vec3f> views = views_at(z, azimuths);
     Shape shape{proposal.stretch[node], proposal.power[node], proposal.cosine, proposal.sine};
     // At the normal the plane of incidence is none.
@@ -277,7 +277,9 @@ MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
 
 namespace {
 
-constexpr int k_view_steps = 50, k_view_points = 32;
+constexpr int k_view_points = 32;
+// What every view has beside its lobes: the cosine and the mixture.
+constexpr std::size_t k_common = 2;
 
 float folded_pdf(const ViewProposal::Lobe& lobe, Vec3f wl) {
     return K::vmf_pdf(wl, lobe.centre, lobe.bandwidth) + K::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth);
@@ -309,14 +311,19 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
         // Where the two cancel any centre does.
         of_view[j] = {lobe.bandwidth > 1e-3f ? lobe.centre : Vec3f(0, 0, 1), lobe.bandwidth, 0};
     }
-    const Lobes lobes{J + 1,
+    const Vec3f wv = model.direction[i];
+    // Points by the cosine and its square instead of the mixture.
+    const Lobes lobes{k_common + J,
                       [&](std::size_t k, float u1, float u2) {
-                          if (k == 0) return K::sample_cosine(u1, u2);
-                          return K::folded(K::sample_vmf(of_view[k - 1].centre, of_view[k - 1].bandwidth, u1, u2));
+                          if (k < k_common) return K::sample_proposal_lobe(int(k), wv, {}, 1, u1, u2);
+                          const ViewProposal::Lobe& lobe = of_view[k - k_common];
+                          return K::folded(K::sample_vmf(lobe.centre, lobe.bandwidth, u1, u2));
                       },
                       [&](Vec3f wl, std::span<double> density) {
-                          density[0] = double(K::cosine_pdf(wl));
-                          for (std::size_t j = 0; j < J; ++j) density[j + 1] = double(folded_pdf(of_view[j], wl));
+                          for (std::size_t k = 0; k < k_common; ++k)
+                              density[k] = double(K::power_cosine_pdf(wl, float(k + 1)));
+                          for (std::size_t j = 0; j < J; ++j)
+                              density[k_common + j] = double(folded_pdf(of_view[j], wl));
                       }};
     const Evaluate brdf = [&](std::span<const Vec3f> wl, std::span<const Vec3f>, std::span<Rgb> f) {
         for (std::size_t k = 0; k < wl.size(); ++k) {
@@ -325,10 +332,12 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
         }
     };
     Points points{lobes.count, {}, {}, {}, {}};
-    proposal.albedo[i] = float(add_points(brdf, model.direction[i], lobes, k_view_points, points));
-    const std::vector<float> weight = best_weights(points, k_view_steps);
-    proposal.cosine[i] = weight[0];
-    for (std::size_t j = 0; j < J; ++j) of_view[j].weight = weight[j + 1];
+    proposal.albedo[i] = float(add_points(brdf, wv, lobes, k_view_points, points));
+    for (std::size_t m = 0; m < points.wl.size(); ++m)
+        points.density[m * points.lobes + 1] = double(pdf(proposal.mixture, points.wl[m], wv));
+    const std::vector<float> weight = best_weights(points, k_steps);
+    proposal.cosine[i] = weight[0], proposal.whole[i] = weight[1];
+    for (std::size_t j = 0; j < J; ++j) of_view[j].weight = weight[k_common + j];
 }
 
 }  // namespace
@@ -337,7 +346,11 @@ ViewProposal propose(const SuModel& model, const ProposeOptions& options) {
     const FlushSubnormals mode;
     assert(model.discretise == Discretise::view);
     const std::size_t views = model.direction.size();
-    ViewProposal proposal{&model, std::vector<ViewProposal::Lobe>(model.centre.size()), std::vector<float>(views),
+    ViewProposal proposal{&model,
+                          propose(evaluator(model), options),
+                          std::vector<ViewProposal::Lobe>(model.centre.size()),
+                          std::vector<float>(views),
+                          std::vector<float>(views),
                           std::vector<float>(views)};
     parallel_for(views, options.threads, [&](std::size_t i) { propose_view(i, proposal); });
     return proposal;
@@ -382,11 +395,12 @@ Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector) {
     const Choice of_views = choose(share, selector);
     const Neighbour& neighbour = neighbours[std::size_t(of_views.k)];
     const auto view = std::size_t(neighbour.view), J = std::size_t(proposal.model->lobes);
-    std::array<float, k_most_view_lobes + 1> weights{proposal.cosine[view]};
-    for (std::size_t j = 0; j < J; ++j) weights[j + 1] = proposal.lobes[view * J + j].weight;
-    const Choice chosen = choose(std::span(weights).first(J + 1), of_views.u);
+    std::array<float, k_common + k_most_view_lobes> weights{proposal.cosine[view], proposal.whole[view]};
+    for (std::size_t j = 0; j < J; ++j) weights[k_common + j] = proposal.lobes[view * J + j].weight;
+    const Choice chosen = choose(std::span(weights).first(k_common + J), of_views.u);
     if (chosen.k == 0) return K::sample_cosine(u.x, u.y);
-    const ViewProposal::Lobe& lobe = proposal.lobes[view * J + std::size_t(chosen.k) - 1];
+    if (chosen.k == 1) return sample(proposal.mixture, wv, u, chosen.u);
+    const ViewProposal::Lobe& lobe = proposal.lobes[view * J + std::size_t(chosen.k) - k_common];
     return K::folded(
         K::turned(K::sample_vmf(lobe.centre, lobe.bandwidth, u.x, u.y), neighbour.cosine, -neighbour.sine));
 }
@@ -394,13 +408,13 @@ Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector) {
 float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv) {
     if (!above_horizon(wl, wv)) return 0;
     const auto J = std::size_t(proposal.model->lobes);
-    const float by_cosine = K::cosine_pdf(wl);
+    const float by_cosine = K::cosine_pdf(wl), by_mixture = pdf(proposal.mixture, wl, wv);
     float sum = 0;
     for (const Neighbour& neighbour : neighbours_at(proposal, wv)) {
         if (!(neighbour.share > 0)) continue;
         const auto view = std::size_t(neighbour.view);
         const Vec3f turned = K::turned(wl, neighbour.cosine, neighbour.sine);
-        float of_view = proposal.cosine[view] * by_cosine;
+        float of_view = proposal.cosine[view] * by_cosine + proposal.whole[view] * by_mixture;
         for (const ViewProposal::Lobe& lobe : std::span(proposal.lobes).subspan(view * J, J))
             if (lobe.weight > 0) of_view += lobe.weight * folded_pdf(lobe, turned);
         sum += neighbour.share * of_view;

@@ -31,7 +31,7 @@ struct NodesAbout {
     float part;
 };
 inline NodesAbout nodes_about(float z) {
-    const float at = (1 - z) * (MixtureProposal::k_nodes - 1);
+    const float at = (1 - std::sqrt(z)) * (MixtureProposal::k_nodes - 1);
     const int below = std::clamp(int(at), 0, MixtureProposal::k_nodes - 2);
     return {std::size_t(below), at - float(below)};
 }

@@ -26,6 +26,13 @@ const Mesh& ball_mesh() {
 struct Unmeasured {};
 Rgb value(const Unmeasured&, Vec3f, Vec3f) { return {NAN, NAN, NAN}; }
 
+/// 0.01 / cosθv of the light, without bound where the viewer grazes.
+struct Grazing {};
+Rgb value(const Grazing&, Vec3f, Vec3f wv) {
+    const float f = 0.01f / (float(k_pi) * wv.z);
+    return {f, f, f};
+}
+
 PathScene sphere_scene(const PreparedBrdf& brdf, const Environment* environment) {
     PathScene scene{{{&ball_mesh(), 0}}, {brdf}, {}, {}, {}, environment};
     scene.camera = camera_of(ball_mesh(), {}, 1);
@@ -265,6 +272,18 @@ TEST(Path, WhatWasNotMeasuredIsBlack) {
     const PathPicture picture = render_paths(sphere_scene(unmeasured, &even_light()), small(2));
     for (const Rgb& pixel : picture.rendering.radiance.pixels) EXPECT_TRUE(is_finite(pixel));
     EXPECT_EQ(picture.rendering.radiance.at(12, 12), Rgb{});
+}
+
+/// Nobody grazes a surface by less than 0.01, also not where an interpolated normal points away.
+TEST(Path, TheRimIsBounded) {
+    PathScene scene = sphere_scene(prepare(Grazing{}, CosineProposal{}), &even_light());
+    PathOptions options = small(4, 128);
+    options.occlusion = false;
+    float most = 0, least = 1;
+    for (const Rgb& pixel : render_paths(scene, options).rendering.radiance.pixels)
+        most = std::max(most, pixel.g), least = std::min(least, pixel.g);
+    EXPECT_LE(most, 1.01f);    // that of the environment
+    EXPECT_LE(least, 0.011f);  // that of the middle of the sphere
 }
 
 TEST(Path, RaysFindWhatIsNearest) {

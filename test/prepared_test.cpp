@@ -281,7 +281,7 @@ MixtureProposal random_mixture(std::mt19937_64& random, bool is_grain) {
     return proposal;
 }
 std::array<double, MixtureProposal::k_numbers> numbers_at(const MixtureProposal& proposal, double z) {
-    const double at = (1 - z) * (MixtureProposal::k_nodes - 1);
+    const double at = (1 - std::sqrt(z)) * (MixtureProposal::k_nodes - 1);
     const int below = std::min(int(at), MixtureProposal::k_nodes - 2);
     std::array<double, MixtureProposal::k_numbers> numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k)

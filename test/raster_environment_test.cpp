@@ -148,6 +148,27 @@ TEST_P(RasterEnvironments, AreWithoutBiasHoweverTheyAreTurned) {
     }
 }
 
+/// A narrow highlight reflects little of uniform light, but most of what a lamp sends: so often it is drawn.
+TEST_P(RasterEnvironments, AreDrawnByTheLampsThatHighlightsReflect) {
+    const GgxModel lacquer{{0.3f, 0.25f, 0.2f}, {{0.02f, {0.04f, 0.04f, 0.04f}, 1}}};
+    const double theta = 40 * k_degree;
+    const Vec3f mirrored = mirror(to_float(spherical(theta, 0.0)));
+    Image image(64, 32, {0.1f, 0.1f, 0.1f});
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const double phi = 2 * k_pi * ((x + 0.5) / image.width - 0.5), from_y = k_pi * (y + 0.5) / image.height;
+            const Vec3f w =
+                to_float(Vec3d(std::sin(from_y) * std::sin(phi), std::cos(from_y), -std::sin(from_y) * std::cos(phi)));
+            if (dot(w, mirrored) > std::cos(12 * k_degree)) image.at(x, y) = {30, 30, 30};
+        }
+    const Mean drawn = mean_of(picture(sampled(lacquer), k_plane, plane_camera(theta), 64, 1, Environment(image),
+                                       k_world, LightDraws::material));
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double relative = drawn.error[c] / drawn.value[c];
+        EXPECT_LT(64 * 64 * relative * relative, 1) << c;  // the relative variance of a draw
+    }
+}
+
 TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
     const Environment uniform_light(Image(8, 4, {1, 1, 1}));
     for (const double degrees : {5.0, 60.0, 80.0}) {

@@ -134,21 +134,19 @@ void Controls::draw_picture(Look& look) {
     if (ImGui::SliderFloat("exposure", &stops, -8, 8, "%+.2f stops"))
         look.exposure = std::exp2(stops), look.automatic = false;
     ImGui::Checkbox("automatic exposure", &look.automatic);
-    ImGui::SliderFloat("difference", &look.full_scale, k_least_scale, k_most_scale, "+-%.3g",
-                       ImGuiSliderFlags_Logarithmic);
+    const float unit = look.in_delta_e ? 100 : 1;
+    float most = unit * look.full_scale;
+    if (ImGui::SliderFloat("difference", &most, unit * k_least_scale, unit * k_most_scale,
+                           look.in_delta_e ? "%.3g ΔE" : "±%.3g", ImGuiSliderFlags_Logarithmic))
+        look.full_scale = most / unit;
     if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("the difference that shows in full red or blue;\n1 is the brightness of white");
-    if (ImGui::IsItemHovered() && look.in_delta_e)
-        ImGui::SetTooltip(
-            "hundredths of a \xCE\x94"
-            "E_ITP");
+        ImGui::SetTooltip(look.in_delta_e
+                              ? "the ΔE_ITP that shows in full red"
+                              : "the difference that shows in full red or blue;\n1 is the brightness of white");
     int wiped = look.wipe;
     ImGui::RadioButton("side by side", &wiped, 0), ImGui::SameLine(), ImGui::RadioButton("wipe", &wiped, 1);
     look.wipe = wiped == 1;
-    ImGui::Checkbox(
-        "difference in \xCE\x94"
-        "E",
-        &look.in_delta_e);
+    ImGui::Checkbox("difference in ΔE", &look.in_delta_e);
     if (ImGui::Button("Screenshot")) look.screenshot = true;
     ImGui::SameLine();
     if (ImGui::Button("Keys (H)")) look.help = !look.help;

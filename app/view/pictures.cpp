@@ -43,11 +43,8 @@ void draw_scale(const Look& look, float width) {
                                  colour_of(D::k_equal));
     const ImU32 ink = IM_COL32(230, 230, 230, 255);
     const std::string most = fmt::format("+{:.3g}", look.full_scale), least = fmt::format("-{:.3g}", look.full_scale);
-    const std::string right = look.in_delta_e ? fmt::format(
-                                                    "{:.3g} \xCE\x94"
-                                                    "E",
-                                                    100 * look.full_scale)
-                                              : "fit brighter " + most;
+    const std::string right =
+        look.in_delta_e ? fmt::format("{:.3g} ΔE", 100 * look.full_scale) : "fit brighter " + most;
     list.AddText({at.x, at.y + height}, ink, look.in_delta_e ? "0" : (least + " fit darker").c_str());
     if (!look.in_delta_e) list.AddText({middle - 3, at.y + height}, ink, "0");
     list.AddText({at.x + width - ImGui::CalcTextSize(right.c_str()).x, at.y + height}, ink, right.c_str());
@@ -176,11 +173,13 @@ void Pictures::drag(Look& look, float height) {
         orbit(look, -right, -up);
 }
 
-std::string Pictures::caption(const Session& session, Panels::Which which) const {
+std::string Pictures::caption(const Session& session, const Look& look, Panels::Which which) const {
     const bool is_measured = reference_ >= 0 && !session.subjects()[std::size_t(reference_)]->is_model();
     if (which == Panels::fit) return name_of_fit(session);
-    if (which == Panels::difference) return "difference: fit - " + std::string(is_measured ? "measured" : "reference");
-    return (is_measured ? "measured: " : "reference: ") +
+    const std::string reference = is_measured ? "measured" : "reference";
+    if (which == Panels::difference)
+        return look.in_delta_e ? "difference in ΔE from " + reference : "difference: fit - " + reference;
+    return reference + ": " +
            (reference_ < 0
                 ? "no reference"
                 : std::filesystem::path(session.subjects()[std::size_t(reference_)]->path).filename().string());
@@ -188,8 +187,8 @@ std::string Pictures::caption(const Session& session, Panels::Which which) const
 
 /// One picture, measured to the left of a divider and the fit to the right of it.
 void Pictures::draw_wipe(const Session& session, Look& look, float width, float height) {
-    ImGui::TextColored(k_white, "%s", caption(session, Panels::reference).c_str());
-    const std::string right = caption(session, Panels::fit);
+    ImGui::TextColored(k_white, "%s", caption(session, look, Panels::reference).c_str());
+    const std::string right = caption(session, look, Panels::fit);
     ImGui::SameLine(width - ImGui::CalcTextSize(right.c_str()).x);
     ImGui::TextColored(k_white, "%s", right.c_str());
     const ImVec2 corner = ImGui::GetCursorScreenPos();
@@ -225,7 +224,7 @@ void Pictures::draw_wipe(const Session& session, Look& look, float width, float 
 void Pictures::draw_picture(const Session& session, Look& look, Panels::Which which, float width, float height) {
     const bool is_late = which == Panels::fit && session.fitted() && session.fitted()->quick;
     ImGui::PushClipRect(ImGui::GetCursorScreenPos(), {ImGui::GetCursorScreenPos().x + width, 1e4f}, true);
-    ImGui::TextColored(is_late ? k_hint : k_white, "%s", caption(session, which).c_str());
+    ImGui::TextColored(is_late ? k_hint : k_white, "%s", caption(session, look, which).c_str());
     ImGui::PopClipRect();
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     ImGui::PushID(which);

@@ -82,8 +82,8 @@ void Readings::draw_measures(const Session& session) const {
     if (!fitted) return ImGui::Text("none yet");
     if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_SizingStretchProp)) {
         ImGui::TableSetupColumn("measure", ImGuiTableColumnFlags_WidthStretch);
-        ImGui::TableSetupColumn("matrix", ImGuiTableColumnFlags_WidthFixed, 60);
-        ImGui::TableSetupColumn("held out", ImGuiTableColumnFlags_WidthFixed, 60);
+        ImGui::TableSetupColumn("matrix", ImGuiTableColumnFlags_WidthFixed, 66);
+        ImGui::TableSetupColumn("held out", ImGuiTableColumnFlags_WidthFixed, 66);
         ImGui::TableHeadersRow();
         for (const MeasureName& measure : k_measures) {
             ImGui::TableNextColumn();

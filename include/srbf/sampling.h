@@ -38,14 +38,14 @@ float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
 
 /// A mixture of kernel.glsl's proposal lobes, Σ_k w_k(θv) pdf_k: the cosine and its square, lobes about the mirror
 /// direction, lobes of half vectors. The weights, and the stretch and power of the half-vector lobes, are linear in
-/// cosθv between nodes, whose own are those of least variance for the BRDF.
+/// √cosθv between nodes, whose own are those of least variance for the BRDF.
 class MixtureProposal {
   public:
     static constexpr int k_nodes = 13, k_lobes = 16;
     static constexpr int k_numbers = k_lobes + 2;  ///< of a node
     using Row = std::array<float, k_lobes>;
 
-    /// The weights at node i, where cosθv = 1 − i / 12; they sum to 1.
+    /// The weights at node i, where √cosθv = 1 − i / 12; they sum to 1.
     const Row& weight(std::size_t node) const { return weight_[node]; }
     /// Their running sums.
     const Row& running(std::size_t node) const { return running_[node]; }
@@ -106,8 +106,8 @@ inline constexpr float k_least_cosine = 0.02f;
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};
 
 /// Mixtures for a view-by-view model: for each sampled view its own lobes, each times the cosine and mirrored at the
-/// horizon, and the cosine itself, with weights of least variance; between the sampled views by interpolation weight
-/// and albedo. It refers to the model, whose sampled direction is the view.
+/// horizon, the cosine itself, and the mixture for the whole model, with weights of least variance; between the sampled
+/// views by interpolation weight and albedo. It refers to the model, whose sampled direction is the view.
 struct ViewProposal {
     struct Lobe {
         Vec3f centre;
@@ -115,9 +115,10 @@ struct ViewProposal {
         float weight;
     };
     const SuModel* model = nullptr;
-    std::vector<Lobe> lobes;    ///< n × J
-    std::vector<float> cosine;  ///< n: its weight, which sums to 1 with those of the view's lobes
-    std::vector<float> albedo;  ///< n: ∫ f cosθl dωl, luminance
+    MixtureProposal mixture;           ///< for the whole model
+    std::vector<Lobe> lobes;           ///< n × J
+    std::vector<float> cosine, whole;  ///< n: their weights, which sum to 1 with those of the view's lobes
+    std::vector<float> albedo;         ///< n: ∫ f cosθl dωl, luminance
 };
 ViewProposal propose(const SuModel& model, const ProposeOptions& options = {});
 ViewProposal propose(const SuModel&&, const ProposeOptions& options = {}) = delete;

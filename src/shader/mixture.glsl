@@ -1,6 +1,6 @@
 // Sampling of a BRDF's mixture of proposal lobes, to follow kernel.glsl. What precedes:
-//   mixture_number(node, i)  number i of each of MIXTURE_NODES nodes, which are uniform in cos(theta_v): the weights of
-//                            SRBF_PROPOSAL_LOBES lobes, then the stretch of half-vector lobes and their power
+//   mixture_number(node, i)  number i of each of MIXTURE_NODES nodes, which are uniform in sqrt(cos(theta_v)): the
+//                            weights of SRBF_PROPOSAL_LOBES lobes, then the stretch of half-vector lobes and their power
 //   mixture_tangent(wv)      the tangent along which they are stretched, of any length
 
 // Between which of `count` nodes a coordinate from 0 to 1 is, and its distance from the lower one, of 1.
@@ -15,7 +15,7 @@ NodesAbout nodes_about(Real coordinate, int count) {
     nodes.beyond = at - Real(nodes.below);
     return nodes;
 }
-NodesAbout mixture_nodes(Vec3 wv) { return nodes_about(Real(1.0) - wv.z, MIXTURE_NODES); }
+NodesAbout mixture_nodes(Vec3 wv) { return nodes_about(Real(1.0) - sqrt(max(wv.z, Real(0.0))), MIXTURE_NODES); }
 Real mixture_between(int i, NodesAbout nodes) {
     Real below = mixture_number(nodes.below, i);
     Real above = mixture_number(nodes.below + 1, i);

@@ -4,21 +4,26 @@
 #include "srbf/load.h"
 #include "srbf/text.h"
 
-namespace srbf {
+namespace srbf::bsdf_command_test {
 namespace {
 
-/// A shade and a small fit of it.
+/// A shade and a small fit of it, made once and copied into the folder of each test.
 class OfShade : public CommandLine {
   protected:
-    void SetUp() override {
-        write(folder / "shade.xml", small_shade());
+    static void SetUpTestSuite() {
+        shared = std::make_unique<TemporaryFolder>();
+        write(*shared / "shade.xml", small_shade());
         write(
-            folder / "p.csv",
+            *shared / "p.csv",
             "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0.6,-0.8\n0,0,-1,0,0.6,0.8\n0,0,-1,0,0.6,-0.8\n0,0,1,0,0.6,0.8\n");
-        fitted = run(folder, {"fit", "shade.xml", "--lobes", "1", "--variates", "2", "--axial", "--threads", "1",
-                              "--json", "r.json", "--preview", "p.png"});
+        fitted = run(*shared, {"fit", "shade.xml", "--lobes", "1", "--variates", "2", "--axial", "--threads", "1",
+                               "--json", "r.json", "--preview", "p.png"});
     }
-    ProgramRun fitted;
+    static void TearDownTestSuite() { shared.reset(); }
+    void SetUp() override { std::filesystem::copy(shared->path, folder.path); }
+
+    inline static std::unique_ptr<TemporaryFolder> shared;
+    inline static ProgramRun fitted;
 };
 
 TEST_F(OfShade, is_fitted_and_evaluated_on_both_sides) {
@@ -148,4 +153,4 @@ TEST_F(OfShade, lets_light_into_a_room) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::bsdf_command_test

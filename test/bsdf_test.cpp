@@ -8,7 +8,7 @@
 #include "srbf/prepared_bsdf.h"
 #include "statistics.h"
 
-namespace srbf {
+namespace srbf::bsdf_test {
 namespace {
 
 std::vector<std::pair<Vec3f, Vec3f>> random_pairs(int count) {
@@ -206,4 +206,4 @@ TEST(Bsdf, IsConverted) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::bsdf_test

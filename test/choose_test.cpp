@@ -4,7 +4,7 @@
 #include "models.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace srbf::choose_test {
 namespace {
 
 /// Data of two lobes of form horizon, which fit into 40 bytes.
@@ -97,4 +97,4 @@ TEST_F(Choose, ACancelledSearchIsAnErrorOrWhatItHad) {
 TEST_F(Choose, TooFewBytesAreAnError) { EXPECT_FALSE(choose(ByteBudget{8}).ok()); }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::choose_test

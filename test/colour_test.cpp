@@ -2,7 +2,7 @@
 #include "srbf/colour.h"
 #include "properties.h"
 
-namespace srbf {
+namespace srbf::colour_test {
 namespace {
 
 std::vector<float> every(float step, float first = 400, float last = 700) {
@@ -61,4 +61,4 @@ TEST(Colour, SmoothSpectraDoNotDependOnTheirSampling) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::colour_test

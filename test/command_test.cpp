@@ -7,7 +7,7 @@
 #include "srbf/metrics.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace srbf::command_test {
 namespace {
 
 /// A model without a fit, which would take a minute under sanitizers.
@@ -276,4 +276,4 @@ TEST_F(OfModel, mbsdf_files_are_read_with_their_transmission) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::command_test

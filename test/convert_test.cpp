@@ -8,7 +8,7 @@
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace srbf::convert_test {
 namespace {
 
 const std::vector<std::string> k_bundled{"paper_white", "cc_ibiza_sunset"};
@@ -407,4 +407,4 @@ TEST(Convert, SamplesAreWrittenAndReadAgain) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::convert_test

@@ -4,7 +4,7 @@
 #include "properties.h"
 #include "temporary_folder.h"
 
-namespace srbf {
+namespace srbf::corpus_test {
 namespace {
 
 TEST(Corpus, BreaksNoPromise) {
@@ -23,4 +23,4 @@ TEST(Corpus, BreaksNoPromise) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::corpus_test

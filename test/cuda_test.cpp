@@ -10,7 +10,7 @@
 #include "one_target.h"
 #include "properties.h"
 
-namespace srbf {
+namespace srbf::cuda_test {
 namespace {
 
 Observations observations() {
@@ -298,4 +298,4 @@ TEST(Cuda, without_a_device_the_error_says_so) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::cuda_test

@@ -4,7 +4,7 @@
 #include "properties.h"
 #include "statistics.h"
 
-namespace srbf {
+namespace srbf::directions_test {
 namespace {
 
 TEST(Fibonacci, DirectionsAreTheWrittenOnes) {
@@ -250,4 +250,4 @@ TEST(DirectionMaps, FacesAreOpenGLs) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::directions_test

@@ -9,7 +9,7 @@
 #include "statistics.h"
 #include "temporary_folder.h"
 
-namespace srbf {
+namespace srbf::environment_test {
 namespace {
 
 /// A picture of smooth, coloured light with a bright texel.
@@ -294,4 +294,4 @@ TEST(Environment, TheBundledOneIsPartOfTheProgram) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::environment_test

@@ -6,7 +6,7 @@
 #include "srbf/colour.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace srbf::evaluate_test {
 namespace {
 
 struct Pairs {
@@ -201,4 +201,4 @@ TEST_P(EvaluateOn, APairsValueDoesNotDependOnItsPlace) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::evaluate_test

@@ -5,7 +5,7 @@
 #include "properties.h"
 #include "srbf/directions.h"
 
-namespace srbf {
+namespace srbf::excess_test {
 namespace {
 
 Observations grey() {
@@ -86,4 +86,4 @@ TEST(Sample, TakesInWhereCandidatesExceedTheMeasurement) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::excess_test

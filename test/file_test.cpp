@@ -9,7 +9,7 @@
 #include "properties.h"
 #include "temporary_folder.h"
 
-namespace srbf {
+namespace srbf::file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,4 +126,4 @@ TEST(Message, SaysWhatIsThereInOneLine) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::file_test

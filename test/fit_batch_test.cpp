@@ -12,7 +12,7 @@
 #include "srbf/load.h"
 #include "srbf/npy.h"
 
-namespace srbf {
+namespace srbf::fit_batch_test {
 namespace {
 
 constexpr std::size_t k_pairs = 150;
@@ -275,4 +275,4 @@ TEST_F(TexelFiles, ranges_make_the_same_slabs) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::fit_batch_test

@@ -7,7 +7,7 @@
 #include "srbf/kernel.h"
 #include "srbf/prepared_bsdf.h"
 
-namespace srbf {
+namespace srbf::fit_bsdf_test {
 namespace {
 
 using K = Kernel<float>;
@@ -305,4 +305,4 @@ TEST(FitBsdf, RollerShadeIsDrawnWithLittleNoise) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::fit_bsdf_test

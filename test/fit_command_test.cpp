@@ -5,7 +5,7 @@
 #include "srbf/metrics.h"
 #include "srbf/model.h"
 
-namespace srbf {
+namespace srbf::fit_command_test {
 namespace {
 
 TEST_F(Command, fit_writes_model_picture_and_report) {
@@ -374,4 +374,4 @@ TEST_F(Command, fit_su_writes_a_model_that_the_others_read) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::fit_command_test

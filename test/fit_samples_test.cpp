@@ -6,7 +6,7 @@
 #include "properties.h"
 #include "srbf/directions.h"
 
-namespace srbf {
+namespace srbf::fit_samples_test {
 namespace {
 
 /// A glossy film over a diffuse base, smooth to the scale of the samples below.
@@ -343,4 +343,4 @@ TEST(FitToSamples, WhatCannotBeFittedIsAnError) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::fit_samples_test

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
 
 #include "srbf/fit.h"
 #include "srbf/measured.h"
@@ -10,7 +11,7 @@
 #include "srbf/pictures.h"
 #include "su_models.h"
 
-namespace srbf {
+namespace srbf::fit_su_test {
 namespace {
 
 constexpr double k_cap = 80 * k_degree;
@@ -125,8 +126,8 @@ TEST(FitSu, LooksLikeTheMeasurement) {
     const struct {
         const char* name;
         double delta_e;
-        int plain_lobes;  ///< without the factor of the horizon, which look worse
-    } expected[] = {{"paper_white_rgb", 1.2, 5}, {"cc_ibiza_sunset_rgb", 4.8, 4}};
+        std::optional<int> plain_lobes;  ///< without the factor of the horizon, which look worse
+    } expected[] = {{"paper_white_rgb", 1.2, 5}, {"cc_ibiza_sunset_rgb", 4.8, {}}};
     for (const auto& e : expected) {
         const RawMatrix matrix = matrix_of(e.name, 1536);
         const auto delta_e = [&](const SuFitOptions& options) {
@@ -138,7 +139,9 @@ TEST(FitSu, LooksLikeTheMeasurement) {
         };
         const double four = delta_e({.lobes = 4});
         EXPECT_LT(four, e.delta_e) << e.name;
-        EXPECT_LT(four, 0.95 * delta_e({.lobes = e.plain_lobes, .horizon = false})) << e.name;
+        if (e.plain_lobes) {
+            EXPECT_LT(four, 0.95 * delta_e({.lobes = *e.plain_lobes, .horizon = false})) << e.name;
+        }
     }
 }
 
@@ -382,4 +385,4 @@ TEST(Tabulate, HoldsTheFunctionAndCountsWhatIsAmiss) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::fit_su_test

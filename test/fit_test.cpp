@@ -9,7 +9,7 @@
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace srbf::fit_test {
 namespace {
 
 const Measured& bundled(const std::string& name) {
@@ -43,7 +43,7 @@ PmModel model_of(int lobes, int variates, std::mt19937_64& random) {
 TEST(Fit, RecoversTheModelThatMadeTheData) {
     std::mt19937_64 random(11);
     for (int lobes = 1; lobes <= 4; ++lobes)
-        for (int variates = 1; variates <= 3; ++variates) {
+        for (const int variates : {lobes % 2 ? 1 : 2, 3}) {
             const PmModel model = model_of(lobes, variates, random);
             FitOptions options;
             options.form = PmForm::gaussian;
@@ -124,6 +124,7 @@ TEST(Fit, DoesNotDependOnTheNumberOfThreads) {
     const Observations o = observed(signed_evaluator(bundled("cc_ibiza_sunset_rgb")));
     FitOptions options;
     options.lobes = options.variates = 3;
+    options.starts = 5, options.perturbations = 8;  // rounds with 5, 3 and 1 of them
     options.threads = 1;
     const auto one = fit_pm(o, options), again = fit_pm(o, options);
     options.threads = 2;
@@ -345,4 +346,4 @@ TEST(Fit, RefusesBadOptionsAndObservations) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::fit_test

@@ -9,7 +9,7 @@
 #include "properties.h"
 #include "srbf/directions.h"
 
-namespace srbf {
+namespace srbf::fitting_test {
 namespace {
 
 Measured bundled(const std::string& name) { return *load_measured((bundled_data() / (name + ".bsdf")).string()); }
@@ -296,4 +296,4 @@ TEST(ResultDeathTest, MisuseStopsInEveryBuildType) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::fitting_test

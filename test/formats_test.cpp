@@ -10,7 +10,7 @@
 #include "srbf/convert.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace srbf::formats_test {
 namespace {
 
 /// Peak memory of the child processes so far [bytes].
@@ -107,4 +107,4 @@ TEST(Formats, NumpyReadsModels) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::formats_test

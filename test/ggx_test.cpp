@@ -4,7 +4,7 @@
 #include "srbf/fit.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace srbf::ggx_test {
 namespace {
 
 GgxModel random_ggx(std::mt19937_64& random, int lobes) {
@@ -116,4 +116,4 @@ TEST(Ggx, RefusesOtherNumbersOfLobes) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::ggx_test

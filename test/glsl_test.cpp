@@ -12,7 +12,7 @@
 #include "su_models.h"
 #include "temporary_folder.h"
 
-namespace srbf {
+namespace srbf::glsl_test {
 namespace {
 
 /// Definitions of a shader before the included text: the model in uniform arrays, `Pm` is the index of its first lobe.
@@ -239,4 +239,4 @@ TEST_F(Glsl, TheTextIsAscii) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::glsl_test

@@ -5,7 +5,7 @@
 #include "properties.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace srbf::gram_test {
 namespace {
 
 constexpr std::size_t k_count = 2 * k_block + 300, k_checks = 7;
@@ -302,4 +302,4 @@ TEST_P(Gram, AddGramAddsTheProductsBelowTheDiagonal) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::gram_test

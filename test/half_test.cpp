@@ -3,7 +3,7 @@
 
 #include "properties.h"
 
-namespace srbf {
+namespace srbf::half_test {
 namespace {
 
 /// The value of 16 bits by the definition of IEEE 754 binary16.
@@ -77,4 +77,4 @@ TEST(Half, RoundingIsMonotoneAndIdempotent) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::half_test

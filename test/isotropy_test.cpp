@@ -4,7 +4,7 @@
 #include "srbf/fit.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace srbf::isotropy_test {
 namespace {
 
 /// A rough conductor with the Beckmann distribution, roughness ax along x and ay along y, over a diffuse part:
@@ -74,4 +74,4 @@ TEST(Isotropy, GeneralLobesFitWhatAxialOnesCannot) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::isotropy_test

@@ -3,7 +3,7 @@
 
 #include "properties.h"
 
-namespace srbf {
+namespace srbf::kernel_test {
 namespace {
 
 template <typename Real> class KernelOf : public testing::Test {
@@ -175,4 +175,4 @@ TYPED_TEST(KernelOf, GaussianProductOfOppositeLobesIsAConstant) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::kernel_test

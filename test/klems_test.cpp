@@ -4,7 +4,7 @@
 #include "properties.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace srbf::klems_test {
 namespace {
 
 Result<Measured> read(const std::string& text) { return read_measured(as_bytes(text), "f"); }
@@ -192,4 +192,4 @@ TEST(Klems, RollerShade) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::klems_test

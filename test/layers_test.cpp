@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+namespace srbf::layers_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -139,3 +140,4 @@ TEST(Layers, PublicHeadersAreVisible) {
 }
 
 }  // namespace
+}  // namespace srbf::layers_test

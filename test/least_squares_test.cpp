@@ -4,7 +4,7 @@
 
 #include "properties.h"
 
-namespace srbf {
+namespace srbf::least_squares_test {
 namespace {
 
 using Eigen::Index;
@@ -321,4 +321,4 @@ TEST(LevenbergMarquardt, NeverTakesAStepThatDoesNotLower) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::least_squares_test

@@ -5,7 +5,7 @@
 
 #include "properties.h"
 
-namespace srbf {
+namespace srbf::likeness_test {
 namespace {
 
 Image8 plain(Rgb8 colour, int width = 24, int height = 20) { return Image8(width, height, colour); }
@@ -104,4 +104,4 @@ TEST(Likeness, FalseColoursGrowLighter) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::likeness_test

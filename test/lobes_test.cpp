@@ -8,7 +8,7 @@
 #include "srbf/kernel.h"
 #include "srbf/pictures.h"
 
-namespace srbf {
+namespace srbf::lobes_test {
 namespace {
 
 /// Two lobes and a constant, which no single lobe can fit.
@@ -354,4 +354,4 @@ TEST(Rounding, ModelOfLobesEvaluatesToThem) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::lobes_test

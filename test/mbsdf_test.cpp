@@ -3,7 +3,7 @@
 #include "srbf/convert.h"
 #include "srbf/file.h"
 
-namespace srbf {
+namespace srbf::mbsdf_test {
 namespace {
 
 constexpr int k_polar = 9, k_azimuths = 13;
@@ -243,4 +243,4 @@ INSTANTIATE_TEST_SUITE_P(Mdl, CarPaint, testing::Values("carpaint_blue.mbsdf", "
                          [](const auto& file) { return file.index == 0 ? "Blue" : "Green"; });
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::mbsdf_test

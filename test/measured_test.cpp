@@ -3,7 +3,7 @@
 #include "srbf/file.h"
 #include "srbf/text.h"
 
-namespace srbf {
+namespace srbf::measured_test {
 namespace {
 
 /// Each way to read gives an error with its parts in place, or a table that keeps the contract of a BRDF.
@@ -267,4 +267,4 @@ TEST(DamagedInput, FilesThatCannotBeReadAreErrors) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::measured_test

@@ -2,7 +2,7 @@
 #include "measured/angles.h"
 #include "measured_files.h"
 
-namespace srbf {
+namespace srbf::merl_test {
 namespace {
 
 TEST(Angles, AgreeWithTheirDefinitions) {
@@ -160,4 +160,4 @@ TEST(Merl, IsZeroBelowTheHorizon) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::merl_test

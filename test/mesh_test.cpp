@@ -10,7 +10,7 @@
 #include "srbf/file.h"
 #include "temporary_folder.h"
 
-namespace srbf {
+namespace srbf::mesh_test {
 namespace {
 
 Vec3d position(const Mesh& mesh, std::uint32_t i) { return to_double(mesh.positions[i]); }
@@ -249,4 +249,4 @@ TEST(Mesh, ReadsTheScansOfStanford) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::mesh_test

@@ -5,7 +5,7 @@
 #include "srbf/directions.h"
 #include "srbf/kernel.h"
 
-namespace srbf {
+namespace srbf::metrics_test {
 namespace {
 
 struct Lambert {
@@ -209,4 +209,4 @@ TEST(Albedo, ComparesOnlyAnglesWithinTheCap) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::metrics_test

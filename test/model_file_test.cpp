@@ -5,7 +5,7 @@
 #include "srbf/file.h"
 #include "su_models.h"
 
-namespace srbf {
+namespace srbf::model_file_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -446,4 +446,4 @@ TEST(SuModelFile, MetadataThatTellNothingKnown) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::model_file_test

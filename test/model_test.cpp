@@ -7,7 +7,7 @@
 #include "srbf/file.h"
 #include "temporary_folder.h"
 
-namespace srbf {
+namespace srbf::model_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -257,4 +257,4 @@ TEST(Model, FormsHaveNames) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::model_test

@@ -7,7 +7,7 @@
 #include "srbf/kernel.h"
 #include "srbf/pictures.h"
 
-namespace srbf {
+namespace srbf::observations_test {
 namespace {
 
 Evaluate constant(Rgb colour) {
@@ -191,4 +191,4 @@ TEST(Observations, RefuseWhatCannotBeFitted) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::observations_test

@@ -23,7 +23,7 @@
 #include "render/raster.h"
 #endif
 
-namespace srbf {
+namespace srbf::page_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -435,4 +435,4 @@ TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
 #endif
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::page_test

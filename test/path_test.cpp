@@ -10,7 +10,7 @@
 #include "srbf/file.h"
 #include "su_models.h"
 
-namespace srbf {
+namespace srbf::path_test {
 namespace {
 
 const Environment& even_light() {
@@ -400,4 +400,4 @@ TEST_F(PathCommand, TexelsThatAreNoRadianceAreCounted) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::path_test

@@ -7,7 +7,7 @@
 #include "properties.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace srbf::pictures_test {
 namespace {
 
 Evaluate lambert(const Rgb& f) {
@@ -142,4 +142,4 @@ TEST(DeltaEItp, OfKnownColours) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::pictures_test

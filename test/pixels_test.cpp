@@ -4,7 +4,7 @@
 #include "properties.h"
 #include "srbf/pictures.h"
 
-namespace srbf {
+namespace srbf::pixels_test {
 namespace {
 
 using Triplet = Pixels::Triplet;
@@ -63,4 +63,4 @@ TEST(Pixels, SlopeIsThatOfTheError) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::pixels_test

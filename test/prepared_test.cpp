@@ -13,7 +13,7 @@
 #include "srbf/metrics.h"
 #include "su_models.h"
 
-namespace srbf {
+namespace srbf::prepared_test {
 namespace {
 
 struct Pair {
@@ -147,15 +147,20 @@ template <typename Ask> void in_mode(bool flushing, const Ask& ask) {
 }
 
 TEST_P(PreparedOn, NothingDependsOnTheModeOfTheProcessor) {
-    std::vector<PreparedBrdf> models;
-    for (const PmForm form : k_forms)
-        for (const bool axial : {true, false})
-            for (const int lobes : {5, 12}) {
-                const PmModel model = random_model(random_, {axial, true, lobes, 4, k_half_max, form});
-                models.push_back(prepare({model, {}}, {.azimuths = axial ? 1 : 4}));
-            }
-    models.push_back(prepare({random_su(random_, 64, 5), {}}, {}));
-    models.push_back(prepare({GgxModel{{0.1f, 0.2f, 0.3f}, {{k_least_roughness, {1, 0.9f, 0.8f}, 1}}}, {}}, {}));
+    // For all instruction sets: the same models are prepared in the same way.
+    static const std::vector<PreparedBrdf> models = [] {
+        std::mt19937_64 random(7);
+        std::vector<PreparedBrdf> made;
+        for (const PmForm form : k_forms)
+            for (const bool axial : {true, false})
+                for (const int lobes : {5, 12}) {
+                    const PmModel model = random_model(random, {axial, true, lobes, 4, k_half_max, form});
+                    made.push_back(prepare({model, {}}, {.azimuths = axial ? 1 : 4}));
+                }
+        made.push_back(prepare({random_su(random, 64, 5), {}}, {}));
+        made.push_back(prepare({GgxModel{{0.1f, 0.2f, 0.3f}, {{k_least_roughness, {1, 0.9f, 0.8f}, 1}}}, {}}, {}));
+        return made;
+    }();
     std::vector<Pair> pairs = random_pairs(random_, 2000);
     for (std::size_t i = 0; i < pairs.size(); i += 4) {  // exactly along the axes, or nearly
         pairs[i].wl = {i % 8 ? 0 : 1e-25f, 1e-40f, 1};
@@ -350,4 +355,4 @@ TEST_P(PreparedOn, DrawsAndDensityAgree) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::prepared_test

@@ -12,7 +12,7 @@
 #include "srbf/likeness.h"
 #include "su_models.h"
 
-namespace srbf {
+namespace srbf::raster_environment_test {
 namespace {
 
 const Measured& film() {
@@ -46,6 +46,14 @@ const Environment& coloured_light() {
 
 template <typename M> SampledMaterial sampled(const M& model) {
     return {model, propose(evaluator(model), {.azimuths = 1})};
+}
+const SampledMaterial& sampled_film() {
+    static const SampledMaterial of = sampled(film_pm());
+    return of;
+}
+const SampledMaterial& sampled_both() {
+    static const SampledMaterial of{full_bsdf(), propose_parts(evaluator(Model{full_bsdf(), {}}), {.azimuths = 1})};
+    return of;
 }
 template <typename M> PreparedBrdf prepared(const M& model) { return prepare(model, propose(evaluator(model))); }
 
@@ -122,8 +130,8 @@ TEST_P(RasterEnvironments, AreWithoutBiasHoweverTheyAreTurned) {
     // All pixels are samples of one integral.
     const double theta = 50 * k_degree;
     const Vec3f wv = to_float(spherical(theta, 0.0));
-    const SampledMaterial materials[] = {sampled(film_pm()), sampled(isotropic_su(128)), sampled(k_ggx),
-                                         sampled(film_table())};
+    static const SampledMaterial materials[] = {sampled_film(), sampled(isotropic_su(128)), sampled(k_ggx),
+                                                sampled(film_table())};
     const Evaluate brdfs[] = {evaluator(film_pm()), evaluator(isotropic_su(128)), evaluator(k_ggx),
                               evaluator(film_table())};
     static const SuModel su = isotropic_su(128);
@@ -175,7 +183,7 @@ TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
         const Vec3f wv = to_float(spherical(degrees * k_degree, 0.0));
         const auto expected = quadrature(evaluator(film_pm()), wv, uniform_light, k_world);
         for (const LightDraws draws : {LightDraws::both, LightDraws::material, LightDraws::filtered}) {
-            const Mean found = mean_of(picture(sampled(film_pm()), k_plane, plane_camera(degrees * k_degree), 32, 16,
+            const Mean found = mean_of(picture(sampled_film(), k_plane, plane_camera(degrees * k_degree), 32, 16,
                                                uniform_light, k_world, draws));
             // Filtered: biased, most of all where the viewer grazes.
             const double tolerance = draws == LightDraws::filtered ? 0.3 : 0.004;
@@ -187,7 +195,7 @@ TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
     // Of a BSDF what both sides scatter, and what the beams let through.
     const Model both{full_bsdf(), {}};
     const auto& [parts, beams] = std::get<BsdfModel>(both.model);
-    const SampledMaterial of_both{full_bsdf(), propose_parts(evaluator(both), {.azimuths = 1})};
+    const SampledMaterial& of_both = sampled_both();
     for (const double degrees : {20.0, 60.0, 110.0, 150.0}) {
         const Vec3f wv = to_float(spherical(degrees * k_degree, 0.0));
         const bool back = wv.z < 0;
@@ -218,7 +226,7 @@ TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
 }
 
 TEST_P(RasterEnvironments, ConvergeToThePathTracer) {
-    constexpr int size = 32;
+    constexpr int size = 24;
     static const SuModel su = isotropic_su(128);
     const Mesh mesh = sphere(128);
     const Camera camera = camera_of(mesh, {}, 1);
@@ -228,7 +236,8 @@ TEST_P(RasterEnvironments, ConvergeToThePathTracer) {
         if (expected.pixels.empty()) {
             PathScene scene{{{&shape, 0}}, {brdf}, camera, {}, {}, &coloured_light()};
             PathOptions options;
-            options.width = options.height = size, options.samples = 1024, options.occlusion = false;
+            options.width = options.height = size, options.samples = 1024, options.occlusion = false,
+            options.threads = 1;
             expected = render_paths(scene, options).rendering.radiance;
         }
         const auto picture_of = [&](int samples, LightDraws draws = LightDraws::both) {
@@ -254,20 +263,21 @@ TEST_P(RasterEnvironments, ConvergeToThePathTracer) {
                 << name;
         }
     };
-    check("pm", sampled(film_pm()), prepared(film_pm()), mesh);
+    static const PreparedBrdf film_brdf = prepared(film_pm()), table_brdf = prepared(film_table());
+    static const SampledMaterial table = sampled(film_table());
+    check("pm", sampled_film(), film_brdf, mesh);
     if (GetParam() == Dialect::gl_450) {  // whose text is the same in the other
         check("su", sampled(su), prepared(su), mesh);
         check("ggx", sampled(k_ggx), prepared(k_ggx), mesh);
     }
-    check("table", sampled(film_table()), prepared(film_table()), mesh);
+    check("table", table, table_brdf, mesh);
     // Both sides, from outside and from inside.
-    const Model bsdf{full_bsdf(), {}};
-    const SampledMaterial of_both{full_bsdf(), propose_parts(evaluator(bsdf), {.azimuths = 1})};
+    static const PreparedBsdf both_brdf = prepare_bsdf(Model{full_bsdf(), {}}, {.threads = 1});
     Mesh inside = mesh;
     std::erase_if(inside.triangles,
                   [&](const Triangle& t) { return dot(to_double(inside.positions[t[0]]), camera.eye) > 0; });
-    check("bsdf", of_both, prepare_bsdf(bsdf, {.threads = 1}), mesh);
-    check("bsdf inside", of_both, prepare_bsdf(bsdf, {.threads = 1}), inside);
+    check("bsdf", sampled_both(), both_brdf, mesh);
+    check("bsdf inside", sampled_both(), both_brdf, inside);
 }
 
 TEST_P(RasterEnvironments, Repeat) {
@@ -309,4 +319,4 @@ TEST(Render, TakesAnEnvironmentInTheRasterRenderer) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::raster_environment_test

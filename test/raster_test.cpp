@@ -16,10 +16,10 @@
 #include "srbf/kernel.h"
 #include "su_models.h"
 
-namespace srbf {
+namespace srbf::raster_test {
 namespace {
 
-constexpr int k_width = 320, k_height = 240;
+constexpr int k_width = 160, k_height = 120;
 
 /// f_r as the texts that the shader is made of have it, on the CPU.
 Rgb rgb(Vec3f f) { return {f.x, f.y, f.z}; }
@@ -360,14 +360,20 @@ TEST(Render, WritesAPictureOfEachFileSideBySide) {
         << refused.err;
 }
 
-/// PSNR [dB] of direct light against the path tracer's, where the object covers pixels as a whole.
-double psnr_to_paths(const Scene& scene, const Material& material, const Model& model) {
-    constexpr int size = 96;
-    PathScene traced{{{&scene.mesh, 0}}, {prepare_bsdf(model, {.threads = 1})}, scene.camera, scene.lights, {}};
+constexpr int k_traced = 96;  // pixels across of pictures of paths
+
+/// Direct light by the path tracer.
+Rendering traced(const Scene& scene, const PreparedBsdf& brdf) {
+    const PathScene paths{{{&scene.mesh, 0}}, {brdf}, scene.camera, scene.lights, {}};
     PathOptions options;
-    options.width = options.height = size, options.samples = 16, options.bounces = 1, options.occlusion = false;
-    const Rendering expected = render_paths(traced, options).rendering;
-    const auto drawn = rasterize(scene, std::vector<Material>{material}, size, size, 4);
+    options.width = options.height = k_traced, options.samples = 16, options.bounces = 1, options.occlusion = false,
+    options.threads = 1;
+    return render_paths(paths, options).rendering;
+}
+
+/// PSNR [dB] against the path tracer's, where the object covers pixels as a whole.
+double psnr_to(const Rendering& expected, const Scene& scene, const Material& material) {
+    const auto drawn = rasterize(scene, std::vector<Material>{material}, k_traced, k_traced, 4);
     if (!drawn) return ADD_FAILURE() << message(drawn.error()), 0;
     const float exposure = automatic_exposure(expected.radiance);
     double squares = 0, count = 0;
@@ -377,7 +383,7 @@ double psnr_to_paths(const Scene& scene, const Material& material, const Model& 
                    b = to_srgb8((*drawn)[0].radiance.pixels[i], exposure);
         for (std::size_t c = 0; c < 3; ++c, ++count) squares += std::pow(double(a[c]) - double(b[c]), 2);
     }
-    EXPECT_GT(count, 0.2 * size * size);
+    EXPECT_GT(count, 0.2 * k_traced * k_traced);
     return 10 * std::log10(255 * 255 * count / squares);
 }
 
@@ -390,6 +396,8 @@ TEST(Rasterize, BothSidesAreLitFromBothSides) {
     const Evaluate values = evaluator(ggx);
     for (std::size_t p = 0; p < k_parts; ++p)
         tables.part[p] = std::make_shared<const MerlTable>(to_merl(part_of(values, Part(p)), {64, 45, 48}));
+    const PreparedBsdf by_ggx = prepare_bsdf(ggx, {.threads = 1}),
+                       by_lobes = prepare_bsdf(Model{lobes, {}}, {.threads = 1});
     Scene outside = scene_of(sphere(96), {}, 1), inside = outside;
     std::erase_if(inside.mesh.triangles, [&](const Triangle& t) {
         return dot(to_double(inside.mesh.positions[t[0]]), inside.camera.eye) > 0;
@@ -397,14 +405,12 @@ TEST(Rasterize, BothSidesAreLitFromBothSides) {
     for (Scene* scene : {&outside, &inside})
         for (const bool behind : {false, true}) {
             if (behind) scene->lights = {light_behind(scene->camera)};
-            const double of_tables = psnr_to_paths(*scene, tables, ggx),
-                         of_code = psnr_to_paths(*scene, rough_bsdf(), ggx),
-                         of_lobes = psnr_to_paths(*scene, lobes, {lobes, {}});
-            EXPECT_GE(of_code, 42) << behind;
-            EXPECT_GE(of_lobes, 40) << behind;
-            EXPECT_GE(of_tables, 40) << behind;
+            const Rendering of_ggx = traced(*scene, by_ggx), of_lobes = traced(*scene, by_lobes);
+            EXPECT_GE(psnr_to(of_ggx, *scene, rough_bsdf()), 42) << behind;
+            EXPECT_GE(psnr_to(of_lobes, *scene, lobes), 40) << behind;
+            EXPECT_GE(psnr_to(of_ggx, *scene, tables), 40) << behind;
             // Another model is told apart.
-            EXPECT_LT(psnr_to_paths(*scene, lobes, ggx), 30) << behind;
+            EXPECT_LT(psnr_to(of_ggx, *scene, lobes), 30) << behind;
         }
 }
 
@@ -483,4 +489,4 @@ TEST_P(Raster, AnOpenTextDrawsAnyModel) {
 IN_EACH_DIALECT(Raster);
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::raster_test

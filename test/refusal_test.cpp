@@ -2,7 +2,7 @@
 #include "command.h"
 #include "models.h"
 
-namespace srbf {
+namespace srbf::refusal_test {
 namespace {
 
 TEST_F(CommandLine, spectra_of_colours_are_refused) {
@@ -54,12 +54,18 @@ TEST_F(CommandLine, outputs_that_cannot_be_written_leave_nothing_behind) {
     expect_failure(1, fit + Arguments{"-o", "./small.binary"}, "small.binary");
     expect_failure(1, fit + Arguments{"-o", "x.png", "--preview", "./x.png"}, "x.png");
     expect_failure(1, {"compare", "small.binary", k_paper, "--json", "small.binary"}, "small.binary");
-    // Full devices, detected only by writing.
+    const Arguments eval{"eval", k_paper, "--pairs", bundled_data() / "paper_white_rgb.csv"};
+    for (const Arguments& command : {Arguments{"info", k_paper}, eval})
+        expect_failure(1, command, "standard output", "/dev/full");
+}
+
+/// Which is noticed only once all is fitted and measured.
+TEST_F(CommandLine, full_devices_leave_nothing_behind) {
+    write(folder / "small.binary", small_merl());
+    const Arguments fit{"fit", "small.binary", "--model", "ggx"};
     expect_failure(1, fit + Arguments{"-o", "/dev/full", "--json", "r.json"}, "/dev/full");
     expect_failure(1, fit + Arguments{"--json", "/dev/full", "--preview", "p.png"}, "/dev/full");
-    const Arguments eval{"eval", k_paper, "--pairs", bundled_data() / "paper_white_rgb.csv"};
-    for (const Arguments& command : {fit, {"info", k_paper}, eval})
-        expect_failure(1, command, "standard output", "/dev/full");
+    expect_failure(1, fit, "standard output", "/dev/full");
 }
 
 TEST_F(CommandLine, usage_errors_of_choices) {
@@ -149,4 +155,4 @@ TEST_F(CommandLine, render_refuses) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::refusal_test

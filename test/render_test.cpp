@@ -20,7 +20,7 @@
 #include "srbf/file.h"
 #include "srbf/measured.h"
 
-namespace srbf {
+namespace srbf::render_test {
 namespace {
 
 constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
@@ -498,4 +498,4 @@ TEST(Preview, OfAMeasurementHasNoHoles) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::render_test

@@ -15,7 +15,7 @@
 #include "properties.h"
 #include "srbf/text.h"
 
-namespace srbf {
+namespace srbf::report_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -279,4 +279,4 @@ TEST_F(Report, RefusesWhatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::report_test

@@ -5,7 +5,7 @@
 #include "measured_files.h"
 #include "srbf/colour.h"
 
-namespace srbf {
+namespace srbf::rgl_test {
 namespace {
 
 const RglTable& bundled(std::string_view name) {
@@ -279,4 +279,4 @@ TEST(Rgl, IsZeroBelowTheHorizon) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::rgl_test

@@ -12,7 +12,7 @@
 #include "statistics.h"
 #include "su_models.h"
 
-namespace srbf {
+namespace srbf::sampling_test {
 namespace {
 
 constexpr double k_thetas[] = {0, 30, 60, 80};
@@ -465,4 +465,4 @@ TEST_F(Sampling, ExtremeModelsAreDrawnFrom) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::sampling_test

@@ -8,7 +8,7 @@
 #include "srbf/file.h"
 #include "srbf/metrics.h"
 
-namespace srbf {
+namespace srbf::scattered_test {
 namespace {
 
 Result<ScatteredSamples> read(Result<ScatteredSamples> (*reader)(std::span<const std::byte>, const std::string&),
@@ -396,4 +396,4 @@ TEST(ScatteredSamples, RealMeasurements) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::scattered_test

@@ -3,7 +3,7 @@
 
 #include "properties.h"
 
-namespace srbf {
+namespace srbf::scene_test {
 namespace {
 
 void expect_orthonormal(const Frame& f) {
@@ -84,4 +84,4 @@ TEST(SurfaceFrame, LiesAlongLatitudes) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::scene_test

@@ -4,7 +4,7 @@
 #include "models.h"
 #include "properties.h"
 
-namespace srbf {
+namespace srbf::search_test {
 namespace {
 
 constexpr double k_no_peak_limit = std::numeric_limits<double>::infinity();
@@ -95,4 +95,4 @@ TEST(Search, ShortFitsHaveNoMoreStartsAndPerturbations) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::search_test

@@ -19,7 +19,7 @@
 #include "render/offscreen.h"
 #endif
 
-namespace srbf {
+namespace srbf::shading_code_test {
 namespace {
 
 using Float4 = std::array<float, 4>;
@@ -672,4 +672,4 @@ TEST(ShadingCodeText, WhatALanguageCannotHoldIsRefused) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::shading_code_test

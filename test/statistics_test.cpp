@@ -3,7 +3,7 @@
 
 #include "properties.h"
 
-namespace srbf {
+namespace srbf::statistics_test {
 namespace {
 
 TEST(Statistics, UpperGammaRatioAgreesWithTables) {
@@ -71,4 +71,4 @@ TEST(Statistics, PolarBinsCoverTheSphereOnce) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::statistics_test

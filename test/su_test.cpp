@@ -11,7 +11,7 @@
 #include "srbf/model.h"
 #include "su_models.h"
 
-namespace srbf {
+namespace srbf::su_test {
 namespace {
 
 /// The function of view i by the formula of the docstring, in double.
@@ -304,4 +304,4 @@ TEST(SuFile, CentresAboutTheMirrorDirectionKeepTheirDigits) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::su_test

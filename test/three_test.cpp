@@ -17,7 +17,7 @@
 #include "srbf/shading_code.h"
 #include "temporary_folder.h"
 
-namespace srbf {
+namespace srbf::three_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -127,4 +127,4 @@ TEST(Three, ShowsWhatTheDesktopShows) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::three_test

@@ -1,7 +1,7 @@
 // UTIA tables. The tables are synthetic, since no file of the database is available.
 #include "measured_files.h"
 
-namespace srbf {
+namespace srbf::utia_test {
 namespace {
 
 /// Linear in θ, and in φ by a triangle wave, so that interpolation gives it back.
@@ -71,4 +71,4 @@ TEST(Utia, KeepsTheContract) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::utia_test

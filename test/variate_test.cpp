@@ -2,7 +2,7 @@
 #include "models.h"
 #include "srbf/kernel.h"
 
-namespace dual {
+namespace srbf::variate_test::dual {
 
 /// v + d ε with ε² = 0: a value and its derivative.
 struct Dual {
@@ -27,9 +27,9 @@ inline Dual min(Dual a, Dual b) { return b < a ? b : a; }
 inline Dual max(Dual a, Dual b) { return a < b ? b : a; }
 inline Dual select(bool condition, Dual a, Dual b) { return condition ? a : b; }
 
-}  // namespace dual
+}  // namespace srbf::variate_test::dual
 
-namespace srbf {
+namespace srbf::variate_test {
 namespace {
 
 using dual::Dual;
@@ -283,4 +283,4 @@ TEST(Variate, ExtremeStoredNumbersStayFinite) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::variate_test

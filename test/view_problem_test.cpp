@@ -6,7 +6,7 @@
 #include "least_squares.h"
 #include "properties.h"
 
-namespace srbf {
+namespace srbf::view_problem_test {
 namespace {
 
 /// Three lobes in three colours on directions of the hemisphere, of which one in ten was not measured; with two lights.
@@ -168,4 +168,4 @@ TEST(ViewInPictures, StepsLowerWhatIsSeen) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::view_problem_test

@@ -21,7 +21,7 @@
 #include <stb/stb_image.h>
 #pragma GCC diagnostic pop
 
-namespace srbf {
+namespace srbf::view_test {
 namespace {
 
 const std::string k_film = (bundled_data() / "cc_ibiza_sunset_rgb.bsdf").string();
@@ -330,4 +330,4 @@ TEST_F(View, NoFileIsAWindowThatSaysSo) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::view_test

@@ -3,7 +3,7 @@
 #include "srbf/kernel.h"
 #include "statistics.h"
 
-namespace srbf {
+namespace srbf::vmf_test {
 namespace {
 
 template <typename Real> class VmfOf : public testing::Test {
@@ -148,4 +148,4 @@ TYPED_TEST(VmfOf, EveryDrawIsADirection) {
 }
 
 }  // namespace
-}  // namespace srbf
+}  // namespace srbf::vmf_test

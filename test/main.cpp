@@ -1,0 +1,40 @@
+// PROGRAM [--of=NOUN] [googletest's options]: runs the tests of all its files, or those of NOUN_test.cpp.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+
+namespace {
+
+/// A filter of the tests in `file`; empty if there are none.
+std::string tests_of(std::string_view file) {
+    std::string filter;
+    const auto& all = *testing::UnitTest::GetInstance();
+    for (int i = 0; i < all.total_test_suite_count(); ++i) {
+        const testing::TestSuite& suite = *all.GetTestSuite(i);
+        for (int k = 0; k < suite.total_test_count(); ++k) {
+            const testing::TestInfo& test = *suite.GetTestInfo(k);
+            if (std::string_view(test.file()).ends_with(file))
+                filter += (filter.empty() ? "" : ":") + std::string(suite.name()) + '.' + test.name();
+        }
+    }
+    return filter;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    testing::InitGoogleTest(&count, arguments);
+    constexpr std::string_view option = "--of=";
+    const std::string_view of = count == 2 ? arguments[1] : "";
+    if (count > 1 && !of.starts_with(option)) return 2;
+    if (count == 2) {
+        const std::string tests = tests_of("/" + std::string(of.substr(option.size())) + "_test.cpp");
+        if (tests.empty()) return 2;
+        // A filter of what not to run holds among them; another one takes their place.
+        std::string& filter = testing::GTEST_FLAG(filter);
+        if (filter == "*") filter = tests;
+        if (filter.starts_with('-')) filter = tests + filter;
+    }
+    return RUN_ALL_TESTS();
+}

@@ -238,9 +238,11 @@ TEST(Cuda, steps_reach_the_same_loss) {
         const double loss = problem.loss(Eigen::Map<Eigen::VectorXd>(of.x.data(), start.size()));
         EXPECT_TRUE(near(loss, of.loss, 1e-5 * of.loss)) << of.loss;
         // Where lobes nearly coincide rounding decides which way a step goes.
-        same += std::abs(of.loss - expected.loss) < 1e-3 * expected.loss, ++count;
+        const double off = std::abs(of.loss - expected.loss) / expected.loss;
+        EXPECT_LE(off, 0.02);
+        same += off < 1e-3, ++count;
     });
-    EXPECT_GE(same, count - count / 10);
+    EXPECT_GE(same, count - count / 4);
 }
 
 TEST(Cuda, the_same_candidates_are_best) {

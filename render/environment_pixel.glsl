@@ -77,21 +77,24 @@ float power_share(float a, float b) { return 1.0 / (1.0 + (b / a) * (b / a)); }
 // Of a view, on one side of a surface: the chance of each of the mixture's lobes, in proportion to its weight times the
 // luminance about its centre, averaged over its solid angle. To this the mean is added, for what the average misses.
 struct LitLobes {
-    Vec3 wv;
-    NodesAbout nodes;
+    Vec3 wv;      // in the frame of the part
+    Stretch map;  // of half-vector lobes, as their power
+    float power;
     float chance[SRBF_PROPOSAL_LOBES];
 };
 LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
     choose_part(side, wv);
     LitLobes lit;
     lit.wv = to_part(wv);
-    lit.nodes = mixture_nodes(lit.wv);
+    NodesAbout nodes = mixture_nodes(lit.wv);
+    lit.map = mixture_stretch(lit.wv, nodes);
+    lit.power = mixture_power(nodes);
     vec2 above = environment_place(side * frame.normal);
     vec2 mirrored = environment_place(from_surface(frame, to_side(Vec3(-lit.wv.xy, lit.wv.z), side)));
     float mean = luminance(environment_radiance(vec2(0.5), 32.0));
     float sum = 0.0;
     for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
-        float chance = mixture_between(k, lit.nodes);
+        float chance = mixture_between(k, nodes);
         if (chance > 0.0) {
             // 2 pi / lambda; the reflection of half vectors takes 4 cos(theta_v) times as much.
             float spread = k < 6 ? 2.0 : 8.0 * lit.wv.z;
@@ -104,7 +107,7 @@ LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
     }
     // In the dark any will do.
     for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k)
-        lit.chance[k] = sum > 0.0 ? lit.chance[k] / sum : mixture_between(k, lit.nodes);
+        lit.chance[k] = sum > 0.0 ? lit.chance[k] / sum : mixture_between(k, nodes);
     return lit;
 }
 // A direction to the light, in the frame of the part. The lobe is chosen by u.x, which is uniform again within its
@@ -119,12 +122,13 @@ Vec3 sample_lit(LitLobes lit, vec2 u) {
         }
     }
     if (lit.chance[chosen] <= 0.0) chosen = 0;  // what rounding leaves over is the cosine's
-    return sample_of_lobe(chosen, lit.wv, min(within / lit.chance[chosen], 0.99999994), u.y);
+    float u1 = min(within / lit.chance[chosen], 0.99999994);
+    return sample_proposal_lobe(chosen, lit.wv, lit.map, lit.power, u1, u.y);
 }
 // Its density [1/sr].
 float lit_pdf(LitLobes lit, Vec3 wl) {
     if (wl.z <= 0.0 || lit.wv.z <= 0.0) return 0.0;
-    ProposalPoint at = proposal_point(wl, lit.wv, mixture_stretch(lit.wv, lit.nodes), mixture_power(lit.nodes));
+    ProposalPoint at = proposal_point(wl, lit.wv, lit.map, lit.power);
     float sum = 0.0;
     for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) sum += lit.chance[k] * proposal_lobe_pdf(k, at);
     return sum;

@@ -134,11 +134,10 @@ void Controls::draw_picture(Look& look) {
     if (ImGui::SliderFloat("exposure", &stops, -8, 8, "%+.2f stops"))
         look.exposure = std::exp2(stops), look.automatic = false;
     ImGui::Checkbox("automatic exposure", &look.automatic);
-    const float unit = look.in_delta_e ? 100 : 1;
-    float most = unit * look.full_scale;
-    if (ImGui::SliderFloat("difference", &most, unit * k_least_scale, unit * k_most_scale,
+    float most = look.unit() * look.full_scale;
+    if (ImGui::SliderFloat("difference", &most, look.unit() * k_least_scale, look.unit() * k_most_scale,
                            look.in_delta_e ? "%.3g ΔE" : "±%.3g", ImGuiSliderFlags_Logarithmic))
-        look.full_scale = most / unit;
+        look.full_scale = most / look.unit();
     if (ImGui::IsItemHovered())
         ImGui::SetTooltip(look.in_delta_e
                               ? "the ΔE_ITP that shows in full red"

@@ -34,6 +34,8 @@ struct Look {
     float exposure = 1;
     bool automatic = true;    ///< exposure follows the reference until it is set manually
     float full_scale = 0.1f;  ///< of the difference, k_least_scale to k_most_scale
+    /// What a difference of 1 is called: ΔE_ITP, or the brightness of white.
+    float unit() const { return in_delta_e ? 100.f : 1.f; }
     std::string mesh = "ball";
     double theta_l = 45 * k_degree;  ///< for slices and lobes, 0 to 85°
     bool logarithmic = true;         ///< slices, over k_decades; otherwise linear

@@ -44,7 +44,7 @@ void draw_scale(const Look& look, float width) {
     const ImU32 ink = IM_COL32(230, 230, 230, 255);
     const std::string most = fmt::format("+{:.3g}", look.full_scale), least = fmt::format("-{:.3g}", look.full_scale);
     const std::string right =
-        look.in_delta_e ? fmt::format("{:.3g} ΔE", 100 * look.full_scale) : "fit brighter " + most;
+        look.in_delta_e ? fmt::format("{:.3g} ΔE", look.unit() * look.full_scale) : "fit brighter " + most;
     list.AddText({at.x, at.y + height}, ink, look.in_delta_e ? "0" : (least + " fit darker").c_str());
     if (!look.in_delta_e) list.AddText({middle - 3, at.y + height}, ink, "0");
     list.AddText({at.x + width - ImGui::CalcTextSize(right.c_str()).x, at.y + height}, ink, right.c_str());

@@ -236,7 +236,7 @@ std::string Printer::expression_text(const Expression& of, int outside) {
             return part(0, 9) + "." + named(of.text);
         case EKind::index: {
             // In C a table is a function, which a program for a GPU may have where it may not have global arrays. What
-            // the host supplies is one in every language_.
+            // the host supplies is one in every language.
             const bool is_table = of.parts[0].kind == EKind::name && names_.contains(of.parts[0].text);
             const bool is_supplied = of.parts[0].type.size.empty();
             const char* brackets = is_table && (!language_.has_operators || is_supplied) ? "()" : "[]";

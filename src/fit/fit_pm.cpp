@@ -48,6 +48,9 @@ constexpr double k_least_gain = 0.005, k_least_gain_with_pictures = 0.02;
 /// float.
 constexpr double k_log_peak_limit = 300;
 
+/// The least and the largest factor of a weight for an error that is not small.
+constexpr double k_most_large_error_weight = 10;
+
 /// If rounding raises the loss by more than this factor, parameters are rounded one after the other instead.
 struct CostlyRounding {
     double factor;
@@ -200,11 +203,16 @@ struct Fit {
 
     template <typename Body> void each(const Body& body) { parallel_for(found.size(), body); }
     void polished_one() { reporter.advance("polishing", work.polish / double(found.size())); }
-    PmFit finished(const Candidate& candidate, double picture_importance) const {
+    PmFit finished(const Candidate& candidate, const Observations& all, double picture_importance) const {
         const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
         const double radiance_importance = sample.radiance_importance() * 3 / channels;
-        return finish(candidate.lobes, observations, radiance_importance, picture_importance, options, log_peak_limit,
-                      reporter);
+        return finish(candidate.lobes, all, radiance_importance, picture_importance, options, log_peak_limit, reporter);
+    }
+    /// A candidate with the coefficients for these rows.
+    PmModel on(const Rows& rows, const Candidate& candidate) const {
+        LobeProblem problem(rows, shape_of(options), true, log_peak_limit);
+        problem.loss(LobeProblem::pack(candidate.lobes));
+        return to_model(problem, candidate.lobes, options.log_scale, {});
     }
 
     void search() {
@@ -225,8 +233,9 @@ struct Fit {
         sample.look_about(found, options, log_peak_limit);
     }
 
-    /// With views.
+    /// With views. Weights are those of small errors until here.
     PmFit seen() {
+        sample.weigh_large_errors(on(sample.to_search(false), found.front()), k_most_large_error_weight);
         const double importance = sample.picture_importance(found.front(), options, log_peak_limit);
         const Rows to_see = sample.to_see(importance);
         each([&](std::size_t i) {
@@ -234,7 +243,11 @@ struct Fit {
             polished_one();
         });
         const auto by_loss = [](const Candidate& a, const Candidate& b) { return a.loss < b.loss; };
-        return finished(*std::min_element(found.begin(), found.end(), by_loss), importance);
+        const Candidate& best = *std::min_element(found.begin(), found.end(), by_loss);
+        Observations weighed = observations;
+        weigh_large_errors(weighed, std::span(observations.weight).first(observations.f.size() - observations.checks),
+                           evaluator(on(to_see, best)), k_most_large_error_weight);
+        return finished(best, weighed, importance);
     }
 
     void polish_best() {
@@ -256,7 +269,7 @@ struct Fit {
         PmFit fit;
         for (std::size_t i = 0; i < found.size(); ++i) {
             if (i > 0 && (found[i].loss > (1 + k_nearly_best) * fit.loss || reporter.cancelled())) break;
-            PmFit next = finished(found[i], 0);
+            PmFit next = finished(found[i], observations, 0);
             if (i == 0 || next.loss < fit.loss) fit = std::move(next);
         }
         return fit;

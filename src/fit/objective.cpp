@@ -26,9 +26,10 @@ double displayed(double f, double bright, double cos_l) { return std::pow(f * co
 double displayed_slope(double f, double bright, double cos_l) {
     return cos_l * std::pow(f * cos_l + k_dark_share * bright, -5.0 / 6) / 6;
 }
-/// The squared slope of ∛(f cosθl + bright), but for a factor, weighted by cosθv.
+/// The squared slope of ∛(f cosθl + bright), but for a factor, weighted by √cosθv: measurements brighten towards the
+/// rim of what is seen, which is narrow.
 double highlight_weight(double f, double bright, double cos_l, double cos_v) {
-    return cos_l * cos_l * std::pow(1 + f * cos_l / bright, -4.0 / 3) * cos_v;
+    return cos_l * cos_l * std::pow(1 + f * cos_l / bright, -4.0 / 3) * std::sqrt(cos_v);
 }
 
 constexpr ObjectiveTraits k_traits[] = {
@@ -133,6 +134,14 @@ void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::
         const double energy = rule ? take(further, rule) : 0;
         for (std::size_t i = 0; energy > 0 && i < f.size(); ++i) weight[i] += importance * whole / energy * further[i];
     }
+}
+
+void weigh_large_errors(Observations& observations, std::span<const double> base, const Evaluate& fitted, double most) {
+    std::vector<Rgb> f(base.size());
+    fitted(std::span(observations.wl).first(f.size()), std::span(observations.wv).first(f.size()), f);
+    for (std::size_t i = 0; i < f.size(); ++i)
+        observations.weight[i] = base[i] * large_error_weight(observations.objective, observations.f[i], f[i],
+                                                              observations.typical, double(observations.wl[i].z), most);
 }
 
 }  // namespace srbf

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "fit/excess.h"
+#include "fit/objective.h"
 #include "fit/rounding.h"
 #include "parallel.h"
 
@@ -77,6 +78,12 @@ void Sample::look_about(const std::vector<Candidate>& candidates, const FitOptio
         for (Part* part : {&few_, &some_, &more_})
             if (i >= part->begin) append(part->observations);
     }
+}
+
+void Sample::weigh_large_errors(const PmModel& fitted, double most) {
+    std::vector<double> base = some_.observations.weight;
+    base.resize(some_.begin);
+    srbf::weigh_large_errors(some_.observations, base, evaluator(fitted), most);
 }
 
 double Sample::radiance_importance() const {

@@ -26,11 +26,18 @@ struct Seen {
     float logarithm;
     double root, sixth_root;
 };
-Seen seen(float f, float cos_l) { return {std::log1p(f * cos_l), cube_root(f), std::sqrt(cube_root(f * cos_l))}; }
+/// `root_l`: the cube root of cos_l.
+Seen seen(float f, float cos_l, double root_l) {
+    const double root = cube_root(f);
+    return {std::log1p(f * cos_l), root, std::sqrt(root * root_l)};
+}
 /// Of the channels of each pair.
 void see(std::span<const float> f, std::span<const Vec3f> wl, std::span<Seen> out) {
     const std::size_t C = f.size() / wl.size();
-    for (std::size_t i = 0; i < f.size(); ++i) out[i] = seen(f[i], wl[i / C].z);
+    for (std::size_t i = 0; i < wl.size(); ++i) {
+        const double root_l = cube_root(wl[i].z);
+        for (std::size_t k = i * C; k < (i + 1) * C; ++k) out[k] = seen(f[k], wl[i].z, root_l);
+    }
 }
 
 /// The sums of which the measures consist.
@@ -50,14 +57,14 @@ struct Sums {
         }
         ++pairs;
         const auto square = [](double x) { return x * x; };
-        const double cos_l = double(wl.z), area = weight * double(wv.z);
+        const double cos_l = double(wl.z), root_l = cube_root(wl.z), area = weight * double(wv.z);
         for (std::size_t c = 0; c < f.size(); ++c) {
             const double a = double(f[c]), b = double(g[c]);
             squared += weight * square(a - b);
             squared_whole += weight * square(a);
             cosine += area * square((a - b) * cos_l);
             cosine_whole += area * square(a * cos_l);
-            const Seen of_f = f_seen[c], of_g = seen(g[c], wl.z);
+            const Seen of_f = f_seen[c], of_g = seen(g[c], wl.z, root_l);
             logarithm += area * square(double(of_f.logarithm - of_g.logarithm));
             log_weight += area;
             root += weight * square(of_f.root - of_g.root);

@@ -13,7 +13,7 @@ double smooth_step(double a, double b, double x) {
 }
 Rgb mixed(const Rgb& a, const Rgb& b, double share_of_b) {
     Rgb c;
-    for (int i = 0; i < 3; ++i) c[i] = std::lerp(a[i], b[i], float(share_of_b));
+    for (int i = 0; i < 3; ++i) c[i] = a[i] + float(share_of_b) * (b[i] - a[i]);
     return c;
 }
 
@@ -27,7 +27,9 @@ Rgb radiance(const Lighting& lighting, Vec3d w) {
     Rgb sum = mixed(lighting.ground, sky, smooth_step(-k_horizon, k_horizon, w.y));
     for (const Lighting::Source& source : lighting.sources) {
         if (source.radius == 0) continue;
-        const double cosine = dot(w, source.direction), edge = std::cos(source.radius * k_degree);
+        const double cosine = dot(w, source.direction), radius = source.radius * k_degree;
+        if (cosine <= 1 - radius * radius / 2) continue;  // below cos(radius), for most directions
+        const double edge = std::cos(radius);
         if (cosine <= edge) continue;
         const double share = smooth_step(edge, edge + k_soft_edge * (1 - edge), cosine);
         for (int c = 0; c < 3; ++c) sum[c] += float(share) * source.power[c];

@@ -288,7 +288,7 @@ Image8 environment_picture(const Json& of, const PageMaterial& material, Dialect
     const double turned = scene["turned"], s = std::sin(turned), c = std::cos(turned);
     const Environment studio(halved(load_environment("studio")->texels()));
     const auto light = RasterEnvironment::make(studio);
-    const auto surface = RasterSurface::make(dialect, width, height);
+    const auto surface = RasterSurface::make(dialect, width, height, RasterSurface::Points::four);
     auto shaded = RasterMaterial::make(*material.material, {.dialect = dialect, .environment = true});
     if (!light || !surface || !shaded) return ADD_FAILURE(), Image8(width, height);
     const auto* general = std::get_if<PmModel>(&*material.material);

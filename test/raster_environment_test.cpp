@@ -79,7 +79,7 @@ class RasterEnvironments : public InEachDialect {
                                 int samples, const Environment& environment, const Frame& axes,
                                 LightDraws draws = LightDraws::both) {
         const auto light = RasterEnvironment::make(environment);
-        const auto surface = RasterSurface::make(GetParam(), size, size);
+        const auto surface = RasterSurface::make(GetParam(), size, size, RasterSurface::Points::four);
         auto material = RasterMaterial::make(of.material, {.dialect = GetParam(), .environment = true});
         if (!light || !surface || !material)
             return ADD_FAILURE() << message(!light      ? light.error()

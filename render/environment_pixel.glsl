@@ -254,8 +254,8 @@ vec3 radiance_at(ivec2 pixel_, int k) {
     return any(isnan(radiance)) || any(isinf(radiance)) ? vec3(0.0) : radiance;
 }
 // Whether at one of its points the surface ends or is seen at less than asin(1/8) = 7 degrees. There reflections are
-// compressed to lines and BRDFs grow: all of the points are then shown. Which of them is the first makes no difference to
-// this, so that the mean of both kinds of samples is that of all points.
+// compressed to lines and BRDFs grow: all of the points are then shown. Which of them is the first makes no difference
+// to this, so that the mean of both kinds of samples is that of all points.
 bool is_edge(ivec2 pixel_) {
     int surfaces = 0;
     bool is_grazing = false;

@@ -89,11 +89,11 @@ class RasterSurface {
     enum class Points { one = 1, four = 2 };
     /// Errors: larger than the library's framebuffers; float formats that cannot be rendered to.
     static Result<RasterSurface> make(Dialect dialect, int width, int height, Points points = Points::one);
-    /// Draws the mesh. The view's shift is that of a point of each pixel; others of four are half a pixel away. Restores
-    /// the framebuffer binding and the viewport.
+    /// Draws the mesh. The view's shift is that of one of a pixel's points; the others are half a pixel away from it.
+    /// Restores the framebuffer binding and the viewport.
     void draw(const RasterMesh& mesh, const RasterView& view) const;
-    /// Rows from the top, of points: (x, y, z), and 1 where there is a surface; its interpolated normal, facing the viewer, and 1
-    /// at the front or −1 at the back.
+    /// Rows of points from the top: (x, y, z), and 1 where there is a surface; its interpolated normal, facing the
+    /// viewer, and 1 at the front or −1 at the back.
     std::vector<Float4> read_positions() const { return read(0); }
     std::vector<Float4> read_normals() const { return read(1); }
 

@@ -53,7 +53,7 @@ class Progress {
                                  const SampledMaterial& of, int width, int height) {
         auto light = RasterEnvironment::make(environment);
         if (!light) return light.error();
-        auto surface = RasterSurface::make(context.dialect(), width, height);
+        auto surface = RasterSurface::make(context.dialect(), width, height, RasterSurface::Points::four);
         if (!surface) return surface.error();
         auto material = RasterMaterial::make(of.material, {.dialect = context.dialect(), .environment = true});
         if (!material) return material.error();

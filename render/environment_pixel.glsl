@@ -3,7 +3,7 @@
 // environment is seen.
 out vec4 pixel;  // the mean of the samples so far
 
-uniform sampler2D surface_positions;
+uniform sampler2D surface_positions;  // at 2 x 2 points of each pixel
 uniform sampler2D surface_normals;
 uniform sampler2D before;  // the mean without this sample
 uniform float share;       // of this sample in the mean: 1 for the first
@@ -12,7 +12,7 @@ uniform int draws;  // a LightDraws
 uniform vec3 eye;
 uniform mat3 picture_axes;  // x and y to the right and upper edge, and -z to the middle of a picture at distance 1
 uniform vec2 picture_size;
-uniform vec2 shift;  // of this sample from the pixel's centre, in pixels
+uniform vec2 shift;  // of this sample from the pixel's centre, in pixels; the other points are half a pixel away
 uniform vec3 light_direction[LIGHTS];   // to the light, unit vectors
 uniform vec3 light_irradiance[LIGHTS];  // on a surface that faces the light
 
@@ -195,8 +195,9 @@ Vec3 filtered_radiance(SurfaceFrame frame, Vec3 wv, float side) {
     return sum;
 }
 
-// `normal` as of surface_pixel.glsl. Both sides of a surface have their own draws by the material.
-Vec3 scattered_radiance(Vec3 position, vec4 normal) {
+// `normal` as of surface_pixel.glsl, `index` of the points that directions are drawn from. Both sides of a surface have
+// their own draws by the material.
+Vec3 scattered_radiance(Vec3 position, vec4 normal, int index) {
     Vec3 to_viewer = normalize(eye - position);
     SurfaceFrame frame = surface_frame_about((SIDES == 2 ? normal.w : 1.0) * visible_normal(normal.xyz, to_viewer));
     Vec3 wv = to_surface(frame, to_viewer);
@@ -206,7 +207,7 @@ Vec3 scattered_radiance(Vec3 position, vec4 normal) {
         if (SIDES == 2) sum += filtered_radiance(frame, wv, -1.0);
     } else {
         uint seed = hashed(uint(gl_FragCoord.x) + hashed(uint(gl_FragCoord.y)));
-        vec2 of_material = point_at(sample_index, seed + 2u);
+        vec2 of_material = point_at(index, seed + 2u);
         LitLobes front = lit_lobes(frame, wv, 1.0);
         if (draws != 2) sum += by_material(frame, wv, front, 1.0, of_material);
 #if SIDES == 2
@@ -214,7 +215,7 @@ Vec3 scattered_radiance(Vec3 position, vec4 normal) {
         if (draws != 2) sum += by_material(frame, wv, back, -1.0, of_material);
 #endif
         for (int i = 0; i < LIGHT_DRAWS && draws != 1; ++i) {
-            vec2 u = point_at(LIGHT_DRAWS * sample_index + i, seed);
+            vec2 u = point_at(LIGHT_DRAWS * index + i, seed);
             EnvironmentSample drawn = sample_environment(u.x, u.y);
             Vec3 wl = to_surface(frame, drawn.towards);
             if (drawn.pdf <= 0.0) continue;
@@ -235,17 +236,45 @@ Vec3 scattered_radiance(Vec3 position, vec4 normal) {
     return sum;
 }
 
-void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy);
+// What point k of the pixel shows; `first` is the one that every pixel shows.
+ivec2 first_point() { return ivec2(step(vec2(0.0), shift)); }
+vec3 radiance_at(ivec2 pixel_, int k) {
+    ivec2 first = first_point();
+    ivec2 point = first ^ ivec2(k & 1, k >> 1);
+    ivec2 at = 2 * pixel_ + point;
     vec4 position = texelFetch(surface_positions, at, 0);
-    Vec3 radiance;
+    vec3 radiance;
     if (position.w > 0.0) {
-        radiance = scattered_radiance(position.xyz, texelFetch(surface_normals, at, 0));
+        // Each of the points has its own stretch of the sequence.
+        radiance = scattered_radiance(position.xyz, texelFetch(surface_normals, at, 0), sample_index + (k << 20));
     } else {
-        vec2 seen = 2.0 * (gl_FragCoord.xy + shift) / picture_size - 1.0;
+        vec2 seen = 2.0 * (gl_FragCoord.xy + shift + 0.5 * vec2(point - first)) / picture_size - 1.0;
         radiance = environment_radiance(environment_place(normalize(picture_axes * vec3(seen, -1.0))), 0.0);
     }
-    if (any(isnan(radiance)) || any(isinf(radiance))) radiance = Vec3(0.0);
-    vec4 now = vec4(radiance, 1.0);
+    return any(isnan(radiance)) || any(isinf(radiance)) ? vec3(0.0) : radiance;
+}
+// Whether at one of its points the surface ends or is seen at less than asin(1/8) = 7 degrees. There reflections are
+// compressed to lines and BRDFs grow: all of the points are then shown. Which of them is the first makes no difference
+// to this, so that the mean of both kinds of samples is that of all points.
+bool is_edge(ivec2 pixel_) {
+    int surfaces = 0;
+    bool is_grazing = false;
+    for (int k = 0; k < 4; ++k) {
+        ivec2 at = 2 * pixel_ + ivec2(k & 1, k >> 1);
+        vec4 position = texelFetch(surface_positions, at, 0);
+        if (position.w <= 0.0) continue;
+        ++surfaces;
+        vec3 normal = texelFetch(surface_normals, at, 0).xyz;
+        if (dot(normalize(normal), normalize(eye - position.xyz)) < 0.125) is_grazing = true;
+    }
+    return is_grazing || (surfaces > 0 && surfaces < 4);
+}
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    int points = draws != 3 && is_edge(at) ? 4 : 1;
+    vec3 sum = vec3(0.0);
+    for (int k = 0; k < points; ++k) sum += radiance_at(at, k);
+    vec4 now = vec4(sum / float(points), 1.0);
     pixel = share < 1.0 ? mix(texelFetch(before, at, 0), now, share) : now;
 }

@@ -472,7 +472,7 @@ int most_samples(GLenum format) {
 
 Result<RasterTarget> RasterTarget::make_for(const RasterSurface& surface, Format format) {
     auto target = make(surface.width_, surface.height_, 1, format);
-    if (!target) return target;
+    if (!target || surface.along_ > 1) return target;
     glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer_.id());
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, surface.depth_.id());
     target->depth_ = {};
@@ -548,13 +548,14 @@ Image8 RasterTarget::read_bytes() const {
     return image;
 }
 
-Result<RasterSurface> RasterSurface::make(Dialect dialect, int width, int height) {
-    assert(width >= 1 && height >= 1);
+Result<RasterSurface> RasterSurface::make(Dialect dialect, int picture_width, int picture_height, Points points) {
+    assert(picture_width >= 1 && picture_height >= 1);
+    const int width = int(points) * picture_width, height = int(points) * picture_height;
     if (auto fits = check_picture(width, height, true); !fits) return fits.error();
     auto program = linked(surface_shader_text(dialect));
     if (!program) return program.error();
     RasterSurface surface;
-    surface.width_ = width, surface.height_ = height;
+    surface.width_ = picture_width, surface.height_ = picture_height, surface.along_ = int(points);
     surface.program_ = *std::move(program);
     const int bound = integer(GL_FRAMEBUFFER_BINDING);
     GLuint id = 0;
@@ -582,18 +583,23 @@ void RasterSurface::draw(const RasterMesh& mesh, const RasterView& view) const {
     std::array<GLint, 4> viewport{};
     glGetIntegerv(GL_VIEWPORT, viewport.data());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.id());
-    glViewport(0, 0, width_, height_);
+    glViewport(0, 0, along_ * width_, along_ * height_);
     glClearColor(0, 0, 0, 0);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glUseProgram(program_.id());
-    draw_mesh(program_, mesh, view);
+    RasterView shifted = view;
+    const std::array<int, 2> size{width_, height_};
+    // The shift of all points: that point lies in the lower or the upper half of its pixel.
+    for (std::size_t axis = 0; axis < 2 && along_ == 2; ++axis)
+        shifted.shift[axis] -= (view.shift[axis] < 0 ? -0.25 : 0.25) / size[axis];
+    draw_mesh(program_, mesh, shifted);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(bound));
     glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
 }
 
 std::vector<Float4> RasterSurface::read(unsigned colour) const {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.id());
-    return read_colour(GL_COLOR_ATTACHMENT0 + colour, width_, height_);
+    return read_colour(GL_COLOR_ATTACHMENT0 + colour, along_ * width_, along_ * height_);
 }
 
 // ---- Means of samples --------------------------------------------------------------------------------------------
@@ -690,7 +696,7 @@ Result<std::vector<Rendering>> rasterize(const Scene& scene, const Environment& 
     const Dialect dialect = context->dialect();
     const auto light = RasterEnvironment::make(environment);
     if (!light) return light.error();
-    const auto surface = RasterSurface::make(dialect, width, height);
+    const auto surface = RasterSurface::make(dialect, width, height, RasterSurface::Points::four);
     if (!surface) return surface.error();
     std::vector<RasterMaterial> made;
     std::vector<RasterMean> means;

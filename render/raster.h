@@ -82,15 +82,18 @@ struct EnvironmentLight {
     LightDraws draws = LightDraws::both;
 };
 
-/// Position and normal of the visible surface at each pixel, one sample each: the first of two passes.
+/// Position and normal of the visible surface at a point of each pixel, or under an environment at 2 × 2: the first of
+/// two passes.
 class RasterSurface {
   public:
+    enum class Points { one = 1, four = 2 };
     /// Errors: larger than the library's framebuffers; float formats that cannot be rendered to.
-    static Result<RasterSurface> make(Dialect dialect, int width, int height);
-    /// Draws the mesh. Restores the framebuffer binding and the viewport.
+    static Result<RasterSurface> make(Dialect dialect, int width, int height, Points points = Points::one);
+    /// Draws the mesh. The view's shift is that of one of a pixel's points; the others are half a pixel away from it.
+    /// Restores the framebuffer binding and the viewport.
     void draw(const RasterMesh& mesh, const RasterView& view) const;
-    /// Rows from the top: (x, y, z), and 1 where there is a surface; its interpolated normal, facing the viewer, and 1
-    /// at the front or −1 at the back.
+    /// Rows of points from the top: (x, y, z), and 1 where there is a surface; its interpolated normal, facing the
+    /// viewer, and 1 at the front or −1 at the back.
     std::vector<Float4> read_positions() const { return read(0); }
     std::vector<Float4> read_normals() const { return read(1); }
 
@@ -99,7 +102,8 @@ class RasterSurface {
     friend class RasterTarget;
     RasterSurface() = default;
     std::vector<Float4> read(unsigned colour) const;
-    int width_ = 0, height_ = 0;
+    int width_ = 0, height_ = 0;  ///< of the picture
+    int along_ = 1;               ///< points along a side of a pixel
     GlObject program_, positions_, normals_, depth_, framebuffer_;
 };
 
@@ -162,7 +166,7 @@ class RasterTarget {
     /// `samples` per pixel, or as many as are supported. Errors: larger than the library's framebuffers; float formats
     /// that cannot be rendered to.
     static Result<RasterTarget> make(int width, int height, int samples, Format format);
-    /// For the second pass over `surface`, with its size and depths; must not outlive it.
+    /// For the second pass over `surface`, with its size and, if of one point per pixel, depths; must not outlive it.
     static Result<RasterTarget> make_for(const RasterSurface& surface, Format format);
     /// Binds the framebuffer, sets its viewport and clears it (only the colours if it shares depths): 0 without
     /// coverage, or the grey background of `shown` pictures.

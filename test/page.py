@@ -84,7 +84,7 @@ def under_environments(visit):
 
     def converged(step):
         end = time.time() + 60
-        while chromium.run("viewer.scene(1).samples") < 36 and time.time() < end:
+        while chromium.run("viewer.scene(1).samples") < 12 and time.time() < end:
             chromium.settle()
         visit.take(step)
 

@@ -7,6 +7,7 @@
 
 #include "app/view/lobes.h"
 #include "app/view/look.h"
+#include "app/view/opening.h"
 #include "app/view/session.h"
 #include "models.h"
 #include "program.h"
@@ -148,6 +149,10 @@ TEST(Session, AModelIsHeldAgainstTheMeasurementInWhateverOrder) {
         EXPECT_EQ(session.fitted()->choice.objective, Objective::raw);
         EXPECT_TRUE(session.fitted()->errors);
         EXPECT_TRUE(session.save(folder / "again.srbf"));
+        // What draws the model is told of one that replaces it, once.
+        EXPECT_FALSE(session.poll());
+        session.show_model(model_first ? 0 : 1);
+        EXPECT_TRUE(session.poll());
     }
 }
 
@@ -175,6 +180,32 @@ TEST(Session, KeysDoWhatTheySay) {
               (FitChoice{PmForm::gaussian, choice.lobes + 1, choice.variates - 1, objectives().front()}));
     press("Escape", look, session);
     EXPECT_EQ(session.stage(), Stage::idle);
+}
+
+TEST(Session, AFileToOpenIsTypedOrChosenAmongRecentOnes) {
+    Opening opening;
+    opening.recent = {"/a/film.srbf", "/b/paper.bsdf", "/b/film.bsdf"};
+    EXPECT_EQ(file_of(opening), "");
+    press("Down", opening);
+    EXPECT_EQ(file_of(opening), "/a/film.srbf");
+    for (int i = 0; i < 2; ++i) press("Up", opening);
+    EXPECT_EQ(file_of(opening), "");
+    opening.typed = "film";
+    EXPECT_EQ(file_of(opening), "film");  // what is typed, unless a match is chosen
+    for (int i = 0; i < 3; ++i) press("Down", opening);
+    EXPECT_EQ(file_of(opening), "/b/film.bsdf");  // the last one
+    opening.typed = "~/x.srbf";
+    EXPECT_EQ(file_of(opening), std::string(std::getenv("HOME")) + "/x.srbf");
+    EXPECT_FALSE(opening.is_confirmed || opening.is_cancelled);
+    press("Enter", opening);
+    EXPECT_TRUE(opening.is_confirmed);
+    press("Escape", opening);
+    EXPECT_TRUE(opening.is_cancelled);
+
+    Session session;
+    Look look;
+    press("Shift+Y", look, session);
+    EXPECT_TRUE(look.open_file);
 }
 
 TEST(Lobes, TheirSumIsTheModelAndTheirSharesAreOne) {

@@ -225,13 +225,19 @@ function draw_whole({ place }, textures, unit) {
   gl.drawArrays(gl.TRIANGLES, 0, 3);
 }
 
+// The surface at 2 x 2 points of each pixel, of which one is shifted so many pixels from its centre.
 function draw_surface(now, width, height, shift) {
-  if (visible && (visible.width !== width || visible.height !== height)) light.delete_buffer(gl, visible), visible = null;
-  visible ??= { ...light.new_buffer(gl, width, height, 2, true), ...new_program(data.vertex, data.surface) };
+  const fine = [2 * width, 2 * height];
+  if (visible && (visible.width !== fine[0] || visible.height !== fine[1]))
+    light.delete_buffer(gl, visible), visible = null;
+  visible ??= { ...light.new_buffer(gl, ...fine, 2, true), ...new_program(data.vertex, data.surface) };
   gl.bindFramebuffer(gl.FRAMEBUFFER, visible.framebuffer);
+  gl.viewport(0, 0, ...fine);
   gl.clearColor(0, 0, 0, 0);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  draw_mesh(visible, now, shift);
+  // The shift of all points: that point lies in the lower or the upper half of its pixel.
+  draw_mesh(visible, now, shift.map((x, axis) => (x + (x < 0 ? 0.25 : -0.25)) / [width, height][axis]));
+  gl.viewport(0, 0, width, height);
 }
 
 // Buffers of a material: first the filtered picture, then two that take turns as the mean of samples.
@@ -274,7 +280,7 @@ function draw_under_environment(index, now, width, height) {
     now = scene(width / height);
   }
   const shift = light.shift_of(samples);
-  draw_surface(now, width, height, [shift[0] / width, shift[1] / height]);
+  draw_surface(now, width, height, shift);
   draw_sample(index, now, 0, mean[samples % 2], mean[(samples + 1) % 2], shift);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.useProgram(develop.program);

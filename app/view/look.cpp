@@ -137,6 +137,7 @@ constexpr Key k_keys[] = {
     {"B", "keep view and lights as a bookmark", [](Look& look, Session&) { keep(look); }},
     {"Shift+B", "next bookmark", [](Look& look, Session&) { recall(look); }},
     {"Y", "open the next recent file", [](Look& look, Session&) { look.open_recent = true; }},
+    {"Shift+Y", "type or choose a file to open", [](Look& look, Session&) { look.open_file = true; }},
     {"G", "difference of luminance or ΔE", [](Look& look, Session&) { look.in_delta_e = !look.in_delta_e; }},
     {"E", "longer exposure", [](Look& look, Session&) { expose(look, 0.25f); }},
     {"Shift+E", "shorter exposure", [](Look& look, Session&) { expose(look, -0.25f); }},

@@ -42,7 +42,7 @@ struct Look {
     bool help = false;
     // Requests to the window, which resets them:
     bool quit = false, screenshot = false, save = false, name_mesh = false, name_model = false,
-         name_environment = false, open_recent = false;
+         name_environment = false, open_recent = false, open_file = false;
 
     Look();
     bool has_environment() const { return environment != "none"; }

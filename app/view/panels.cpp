@@ -72,6 +72,7 @@ Result<Done> Panels::set_material(Which which, const std::optional<Material>& ma
 
 Result<Done> Panels::set_environment(const Environment* environment) {
     environment_.reset();
+    width_ = height_ = 0;  // the surface is of other points
     drawn_.clear();
     if (!environment) return Done{};
     auto made = RasterEnvironment::make(*environment);
@@ -129,7 +130,8 @@ Result<Done> Panels::resize(int width, int height) {
     if (width == width_ && height == height_) return Done{};
     for (Panel& panel : panels_) panel.radiance.reset(), panel.shown.reset(), panel.mean.reset();
     surface_.reset();
-    auto surface = RasterSurface::make(dialect_, width, height);
+    auto surface = RasterSurface::make(dialect_, width, height,
+                                       environment_ ? RasterSurface::Points::four : RasterSurface::Points::one);
     if (!surface) return surface.error();
     surface_.emplace(*std::move(surface));
     for (const Which which : {reference, fit, difference}) {

@@ -108,8 +108,7 @@ Result<Done> Screen::open(int width, int height) {
     // Before Dear ImGui's callbacks, which then call these.
     glfwSetKeyCallback(window_, [](GLFWwindow* of, int key, int scancode, int action, int modifiers) {
         if (action == GLFW_RELEASE || (modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)) != 0) return;
-        if (const auto& told = screen_of(of).on_key; told && !ImGui::GetIO().WantTextInput)
-            told(name_of(key, scancode, modifiers));
+        if (const auto& told = screen_of(of).on_key) told(name_of(key, scancode, modifiers));
     });
     glfwSetDropCallback(window_, [](GLFWwindow* of, int count, const char** paths) {
         if (const auto& told = screen_of(of).on_drop)

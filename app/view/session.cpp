@@ -6,6 +6,7 @@
 #include <atomic>
 #include <filesystem>
 #include <map>
+#include <utility>
 
 #include "srbf/file.h"
 #include "srbf/fit_bsdf.h"
@@ -189,6 +190,7 @@ void Session::show_model(int subject) {
     }
     ask(model);
     fitted_ = Fitted{model, choice_, subjects_[std::size_t(subject)]->path, false, 0, {}, {}};
+    is_shown_anew_ = true;
 }
 
 void Session::choose(const FitChoice& choice) {
@@ -212,7 +214,7 @@ void Session::cancel() {
 }
 
 bool Session::poll() {
-    bool swapped = false;
+    bool swapped = std::exchange(is_shown_anew_, false);
     for (News& news : worker_->take()) {
         if (news.number != asked_) continue;  // for an outdated choice
         stage_ = news.stage;

@@ -114,6 +114,7 @@ class Session {
     int reference_ = -1;
     FitChoice choice_;
     std::optional<Fitted> fitted_;
+    bool is_shown_anew_ = false;  ///< it was replaced by `show_model` since the last `poll`
     std::vector<Message> messages_;
     Stage stage_ = Stage::idle;
     Stopwatch waiting_;

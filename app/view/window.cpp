@@ -2,14 +2,17 @@
 
 #include <fmt/format.h>
 #include <imgui.h>
+#include <imgui_stdlib.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "app/view/controls.h"
 #include "app/view/ink.h"
+#include "app/view/opening.h"
 #include "app/view/pictures.h"
 #include "app/view/readings.h"
 #include "app/view/recent.h"
@@ -27,7 +30,7 @@ constexpr int k_clean = 64;
 /// Interval of updates without input [s].
 constexpr double k_idle = 0.1;
 
-/// Adds a file that was dropped on the window: a mesh, a measurement as the reference, a model as the fit.
+/// Adds a file that was dropped on the window or named: a mesh, a measurement as the reference, a model as the fit.
 void drop(const std::string& path, Session& session, Look& look) {
     const auto ending = std::filesystem::path(path).extension();
     if (ending == ".ply" || ending == ".obj") return void(look.mesh = path);
@@ -94,6 +97,29 @@ void draw_help(Look& look) {
     ImGui::End();
 }
 
+/// The field for a file to open and the recent files that match it; the file, once Enter or a click has chosen it.
+std::optional<std::string> draw_opening(std::optional<Opening>& opening, bool is_new, float scale) {
+    if (!opening) return {};
+    std::optional<std::string> file;
+    ImGui::SetNextWindowFocus();
+    ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y / 2}, 0, {0.5f, 0.5f});
+    ImGui::SetNextWindowSize({640 * scale, 0});
+    bool is_shown = true;
+    ImGui::Begin("Open a file", &is_shown, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize);
+    if (is_new) ImGui::SetKeyboardFocusHere();
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::InputTextWithHint("##file", "a measurement, model, mesh or environment", &opening->typed))
+        opening->chosen = -1;
+    if (opening->is_confirmed) file = file_of(*opening);
+    const std::vector<std::string> found = matches(*opening);
+    for (int i = 0; i < int(found.size()); ++i)
+        if (ImGui::Selectable(found[std::size_t(i)].c_str(), i == opening->chosen)) file = found[std::size_t(i)];
+    ImGui::TextColored(k_hint, "Enter: open. Up, Down: choose a recent file. Escape: close.");
+    ImGui::End();
+    if (file || !is_shown || opening->is_cancelled) opening.reset();
+    return file;
+}
+
 /// Saves the screen to the first of srbf-1.png, srbf-2.png, .. that does not exist.
 void write_screenshot(const Screen& screen, Session& session) {
     std::string name;
@@ -114,7 +140,11 @@ Result<Done> run_window(Session& session, Look& look, const WindowOptions& optio
     Pictures pictures(*std::move(panels));
     Readings readings;
     Refits refits(options.timed_refits);
-    screen.on_key = [&](const std::string& name) { press(name, look, session), pictures.touch(); };
+    std::optional<Opening> opening;
+    screen.on_key = [&](const std::string& name) {
+        if (opening) return press(name, *opening);
+        if (!ImGui::GetIO().WantTextInput) press(name, look, session), pictures.touch();
+    };
     for (const auto& subject : session.subjects()) keep_recent(subject->path);
     screen.on_drop = [&](const std::string& path) { drop(path, session, look); };
 
@@ -141,6 +171,10 @@ Result<Done> run_window(Session& session, Look& look, const WindowOptions& optio
         draw_messages(session, {left, all.y - below}, {right, below});
         draw_help(look);
         if (look.open_recent) open_recent(session, look), look.open_recent = false;
+        const bool is_new = look.open_file;
+        if (look.open_file) opening.emplace().recent = recent_files(), look.open_file = false;
+        if (const auto file = draw_opening(opening, is_new, screen.scale()); file && !file->empty())
+            drop(*file, session, look);
         if (look.save) controls.save(session), look.save = false;
         screen.end_frame();
 

@@ -1,10 +1,11 @@
-// Draws and densities of a mixture, its lobes in the lanes of vectors.
+// Draws and densities of a mixture, its lobes in the lanes of vectors; and of the points by which its weights are found.
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
 
-#include "srbf/sampling.h"
+#include "sampling_points.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sampling_mixture.cpp"
@@ -246,6 +247,49 @@ DirectionSample sample_mixture(const MixtureProposal& proposal, const LobeTable&
     return with_pdf(wl, density.sum.sum());
 }
 
+void densities_of_points(SamplingPoints& points, const ProposalShape& shape) {
+    using F = Formulas<Lobes, PmModel>;
+    const auto at = [](const auto& rows, std::size_t i) HWY_ATTR {
+        return Vec3<Lobes>(Lobes::load(&rows[0][i]), Lobes::load(&rows[1][i]), Lobes::load(&rows[2][i]));
+    };
+    for (std::size_t i = 0; i < points.size(); i += Lobes::size()) {
+        const Vec3<Lobes> wv = at(points.wv, i);
+        const Vec3<Lobes> tangent = shape.is_grain() ? in_all<Lobes>(Vec3f(shape.cosine, shape.sine, 0)) : wv;
+        const auto point = F::proposal_point(at(points.wl, i), wv, F::stretch_along(tangent, everywhere(shape.stretch)),
+                                             everywhere(shape.power));
+        for (int k = 0; k < LobeTable::k_count; ++k)
+            F::proposal_lobe_pdf(k, point).store(&points.density[std::size_t(k)][i]);
+    }
+}
+
+double slopes_of_points(const SamplingPoints& points, const float* of_lobe, double* slope) {
+    constexpr std::size_t most = 256;  // points at once
+    const std::size_t lobes = points.density.size();
+    HWY_ALIGN float factor[most];
+    double moment = 0;
+    std::fill_n(slope, lobes, 0.0);
+    for (std::size_t first = 0; first < points.size(); first += most) {
+        const std::size_t count = std::min(most, points.size() - first);
+        Lobes sum(0.0);
+        for (std::size_t i = 0; i < count; i += Lobes::size()) {
+            Lobes pdf(0.0);
+            for (std::size_t k = 0; k < lobes; ++k)
+                pdf = pdf + everywhere(of_lobe[k]) * Lobes::load(&points.density[k][first + i]);
+            const Lobes share = Lobes::load(&points.weight[first + i]) / pdf;
+            sum = sum + share;
+            (share / pdf).store(factor + i);
+        }
+        moment += double(sum.sum());
+        for (std::size_t k = 0; k < lobes; ++k) {
+            Lobes of_these(0.0);
+            for (std::size_t i = 0; i < count; i += Lobes::size())
+                of_these = of_these + Lobes::load(factor + i) * Lobes::load(&points.density[k][first + i]);
+            slope[k] += double(of_these.sum());
+        }
+    }
+    return moment;
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace srbf
 HWY_AFTER_NAMESPACE();
@@ -256,6 +300,8 @@ namespace {
 
 HWY_EXPORT(mixture_pdf);
 HWY_EXPORT(sample_mixture);
+HWY_EXPORT(densities_of_points);
+HWY_EXPORT(slopes_of_points);
 
 using K = Kernel<float>;
 static_assert(MixtureProposal::k_lobes == SRBF_PROPOSAL_LOBES);
@@ -287,6 +333,17 @@ DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f
 
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
     return sample_with_pdf(proposal, wv, u, selector).wl;
+}
+
+void set_densities(SamplingPoints& points, const ProposalShape& shape) {
+    points.density.resize(MixtureProposal::k_lobes);
+    for (auto& of_lobe : points.density) of_lobe.resize(points.size());
+    HWY_DYNAMIC_DISPATCH(densities_of_points)(points, shape);
+}
+
+double set_slopes(const SamplingPoints& points, std::span<const float> of_lobe, std::span<double> slope) {
+    assert(of_lobe.size() == points.density.size() && slope.size() == of_lobe.size());
+    return HWY_DYNAMIC_DISPATCH(slopes_of_points)(points, of_lobe.data(), slope.data());
 }
 
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv) {

@@ -219,32 +219,49 @@ HWY_INLINE Vec3f drawn_by(const ViewOfMixture& view, float kind, const Vec3f& ce
     return {hn::GetLane(wl.x.v), hn::GetLane(wl.y.v), hn::GetLane(wl.z.v)};
 }
 
+// A draw: the lobes, since the density takes them too, and the direction.
+struct Draw {
+    static constexpr int k_vectors = LobeTable::k_count / int(sizeof(Lobes) / sizeof(float));
+    Seen::F::ProposalLobe lobes[k_vectors];
+    Vec3f wl;
+
+    HWY_INLINE Draw(const MixtureProposal& proposal, const Seen& seen, const ViewOfMixture& view, const Vec2f& u,
+                    float selector) {
+        const auto &low = proposal.running(view.nodes.below), &high = proposal.running(view.nodes.below + 1);
+        HWY_ALIGN float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], width[LobeTable::k_count];
+        std::size_t chosen = 0;  // the first lobe whose running sum exceeds the selector
+#pragma GCC unroll 4
+        for (int i = 0; i < k_vectors; ++i) {
+            const int k = i * int(Lobes::size());
+            chosen +=
+                hn::CountTrue(Lobes::Tag(), hn::Ge(everywhere(selector).v, between(low, high, view.nodes.part, k).v));
+            lobes[i] = seen.lobe(k);
+            lobes[i].centre.x.store(x + k), lobes[i].centre.y.store(y + k), lobes[i].centre.z.store(z + k);
+            lobes[i].width.store(width + k);
+        }
+        if (chosen >= MixtureProposal::k_lobes) chosen = 0;  // what rounding leaves over is the cosine's
+        const LobeTable& table = seen.table;
+        wl =
+            drawn_by(view, table.kind[chosen], {x[chosen], y[chosen], z[chosen]}, width[chosen], table.rest[chosen], u);
+    }
+};
+
+Vec3f draw_mixture(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u, float selector) {
+    const ViewOfMixture view = view_of(proposal, wv);
+    return Draw(proposal, Seen(table, view), view, u, selector).wl;
+}
+
 // A direction and its density, 0 where there is no direction.
 DirectionSample sample_mixture(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u,
                                float selector) {
-    constexpr int vectors = LobeTable::k_count / int(sizeof(Lobes) / sizeof(float));
     const ViewOfMixture view = view_of(proposal, wv);
     const Seen seen(table, view);
-    const auto &low = proposal.running(view.nodes.below), &high = proposal.running(view.nodes.below + 1);
-    Seen::F::ProposalLobe lobes[vectors];
-    HWY_ALIGN float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], width[LobeTable::k_count];
-    std::size_t chosen = 0;  // the first lobe whose running sum exceeds the selector
+    const Draw draw(proposal, seen, view, u, selector);
+    if (!above_horizon(draw.wl, wv)) return with_pdf(draw.wl, 0);
+    Density density(proposal, seen, view, draw.wl);
 #pragma GCC unroll 4
-    for (int i = 0; i < vectors; ++i) {
-        const int k = i * int(Lobes::size());
-        chosen += hn::CountTrue(Lobes::Tag(), hn::Ge(everywhere(selector).v, between(low, high, view.nodes.part, k).v));
-        lobes[i] = seen.lobe(k);
-        lobes[i].centre.x.store(x + k), lobes[i].centre.y.store(y + k), lobes[i].centre.z.store(z + k);
-        lobes[i].width.store(width + k);
-    }
-    if (chosen >= MixtureProposal::k_lobes) chosen = 0;  // what rounding leaves over is the cosine's
-    const Vec3f wl =
-        drawn_by(view, table.kind[chosen], {x[chosen], y[chosen], z[chosen]}, width[chosen], table.rest[chosen], u);
-    if (!above_horizon(wl, wv)) return with_pdf(wl, 0);
-    Density density(proposal, seen, view, wl);
-#pragma GCC unroll 4
-    for (int i = 0; i < vectors; ++i) density.add(i * int(Lobes::size()), lobes[i]);
-    return with_pdf(wl, density.sum.sum());
+    for (int i = 0; i < Draw::k_vectors; ++i) density.add(i * int(Lobes::size()), draw.lobes[i]);
+    return with_pdf(draw.wl, density.sum.sum());
 }
 
 void densities_of_points(SamplingPoints& points, const ProposalShape& shape) {
@@ -299,6 +316,7 @@ namespace srbf {
 namespace {
 
 HWY_EXPORT(mixture_pdf);
+HWY_EXPORT(draw_mixture);
 HWY_EXPORT(sample_mixture);
 HWY_EXPORT(densities_of_points);
 HWY_EXPORT(slopes_of_points);
@@ -332,7 +350,7 @@ DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f
 }
 
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
-    return sample_with_pdf(proposal, wv, u, selector).wl;
+    return HWY_DYNAMIC_DISPATCH(draw_mixture)(proposal, lobe_table(), wv, u, selector);
 }
 
 void set_densities(SamplingPoints& points, const ProposalShape& shape) {

@@ -40,8 +40,8 @@ template <typename Shares> Choice choose(const Shares& shares, float u) {
     return {last, 0x1.fffffep-1f};  // what rounding left over
 }
 
-/// Adds to `points` directions drawn for a view, of which `density` [1/sr] are drawn at each; the albedo (luminance) of the
-/// view.
+/// Adds to `points` directions drawn for a view, of which `density` [1/sr] are drawn at each; the albedo (luminance) of
+/// the view.
 double add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std::span<const double> density,
                   SamplingPoints& points) {
     std::vector<Rgb> f(wl.size());
@@ -59,7 +59,7 @@ double add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std
     return albedo;
 }
 
-/// Adds to `wl` a lattice of `count` directions drawn from a lobe by `sample(u1, u2)`; those that are above the horizon.
+/// Adds to `wl` a lattice of `count` directions drawn from a lobe by `sample(u1, u2)`, but for those below the horizon.
 template <typename Sample> void add_lattice(int count, const Sample& sample, std::vector<Vec3f>& wl) {
     for (int i = 0; i < count; ++i) {
         const double golden = (std::sqrt(5.0) - 1) / 2;

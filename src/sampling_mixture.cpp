@@ -1,4 +1,5 @@
-// Draws and densities of a mixture, its lobes in the lanes of vectors; and of the points by which its weights are found.
+// Draws and densities of a mixture, its lobes in the lanes of vectors; and densities of the points by which its weights
+// are found, these in the lanes.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -292,6 +293,7 @@ double slopes_of_points(const SamplingPoints& points, const float* of_lobe, doub
             Lobes pdf(0.0);
             for (std::size_t k = 0; k < lobes; ++k)
                 pdf = pdf + everywhere(of_lobe[k]) * Lobes::load(&points.density[k][first + i]);
+            pdf = max(pdf, everywhere(1e-15f));  // whose square is none too small for a float
             const Lobes share = Lobes::load(&points.weight[first + i]) / pdf;
             sum = sum + share;
             (share / pdf).store(factor + i);

@@ -48,8 +48,9 @@ bool is_of_clocks(const fs::path& file) {
 }
 
 Arguments arguments(const std::string& output) {
-    return {"report",  "matt.binary", "broken.binary",           "krylon_blue.binary", "-o",        output,
-            "--least", "--label",     "matt=stand-in & <so on>", "--note",             "Not <real>"};
+    return {"report",    "matt.binary", "broken.binary", "krylon_blue.binary",      "-o",
+            output,      "--least",     "--label",       "matt=stand-in & <so on>", "--note",
+            "Not <real>"};
 }
 
 class Report : public testing::Test {

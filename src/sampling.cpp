@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <functional>
+#include <initializer_list>
 #include <span>
 
 #include "parallel.h"
+#include "sampling_points.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
@@ -39,111 +40,88 @@ template <typename Shares> Choice choose(const Shares& shares, float u) {
     return {last, 0x1.fffffep-1f};  // what rounding left over
 }
 
-using Weights = std::vector<double>;
-
-/// Directions to the light, weighted to stand for ∫ dωl, and the densities of a mixture's lobes there.
-struct Points {
-    std::size_t lobes;
-    std::vector<Vec3f> wl, wv;
-    std::vector<double> weight;   ///< (f cosθl)² times the point's solid angle, relative to the square of the albedo
-    std::vector<double> density;  ///< points × lobes
-};
-
-/// What a mixture is made of, for one view.
-struct Lobes {
-    std::size_t count;
-    std::function<Vec3f(std::size_t k, float u1, float u2)> sample;
-    std::function<void(Vec3f wl, std::span<double> density)> pdf;  ///< of each of them
-};
-
-/// Adds to `points` each lobe's own lattice of `count` directions, weighted by the even mixture's density; the albedo
-/// (luminance) of the view.
-double add_points(const Evaluate& brdf, Vec3f wv, const Lobes& lobes, int count, Points& points) {
-    std::vector<Vec3f> wl;
-    std::vector<double> density;
-    for (std::size_t k = 0; k < lobes.count; ++k)
-        for (int i = 0; i < count; ++i) {
-            const double golden = (std::sqrt(5.0) - 1) / 2;
-            const Vec3f w = lobes.sample(k, (float(i) + 0.5f) / float(count), float(std::fmod(i * golden, 1.0)));
-            if (!(w.z > 0)) continue;
-            wl.push_back(w);
-            density.resize(density.size() + lobes.count);
-            lobes.pdf(w, std::span(density).last(lobes.count));
-        }
+/// Adds to `points` directions drawn for a view, of which `density` [1/sr] are drawn at each; the albedo (luminance) of
+/// the view.
+double add_points(const Evaluate& brdf, Vec3f wv, std::span<const Vec3f> wl, std::span<const double> density,
+                  SamplingPoints& points) {
     std::vector<Rgb> f(wl.size());
     brdf(wl, std::vector<Vec3f>(wl.size(), wv), f);
     double albedo = 0;
     std::vector<double> squared(wl.size());
     for (std::size_t i = 0; i < wl.size(); ++i) {
-        double even = 0;
-        for (std::size_t k = 0; k < lobes.count; ++k) even += density[i * lobes.count + k];
         const double reflected = is_finite(f[i]) ? luminance(f[i]) * double(wl[i].z) : 0;
-        const double solid_angle = even > 0 ? 1 / (count * even) : 0;
+        const double solid_angle = density[i] > 0 ? 1 / density[i] : 0;
         albedo += reflected * solid_angle;
         squared[i] = reflected * reflected * solid_angle;
     }
-    for (std::size_t i = 0; i < wl.size(); ++i) {
-        if (!(squared[i] > 0)) continue;
-        points.wl.push_back(wl[i]), points.wv.push_back(wv);
-        points.weight.push_back(squared[i] / (albedo * albedo));
-        const auto first = density.begin() + std::ptrdiff_t(i * lobes.count);
-        points.density.insert(points.density.end(), first, first + std::ptrdiff_t(lobes.count));
-    }
+    for (std::size_t i = 0; i < wl.size(); ++i)
+        if (squared[i] > 0) points.add(wl[i], wv, float(squared[i] / (albedo * albedo)));
     return albedo;
+}
+
+/// Adds to `wl` a lattice of `count` directions drawn from a lobe by `sample(u1, u2)`, but for those below the horizon.
+template <typename Sample> void add_lattice(int count, const Sample& sample, std::vector<Vec3f>& wl) {
+    for (int i = 0; i < count; ++i) {
+        const double golden = (std::sqrt(5.0) - 1) / 2;
+        const Vec3f w = sample((float(i) + 0.5f) / float(count), float(std::fmod(i * golden, 1.0)));
+        if (w.z > 0) wl.push_back(w);
+    }
 }
 
 /// The weights of least variance over the points, of which lobe 0 (the cosine) keeps `k_least_cosine`; without points
 /// the cosine alone.
-std::vector<float> best_weights(const Points& points, int steps) {
-    Weights weight(points.lobes, 1 / double(points.lobes));
-    if (points.weight.empty()) weight.assign(points.lobes, 0);
-    for (int step = 0; step < steps && !points.weight.empty(); ++step) {
-        Weights slope(points.lobes);
-        for (std::size_t i = 0; i < points.weight.size(); ++i) {
-            const double* density = &points.density[i * points.lobes];
-            double pdf = 0;
-            for (std::size_t k = 0; k < points.lobes; ++k) pdf += weight[k] * density[k];
-            const double factor = points.weight[i] / (pdf * pdf);
-            for (std::size_t k = 0; k < points.lobes; ++k) slope[k] += factor * density[k];
-        }
+std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes, int steps) {
+    std::vector<float> weight(lobes, points.size() ? 1 / float(lobes) : 0);
+    std::vector<double> slope(lobes);
+    for (int step = 0; step < steps && points.size(); ++step) {
+        set_slopes(points, weight, slope);
         double sum = 0;
-        for (std::size_t k = 0; k < points.lobes; ++k) sum += weight[k] *= std::sqrt(slope[k]);
-        for (double& w : weight) w /= sum;
+        for (std::size_t k = 0; k < lobes; ++k) sum += slope[k] = double(weight[k]) * std::sqrt(slope[k]);
+        for (std::size_t k = 0; k < lobes; ++k) weight[k] = float(slope[k] / sum);
     }
-    std::vector<float> kept(points.lobes);
     float sum = 0;
-    for (std::size_t k = 0; k < points.lobes; ++k) {
-        if (float(weight[k]) > k_least_weight) kept[k] = float(weight[k]);
-        if (k == 0) kept[k] = std::max(kept[k], k_least_cosine);
-        sum += kept[k];
+    for (std::size_t k = 0; k < lobes; ++k) {
+        if (!(weight[k] > k_least_weight)) weight[k] = 0;
+        if (k == 0) weight[k] = std::max(weight[k], k_least_cosine);
+        sum += weight[k];
     }
-    for (float& w : kept) w /= sum;
-    return kept;
+    for (float& w : weight) w /= sum;
+    return weight;
 }
 
-/// How half-vector lobes are shaped: stretched along the tangent of this azimuth, or (both 0) along the plane of
-/// incidence.
-struct Shape {
-    float stretch = 1, power = 1;
-    float cosine = 0, sine = 0;
-
-    bool is_grain() const { return cosine != 0 || sine != 0; }
-};
-
-K::Stretch map_of(const Shape& shape, Vec3f wv) {
+K::Stretch map_of(const ProposalShape& shape, Vec3f wv) {
     return K::stretch_along(shape.is_grain() ? Vec3f(shape.cosine, shape.sine, 0) : wv, shape.stretch);
 }
-void densities(Vec3f wl, Vec3f wv, const Shape& shape, std::span<double> density) {
-    const auto at = K::proposal_point(wl, wv, map_of(shape, wv), shape.power);
-    for (std::size_t k = 0; k < density.size(); ++k) density[k] = double(K::proposal_lobe_pdf(int(k), at));
-}
-/// The mixture's lobes for a viewer.
-Lobes lobes_for(Vec3f wv, const Shape& shape) {
-    return {MixtureProposal::k_lobes,
-            [=](std::size_t k, float u1, float u2) {
-                return K::sample_proposal_lobe(int(k), wv, map_of(shape, wv), shape.power, u1, u2);
-            },
-            [=](Vec3f wl, std::span<double> density) { densities(wl, wv, shape, density); }};
+
+/// The points of these views, `count` of each lobe of these shapes for each of them; their densities are of the first
+/// shape.
+SamplingPoints points_at(const Evaluate& brdf, std::span<const Vec3f> views, int count,
+                         std::initializer_list<ProposalShape> shapes) {
+    SamplingPoints points;
+    for (const Vec3f wv : views) {
+        std::vector<Vec3f> wl;
+        for (const ProposalShape& shape : shapes)
+            for (int k = 0; k < MixtureProposal::k_lobes; ++k)
+                add_lattice(
+                    count,
+                    [&](float u1, float u2) {
+                        return K::sample_proposal_lobe(k, wv, map_of(shape, wv), shape.power, u1, u2);
+                    },
+                    wl);
+        SamplingPoints drawn;
+        for (const Vec3f& w : wl) drawn.add(w, wv, 1);
+        drawn.pad();
+        std::vector<double> density(wl.size());
+        for (const ProposalShape& shape : shapes) {
+            set_densities(drawn, shape);
+            for (const auto& of_lobe : drawn.density)
+                for (std::size_t i = 0; i < wl.size(); ++i) density[i] += count * double(of_lobe[i]);
+        }
+        add_points(brdf, wv, wl, density, points);
+    }
+    points.pad();
+    set_densities(points, *shapes.begin());
+    return points;
 }
 
 /// The views at cosθv = z.
@@ -153,24 +131,11 @@ std::vector<Vec3f> views_at(double z, int azimuths) {
     return views;
 }
 
-/// The points of these views, `count` of each lobe for each of them.
-Points points_at(const Evaluate& brdf, std::span<const Vec3f> views, int count, const Shape& shape) {
-    Points points{MixtureProposal::k_lobes, {}, {}, {}, {}};
-    for (const Vec3f wv : views) add_points(brdf, wv, lobes_for(wv, shape), count, points);
-    return points;
-}
-
 /// The second moment of f cosθl / pdf with the best weights, over the square of its mean.
-double least_moment(const Points& points) {
+double least_moment(const SamplingPoints& points) {
     constexpr int steps = 30;
-    const std::vector<float> weight = best_weights(points, steps);
-    double moment = 0;
-    for (std::size_t i = 0; i < points.weight.size(); ++i) {
-        double pdf = 0;
-        for (std::size_t k = 0; k < points.lobes; ++k) pdf += double(weight[k]) * points.density[i * points.lobes + k];
-        moment += points.weight[i] / pdf;
-    }
-    return moment;
+    std::vector<double> slope(MixtureProposal::k_lobes);
+    return set_slopes(points, best_weights(points, slope.size(), steps), slope);
 }
 
 /// The shapes that are tried: stretches 0.8^i, powers 0.8^(2 - 2 j), i and j below k_shapes.
@@ -178,36 +143,21 @@ constexpr int k_shapes = 7;
 
 /// The shape whose moment at these views is least among its neighbours, found by descent. Along a grain the stretch
 /// remains.
-Shape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, const Shape& start) {
+ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, const ProposalShape& start) {
     constexpr int count = 24;
     const auto shape_at = [&](int i, int j) {
-        Shape shape = start;
+        ProposalShape shape = start;
         if (!start.is_grain()) shape.stretch = float(std::pow(0.8, i));
         shape.power = float(std::pow(0.8, 2 - 2 * j));
         return shape;
     };
     // The same points for all of them, drawn from a wide shape and a narrow one.
-    constexpr std::size_t lobes = MixtureProposal::k_lobes;
-    Points points{2 * lobes, {}, {}, {}, {}};
-    for (const Vec3f wv : views) {
-        const Lobes wide = lobes_for(wv, shape_at(0, 1)), narrow = lobes_for(wv, shape_at(4, 3));
-        const Lobes both{2 * lobes,
-                         [&](std::size_t k, float u1, float u2) {
-                             return k < lobes ? wide.sample(k, u1, u2) : narrow.sample(k - lobes, u1, u2);
-                         },
-                         [&](Vec3f wl, std::span<double> density) {
-                             wide.pdf(wl, density.first(lobes)), narrow.pdf(wl, density.last(lobes));
-                         }};
-        add_points(brdf, wv, both, count, points);
-    }
-    points.lobes = lobes;
+    SamplingPoints points = points_at(brdf, views, count, {shape_at(0, 1), shape_at(4, 3)});
     std::array<std::array<double, k_shapes>, k_shapes> known{};
     const auto moment = [&](int i, int j) {
         double& value = known[std::size_t(i)][std::size_t(j)];
         if (value > 0) return value;
-        points.density.resize(points.wl.size() * lobes);
-        for (std::size_t m = 0; m < points.wl.size(); ++m)
-            densities(points.wl[m], points.wv[m], shape_at(i, j), std::span(points.density).subspan(m * lobes, lobes));
+        set_densities(points, shape_at(i, j));
         return value = least_moment(points);
     };
     int at_i = start.is_grain() ? 0 : 1, at_j = 2;
@@ -225,10 +175,11 @@ Shape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, const Shape
 void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProposal& proposal) {
     const double x = double(node) / (MixtureProposal::k_nodes - 1), z = std::max((1 - x) * (1 - x), k_lowest_view);
     const std::vector<Vec3f> views = views_at(z, azimuths);
-    Shape shape{proposal.stretch[node], proposal.power[node], proposal.cosine, proposal.sine};
+    ProposalShape shape{proposal.stretch[node], proposal.power[node], proposal.cosine, proposal.sine};
     // At the normal the plane of incidence is none.
     if (node > 0) shape = best_shape(brdf, views, shape);
-    const std::vector<float> weight = best_weights(points_at(brdf, views, k_points, shape), k_steps);
+    const std::vector<float> weight =
+        best_weights(points_at(brdf, views, k_points, {shape}), MixtureProposal::k_lobes, k_steps);
     proposal.set_weights(node, std::span<const float, MixtureProposal::k_lobes>(weight));
     proposal.stretch[node] = shape.stretch, proposal.power[node] = shape.power;
 }
@@ -238,12 +189,12 @@ void find_grain(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
     constexpr std::size_t azimuths = 12;
     constexpr int count = 32;
     const std::vector<Vec3f> views = views_at(std::sqrt(0.5), 8);
-    std::array<Shape, azimuths * k_stretches.size()> tried;
+    std::array<ProposalShape, azimuths * k_stretches.size()> tried;
     std::array<double, tried.size()> moment;
     parallel_for(tried.size(), threads, [&](std::size_t i) {
         const double azimuth = k_pi * double(i % azimuths) / azimuths;
         tried[i] = {k_stretches[i / azimuths], 1, float(std::cos(azimuth)), float(std::sin(azimuth))};
-        moment[i] = least_moment(points_at(brdf, views, count, tried[i]));
+        moment[i] = least_moment(points_at(brdf, views, count, {tried[i]}));
     });
     const auto best = std::size_t(std::min_element(moment.begin(), moment.end()) - moment.begin());
     if (!(moment[best] < (1 - k_least_gain) * moment[0])) return;
@@ -313,29 +264,39 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
     }
     const Vec3f wv = model.direction[i];
     // Points by the cosine and its square instead of the mixture.
-    const Lobes lobes{k_common + J,
-                      [&](std::size_t k, float u1, float u2) {
-                          if (k < k_common) return K::sample_proposal_lobe(int(k), wv, {}, 1, u1, u2);
-                          const ViewProposal::Lobe& lobe = of_view[k - k_common];
-                          return K::folded(K::sample_vmf(lobe.centre, lobe.bandwidth, u1, u2));
-                      },
-                      [&](Vec3f wl, std::span<double> density) {
-                          for (std::size_t k = 0; k < k_common; ++k)
-                              density[k] = double(K::power_cosine_pdf(wl, float(k + 1)));
-                          for (std::size_t j = 0; j < J; ++j)
-                              density[k_common + j] = double(folded_pdf(of_view[j], wl));
-                      }};
+    std::vector<Vec3f> drawn;
+    for (std::size_t k = 0; k < k_common; ++k)
+        add_lattice(
+            k_view_points, [&](float u1, float u2) { return K::sample_proposal_lobe(int(k), wv, {}, 1, u1, u2); },
+            drawn);
+    for (const ViewProposal::Lobe& lobe : of_view)
+        add_lattice(
+            k_view_points,
+            [&](float u1, float u2) { return K::folded(K::sample_vmf(lobe.centre, lobe.bandwidth, u1, u2)); }, drawn);
+    std::vector<double> density(drawn.size());
+    for (std::size_t m = 0; m < drawn.size(); ++m) {
+        for (std::size_t k = 0; k < k_common; ++k) density[m] += double(K::power_cosine_pdf(drawn[m], float(k + 1)));
+        for (const ViewProposal::Lobe& lobe : of_view) density[m] += double(folded_pdf(lobe, drawn[m]));
+        density[m] *= k_view_points;
+    }
     const Evaluate brdf = [&](std::span<const Vec3f> wl, std::span<const Vec3f>, std::span<Rgb> f) {
         for (std::size_t k = 0; k < wl.size(); ++k) {
             const Vec3f value = K::su_view_value(model, int(i), wl[k]);
             f[k] = {value.x, value.y, value.z};
         }
     };
-    Points points{lobes.count, {}, {}, {}, {}};
-    proposal.albedo[i] = float(add_points(brdf, wv, lobes, k_view_points, points));
-    for (std::size_t m = 0; m < points.wl.size(); ++m)
-        points.density[m * points.lobes + 1] = double(pdf(proposal.mixture, points.wl[m], wv));
-    const std::vector<float> weight = best_weights(points, k_steps);
+    SamplingPoints points;
+    proposal.albedo[i] = float(add_points(brdf, wv, drawn, density, points));
+    points.pad();
+    points.density.resize(k_common + J);
+    for (auto& of_lobe : points.density) of_lobe.resize(points.size());
+    for (std::size_t m = 0; m < points.size(); ++m) {
+        const Vec3f w = points.light(m);
+        points.density[0][m] = K::power_cosine_pdf(w, 1);
+        points.density[1][m] = pdf(proposal.mixture, w, wv);
+        for (std::size_t j = 0; j < J; ++j) points.density[k_common + j][m] = folded_pdf(of_view[j], w);
+    }
+    const std::vector<float> weight = best_weights(points, k_common + J, k_steps);
     proposal.cosine[i] = weight[0], proposal.whole[i] = weight[1];
     for (std::size_t j = 0; j < J; ++j) of_view[j].weight = weight[k_common + j];
 }

@@ -1,10 +1,12 @@
-// Draws and densities of a mixture, its lobes in the lanes of vectors.
+// Draws and densities of a mixture, its lobes in the lanes of vectors; and densities of the points by which its weights
+// are found, these in the lanes.
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
 
-#include "srbf/sampling.h"
+#include "sampling_points.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sampling_mixture.cpp"
@@ -218,32 +220,93 @@ HWY_INLINE Vec3f drawn_by(const ViewOfMixture& view, float kind, const Vec3f& ce
     return {hn::GetLane(wl.x.v), hn::GetLane(wl.y.v), hn::GetLane(wl.z.v)};
 }
 
+// A draw: the lobes, since the density takes them too, and the direction.
+struct Draw {
+    static constexpr int k_vectors = LobeTable::k_count / int(sizeof(Lobes) / sizeof(float));
+    Seen::F::ProposalLobe lobes[k_vectors];
+    Vec3f wl;
+
+    HWY_INLINE Draw(const MixtureProposal& proposal, const Seen& seen, const ViewOfMixture& view, const Vec2f& u,
+                    float selector) {
+        const auto &low = proposal.running(view.nodes.below), &high = proposal.running(view.nodes.below + 1);
+        HWY_ALIGN float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], width[LobeTable::k_count];
+        std::size_t chosen = 0;  // the first lobe whose running sum exceeds the selector
+#pragma GCC unroll 4
+        for (int i = 0; i < k_vectors; ++i) {
+            const int k = i * int(Lobes::size());
+            chosen +=
+                hn::CountTrue(Lobes::Tag(), hn::Ge(everywhere(selector).v, between(low, high, view.nodes.part, k).v));
+            lobes[i] = seen.lobe(k);
+            lobes[i].centre.x.store(x + k), lobes[i].centre.y.store(y + k), lobes[i].centre.z.store(z + k);
+            lobes[i].width.store(width + k);
+        }
+        if (chosen >= MixtureProposal::k_lobes) chosen = 0;  // what rounding leaves over is the cosine's
+        const LobeTable& table = seen.table;
+        wl =
+            drawn_by(view, table.kind[chosen], {x[chosen], y[chosen], z[chosen]}, width[chosen], table.rest[chosen], u);
+    }
+};
+
+Vec3f draw_mixture(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u, float selector) {
+    const ViewOfMixture view = view_of(proposal, wv);
+    return Draw(proposal, Seen(table, view), view, u, selector).wl;
+}
+
 // A direction and its density, 0 where there is no direction.
 DirectionSample sample_mixture(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u,
                                float selector) {
-    constexpr int vectors = LobeTable::k_count / int(sizeof(Lobes) / sizeof(float));
     const ViewOfMixture view = view_of(proposal, wv);
     const Seen seen(table, view);
-    const auto &low = proposal.running(view.nodes.below), &high = proposal.running(view.nodes.below + 1);
-    Seen::F::ProposalLobe lobes[vectors];
-    HWY_ALIGN float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], width[LobeTable::k_count];
-    std::size_t chosen = 0;  // the first lobe whose running sum exceeds the selector
+    const Draw draw(proposal, seen, view, u, selector);
+    if (!above_horizon(draw.wl, wv)) return with_pdf(draw.wl, 0);
+    Density density(proposal, seen, view, draw.wl);
 #pragma GCC unroll 4
-    for (int i = 0; i < vectors; ++i) {
-        const int k = i * int(Lobes::size());
-        chosen += hn::CountTrue(Lobes::Tag(), hn::Ge(everywhere(selector).v, between(low, high, view.nodes.part, k).v));
-        lobes[i] = seen.lobe(k);
-        lobes[i].centre.x.store(x + k), lobes[i].centre.y.store(y + k), lobes[i].centre.z.store(z + k);
-        lobes[i].width.store(width + k);
+    for (int i = 0; i < Draw::k_vectors; ++i) density.add(i * int(Lobes::size()), draw.lobes[i]);
+    return with_pdf(draw.wl, density.sum.sum());
+}
+
+void densities_of_points(SamplingPoints& points, const ProposalShape& shape) {
+    using F = Formulas<Lobes, PmModel>;
+    const auto at = [](const auto& rows, std::size_t i) HWY_ATTR {
+        return Vec3<Lobes>(Lobes::load(&rows[0][i]), Lobes::load(&rows[1][i]), Lobes::load(&rows[2][i]));
+    };
+    for (std::size_t i = 0; i < points.size(); i += Lobes::size()) {
+        const Vec3<Lobes> wv = at(points.wv, i);
+        const Vec3<Lobes> tangent = shape.is_grain() ? in_all<Lobes>(Vec3f(shape.cosine, shape.sine, 0)) : wv;
+        const auto point = F::proposal_point(at(points.wl, i), wv, F::stretch_along(tangent, everywhere(shape.stretch)),
+                                             everywhere(shape.power));
+        for (int k = 0; k < LobeTable::k_count; ++k)
+            F::proposal_lobe_pdf(k, point).store(&points.density[std::size_t(k)][i]);
     }
-    if (chosen >= MixtureProposal::k_lobes) chosen = 0;  // what rounding leaves over is the cosine's
-    const Vec3f wl =
-        drawn_by(view, table.kind[chosen], {x[chosen], y[chosen], z[chosen]}, width[chosen], table.rest[chosen], u);
-    if (!above_horizon(wl, wv)) return with_pdf(wl, 0);
-    Density density(proposal, seen, view, wl);
-#pragma GCC unroll 4
-    for (int i = 0; i < vectors; ++i) density.add(i * int(Lobes::size()), lobes[i]);
-    return with_pdf(wl, density.sum.sum());
+}
+
+double slopes_of_points(const SamplingPoints& points, const float* of_lobe, double* slope) {
+    constexpr std::size_t most = 256;  // points at once
+    const std::size_t lobes = points.density.size();
+    HWY_ALIGN float factor[most];
+    double moment = 0;
+    std::fill_n(slope, lobes, 0.0);
+    for (std::size_t first = 0; first < points.size(); first += most) {
+        const std::size_t count = std::min(most, points.size() - first);
+        Lobes sum(0.0);
+        for (std::size_t i = 0; i < count; i += Lobes::size()) {
+            Lobes pdf(0.0);
+            for (std::size_t k = 0; k < lobes; ++k)
+                pdf = pdf + everywhere(of_lobe[k]) * Lobes::load(&points.density[k][first + i]);
+            pdf = max(pdf, everywhere(1e-15f));  // whose square is none too small for a float
+            const Lobes share = Lobes::load(&points.weight[first + i]) / pdf;
+            sum = sum + share;
+            (share / pdf).store(factor + i);
+        }
+        moment += double(sum.sum());
+        for (std::size_t k = 0; k < lobes; ++k) {
+            Lobes of_these(0.0);
+            for (std::size_t i = 0; i < count; i += Lobes::size())
+                of_these = of_these + Lobes::load(factor + i) * Lobes::load(&points.density[k][first + i]);
+            slope[k] += double(of_these.sum());
+        }
+    }
+    return moment;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -255,7 +318,10 @@ namespace srbf {
 namespace {
 
 HWY_EXPORT(mixture_pdf);
+HWY_EXPORT(draw_mixture);
 HWY_EXPORT(sample_mixture);
+HWY_EXPORT(densities_of_points);
+HWY_EXPORT(slopes_of_points);
 
 using K = Kernel<float>;
 static_assert(MixtureProposal::k_lobes == SRBF_PROPOSAL_LOBES);
@@ -286,7 +352,18 @@ DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f
 }
 
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector) {
-    return sample_with_pdf(proposal, wv, u, selector).wl;
+    return HWY_DYNAMIC_DISPATCH(draw_mixture)(proposal, lobe_table(), wv, u, selector);
+}
+
+void set_densities(SamplingPoints& points, const ProposalShape& shape) {
+    points.density.resize(MixtureProposal::k_lobes);
+    for (auto& of_lobe : points.density) of_lobe.resize(points.size());
+    HWY_DYNAMIC_DISPATCH(densities_of_points)(points, shape);
+}
+
+double set_slopes(const SamplingPoints& points, std::span<const float> of_lobe, std::span<double> slope) {
+    assert(of_lobe.size() == points.density.size() && slope.size() == of_lobe.size());
+    return HWY_DYNAMIC_DISPATCH(slopes_of_points)(points, of_lobe.data(), slope.data());
 }
 
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv) {

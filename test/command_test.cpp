@@ -239,7 +239,7 @@ TEST_F(OfModel, convert_copies_and_converts) {
     // A measurement, samples and a model.
     for (const std::string& input : Arguments{k_paper, "s.csv", (*fitted / "m.srbf").string()})
         for (const std::string output : {"o.binary", "o.bsdf", "o.mbsdf", "o.csv"}) {
-            if (output == "o.binary" && input == k_paper) continue;  // slow under sanitizers
+            if (output == "o.binary" && !input.ends_with(".srbf")) continue;  // slow under sanitizers
             const ProgramRun made =
                 run(folder, {"convert", input, "-o", output, "--threads", "1", "--directions", "9"});
             ASSERT_EQ(made.status, 0) << made.err;

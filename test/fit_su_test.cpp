@@ -129,11 +129,12 @@ TEST(FitSu, LooksLikeTheMeasurement) {
         std::optional<int> plain_lobes;  ///< without the factor of the horizon, which look worse
     } expected[] = {{"paper_white_rgb", 1.2, 5}, {"cc_ibiza_sunset_rgb", 4.8, {}}};
     for (const auto& e : expected) {
-        const RawMatrix matrix = matrix_of(e.name, 1536);
+        constexpr int directions = 768;
+        const RawMatrix matrix = matrix_of(e.name, directions);
         const auto delta_e = [&](const SuFitOptions& options) {
             const auto fit = fit_su(matrix, options);
             EXPECT_EQ(payload_bytes(fit->model),
-                      std::size_t(1536 * 2 * options.lobes * (fit->model.horizon.empty() ? 6 : 7)));
+                      std::size_t(directions * 2 * options.lobes * (fit->model.horizon.empty() ? 6 : 7)));
             const Evaluate fits[] = {evaluator(fit->model)};
             return compare_pictures(evaluator(bundled(e.name)), fits)[0].mean.delta_e;
         };

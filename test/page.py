@@ -88,7 +88,7 @@ def under_environments(visit):
             chromium.settle()
         visit.take(step)
 
-    chromium.size(240, 600, mobile=True)
+    chromium.size(140, 600, mobile=True)
     for material in (0, 7, 1, 3, 6):  # one of each kind
         chromium.click(f"[data-show='{material}']")
         if material == 0:

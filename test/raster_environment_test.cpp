@@ -135,7 +135,9 @@ TEST_P(RasterEnvironments, AreWithoutBiasHoweverTheyAreTurned) {
     const Evaluate brdfs[] = {evaluator(film_pm()), evaluator(isotropic_su(128)), evaluator(k_ggx),
                               evaluator(film_table())};
     static const SuModel su = isotropic_su(128);
+    const bool is_es = GetParam() == Dialect::es_300;  // whose text is the same
     for (const double turn : {0.0, 1.0, 4.0}) {
+        if (is_es && turn != 1) continue;
         const Frame axes = frame_about(spherical(0.5 * turn, turn), {0, 1, 0.2});
         for (std::size_t i = 0; i < std::size(materials); ++i) {
             const Evaluate brdf = i == 1 ? evaluator(su) : brdfs[i];
@@ -228,7 +230,7 @@ TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
 TEST_P(RasterEnvironments, ConvergeToThePathTracer) {
     constexpr int size = 24;
     static const SuModel su = isotropic_su(128);
-    const Mesh mesh = sphere(64);
+    const Mesh mesh = sphere(48);
     const Camera camera = camera_of(mesh, {}, 1);
     const auto check = [&](const char* name, const SampledMaterial& of, const PreparedBsdf& brdf, const Mesh& shape) {
         static std::map<std::string, Image> of_paths;  // for both dialects
@@ -271,7 +273,7 @@ TEST_P(RasterEnvironments, ConvergeToThePathTracer) {
         check("ggx", sampled(k_ggx), prepared(k_ggx), mesh);
     }
     check("table", table, table_brdf, mesh);
-    // Both sides, from outside and from inside.
+    // Both sides, from outside and, in one of the dialects, from inside.
     static const PreparedBsdf both_brdf = prepare_bsdf(Model{full_bsdf(), {}}, {.threads = 1});
     Mesh inside = mesh;
     std::erase_if(inside.triangles,

@@ -12,9 +12,8 @@ double smooth_step(double a, double b, double x) {
     return x * x * (3 - 2 * x);
 }
 Rgb mixed(const Rgb& a, const Rgb& b, double share_of_b) {
-    Rgb c;
-    for (int i = 0; i < 3; ++i) c[i] = a[i] + float(share_of_b) * (b[i] - a[i]);
-    return c;
+    const auto share = float(share_of_b);
+    return {a.r + share * (b.r - a.r), a.g + share * (b.g - a.g), a.b + share * (b.b - a.b)};
 }
 
 constexpr double k_horizon = 0.1;    ///< height between sky and ground

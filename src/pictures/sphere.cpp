@@ -118,7 +118,10 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
                     for (const Disc& of : discs[k]) density += of.density_at(w);
                     add_term(pair, double(wl[pair].z), 1 / density, radiance(lighting, w));
                 };
-                for (std::size_t i = 0; i < mirrored.density.size(); ++i)
+                const Rgb none{};
+                const bool is_lit_around =
+                    !discs[k].empty() || lighting.horizon != none || lighting.zenith != none || lighting.ground != none;
+                for (std::size_t i = 0; is_lit_around && i < mirrored.density.size(); ++i)
                     add(first + i, frame.from(to_double(wl[first + i])), mirrored.density[i]);
                 for (const Disc& of : discs[k])
                     for (const Vec3d& w : of.points) {

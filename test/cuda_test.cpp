@@ -13,7 +13,7 @@
 namespace srbf::cuda_test {
 namespace {
 
-Observations observations() {
+Observations observations(Objective objective = Objective::appearance) {
     const Evaluate f = [](auto wl, auto wv, auto out) {
         for (std::size_t i = 0; i < out.size(); ++i) {
             const Vec3f h = Kernel<float>::psi(wl[i], wv[i], 1, 1);
@@ -21,7 +21,7 @@ Observations observations() {
             out[i] = {0.2f + g, 0.3f * b + 0.5f * g, 0.1f * g + 0.05f * b * b};
         }
     };
-    return *observe(f, {Objective::appearance, 0, 1024, 7});
+    return *observe(f, {objective, 0, 1024, 7});
 }
 
 on_device::Observed observed(const Rows& rows) {
@@ -83,7 +83,7 @@ Eigen::VectorXd random_variables(const LobeShape& shape, int lobes, std::mt19937
 
 /// Calls check(rows, shape, x, log peak limit) for random problems of every form.
 template <typename Check> void for_problems(const Check& check) {
-    const Observations all = observations();
+    const Observations all = observations(Objective::cosine);
     const Rows pairs(all), with_radiances(all, {.radiance_importance = 0.05});
     std::mt19937_64 random(5);
     for (const PmForm form : k_forms)
@@ -136,7 +136,7 @@ template <typename Off> double by_rounding(const Rows& rows, const Off& off) {
         most = std::max(most, off(rows));
     }
     std::mt19937_64 random(3);
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 10; ++k) {
         Rows moved = rows;
         for (auto* w : {&moved.wl, &moved.wv})
             for (auto& component : *w)
@@ -176,7 +176,7 @@ TEST(Cuda, features_are_those_of_the_problem) {
 
 TEST(Cuda, loss_gradient_and_products_are_those_of_the_problem) {
     int limited = 0, not_adapting = 0, close = 0, count = 0;
-    const double allowed = is_fused() ? 2 : 10;  // times by_rounding
+    const double allowed = is_fused() ? 3 : 10;  // times by_rounding
     for_problems([&](const Rows& rows, const LobeShape& shape, const Eigen::VectorXd& x, double log_peak_limit) {
         const Expected expected(rows, shape, x, log_peak_limit);
         Emulated of(rows, shape, x, log_peak_limit);

@@ -16,7 +16,7 @@ namespace {
 
 struct ExportCommand {
     std::vector<std::string> files, with;
-    std::string to, reference, output;
+    std::string to, reference, mesh, up = "y", output;
 
     int run() const;
     Result<std::string> page(const std::vector<Subject>& models, const std::optional<Subject>& measured) const;
@@ -53,6 +53,13 @@ double common_theta(const std::vector<Subject>& models) {
     for (const Subject& model : models)
         if (const double own = fitted_theta(model); own > 0) least = std::min(least, own);
     return least < 90 ? least : 80;
+}
+
+/// A mesh whose z axis is up, with its y axis up.
+Mesh turned_upright(Mesh mesh) {
+    for (auto* vectors : {&mesh.positions, &mesh.normals})
+        for (Vec3f& v : *vectors) v = {v.x, v.z, -v.y};
+    return mesh;
 }
 
 /// The reference first, with its picture if it has one and the size of a table; then errors of the models.
@@ -124,6 +131,7 @@ int ExportCommand::run() const {
         if (!subject->is_model()) return complain({file, {}, "input", "a model", "a measurement (see --reference)"});
         models.push_back(*std::move(subject));
     }
+    if (!mesh.empty()) inputs.push_back(mesh);
     std::optional<Subject> measured;
     if (!reference.empty()) {
         inputs.push_back(reference);
@@ -165,6 +173,12 @@ Result<std::string> ExportCommand::page(const std::vector<Subject>& models,
         page.table[0].cells.push_back(grouped(payload_bytes(std::get<Model>(model.content))));
     }
     if (measured) add_reference(page, *measured, models);
+    if (!mesh.empty()) {
+        auto loaded = load_mesh(mesh);
+        if (!loaded) return loaded.error();
+        page.mesh = up == "y" ? *std::move(loaded) : turned_upright(*std::move(loaded));
+        page.mesh_name = stem(mesh);
+    }
     return page_html(page);
 }
 
@@ -246,13 +260,21 @@ void add_export(CommandLine& app, int& status) {
     const Option reference =
         sub.add_option("--reference", command->reference, "html: the measurement, shown and plotted beside the models")
             .type_name("MEASURED");
+    const Option mesh =
+        sub.add_option("--mesh", command->mesh, "html: a .ply or .obj file, the object that is shown at first")
+            .type_name("FILE");
+    const Option up = sub.add_option("--up", command->up, "html: axis of that mesh that points upwards, y or z")
+                          .type_name("AXIS")
+                          .one_of({"y", "z"})
+                          .capture_default_str();
     sub.add_option("-o,--output", command->output, "The file to write").type_name("FILE").required();
     sub.footer(
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
         "  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
-    sub.callback([command, with, reference, &status] {
+    sub.callback([command, with, reference, mesh, up, &status] {
         if ((command->to == "html" || command->to == "three") && with.given()) with.fail("is for source code");
-        if (command->to != "html" && reference.given()) reference.fail("is for --to html");
+        for (const Option& of_page : {reference, mesh, up})
+            if (command->to != "html" && of_page.given()) of_page.fail("is for --to html");
         status = command->run();
     });
 }

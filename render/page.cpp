@@ -78,16 +78,22 @@ Json json_of(Vec3d w) { return {w.x, w.y, w.z}; }
 Json json_of(const Mesh& mesh) {
     std::vector<std::array<Vec3f, 2>> vertices;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) vertices.push_back({mesh.positions[i], mesh.normals[i]});
-    assert(vertices.size() <= 65536);
-    std::vector<std::array<std::uint16_t, 3>> triangles;
-    for (const Triangle& t : mesh.triangles)
-        triangles.push_back({std::uint16_t(t[0]), std::uint16_t(t[1]), std::uint16_t(t[2])});
+    const bool is_small = vertices.size() <= 65536;
+    std::vector<std::array<std::uint16_t, 3>> small;
+    for (std::size_t i = 0; is_small && i < mesh.triangles.size(); ++i) {
+        const Triangle& t = mesh.triangles[i];
+        small.push_back({std::uint16_t(t[0]), std::uint16_t(t[1]), std::uint16_t(t[2])});
+    }
     const Camera camera = camera_of(mesh, {}, k_page_aspect);
     return {{"vertices", base64_of(vertices)},
-            {"triangles", base64_of(triangles)},
+            {"triangles", is_small ? base64_of(small) : base64_of(mesh.triangles)},
+            {"index_bytes", is_small ? 2 : 4},
             {"target", json_of(camera.target)},
             {"distance", std::sqrt(dot(camera.eye - camera.target, camera.eye - camera.target))}};
 }
+
+/// The value of the choice of `Page::mesh`.
+constexpr const char* k_own_mesh = "own";
 
 /// What pictures under an environment sample a material by.
 int azimuths_of(const Material& material) {
@@ -122,6 +128,7 @@ Json data_of(const Page& page) {
                                   {"irradiance", {light.irradiance.r, light.irradiance.g, light.irradiance.b}}});
     for (const std::string_view name : {"ball", "sphere", "knot"})
         data["meshes"][std::string(name)] = json_of(page_mesh(name));
+    if (page.mesh) data["meshes"][k_own_mesh] = json_of(*page.mesh);
     data["light_behind"] = json_of(k_light_behind.towards);
     data["vertex"] = text_of(Flat{}).vertex;
     data["pixel"] = pixel_text({});
@@ -302,6 +309,9 @@ std::string page_html(const Page& page) {
                               : "An object of the material. Drag the picture to turn it."},
         {"pictures", pictures_of(page)},
         {"choices", choices_of(page)},
+        {"own_shape", page.mesh
+                          ? fmt::format("<option value=\"{}\">{}</option>", k_own_mesh, html_escaped(page.mesh_name))
+                          : std::string()},
         {"behind", shows_both_sides(page) ? "<button type='button' name='behind'>Light from behind</button>\n" : ""},
         {"picture_note", note(page.picture_note)},
         {"slices_lead", slices_lead_of(page)},

@@ -32,10 +32,12 @@ struct Page {
     std::vector<Row> table;
     std::string table_note, picture_note;  ///< below the table, and below the pictures
     std::string generator;                 ///< the last line: the program that wrote the page
+    std::optional<Mesh> mesh;              ///< with y upwards: the initial shape, beside the built-in ones
+    std::string mesh_name;
 };
 
 /// The page, HTML in UTF-8 without external references. Its shaders are those of `shader_text` in OpenGL ES 3.0; the
-/// page displays their text and compiles it. The initial picture is `page_mesh("ball")` seen from `Viewpoint{}` under
+/// page displays their text and compiles it. The initial picture is `mesh`, or `page_mesh("ball")`, seen from `Viewpoint{}` under
 /// `k_three_lights`, at automatic_exposure of the sphere of the first material with a picture.
 std::string page_html(const Page& page);
 

@@ -43,6 +43,7 @@ def with_webgl():
         print("this Chromium has no WebGL 2")
         sys.exit(77)
     visit.take("opened")
+    chromium.run("document.forms[0].mesh.value = 'ball'")
     chromium.click("[data-show='1']")
     visit.take("one")
     chromium.drag("figure:not([hidden]) canvas", 80, 30)
@@ -92,7 +93,7 @@ def under_environments(visit):
     for material in (0, 7, 1, 3, 6):  # one of each kind
         chromium.click(f"[data-show='{material}']")
         if material == 0:
-            chromium.run("document.forms[0].environment.value = 'studio'; " + CHOOSE)
+            chromium.run("document.forms[0].mesh.value = 'ball'; document.forms[0].environment.value = 'studio'; " + CHOOSE)
             chromium.settle()
         converged("studio")
     chromium.drag("figure:not([hidden]) canvas", 60, 0, modifiers=8)  # Shift

@@ -28,6 +28,9 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// More corners than 16 bits tell apart.
+Mesh own_mesh() { return knot(1100, 60); }
+
 /// A measurement and a model of each kind: what each material's shader is tried with.
 Page all_kinds() {
     static const Measured film = *load_measured(bundled_data() / "cc_ibiza_sunset_rgb.bsdf");
@@ -53,6 +56,8 @@ Page all_kinds() {
                                   i > 0 ? "numbers" : ""});
     }
     page.table.push_back({"bytes", "how many", std::vector<std::string>(page.materials.size(), "1")});
+    page.mesh = own_mesh();
+    page.mesh_name = "<own>";
     return page;
 }
 
@@ -92,6 +97,11 @@ TEST(Page, HoldsItsShadersAndNothingFromOutside) {
     EXPECT_EQ(count(single, "<canvas"), 1u);
     EXPECT_EQ(count(single, "<button type='button' data-show"), 0u);
     EXPECT_EQ(count(single, "material differs"), 0u);
+    // A mesh of one's own is what is shown first.
+    EXPECT_EQ(count(html, "<select name=\"mesh\"><option value=\"own\">&lt;own&gt;</option>"), 1u);
+    Page built_in = one;
+    built_in.mesh.reset();
+    EXPECT_EQ(count(page_html(built_in), "<select name=\"mesh\"><option value=\"ball\">"), 1u);
     // A light behind is for what light passes through.
     EXPECT_EQ(count(html, "name='behind'"), 1u);
     EXPECT_EQ(count(single, "name='behind'"), 0u);
@@ -251,6 +261,11 @@ TEST(Html, Base64AndFilledTexts) {
 }
 
 #ifdef SRBF_RASTER
+RasterMesh mesh_of(const Json& scene) {
+    const std::string name = scene["mesh"];
+    return RasterMesh(name == "own" ? own_mesh() : page_mesh(name));
+}
+
 /// PSNR [dB] over the pixels where either picture is not background.
 double psnr(const std::string& rgba, const Image8& other) {
     EXPECT_EQ(rgba.size(), 4 * other.pixels.size());
@@ -297,7 +312,7 @@ Image8 environment_picture(const Json& of, const PageMaterial& material, Dialect
                                                           : Proposals(propose(material.brdf, options)));
     auto mean = RasterMean::make(*surface);
     if (!mean) return ADD_FAILURE(), Image8(width, height);
-    const RasterMesh mesh(page_mesh(std::string(scene["mesh"])));
+    const RasterMesh mesh = mesh_of(scene);
     const int samples = scene["samples"];
     for (int i = 0; i < samples; ++i) {
         view.shift = sample_shift(i, width, height);
@@ -325,7 +340,7 @@ Image8 desktop_picture(const Json& of, const RasterMaterial& material) {
     }
     const auto target = RasterTarget::make(width, height, 4, RasterTarget::Format::bytes);
     if (!target) return ADD_FAILURE() << message(target.error()), Image8(width, height);
-    const RasterMesh mesh(page_mesh(std::string(scene["mesh"])));
+    const RasterMesh mesh = mesh_of(scene);
     target->begin();
     material.draw(mesh, {camera, double(width) / height, lights, float(scene["exposure"])});
     return target->read_bytes();
@@ -399,6 +414,7 @@ TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
     EXPECT_TRUE(pixels["turned"] != pixels["lit"]);
     EXPECT_GT(middle_of_highlights(pixels["lit"], of_first["lit"]["width"]),
               middle_of_highlights(pixels["turned"], of_first["lit"]["width"]) + 5);
+    EXPECT_EQ(of_first["opened"]["scene"]["mesh"], "own");
     EXPECT_EQ(of_first["knot"]["scene"]["mesh"], "knot");
     EXPECT_EQ(of_first["knot"]["scene"]["irradiances"], Json({3, 3, 3, 0, 0, 0, 0, 0, 0}));
     EXPECT_TRUE(pixels["again"] == pixels["opened"]);

@@ -145,7 +145,7 @@ function under_environment(index) {
   return material.lit;
 }
 
-function new_mesh(gl, { vertices, triangles }) {
+function new_mesh(gl, { vertices, triangles, index_bytes }) {
   const array = gl.createVertexArray(), indices = bytes_of(triangles);
   gl.bindVertexArray(array);
   gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
@@ -157,7 +157,8 @@ function new_mesh(gl, { vertices, triangles }) {
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
   gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STATIC_DRAW);
   gl.bindVertexArray(null);
-  return { array, corners: indices.length / 2 };
+  const type = index_bytes === 2 ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
+  return { array, corners: indices.length / index_bytes, type };
 }
 
 // One context, for a browser gives a page but a few, draws every picture in turn; each is then copied to its place.
@@ -199,10 +200,10 @@ function use_material(index, { program, place }, now) {
 function draw_mesh({ program, place }, now, shift) {
   gl.useProgram(program);
   gl.uniformMatrix4fv(place("to_clip"), false, to_clip(now, shift));
-  const { array, corners } = meshes[now.mesh];
+  const { array, corners, type } = meshes[now.mesh];
   gl.enable(gl.DEPTH_TEST);
   gl.bindVertexArray(array);
-  gl.drawElements(gl.TRIANGLES, corners, gl.UNSIGNED_SHORT, 0);
+  gl.drawElements(gl.TRIANGLES, corners, type, 0);
 }
 
 function draw_under_lights(index, now) {

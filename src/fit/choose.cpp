@@ -19,8 +19,10 @@ struct Look {
     int starts, perturbations;
 };
 constexpr Look k_glance{4096, 2, 2}, k_look{8192, 4, 8};
-/// Numbers of kinds that get the second short fit, and of models that get full fits.
-constexpr std::size_t k_looked_at = 8, k_fitted_whole = 3;
+/// Numbers of kinds that get the second short fit, and of models that get full fits: two, and a third one if the error
+/// of its short fit is at most so many times the least.
+constexpr std::size_t k_looked_at = 8, k_fitted_whole = 2;
+constexpr double k_as_promising = 1.2;
 
 /// Expected ratio of the error of a full fit to that of its first short fit, before one is known. For the most
 /// promising kinds it is 0.75 to 1.
@@ -170,7 +172,8 @@ Result<Search::Tried> within_bytes(Search& search, const FitOptions& options, st
         if (!steps) return steps.error();
     }
     std::optional<Search::Tried> best;
-    const std::size_t count = std::min(k_fitted_whole, steps->size());
+    std::size_t count = std::min(k_fitted_whole, steps->size());
+    if (count < steps->size() && (*steps)[count].error <= k_as_promising * steps->front().error) ++count;
     for (std::size_t i = 0; i < count && search.report(0.4 + 0.6 * double(i) / double(count)); ++i) {
         auto tried = search.whole((*steps)[i]);
         if (!tried) return tried;

@@ -236,10 +236,9 @@ Vec3 scattered_radiance(Vec3 position, vec4 normal, int index) {
     return sum;
 }
 
-// What point k of the pixel shows; `first` is the one that every pixel shows.
-ivec2 first_point() { return ivec2(step(vec2(0.0), shift)); }
+// What point k of a pixel shows; the first is the one that every pixel shows.
 vec3 radiance_at(ivec2 pixel_, int k) {
-    ivec2 first = first_point();
+    ivec2 first = ivec2(step(vec2(0.0), shift));
     ivec2 point = first ^ ivec2(k & 1, k >> 1);
     ivec2 at = 2 * pixel_ + point;
     vec4 position = texelFetch(surface_positions, at, 0);

@@ -1,12 +1,11 @@
 // The points by which a mixture's weights are found: level 3.
 #pragma once
-#include <tbb/cache_aligned_allocator.h>
-
 #include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
 
+#include "aligned.h"
 #include "srbf/sampling.h"
 
 namespace srbf {
@@ -22,7 +21,6 @@ struct ProposalShape {
 
 /// Pairs of directions, weighted to stand for ∫ dωl, and the densities of a mixture's lobes there, side by side.
 struct SamplingPoints {
-    template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
     static constexpr std::size_t k_block = 16;  ///< whole blocks once padded
 
     std::array<Aligned<float>, 3> wl, wv;

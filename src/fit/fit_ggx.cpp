@@ -165,8 +165,9 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
     refine(all, log_alpha);
     // A model with so few parameters has large errors: weights that hold for small ones are adapted to them.
     for (int round = 0; round < k_root_rounds && traits(observations.objective).seen; ++round) {
-        weigh_large_errors(weighed, std::span(observations.weight).first(observations.f.size() - observations.checks),
-                           evaluator(all.solve(log_alpha).model), k_most_root_change);
+        const GgxModel model = all.solve(log_alpha).model;
+        weighed.weight = observations.weight;
+        weigh_large_errors(weighed, weighed.f.size() - weighed.checks, evaluator(model), k_most_root_change);
         if (!progress.report("refining roughness", 0.3 + 0.7 * round / k_root_rounds)) return cancelled_error("fit");
         if (round == 0) log_alpha = scanned(sample, options.lobes);
         refine(all, log_alpha);

@@ -115,10 +115,9 @@ LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, d
 
 /// Optimises on all observations, for spectral ones with the spectra. Checks that the fit exceeds become observations,
 /// until none is exceeded. Then rounds.
-PmFit finish(Lobes lobes, const Observations& observations, double radiance_importance, double picture_importance,
+PmFit finish(Lobes lobes, Observations all, double radiance_importance, double picture_importance,
              const FitOptions& options, double log_peak_limit, const Reporter& reporter) {
     PmFit fit;
-    Observations all = observations;
     const bool spectral = !all.wavelengths.empty();
     if (spectral) weigh_for_spectra(all);
     const std::size_t first_check = all.f.size() - all.checks;
@@ -203,10 +202,11 @@ struct Fit {
 
     template <typename Body> void each(const Body& body) { parallel_for(found.size(), body); }
     void polished_one() { reporter.advance("polishing", work.polish / double(found.size())); }
-    PmFit finished(const Candidate& candidate, const Observations& all, double picture_importance) const {
+    PmFit finished(const Candidate& candidate, Observations all, double picture_importance) const {
         const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
         const double radiance_importance = sample.radiance_importance() * 3 / channels;
-        return finish(candidate.lobes, all, radiance_importance, picture_importance, options, log_peak_limit, reporter);
+        return finish(candidate.lobes, std::move(all), radiance_importance, picture_importance, options, log_peak_limit,
+                      reporter);
     }
     /// A candidate with the coefficients for these rows.
     PmModel on(const Rows& rows, const Candidate& candidate) const {
@@ -245,9 +245,9 @@ struct Fit {
         const auto by_loss = [](const Candidate& a, const Candidate& b) { return a.loss < b.loss; };
         const Candidate& best = *std::min_element(found.begin(), found.end(), by_loss);
         Observations weighed = observations;
-        weigh_large_errors(weighed, std::span(observations.weight).first(observations.f.size() - observations.checks),
-                           evaluator(on(to_see, best)), k_most_large_error_weight);
-        return finished(best, weighed, importance);
+        weigh_large_errors(weighed, weighed.f.size() - weighed.checks, evaluator(on(to_see, best)),
+                           k_most_large_error_weight);
+        return finished(best, std::move(weighed), importance);
     }
 
     void polish_best() {

@@ -1,14 +1,13 @@
 // The inner loops of the fit: lobes on blocks of weighted observations, and inner products of their columns. Float SIMD
 // within a block of rows, sums over blocks in double, so that the result does not depend on the number of threads.
 #pragma once
-#include <tbb/cache_aligned_allocator.h>
-
 #include <array>
 #include <cstddef>
 #include <limits>
 #include <span>
 #include <vector>
 
+#include "aligned.h"
 #include "fit/pixels.h"
 #include "srbf/fit.h"
 
@@ -17,8 +16,6 @@ namespace srbf {
 inline constexpr std::size_t k_block = 512;  ///< rows per block
 inline constexpr std::size_t k_chunk = 8;    ///< blocks per chunk, the unit of summation
 inline constexpr std::size_t k_least_view_rows = 64;
-
-template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
 
 /// Which parts of the observations Rows hold.
 struct Extent {

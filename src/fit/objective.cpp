@@ -136,12 +136,12 @@ void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::
     }
 }
 
-void weigh_large_errors(Observations& observations, std::span<const double> base, const Evaluate& fitted, double most) {
-    std::vector<Rgb> f(base.size());
-    fitted(std::span(observations.wl).first(f.size()), std::span(observations.wv).first(f.size()), f);
-    for (std::size_t i = 0; i < f.size(); ++i)
-        observations.weight[i] = base[i] * large_error_weight(observations.objective, observations.f[i], f[i],
-                                                              observations.typical, double(observations.wl[i].z), most);
+void weigh_large_errors(Observations& observations, std::size_t count, const Evaluate& fitted, double most) {
+    std::vector<Rgb> f(count);
+    fitted(std::span(observations.wl).first(count), std::span(observations.wv).first(count), f);
+    for (std::size_t i = 0; i < count; ++i)
+        observations.weight[i] *= large_error_weight(observations.objective, observations.f[i], f[i],
+                                                     observations.typical, double(observations.wl[i].z), most);
 }
 
 }  // namespace srbf

@@ -111,8 +111,8 @@ inline double large_error_weight(Objective objective, const Rgb& f, const Rgb& f
     return squares > 0 ? std::clamp(seen / squares / small, 1 / most, most) : 1;
 }
 
-/// The weights of the first observations: `base` times their `large_error_weight` for what is fitted.
-void weigh_large_errors(Observations& observations, std::span<const double> base, const Evaluate& fitted, double most);
+/// Multiplies the weights of the first `count` observations by their `large_error_weight` for what is fitted.
+void weigh_large_errors(Observations& observations, std::size_t count, const Evaluate& fitted, double most);
 
 /// Σ over the guards (observations beyond θmax) if the fit were off by the largest measured f cosθl cosθv at each of
 /// them, relative to Σ w |f|².

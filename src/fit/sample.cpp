@@ -81,9 +81,7 @@ void Sample::look_about(const std::vector<Candidate>& candidates, const FitOptio
 }
 
 void Sample::weigh_large_errors(const PmModel& fitted, double most) {
-    std::vector<double> base = some_.observations.weight;
-    base.resize(some_.begin);
-    srbf::weigh_large_errors(some_.observations, base, evaluator(fitted), most);
+    srbf::weigh_large_errors(some_.observations, some_.begin, evaluator(fitted), most);
 }
 
 double Sample::radiance_importance() const {

@@ -74,10 +74,14 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
     });
 
     std::vector<std::vector<Disc>> discs;
+    std::vector<bool> is_lit_around;  // not by directions alone
     for (const Lighting& lighting : lightings) {
         discs.emplace_back();
         for (const Lighting::Source& source : lighting.sources)
             if (source.radius > 0) discs.back().push_back(disc(source));
+        const Rgb none{};
+        is_lit_around.push_back(!discs.back().empty() || lighting.horizon != none || lighting.zenith != none ||
+                                lighting.ground != none);
     }
 
     std::vector<std::vector<Image>> images(lightings.size(), std::vector<Image>(brdfs.size(), Image(size, size)));
@@ -118,10 +122,7 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
                     for (const Disc& of : discs[k]) density += of.density_at(w);
                     add_term(pair, double(wl[pair].z), 1 / density, radiance(lighting, w));
                 };
-                const Rgb none{};
-                const bool is_lit_around =
-                    !discs[k].empty() || lighting.horizon != none || lighting.zenith != none || lighting.ground != none;
-                for (std::size_t i = 0; is_lit_around && i < mirrored.density.size(); ++i)
+                for (std::size_t i = 0; is_lit_around[k] && i < mirrored.density.size(); ++i)
                     add(first + i, frame.from(to_double(wl[first + i])), mirrored.density[i]);
                 for (const Disc& of : discs[k])
                     for (const Vec3d& w : of.points) {

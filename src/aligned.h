@@ -1,0 +1,12 @@
+// Vectors for SIMD: level 0.
+#pragma once
+#include <tbb/cache_aligned_allocator.h>
+
+#include <vector>
+
+namespace srbf {
+
+/// A vector that begins at a cache line.
+template <typename T> using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
+
+}  // namespace srbf

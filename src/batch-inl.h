@@ -7,7 +7,6 @@
 #define SRBF_BATCH_INL_H
 #endif
 
-#include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
 #include <bit>
@@ -103,6 +102,12 @@ template <typename D> struct BatchOf {
             r * polynomial(r, 1.0, -0.5000032343267086, 0.3333471490238037, -0.24971228722553673, 0.19906883134210476,
                            -0.17243221986349655, 0.1618050203316588, -0.1008238917029115);
         return log_m + BatchOf(hn::ConvertTo(D(), e)) * BatchOf(0.6931471805599453);
+    }
+
+    // log(1 + a) for a > -1: what rounding the sum loses is added. Relative error 5e-7.
+    friend HWY_INLINE BatchOf log1p(BatchOf a) {
+        const BatchOf u = BatchOf(1.0) + a;
+        return log(u) + (a - (u - BatchOf(1.0))) / u;
     }
 
 #if HWY_TARGET <= HWY_SSSE3  // x86, whose estimate has at least 12 bits: one Newton step. Relative error 3e-7.

@@ -85,6 +85,7 @@ TEST(ViewProblem, GradientIsThatOfTheLoss) {
 ViewRows seen_rows() {
     ViewRows view = rows(true);
     std::vector<Vec3f> towards;
+    std::vector<Pixels::Triplet> colours;
     view.seen.exposure.assign(k_block, 0.f);
     for (std::size_t i = 0; i < 900; i += 7) {
         if (i % 10 == 3) continue;
@@ -92,10 +93,11 @@ ViewRows seen_rows() {
         Pixels::Triplet colour;
         for (std::size_t c = 0; c < 3; ++c) colour[c] = exposure * double(view.y[c][i]) / double(view.root_weight[i]);
         towards.push_back({view.directions.w[0][i], view.directions.w[1][i], view.directions.w[2][i]});
-        view.seen.exposure[view.seen.count++] = float(exposure);
-        view.seen.pixels.add(colour);
+        view.seen.exposure[colours.size()] = float(exposure);
+        colours.push_back(colour);
     }
     view.seen.directions = DirectionRows(towards);
+    view.seen.pixels = Pixels(colours);
     return view;
 }
 

@@ -239,7 +239,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
             const ViewRows rows = views.rows(i, of_pictures);
             const Eigen::VectorXd x = problem.start(rows, lobes);
             const double loss = problem.loss(x);
-            if (rows.seen.count > 0) lobes = matched(problem, x, loss, keep_lobes);
+            if (rows.seen.pixels.count() > 0) lobes = matched(problem, x, loss, keep_lobes);
             for (std::size_t j = 0; j < J; ++j) {
                 const std::size_t k = i * J + j;
                 for (int c = 0; c < 3; ++c) model.coefficient[k][c] = float(problem.coefficient(int(j), c));

@@ -105,8 +105,8 @@ void combine(std::span<const float> weight, std::span<const float* const> s, flo
     add_weighted(weight, s, zero, [&](std::size_t i, Batch sum) HWY_ATTR { sum.store(x + i); });
 }
 
-void multiply(const float* a, const float* b, float* out) {
-    for (std::size_t i = 0; i < k_block; i += Batch::size())
+void multiply(const float* a, const float* b, float* out, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += Batch::size())
         Batch(Batch::load(a + i) * Batch::load(b + i)).store(out + i);
 }
 
@@ -263,7 +263,9 @@ void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x) {
     HWY_DYNAMIC_DISPATCH(combine)(weight, s, x);
 }
-void multiply(const float* a, const float* b, float* out) { HWY_DYNAMIC_DISPATCH(multiply)(a, b, out); }
+void multiply(const float* a, const float* b, float* out, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(multiply)(a, b, out, count);
+}
 void add_product(const float* a, const float* b, float* out) { HWY_DYNAMIC_DISPATCH(add_product)(a, b, out); }
 double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
     return HWY_DYNAMIC_DISPATCH(residual)(y, beta, columns, r);
@@ -284,7 +286,6 @@ template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double
 }
 
 Rows::Rows(const Observations& observations, const Extent& extent) {
-    const auto blocks_for = [](std::size_t rows) { return (rows + k_block - 1) / k_block; };
     const std::size_t count = observations.f.size() - observations.checks;
     blocks = blocks_for(count);
     const std::size_t every = extent.roughly ? 2 : 1, step = extent.roughly ? 9 : 1;
@@ -331,6 +332,7 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
 
 void Rows::add_views(const std::vector<SeenView>& all) {
     const std::size_t begin = first_view_block() * k_block;
+    std::vector<Pixels::Triplet> colours;
     for (std::size_t k = 0; k < views; ++k) {
         const SeenView& view = all[k];
         const std::size_t first = begin + k * view_rows;
@@ -347,10 +349,11 @@ void Rows::add_views(const std::vector<SeenView>& all) {
                 for (std::size_t c = 0; c < 3; ++c)
                     colour[c] += double(seen.weight[i]) * double(view.f[seen.first + i][int(c)]);
             }
-            pixels.add(colour);
+            colours.push_back(colour);
         }
     }
     first_pixel.push_back(pixel.size());
+    pixels = Pixels(colours);
 }
 
 }  // namespace srbf

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "aligned.h"
+#include "fit/block.h"
 #include "fit/pixels.h"
 #include "srbf/fit.h"
 
 namespace srbf {
 
-inline constexpr std::size_t k_block = 512;  ///< rows per block
-inline constexpr std::size_t k_chunk = 8;    ///< blocks per chunk, the unit of summation
+inline constexpr std::size_t k_chunk = 8;  ///< blocks per chunk, the unit of summation
 inline constexpr std::size_t k_least_view_rows = 64;
 
 /// Which parts of the observations Rows hold.
@@ -80,8 +80,8 @@ float exponent(const Rows& rows, std::size_t block, std::span<const float> weigh
 void exponentiate(const Rows& rows, std::size_t block, float offset, float* x);
 /// x = Σ_n weight[n] s[n].
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x);
-/// out = a b.
-void multiply(const float* a, const float* b, float* out);
+/// out = a b, of `count` numbers, a multiple of k_least_view_rows.
+void multiply(const float* a, const float* b, float* out, std::size_t count = k_block);
 /// out += a b.
 void add_product(const float* a, const float* b, float* out);
 /// r = y − Σ_j beta[j] columns[j]; returns Σ r².

@@ -116,7 +116,6 @@ class LobeProblem {
     Eigen::MatrixXd gram(std::size_t n, std::size_t scratch_columns, const Columns& columns, const Sums& sums) const;
 
     // Of pixels:
-    std::size_t pixel_blocks() const { return (rows_.pixel.size() + k_block - 1) / k_block; }
     float* moment(std::size_t block, std::size_t column) {
         const auto of_lobe = std::size_t(1 + shape_.width() + shape_.directional());
         return &moment_[(block * std::size_t(lobes_) * of_lobe + column) * k_block];
@@ -124,7 +123,8 @@ class LobeProblem {
     /// Sets the moments of all pixels: Σ light E_j, in column j; with `all` also Σ light E_j times each feature, in J +
     /// j (width + directional) + feature.
     void take_moments(bool all);
-    Pixels::Triplet colour(const Eigen::MatrixXd& beta, std::size_t p);
+    /// Of a block of pixels; valid until the thread's next call.
+    Pixels::Colours colours(const Eigen::MatrixXd& beta, std::size_t block);
     /// Second-order terms of the sum in the coefficients, in the order of β's columns.
     struct Coefficients {
         Coefficients(Eigen::Index variables, Eigen::Index count)
@@ -163,6 +163,8 @@ class LobeProblem {
 
 /// Log of the factor from β_j in the problem's units to the coefficient of a lobe with peak 1.
 double log_peak_factor(std::span<const double> of_lobe, const LobeShape& shape, double offset);
+/// Colours of a block of pixels, Σ_j β_jc values[j], in `columns`.
+Pixels::Colours combined(const Eigen::MatrixXd& beta, std::span<const float* const> values, Aligned<float>& columns);
 /// p_n from the weights of a lobe.
 Vec3d vector_of(std::span<const double> of_lobe, const LobeShape& shape, int n);
 

@@ -6,6 +6,16 @@
 #include "least_squares.h"
 
 namespace srbf {
+namespace {
+
+/// factor times the sum of what add_gram made of blocks, as a whole matrix.
+Eigen::MatrixXd summed(const std::vector<std::vector<double>>& parts, Eigen::Index columns, double factor) {
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(columns, columns);
+    for (const auto& part : parts) G += Eigen::Map<const Eigen::MatrixXd>(part.data(), columns, columns);
+    return factor * Eigen::MatrixXd(G.selfadjointView<Eigen::Upper>());
+}
+
+}  // namespace
 
 void LobeProblem::Coefficients::eliminate(Eigen::MatrixXd& of_x, Eigen::VectorXd& by_x) const {
     if (free.empty()) return;
@@ -20,7 +30,7 @@ void LobeProblem::Coefficients::eliminate(Eigen::MatrixXd& of_x, Eigen::VectorXd
 void LobeProblem::take_moments(bool all) {
     const std::size_t J = std::size_t(lobes_), F = all ? std::size_t(shape_.width() + shape_.directional()) : 0,
                       rows = rows_.view_rows, in_block = k_block / rows;
-    moment_.resize(pixel_blocks() * J * (1 + std::size_t(shape_.width() + shape_.directional())) * k_block);
+    moment_.resize(rows_.pixels.blocks() * J * (1 + std::size_t(shape_.width() + shape_.directional())) * k_block);
     for_each((rows_.views + in_block - 1) / in_block, [&](std::size_t of_views) {
         thread_local Aligned<float> lit;  // light times E_j, of the extended lights
         std::vector<const float*> products_of, columns;
@@ -48,7 +58,7 @@ void LobeProblem::take_moments(bool all) {
                         continue;
                     }
                     float* const to = &lit[products_of.size() * rows];
-                    for (std::size_t i = 0; i < rows; ++i) to[i] = rows_.light[pixel.light + i] * e[i];
+                    multiply(&rows_.light[pixel.light], e, to, rows);
                     products_of.push_back(to);
                 }
             }
@@ -62,58 +72,69 @@ void LobeProblem::take_moments(bool all) {
     });
 }
 
-Pixels::Triplet LobeProblem::colour(const Eigen::MatrixXd& beta, std::size_t p) {
-    Pixels::Triplet colour{};
-    for (int j = 0; j < lobes_; ++j) {
-        const auto e = double(moment(p / k_block, std::size_t(j))[p % k_block]);
-        for (std::size_t c = 0; c < 3; ++c) colour[c] += beta(j, Eigen::Index(c)) * e;
+Pixels::Colours combined(const Eigen::MatrixXd& beta, std::span<const float* const> values, Aligned<float>& columns) {
+    columns.resize(3 * k_block);
+    Pixels::Colours colours;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const Eigen::VectorXf of_channel = beta.col(Eigen::Index(c)).cast<float>();
+        float* const column = &columns[c * k_block];
+        combine({of_channel.data(), values.size()}, values, column);
+        colours[c] = column;
     }
-    return colour;
+    return colours;
+}
+
+Pixels::Colours LobeProblem::colours(const Eigen::MatrixXd& beta, std::size_t block) {
+    thread_local Aligned<float> columns;
+    std::vector<const float*> moments;
+    for (std::size_t j = 0; j < std::size_t(lobes_); ++j) moments.push_back(moment(block, j));
+    return combined(beta, moments, columns);
 }
 
 double LobeProblem::delta_e() {
     double sum = 0;
-    for (std::size_t p = 0; p < rows_.pixel.size(); ++p) sum += rows_.pixels.delta_e(p, colour(beta_, p));
-    return sum / double(rows_.pixel.size());
+    for (std::size_t block = 0; block < rows_.pixels.blocks(); ++block)
+        sum += rows_.pixels.delta_e(block, colours(beta_, block));
+    return sum / double(rows_.pixels.count());
 }
 
 double LobeProblem::pixel_loss(const Eigen::MatrixXd& beta, Coefficients& adapting) {
-    const std::size_t J = std::size_t(lobes_);
-    std::vector<double> parts(pixel_blocks());
-    std::vector<Coefficients> slopes(pixel_blocks(), Coefficients(0, beta.size()));
-    for_each(pixel_blocks(), [&](std::size_t block) {
-        Coefficients& of = slopes[block];
-        std::vector<double> e(J);
-        for (std::size_t p = block * k_block; p < std::min(rows_.pixel.size(), (block + 1) * k_block); ++p) {
-            Pixels::Slope slope;
-            parts[block] += rows_.pixels.error(p, colour(beta, p), &slope);
-            for (std::size_t j = 0; j < J; ++j) e[j] = double(moment(block, j)[p % k_block]);
-            for (std::size_t c = 0; c < 3; ++c) {
-                for (std::size_t j = 0; j < J; ++j) of.g[Eigen::Index(c * J + j)] += slope.by_colour[c] * e[j];
-                for (std::size_t d = 0; d <= c; ++d) {
-                    double product = 0;
-                    for (std::size_t i = 0; i < 3; ++i) product += slope.jacobian[i][c] * slope.jacobian[i][d];
-                    for (std::size_t j = 0; j < J; ++j) {
-                        double* const column = &of.H(Eigen::Index(c * J), Eigen::Index(d * J + j));
-                        for (std::size_t k = 0; k < J; ++k) column[k] += product * e[j] * e[k];
-                    }
+    const Eigen::Index J = lobes_, columns = 3 * J + 1;
+    const std::size_t blocks = rows_.pixels.blocks();
+    std::vector<double> errors(blocks);
+    std::vector<std::vector<double>> parts(blocks, std::vector<double>(std::size_t(columns * columns)));
+    for_each(blocks, [&](std::size_t block) {
+        thread_local PixelSlopes slopes;
+        thread_local Aligned<float> scratch;
+        scratch.resize(std::max(scratch.size(), std::size_t(3 * J) * k_block));
+        errors[block] = rows_.pixels.errors(block, colours(beta, block), slopes);
+        std::vector<const float*> all;
+        for (std::size_t component = 0; component < 3; ++component) {
+            all.clear();
+            for (std::size_t c = 0; c < 3; ++c)
+                for (std::size_t j = 0; j < std::size_t(J); ++j) {
+                    float* const column = &scratch[all.size() * k_block];
+                    multiply(slopes.by(component, c), moment(block, j), column);
+                    all.push_back(column);
                 }
-            }
+            all.push_back(slopes.of(component));
+            add_gram(all, parts[block].data());
         }
     });
-    const double share = rows_.picture_importance / double(rows_.pixel.size());
+    const double share = rows_.picture_importance / double(rows_.pixels.count());
     double sum = 0;
-    for (const double part : parts) sum += share * part;
+    for (const double error : errors) sum += share * error;
+    const Eigen::MatrixXd G = summed(parts, columns, share);
     adapting = Coefficients(0, beta.size());
-    for (const Coefficients& of : slopes) adapting.g += share * of.g, adapting.H += share * of.H;
-    adapting.H = Eigen::MatrixXd(adapting.H.selfadjointView<Eigen::Lower>());
+    adapting.H = G.topLeftCorner(3 * J, 3 * J);
+    adapting.g = G.topRightCorner(3 * J, 1);
     return sum;
 }
 
 // By a few steps of Gauss and Newton: the gradient of what remains is part of `linearise`.
 void LobeProblem::fit_to_pixels(const Eigen::MatrixXd& G) {
     constexpr int k_most_steps = 2;
-    constexpr double k_tolerance = 1e-7, k_least_share = 0.05;
+    constexpr double k_tolerance = 1e-6, k_least_share = 0.05;
     const Eigen::Index J = lobes_, C = beta_.cols();
     take_moments(false);
     beta_ = beta_.cwiseMin(beta_limit_.replicate(1, C)).eval();
@@ -154,33 +175,29 @@ void LobeProblem::fit_to_pixels(const Eigen::MatrixXd& G) {
 void LobeProblem::add_pixels(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g, Coefficients& adapting) {
     const Eigen::Index J = lobes_, N = shape_.variates, C = shape_.components(), W = shape_.width(),
                        F = W + shape_.directional(), X = x.size(), columns = X + 3 * J + 1;
+    const std::size_t blocks = rows_.pixels.blocks();
     take_moments(true);
-    std::vector<std::vector<double>> parts(pixel_blocks(), std::vector<double>(std::size_t(columns * columns)));
-    for_each(pixel_blocks(), [&](std::size_t block) {
+    std::vector<std::vector<double>> parts(blocks, std::vector<double>(std::size_t(columns * columns)));
+    for_each(blocks, [&](std::size_t block) {
+        thread_local PixelSlopes slopes;
         thread_local Aligned<float> scratch;
-        scratch.resize(std::max(scratch.size(), std::size_t(columns + 5) * k_block));
+        scratch.resize(std::max(scratch.size(), std::size_t(columns + 1) * k_block));
         const auto column = [&](Eigen::Index i) { return &scratch[std::size_t(i) * k_block]; };
         const auto moment_of = [&](Eigen::Index j, Eigen::Index n) {
             return moment(block, std::size_t(J + j * F + n));
         };
-        const std::size_t begin = block * k_block, end = std::min(rows_.pixel.size(), begin + k_block);
-        std::vector<Pixels::Slope> slopes(k_block);
-        for (std::size_t p = begin; p < end; ++p) rows_.pixels.error(p, colour(beta_, p), &slopes[p - begin]);
-        float* const by_channel[] = {column(columns), column(columns + 1), column(columns + 2)};
-        const std::vector<const float*> channels(std::begin(by_channel), std::end(by_channel));
-        float *const of_lobe = column(columns + 3), *const turned = column(columns + 4);
+        rows_.pixels.errors(block, colours(beta_, block), slopes);
+        float *const of_lobe = column(columns - 1), *const turned = column(columns);
         const std::vector<const float*> of_one{of_lobe};
         std::vector<const float*> all;
-        for (Eigen::Index i = 0; i < columns; ++i) all.push_back(column(i));
+        for (Eigen::Index i = 0; i + 1 < columns; ++i) all.push_back(column(i));
         for (std::size_t component = 0; component < 3; ++component) {
-            std::fill_n(column(0), std::size_t(columns) * k_block, 0.f);
-            for (std::size_t p = 0; p < k_block; ++p) {
-                for (std::size_t c = 0; c < 3; ++c) by_channel[c][p] = float(slopes[p].jacobian[component][c]);
-                column(columns - 1)[p] = float(slopes[p].r[component]);
-            }
+            const std::vector<const float*> by_channel{slopes.by(component, 0), slopes.by(component, 1),
+                                                       slopes.by(component, 2)};
+            std::fill_n(column(0), std::size_t(columns - 1) * k_block, 0.f);
             for (Eigen::Index j = 0; j < J; ++j) {
                 const Pixels::Triplet beta{beta_(j, 0), beta_(j, 1), beta_(j, 2)};
-                combine(std::vector<float>(beta.begin(), beta.end()), channels, of_lobe);
+                combine(std::vector<float>(beta.begin(), beta.end()), by_channel, of_lobe);
                 for (Eigen::Index n = 0; n < W; ++n) multiply(of_lobe, moment_of(j, n), column(N + j * W + n));
                 for (Eigen::Index n = 0; n < N * C; ++n) {
                     combine(std::vector{float(x[N + j * W + n])}, of_one, turned);
@@ -196,12 +213,12 @@ void LobeProblem::add_pixels(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen
                     });
                 }
             }
+            all.push_back(slopes.of(component));
             add_gram(all, parts[block].data());
+            all.pop_back();
         }
     });
-    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(columns, columns);
-    for (const auto& part : parts) G += Eigen::Map<const Eigen::MatrixXd>(part.data(), columns, columns);
-    G = Eigen::MatrixXd(G.selfadjointView<Eigen::Upper>()) * (rows_.picture_importance / double(rows_.pixel.size()));
+    const Eigen::MatrixXd G = summed(parts, columns, rows_.picture_importance / double(rows_.pixels.count()));
     H += G.topLeftCorner(X, X);
     g += G.topRightCorner(X, 1);
     adapting.across += G.block(0, X, X, 3 * J);

@@ -225,12 +225,13 @@ void SampledViews::add_pixels(ViewRows& rows, std::size_t view, std::span<const 
     if (pixels.empty()) return;
     std::ranges::sort(pixels, {}, [](const Pixel& pixel) { return std::pair(pixel.phase, pixel.row); });
     std::vector<Vec3f> towards;
+    std::vector<Pixels::Triplet> colours;
     auto& seen = rows.seen;
-    seen.exposure.assign((k_pixels + k_block - 1) / k_block * k_block, 0.f);
+    seen.exposure.assign(blocks_for(k_pixels) * k_block, 0.f);
     double sum = 0;
     for (const Pixel& pixel : pixels)
-        for (sum += pixel.share; seen.count < k_pixels && (double(seen.count) + 0.5) * whole <= sum * double(k_pixels);
-             ++seen.count) {
+        for (sum += pixel.share;
+             colours.size() < k_pixels && (double(colours.size()) + 0.5) * whole <= sum * double(k_pixels);) {
             const double at = std::clamp(pixel.phase / k_pi * double(k_phases) - 0.5, 0.0, double(k_phases - 1));
             const auto below = std::min(std::size_t(at), k_phases - 2);
             const double white = std::lerp(white_[below], white_[below + 1], at - double(below));
@@ -238,10 +239,11 @@ void SampledViews::add_pixels(ViewRows& rows, std::size_t view, std::span<const 
             const Rgb& value = values[pixel.row];
             const double exposure = double(pair(view, w).first.z) / white;
             towards.push_back(w);
-            seen.exposure[seen.count] = float(exposure * rows.scale);
-            seen.pixels.add({exposure * double(value.r), exposure * double(value.g), exposure * double(value.b)});
+            seen.exposure[colours.size()] = float(exposure * rows.scale);
+            colours.push_back({exposure * double(value.r), exposure * double(value.g), exposure * double(value.b)});
         }
     seen.directions = DirectionRows(towards);
+    seen.pixels = Pixels(colours);
 }
 
 }  // namespace srbf

@@ -3,33 +3,24 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
+
+#include "fit/lobes.h"
 
 namespace srbf {
 
 Eigen::VectorXd ViewInPictures::start(const Eigen::VectorXd& x, double loss, double importance,
                                       bool only_coefficients) {
     only_coefficients_ = only_coefficients;
-    slope_.resize(blocks() * k_block);
+    slopes_.resize(blocks());
     const auto J = std::size_t(of_.lobes_);
     offset_ = of_.offset_;
     exponent_.resize(blocks() * J * k_block), value_.resize(blocks() * J * k_block);
     Eigen::VectorXd all(x.size() + of_.beta_.size());
     all << x, of_.beta_.reshaped<Eigen::RowMajor>();
-    share_ = 1 / double(seen().count);
+    share_ = 1 / double(seen().pixels.count());
     const double of_pixels = this->loss(all) - loss;
     share_ *= of_pixels > 0 ? importance * loss / of_pixels : 0;
     return all;
-}
-
-Pixels::Triplet ViewInPictures::colour(std::size_t p) const {
-    const std::size_t J = std::size_t(of_.lobes_);
-    Pixels::Triplet colour{};
-    for (std::size_t j = 0; j < J; ++j) {
-        const auto e = double(value_[(p / k_block * J + j) * k_block + p % k_block]);
-        for (std::size_t c = 0; c < 3; ++c) colour[c] += of_.beta_(Eigen::Index(j), Eigen::Index(c)) * e;
-    }
-    return colour;
 }
 
 double ViewInPictures::loss(const Eigen::VectorXd& x) {
@@ -44,15 +35,19 @@ double ViewInPictures::loss(const Eigen::VectorXd& x) {
     of_.beta_ = x.tail(3 * J).reshaped<Eigen::RowMajor>(J, 3).cwiseMin(of_.limit_);
     of_.gram_of_values();
     double sum = of_.loss_of_coefficients();
-    for (std::size_t block = 0; block < blocks(); ++block)
+    Aligned<float> colours;
+    for (std::size_t block = 0; block < blocks(); ++block) {
+        std::vector<const float*> values;
         for (std::size_t j = 0; j < std::size_t(J); ++j) {
             const MovingLobe lobe = of_.moving(x, int(j));
             const float* const exposure = &seen().exposure[block * k_block];
             float* const exponent = part(exponent_, j, block);
             exponents(seen().directions, block, lobe, exposure, exponent);
             exponentiate(exponent, exposure, float(offset_[j]), part(value_, j, block));
+            values.push_back(part(value_, j, block));
         }
-    for (std::size_t p = 0; p < seen().count; ++p) sum += share_ * seen().pixels.error(p, colour(p), &slope_[p]);
+        sum += share_ * seen().pixels.errors(block, combined(of_.beta_, values, colours), slopes_[block]);
+    }
     return sum;
 }
 
@@ -72,15 +67,13 @@ void ViewInPictures::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eig
         g.head(X) -= beta.cwiseProduct(G.block(0, X + J + c, X, 1));
         g(of_channel) = -G.block(X, X + J + c, J, 1);
     }
-    Aligned<float> scratch(std::size_t(all + 5) * k_block);
+    Aligned<float> scratch(std::size_t(all + 1) * k_block);
     const auto column = [&](Eigen::Index i) { return &scratch[std::size_t(i) * k_block]; };
-    float* const by_channel[] = {column(all + 1), column(all + 2), column(all + 3)};
-    float* const of_lobe = column(all + 4);
-    const std::vector<const float*> channels(std::begin(by_channel), std::end(by_channel));
+    float* const of_lobe = column(all);
     std::vector<const float*> columns;
-    for (Eigen::Index i = 0; i <= all; ++i) columns.push_back(column(i));
+    for (Eigen::Index i = 0; i < all; ++i) columns.push_back(column(i));
     Aligned<float> derivative(std::size_t(X) * k_block);
-    std::vector<double> products(columns.size() * columns.size());
+    std::vector<double> products(std::size_t((all + 1) * (all + 1)));
     for (std::size_t block = 0; block < blocks(); ++block) {
         for (Eigen::Index j = 0; j < J; ++j) {
             float* const by = &derivative[std::size_t(V * j) * k_block];
@@ -88,22 +81,22 @@ void ViewInPictures::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eig
                    part(exponent_, std::size_t(j), block), by, by + k_block, by + 2 * k_block,
                    V == 4 ? by + 3 * k_block : nullptr);
         }
-        const std::span<const Pixels::Slope> slopes(&slope_[block * k_block], k_block);
+        const PixelSlopes& slopes = slopes_[block];
         for (std::size_t component = 0; component < 3; ++component) {
-            for (std::size_t p = 0; p < k_block; ++p) {
-                for (std::size_t c = 0; c < 3; ++c) by_channel[c][p] = float(slopes[p].jacobian[component][c]);
-                column(all)[p] = float(slopes[p].r[component]);
-            }
+            const std::vector<const float*> by_channel{slopes.by(component, 0), slopes.by(component, 1),
+                                                       slopes.by(component, 2)};
             for (Eigen::Index j = 0; j < J; ++j) {
                 std::vector<float> beta;
                 for (Eigen::Index c = 0; c < 3; ++c) beta.push_back(float(of_.beta_(j, c)));
-                combine(beta, channels, of_lobe);
+                combine(beta, by_channel, of_lobe);
                 for (Eigen::Index k = V * j; k < V * (j + 1); ++k)
                     multiply(of_lobe, &derivative[std::size_t(k) * k_block], column(k));
                 for (Eigen::Index c = 0; c < 3; ++c)
                     multiply(by_channel[c], part(value_, std::size_t(j), block), column(X + 3 * j + c));
             }
+            columns.push_back(slopes.of(component));
             add_gram(columns, products.data());
+            columns.pop_back();
         }
     }
     const Eigen::MatrixXd seen_products = share_ * Eigen::Map<const Eigen::MatrixXd>(products.data(), all + 1, all + 1);

@@ -31,14 +31,12 @@ class ViewInPictures {
     float* part(Aligned<float>& of, std::size_t column, std::size_t block) const {
         return &of[(block * (of.size() / (blocks() * k_block)) + column) * k_block];
     }
-    Pixels::Triplet colour(std::size_t p) const;
-
     ViewProblem& of_;
     bool only_coefficients_ = false;
     double share_ = 0;  ///< of each pixel
     std::vector<double> offset_;
     Aligned<float> exponent_, value_;   ///< blocks × J × k_block
-    std::vector<Pixels::Slope> slope_;  ///< of each pixel, at the last loss
+    std::vector<PixelSlopes> slopes_;  ///< of each block of pixels, at the last loss
 };
 
 }  // namespace srbf

@@ -29,7 +29,6 @@ struct ViewRows {
         DirectionRows directions;
         Aligned<float> exposure;  ///< colour of the pixel over f / scale; 0 where there is none
         Pixels pixels;
-        std::size_t count = 0;
     } seen;
     /// Upper bound per lobe and channel: its maximum over the hemisphere times the cosine there, f / scale. Smaller
     /// cosines are replaced by the least cosine.

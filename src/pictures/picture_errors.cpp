@@ -30,9 +30,9 @@ Image displayed(const Image& radiance, float exposure) {
 
 double delta_e_itp(const Rgb& a, const Rgb& b) {
     const auto itp = [](const Rgb& colour) {
-        return Itp({double(colour.r), double(colour.g), double(colour.b)}).value();
+        return Itp<double>({double(colour.r), double(colour.g), double(colour.b)}).value();
     };
-    const Itp::Triplet x = itp(a), y = itp(b);
+    const Itp<double>::Triplet x = itp(a), y = itp(b);
     return std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
 }
 

@@ -97,6 +97,7 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
     std::vector<Evaluate> others;
     for (const Subject& model : models) others.push_back(evaluator(model));
     const std::vector<Measures> errors = measure_heldout(measured, others, options);
+    const std::vector<double> albedo = albedo_errors(measured, others, options);
 
     page.title = stem(reference.path);
     page.materials.insert(page.materials.begin(), std::move(of));
@@ -115,7 +116,7 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
             [&](std::size_t k) { return fmt::format("{:.4f}", errors[k].log_rms_cosine); });
     add_row("albedo error",
             "largest relative error of the share of light that comes back at all, from 0, 30, 60 and 75°",
-            [&](std::size_t k) { return percent(albedo_error(measured, others[k], options.max_theta)); });
+            [&](std::size_t k) { return percent(albedo[k]); });
     page.table_note = fmt::format(
         "Against the measurement, at 200,000 pairs of directions within {:g}° of the normal that no fit has seen: what "
         "srbf compare --max-theta {:g} calls held out.",

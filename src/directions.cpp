@@ -137,17 +137,28 @@ double MirrorMixture::pdf(Vec3d wl, Vec3d wv) const {
     return density + lobe(wl, wv, k_retro_bandwidth, retro_scale_);
 }
 
-Quadrature MirrorMixture::quadrature(Vec3d wv, int count) const {
+Quadrature MirrorMixture::quadrature_of_part(int part, Vec3d wv, int count) const {
     const double golden = (std::sqrt(5.0) - 1) / 2;
     Quadrature points;
+    const int of_part = int(share(part) * count);
+    for (int i = 0; i < of_part; ++i) {
+        const double turns = i * golden;
+        const Vec3d wl = sample_part(part, wv, (i + 0.5) / of_part, turns - std::floor(turns));
+        if (!contains(wl)) continue;
+        points.w.push_back(to_float(wl));
+        points.pdf.push_back(pdf(wl, wv));
+        points.weight.push_back(share(part) / of_part / points.pdf.back());
+    }
+    return points;
+}
+
+Quadrature MirrorMixture::quadrature(Vec3d wv, int count) const {
+    Quadrature points;
     for (int part = 0; part < k_parts; ++part) {
-        const int of_part = int(share(part) * count);
-        for (int i = 0; i < of_part; ++i) {
-            const Vec3d wl = sample_part(part, wv, (i + 0.5) / of_part, std::fmod(i * golden, 1.0));
-            if (!contains(wl)) continue;
-            points.w.push_back(to_float(wl));
-            points.weight.push_back(share(part) / of_part / pdf(wl, wv));
-        }
+        const Quadrature of = quadrature_of_part(part, wv, count);
+        points.w.insert(points.w.end(), of.w.begin(), of.w.end());
+        points.weight.insert(points.weight.end(), of.weight.begin(), of.weight.end());
+        points.pdf.insert(points.pdf.end(), of.pdf.begin(), of.pdf.end());
     }
     return points;
 }

@@ -1,11 +1,11 @@
 #include "srbf/metrics.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "metrics_sums.h"
 #include "parallel.h"
 #include "reporter.h"
 #include "srbf/directions.h"
@@ -13,90 +13,78 @@
 namespace srbf {
 namespace {
 
-/// ∛x within 1e-13, faster than std::cbrt by far: Halley's iteration from a third of the exponent.
-double cube_root(float x) {
-    const double a = std::abs(double(x));
-    double y = double(std::bit_cast<float>(std::bit_cast<std::uint32_t>(std::abs(x)) / 3 + 0x2a508935u));
-    for (int i = 0; i < 2; ++i) y *= (y * y * y + 2 * a) / (2 * y * y * y + a);
-    return x == 0 || !std::isfinite(x) ? double(x) : std::copysign(y, double(x));
-}
-
-/// A value as the measures other than squares see it.
-struct Seen {
-    float logarithm;
-    double root, sixth_root;
+/// Pairs of directions, and what they count.
+struct WeightedPairs {
+    std::vector<Vec3f> wl, wv;
+    std::vector<double> weight;  ///< where it is 0 a pair is left out
+    explicit WeightedPairs(std::size_t count) : wl(count), wv(count), weight(count) {}
+    std::size_t size() const { return wl.size(); }
 };
-/// `root_l`: the cube root of cos_l.
-Seen seen(float f, float cos_l, double root_l) {
-    const double root = cube_root(f);
-    return {std::log1p(f * cos_l), root, std::sqrt(root * root_l)};
-}
-/// Of the channels of each pair.
-void see(std::span<const float> f, std::span<const Vec3f> wl, std::span<Seen> out) {
-    const std::size_t C = f.size() / wl.size();
-    for (std::size_t i = 0; i < wl.size(); ++i) {
-        const double root_l = cube_root(wl[i].z);
-        for (std::size_t k = i * C; k < (i + 1) * C; ++k) out[k] = seen(f[k], wl[i].z, root_l);
-    }
-}
 
-/// The sums of which the measures consist.
+/// The sums of one BRDF against the reference.
 struct Sums {
-    double squared = 0, squared_whole = 0, cosine = 0, cosine_whole = 0, logarithm = 0, log_weight = 0, root = 0,
-           root_whole = 0, sixth = 0, sixth_whole = 0;
+    ErrorSums errors;
     std::uint64_t pairs = 0, masked = 0;
 
-    void add(std::span<const float> f, std::span<const Seen> f_seen, std::span<const float> g, Vec3f wl, Vec3f wv,
-             double weight) {
-        const auto is_nan = [](std::span<const float> x) {
-            return std::ranges::any_of(x, [](float channel) { return std::isnan(channel); });
-        };
-        if (is_nan(f) || is_nan(g)) {
-            ++masked;
-            return;
-        }
-        ++pairs;
-        const auto square = [](double x) { return x * x; };
-        const double cos_l = double(wl.z), root_l = cube_root(wl.z), area = weight * double(wv.z);
-        for (std::size_t c = 0; c < f.size(); ++c) {
-            const double a = double(f[c]), b = double(g[c]);
-            squared += weight * square(a - b);
-            squared_whole += weight * square(a);
-            cosine += area * square((a - b) * cos_l);
-            cosine_whole += area * square(a * cos_l);
-            const Seen of_f = f_seen[c], of_g = seen(g[c], wl.z, root_l);
-            logarithm += area * square(double(of_f.logarithm - of_g.logarithm));
-            log_weight += area;
-            root += weight * square(of_f.root - of_g.root);
-            root_whole += weight * square(of_f.root);
-            sixth += area * square(of_f.sixth_root - of_g.sixth_root);
-            sixth_whole += area * square(of_f.sixth_root);
-        }
-    }
     Sums& operator+=(const Sums& s) {
-        squared += s.squared, squared_whole += s.squared_whole;
-        cosine += s.cosine, cosine_whole += s.cosine_whole;
-        logarithm += s.logarithm, log_weight += s.log_weight;
-        root += s.root, root_whole += s.root_whole;
-        sixth += s.sixth, sixth_whole += s.sixth_whole;
-        pairs += s.pairs, masked += s.masked;
+        errors += s.errors, pairs += s.pairs, masked += s.masked;
         return *this;
     }
     Measures measures() const {
         const auto ratio = [](double part, double whole) {
             return whole > 0 ? part / whole : part == 0 ? 0 : std::numeric_limits<double>::infinity();
         };
-        return {ratio(squared, squared_whole),
-                ratio(cosine, cosine_whole),
-                std::sqrt(ratio(logarithm, log_weight)),
-                ratio(root, root_whole),
-                ratio(sixth, sixth_whole),
+        const auto of = [&](const SquareSums& squares) { return ratio(squares.apart, squares.whole); };
+        return {of(errors.plain),
+                of(errors.cosine),
+                std::sqrt(ratio(errors.logarithm.apart, errors.area)),
+                of(errors.root),
+                of(errors.sixth_root),
                 pairs,
                 masked};
     }
 };
 
-/// Sums over blocks of pairs, each filled by `fill(block, wl, wv, weight)`, added in the order of the blocks.
+/// Adds those of each of `others` to its sums. The channels of a pair are contiguous.
+void add(const WeightedPairs& pairs, std::span<const float> f, std::span<const std::vector<float>> others,
+         std::span<Sums> sums) {
+    if (pairs.size() == 0) return;
+    const std::size_t C = f.size() / pairs.size();
+    PairCosines cosines{};
+    SeenValues seen{}, seen_other{};
+    std::vector<PairColumn> weight(others.size());
+    for (std::size_t first = 0; first < pairs.size(); first += k_pair_block) {
+        const std::size_t count = std::min(k_pair_block, pairs.size() - first);
+        const auto measured = [&](std::span<const float> values, std::size_t i) {
+            const auto channels = values.subspan((first + i) * C, C);
+            return std::ranges::none_of(channels, [](float x) { return std::isnan(x); });
+        };
+        for (PairColumn& of : weight) of.fill(0);
+        for (std::size_t i = 0; i < count; ++i) {
+            cosines.light[i] = pairs.wl[first + i].z, cosines.viewer[i] = pairs.wv[first + i].z;
+            if (!(pairs.weight[first + i] > 0)) continue;
+            const bool in_reference = measured(f, i);
+            for (std::size_t k = 0; k < others.size(); ++k) {
+                const bool in_both = in_reference && measured(others[k], i);
+                ++(in_both ? sums[k].pairs : sums[k].masked);
+                if (in_both) weight[k][i] = float(pairs.weight[first + i]);
+            }
+        }
+        for (std::size_t c = 0; c < C; ++c) {
+            const auto see_channel = [&](std::span<const float> values, SeenValues& of) {
+                for (std::size_t i = 0; i < count; ++i) of.f[i] = values[(first + i) * C + c];
+                see(cosines, of);
+            };
+            see_channel(f, seen);
+            for (std::size_t k = 0; k < others.size(); ++k) {
+                see_channel(others[k], seen_other);
+                sums[k].errors += error_sums(cosines, weight[k], seen, seen_other);
+            }
+        }
+    }
+}
+
+/// Sums over blocks of pairs, each filled by `fill(block, pairs)`, added in the order of the blocks.
 template <typename Fill>
 std::vector<Measures> measure(const Channels& reference, std::span<const Channels> others, std::size_t blocks,
                               std::size_t block_size, const MeasureOptions& options, const Fill& fill) {
@@ -104,21 +92,17 @@ std::vector<Measures> measure(const Channels& reference, std::span<const Channel
     Reporter reporter(options.progress, double(blocks));
     parallel_for(blocks, options.threads, [&](std::size_t block) {
         if (!reporter.advance("measuring the error", 1)) return;
-        std::vector<Vec3f> wl(block_size), wv(block_size);
-        std::vector<double> weight(block_size);
-        fill(block, wl, wv, weight);
-        const std::size_t C = reference.count();
-        std::vector<float> f(C * block_size), g(f.size());
-        reference.evaluate(wl, wv, f);
-        std::vector<Seen> f_seen(f.size());
-        see(f, wl, f_seen);
-        for (std::size_t k = 0; k < others.size(); ++k) {
-            assert(others[k].count() == C);
-            others[k].evaluate(wl, wv, g);
-            for (std::size_t i = 0; i < block_size; ++i)
-                if (weight[i] > 0)
-                    parts[block][k].add({&f[i * C], C}, {&f_seen[i * C], C}, {&g[i * C], C}, wl[i], wv[i], weight[i]);
-        }
+        WeightedPairs pairs(block_size);
+        fill(block, pairs);
+        const auto values = [&](const Channels& brdf) {
+            assert(brdf.count() == reference.count());
+            std::vector<float> f(brdf.count() * block_size);
+            brdf.evaluate(pairs.wl, pairs.wv, f);
+            return f;
+        };
+        std::vector<std::vector<float>> of_others;
+        for (const Channels& other : others) of_others.push_back(values(other));
+        add(pairs, values(reference), of_others, parts[block]);
     });
     std::vector<Measures> measures;
     for (std::size_t k = 0; k < others.size(); ++k) {
@@ -143,6 +127,38 @@ std::vector<float> flat(std::span<const Rgb> colours) {
 
 constexpr int k_albedo_points = 1 << 16;
 
+/// The albedos at these angles [rad], [angle][BRDF].
+std::vector<std::vector<Rgb>> albedos(std::span<const Evaluate> brdfs, std::span<const double> theta_v,
+                                      const MeasureOptions& options) {
+    using Sum = std::array<double, 3>;
+    constexpr std::size_t parts = MirrorMixture::k_parts;
+    const MirrorMixture mixture(options.max_theta);
+    std::vector<std::vector<Sum>> sums(theta_v.size() * parts, std::vector<Sum>(brdfs.size()));
+    parallel_for(sums.size(), options.threads, [&](std::size_t task) {
+        if (options.progress.cancelled()) return;
+        const Vec3d wv = spherical(theta_v[task / parts], 0.0);
+        const Quadrature points = mixture.quadrature_of_part(int(task % parts), wv, k_albedo_points);
+        const std::vector<Vec3f> viewer(points.w.size(), to_float(wv));
+        std::vector<Rgb> f(points.w.size());
+        for (std::size_t k = 0; k < brdfs.size(); ++k) {
+            brdfs[k](points.w, viewer, f);
+            for (std::size_t i = 0; i < f.size(); ++i)
+                for (std::size_t c = 0; c < 3; ++c)
+                    if (const float value = f[i][int(c)]; !std::isnan(value))
+                        sums[task][k][c] += points.weight[i] * double(points.w[i].z) * double(value);
+        }
+    });
+    std::vector<std::vector<Rgb>> all(theta_v.size(), std::vector<Rgb>(brdfs.size()));
+    for (std::size_t angle = 0; angle < theta_v.size(); ++angle)
+        for (std::size_t k = 0; k < brdfs.size(); ++k)
+            for (std::size_t c = 0; c < 3; ++c) {
+                double sum = 0;
+                for (std::size_t part = 0; part < parts; ++part) sum += sums[angle * parts + part][k][c];
+                all[angle][k][int(c)] = float(sum);
+            }
+    return all;
+}
+
 }  // namespace
 
 std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
@@ -158,10 +174,10 @@ std::vector<Measures> measure_matrix(const Channels& reference, std::span<const 
     std::copy_if(directions.begin(), directions.end(), std::back_inserter(within),
                  [&](Vec3f w) { return w.z >= cos_max; });
     return measure(reference, others, within.size(), within.size(), options,
-                   [&](std::size_t block, auto& wl, auto& wv, auto& weight) {
-                       wl = within;
-                       std::fill(wv.begin(), wv.end(), within[block]);
-                       std::fill(weight.begin(), weight.end(), 1.0);
+                   [&](std::size_t block, WeightedPairs& pairs) {
+                       pairs.wl = within;
+                       std::ranges::fill(pairs.wv, within[block]);
+                       std::ranges::fill(pairs.weight, 1.0);
                    });
 }
 
@@ -182,7 +198,7 @@ std::vector<Measures> measure_heldout(const Channels& reference, std::span<const
     constexpr std::size_t block_size = 1000;
     const MirrorMixture mixture(options.max_theta);
     return measure(reference, others, std::size_t((count + block_size - 1) / block_size), block_size, options,
-                   [&](std::size_t block, auto& wl, auto& wv, auto& weight) {
+                   [&](std::size_t block, WeightedPairs& pairs) {
                        std::seed_seq seeds{std::uint32_t(seed), std::uint32_t(seed >> 32), std::uint32_t(block)};
                        std::mt19937_64 random(seeds);
                        for (std::size_t i = 0; i < block_size;) {
@@ -191,9 +207,9 @@ std::vector<Measures> measure_heldout(const Channels& reference, std::span<const
                            const double u3 = uniform(random), u4 = uniform(random), u5 = uniform(random);
                            const Vec3d l = mixture.sample(v, u3, u4, u5);
                            if (!mixture.contains(l)) continue;
-                           wl[i] = to_float(l);
-                           wv[i] = to_float(v);
-                           weight[i] = block * block_size + i < count ? 1 / mixture.pdf(l, v) : 0;
+                           pairs.wl[i] = to_float(l);
+                           pairs.wv[i] = to_float(v);
+                           pairs.weight[i] = block * block_size + i < count ? 1 / mixture.pdf(l, v) : 0;
                            ++i;
                        }
                    });
@@ -203,18 +219,18 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
                          std::span<const float> g, double max_theta) {
     const FlushSubnormals mode;
     const float cos_max = sample_cap(max_theta);
-    const std::size_t C = wl.empty() ? 0 : f.size() / wl.size();
-    assert(f.size() == C * wl.size() && g.size() == f.size());
-    std::vector<float> clamped(C);
-    std::vector<Seen> clamped_seen(C);
-    Sums sums;
+    assert(wv.size() == wl.size() && g.size() == f.size());
+    WeightedPairs pairs(wl.size());
+    std::vector<float> clamped(f.size());
     for (std::size_t i = 0; i < wl.size(); ++i) {
-        if (std::min(wl[i].z, wv[i].z) < cos_max) continue;
-        for (std::size_t c = 0; c < C; ++c) clamped[c] = std::max(f[i * C + c], 0.f);
-        see(clamped, wl.subspan(i, 1), clamped_seen);
-        sums.add(clamped, clamped_seen, g.subspan(i * C, C), wl[i], wv[i], 1);
+        pairs.wl[i] = wl[i], pairs.wv[i] = wv[i];
+        pairs.weight[i] = std::min(wl[i].z, wv[i].z) < cos_max ? 0 : 1;
     }
-    return sums.measures();
+    for (std::size_t i = 0; i < f.size(); ++i) clamped[i] = std::max(f[i], 0.f);
+    const std::vector<float> others[] = {{g.begin(), g.end()}};
+    Sums sums[1];
+    add(pairs, clamped, others, sums);
+    return sums[0].measures();
 }
 
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
@@ -231,37 +247,40 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
 
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {
     const FlushSubnormals mode;
-    const Vec3d wv = spherical(theta_v, 0.0);
-    const Quadrature points = MirrorMixture(max_theta).quadrature(wv, k_albedo_points);
-    std::vector<Rgb> f(points.w.size());
-    brdf(points.w, std::vector<Vec3f>(f.size(), to_float(wv)), f);
-    std::array<double, 3> sum{};
-    for (std::size_t i = 0; i < f.size(); ++i)
-        for (int c = 0; c < 3; ++c)
-            if (!std::isnan(f[i][c])) sum[std::size_t(c)] += points.weight[i] * double(points.w[i].z) * double(f[i][c]);
-    return {float(sum[0]), float(sum[1]), float(sum[2])};
+    const double theta[] = {theta_v};
+    return albedos({&brdf, 1}, theta, {max_theta, 1})[0][0];
+}
+
+std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Evaluate> others,
+                                  const MeasureOptions& options) {
+    const FlushSubnormals mode;
+    std::vector<Evaluate> brdfs{reference};
+    brdfs.insert(brdfs.end(), others.begin(), others.end());
+    std::vector<double> theta;
+    for (const double degrees : k_albedo_theta)
+        if (!(degrees * k_degree > options.max_theta)) theta.push_back(degrees * k_degree);
+    std::vector<double> errors(others.size());
+    for (const std::vector<Rgb>& of : albedos(brdfs, theta, options))
+        for (std::size_t k = 0; k < others.size(); ++k) {
+            const double a = luminance(of[0]), b = luminance(of[k + 1]);
+            if (a != b) errors[k] = std::max(errors[k], std::abs(b - a) / a);
+        }
+    return errors;
 }
 
 double albedo_error(const Evaluate& reference, const Evaluate& other, double max_theta) {
-    double error = 0;
-    for (const double theta : k_albedo_theta) {
-        if (theta * k_degree > max_theta) continue;
-        const double a = luminance(albedo(reference, theta * k_degree, max_theta));
-        const double b = luminance(albedo(other, theta * k_degree, max_theta));
-        if (a != b) error = std::max(error, std::abs(b - a) / a);
-    }
-    return error;
+    return albedo_errors(reference, {&other, 1}, {max_theta})[0];
 }
 
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
                                 const MeasureOptions& options, std::span<const Vec3f> directions) {
     const auto matrix = measure_matrix(reference, others, options, directions),
                heldout = measure_heldout(reference, others, options);
+    const auto albedo = albedo_errors(reference, others, options);
     const auto appearance = compare_pictures(reference, others, options.threads, options.progress);
     std::vector<Comparison> comparisons;
     for (std::size_t k = 0; k < others.size(); ++k)
-        comparisons.push_back(
-            {matrix[k], heldout[k], albedo_error(reference, others[k], options.max_theta), appearance[k]});
+        comparisons.push_back({matrix[k], heldout[k], albedo[k], appearance[k]});
     return comparisons;
 }
 

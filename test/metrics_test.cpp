@@ -47,7 +47,8 @@ Measures heldout(const auto& reference, const auto& other, MeasureOptions option
 }
 
 constexpr double Measures::*k_all[] = {&Measures::squared_error_ratio, &Measures::squared_error_ratio_cosine,
-                                       &Measures::log_rms_cosine, &Measures::cube_root_error_ratio};
+                                       &Measures::log_rms_cosine, &Measures::cube_root_error_ratio,
+                                       &Measures::sixth_root_error_ratio};
 
 TEST(Metrics, OfABrdfAgainstItselfAreZero) {
     const Glossy glossy;
@@ -138,6 +139,58 @@ TEST(Metrics, HeldOutPairsAreOfTheSeedAndTheCount) {
     EXPECT_NE(with(1234, 1).squared_error_ratio, with(1234, 2).squared_error_ratio);
 }
 
+// Of values over many magnitudes, a number of samples that fills no block, some of them not measured.
+TEST(Metrics, OfSamplesAreTheirFormulas) {
+    std::mt19937_64 random(3);
+    for (const std::size_t count : {1u, 7u, 1000u}) {
+        std::vector<Vec3f> wl, wv;
+        std::vector<float> f, g;
+        std::array<double, 5> apart{}, whole{};
+        for (std::size_t i = 0; i < count; ++i) {
+            wl.push_back(to_float(spherical(1.3 * uniform(random), 1.0)));
+            wv.push_back(to_float(spherical(1.3 * uniform(random), 2.0)));
+            f.push_back(i % 10 == 9 ? 0 : float(std::exp(80 * uniform(random) - 60)));
+            g.push_back(i % 10 == 4 ? std::numeric_limits<float>::quiet_NaN() : float(1 + uniform(random)) * f[i]);
+            if (std::isnan(g[i])) continue;
+            const double l = double(wl[i].z), v = double(wv[i].z), a = double(f[i]), b = double(g[i]);
+            const double seen[5][3] = {{1, a, b},
+                                       {v, a * l, b * l},
+                                       {v, std::log1p(a * l), std::log1p(b * l)},
+                                       {1, std::cbrt(a), std::cbrt(b)},
+                                       {v, std::sqrt(std::cbrt(a * l)), std::sqrt(std::cbrt(b * l))}};
+            for (std::size_t k = 0; k < 5; ++k) {
+                apart[k] += seen[k][0] * std::pow(seen[k][1] - seen[k][2], 2);
+                whole[k] += seen[k][0] * (k == 2 ? 1 : seen[k][1] * seen[k][1]);
+            }
+        }
+        const Measures measures = measure_samples(wl, wv, f, g, 80 * k_degree);
+        EXPECT_EQ(measures.masked, (count + 5) / 10);
+        EXPECT_EQ(measures.pairs + measures.masked, count);
+        for (std::size_t k = 0; k < 5; ++k) {
+            const double ratio = apart[k] / whole[k], expected = k == 2 ? std::sqrt(ratio) : ratio;
+            EXPECT_TRUE(near_relative(measures.*k_measures[k].member, expected, 2e-6)) << count << " " << k;
+        }
+    }
+}
+
+// The logarithm of 1 + x is that of x, not of the rounded sum: as good for dark BRDFs as for bright ones.
+TEST(Metrics, LogarithmsOfSmallNumbersAreExact) {
+    const std::vector<Vec3f> up(1, Vec3f(0, 0, 1));
+    for (const float f : {1e-12f, 1e-8f, 3e-7f, 1e-4f, 0.01f}) {
+        const std::vector<float> a{f}, b{0};
+        EXPECT_TRUE(near_relative(measure_samples(up, up, a, b, k_cap).log_rms_cosine, std::log1p(double(f)), 1e-6))
+            << f;
+        EXPECT_EQ(measure_samples(up, up, a, a, k_cap).log_rms_cosine, 0);
+    }
+}
+
+TEST(Metrics, InfiniteValuesAreNeverNear) {
+    const std::vector<Vec3f> up(2, Vec3f(0, 0, 1));
+    const std::vector<float> f{1, 2}, g{1, std::numeric_limits<float>::infinity()};
+    const Measures measures = measure_samples(up, up, f, g, k_cap);
+    for (const MeasureName& measure : k_measures) EXPECT_TRUE(std::isinf(measures.*measure.member)) << measure.name;
+}
+
 /// Channel c of C is c + 1 times cosθl, and the other's off by a tenth of it.
 Channels ramp(std::size_t C, float factor) {
     Channels channels;
@@ -196,6 +249,15 @@ TEST(Albedo, ResolvesSharpLobes) {
             EXPECT_TRUE(near_relative(with - without, lobe, 1e-4)) << bandwidth << " at " << theta;
         }
     }
+}
+
+TEST(Albedo, ErrorsOfManyAreThoseOfEach) {
+    const Evaluate reference = evaluator(Glossy{}),
+                   others[] = {evaluator(Glossy{1.1f}), evaluator(Glossy{1, 30, 2}), reference};
+    const auto errors = albedo_errors(reference, others, {k_cap, 1});
+    EXPECT_EQ(errors, albedo_errors(reference, others, {k_cap, 3}));
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(errors[k], albedo_error(reference, others[k], k_cap));
+    EXPECT_EQ(errors[2], 0);
 }
 
 TEST(Albedo, ComparesOnlyAnglesWithinTheCap) {

@@ -54,7 +54,8 @@ inline Channels rgb_channels(Evaluate brdf) {
     return {{}, [brdf = std::move(brdf)](auto wl, auto wv, auto f) {
                 std::vector<Rgb> colour(wl.size());
                 brdf(wl, wv, colour);
-                for (std::size_t i = 0; i < f.size(); ++i) f[i] = colour[i / 3][int(i % 3)];
+                for (std::size_t i = 0; i < colour.size(); ++i)
+                    f[3 * i] = colour[i].r, f[3 * i + 1] = colour[i].g, f[3 * i + 2] = colour[i].b;
             }};
 }
 

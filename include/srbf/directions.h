@@ -41,6 +41,7 @@ std::size_t texel_of(DirectionMap map, int size, Vec3f w);
 struct Quadrature {
     std::vector<Vec3f> w;
     std::vector<double> weight;
+    std::vector<double> pdf;  ///< density [1/sr] of the distribution that they are drawn from
 };
 
 /// Distribution of directions that covers the features of a BRDF: uniform over the cap θ ≤ θmax, von Mises-Fisher lobes
@@ -61,6 +62,8 @@ class MirrorMixture {
     /// About `count` directions over the cap, given wv. Each component has its own Fibonacci lattice, uniform with
     /// respect to its density.
     Quadrature quadrature(Vec3d wv, int count) const;
+    /// Those of the points that are of one component's lattice; the points of all components are a quadrature.
+    Quadrature quadrature_of_part(int part, Vec3d wv, int count) const;
     /// Samples a direction uniformly over the cap; `cap_pdf` is its density [1/sr].
     Vec3d sample_cap(double u1, double u2) const;
     double cap_pdf() const { return 1 / (2 * k_pi * (1 - cos_max_)); }

@@ -94,7 +94,11 @@ inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};
 /// lobes of up to that bandwidth the relative error is below 1e-4. Values that were not measured count as 0.
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta);
 
-/// Largest relative error |Â/A − 1| of the luminance of the albedo over the angles of `k_albedo_theta` within θmax.
+/// Largest relative error |Â/A − 1| of the luminance of the albedo over the angles of `k_albedo_theta` within θmax, of
+/// each of `others`.
+std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Evaluate> others,
+                                  const MeasureOptions& options);
+/// The same of one.
 double albedo_error(const Evaluate& reference, const Evaluate& other, double max_theta);
 
 /// The measures of one BRDF against another: over a matrix of directions, over held-out pairs, of albedo, and of

@@ -147,15 +147,12 @@ class Fitter::Work {
             outcome.errors = {matrix[0], heldout[0], 0};
             outcome.unrounded_errors = {matrix[1], heldout[1], 0};
         }
-        for (const auto& [model, errors] :
-             {std::pair(&outcome.model, &outcome.errors), std::pair(&outcome.unrounded, &outcome.unrounded_errors)}) {
-            if (progress.cancelled()) break;
-            if (*errors) (*errors)->albedo_error = albedo_error(reference, evaluator(*model), theta_max);
-        }
         if (outcome.errors && !progress.cancelled()) {
             const Evaluate others[] = {evaluator(outcome.model), evaluator(outcome.unrounded)};
+            const auto albedo = albedo_errors(reference, others, {theta_max, request.threads, progress});
             const auto appearance = compare_pictures(reference, others, request.threads, progress.part(0.95, 1));
-            outcome.errors->appearance = appearance[0], outcome.unrounded_errors->appearance = appearance[1];
+            outcome.errors->albedo_error = albedo[0], outcome.errors->appearance = appearance[0];
+            outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
         }
         if (!progress.report("measuring the error", 1)) {
             outcome.errors.reset(), outcome.unrounded_errors.reset();

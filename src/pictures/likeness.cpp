@@ -41,25 +41,29 @@ Filter gaussian_filter(int radius, double sigma) {
     return filter;
 }
 
+void add_scaled(double* to, const double* from, double factor, int count) {
+    for (int i = 0; i < count; ++i) to[i] += factor * from[i];
+}
+
 /// Correlation with `across` along rows and `down` along columns; the border pixels are repeated beyond the border.
 Plane filtered(const Plane& plane, const Filter& across, const Filter& down) {
-    const auto pass = [](const Plane& from, const Filter& filter, int dx, int dy) {
-        const int radius = int(filter.size()) / 2;
-        Plane to(from.width, from.height);
-        for (int y = 0; y < from.height; ++y)
-            for (int x = 0; x < from.width; ++x) {
-                double total = 0;
-                for (int i = -radius; i <= radius; ++i) {
-                    const int u = std::clamp(x + i * dx, 0, from.width - 1),
-                              v = std::clamp(y + i * dy, 0, from.height - 1);
-                    total += filter[std::size_t(i + radius)] *
-                             from.x[std::size_t(v) * std::size_t(from.width) + std::size_t(u)];
-                }
-                to.x[std::size_t(y) * std::size_t(to.width) + std::size_t(x)] = total;
-            }
-        return to;
-    };
-    return pass(pass(plane, across, 1, 0), down, 0, 1);
+    const int width = plane.width, height = plane.height;
+    const auto row = [width](auto& of, int y) { return of.x.data() + std::size_t(y) * std::size_t(width); };
+    Plane between(width, height), to(width, height);
+    const auto radius = across.size() / 2;
+    for (int y = 0; y < height; ++y) {
+        const double* const from = row(plane, y);
+        std::vector<double> line(radius, from[0]);
+        line.insert(line.end(), from, from + width);
+        line.insert(line.end(), radius, from[width - 1]);
+        for (std::size_t i = 0; i < across.size(); ++i) add_scaled(row(between, y), &line[i], across[i], width);
+    }
+    for (int y = 0; y < height; ++y)
+        for (std::size_t i = 0; i < down.size(); ++i) {
+            const int v = std::clamp(y + int(i) - int(down.size() / 2), 0, height - 1);
+            add_scaled(row(to, y), row(between, v), down[i], width);
+        }
+    return to;
 }
 
 using Triplet = std::array<double, 3>;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -19,18 +20,11 @@ int squared_distance(int size, int x, int y) {
     return dx * dx + dy * dy;
 }
 
-/// Points of the mixture for the viewer at azimuth 0.
-struct MirrorPoints {
-    Quadrature points;
-    std::vector<double> density;  ///< points per solid angle
-};
-
 /// A source with extent: points that are uniform over it.
 struct Disc {
     std::vector<Vec3d> points;
     Vec3d direction;
     double edge, density;  ///< cosine of its radius; points per solid angle inside
-    double density_at(Vec3d w) const { return dot(w, direction) >= edge ? density : 0; }
 };
 Disc disc(const Lighting::Source& source) {
     const double radius = source.radius * k_degree;
@@ -41,12 +35,107 @@ Disc disc(const Lighting::Source& source) {
     return disc;
 }
 
-/// What a pair contributes to a pixel: weight × f.
+/// The sources with extent of a lighting.
+struct Discs {
+    explicit Discs(const Lighting& lighting) {
+        for (const Lighting::Source& source : lighting.sources)
+            if (source.radius > 0) all.push_back(disc(source));
+        for (const Disc& of : all)
+            for (const Vec3d& w : of.points) points.push_back({w, density_at(w), radiance(lighting, w)});
+    }
+    /// The density of their points [1/sr].
+    double density_at(Vec3d w) const {
+        double density = 0;
+        for (const Disc& of : all) density += dot(w, of.direction) >= of.edge ? of.density : 0;
+        return density;
+    }
+    struct Point {
+        Vec3d w;
+        double density;
+        Rgb light;
+    };
+    std::vector<Disc> all;
+    std::vector<Point> points;
+};
+
+/// What a pair contributes to a pixel under a lighting: weight × f.
 struct Term {
     std::size_t lighting, pair;
-    int x;
     Rgb weight;
 };
+Rgb operator*(double factor, const Rgb& light) {
+    return {float(factor * double(light.r)), float(factor * double(light.g)), float(factor * double(light.b))};
+}
+
+/// Shares of zenith, horizon and ground in what comes from a direction of any sky: the colour of one in which they are
+/// red, green and blue.
+Vec3d sky_shares(Vec3d w) {
+    static const Lighting separate{{}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}};
+    const Rgb shares = radiance(separate, w);
+    return {double(shares.r), double(shares.g), double(shares.b)};
+}
+/// A channel of that sky.
+double sky(const Lighting& lighting, Vec3d shares, int channel) {
+    return dot(shares, Vec3d{double(lighting.zenith[channel]), double(lighting.horizon[channel]),
+                             double(lighting.ground[channel])});
+}
+
+/// The pairs of directions whose f a pixel consists of, and how.
+struct Pixel {
+    Vec3f wv;
+    std::vector<Vec3f> wl;
+    std::vector<Vec3d> shares;  ///< of the first pairs, times cosθl dωl: by these any sky is seen
+    std::vector<Term> terms;    ///< by these the sources
+};
+/// The pixel whose normal is the frame's; `mirrored` are points of the mixture for its viewer, at azimuth 0.
+Pixel pixel_of(const Frame& frame, const Quadrature& mirrored, const MirrorMixture& mixture,
+               std::span<const Lighting> lightings, std::span<const Discs> discs) {
+    const Vec3d v = frame.to({0, 0, 1});
+    Pixel pixel{to_float(v), {}, {}, {}};
+    // Points of all sets count by their common density. Few of the mixture's are within a source: all count as if none
+    // was, and these by their differences from that.
+    const auto count = double(mirrored.w.size());
+    const double across = std::hypot(v.x, v.y), cosine = across > 0 ? v.x / across : 1,
+                 sine = across > 0 ? v.y / across : 0;
+    for (std::size_t i = 0; i < mirrored.w.size(); ++i) {
+        const Vec3d l = Kernel<double>::turned(to_double(mirrored.w[i]), cosine, sine), w = frame.from(l);
+        const double density = count * mirrored.pdf[i], measure = l.z / density;
+        const Vec3d share = sky_shares(w);
+        for (std::size_t k = 0; k < lightings.size(); ++k)
+            if (const double of_discs = discs[k].density_at(w); of_discs > 0) {
+                Rgb weight = l.z / (density + of_discs) * radiance(lightings[k], w);
+                for (int c = 0; c < 3; ++c) weight[c] -= float(measure * sky(lightings[k], share, c));
+                pixel.terms.push_back({k, i, weight});
+            }
+        pixel.wl.push_back(to_float(l));
+        pixel.shares.push_back(measure * share);
+    }
+    for (std::size_t k = 0; k < lightings.size(); ++k) {
+        const auto add = [&](Vec3d l, const Rgb& weight) {
+            pixel.terms.push_back({k, pixel.wl.size(), weight});
+            pixel.wl.push_back(to_float(l));
+        };
+        for (const Lighting::Source& source : lightings[k].sources)
+            if (const Vec3d l = frame.to(source.direction); source.radius == 0 && l.z > 0) add(l, l.z * source.power);
+        for (const Discs::Point& point : discs[k].points)
+            if (const Vec3d l = frame.to(point.w); l.z > 0)
+                add(l, l.z / (count * mixture.pdf(l, v) + point.density) * point.light);
+    }
+    return pixel;
+}
+
+/// The radiance of the pixel under each lighting.
+std::vector<Rgb> radiances(const Pixel& pixel, std::span<const Rgb> f, std::span<const Lighting> lightings) {
+    std::array<Vec3d, 3> sums{};  // of each channel
+    for (std::size_t i = 0; i < pixel.shares.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) sums[c] = sums[c] + double(f[i][int(c)]) * pixel.shares[i];
+    std::vector<Rgb> all(lightings.size());
+    for (std::size_t k = 0; k < lightings.size(); ++k)
+        for (int c = 0; c < 3; ++c) all[k][c] = float(sky(lightings[k], sums[std::size_t(c)], c));
+    for (const Term& term : pixel.terms)
+        for (int c = 0; c < 3; ++c) all[term.lighting][c] += term.weight[c] * f[term.pair][c];
+    return all;
+}
 
 }  // namespace
 
@@ -58,91 +147,44 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
     const MirrorMixture mixture(k_pi / 2);
     const auto cos_view = [&](int squares) { return std::sqrt(1 - double(squares) / (double(size) * double(size))); };
 
-    std::map<int, MirrorPoints> mirror_points;
+    std::map<int, Quadrature> mirror_points;
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x)
             if (shows_sphere(size, x, y)) mirror_points[squared_distance(size, x, y)];
-    std::vector<std::pair<const int, MirrorPoints>*> each;
+    std::vector<std::pair<const int, Quadrature>*> each;
     for (auto& entry : mirror_points) each.push_back(&entry);
     parallel_for(each.size(), threads, [&](std::size_t i) {
-        auto& [squares, of] = *each[i];
+        auto& [squares, points] = *each[i];
         const double z = cos_view(squares);
         const Vec3d v{std::sqrt(1 - z * z), 0, z};
-        of.points = mixture.quadrature(v, k_mirror_points);
-        for (const Vec3f& w : of.points.w)
-            of.density.push_back(double(of.points.w.size()) * mixture.pdf(to_double(w), v));
+        points = mixture.quadrature(v, k_mirror_points);
     });
 
-    std::vector<std::vector<Disc>> discs;
-    std::vector<bool> is_lit_around;  // not by directions alone
-    for (const Lighting& lighting : lightings) {
-        discs.emplace_back();
-        for (const Lighting::Source& source : lighting.sources)
-            if (source.radius > 0) discs.back().push_back(disc(source));
-        const Rgb none{};
-        is_lit_around.push_back(!discs.back().empty() || lighting.horizon != none || lighting.zenith != none ||
-                                lighting.ground != none);
-    }
-
+    const std::vector<Discs> discs(lightings.begin(), lightings.end());
     std::vector<std::vector<Image>> images(lightings.size(), std::vector<Image>(brdfs.size(), Image(size, size)));
     Reporter reporter(progress, double(size));
     parallel_for(std::size_t(size), threads, [&](std::size_t row) {
         if (!reporter.advance("comparing pictures", 1)) return;
         const int y = int(row);
-        std::vector<Vec3f> wl, wv;
-        std::vector<Term> terms;
+        std::vector<std::vector<Rgb>> f(brdfs.size());
         for (int x = 0; x < size; ++x) {
             if (!shows_sphere(size, x, y)) continue;
             const int squares = squared_distance(size, x, y);
             const Vec3d normal{(2 * x + 1 - size) / double(size), (size - 2 * y - 1) / double(size), cos_view(squares)};
-            const Frame frame = frame_about(normal, {0, 1, 0});
-            const Vec3d v = frame.to({0, 0, 1});
-            const auto add_pair = [&](Vec3d l) {
-                wl.push_back(to_float(l)), wv.push_back(to_float(v));
-                return wl.size() - 1;
-            };
-            const MirrorPoints& mirrored = mirror_points.at(squares);
-            const std::size_t first = wl.size();
-            const double across = std::hypot(v.x, v.y), cosine = across > 0 ? v.x / across : 1,
-                         sine = across > 0 ? v.y / across : 0;
-            for (const Vec3f& w : mirrored.points.w) add_pair(Kernel<double>::turned(to_double(w), cosine, sine));
-            for (std::size_t k = 0; k < lightings.size(); ++k) {
-                const Lighting& lighting = lightings[k];
-                const auto add_term = [&](std::size_t pair, double z, double measure, const Rgb& light) {
-                    const auto scale = float(z * measure);
-                    if (light.r > 0 || light.g > 0 || light.b > 0)
-                        terms.push_back({k, pair, x, {scale * light.r, scale * light.g, scale * light.b}});
-                };
-                for (const Lighting::Source& source : lighting.sources) {
-                    const Vec3d l = frame.to(source.direction);
-                    if (source.radius == 0 && l.z > 0) add_term(add_pair(l), l.z, 1, source.power);
-                }
-                // Points of all sets count by their common density.
-                const auto add = [&](std::size_t pair, Vec3d w, double density) {
-                    for (const Disc& of : discs[k]) density += of.density_at(w);
-                    add_term(pair, double(wl[pair].z), 1 / density, radiance(lighting, w));
-                };
-                for (std::size_t i = 0; is_lit_around[k] && i < mirrored.density.size(); ++i)
-                    add(first + i, frame.from(to_double(wl[first + i])), mirrored.density[i]);
-                for (const Disc& of : discs[k])
-                    for (const Vec3d& w : of.points) {
-                        const Vec3d l = frame.to(w);
-                        if (l.z > 0) add(add_pair(l), w, double(mirrored.density.size()) * mixture.pdf(l, v));
-                    }
-            }
-        }
-        std::vector<std::vector<Rgb>> f;
-        std::vector<bool> measured(wl.size(), true);
-        for (const Evaluate& brdf : brdfs) {
-            f.emplace_back(wl.size());
-            brdf(wl, wv, f.back());
-            for (std::size_t i = 0; i < wl.size(); ++i) measured[i] = measured[i] && is_finite(f.back()[i]);
-        }
-        for (const Term& term : terms) {
-            if (!measured[term.pair]) continue;
+            const Pixel pixel =
+                pixel_of(frame_about(normal, {0, 1, 0}), mirror_points.at(squares), mixture, lightings, discs);
+            const std::vector<Vec3f> wv(pixel.wl.size(), pixel.wv);
+            std::vector<char> measured(wv.size(), true);
             for (std::size_t b = 0; b < brdfs.size(); ++b) {
-                Rgb& pixel = images[term.lighting][b].at(term.x, y);
-                for (int c = 0; c < 3; ++c) pixel[c] += term.weight[c] * std::max(f[b][term.pair][c], 0.f);
+                f[b].resize(wv.size());
+                brdfs[b](pixel.wl, wv, f[b]);
+                for (std::size_t i = 0; i < wv.size(); ++i) measured[i] = measured[i] && is_finite(f[b][i]);
+            }
+            for (std::size_t b = 0; b < brdfs.size(); ++b) {
+                for (std::size_t i = 0; i < wv.size(); ++i)
+                    for (int c = 0; c < 3; ++c) f[b][i][c] = measured[i] ? std::max(f[b][i][c], 0.f) : 0;
+                const std::vector<Rgb> seen = radiances(pixel, f[b], lightings);
+                for (std::size_t k = 0; k < lightings.size(); ++k) images[k][b].at(x, y) = seen[k];
             }
         }
     });

@@ -16,12 +16,10 @@ static_assert(k_pair_block % (HWY_MAX_BYTES / sizeof(float)) == 0);
 
 HWY_INLINE BatchMask is_below_infinity(Batch a) { return a < Batch(std::numeric_limits<float>::infinity()); }
 
-// log(1 + x), NaN where x <= -1. The factor makes up for the rounding of u = 1 + x.
+// log(1 + x), NaN where x <= -1.
 HWY_INLINE Batch log_of_1_plus(Batch x) {
-    const Batch one(1.0), u = x + one, rounded = u - one;
-    const Batch of_finite = select(hn::Eq(u.v, one.v), x, log(u) * (x / rounded));
-    const Batch of_all = select(is_below_infinity(x), of_finite, x);
-    return select(Batch(0.0) < u, of_all, Batch(std::numeric_limits<double>::quiet_NaN()));
+    const Batch of_all = select(is_below_infinity(x), log1p(x), x);
+    return select(Batch(-1.0) < x, of_all, Batch(std::numeric_limits<double>::quiet_NaN()));
 }
 
 // The cube root of x, or x itself where |x| is infinite or below 2^-120: from a third of the exponent by Halley's

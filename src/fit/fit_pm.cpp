@@ -17,19 +17,29 @@
 namespace srbf {
 namespace {
 
+/// That share of the starts of a fit, at least one.
+int some_starts(double share, const FitOptions& options) {
+    return std::max(int(std::lround(share * starts_of(options))), 1);
+}
 /// A round of the tournament: the share of the starts that continue, until this share of the perturbations is done.
 struct Round {
     double starts, perturbations;
-    int candidates(const FitOptions& options) const {
-        return std::max(int(std::lround(starts * starts_of(options))), 1);
-    }
+    int candidates(const FitOptions& options) const { return some_starts(starts, options); }
     int perturbations_until(const FitOptions& options) const {
         return int(std::lround(perturbations * perturbations_of(options)));
     }
 };
 constexpr Round k_rounds[] = {{1, 0.2}, {0.5, 0.5}, {0.25, 1}};
-/// Candidates with the same loss of pairs look different: more of them remain for pictures to choose from.
-constexpr Round k_rounds_to_pictures[] = {{1, 0.2}, {0.5, 0.7}};
+/// Candidates with the same loss of pairs look different, and further perturbations lower that loss by little: all of
+/// them remain for pictures to choose from.
+constexpr Round k_rounds_to_pictures[] = {{1, 0.12}, {1, 0.28}};
+/// A round of steps with pictures: the share of the starts that take so many more. The best after all are nearly always
+/// among the best after three.
+struct SeenRound {
+    double starts;
+    int steps;
+};
+constexpr SeenRound k_seen_rounds[] = {{1, 3}, {0.25, 4}, {0.125, 8}};
 std::span<const Round> rounds_of(const Observations& observations) {
     return observations.views.empty() ? std::span<const Round>(k_rounds) : std::span<const Round>(k_rounds_to_pictures);
 }
@@ -201,7 +211,9 @@ struct Fit {
     std::vector<Candidate> found = std::vector<Candidate>(std::size_t(starts_of(options)));
 
     template <typename Body> void each(const Body& body) { parallel_for(found.size(), body); }
-    void polished_one() { reporter.advance("polishing", work.polish / double(found.size())); }
+    void polished_one(std::size_t rounds = 1) {
+        reporter.advance("polishing", work.polish / double(rounds * found.size()));
+    }
     PmFit finished(const Candidate& candidate, Observations all, double picture_importance) const {
         const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
         const double radiance_importance = sample.radiance_importance() * 3 / channels;
@@ -238,12 +250,15 @@ struct Fit {
         sample.weigh_large_errors(on(sample.to_search(false), found.front()), k_most_large_error_weight);
         const double importance = sample.picture_importance(found.front(), options, log_peak_limit);
         const Rows to_see = sample.to_see(importance);
-        each([&](std::size_t i) {
-            if (!reporter.cancelled()) see(to_see, options, log_peak_limit, found[i]);
-            polished_one();
-        });
-        const auto by_loss = [](const Candidate& a, const Candidate& b) { return a.loss < b.loss; };
-        const Candidate& best = *std::min_element(found.begin(), found.end(), by_loss);
+        for (const SeenRound& round : k_seen_rounds) {
+            found.resize(std::size_t(some_starts(round.starts, options)));
+            each([&](std::size_t i) {
+                if (!reporter.cancelled()) see(to_see, options, log_peak_limit, round.steps, found[i]);
+                polished_one(std::size(k_seen_rounds));
+            });
+            sort_by_loss(found);
+        }
+        const Candidate& best = found.front();
         Observations weighed = observations;
         weigh_large_errors(weighed, weighed.f.size() - weighed.checks, evaluator(on(to_see, best)),
                            k_most_large_error_weight);

@@ -94,8 +94,6 @@ Lobes without_variate(Lobes lobes, int n) {
 
 namespace {
 
-constexpr int k_seen_steps = 12;
-
 /// Adds the best of many random lobes to those of the problem's last call of `loss`.
 void add_lobe(LobeProblem& problem, Lobes& lobes, std::mt19937_64& random) {
     const std::vector<double> best = problem.best_addition(random_candidates(random, lobes));
@@ -190,9 +188,9 @@ void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, 
     }
 }
 
-void see(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate) {
+void see(const Rows& rows, const FitOptions& options, double log_peak_limit, int steps, Candidate& candidate) {
     LobeProblem problem(rows, shape_of(options), false, log_peak_limit);
-    optimise(problem, candidate.lobes, k_seen_steps);
+    optimise(problem, candidate.lobes, steps);
     candidate.loss = problem.delta_e();
 }
 

@@ -86,6 +86,6 @@ void improve(const Rows& rows, const FitOptions& options, double log_peak_limit,
 void polish(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate);
 
 /// Optimises on rows with views. The candidate's loss becomes the mean ΔE_ITP of their pixels.
-void see(const Rows& rows, const FitOptions& options, double log_peak_limit, Candidate& candidate);
+void see(const Rows& rows, const FitOptions& options, double log_peak_limit, int steps, Candidate& candidate);
 
 }  // namespace srbf

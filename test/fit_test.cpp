@@ -20,6 +20,11 @@ const Measured& bundled(const std::string& name) {
 
 Observations observed(const Evaluate& f, Objective objective = Objective::raw) { return *observe(f, {objective, 0}); }
 
+/// Options of a search that is shorter than the default one, and finds what these tests look for.
+FitOptions short_search(PmForm form, int lobes, int variates) {
+    return {.form = form, .lobes = lobes, .variates = variates, .starts = 6, .perturbations = 10};
+}
+
 /// A model of J axial lobes of N variates that are visible within the hemispheres.
 PmModel model_of(int lobes, int variates, std::mt19937_64& random) {
     PmModel model;
@@ -45,11 +50,7 @@ TEST(Fit, RecoversTheModelThatMadeTheData) {
     for (int lobes = 1; lobes <= 4; ++lobes)
         for (const int variates : {lobes % 2 ? 1 : 2, 3}) {
             const PmModel model = model_of(lobes, variates, random);
-            FitOptions options;
-            options.form = PmForm::gaussian;
-            options.lobes = lobes;
-            options.variates = variates;
-            const auto fit = fit_pm(observed(evaluator(model)), options);
+            const auto fit = fit_pm(observed(evaluator(model)), short_search(PmForm::gaussian, lobes, variates));
             ASSERT_TRUE(fit);
             const Evaluate others[] = {evaluator(fit->unrounded)};
             const auto error = measure_heldout(evaluator(model), others, {80 * k_degree, 0})[0];
@@ -66,9 +67,7 @@ TEST(Fit, RecoversTheSpectraThatMadeTheData) {
     model.coefficient = colours(model.spectrum, model.wavelength);
     Observations observations = observed(evaluator(model));
     observe_spectra(observations, spectra(model));
-    FitOptions options;
-    options.form = PmForm::gaussian;
-    options.lobes = options.variates = 3;
+    const FitOptions options = short_search(PmForm::gaussian, 3, 3);
     const auto fit = fit_pm(observations, options);
     ASSERT_TRUE(fit);
     EXPECT_EQ(fit->model.wavelength, model.wavelength);
@@ -87,9 +86,7 @@ TEST(Fit, OfScaledDataIsTheScaledFit) {
         signed_evaluator(paper)(wl, wv, f);
         for (Rgb& x : f) x = {4 * x.r, 4 * x.g, 4 * x.b};
     };
-    FitOptions options;
-    options.lobes = 3;
-    options.variates = 2;
+    const FitOptions options = short_search(PmForm::extended, 3, 2);
     const auto a = fit_pm(observed(once), options), b = fit_pm(observed(fourfold), options);
     ASSERT_TRUE(a && b);
     // Fits from the same random numbers reach the same minimum, with different rounding errors.
@@ -103,9 +100,7 @@ TEST(Fit, OfScaledDataIsTheScaledFit) {
 
 TEST(Fit, DoesNotDependOnTheUnitOfTheData) {
     const Evaluate paper = signed_evaluator(bundled("paper_white_rgb"));
-    FitOptions options;
-    options.lobes = 2;
-    options.variates = 2;
+    const FitOptions options{.lobes = 2, .variates = 2};
     std::vector<double> losses;
     for (const float unit : {1e-20f, 1.f, 1e20f}) {
         const auto scaled = [&](auto wl, auto wv, auto f) {
@@ -163,9 +158,7 @@ TEST(Fit, OfRealMaterialsIsAsGoodAsTheFormAllows) {
 TEST(Fit, OfFurtherFormsIsBetterByFar) {
     for (const auto& [form, paper, film] :
          {std::tuple(PmForm::horizon, 0.0020, 0.0085), {PmForm::extended, 0.0008, 0.0040}}) {
-        FitOptions options;
-        options.form = form;
-        options.lobes = form == PmForm::horizon ? 8 : 6;
+        const FitOptions options = short_search(form, form == PmForm::horizon ? 8 : 6, 4);
         for (const auto& [name, bound] : {std::pair("paper_white_rgb", paper), {"cc_ibiza_sunset_rgb", film}}) {
             const auto fit = fit_pm(observed(signed_evaluator(bundled(name))), options);
             ASSERT_TRUE(fit);
@@ -181,8 +174,7 @@ TEST(Fit, OfFurtherFormsIsBetterByFar) {
 TEST(Fit, IsReciprocalIfRequested) {
     const Measured& paper = bundled("paper_white_rgb");
     for (const PmForm form : k_forms) {
-        FitOptions options;
-        options.form = form;
+        FitOptions options = short_search(form, 8, 4);
         options.reciprocal = true;
         const auto fit = fit_pm(observed(signed_evaluator(paper)), options);
         ASSERT_TRUE(fit);
@@ -212,7 +204,7 @@ TEST(Fit, OfEachObjectiveIsTheBestByItsOwnMeasure) {
     const double cap = 80 * k_degree;
     std::vector<Measures> measures;
     for (const auto& [objective, measure] : own) {
-        const auto fit = fit_pm(*observe(signed_evaluator(film), {objective, cap}), {.lobes = 4, .variates = 3});
+        const auto fit = fit_pm(*observe(signed_evaluator(film), {objective, cap}), short_search(PmForm::extended, 4, 3));
         ASSERT_TRUE(fit);
         const Evaluate others[] = {evaluator(fit->model)};
         measures.push_back(measure_heldout(evaluator(film), others, {cap, 0})[0]);
@@ -269,10 +261,8 @@ TEST(Fit, StaysBoundedUpToTheHorizon) {
 }
 
 TEST(Fit, WithoutLogScaleKeepsCoefficientsWithinHalves) {
-    FitOptions options;
-    options.form = PmForm::gaussian;
+    FitOptions options = short_search(PmForm::gaussian, 4, 3);
     options.log_scale = false;
-    options.lobes = 4, options.variates = 3;
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const auto fit = fit_pm(observed(signed_evaluator(bundled(name))), options);
         ASSERT_TRUE(fit);
@@ -288,9 +278,7 @@ TEST(Fit, WithoutLogScaleKeepsCoefficientsWithinHalves) {
 
 TEST(Fit, ReportsProgressAndCanBeCancelled) {
     const Observations o = observed(signed_evaluator(bundled("paper_white_rgb")));
-    FitOptions options;
-    options.lobes = 2;
-    options.variates = 2;
+    const FitOptions options = short_search(PmForm::extended, 2, 2);
     double last = 0;
     const auto whole = fit_pm(o, options, [&](const Progress& progress) {
         EXPECT_GE(progress.fraction, last);

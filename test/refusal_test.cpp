@@ -62,7 +62,7 @@ TEST_F(CommandLine, outputs_that_cannot_be_written_leave_nothing_behind) {
 /// Which is noticed only once all is fitted and measured.
 TEST_F(CommandLine, full_devices_leave_nothing_behind) {
     write(folder / "small.binary", small_merl());
-    const Arguments fit{"fit", "small.binary", "--model", "ggx"};
+    const Arguments fit{"fit", "small.binary", "--model", "ggx", "--objective", "cosine"};
     expect_failure(1, fit + Arguments{"-o", "/dev/full", "--json", "r.json"}, "/dev/full");
     expect_failure(1, fit + Arguments{"--json", "/dev/full", "--preview", "p.png"}, "/dev/full");
     expect_failure(1, fit, "standard output", "/dev/full");

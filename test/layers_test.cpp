@@ -19,7 +19,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/vec", "include/srbf/half", "src/half", "include/srbf/colour", "src/colour", "include/srbf/result",
      "src/result", "include/srbf/picture.h", "include/srbf/progress", "src/progress", "src/reporter"},
     {"src/aligned", "src/floating_point", "src/parallel", "src/r_sequence", "src/k_d_tree", "src/least_squares",
-     "include/srbf/file", "src/file", "src/npy", "include/srbf/npy", "include/srbf/text"},
+     "src/weighted_quantile", "include/srbf/file", "src/file", "src/npy", "include/srbf/npy", "include/srbf/text"},
     {"include/srbf/kernel", "src/batch-inl", "src/fused"},
     {"include/srbf/directions", "src/directions"},
     {"include/srbf/brdf", "include/srbf/bsdf"},

@@ -29,7 +29,7 @@ Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_th
     observed.typical = typical_value(observed.objective, observed.wl, observed.wv, observed.f, observed.weight);
     if (!(observed.typical > 0))
         return Error{"samples", {}, "values within the largest angle", "some above 0", "none", ErrorCode::no_data};
-    weigh(observed.objective, observed.typical, observed.wl, observed.wv, observed.f, observed.weight);
+    weigh(observed.objective, observed.typical, observed.wl, observed.wv, observed.f, observed.weight, threads);
     normalise(observed);
 
     auto prior = fit_ggx(observed, {k_most_ggx_lobes, threads});

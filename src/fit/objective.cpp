@@ -4,6 +4,9 @@
 #include <array>
 #include <vector>
 
+#include "parallel.h"
+#include "weighted_quantile.h"
+
 namespace srbf {
 namespace {
 
@@ -108,24 +111,21 @@ double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<c
         return whole > 0 ? sum / whole : 0;
     }
     std::vector<std::pair<double, double>> seen;  // f cosθl and its weight
-    for (std::size_t i = 0; i < f.size(); ++i) {
-        if (!(mean_of(f[i]) > 0)) continue;
-        seen.emplace_back(mean_of(f[i]) * double(wl[i].z), weight[i] * double(wv[i].z));
-        whole += seen.back().second;
-    }
-    std::ranges::sort(seen);
-    for (const auto& [radiance, of_pair] : seen)
-        if ((sum += of_pair) >= k_bright_quantile * whole) return radiance;
-    return 0;
+    for (std::size_t i = 0; i < f.size(); ++i)
+        if (mean_of(f[i]) > 0) seen.emplace_back(mean_of(f[i]) * double(wl[i].z), weight[i] * double(wv[i].z));
+    return weighted_quantile(std::move(seen), k_bright_quantile);
 }
 
 void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
-           std::span<const Rgb> f, std::span<double> weight) {
+           std::span<const Rgb> f, std::span<double> weight, int threads) {
+    constexpr std::size_t k_part = 4096;
     const ObjectiveTraits& of = traits(objective);
     const std::vector<double> solid_angle(weight.begin(), weight.end());
     const auto take = [&](auto& to, const auto& rule) {
-        for (std::size_t i = 0; i < f.size(); ++i)
-            to[i] = solid_angle[i] * rule(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
+        parallel_for((f.size() + k_part - 1) / k_part, threads, [&](std::size_t part) {
+            for (std::size_t i = part * k_part; i < std::min(f.size(), (part + 1) * k_part); ++i)
+                to[i] = solid_angle[i] * rule(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
+        });
         return energy_of(f, to);
     };
     const double whole = take(weight, of.weight);

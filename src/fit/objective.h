@@ -42,7 +42,7 @@ double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<c
 
 /// Multiplies the weights of pairs (their solid angles) by the weights of the objective.
 void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
-           std::span<const Rgb> f, std::span<double> weight);
+           std::span<const Rgb> f, std::span<double> weight, int threads);
 
 /// Sets negative channels to 0; returns how many.
 inline int clamp_negative(Rgb& f) {

@@ -127,12 +127,14 @@ void append(Observations& observations, const Drawn& drawn, std::size_t i, doubl
     observations.f.push_back(drawn.f[i]), observations.weight.push_back(weight);
 }
 
-std::vector<RadianceObservation> observe_albedos(const Evaluate& f, double theta_max) {
-    std::vector<RadianceObservation> all;
-    for (const double theta : k_albedo_angles) {
-        if (theta * k_degree > theta_max) continue;
+std::vector<RadianceObservation> observe_albedos(const Evaluate& f, double theta_max, int threads) {
+    std::vector<double> angles;
+    for (const double theta : k_albedo_angles)
+        if (!(theta * k_degree > theta_max)) angles.push_back(theta * k_degree);
+    std::vector<RadianceObservation> all(angles.size());
+    parallel_for(all.size(), threads, [&](std::size_t k) {
         // Any azimuth is sufficient for isotropic data; the azimuths are spread for other data.
-        const Vec3d wv = spherical(theta * k_degree, 2.4 * double(all.size()));
+        const Vec3d wv = spherical(angles[k], 2.4 * double(k));
         Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_radiance_points);
         RadianceObservation seen{to_float(wv), std::move(points.w), {}, std::move(points.weight), {}};
         seen.f.resize(seen.wl.size());
@@ -143,8 +145,8 @@ std::vector<RadianceObservation> observe_albedos(const Evaluate& f, double theta
             if (!valid) seen.f[i] = {};
             clamp_negative(seen.f[i]);
         }
-        all.push_back(std::move(seen));
-    }
+        all[k] = std::move(seen);
+    });
     return all;
 }
 
@@ -298,7 +300,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     if (!(observations.typical > 0)) return Error{"observe", {}, "values", "some above 0", "none", ErrorCode::no_data};
 
     std::vector<double> weight = pool.weight;
-    weigh(options.objective, observations.typical, pool.wl, pool.wv, pool.f, weight);
+    weigh(options.objective, observations.typical, pool.wl, pool.wv, pool.f, weight, options.threads);
     double peak = 0;
     for (const Drawn* some : {&pool, &guards, &checks})
         for (std::size_t i = 0; i < some->size(); ++i)
@@ -318,7 +320,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     }
     for (std::size_t i = 0; i < checks.size(); ++i) append(observations, checks, i, 0);
     observations.checks = checks.size();
-    observations.radiances = observe_albedos(f, theta_max);
+    observations.radiances = observe_albedos(f, theta_max, options.threads);
     if (traits(options.objective).of_pictures) {
         observations.views = observe_views(f, theta_max, options.threads);
         observations.radiance_error = k_picture_error;

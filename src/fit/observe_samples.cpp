@@ -146,7 +146,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         seen[place] = true;
     }
     const auto weigh_all = [&](Observations& of) {
-        weigh(options.objective, observed.samples.typical, of.wl, of.wv, of.f, of.weight);
+        weigh(options.objective, observed.samples.typical, of.wl, of.wv, of.f, of.weight, options.threads);
         normalise(of);
     };
     for (const std::size_t i : within) {

@@ -7,6 +7,7 @@
 #include "parallel.h"
 #include "srbf/directions.h"
 #include "srbf/pictures.h"
+#include "weighted_quantile.h"
 
 namespace srbf {
 namespace {
@@ -180,7 +181,6 @@ void SampledViews::add_lights(ViewRows& rows, std::size_t view, std::span<const 
 
 void SampledViews::expose() {
     std::vector<std::vector<std::pair<double, double>>> lit(k_phases);  // radiances and areas of pixels
-    std::vector<double> area(k_phases);
     for (std::size_t view = 0; view < count(); view += k_typical_views)
         for (std::size_t i = 0; i < count(); ++i) {
             const Rgb& value = f(view, i);
@@ -190,17 +190,10 @@ void SampledViews::expose() {
             if (!(radiance > 0)) continue;
             const auto phase = std::size_t(phase_of(l, v) / k_pi * double(k_phases));
             lit[std::min(phase, k_phases - 1)].emplace_back(radiance, double(v.z));
-            area[std::min(phase, k_phases - 1)] += double(v.z);
         }
     white_.assign(k_phases, 0.0);
     for (std::size_t phase = 0; phase < k_phases; ++phase) {
-        std::ranges::sort(lit[phase]);
-        double sum = 0;
-        for (const auto& [radiance, of_pixel] : lit[phase])
-            if ((sum += of_pixel) >= k_exposed * area[phase]) {
-                white_[phase] = radiance / k_exposed_value;
-                break;
-            }
+        white_[phase] = weighted_quantile(std::move(lit[phase]), k_exposed) / k_exposed_value;
         if (!(white_[phase] > 0)) white_[phase] = phase > 0 ? white_[phase - 1] : typical_;
     }
 }

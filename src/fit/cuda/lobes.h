@@ -56,7 +56,7 @@ struct Memory {
     SRBF_DEVICE std::size_t lay_out(const Shape& most, float* shared, double* doubles) {
         std::size_t used = 0;
         const auto take = [&](double*& to, int count) {
-            if (doubles) to = doubles + used;
+            to = doubles ? doubles + used : nullptr;
             used += std::size_t(count);
         };
         const int n = most.variables(), J = most.lobes, D = most.derivatives(), all = most.columns();

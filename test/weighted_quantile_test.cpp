@@ -1,0 +1,35 @@
+// Quantiles against the definition, and where numbers coincide.
+#include "weighted_quantile.h"
+
+#include "properties.h"
+
+namespace srbf::weighted_quantile_test {
+namespace {
+
+TEST(WeightedQuantile, IsTheFirstOfTheSortedThatReachesTheShare) {
+    std::mt19937_64 random(7);
+    for (int trial = 0; trial < 200; ++trial) {
+        std::vector<std::pair<double, double>> of;
+        double whole = 0;
+        for (int i = 0; i <= trial; ++i) {
+            const auto weight = std::floor(4 * uniform(random)) + (i == 0 ? 1 : 0);  // exact sums, some of them 0
+            of.emplace_back(std::floor(20 * uniform(random)), weight);
+            whole += weight;
+        }
+        const double share = (1 + std::floor(8 * uniform(random))) / 8;
+        auto sorted = of;
+        std::ranges::sort(sorted);
+        double sum = 0;
+        const auto reached = std::ranges::find_if(sorted, [&](const auto& pair) {
+            sum += pair.second;
+            return sum >= share * whole;
+        });
+        ASSERT_NE(reached, sorted.end());
+        EXPECT_EQ(weighted_quantile(of, share), reached->first) << trial;
+    }
+}
+
+TEST(WeightedQuantile, OfNothingIsZero) { EXPECT_EQ(weighted_quantile({}, 0.5), 0); }
+
+}  // namespace
+}  // namespace srbf::weighted_quantile_test

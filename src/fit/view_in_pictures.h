@@ -35,7 +35,7 @@ class ViewInPictures {
     bool only_coefficients_ = false;
     double share_ = 0;  ///< of each pixel
     std::vector<double> offset_;
-    Aligned<float> exponent_, value_;   ///< blocks × J × k_block
+    Aligned<float> exponent_, value_;  ///< blocks × J × k_block
     std::vector<PixelSlopes> slopes_;  ///< of each block of pixels, at the last loss
 };
 

@@ -37,8 +37,8 @@ struct Page {
 };
 
 /// The page, HTML in UTF-8 without external references. Its shaders are those of `shader_text` in OpenGL ES 3.0; the
-/// page displays their text and compiles it. The initial picture is `mesh`, or `page_mesh("ball")`, seen from `Viewpoint{}` under
-/// `k_three_lights`, at automatic_exposure of the sphere of the first material with a picture.
+/// page displays their text and compiles it. The initial picture is `mesh`, or `page_mesh("ball")`, seen from
+/// `Viewpoint{}` under `k_three_lights`, at automatic_exposure of the sphere of the first material with a picture.
 std::string page_html(const Page& page);
 
 /// One of `k_built_in_meshes` with fewer triangles, for the page.

@@ -149,6 +149,29 @@ using Group = BatchOf<hn::CappedTag<float, 8>>;
 
 #include "srbf/vec3.inl"
 
+template <typename B> HWY_INLINE Vec3<B> select(typename B::Mask where, const Vec3<B>& a, const Vec3<B>& b) {
+    return {select(where, a.x, b.x), select(where, a.y, b.y), select(where, a.z, b.z)};
+}
+
+// Calls evaluate(wl, wv, f, n) for all whole multiples of `width` pairs at once, then for the remainder padded with the
+// normal. `width` is at most two batches.
+template <typename Pair, typename Value, typename Evaluate>
+HWY_INLINE void in_whole_batches(std::size_t width, const Pair* wl, const Pair* wv, Value* f, std::size_t count,
+                                 const Evaluate& evaluate) {
+    constexpr std::size_t most = 2 * HWY_MAX_BYTES / sizeof(float);
+    const std::size_t rest = count % width, whole = count - rest;
+    if (whole > 0) evaluate(wl, wv, f, whole);
+    if (rest == 0) return;
+    Pair last_wl[most], last_wv[most];
+    Value last_f[most];
+    for (std::size_t k = 0; k < width; ++k) {
+        last_wl[k] = k < rest ? wl[whole + k] : Pair(0, 0, 1);
+        last_wv[k] = k < rest ? wv[whole + k] : Pair(0, 0, 1);
+    }
+    evaluate(last_wl, last_wv, last_f, width);
+    for (std::size_t k = 0; k < rest; ++k) f[whole + k] = last_f[k];
+}
+
 // Loads and stores batches of x, y, z as x y z x y z ... in memory. Since the number of lanes is no multiple of 3, the
 // lanes of one component in the three vectors never coincide: they are blended into one vector, which is then permuted.
 struct Interleaved {

@@ -76,10 +76,6 @@ template <typename Lanes> HWY_INLINE auto in_all(const Kernel<float>::Stretch& m
                                                    in_all<Lanes>(map.less), in_all<Lanes>(map.shrink)};
 }
 HWY_INLINE Lobes everywhere(float x) { return in_all<Lobes>(x); }
-template <typename Lanes>
-HWY_INLINE Vec3<Lanes> select(typename Lanes::Mask where, const Vec3<Lanes>& a, const Vec3<Lanes>& b) {
-    return {select(where, a.x, b.x), select(where, a.y, b.y), select(where, a.z, b.z)};
-}
 
 HWY_INLINE Lobes between(const MixtureProposal::Row& low, const MixtureProposal::Row& high, float part, int first) {
     const Lobes a = Lobes::load(&low[std::size_t(first)]), b = Lobes::load(&high[std::size_t(first)]);

@@ -204,7 +204,8 @@ TEST(Fit, OfEachObjectiveIsTheBestByItsOwnMeasure) {
     const double cap = 80 * k_degree;
     std::vector<Measures> measures;
     for (const auto& [objective, measure] : own) {
-        const auto fit = fit_pm(*observe(signed_evaluator(film), {objective, cap}), short_search(PmForm::extended, 4, 3));
+        const auto fit =
+            fit_pm(*observe(signed_evaluator(film), {objective, cap}), short_search(PmForm::extended, 4, 3));
         ASSERT_TRUE(fit);
         const Evaluate others[] = {evaluator(fit->model)};
         measures.push_back(measure_heldout(evaluator(film), others, {cap, 0})[0]);

@@ -104,7 +104,7 @@ TEST(Pixels, SlopeIsThatOfTheError) {
         Triplet slope{}, difference{};
         for (std::size_t c = 0; c < 3; ++c) {
             for (std::size_t of = 0; of < 3; ++of)
-                slope[c] += 2 * double(slopes.by(of, c)[p]) * double(slopes.of(of)[p]);
+                slope[c] += 2 * double(slopes.by(of)[c][p]) * double(slopes.of(of)[p]);
             const double step = 1e-5 * at[c];
             Triplet more = at, less = at;
             more[c] += step, less[c] -= step;
@@ -117,7 +117,7 @@ TEST(Pixels, SlopeIsThatOfTheError) {
     for (std::size_t p = one.reference.size(); p < k_block; ++p)
         for (std::size_t of = 0; of < 3; ++of) {
             EXPECT_EQ(slopes.of(of)[p], 0);
-            for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(slopes.by(of, c)[p], 0);
+            for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(slopes.by(of)[c][p], 0);
         }
 }
 

@@ -55,7 +55,7 @@ struct Rows {
     double picture_importance = 0;
 
     std::size_t first_view_block() const { return blocks + radiances * radiance_blocks; }
-    std::size_t whole_blocks() const { return first_view_block() + (views * view_rows + k_block - 1) / k_block; }
+    std::size_t whole_blocks() const { return first_view_block() + blocks_for(views * view_rows); }
 
   private:
     void add_views(const std::vector<SeenView>& views);

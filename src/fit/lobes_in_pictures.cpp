@@ -114,7 +114,7 @@ double LobeProblem::pixel_loss(const Eigen::MatrixXd& beta, Coefficients& adapti
             for (std::size_t c = 0; c < 3; ++c)
                 for (std::size_t j = 0; j < std::size_t(J); ++j) {
                     float* const column = &scratch[all.size() * k_block];
-                    multiply(slopes.by(component, c), moment(block, j), column);
+                    multiply(slopes.by(component)[c], moment(block, j), column);
                     all.push_back(column);
                 }
             all.push_back(slopes.of(component));
@@ -192,8 +192,7 @@ void LobeProblem::add_pixels(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen
         std::vector<const float*> all;
         for (Eigen::Index i = 0; i + 1 < columns; ++i) all.push_back(column(i));
         for (std::size_t component = 0; component < 3; ++component) {
-            const std::vector<const float*> by_channel{slopes.by(component, 0), slopes.by(component, 1),
-                                                       slopes.by(component, 2)};
+            const std::array<const float*, 3> by_channel = slopes.by(component);
             std::fill_n(column(0), std::size_t(columns - 1) * k_block, 0.f);
             for (Eigen::Index j = 0; j < J; ++j) {
                 const Pixels::Triplet beta{beta_(j, 0), beta_(j, 1), beta_(j, 2)};

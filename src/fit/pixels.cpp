@@ -24,7 +24,7 @@ Triplet load(const float* columns, std::size_t i) {
     return {Batch::load(columns + i), Batch::load(columns + k_block + i), Batch::load(columns + 2 * k_block + i)};
 }
 
-// Calls see(i, colour, limit, seen − reference) for the pixels from each i on.
+// Calls see(i, colour, limit, seen, seen − reference) for the pixels from each i on.
 template <typename See>
 HWY_INLINE void for_pixels(const float* reference, const Pixels::Colours& colours, const See& see) {
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {

@@ -12,8 +12,10 @@ namespace srbf {
 struct PixelSlopes {
     Aligned<float> jacobian = Aligned<float>(9 * k_block);  ///< of r by the colour; the error's change is that of |r|²
     Aligned<float> r = Aligned<float>(3 * k_block);
-    const float* by(std::size_t component, std::size_t channel) const {
-        return &jacobian[(3 * component + channel) * k_block];
+    /// The columns of a component's derivatives by the channels.
+    std::array<const float*, 3> by(std::size_t component) const {
+        const float* const first = &jacobian[3 * component * k_block];
+        return {first, first + k_block, first + 2 * k_block};
     }
     const float* of(std::size_t component) const { return &r[component * k_block]; }
 };

@@ -83,8 +83,7 @@ void ViewInPictures::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eig
         }
         const PixelSlopes& slopes = slopes_[block];
         for (std::size_t component = 0; component < 3; ++component) {
-            const std::vector<const float*> by_channel{slopes.by(component, 0), slopes.by(component, 1),
-                                                       slopes.by(component, 2)};
+            const std::array<const float*, 3> by_channel = slopes.by(component);
             for (Eigen::Index j = 0; j < J; ++j) {
                 std::vector<float> beta;
                 for (Eigen::Index c = 0; c < 3; ++c) beta.push_back(float(of_.beta_(j, c)));

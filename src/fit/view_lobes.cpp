@@ -80,7 +80,7 @@ void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe
     HWY_DYNAMIC_DISPATCH(derive)(rows, block, lobe, e, x, by_first, by_second, by_log_bandwidth, by_horizon);
 }
 
-DirectionRows::DirectionRows(std::span<const Vec3f> directions) : blocks((directions.size() + k_block - 1) / k_block) {
+DirectionRows::DirectionRows(std::span<const Vec3f> directions) : blocks(blocks_for(directions.size())) {
     // Padding rows: any direction is fine, the weight is 0.
     for (std::size_t k = 0; k < 3; ++k) w[k].assign(blocks * k_block, k == 2 ? 1.f : 0.f);
     for (std::size_t i = 0; i < directions.size(); ++i)

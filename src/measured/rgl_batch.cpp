@@ -4,7 +4,6 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "measured/rgl_batch.cpp"
 #include <hwy/foreach_target.h>
-#include <algorithm>
 #include <cassert>
 
 #include "batch-inl.h"
@@ -108,29 +107,17 @@ HWY_INLINE Vec3<Batch> rgl_value(const RglTable& table, Vec3<Batch> wl, Vec3<Bat
 }
 
 void evaluate_rgl(const RglTable& table, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
-    constexpr std::size_t most = HWY_MAX_BYTES / sizeof(float);
-    const std::size_t lanes = Batch::size();
     const Interleaved interleaved;
-    const Vec3<Batch> normal(Batch(0.0), Batch(0.0), Batch(1.0));
-    const auto evaluate_batch = [&](const Vec3f* from_wl, const Vec3f* from_wv, Rgb* to) HWY_ATTR {
-        const Vec3<Batch> l = interleaved.load(&from_wl->x), v = interleaved.load(&from_wv->x);
-        const BatchMask above = hn::And(Batch(0.0) < l.z, Batch(0.0) < v.z);
-        const auto where_above = [&](Vec3<Batch> a, Vec3<Batch> b) HWY_ATTR {
-            return Vec3<Batch>(select(above, a.x, b.x), select(above, a.y, b.y), select(above, a.z, b.z));
-        };
-        const Vec3<Batch> value = rgl_value(table, where_above(l, normal), where_above(v, normal));
-        interleaved.store(where_above(value, {Batch(0.0), Batch(0.0), Batch(0.0)}), &to->r);
+    const Vec3<Batch> normal(Batch(0.0), Batch(0.0), Batch(1.0)), none(Batch(0.0), Batch(0.0), Batch(0.0));
+    const auto evaluate = [&](const Vec3f* from_wl, const Vec3f* from_wv, Rgb* to, std::size_t n) HWY_ATTR {
+        for (std::size_t i = 0; i < n; i += Batch::size()) {
+            const Vec3<Batch> l = interleaved.load(&from_wl[i].x), v = interleaved.load(&from_wv[i].x);
+            const BatchMask above = hn::And(Batch(0.0) < l.z, Batch(0.0) < v.z);
+            const Vec3<Batch> value = rgl_value(table, select(above, l, normal), select(above, v, normal));
+            interleaved.store(select(above, value, none), &to[i].r);
+        }
     };
-    const std::size_t rest = count % lanes, whole = count - rest;
-    for (std::size_t i = 0; i < whole; i += lanes) evaluate_batch(wl + i, wv + i, f + i);
-    if (rest == 0) return;
-    // The remainder, padded with the normal.
-    Vec3f last_wl[most], last_wv[most];
-    Rgb last_f[most];
-    std::fill(std::copy_n(wl + whole, rest, last_wl), last_wl + lanes, Vec3f(0, 0, 1));
-    std::fill(std::copy_n(wv + whole, rest, last_wv), last_wv + lanes, Vec3f(0, 0, 1));
-    evaluate_batch(last_wl, last_wv, last_f);
-    std::copy_n(last_f, rest, f + whole);
+    in_whole_batches(Batch::size(), wl, wv, f, count, evaluate);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -120,19 +120,9 @@ Evaluator evaluator_of(const PmLanes& model) {
 
 void evaluate(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     const Evaluator evaluator = evaluator_of(model);
-    const std::size_t width = 2 * Batch::size(), rest = count % width, whole = count - rest;
-    if (whole > 0) evaluator(model, wl, wv, f, whole);
-    if (rest == 0) return;
-    // The remainder, padded with the normal.
-    constexpr std::size_t most = 2 * HWY_MAX_BYTES / sizeof(float);
-    Vec3f last_wl[most], last_wv[most];
-    Rgb last_f[most];
-    for (std::size_t k = 0; k < width; ++k) {
-        last_wl[k] = k < rest ? wl[whole + k] : Vec3f(0, 0, 1);
-        last_wv[k] = k < rest ? wv[whole + k] : Vec3f(0, 0, 1);
-    }
-    evaluator(model, last_wl, last_wv, last_f, width);
-    std::copy_n(last_f, rest, f + whole);
+    in_whole_batches(2 * Batch::size(), wl, wv, f, count,
+                     [&](const Vec3f* from_wl, const Vec3f* from_wv, Rgb* to, std::size_t n)
+                         HWY_ATTR { evaluator(model, from_wl, from_wv, to, n); });
 }
 
 // A model whose lobe j is a group of as many lobes as a vector has lanes.

@@ -20,7 +20,7 @@ void describe(Json& json, const PmModel& model) {
     json["reciprocal"] = is_reciprocal(model);
 }
 void describe(Json& json, const SuModel& model) {
-    json["form"] = stored_name(model.horizon.empty() ? PmForm::gaussian : PmForm::horizon);
+    json["form"] = model.depth.empty() ? stored_name(PmForm::gaussian) : "attenuated";
     json["lobes"] = model.lobes;
     json["variates"] = 1;
     json["axial"] = false;

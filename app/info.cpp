@@ -202,7 +202,7 @@ void add_model(std::string& text, const SuModel& model) {
                         model.index ? fmt::format("{} of {} texels a side", name(model.index->map), model.index->size)
                                     : "built on load, a cube",
                         grouped(auxiliary_bytes(model))));
-    Range bandwidth, horizon;
+    Range bandwidth, depth;
     std::size_t empty = 0;
     for (std::size_t i = 0; i < model.direction.size(); ++i) {
         const auto first = model.coefficient.begin() + std::ptrdiff_t(i * J);
@@ -210,11 +210,11 @@ void add_model(std::string& text, const SuModel& model) {
     }
     for (std::size_t k = 0; k < model.bandwidth.size(); ++k)
         if (!(model.coefficient[k] == Rgb{})) bandwidth.add(model.bandwidth[k]);
-    for (std::size_t k = 0; k < model.horizon.size(); ++k)
-        if (!(model.coefficient[k] == Rgb{})) horizon.add(model.horizon[k]);
+    for (std::size_t k = 0; k < model.depth.size(); ++k)
+        if (!(model.coefficient[k] == Rgb{})) depth.add(model.depth[k]);
     add_row(text, "empty samples", empty ? grouped(empty) : "none");
     add_row(text, "bandwidth", bandwidth.text());
-    if (!model.horizon.empty()) add_row(text, "horizon", horizon.text());
+    if (!model.depth.empty()) add_row(text, "optical depth", depth.text());
     add_channel_ranges(text, "coefficient", model.coefficient);
 }
 

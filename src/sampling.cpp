@@ -236,14 +236,15 @@ float folded_pdf(const ViewProposal::Lobe& lobe, Vec3f wl) {
     return K::vmf_pdf(wl, lobe.centre, lobe.bandwidth) + K::vmf_pdf({wl.x, wl.y, -wl.z}, lobe.centre, lobe.bandwidth);
 }
 
-/// A lobe times cosθ^power as a lobe about the maximum of both, where the gradient λξ + power ẑ/cosθ points along the
-/// direction itself; its bandwidth is that gradient's length, the curvature across the plane of incidence.
-auto about_maximum(Vec3f centre, float bandwidth, float power) {
+/// A lobe times cosθ e^{−τ/cosθ} as a lobe about the maximum of both, where the gradient λξ + (1 + τ/cosθ) ẑ/cosθ
+/// points along the direction itself; its bandwidth is that gradient's length, the curvature across the plane of
+/// incidence.
+auto about_maximum(Vec3f centre, float bandwidth, float depth) {
     constexpr int k_rounds = 20;
     float cosine = 0.5f;
     K::GaussianProduct product{};
     for (int round = 0; round < k_rounds; ++round) {
-        product = K::gaussian_product(centre, bandwidth, {0, 0, 1}, power / cosine);
+        product = K::gaussian_product(centre, bandwidth, {0, 0, 1}, (1 + depth / cosine) / cosine);
         cosine = std::sqrt(cosine * std::clamp(product.centre.z, 1e-3f, 1.f));
     }
     return product;
@@ -256,8 +257,8 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
     const auto of_view = std::span(proposal.lobes).subspan(i * J, J);
     for (std::size_t j = 0; j < J; ++j) {
         const std::size_t k = i * J + j;
-        const float kappa = K::su_horizon(model, int(i), int(j));
-        const auto lobe = kappa > 0 ? about_maximum(model.centre[k], model.bandwidth[k], kappa + 1)
+        const float depth = K::su_depth(model, int(i), int(j));
+        const auto lobe = depth > 0 ? about_maximum(model.centre[k], model.bandwidth[k], depth)
                                     : K::times_cosine(model.centre[k], model.bandwidth[k]);
         // Where the two cancel any centre does.
         of_view[j] = {lobe.bandwidth > 1e-3f ? lobe.centre : Vec3f(0, 0, 1), lobe.bandwidth, 0};

@@ -22,7 +22,7 @@ std::array<double, 3> of_view(const SuModel& model, std::size_t view, Vec3f wl) 
         for (int c = 0; c < 3; ++c)
             f[std::size_t(c)] += double(model.coefficient[j][c]) *
                                  std::exp(-0.5 * double(model.bandwidth[j]) * dot(d, d)) *
-                                 (model.horizon.empty() ? 1 : std::pow(double(wl.z), double(model.horizon[j])));
+                                 (model.depth.empty() ? 1 : std::exp(-double(model.depth[j]) * (1 / double(wl.z) - 1)));
     }
     return f;
 }
@@ -283,7 +283,7 @@ TEST(SuFile, ComesBackAsRounded) {
                 EXPECT_EQ(back->provenance, (std::map<std::string, std::string>{{"source", "a.bsdf"}}));
                 // Rounding again changes little: the angles count from a direction that is none of halves.
                 EXPECT_EQ(rounded(once).bandwidth, once.bandwidth);
-                EXPECT_EQ(rounded(once).horizon, once.horizon);
+                EXPECT_EQ(rounded(once).depth, once.depth);
                 EXPECT_EQ(rounded(once).coefficient, once.coefficient);
             }
 }

@@ -46,11 +46,11 @@ TEST(ViewProblem, LossCountsPairsAndRadiances) {
         for (std::size_t i = 0; i < view.root_weight.size(); ++i) {
             double rest = double(view.y[std::size_t(c)][i]);
             for (int j = 0; j < 2; ++j) {
-                const auto& [centre, bandwidth, horizon] = k_lobes[std::size_t(j)];
+                const auto& [centre, bandwidth, depth] = k_lobes[std::size_t(j)];
                 const double cosine = view.directions.w[0][i] * centre.x + view.directions.w[1][i] * centre.y +
                                       view.directions.w[2][i] * centre.z;
                 rest -= double(view.root_weight[i]) * problem.coefficient(j, c) / view.scale *
-                        std::exp(bandwidth * (cosine - 1)) * std::pow(double(view.directions.w[2][i]), horizon);
+                        std::exp(bandwidth * (cosine - 1) - depth * (1 / double(view.directions.w[2][i]) - 1));
             }
             expected += rest * rest;
             for (std::size_t k = 0; k < 2; ++k) off[k] += double(view.lights[k][i]) * rest;
@@ -103,7 +103,7 @@ ViewRows seen_rows() {
 
 const std::vector<ViewLobe> k_bent{{normalize(Vec3d{0.5, 0.1, 0.8}), 20, 0.4}, {normalize(Vec3d{-0.1, 0.3, 1}), 2, 2}};
 
-TEST(ViewProblem, GradientByTheHorizonIsThatOfTheLoss) {
+TEST(ViewProblem, GradientByTheDepthIsThatOfTheLoss) {
     const ViewRows view = rows(true);
     ViewProblem problem(2, true);
     const Eigen::VectorXd x = problem.start(view, k_bent);
@@ -118,7 +118,7 @@ TEST(ViewProblem, GradientByTheHorizonIsThatOfTheLoss) {
         const double difference = (problem.loss(more) - problem.loss(less)) / (2 * step);
         EXPECT_TRUE(near(2 * g[i], difference, 2e-3 * loss)) << i << ' ' << 2 * g[i] << ' ' << difference;
     }
-    EXPECT_EQ(problem.lobes(x)[1].horizon, 2);
+    EXPECT_EQ(problem.lobes(x)[1].depth, 2);
 }
 
 TEST(ViewInPictures, PixelsCostWhatIsAsked) {

@@ -15,7 +15,7 @@
 //     su_lobes(su), su_views(su)             J, n                            [int]
 //     su_direction(su, i)                    the direction of sampled view i (unit vector; z rises with i)
 //     su_centre(su, i, j), su_bandwidth(su, i, j), su_coefficient(su, i, j)   xi_ij, lambda_ij, beta_ij (R, G, B)
-//     su_horizon(su, i, j)                   kappa_ij, 0 where the model has none
+//     su_depth(su, i, j)                     tau_ij, 0 where the model has none
 //   SuNearest               a handle of the sampled views nearest to a direction with the function
 //     su_nearest(nearest, k)                 the k-th nearest, from 0 on     [int]
 // No branch depends on a value, so that Real may be a SIMD batch. The exception is the choice of sampled views
@@ -463,13 +463,17 @@ SRBF_FN Vec3 pm_value(Pm pm, Vec3 wl, Vec3 wv) {
 
 // ---- Scattered univariate SRBFs ----------------------------------------------------------------------------------
 
-// The function of sampled view i: sum_j beta_ij G(wl . xi_ij | lambda_ij) wl.z^kappa_ij [1/sr], for R, G, B.
+// How much longer than along the normal the way of a direction through a layer is: 1/cos(theta) - 1. A layer of optical
+// depth tau transmits e^-(tau slant) of what it transmits along the normal. Cosines below 1e-6 count as 1e-6.
+SRBF_FN Real slant(Real cosine) { return Real(1.0) / max(cosine, Real(1.0e-6)) - Real(1.0); }
+
+// The function of sampled view i: sum_j beta_ij G(wl . xi_ij | lambda_ij) e^-(tau_ij slant(wl.z)) [1/sr], for R, G, B.
 SRBF_FN Vec3 su_view_value(Su su, int view, Vec3 wl) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
-    Real log_cosine = log(max(wl.z, Real(1.0e-6)));
+    Real further = slant(wl.z);
     for (int j = 0; j < su_lobes(su); ++j) {
         Real exponent = gaussian_exponent(wl, su_centre(su, view, j), Real(su_bandwidth(su, view, j)));
-        sum = sum + exp_of_lobe(exponent + Real(su_horizon(su, view, j)) * log_cosine) * su_coefficient(su, view, j);
+        sum = sum + exp_of_lobe(exponent - Real(su_depth(su, view, j)) * further) * su_coefficient(su, view, j);
     }
     return sum;
 }

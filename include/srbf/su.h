@@ -56,7 +56,7 @@ struct SuModel {
     std::vector<Rgb> coefficient;       ///< n × J: β_ij ≥ 0; all 0 for a view without data
     std::vector<Vec3f> centre;          ///< n × J: ξ_ij, unit vectors
     std::vector<float> bandwidth;       ///< n × J: λ_ij ≥ 0
-    std::vector<float> horizon;         ///< n × J: κ_ij ≥ 0; or none, as in Tsai 2009: all 0
+    std::vector<float> depth;           ///< n × J: τ_ij ≥ 0; or none, as in Tsai 2009: all 0
     std::optional<IndexTexture> index;  ///< only if the file contains it
     friend bool operator==(const SuModel&, const SuModel&) = default;
 };

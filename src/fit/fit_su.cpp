@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "fit/objective.h"
 #include "fit/sampled_views.h"
@@ -24,10 +25,14 @@ constexpr int k_view_perturbations = 8;
 /// Steps with the pixels of a view, of all variables and of rounded lobes' coefficients; and what the pixels cost at
 /// first, relative to the rest of the loss.
 constexpr int k_picture_steps = 4, k_coefficient_steps = 3;
-constexpr double k_picture_importance = 4;
+constexpr double k_picture_importance = 8;
 /// A view adopts the lobes of a neighbour whose loss is below this fraction of its own; it starts from clusterings if
 /// its loss exceeds the neighbour's by far.
 constexpr double k_better = 0.97, k_much_worse = 4;
+/// Passes of trying neighbours' lobes, down and up in turn; and their work beside fitting all views once. Later passes
+/// have little to try.
+constexpr std::size_t k_most_passes = 8;
+constexpr double k_work_of_passes = 0.3;
 
 /// State of the fit of a view.
 struct ViewFit {
@@ -162,7 +167,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (const auto valid = validate(matrix, options, theta_max); !valid) return valid.error();
     const std::size_t n = matrix.direction.size(), J = std::size_t(options.lobes), chains = (n + k_chain - 1) / k_chain;
-    Reporter reporter(progress, 5 * double(n));
+    Reporter reporter(progress, (3 + k_work_of_passes) * double(n));
     SuFit result;
     result.unrounded.discretise = matrix.discretise;
     result.unrounded.interpolation = options.interpolation;
@@ -173,8 +178,8 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
     result.unrounded.centre.assign(n * J, {0, 0, 1});
     result.unrounded.bandwidth.assign(n * J, 0.f);
     const bool of_pictures = traits(options.objective).of_pictures;
-    const bool horizon = options.horizon.value_or(of_pictures);
-    if (horizon) result.unrounded.horizon.assign(n * J, 0.f);
+    const bool attenuated = options.attenuated.value_or(of_pictures);
+    if (attenuated) result.unrounded.depth.assign(n * J, 0.f);
     std::optional<Error> error;
 
     on_threads(options.threads, [&] {
@@ -189,13 +194,13 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
         if (error) return;
 
         std::vector<ViewFit> fits(n);
-        const auto for_chains = [&](std::string_view stage, const auto& body) {
+        const auto for_chains = [&](std::string_view stage, const auto& body, double work_of_view = 1) {
             parallel_for(chains, [&](std::size_t chain) {
                 if (reporter.cancelled()) return;
-                ViewProblem problem(options.lobes, horizon);
+                ViewProblem problem(options.lobes, attenuated);
                 const std::size_t begin = chain * k_chain, end = std::min(begin + k_chain, n);
                 body(problem, begin, end);
-                reporter.advance(stage, double(end - begin));
+                reporter.advance(stage, work_of_view * double(end - begin));
             });
         };
         for_chains("fitting views", [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
@@ -215,22 +220,30 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
                 last = i;
             }
         });
-        // Neighbouring views try each other's lobes, upwards and downwards.
-        for (const bool down : {true, false}) {
+        // Neighbouring views try each other's lobes, downwards and upwards in turn. Lobes pass from one chain to the next
+        // once in a pass; from the third on only those are tried that have changed since.
+        std::array<std::vector<char>, 2> news{std::vector<char>(n, 1), std::vector<char>(n, 1)};
+        for (std::size_t pass = 0; pass < k_most_passes; ++pass) {
+            const bool down = pass % 2 == 0;
             const std::vector<ViewFit> before = fits;
-            for_chains("comparing views", [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
+            const std::vector<char> news_before = std::exchange(news[pass % 2], std::vector<char>(n, 0));
+            const auto try_neighbours = [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
+                bool changed = false;  // the view before, in this pass
                 for (std::size_t k = begin; k < end; ++k) {
                     const std::size_t i = down ? end - 1 - (k - begin) : k, from = down ? i + 1 : i - 1;
-                    if (from >= n) continue;  // beyond the first or last view
+                    if (!std::exchange(changed, false) && !(from < n && news_before[from])) continue;
                     const ViewFit& neighbour = from >= begin && from < end ? fits[from] : before[from];
                     if (fits[i].is_empty() || neighbour.is_empty() || neighbour.loss > k_better * fits[i].loss)
                         continue;
                     const ViewRows rows = views.rows(i);
                     ViewFit fit = optimised(
                         problem, rows, rotated(neighbour.lobes, views.direction(from), views.direction(i)), k_steps);
-                    if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
+                    if (!(fit.loss < fits[i].loss)) continue;
+                    fits[i] = std::move(fit);
+                    news[0][i] = news[1][i] = changed = true;
                 }
-            });
+            };
+            for_chains("comparing views", try_neighbours, k_work_of_passes / double(k_most_passes));
         }
 
         // The coefficients for lobes; what the view's pixels see may change these too.
@@ -246,7 +259,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
                 if (keep_lobes) continue;
                 model.centre[k] = to_float(lobes[j].centre);
                 model.bandwidth[k] = float(lobes[j].bandwidth);
-                if (horizon) model.horizon[k] = float(lobes[j].horizon);
+                if (attenuated) model.depth[k] = float(lobes[j].depth);
             }
         };
         for_chains("finishing", [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
@@ -265,7 +278,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
                 std::vector<ViewLobe> lobes;
                 for (std::size_t k = i * J; k < (i + 1) * J; ++k)
                     lobes.push_back({to_double(result.model.centre[k]), double(result.model.bandwidth[k]),
-                                     horizon ? double(result.model.horizon[k]) : 0});
+                                     attenuated ? double(result.model.depth[k]) : 0});
                 solve(problem, result.model, i, std::move(lobes), true);
             }
         });

@@ -21,9 +21,9 @@ constexpr std::size_t k_typical_views = 8;  ///< every eighth view tells the typ
 /// Weight of directions between those of the matrix, relative to those of the matrix, per solid angle.
 constexpr double k_between = 0.1;
 /// An error of 1 % in the radiances under all lights costs three channels times 1e-4 times this.
-constexpr double k_light_importance = 6;
+constexpr double k_light_importance = 12;
 /// Of the objective's weights of highlights, as a share of a view's Σ w |f|².
-constexpr double k_highlights = 0.03;
+constexpr double k_highlights = 0.1;
 constexpr double k_elevation = 0.5;  ///< of the light beside, relative to 1
 constexpr std::size_t k_phases = 36;
 constexpr double k_least_sine = 0.05;  ///< of a phase whose density is uniform

@@ -21,13 +21,13 @@ Vec3<Batch> spread(Vec3f w) { return {Batch(double(w.x)), Batch(double(w.y)), Ba
 float view_exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* root_weight,
                      float* x) {
     const Vec3<Batch> xi = spread(lobe.centre);
-    const Batch lambda{double(lobe.bandwidth)}, kappa{double(lobe.horizon)},
+    const Batch lambda{double(lobe.bandwidth)}, tau{double(lobe.depth)},
         lowest(-double(std::numeric_limits<float>::max()));
     Batch largest = lowest;
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
         const std::size_t at = block * k_block + i;
-        const Batch exponent = Formulas<Batch, PmModel>::gaussian_exponent(load(rows, at), xi, lambda) +
-                               kappa * Batch::load(&rows.log_cosine[at]);
+        const Batch exponent = Formulas<Batch, PmModel>::gaussian_exponent(load(rows, at), xi, lambda) -
+                               tau * Batch::load(&rows.slant[at]);
         exponent.store(x + i);
         largest = max(largest, select(Batch(0.0) < Batch::load(root_weight + i), exponent, lowest));
     }
@@ -41,19 +41,19 @@ void exponentiate_view(const float* x, const float* root_weight, float offset, f
 }
 
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
-            float* by_first, float* by_second, float* by_log_bandwidth, float* by_horizon) {
-    const Batch kappa{double(lobe.horizon)};
+            float* by_first, float* by_second, float* by_log_bandwidth, float* by_depth) {
+    const Batch tau{double(lobe.depth)};
     const Vec3<Batch> first = spread(lobe.bandwidth * lobe.along[0]), second = spread(lobe.bandwidth * lobe.along[1]),
                       centre = spread(lobe.centre);
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
         // The tangents are orthogonal to the centre, which may therefore be subtracted: differences keep precision.
         const std::size_t at = block * k_block + i;
         const Vec3<Batch> apart = load(rows, at) - centre;
-        const Batch value = Batch::load(e + i), log_cosine = Batch::load(&rows.log_cosine[at]);
+        const Batch value = Batch::load(e + i), slant = Batch::load(&rows.slant[at]);
         (value * dot(apart, first)).store(by_first + i);
         (value * dot(apart, second)).store(by_second + i);
-        (value * (Batch::load(x + i) - kappa * log_cosine)).store(by_log_bandwidth + i);
-        if (by_horizon) (value * log_cosine).store(by_horizon + i);
+        (value * (Batch::load(x + i) + tau * slant)).store(by_log_bandwidth + i);
+        if (by_depth) (Batch(0.0) - value * slant).store(by_depth + i);
     }
 }
 
@@ -76,8 +76,8 @@ void exponentiate(const float* x, const float* root_weight, float offset, float*
     HWY_DYNAMIC_DISPATCH(exponentiate_view)(x, root_weight, offset, e);
 }
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
-            float* by_first, float* by_second, float* by_log_bandwidth, float* by_horizon) {
-    HWY_DYNAMIC_DISPATCH(derive)(rows, block, lobe, e, x, by_first, by_second, by_log_bandwidth, by_horizon);
+            float* by_first, float* by_second, float* by_log_bandwidth, float* by_depth) {
+    HWY_DYNAMIC_DISPATCH(derive)(rows, block, lobe, e, x, by_first, by_second, by_log_bandwidth, by_depth);
 }
 
 DirectionRows::DirectionRows(std::span<const Vec3f> directions) : blocks(blocks_for(directions.size())) {
@@ -85,7 +85,7 @@ DirectionRows::DirectionRows(std::span<const Vec3f> directions) : blocks(blocks_
     for (std::size_t k = 0; k < 3; ++k) w[k].assign(blocks * k_block, k == 2 ? 1.f : 0.f);
     for (std::size_t i = 0; i < directions.size(); ++i)
         w[0][i] = directions[i].x, w[1][i] = directions[i].y, w[2][i] = directions[i].z;
-    for (const float z : w[2]) log_cosine.push_back(z > 0 ? std::log(z) : 0.f);
+    for (const float z : w[2]) slant.push_back(z > 0 ? Kernel<float>::slant(z) : 0.f);
 }
 
 }  // namespace srbf

@@ -10,27 +10,27 @@ struct DirectionRows {
     explicit DirectionRows(std::span<const Vec3f> directions);
     std::size_t blocks = 0;
     std::array<Aligned<float>, 3> w;
-    Aligned<float> log_cosine;  ///< log w_z; 0 where w_z ≤ 0
+    Aligned<float> slant;  ///< 1/w_z − 1 as in kernel.glsl; 0 where w_z ≤ 0
 };
 
 /// A lobe to be differentiated: its centre and what that changes by when it moves along two tangents.
 struct MovingLobe {
     Vec3f centre, along[2];
-    float bandwidth, horizon;
+    float bandwidth, depth;
 };
 
 // Every array below holds k_block numbers and is aligned for vectors.
 
-/// x = λ (w·ξ − 1) + κ log w_z; returns the largest of the rows with a positive weight, the lowest float where there is
+/// x = λ (w·ξ − 1) − τ (1/w_z − 1); returns the largest of the rows with a positive weight, the lowest float where there is
 /// none.
 float exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* root_weight,
                 float* x);
 inline constexpr double k_most_exponent = 20;
 /// e = √w exp(x − offset), for x − offset ≤ k_most_exponent; rows of weight 0 may exceed it and become 0.
 void exponentiate(const float* x, const float* root_weight, float offset, float* e);
-/// The derivatives of √w G by the shifts along the tangents, by log λ and, unless `by_horizon` is null, by κ, `e` and
-/// `x` as above: λ (w·along_k) e, λ (w·ξ − 1) e, log w_z e.
+/// The derivatives of √w G by the shifts along the tangents, by log λ and, unless `by_depth` is null, by τ, `e` and
+/// `x` as above: λ (w·along_k) e, λ (w·ξ − 1) e, (1 − 1/w_z) e.
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
-            float* by_first, float* by_second, float* by_log_bandwidth, float* by_horizon);
+            float* by_first, float* by_second, float* by_log_bandwidth, float* by_depth);
 
 }  // namespace srbf

@@ -21,23 +21,24 @@ Eigen::MatrixXd symmetric(const std::vector<double>& triangle, Eigen::Index n) {
     return Eigen::Map<const Eigen::MatrixXd>(triangle.data(), n, n).selfadjointView<Eigen::Upper>();
 }
 
-/// Where a lobe λ, κ with a centre at height z has its maximum over the hemisphere: the height, and the logarithm
-/// there. The maximum lies in the plane of centre and normal, where λ sin(θ_centre − θ) = κ tan θ.
-std::pair<double, double> highest(double z, double lambda, double kappa) {
+/// Where a lobe λ, τ with a centre at height z has its maximum over the hemisphere: the height, and the logarithm
+/// there. The maximum lies in the plane of centre and normal, where λ sin(θ_centre − θ) = τ sin θ / cos² θ.
+std::pair<double, double> highest(double z, double lambda, double tau) {
     const double centre = std::acos(std::clamp(z, -1.0, 1.0));
     double low = std::max(0.0, centre - k_pi / 2), high = std::min(centre, k_pi / 2);
     for (int step = 0; step < 40; ++step) {
         const double theta = (low + high) / 2;
-        (lambda * std::sin(centre - theta) * std::cos(theta) > kappa * std::sin(theta) ? low : high) = theta;
+        const double pull = lambda * std::sin(centre - theta) * std::cos(theta) * std::cos(theta);
+        (pull > tau * std::sin(theta) ? low : high) = theta;
     }
-    const double cosine = std::max(std::cos(low), 1e-9);
-    return {cosine, lambda * (std::cos(centre - low) - 1) + kappa * std::log(cosine)};
+    const double cosine = std::cos(low);
+    return {cosine, lambda * (std::cos(centre - low) - 1) - tau * Kernel<double>::slant(cosine)};
 }
 
 }  // namespace
 
-ViewProblem::ViewProblem(int lobes, bool horizon)
-    : lobes_(lobes), per_lobe_(horizon ? 4 : 3), frame_(std::size_t(lobes)), offset_(std::size_t(lobes)) {
+ViewProblem::ViewProblem(int lobes, bool attenuated)
+    : lobes_(lobes), per_lobe_(attenuated ? 4 : 3), frame_(std::size_t(lobes)), offset_(std::size_t(lobes)) {
     beta_.resize(lobes, 3), limit_.resize(lobes, 3);
 }
 
@@ -53,7 +54,7 @@ Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLob
                                   {Kernel<double>::from_frame(lobe.centre, 1.0, 0.0, 0.0),
                                    Kernel<double>::from_frame(lobe.centre, 0.0, 1.0, 0.0)}};
         x[per_lobe_ * j + 2] = std::log(std::clamp(lobe.bandwidth, k_least_bandwidth, double(k_half_max)));
-        if (per_lobe_ == 4) x[per_lobe_ * j + 3] = lobe.horizon;
+        if (per_lobe_ == 4) x[per_lobe_ * j + 3] = lobe.depth;
     }
     return x;
 }
@@ -64,7 +65,7 @@ MovingLobe ViewProblem::moving(const Eigen::VectorXd& x, int j) const {
     const Vec3d towards = frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1];
     const double length = std::sqrt(dot(towards, towards));
     const Vec3d centre = (1 / length) * towards;
-    MovingLobe lobe{to_float(centre), {}, float(std::exp(of[2])), float(horizon(x, j))};
+    MovingLobe lobe{to_float(centre), {}, float(std::exp(of[2])), float(depth(x, j))};
     for (int k = 0; k < 2; ++k)
         lobe.along[k] = to_float((1 / length) * (frame.along[k] - dot(frame.along[k], centre) * centre));
     return lobe;
@@ -75,8 +76,8 @@ std::vector<ViewLobe> ViewProblem::lobes(const Eigen::VectorXd& x) const {
     for (int j = 0; j < lobes_; ++j) {
         const Frame& frame = frame_[std::size_t(j)];
         const double* const of = &x[per_lobe_ * j];
-        lobes.push_back({normalize(frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1]), std::exp(of[2]),
-                         horizon(x, j)});
+        lobes.push_back(
+            {normalize(frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1]), std::exp(of[2]), depth(x, j)});
     }
     return lobes;
 }
@@ -94,7 +95,7 @@ Eigen::VectorXd ViewProblem::upper(const Eigen::VectorXd& x) const {
     Eigen::VectorXd bound = Eigen::VectorXd::Constant(x.size(), k_most_shift);
     for (int j = 0; j < lobes_; ++j) {
         bound[per_lobe_ * j + 2] = std::log(double(k_half_max));
-        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = k_most_view_horizon;
+        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = k_most_view_depth;
     }
     return bound;
 }
@@ -104,7 +105,7 @@ Eigen::VectorXd ViewProblem::longest_step(const Eigen::VectorXd& x) const {
     for (int j = 0; j < lobes_; ++j) {
         auto of = longest.segment(per_lobe_ * j, per_lobe_);
         of.head(2).setConstant(std::min(0.5, 1.5 / std::sqrt(std::exp(x[per_lobe_ * j + 2]))));
-        if (per_lobe_ == 4) of[3] = 0.5 + 0.5 * horizon(x, j);
+        if (per_lobe_ == 4) of[3] = 0.5 + 0.5 * depth(x, j);
     }
     return longest;
 }
@@ -137,7 +138,7 @@ void ViewProblem::place(const Eigen::VectorXd& x) {
         // centre is below it.
         const double centre_z = double(lobe.centre.z), lambda = double(lobe.bandwidth);
         double z = centre_z, log_visible = z < 0 ? lambda * (std::sqrt(std::max(0.0, 1 - z * z)) - 1) : 0;
-        if (lobe.horizon > 0) std::tie(z, log_visible) = highest(centre_z, lambda, double(lobe.horizon));
+        if (lobe.depth > 0) std::tie(z, log_visible) = highest(centre_z, lambda, double(lobe.depth));
         const double seen = std::exp(double(most) - log_visible);  // the fraction of it that is visible on the rows
         for (int c = 0; c < 3; ++c) {
             const double of_hemisphere = view_->largest[std::size_t(c)] / std::max(z, view_->least_cosine) * seen *

@@ -10,10 +10,10 @@ namespace srbf {
 struct ViewLobe {
     Vec3d centre;
     double bandwidth = 0;
-    double horizon = 0;  ///< κ
+    double depth = 0;  ///< τ
 };
 inline constexpr double k_least_bandwidth = 1e-3;  ///< lower bound in a fit: constant within 0.2 %
-inline constexpr double k_most_view_horizon = 64;
+inline constexpr double k_most_view_depth = 64;
 
 /// The weighted measurement of one sampled view.
 struct ViewRows {
@@ -41,8 +41,8 @@ struct ViewRows {
 /// u_2 t_2), log λ, and κ if there is one.
 class ViewProblem {
   public:
-    /// `horizon`: lobes have a factor (w_z)^κ with a κ of their own.
-    explicit ViewProblem(int lobes, bool horizon = false);
+    /// `attenuated`: lobes have a factor e^{−τ(1/w_z − 1)} with a τ of their own.
+    explicit ViewProblem(int lobes, bool attenuated = false);
 
     /// The problem of `view`, which must outlive it, linearised about these lobes: x has these of each lobe, with
     /// shifts 0.
@@ -66,7 +66,7 @@ class ViewProblem {
   private:
     friend class ViewInPictures;
     MovingLobe moving(const Eigen::VectorXd& x, int j) const;
-    double horizon(const Eigen::VectorXd& x, int j) const { return per_lobe_ == 4 ? x[per_lobe_ * j + 3] : 0; }
+    double depth(const Eigen::VectorXd& x, int j) const { return per_lobe_ == 4 ? x[per_lobe_ * j + 3] : 0; }
     /// Evaluates the lobes at x, in `offset_` the logarithms of their largest values, and the bounds of coefficients.
     void place(const Eigen::VectorXd& x);
     /// The Gram matrix of the lobes' values and the measurement.

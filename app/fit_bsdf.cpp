@@ -46,7 +46,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
 namespace {
 
 /// The largest errors of directional-hemispherical sums.
-std::string text_of(const std::vector<Hemispherical>& sums) {
+std::string sums_text(const std::vector<Hemispherical>& sums) {
     double largest = 0, relative = 0;
     for (const Hemispherical& sum : sums) {
         const double error = std::abs(sum.fitted - sum.measured);
@@ -69,7 +69,7 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
                                   : part.black     ? "black"
                                                    : grouped(payload_bytes(part.outcome.model));
         fmt::print("  {:<20} {:>7} {:>12}   {}\n", name(part.part), bytes, percent(part.squared_error_ratio),
-                   text_of(part.hemispherical));
+                   sums_text(part.hemispherical));
     }
     const auto& beams = std::get<BsdfModel>(outcome.model.model).beam;
     for (std::size_t b = 0; b < beams.size(); ++b)

@@ -54,7 +54,7 @@ std::optional<Line> line_of(const Json& report) {
 }
 
 enum class State { waiting, fitted, kept, failed };
-struct Material {
+struct FileOfMany {
     std::string name;
     FileFit fit;
     State state = State::waiting;
@@ -64,7 +64,7 @@ struct Material {
 
 /// Fits one file, or finds that it is done: its report is written last, and its key covers the file's content, the
 /// options and the program's version.
-Result<State> fit_one(Material& of, const FolderFit& all, const ProgressToken& progress) {
+Result<State> fit_one(FileOfMany& of, const FolderFit& all, const ProgressToken& progress) {
     Hash hash;
     if (const auto bytes = read_file(of.fit.input))
         hash.add(*bytes);
@@ -94,7 +94,7 @@ Result<State> fit_one(Material& of, const FolderFit& all, const ProgressToken& p
     return keep(fit_measured(*measured, of.fit, progress));
 }
 
-void print_line(const Material& of) {
+void print_line(const FileOfMany& of) {
     if (of.state == State::failed) {
         fmt::print(stderr, "srbf: {}\n", of.error);
         return;
@@ -105,11 +105,11 @@ void print_line(const Material& of) {
                of.state == State::kept ? "kept" : fmt::format("{:.2f}", of.line.seconds));
 }
 
-void print_summary(const FolderFit& all, const std::vector<Material>& materials, double seconds) {
-    const auto count = [&](State state) { return std::ranges::count(materials, state, &Material::state); };
+void print_summary(const FolderFit& all, const std::vector<FileOfMany>& materials, double seconds) {
+    const auto count = [&](State state) { return std::ranges::count(materials, state, &FileOfMany::state); };
     const auto summary = [&](const char* title, double Line::*member, bool is_ratio) {
         std::vector<double> sorted;
-        for (const Material& of : materials)
+        for (const FileOfMany& of : materials)
             if (of.state != State::failed && !std::isnan(of.line.*member)) sorted.push_back(of.line.*member);
         if (sorted.empty()) return;
         std::ranges::sort(sorted);
@@ -134,10 +134,10 @@ void print_summary(const FolderFit& all, const std::vector<Material>& materials,
 int fit_files(const FolderFit& all) {
     if (const auto made = make_folder(all.folder); !made) return complain(made.error());
 
-    std::vector<Material> materials;
+    std::vector<FileOfMany> materials;
     std::map<std::string, std::string> input_of;
     for (const std::string& input : all.inputs) {
-        Material of;
+        FileOfMany of;
         of.name = fs::path(input).stem().string();
         of.fit = all.each;
         of.fit.input = input;
@@ -154,7 +154,7 @@ int fit_files(const FolderFit& all) {
     const int cores = all.each.request.threads > 0 ? all.each.request.threads
                                                    : int(std::max(std::thread::hardware_concurrency(), 1u));
     const int jobs = jobs_within_memory(std::min(std::size_t(cores), materials.size()));
-    for (Material& of : materials) of.fit.request.threads = std::max(cores / jobs, 1);
+    for (FileOfMany& of : materials) of.fit.request.threads = std::max(cores / jobs, 1);
 
     const Stopwatch watch;
     ProgressLine line;
@@ -163,7 +163,7 @@ int fit_files(const FolderFit& all) {
     fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10}{:>10}\n", "material", "bytes", "image error", "raw error", "Delta E",
                "seconds");
     in_jobs(materials.size(), jobs, [&](std::size_t i) {
-        Material of = materials[i];
+        FileOfMany of = materials[i];
         if (of.state == State::waiting) {
             const auto done = fit_one(of, all, [&](const Progress& now) {
                 board.show(i, fmt::format("{} of {}, {}: {}", i + 1, materials.size(), of.name, now.stage),
@@ -185,7 +185,7 @@ int fit_files(const FolderFit& all) {
     });
     print_summary(all, materials, watch.seconds());
     if (const auto written = flush_standard_output(); !written) return complain(written.error());
-    return std::ranges::count(materials, State::failed, &Material::state) > 0 ? k_input_error : k_done;
+    return std::ranges::count(materials, State::failed, &FileOfMany::state) > 0 ? k_input_error : k_done;
 }
 
 }  // namespace srbf

@@ -36,17 +36,18 @@ struct RenderCommand {
 };
 
 /// The results of a renderer for each subject; first hits only from the path tracer.
-struct Pictures {
+struct RenderedPictures {
     std::vector<Rendering> renderings;
     std::vector<FirstHits> first;
 };
 
-Result<Pictures> render_paths(const Scene& scene, std::span<const Subject> subjects, const RenderCommand& options) {
+Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Subject> subjects,
+                                      const RenderCommand& options) {
     ProgressLine line;
     auto pictures = options.path.render(scene, subjects, options.width, options.height,
                                         [&](double part) { line.show("tracing paths", part); });
     if (!pictures) return pictures.error();
-    Pictures all;
+    RenderedPictures all;
     for (PathPicture& picture : *pictures) {
         all.renderings.push_back(std::move(picture.rendering));
         all.first.push_back(std::move(picture.first));
@@ -54,7 +55,8 @@ Result<Pictures> render_paths(const Scene& scene, std::span<const Subject> subje
     return all;
 }
 
-Result<Pictures> render_raster(const Scene& scene, std::span<const Subject> subjects, const RenderCommand& options) {
+Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Subject> subjects,
+                                       const RenderCommand& options) {
     const PathCommand& asked = options.path;
     const auto environment = load_light(asked.environment.empty() ? "none" : asked.environment);
     if (!environment) return environment.error();
@@ -73,13 +75,14 @@ Result<Pictures> render_raster(const Scene& scene, std::span<const Subject> subj
     if (asked.lights == "none" || (asked.lights.empty() && *environment)) lit.lights.clear();
     auto renderings = rasterize(lit, subjects, options.width, options.height, light);
     if (!renderings) return renderings.error();
-    return Pictures{*std::move(renderings), {}};
+    return RenderedPictures{*std::move(renderings), {}};
 }
 
 /// A renderer: pictures of the scene, one for each subject.
 struct Renderer {
     std::string_view name;
-    Result<Pictures> (*render)(const Scene& scene, std::span<const Subject> subjects, const RenderCommand& options);
+    Result<RenderedPictures> (*render)(const Scene& scene, std::span<const Subject> subjects,
+                                       const RenderCommand& options);
 };
 
 /// The first one is the default.
@@ -94,7 +97,7 @@ template <typename Pixel> Picture<Pixel> abreast(const std::vector<Picture<Pixel
     return all;
 }
 
-Result<Done> write_float(const Pictures& pictures, const RenderCommand& options) {
+Result<Done> write_float(const RenderedPictures& pictures, const RenderCommand& options) {
     std::vector<Image> radiance, normal, albedo, depth;
     for (const Rendering& rendering : pictures.renderings) radiance.push_back(rendering.radiance);
     std::vector<Channel> channels = channels_of(abreast(radiance));
@@ -113,7 +116,7 @@ Result<Done> write_float(const Pictures& pictures, const RenderCommand& options)
 }
 
 /// First hits of paths as pictures: normals from −1 to 1, depths from the nearest (white) to the farthest.
-Result<Done> write_first_hits(const Pictures& pictures, const RenderCommand& options) {
+Result<Done> write_first_hits(const RenderedPictures& pictures, const RenderCommand& options) {
     std::vector<Image8> normal, albedo, depth;
     for (const FirstHits& first : pictures.first) {
         for (auto* images : {&normal, &albedo, &depth}) images->emplace_back(options.width, options.height);

@@ -125,7 +125,7 @@ std::vector<float> flat(std::span<const Rgb> colours) {
     return numbers;
 }
 
-constexpr int k_albedo_points = 1 << 16;
+constexpr int k_compared_albedo_points = 1 << 16;
 
 /// The albedos at these angles [rad], [angle][BRDF].
 std::vector<std::vector<Rgb>> albedos(std::span<const Evaluate> brdfs, std::span<const double> theta_v,
@@ -137,7 +137,7 @@ std::vector<std::vector<Rgb>> albedos(std::span<const Evaluate> brdfs, std::span
     parallel_for(sums.size(), options.threads, [&](std::size_t task) {
         if (options.progress.cancelled()) return;
         const Vec3d wv = spherical(theta_v[task / parts], 0.0);
-        const Quadrature points = mixture.quadrature_of_part(int(task % parts), wv, k_albedo_points);
+        const Quadrature points = mixture.quadrature_of_part(int(task % parts), wv, k_compared_albedo_points);
         const std::vector<Vec3f> viewer(points.w.size(), to_float(wv));
         std::vector<Rgb> f(points.w.size());
         for (std::size_t k = 0; k < brdfs.size(); ++k) {

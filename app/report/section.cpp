@@ -97,11 +97,11 @@ std::string errors_of(const View& view, const Json& material, bool whole) {
 }
 
 /// The curves of a chart: a model, a form, a number of variates.
-struct Line {
+struct ModelLine {
     const char *name, *model, *form, *colour, *dash;
     int variates;
 };
-constexpr Line k_lines[] = {
+constexpr ModelLine k_lines[] = {
     {"view by view", "su", "source", "--su", "", 1},
     {"source's form, N = 2", "pm", "source", "--source", "1 3", 2},
     {"source's form, N = 3", "pm", "source", "--source", "5 3", 3},
@@ -115,7 +115,7 @@ constexpr Line k_lines[] = {
 };
 
 /// The fits of a curve with the objective of the charts.
-Rows of_line(const View& view, const Json& material, const Line& line, const std::string& objective) {
+Rows of_line(const View& view, const Json& material, const ModelLine& line, const std::string& objective) {
     Rows rows = view.fits(material);
     std::erase_if(rows, [&](const Json* fit) {
         return fit->at("model") != line.model || fit->at("objective") != objective ||
@@ -153,7 +153,8 @@ std::string charts_of(const View& view, const Json& material) {
         if (rows[0]->at("model") != "ggx") over_lobes.series.push_back(std::move(lobes));
         over_bytes.series.push_back(std::move(bytes));
     };
-    for (const Line& line : k_lines) add(line.name, line.colour, line.dash, of_line(view, material, line, objective));
+    for (const ModelLine& line : k_lines)
+        add(line.name, line.colour, line.dash, of_line(view, material, line, objective));
     add("GGX and Lambert", "--ggx", "", of_line(view, material, {"", "ggx", "", "", "", 1}, objective));
     std::erase_if(over_lobes.x_ticks, [&](double tick) { return tick < least_lobes || tick > most_lobes; });
     return fmt::format("<p class='legend'>{}</p>\n<div class='charts'>{}{}</div>\n", legend, chart_drawing(over_lobes),

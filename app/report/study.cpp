@@ -35,7 +35,7 @@ std::string plain(std::string text) {
 }
 
 /// The colour of a role in the page's style.
-std::string colour_of(const std::string& role) { return fmt::format("var(--{})", role); }
+std::string colour_of_role(const std::string& role) { return fmt::format("var(--{})", role); }
 
 /// What is drawn: the measurement first, then fits.
 struct Drawn {
@@ -122,7 +122,7 @@ class Maker {
     Result<Done> draw_lobes(Study& study) {
         std::vector<SliceCurve> curves;
         for (std::size_t i = 0; i < drawn_.subjects.size(); ++i)
-            curves.push_back({drawn_.ids[i], colour_of(drawn_.roles[i]), evaluator(drawn_.subjects[i])});
+            curves.push_back({drawn_.ids[i], colour_of_role(drawn_.roles[i]), evaluator(drawn_.subjects[i])});
         std::string csv = "id,theta_l,theta_v,luminance\n";
         for (const double theta : k_lobe_theta) {
             study.material["lobes"].push_back(

@@ -21,8 +21,8 @@ constexpr std::size_t k_fitted_points = 8;
 /// Points of an outgoing patch in directional-hemispherical sums.
 constexpr std::size_t k_hemisphere_points = 4;
 /// Each but the first begins from the previous one's errors.
-constexpr int k_rounds = 3;
-constexpr double k_least_gain = 0.02;
+constexpr int k_most_rounds = 3;
+constexpr double k_least_gain_of_round = 0.02;
 /// Most matrices are smooth, and a fit is repeated.
 constexpr int k_starts = 8, k_perturbations = 12;
 constexpr double k_radiance_error = 0.005;
@@ -186,11 +186,11 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
         std::vector<Rgb> values = targets;
         std::optional<FitOutcome> of_size;
         double error_of_size = 0;
-        for (int round = 0; round < k_rounds; ++round) {
-            const double done = double(size) + double(round) / k_rounds;
+        for (int round = 0; round < k_most_rounds; ++round) {
+            const double done = double(size) + double(round) / k_most_rounds;
             auto fit =
                 fit_pm(observed(values), options,
-                       progress.part(done / double(sizes.size()), (done + 1.0 / k_rounds) / double(sizes.size())));
+                       progress.part(done / double(sizes.size()), (done + 1.0 / k_most_rounds) / double(sizes.size())));
             if (!fit) return fit.error();
             FitOutcome outcome;
             outcome.stop = fit->stop;
@@ -208,7 +208,7 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
                     values[k][c] =
                         std::max(now[k][c] + fitted.mean[k / fitted.points][c] - averages[k / fitted.points][c], 0.f);
             if (is_better) of_size = std::move(outcome), error_of_size = error;
-            const bool pays = round == 0 || error < (1 - k_least_gain) * error_before;
+            const bool pays = round == 0 || error < (1 - k_least_gain_of_round) * error_before;
             if (!pays || progress.cancelled()) break;
         }
         if (progress.cancelled()) return cancelled_error("fit");

@@ -27,7 +27,7 @@ class Sets {
 
 /// A point for each pair such that distances between points are, to first order, √(|Δωl|² + |Δωv|²); for isotropic
 /// samples the minimum over all rotations about the normal and reflections.
-std::array<double, 6> place_of(Vec3f l, Vec3f v, bool isotropic) {
+std::array<double, 6> point_of(Vec3f l, Vec3f v, bool isotropic) {
     const Vec3d wl = to_double(l), wv = to_double(v);
     if (!isotropic) return {wl.x, wl.y, wl.z, wv.x, wv.y, wv.z};
     const double rl = std::hypot(wl.x, wl.y), rv = std::hypot(wv.x, wv.y), both = std::max(std::hypot(rl, rv), 1e-30);
@@ -43,8 +43,8 @@ Places find_places(const ScatteredSamples& samples) {
     const std::size_t n = samples.wl.size();
     PointCloud<double, 6> cloud;
     for (std::size_t i = 0; i < n; ++i) {
-        cloud.at.push_back(place_of(samples.wl[i], samples.wv[i], samples.isotropic));
-        cloud.at.push_back(place_of(samples.wv[i], samples.wl[i], samples.isotropic));
+        cloud.at.push_back(point_of(samples.wl[i], samples.wv[i], samples.isotropic));
+        cloud.at.push_back(point_of(samples.wv[i], samples.wl[i], samples.isotropic));
     }
     KdTree<double, 6> tree(6, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
     tree.buildIndex();

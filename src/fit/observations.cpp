@@ -99,7 +99,7 @@ Drawn measured(const Evaluate& f, std::size_t count, int threads, const DrawAt& 
     return all;
 }
 
-struct Chosen {
+struct ChosenPair {
     std::size_t index;
     double weight;
 };
@@ -107,9 +107,9 @@ struct Chosen {
 /// Chooses about `count` of the pairs, in order: half by their share of Σ w |f|², half uniformly. Weights are divided
 /// by the expected number of choices, so that sums over the chosen pairs are unbiased; pairs that are chosen several
 /// times are merged.
-std::vector<Chosen> choose(const Drawn& pool, std::span<const double> weight, std::size_t count) {
+std::vector<ChosenPair> choose(const Drawn& pool, std::span<const double> weight, std::size_t count) {
     const double energy = energy_of(pool.f, weight);
-    std::vector<Chosen> chosen;
+    std::vector<ChosenPair> chosen;
     double sum = 0.5;
     for (std::size_t i = 0; i < pool.size(); ++i) {
         const double by_energy = weight[i] * square_of(pool.f[i]) / energy, alike = 1 / double(pool.size());
@@ -306,9 +306,9 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
         for (std::size_t i = 0; i < some->size(); ++i)
             peak = std::max(peak, square_of(some->f[i]) * std::pow(double(some->wl[i].z) * double(some->wv[i].z), 2));
 
-    const std::vector<Chosen> chosen = choose(pool, weight, pair_count);
+    const std::vector<ChosenPair> chosen = choose(pool, weight, pair_count);
     double chosen_energy = 0;
-    for (const Chosen& pair : chosen) chosen_energy += pair.weight * square_of(pool.f[pair.index]);
+    for (const ChosenPair& pair : chosen) chosen_energy += pair.weight * square_of(pool.f[pair.index]);
     // A guard follows every seventh of them.
     const std::size_t guarded = std::min(guards.size(), chosen.size() / k_pairs_a_guard);
     for (std::size_t k = 0; k < chosen.size(); ++k) {

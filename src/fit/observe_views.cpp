@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t k_views = 100;
 constexpr int k_points = 112;  ///< towards extended lights, of each view
 /// Angles between viewer and single lights as seen from the sphere [degrees].
-constexpr double k_phases[] = {3, 11, 24, 38, 52, 70, 88, 105, 122, 140, 156};
+constexpr double k_light_phases[] = {3, 11, 24, 38, 52, 70, 88, 105, 122, 140, 156};
 
 Rgb grey(double x) { return {float(x), float(x), float(x)}; }
 
@@ -29,7 +29,7 @@ std::vector<Lighting> lights() {
          grey(0.05),
          {{towards(-0.7, 0.5, -0.4), 15, grey(20)}, {towards(0.3, 0.6, 0.8), 12, grey(5)}}},
     };
-    for (const double phase : k_phases)
+    for (const double phase : k_light_phases)
         all.push_back({"single", {}, {}, {}, {{spherical(phase * k_degree, 2.4 * double(all.size())), 0, grey(k_pi)}}});
     return all;
 }

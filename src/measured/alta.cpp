@@ -17,7 +17,7 @@ struct ViewAndLight {
 Vec3d unrolled(double x, double y) { return spherical(std::hypot(x, y), std::atan2(y, x)); }
 
 /// From θ_h, φ_h, θ_d, φ_d: the viewer at (θ_d, φ_d) relative to the half vector, the light its mirror direction.
-ViewAndLight from_half(double theta_h, double phi_h, double theta_d, double phi_d) {
+ViewAndLight from_half_vector(double theta_h, double phi_h, double theta_d, double phi_d) {
     const Vec3d d = spherical(theta_d, phi_d), h = spherical(theta_h, phi_h);
     const double c = std::cos(theta_h), s = std::sin(theta_h), x = c * d.x + s * d.z, z = c * d.z - s * d.x;
     const Vec3d view{std::cos(phi_h) * x - std::sin(phi_h) * d.y, std::sin(phi_h) * x + std::cos(phi_h) * d.y, z};
@@ -65,10 +65,10 @@ constexpr AltaParameterization k_parameterizations[] = {
      [](const double* x) {
          return ViewAndLight{unrolled(x[0], x[1]), {0, 0, 1}};
      }},
-    {"RUSIN_TH_PH_TD_PD", 4, false, [](const double* x) { return from_half(x[0], x[1], x[2], x[3]); }},
-    {"RUSIN_TH_TD_PD", 3, true, [](const double* x) { return from_half(x[0], 0, x[1], x[2]); }},
-    {"RUSIN_TH_TD", 2, true, [](const double* x) { return from_half(x[0], 0, x[1], k_pi / 2); }},
-    {"COS_TH_TD", 2, true, [](const double* x) { return from_half(std::acos(x[0]), 0, std::acos(x[1]), 0); }},
+    {"RUSIN_TH_PH_TD_PD", 4, false, [](const double* x) { return from_half_vector(x[0], x[1], x[2], x[3]); }},
+    {"RUSIN_TH_TD_PD", 3, true, [](const double* x) { return from_half_vector(x[0], 0, x[1], x[2]); }},
+    {"RUSIN_TH_TD", 2, true, [](const double* x) { return from_half_vector(x[0], 0, x[1], k_pi / 2); }},
+    {"COS_TH_TD", 2, true, [](const double* x) { return from_half_vector(std::acos(x[0]), 0, std::acos(x[1]), 0); }},
     {"SCHLICK_TL_TK_PROJ_DPHI", 3, true,
      [](const double* x) {
          const Vec3d light = spherical(x[0], 0.0), back = unrolled(x[1], x[2]), reflected = mirror(light);

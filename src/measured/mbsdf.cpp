@@ -97,11 +97,11 @@ Result<Block> parse_block(Cursor& file) {
 }
 
 /// The nodes about a position in units of nodes, which is constant beyond the last.
-struct Between {
+struct BetweenAngles {
     std::size_t first, second;
     float to;
 };
-Between between(float at, std::uint32_t n) {
+BetweenAngles between(float at, std::uint32_t n) {
     const float within = std::min(at, float(n - 1));
     const auto i = std::uint32_t(within);
     return {i, std::min(i + 1, n - 1), within - float(i)};
@@ -207,8 +207,8 @@ Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return {};
     const auto step = float(k_pi / 2 / table.polar), turn = float(k_pi / std::max(table.azimuths - 1, 1u));
     const float phi = azimuth(std::abs(wl.x * wv.y - wl.y * wv.x), wl.x * wv.x + wl.y * wv.y);
-    const Between l = between(polar_angle(wl) / step, table.polar), v = between(polar_angle(wv) / step, table.polar),
-                  p = between(phi / turn, table.azimuths);
+    const BetweenAngles l = between(polar_angle(wl) / step, table.polar),
+                        v = between(polar_angle(wv) / step, table.polar), p = between(phi / turn, table.azimuths);
     Rgb sum;
     const auto add_row = [&](std::size_t i, std::size_t j, float weight) {
         const Rgb* const row = &table.cells[(i * table.polar + j) * table.azimuths];

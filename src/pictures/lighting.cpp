@@ -16,14 +16,14 @@ Rgb mixed(const Rgb& a, const Rgb& b, double share_of_b) {
     return {a.r + share * (b.r - a.r), a.g + share * (b.g - a.g), a.b + share * (b.b - a.b)};
 }
 
-constexpr double k_horizon = 0.1;    ///< height between sky and ground
-constexpr double k_soft_edge = 0.1;  ///< of a source, relative to the cosine's range over it
+constexpr double k_horizon_height = 0.1;  ///< height between sky and ground
+constexpr double k_soft_edge = 0.1;       ///< of a source, relative to the cosine's range over it
 
 }  // namespace
 
 Rgb radiance(const Lighting& lighting, Vec3d w) {
     const Rgb sky = mixed(lighting.horizon, lighting.zenith, smooth_step(0, 1, w.y));
-    Rgb sum = mixed(lighting.ground, sky, smooth_step(-k_horizon, k_horizon, w.y));
+    Rgb sum = mixed(lighting.ground, sky, smooth_step(-k_horizon_height, k_horizon_height, w.y));
     for (const Lighting::Source& source : lighting.sources) {
         if (source.radius == 0) continue;
         const double cosine = dot(w, source.direction), radius = source.radius * k_degree;

@@ -31,7 +31,7 @@ FitRequest su(int directions) {
 }
 FitRequest ggx(Objective objective = Objective::cosine) {
     FitRequest request;
-    request.model = GgxRequest{}, request.objective = objective;
+    request.model = GgxRequest{.lobes = 1}, request.objective = objective;
     return request;
 }
 

@@ -74,19 +74,21 @@ std::array<double, 3> quadrature(const Evaluate& brdf, Vec3f wv, const Environme
 
 class RasterEnvironments : public InEachDialect {
   protected:
+    std::optional<RasterMaterial> made(const SampledMaterial& of) {
+        auto material = RasterMaterial::make(of.material, {.dialect = GetParam(), .environment = true});
+        if (!material) return ADD_FAILURE() << message(material.error()), std::nullopt;
+        material->set_proposal(of.proposal);
+        return *std::move(material);
+    }
+
     /// The mean of `samples` samples of each pixel.
-    std::vector<Float4> picture(const SampledMaterial& of, const Mesh& mesh, const Camera& camera, int size,
-                                int samples, const Environment& environment, const Frame& axes,
+    std::vector<Float4> picture(std::optional<RasterMaterial>& material, const Mesh& mesh, const Camera& camera,
+                                int size, int samples, const Environment& environment, const Frame& axes,
                                 LightDraws draws = LightDraws::both) {
         const auto light = RasterEnvironment::make(environment);
         const auto surface = RasterSurface::make(GetParam(), size, size, RasterSurface::Points::four);
-        auto material = RasterMaterial::make(of.material, {.dialect = GetParam(), .environment = true});
         if (!light || !surface || !material)
-            return ADD_FAILURE() << message(!light      ? light.error()
-                                            : !material ? material.error()
-                                                        : surface.error()),
-                   std::vector<Float4>();
-        material->set_proposal(of.proposal);
+            return ADD_FAILURE() << message(!light ? light.error() : surface.error()), std::vector<Float4>();
         auto mean = RasterMean::make(*surface);
         if (!mean) return ADD_FAILURE() << message(mean.error()), std::vector<Float4>();
         const RasterMesh drawn(mesh);
@@ -97,6 +99,13 @@ class RasterEnvironments : public InEachDialect {
         }
         EXPECT_EQ(mean->samples(), samples);
         return mean->picture().read_floats();
+    }
+    /// Of a material that is drawn once.
+    std::vector<Float4> picture(const SampledMaterial& of, const Mesh& mesh, const Camera& camera, int size,
+                                int samples, const Environment& environment, const Frame& axes,
+                                LightDraws draws = LightDraws::both) {
+        auto material = made(of);
+        return picture(material, mesh, camera, size, samples, environment, axes, draws);
     }
 };
 
@@ -136,6 +145,8 @@ TEST_P(RasterEnvironments, AreWithoutBiasHoweverTheyAreTurned) {
                               evaluator(film_table())};
     static const SuModel su = isotropic_su(128);
     const bool is_es = GetParam() == Dialect::es_300;  // whose text is the same
+    std::vector<std::optional<RasterMaterial>> drawn;
+    for (const SampledMaterial& of : materials) drawn.push_back(made(of));
     for (const double turn : {0.0, 1.0, 4.0}) {
         if (is_es && turn != 1) continue;
         const Frame axes = frame_about(spherical(0.5 * turn, turn), {0, 1, 0.2});
@@ -145,7 +156,7 @@ TEST_P(RasterEnvironments, AreWithoutBiasHoweverTheyAreTurned) {
             for (const LightDraws draws : {LightDraws::both, LightDraws::material, LightDraws::light}) {
                 if (turn > 0 && draws != LightDraws::both) continue;
                 const Mean found =
-                    mean_of(picture(materials[i], k_plane, plane_camera(theta), 64, 16, coloured_light(), axes, draws));
+                    mean_of(picture(drawn[i], k_plane, plane_camera(theta), 64, 16, coloured_light(), axes, draws));
                 for (std::size_t c = 0; c < 3; ++c) {
                     EXPECT_TRUE(near(found.value[c], expected[c], 0.004 * expected[c] + 4 * found.error[c]))
                         << turn << ' ' << i << ' ' << int(draws) << ": " << found.value[c] << ' ' << expected[c];
@@ -181,12 +192,15 @@ TEST_P(RasterEnvironments, AreDrawnByTheLampsThatHighlightsReflect) {
 
 TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
     const Environment uniform_light(Image(8, 4, {1, 1, 1}));
+    const bool is_es = GetParam() == Dialect::es_300;  // whose text is the same
+    auto drawn_film = made(sampled_film()), drawn_both = made(sampled_both());
     for (const double degrees : {5.0, 60.0, 80.0}) {
+        if (is_es && degrees != 60) continue;
         const Vec3f wv = to_float(spherical(degrees * k_degree, 0.0));
         const auto expected = quadrature(evaluator(film_pm()), wv, uniform_light, k_world);
         for (const LightDraws draws : {LightDraws::both, LightDraws::material, LightDraws::filtered}) {
-            const Mean found = mean_of(picture(sampled_film(), k_plane, plane_camera(degrees * k_degree), 32, 16,
-                                               uniform_light, k_world, draws));
+            const Mean found = mean_of(
+                picture(drawn_film, k_plane, plane_camera(degrees * k_degree), 32, 16, uniform_light, k_world, draws));
             // Filtered: biased, most of all where the viewer grazes.
             const double tolerance = draws == LightDraws::filtered ? 0.3 : 0.004;
             for (std::size_t c = 0; c < 3; ++c)
@@ -197,8 +211,8 @@ TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
     // Of a BSDF what both sides scatter, and what the beams let through.
     const Model both{full_bsdf(), {}};
     const auto& [parts, beams] = std::get<BsdfModel>(both.model);
-    const SampledMaterial& of_both = sampled_both();
     for (const double degrees : {20.0, 60.0, 110.0, 150.0}) {
+        if (is_es && degrees != 60 && degrees != 110) continue;
         const Vec3f wv = to_float(spherical(degrees * k_degree, 0.0));
         const bool back = wv.z < 0;
         const Part reflected = back ? Part::reflection_back : Part::reflection_front,
@@ -214,7 +228,7 @@ TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
         for (const LightDraws draws :
              {LightDraws::both, LightDraws::material, LightDraws::light, LightDraws::filtered}) {
             const Mean found = mean_of(
-                picture(of_both, k_plane, plane_camera(degrees * k_degree), 32, 16, uniform_light, k_world, draws));
+                picture(drawn_both, k_plane, plane_camera(degrees * k_degree), 32, 16, uniform_light, k_world, draws));
             const double tolerance = draws == LightDraws::filtered ? 0.3 : 0.004;
             for (std::size_t c = 0; c < 3; ++c)
                 EXPECT_TRUE(near(found.value[c], expected[c], tolerance * expected[c] + 4 * found.error[c]))
@@ -228,7 +242,7 @@ TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
 }
 
 TEST_P(RasterEnvironments, ConvergeToThePathTracer) {
-    constexpr int size = 24;
+    constexpr int size = 16;
     static const SuModel su = isotropic_su(128);
     const Mesh mesh = sphere(48);
     const Camera camera = camera_of(mesh, {}, 1);
@@ -242,10 +256,11 @@ TEST_P(RasterEnvironments, ConvergeToThePathTracer) {
             options.threads = 1;
             expected = render_paths(scene, options).rendering.radiance;
         }
+        auto drawn = made(of);
         const auto picture_of = [&](int samples, LightDraws draws = LightDraws::both) {
             Image image(size, size);
             const auto pixels =
-                picture(of, shape, camera, size, samples, coloured_light(), environment_frame(camera), draws);
+                picture(drawn, shape, camera, size, samples, coloured_light(), environment_frame(camera), draws);
             for (std::size_t i = 0; i < pixels.size(); ++i)
                 image.pixels[i] = {pixels[i][0], pixels[i][1], pixels[i][2]};
             return image;

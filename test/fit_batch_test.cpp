@@ -131,13 +131,13 @@ TEST(FitBatch, texels_without_values_do_not_stop_the_others) {
 
 TEST(FitBatch, is_nearly_as_accurate_as_single_fits) {
     const SharedPairs pairs = shared_pairs();
-    const std::vector<Rgb> f = blends(pairs, 3);
+    const std::vector<Rgb> f = blends(pairs, 12);
     BatchOptions options;
     options.request.threads = 2;
     const auto fits = fit_batch(pairs, f, options);
     ASSERT_TRUE(fits);
     double of_batch = 0, of_single = 0;
-    for (std::size_t t = 0; t < 3; ++t) {
+    for (std::size_t t = 0; t < 12; ++t) {
         ScatteredSamples samples;
         samples.wl = pairs.wl, samples.wv = pairs.wv;
         samples.colour.assign(f.begin() + std::ptrdiff_t(t * k_pairs), f.begin() + std::ptrdiff_t((t + 1) * k_pairs));
@@ -154,7 +154,7 @@ TEST(FitBatch, is_nearly_as_accurate_as_single_fits) {
                                               default_max_theta(objective)),
                               objective);
     }
-    EXPECT_LT(of_batch, 1.3 * of_single);  // a third of the search, a quarter of the pairs
+    EXPECT_LT(of_batch, 1.4 * of_single);  // a third of the search, a quarter of the pairs
 }
 
 TEST(FitBatch, refuses_and_cancels) {

@@ -27,19 +27,23 @@ ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const i
 /// `assign_folds`) to their nearest neighbours. 0 if there is only one place.
 double spacing(const ScatteredSamples& samples);
 
-/// Samples, completed where nothing was measured: a fit g of Lambert and two GGX lobes to the samples within θmax, each
-/// also with light and viewer exchanged, by the weights of `Objective::appearance`, plus what it leaves of the samples,
-/// interpolated. With A = cosθl cosθv and the w_k of `ScatteredSamples`,
-///   f A = (∛(g A) + Σ_k w_k (∛(f_k A_k) − ∛(g_k A_k)) / Σ_k w_k)³ [1/sr].
-/// g A and f A are clamped to 0..`most`. At a sample this is the sample's own value. Between samples far apart it has
-/// the highlight of a microfacet model, where interpolation alone would have a band or a gap.
+/// Samples, completed where nothing was measured: what fits g_i of Lambert and GGX to the samples within θmax expect in
+/// the mean, each sample also with light and viewer exchanged, plus what this leaves of the samples, interpolated. With
+/// A = cosθl cosθv, e = the mean over i of ∛(g_i A) and the w_k of `ScatteredSamples`,
+///   f A = (e + Σ_k w_k (∛(f_k A_k) − e_k) / Σ_k w_k)³ [1/sr].
+/// Each g_i A and f A are clamped to 0..`most`. At a sample this is the sample's own value. Between samples far apart it
+/// has the highlight of microfacet models, where interpolation alone would have a band or a gap.
 struct CompletedSamples {
-    GgxModel prior;         ///< g
-    ScatteredSamples rest;  ///< of colour (∛(f A) − ∛(g A)) / A, so that `signed_value` times A is the mean over k
+    /// g_i: of two lobes by the weights of `Objective::appearance`, of one by the same, of two by those of
+    /// `Objective::cosine`, which continue a highlight differently; or the first alone
+    std::vector<GgxModel> priors;
+    ScatteredSamples rest;  ///< of colour (∛(f A) − e) / A, so that `signed_value` times A is the mean over k
     double most = 0;        ///< 1.6 times the largest f A of the samples, as for fits
 };
+/// `of_one`: by the first g alone, in a third of the time.
 /// Errors: no sample within max_theta [rad] that is not black.
-Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_theta, int threads = 0);
+Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_theta, int threads = 0,
+                                  bool of_one = false);
 /// f [1/sr]; 0 below the horizon.
 Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv);
 

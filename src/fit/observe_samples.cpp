@@ -67,7 +67,7 @@ Observations together(const SampleObservations& from, double weight_between, std
 /// The completed samples within θmax observed like a table, and as much Σ w |f|² of the samples themselves.
 Result<Observations> observe_completed(const ScatteredSamples& samples, const Observations& observed,
                                        const ObserveSamplesOptions& options, const ProgressToken& progress) {
-    const auto completed = complete(samples, options.max_theta, options.threads);
+    const auto completed = complete(samples, options.max_theta, options.threads, options.only_completed > 0);
     if (!completed) return completed.error();
     const auto table = observe(evaluator(*completed),
                                {.objective = options.objective,

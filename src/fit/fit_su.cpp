@@ -29,9 +29,9 @@ constexpr double k_picture_importance = 8;
 /// A view adopts the lobes of a neighbour whose loss is below this fraction of its own; it starts from clusterings if
 /// its loss exceeds the neighbour's by far.
 constexpr double k_better = 0.97, k_much_worse = 4;
-/// Passes of trying neighbours' lobes, down and up in turn; and their work beside fitting all views once. Later passes
-/// have little to try.
-constexpr std::size_t k_most_passes = 8;
+/// Passes of trying neighbours' lobes, down and up in turn: with pictures, in which rings would show, and without. And
+/// their work beside fitting all views once: later passes have little to try.
+constexpr std::size_t k_picture_passes = 8, k_passes = 2;
 constexpr double k_work_of_passes = 0.3;
 
 /// State of the fit of a view.
@@ -223,7 +223,8 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
         // Neighbouring views try each other's lobes, downwards and upwards in turn. Lobes pass from one chain to the next
         // once in a pass; from the third on only those are tried that have changed since.
         std::array<std::vector<char>, 2> news{std::vector<char>(n, 1), std::vector<char>(n, 1)};
-        for (std::size_t pass = 0; pass < k_most_passes; ++pass) {
+        const std::size_t passes = of_pictures ? k_picture_passes : k_passes;
+        for (std::size_t pass = 0; pass < passes; ++pass) {
             const bool down = pass % 2 == 0;
             const std::vector<ViewFit> before = fits;
             const std::vector<char> news_before = std::exchange(news[pass % 2], std::vector<char>(n, 0));
@@ -243,7 +244,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
                     news[0][i] = news[1][i] = changed = true;
                 }
             };
-            for_chains("comparing views", try_neighbours, k_work_of_passes / double(k_most_passes));
+            for_chains("comparing views", try_neighbours, k_work_of_passes / double(passes));
         }
 
         // The coefficients for lobes; what the view's pixels see may change these too.

@@ -31,8 +31,8 @@ double spacing(const ScatteredSamples& samples);
 /// the mean, each sample also with light and viewer exchanged, plus what this leaves of the samples, interpolated. With
 /// A = cosθl cosθv, e = the mean over i of ∛(g_i A) and the w_k of `ScatteredSamples`,
 ///   f A = (e + Σ_k w_k (∛(f_k A_k) − e_k) / Σ_k w_k)³ [1/sr].
-/// Each g_i A and f A are clamped to 0..`most`. At a sample this is the sample's own value. Between samples far apart it
-/// has the highlight of microfacet models, where interpolation alone would have a band or a gap.
+/// Each g_i A and f A are clamped to 0..`most`. At a sample this is the sample's own value. Between samples far apart
+/// it has the highlight of microfacet models, where interpolation alone would have a band or a gap.
 struct CompletedSamples {
     /// g_i: of two lobes by the weights of `Objective::appearance`, of one by the same, of two by those of
     /// `Objective::cosine`, which continue a highlight differently; or the first alone
@@ -55,7 +55,7 @@ struct ObserveSamplesOptions {
     /// Also observe the completed samples, for lobes; only for an objective of pictures, in colours.
     bool complete = true;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
-    /// If not 0, for fits of many: only the completed samples, at this many pairs and without views.
+    /// If not 0, for fits of many: only the samples completed by one g, at this many pairs and without views.
     std::size_t only_completed = 0;
 };
 

@@ -15,7 +15,7 @@ struct Way {
     Objective objective;
     int lobes;
 };
-// The first alone for fits of many.
+/// The first alone where one is asked for.
 constexpr Way k_ways[] = {{Objective::appearance, 2}, {Objective::appearance, 1}, {Objective::cosine, 2}};
 
 /// e of `CompletedSamples`.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <utility>
 
 #include "fit/objective.h"
 #include "fit/sampled_views.h"
@@ -39,6 +38,7 @@ struct ViewFit {
     std::vector<ViewLobe> lobes;
     double loss = std::numeric_limits<double>::infinity();
     Stop stop = Stop::decrease;
+    std::size_t news_until = 2;  ///< neighbours try these lobes in passes before this one: once down and once up
     bool is_empty() const { return lobes.empty(); }
 };
 
@@ -220,28 +220,26 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
                 last = i;
             }
         });
-        // Neighbouring views try each other's lobes, downwards and upwards in turn. Lobes pass from one chain to the next
-        // once in a pass; from the third on only those are tried that have changed since.
-        std::array<std::vector<char>, 2> news{std::vector<char>(n, 1), std::vector<char>(n, 1)};
+        // Neighbouring views try each other's lobes, downwards and upwards in turn. Lobes pass from one chain to the
+        // next once in a pass; from the third on only those are tried that have changed since.
         const std::size_t passes = of_pictures ? k_picture_passes : k_passes;
         for (std::size_t pass = 0; pass < passes; ++pass) {
             const bool down = pass % 2 == 0;
             const std::vector<ViewFit> before = fits;
-            const std::vector<char> news_before = std::exchange(news[pass % 2], std::vector<char>(n, 0));
             const auto try_neighbours = [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
-                bool changed = false;  // the view before, in this pass
                 for (std::size_t k = begin; k < end; ++k) {
                     const std::size_t i = down ? end - 1 - (k - begin) : k, from = down ? i + 1 : i - 1;
-                    if (!std::exchange(changed, false) && !(from < n && news_before[from])) continue;
+                    if (from >= n) continue;  // beyond the first or last view
                     const ViewFit& neighbour = from >= begin && from < end ? fits[from] : before[from];
+                    if (pass >= neighbour.news_until) continue;
                     if (fits[i].is_empty() || neighbour.is_empty() || neighbour.loss > k_better * fits[i].loss)
                         continue;
                     const ViewRows rows = views.rows(i);
                     ViewFit fit = optimised(
                         problem, rows, rotated(neighbour.lobes, views.direction(from), views.direction(i)), k_steps);
-                    if (!(fit.loss < fits[i].loss)) continue;
-                    fits[i] = std::move(fit);
-                    news[0][i] = news[1][i] = changed = true;
+                    // Tried at once, in the next pass the other way, and in the one after beyond the chain.
+                    fit.news_until = pass + 3;
+                    if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
                 }
             };
             for_chains("comparing views", try_neighbours, k_work_of_passes / double(passes));

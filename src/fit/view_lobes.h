@@ -21,8 +21,8 @@ struct MovingLobe {
 
 // Every array below holds k_block numbers and is aligned for vectors.
 
-/// x = λ (w·ξ − 1) − τ (1/w_z − 1); returns the largest of the rows with a positive weight, the lowest float where there is
-/// none.
+/// x = λ (w·ξ − 1) − τ (1/w_z − 1); returns the largest of the rows with a positive weight, the lowest float where there
+/// is none.
 float exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* root_weight,
                 float* x);
 inline constexpr double k_most_exponent = 20;

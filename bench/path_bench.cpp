@@ -6,6 +6,7 @@
 
 #include <ctime>
 
+#include "one_target.h"
 #include "render/path.h"
 #include "srbf/convert.h"
 #include "srbf/fit.h"
@@ -117,22 +118,33 @@ template <typename P> void density_of_one(benchmark::State& state, const P& prop
     }
 }
 /// Both at once, as a path goes on.
-void draw_and_density_mixture(benchmark::State& state) {
-    const PreparedBrdf model = prepare(Model{film_pm(), {}}, ProposeOptions{});
+template <typename P> void draw_and_density_of_one(benchmark::State& state, const P& proposal) {
     std::size_t i = 0;
     for (auto _ : state) {
         const Vec3f u = draws().u[i];
-        benchmark::DoNotOptimize(sample_with_pdf(model.proposal(), draws().wv[i], {u.x, u.y}, u.z));
+        benchmark::DoNotOptimize(sample_with_pdf(proposal, draws().wv[i], {u.x, u.y}, u.z));
         i = (i + 1) % draws().u.size();
     }
 }
-BENCHMARK(draw_and_density_mixture);
-void draw_mixture(benchmark::State& state) { draw_one(state, propose(evaluator(film_pm()))); }
-void density_mixture(benchmark::State& state) { density_of_one(state, propose(evaluator(film_pm()))); }
+/// Of a mixture, for each of the instruction sets of this machine.
+const bool k_registered = [] {
+    for (const Target target : hwy::SupportedAndGeneratedTargets()) {
+        const auto with = [&](const char* name, auto of_one) {
+            benchmark::RegisterBenchmark((name + std::string("_mixture/") + hwy::TargetName(target)).c_str(),
+                                         [=](benchmark::State& state) {
+                                             const OneTarget one(target);
+                                             of_one(state, propose(evaluator(film_pm())));
+                                         });
+        };
+        using State = benchmark::State;
+        with("draw", [](State& state, const auto& proposal) { draw_one(state, proposal); });
+        with("density", [](State& state, const auto& proposal) { density_of_one(state, proposal); });
+        with("draw_and_density", [](State& state, const auto& proposal) { draw_and_density_of_one(state, proposal); });
+    }
+    return true;
+}();
 void draw_su(benchmark::State& state) { draw_one(state, propose(film_su())); }
 void density_su(benchmark::State& state) { density_of_one(state, propose(film_su())); }
-BENCHMARK(draw_mixture);
-BENCHMARK(density_mixture);
 BENCHMARK(draw_su);
 BENCHMARK(density_su);
 

@@ -32,11 +32,6 @@ struct NodesAbout {
     std::size_t below;
     float part;
 };
-inline NodesAbout nodes_about(float z) {
-    const float at = (1 - std::sqrt(z)) * (MixtureProposal::k_nodes - 1);
-    const int below = std::clamp(int(at), 0, MixtureProposal::k_nodes - 2);
-    return {std::size_t(below), at - float(below)};
-}
 
 /// A view as its mixture takes it.
 struct ViewOfMixture {
@@ -45,14 +40,6 @@ struct ViewOfMixture {
     Kernel<float>::Stretch map;
     float pull;
 };
-inline ViewOfMixture view_of(const MixtureProposal& proposal, const Vec3f& wv) {
-    const NodesAbout nodes = nodes_about(wv.z);
-    const auto between = [&](const auto& row) {
-        return row[nodes.below] + nodes.part * (row[nodes.below + 1] - row[nodes.below]);
-    };
-    return {wv, nodes, Kernel<float>::stretch_along(tangent(proposal, wv), between(proposal.stretch)),
-            Kernel<float>::pull_of_visibility(wv, between(proposal.power))};
-}
 
 }  // namespace srbf
 #endif
@@ -75,7 +62,29 @@ template <typename Lanes> HWY_INLINE auto in_all(const Kernel<float>::Stretch& m
         typename Formulas<Lanes, PmModel>::Stretch{in_all<Lanes>(map.x), in_all<Lanes>(map.y), in_all<Lanes>(map.more),
                                                    in_all<Lanes>(map.less), in_all<Lanes>(map.shrink)};
 }
+template <typename D> HWY_INLINE Few the_first(hn::Vec<D> v) {
+    if constexpr (hn::MaxLanes(D()) > 4)
+        return the_first<hn::Half<D>>(hn::LowerHalf(hn::Half<D>(), v));
+    else
+        return v;
+}
 HWY_INLINE Lobes everywhere(float x) { return in_all<Lobes>(x); }
+
+// Without branches, which could not be foreseen.
+HWY_INLINE NodesAbout nodes_about(float z) {
+    constexpr float last = MixtureProposal::k_nodes - 1;
+    const Few at =
+        min(max(in_all<Few>(last) * (Few(1.0) - sqrt(in_all<Few>(z))), Few(0.0)), in_all<Few>(last * (1 - 1e-7f)));
+    return {std::size_t(int(hn::GetLane(at.v))), hn::GetLane((at - Few(hn::Floor(at.v))).v)};
+}
+HWY_INLINE ViewOfMixture view_of(const MixtureProposal& proposal, const Vec3f& wv) {
+    const NodesAbout nodes = nodes_about(wv.z);
+    const auto between = [&](const auto& row) {
+        return row[nodes.below] + nodes.part * (row[nodes.below + 1] - row[nodes.below]);
+    };
+    return {wv, nodes, Kernel<float>::stretch_along(tangent(proposal, wv), between(proposal.stretch)),
+            Kernel<float>::pull_of_visibility(wv, between(proposal.power))};
+}
 
 HWY_INLINE Lobes between(const MixtureProposal::Row& low, const MixtureProposal::Row& high, float part, int first) {
     const Lobes a = Lobes::load(&low[std::size_t(first)]), b = Lobes::load(&high[std::size_t(first)]);
@@ -180,6 +189,7 @@ float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const
     const ViewOfMixture view = view_of(proposal, wv);
     const Seen seen(table, view);
     Density density(proposal, seen, view, wl);
+#pragma GCC unroll 4
     for (int k = 0; k < LobeTable::k_count; k += int(Lobes::size())) density.add(k, seen.lobe(k));
     return density.sum.sum();
 }
@@ -200,16 +210,16 @@ HWY_INLINE DirectionSample with_pdf(const Vec3f& wl, float pdf) {
 #endif
 }
 
-// What a lobe draws: in all lanes the same.
-HWY_INLINE Vec3f drawn_by(const ViewOfMixture& view, float kind, const Vec3f& centre, float width, float rest,
+// What a lobe draws, from numbers that are in all lanes the same.
+HWY_INLINE Vec3f drawn_by(const ViewOfMixture& view, float kind, const Vec3<Few>& centre, Few width, Few rest,
                           const Vec2f& u) {
     using F = Formulas<Few, PmModel>;
-    const Few u1 = in_all<Few>(u.x), u2 = in_all<Few>(u.y), width_ = in_all<Few>(width);
+    const Few u1 = in_all<Few>(u.x), u2 = in_all<Few>(u.y);
     Vec3<Few> wl;
     if (kind < 0) {
-        wl = F::off_centre(Vec3<Few>(Few(0.0), Few(0.0), Few(1.0)), F::below_power_cosine(width_, u1), u2);
+        wl = F::off_centre(Vec3<Few>(Few(0.0), Few(0.0), Few(1.0)), F::below_power_cosine(width, u1), u2);
     } else {
-        const Vec3<Few> w = F::sample_sharp_vmf(in_all<Few>(centre), width_, in_all<Few>(rest), u1, u2);
+        const Vec3<Few> w = F::sample_sharp_vmf(centre, width, rest, u1, u2);
         const Vec3<Few> light = F::light_of(F::stretched(w, in_all<Few>(view.map)), in_all<Few>(view.wv));
         wl = F::folded(select(Few(0.0) < in_all<Few>(kind), light, w));
     }
@@ -225,7 +235,6 @@ struct Draw {
     HWY_INLINE Draw(const MixtureProposal& proposal, const Seen& seen, const ViewOfMixture& view, const Vec2f& u,
                     float selector) {
         const auto &low = proposal.running(view.nodes.below), &high = proposal.running(view.nodes.below + 1);
-        HWY_ALIGN float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], width[LobeTable::k_count];
         std::size_t chosen = 0;  // the first lobe whose running sum exceeds the selector
 #pragma GCC unroll 4
         for (int i = 0; i < k_vectors; ++i) {
@@ -233,13 +242,14 @@ struct Draw {
             chosen +=
                 hn::CountTrue(Lobes::Tag(), hn::Ge(everywhere(selector).v, between(low, high, view.nodes.part, k).v));
             lobes[i] = seen.lobe(k);
-            lobes[i].centre.x.store(x + k), lobes[i].centre.y.store(y + k), lobes[i].centre.z.store(z + k);
-            lobes[i].width.store(width + k);
         }
         if (chosen >= MixtureProposal::k_lobes) chosen = 0;  // what rounding leaves over is the cosine's
-        const LobeTable& table = seen.table;
-        wl =
-            drawn_by(view, table.kind[chosen], {x[chosen], y[chosen], z[chosen]}, width[chosen], table.rest[chosen], u);
+        const Seen::F::ProposalLobe& lobe = lobes[k_vectors == 1 ? 0 : chosen / Lobes::size()];
+        const auto lane =
+            hn::IndicesFromVec(Lobes::Tag(), hn::Set(Lobes::Bits(), std::int32_t(chosen % Lobes::size())));
+        const auto its = [&](Lobes all) HWY_ATTR { return the_first<Lobes::Tag>(hn::TableLookupLanes(all.v, lane)); };
+        wl = drawn_by(view, seen.table.kind[chosen], {its(lobe.centre.x), its(lobe.centre.y), its(lobe.centre.z)},
+                      its(lobe.width), in_all<Few>(seen.table.rest[chosen]), u);
     }
 };
 

@@ -236,9 +236,10 @@ void value_sized(const void* model, const Vec3f& l, const Vec3f& v, float* f) {
     const auto further = Formula::pm_further_features(features(form), wl, wv);
     Vec3<Group> sum(Group(0.0), Group(0.0), Group(0.0));
     for (int j = 0; j * pm.lanes < numbers.lobes(); ++j) {
-        Group exponent = Formula::pm_with_features(pm, j, pm.log2_scale(j), further);
+        Group exponent = pm.log2_scale(j);
         for (int n = 0; n < N; ++n)
             exponent = Formula::pm_with_variate(pm, j, n, exponent, variates.squared_distance(pm, j, n));
+        exponent = Formula::pm_with_features(pm, j, exponent, further);  // which take longer than the variates
         sum = sum + Formula::pm_power(exponent) * pm.coefficient(j);
     }
     store_colour(sum, f);

@@ -20,7 +20,7 @@ void describe(Json& json, const PmModel& model) {
     json["reciprocal"] = is_reciprocal(model);
 }
 void describe(Json& json, const SuModel& model) {
-    json["form"] = model.depth.empty() ? stored_name(PmForm::gaussian) : "attenuated";
+    json["form"] = model.shape.empty() ? stored_name(PmForm::gaussian) : "shaped";
     json["lobes"] = model.lobes;
     json["variates"] = 1;
     json["axial"] = false;

@@ -202,7 +202,7 @@ void add_model(std::string& text, const SuModel& model) {
                         model.index ? fmt::format("{} of {} texels a side", name(model.index->map), model.index->size)
                                     : "built on load, a cube",
                         grouped(auxiliary_bytes(model))));
-    Range bandwidth, depth;
+    Range bandwidth, shape;
     std::size_t empty = 0;
     for (std::size_t i = 0; i < model.direction.size(); ++i) {
         const auto first = model.coefficient.begin() + std::ptrdiff_t(i * J);
@@ -210,11 +210,11 @@ void add_model(std::string& text, const SuModel& model) {
     }
     for (std::size_t k = 0; k < model.bandwidth.size(); ++k)
         if (!(model.coefficient[k] == Rgb{})) bandwidth.add(model.bandwidth[k]);
-    for (std::size_t k = 0; k < model.depth.size(); ++k)
-        if (!(model.coefficient[k] == Rgb{})) depth.add(model.depth[k]);
+    for (std::size_t k = 0; k < model.shape.size(); ++k)
+        if (!(model.coefficient[k] == Rgb{})) shape.add(model.shape[k]);
     add_row(text, "empty samples", empty ? grouped(empty) : "none");
     add_row(text, "bandwidth", bandwidth.text());
-    if (!model.depth.empty()) add_row(text, "optical depth", depth.text());
+    if (!model.shape.empty()) add_row(text, "shape", shape.text());
     add_channel_ranges(text, "coefficient", model.coefficient);
 }
 

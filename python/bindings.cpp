@@ -268,7 +268,7 @@ py::dict parameters(const Held& brdf) {
         add("coefficient", floats(su->coefficient), {n, J, 3});
         add("centre", floats(su->centre), {n, J, 3});
         add("bandwidth", su->bandwidth, {n, J});
-        if (!su->depth.empty()) add("depth", su->depth, {n, J});
+        if (!su->shape.empty()) add("shape", su->shape, {n, J});
     } else if (const auto* ggx = std::get_if<GgxModel>(&model)) {
         std::vector<float> roughness, f0, f90;
         for (const GgxModel::Lobe& lobe : ggx->lobes) {

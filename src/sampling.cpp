@@ -257,8 +257,8 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
     const auto of_view = std::span(proposal.lobes).subspan(i * J, J);
     for (std::size_t j = 0; j < J; ++j) {
         const std::size_t k = i * J + j;
-        const float depth = K::su_depth(model, int(i), int(j));
-        const auto lobe = depth > 0 ? about_maximum(model.centre[k], model.bandwidth[k], depth)
+        const float shape = K::su_shape(model, int(i), int(j));
+        const auto lobe = shape > 0 ? about_maximum(model.centre[k], model.bandwidth[k], shape)
                                     : K::times_cosine(model.centre[k], model.bandwidth[k]);
         // Where the two cancel any centre does.
         of_view[j] = {lobe.bandwidth > 1e-3f ? lobe.centre : Vec3f(0, 0, 1), lobe.bandwidth, 0};

@@ -126,7 +126,7 @@ TEST(FitSu, LooksLikeTheMeasurement) {
     const struct {
         const char* name;
         double delta_e;
-        std::optional<int> plain_lobes;  ///< that have no optical depth, which look worse
+        std::optional<int> plain_lobes;  ///< that have no shape, which look worse
     } expected[] = {{"paper_white_rgb", 0.75, 5}, {"cc_ibiza_sunset_rgb", 4.8, {}}};
     for (const auto& e : expected) {
         constexpr int directions = 768;
@@ -134,14 +134,14 @@ TEST(FitSu, LooksLikeTheMeasurement) {
         const auto delta_e = [&](const SuFitOptions& options) {
             const auto fit = fit_su(matrix, options);
             EXPECT_EQ(payload_bytes(fit->model),
-                      std::size_t(directions * 2 * options.lobes * (fit->model.depth.empty() ? 6 : 7)));
+                      std::size_t(directions * 2 * options.lobes * (fit->model.shape.empty() ? 6 : 7)));
             const Evaluate fits[] = {evaluator(fit->model)};
             return compare_pictures(evaluator(bundled(e.name)), fits)[0].mean.delta_e;
         };
         const double four = delta_e({.lobes = 4});
         EXPECT_LT(four, e.delta_e) << e.name;
         if (e.plain_lobes) {
-            EXPECT_LT(four, 0.5 * delta_e({.lobes = *e.plain_lobes, .attenuated = false})) << e.name;
+            EXPECT_LT(four, 0.5 * delta_e({.lobes = *e.plain_lobes, .shaped = false})) << e.name;
         }
     }
 }

@@ -50,7 +50,7 @@ int su_views(Su su) { return textureSize(direction_of_view, 0).x; }
 Vec3 su_direction(Su su, int view) { return texelFetch(direction_of_view, ivec2(view, 0), 0).xyz; }
 Vec3 su_centre(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j + 1, view), 0).xyz; }
 Real su_bandwidth(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j, view), 0).w; }
-Real su_depth(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j + 1, view), 0).w; }
+Real su_shape(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j + 1, view), 0).w; }
 Vec3 su_coefficient(Su su, int view, int j) { return texelFetch(numbers_of_view, ivec2(2 * j, view), 0).rgb; }
 int su_nearest(SuNearest nearest, int k) { return int(nearest.pairs[k / 2] >> uint(16 * (k % 2)) & 0xffffu); }
 )";
@@ -65,7 +65,8 @@ void main() {
     Vec3 w = sample_vmf(psi(wl, wv, 1.0, 1.0), 40.0, u.x, u.y);
     GaussianProduct product = gaussian_product(wl, 3.0, wv, u.x);
     f += from_frame(wl, u.x, u.y, one_minus_exp(u.x)) + psi_by_angle(wl, wv, u.x, u.y) + product.centre;
-    f *= gaussian(w, wl, 2.0) * gaussian_exponent(w, wv, 2.0) * product.scale * product.bandwidth * slant(wl.z);
+    f *= gaussian(w, wl, 2.0) * gaussian_exponent(w, wv, 2.0) * product.scale * product.bandwidth *
+         shaped_exponent(wl - wv, dot(wl, tangent_across(wv)), slant(wl.z), 2.0, -1.0);
     PmFeatures x = pm_further_features(features, wl, wv);
     f += x.x[0] * x.x[1] + x.x[2] * x.x[SRBF_TERMS - 1];
     Real exponent = pm_with_variate(Pm(0), 0, 0, u.x, squared_distance_from_pole(axial_psi(wl, wv, u.x, u.y), 1.0));

@@ -392,12 +392,12 @@ TEST(SuModelFile, EveryTruncationIsAnErrorAndEveryFlipOneOrAModel) {
 
 TEST(SuModelFile, NumbersOutOfRange) {
     EXPECT_EQ(spoilt_su([](SuFile&) {}), "");
-    for (const char* tensor : {"coefficient", "bandwidth", "centre", "depth"}) {
+    for (const char* tensor : {"coefficient", "bandwidth", "centre", "shape"}) {
         for (const unsigned bad : {0x7c00u, 0xfc00u, 0x7e00u})
             EXPECT_TRUE(names(spoilt_su([&](SuFile& f) { f.number(tensor, 5) = std::uint16_t(bad); }),
                               "expected finite numbers"));
         const std::string negative = spoilt_su([&](SuFile& f) { f.number(tensor, 5) = 0xbc00; });
-        if (tensor == std::string("centre"))
+        if (tensor == std::string("centre") || tensor == std::string("shape"))
             EXPECT_EQ(negative, "");
         else
             EXPECT_TRUE(names(negative, "expected numbers of at least 0, found -1"));
@@ -410,7 +410,7 @@ TEST(SuModelFile, NumbersOutOfRange) {
 }
 
 TEST(SuModelFile, TensorsThatDoNotFit) {
-    for (const char* tensor : {"coefficient", "bandwidth", "centre", "depth", "aux.index", "aux.directions"}) {
+    for (const char* tensor : {"coefficient", "bandwidth", "centre", "shape", "aux.index", "aux.directions"}) {
         const std::string what = std::string("tensor '") + tensor + "'";
         const bool is_index = tensor == std::string("aux.index");
         EXPECT_TRUE(names(spoilt_su([&](SuFile& f) { f.header[tensor]["dtype"] = is_index ? "F16" : "U16"; }),
@@ -426,7 +426,7 @@ TEST(SuModelFile, TensorsThatDoNotFit) {
     EXPECT_TRUE(names(reshaped("aux.index", {4, 6, 8}), "tensor 'aux.index': shape"));
     EXPECT_TRUE(names(reshaped("bandwidth", {2, 8}), "expected [n, J] from [8, 1]"));
     EXPECT_TRUE(names(reshaped("bandwidth", {16, 1}), "shape"));
-    EXPECT_TRUE(names(reshaped("depth", {2, 8}), "tensor 'depth': shape: expected [8, 2], found [2, 8]"));
+    EXPECT_TRUE(names(reshaped("shape", {2, 8}), "tensor 'shape': shape: expected [8, 2], found [2, 8]"));
     EXPECT_TRUE(names(reshaped("centre", {8, 4}), "tensor 'centre': shape: expected [8, 2, 2], found [8, 4]"));
     EXPECT_TRUE(names(spoilt_su([](SuFile& f) { f.header["gloss"] = f.header["bandwidth"]; }), "data"));
 }

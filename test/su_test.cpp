@@ -18,11 +18,14 @@ namespace {
 std::array<double, 3> of_view(const SuModel& model, std::size_t view, Vec3f wl) {
     std::array<double, 3> f{};
     for (std::size_t j = view * std::size_t(model.lobes); j < (view + 1) * std::size_t(model.lobes); ++j) {
-        const Vec3d d = to_double(wl) - to_double(model.centre[j]);
+        const Vec3d d = to_double(wl) - to_double(model.centre[j]), v = to_double(model.direction[view]);
+        const double shape = model.shape.empty() ? 0 : double(model.shape[j]), tau = std::max(shape, 0.0),
+                     alpha = std::max(-shape, 0.0), lambda = double(model.bandwidth[j]),
+                     across = (v.x * d.y - v.y * d.x) / std::sqrt(v.x * v.x + v.y * v.y);
         for (int c = 0; c < 3; ++c)
-            f[std::size_t(c)] += double(model.coefficient[j][c]) *
-                                 std::exp(-0.5 * double(model.bandwidth[j]) * dot(d, d)) *
-                                 (model.depth.empty() ? 1 : std::exp(-double(model.depth[j]) * (1 / double(wl.z) - 1)));
+            f[std::size_t(c)] += double(model.coefficient[j][c]) * std::exp(-0.5 * lambda * dot(d, d)) *
+                                 std::exp(-tau * (1 / double(wl.z) - 1)) *
+                                 std::exp(-0.5 * alpha * lambda * across * across);
     }
     return f;
 }
@@ -283,7 +286,7 @@ TEST(SuFile, ComesBackAsRounded) {
                 EXPECT_EQ(back->provenance, (std::map<std::string, std::string>{{"source", "a.bsdf"}}));
                 // Rounding again changes little: the angles count from a direction that is none of halves.
                 EXPECT_EQ(rounded(once).bandwidth, once.bandwidth);
-                EXPECT_EQ(rounded(once).depth, once.depth);
+                EXPECT_EQ(rounded(once).shape, once.shape);
                 EXPECT_EQ(rounded(once).coefficient, once.coefficient);
             }
 }

@@ -29,6 +29,7 @@ ViewRows rows(bool with_lights) {
         for (std::size_t k = 0; k < rows.lights.size(); ++k)
             rows.lights[k][i] = w.z * (k == 0 ? 1.f : std::exp(3 * (w.x - 1))) / (100 * root);
     }
+    rows.across = {0.6f, 0.8f, 0};
     rows.largest.fill(100);
     rows.least_cosine = 0.04;
     return rows;
@@ -46,11 +47,11 @@ TEST(ViewProblem, LossCountsPairsAndRadiances) {
         for (std::size_t i = 0; i < view.root_weight.size(); ++i) {
             double rest = double(view.y[std::size_t(c)][i]);
             for (int j = 0; j < 2; ++j) {
-                const auto& [centre, bandwidth, depth] = k_lobes[std::size_t(j)];
+                const auto& [centre, bandwidth, shape] = k_lobes[std::size_t(j)];
                 const double cosine = view.directions.w[0][i] * centre.x + view.directions.w[1][i] * centre.y +
                                       view.directions.w[2][i] * centre.z;
                 rest -= double(view.root_weight[i]) * problem.coefficient(j, c) / view.scale *
-                        std::exp(bandwidth * (cosine - 1) - depth * (1 / double(view.directions.w[2][i]) - 1));
+                        std::exp(bandwidth * (cosine - 1) - shape * (1 / double(view.directions.w[2][i]) - 1));
             }
             expected += rest * rest;
             for (std::size_t k = 0; k < 2; ++k) off[k] += double(view.lights[k][i]) * rest;
@@ -102,23 +103,27 @@ ViewRows seen_rows() {
 }
 
 const std::vector<ViewLobe> k_bent{{normalize(Vec3d{0.5, 0.1, 0.8}), 20, 0.4}, {normalize(Vec3d{-0.1, 0.3, 1}), 2, 2}};
+const std::vector<ViewLobe> k_narrowed{{normalize(Vec3d{0.5, 0.1, 0.8}), 20, -3},
+                                       {normalize(Vec3d{-0.1, 0.3, 1}), 2, 2}};
 
-TEST(ViewProblem, GradientByTheDepthIsThatOfTheLoss) {
+TEST(ViewProblem, GradientOfShapedLobesIsThatOfTheLoss) {
     const ViewRows view = rows(true);
-    ViewProblem problem(2, true);
-    const Eigen::VectorXd x = problem.start(view, k_bent);
-    Eigen::MatrixXd H;
-    Eigen::VectorXd g;
-    const double loss = problem.loss(x);
-    problem.linearise(x, H, g);
-    for (const Eigen::Index i : {3, 7}) {
-        constexpr double step = 1e-3;
-        Eigen::VectorXd more = x, less = x;
-        more[i] += step, less[i] -= step;
-        const double difference = (problem.loss(more) - problem.loss(less)) / (2 * step);
-        EXPECT_TRUE(near(2 * g[i], difference, 2e-3 * loss)) << i << ' ' << 2 * g[i] << ' ' << difference;
+    for (const auto* lobes : {&k_bent, &k_narrowed}) {
+        ViewProblem problem(2, true);
+        const Eigen::VectorXd x = problem.start(view, *lobes);
+        Eigen::MatrixXd H;
+        Eigen::VectorXd g;
+        const double loss = problem.loss(x);
+        problem.linearise(x, H, g);
+        for (Eigen::Index i = 0; i < x.size(); ++i) {
+            constexpr double step = 1e-3;
+            Eigen::VectorXd more = x, less = x;
+            more[i] += step, less[i] -= step;
+            const double difference = (problem.loss(more) - problem.loss(less)) / (2 * step);
+            EXPECT_TRUE(near(2 * g[i], difference, 2e-3 * loss)) << i << ' ' << 2 * g[i] << ' ' << difference;
+        }
+        EXPECT_EQ(problem.lobes(x)[1].shape, 2);
     }
-    EXPECT_EQ(problem.lobes(x)[1].depth, 2);
 }
 
 TEST(ViewInPictures, PixelsCostWhatIsAsked) {

@@ -211,9 +211,8 @@ struct SuFitOptions {
     int lobes = 8;  ///< J, 1..k_most_view_lobes
     Objective objective = k_default_objective;
     double max_theta = 0;  ///< [rad], 1 to 89.9°; 0: the objective's default. Pairs beyond it are guards
-    /// Whether lobes have the factor e^{−τ(1/cosθ − 1)} of the direction that they are functions of; none: for
-    /// objective appearance.
-    std::optional<bool> attenuated = {};
+    /// Whether lobes have shapes, see `SuModel`; none: for objective appearance.
+    std::optional<bool> shaped = {};
     SuInterpolation interpolation = SuInterpolation::rotated;  ///< stored in the model; the fit does not depend on it
     int neighbours = 3;                                        ///< K of plain interpolation, 1..k_most_neighbours
     std::uint64_t seed = 0;                                    ///< of the random numbers

@@ -178,8 +178,8 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
     result.unrounded.centre.assign(n * J, {0, 0, 1});
     result.unrounded.bandwidth.assign(n * J, 0.f);
     const bool of_pictures = traits(options.objective).of_pictures;
-    const bool attenuated = options.attenuated.value_or(of_pictures);
-    if (attenuated) result.unrounded.depth.assign(n * J, 0.f);
+    const bool shaped = options.shaped.value_or(of_pictures);
+    if (shaped) result.unrounded.shape.assign(n * J, 0.f);
     std::optional<Error> error;
 
     on_threads(options.threads, [&] {
@@ -197,7 +197,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
         const auto for_chains = [&](std::string_view stage, const auto& body, double work_of_view = 1) {
             parallel_for(chains, [&](std::size_t chain) {
                 if (reporter.cancelled()) return;
-                ViewProblem problem(options.lobes, attenuated);
+                ViewProblem problem(options.lobes, shaped);
                 const std::size_t begin = chain * k_chain, end = std::min(begin + k_chain, n);
                 body(problem, begin, end);
                 reporter.advance(stage, work_of_view * double(end - begin));
@@ -258,7 +258,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
                 if (keep_lobes) continue;
                 model.centre[k] = to_float(lobes[j].centre);
                 model.bandwidth[k] = float(lobes[j].bandwidth);
-                if (attenuated) model.depth[k] = float(lobes[j].depth);
+                if (shaped) model.shape[k] = float(lobes[j].shape);
             }
         };
         for_chains("finishing", [&](ViewProblem& problem, std::size_t begin, std::size_t end) {
@@ -277,7 +277,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
                 std::vector<ViewLobe> lobes;
                 for (std::size_t k = i * J; k < (i + 1) * J; ++k)
                     lobes.push_back({to_double(result.model.centre[k]), double(result.model.bandwidth[k]),
-                                     attenuated ? double(result.model.depth[k]) : 0});
+                                     shaped ? double(result.model.shape[k]) : 0});
                 solve(problem, result.model, i, std::move(lobes), true);
             }
         });

@@ -19,14 +19,15 @@ Vec3<Batch> spread(Vec3f w) { return {Batch(double(w.x)), Batch(double(w.y)), Ba
 
 float view_exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* root_weight,
                      float* x) {
-    const Vec3<Batch> xi = spread(lobe.centre);
-    const Batch lambda{double(lobe.bandwidth)}, tau{double(lobe.depth)},
+    const Vec3<Batch> xi = spread(lobe.centre), tangent = spread(lobe.across);
+    const Batch lambda{double(lobe.bandwidth)}, shape{double(lobe.shape)},
         lowest(-double(std::numeric_limits<float>::max()));
     Batch largest = lowest;
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
         const std::size_t at = block * k_block + i;
-        const Batch exponent = Formulas<Batch, PmModel>::gaussian_exponent(load(rows, at), xi, lambda) -
-                               tau * Batch::load(&rows.slant[at]);
+        const Vec3<Batch> apart = load(rows, at) - xi;
+        const Batch exponent = Formulas<Batch, PmModel>::shaped_exponent(apart, dot(apart, tangent),
+                                                                         Batch::load(&rows.slant[at]), lambda, shape);
         exponent.store(x + i);
         largest = max(largest, select(Batch(0.0) < Batch::load(root_weight + i), exponent, lowest));
     }
@@ -40,19 +41,27 @@ void exponentiate_view(const float* x, const float* root_weight, float offset, f
 }
 
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
-            float* by_first, float* by_second, float* by_log_bandwidth, float* by_depth) {
-    const Batch tau{double(lobe.depth)};
-    const Vec3<Batch> first = spread(lobe.bandwidth * lobe.along[0]), second = spread(lobe.bandwidth * lobe.along[1]),
-                      centre = spread(lobe.centre);
+            float* by_first, float* by_second, float* by_log_bandwidth, float* by_shape) {
+    const bool is_narrowed = lobe.shape < 0;
+    const Batch tau{double(std::max(lobe.shape, 0.f))}, alpha{double(std::max(-lobe.shape, 0.f))},
+        half_lambda{0.5 * double(lobe.bandwidth)};
+    const Vec3f along[2] = {lobe.bandwidth * lobe.along[0], lobe.bandwidth * lobe.along[1]};
+    const Vec3<Batch> first = spread(along[0]), second = spread(along[1]), centre = spread(lobe.centre),
+                      tangent = spread(lobe.across);
+    const Batch first_across = alpha * Batch(double(dot(lobe.across, along[0]))),
+                second_across = alpha * Batch(double(dot(lobe.across, along[1])));
     for (std::size_t i = 0; i < k_block; i += Batch::size()) {
         // The tangents are orthogonal to the centre, which may therefore be subtracted: differences keep precision.
         const std::size_t at = block * k_block + i;
         const Vec3<Batch> apart = load(rows, at) - centre;
         const Batch value = Batch::load(e + i), slant = Batch::load(&rows.slant[at]);
-        (value * dot(apart, first)).store(by_first + i);
-        (value * dot(apart, second)).store(by_second + i);
+        const Batch across = dot(apart, tangent);
+        (value * (dot(apart, first) + across * first_across)).store(by_first + i);
+        (value * (dot(apart, second) + across * second_across)).store(by_second + i);
         (value * (Batch::load(x + i) + tau * slant)).store(by_log_bandwidth + i);
-        if (by_depth) (Batch(0.0) - value * slant).store(by_depth + i);
+        if (!by_shape) continue;
+        const Batch by = is_narrowed ? Batch(half_lambda * Batch(across * across)) : Batch(0.0) - slant;
+        (value * by).store(by_shape + i);
     }
 }
 
@@ -75,8 +84,8 @@ void exponentiate(const float* x, const float* root_weight, float offset, float*
     HWY_DYNAMIC_DISPATCH(exponentiate_view)(x, root_weight, offset, e);
 }
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
-            float* by_first, float* by_second, float* by_log_bandwidth, float* by_depth) {
-    HWY_DYNAMIC_DISPATCH(derive)(rows, block, lobe, e, x, by_first, by_second, by_log_bandwidth, by_depth);
+            float* by_first, float* by_second, float* by_log_bandwidth, float* by_shape) {
+    HWY_DYNAMIC_DISPATCH(derive)(rows, block, lobe, e, x, by_first, by_second, by_log_bandwidth, by_shape);
 }
 
 DirectionRows::DirectionRows(std::span<const Vec3f> directions) : blocks(blocks_for(directions.size())) {

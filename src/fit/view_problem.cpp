@@ -37,8 +37,8 @@ std::pair<double, double> highest(double z, double lambda, double tau) {
 
 }  // namespace
 
-ViewProblem::ViewProblem(int lobes, bool attenuated)
-    : lobes_(lobes), per_lobe_(attenuated ? 4 : 3), frame_(std::size_t(lobes)), offset_(std::size_t(lobes)) {
+ViewProblem::ViewProblem(int lobes, bool shaped)
+    : lobes_(lobes), per_lobe_(shaped ? 4 : 3), frame_(std::size_t(lobes)), offset_(std::size_t(lobes)) {
     beta_.resize(lobes, 3), limit_.resize(lobes, 3);
 }
 
@@ -54,7 +54,7 @@ Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLob
                                   {Kernel<double>::from_frame(lobe.centre, 1.0, 0.0, 0.0),
                                    Kernel<double>::from_frame(lobe.centre, 0.0, 1.0, 0.0)}};
         x[per_lobe_ * j + 2] = std::log(std::clamp(lobe.bandwidth, k_least_bandwidth, double(k_half_max)));
-        if (per_lobe_ == 4) x[per_lobe_ * j + 3] = lobe.depth;
+        if (per_lobe_ == 4) x[per_lobe_ * j + 3] = lobe.shape;
     }
     return x;
 }
@@ -65,7 +65,7 @@ MovingLobe ViewProblem::moving(const Eigen::VectorXd& x, int j) const {
     const Vec3d towards = frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1];
     const double length = std::sqrt(dot(towards, towards));
     const Vec3d centre = (1 / length) * towards;
-    MovingLobe lobe{to_float(centre), {}, float(std::exp(of[2])), float(depth(x, j))};
+    MovingLobe lobe{to_float(centre), {}, float(std::exp(of[2])), float(shape(x, j)), view_->across};
     for (int k = 0; k < 2; ++k)
         lobe.along[k] = to_float((1 / length) * (frame.along[k] - dot(frame.along[k], centre) * centre));
     return lobe;
@@ -77,7 +77,7 @@ std::vector<ViewLobe> ViewProblem::lobes(const Eigen::VectorXd& x) const {
         const Frame& frame = frame_[std::size_t(j)];
         const double* const of = &x[per_lobe_ * j];
         lobes.push_back(
-            {normalize(frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1]), std::exp(of[2]), depth(x, j)});
+            {normalize(frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1]), std::exp(of[2]), shape(x, j)});
     }
     return lobes;
 }
@@ -86,7 +86,7 @@ Eigen::VectorXd ViewProblem::lower(const Eigen::VectorXd& x) const {
     Eigen::VectorXd bound = Eigen::VectorXd::Constant(x.size(), -k_most_shift);
     for (int j = 0; j < lobes_; ++j) {
         bound[per_lobe_ * j + 2] = std::log(k_least_bandwidth);
-        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = 0;
+        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = -k_most_shape;
     }
     return bound;
 }
@@ -95,7 +95,7 @@ Eigen::VectorXd ViewProblem::upper(const Eigen::VectorXd& x) const {
     Eigen::VectorXd bound = Eigen::VectorXd::Constant(x.size(), k_most_shift);
     for (int j = 0; j < lobes_; ++j) {
         bound[per_lobe_ * j + 2] = std::log(double(k_half_max));
-        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = k_most_view_depth;
+        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = k_most_shape;
     }
     return bound;
 }
@@ -105,7 +105,7 @@ Eigen::VectorXd ViewProblem::longest_step(const Eigen::VectorXd& x) const {
     for (int j = 0; j < lobes_; ++j) {
         auto of = longest.segment(per_lobe_ * j, per_lobe_);
         of.head(2).setConstant(std::min(0.5, 1.5 / std::sqrt(std::exp(x[per_lobe_ * j + 2]))));
-        if (per_lobe_ == 4) of[3] = 0.5 + 0.5 * depth(x, j);
+        if (per_lobe_ == 4) of[3] = 0.5 + 0.5 * std::abs(shape(x, j));
     }
     return longest;
 }
@@ -138,7 +138,7 @@ void ViewProblem::place(const Eigen::VectorXd& x) {
         // centre is below it.
         const double centre_z = double(lobe.centre.z), lambda = double(lobe.bandwidth);
         double z = centre_z, log_visible = z < 0 ? lambda * (std::sqrt(std::max(0.0, 1 - z * z)) - 1) : 0;
-        if (lobe.depth > 0) std::tie(z, log_visible) = highest(centre_z, lambda, double(lobe.depth));
+        if (lobe.shape > 0) std::tie(z, log_visible) = highest(centre_z, lambda, double(lobe.shape));
         const double seen = std::exp(double(most) - log_visible);  // the fraction of it that is visible on the rows
         for (int c = 0; c < 3; ++c) {
             const double of_hemisphere = view_->largest[std::size_t(c)] / std::max(z, view_->least_cosine) * seen *

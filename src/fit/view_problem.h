@@ -10,14 +10,15 @@ namespace srbf {
 struct ViewLobe {
     Vec3d centre;
     double bandwidth = 0;
-    double depth = 0;  ///< τ
+    double shape = 0;  ///< τ or −α
 };
 inline constexpr double k_least_bandwidth = 1e-3;  ///< lower bound in a fit: constant within 0.2 %
-inline constexpr double k_most_view_depth = 64;
+inline constexpr double k_most_shape = 64;         ///< of either sign
 
 /// The weighted measurement of one sampled view.
 struct ViewRows {
     DirectionRows directions;
+    Vec3f across;                     ///< the tangent along which lobes are narrowed
     Aligned<float> root_weight;       ///< √w, Σ w = 1; 0 where nothing was measured
     std::array<Aligned<float>, 3> y;  ///< √w f / scale for each channel; their squares sum to 1
     /// Of each radiance that is also matched: Σ light √w f / scale over the rows is the reflected radiance under some
@@ -38,11 +39,11 @@ struct ViewRows {
 
 /// Σ w |f − Σ_j β_j G_j|² / Σ w |f|² of one view, with β eliminated by non-negative least squares per channel. The
 /// variables of each lobe are two shifts u along the tangents t of its initial centre, ξ = normalize(ξ_0 + u_1 t_1 +
-/// u_2 t_2), log λ, and κ if there is one.
+/// u_2 t_2), log λ, and the shape if there is one.
 class ViewProblem {
   public:
-    /// `attenuated`: lobes have a factor e^{−τ(1/w_z − 1)} with a τ of their own.
-    explicit ViewProblem(int lobes, bool attenuated = false);
+    /// `shaped`: lobes have shapes other than 0.
+    explicit ViewProblem(int lobes, bool shaped = false);
 
     /// The problem of `view`, which must outlive it, linearised about these lobes: x has these of each lobe, with
     /// shifts 0.
@@ -66,7 +67,7 @@ class ViewProblem {
   private:
     friend class ViewInPictures;
     MovingLobe moving(const Eigen::VectorXd& x, int j) const;
-    double depth(const Eigen::VectorXd& x, int j) const { return per_lobe_ == 4 ? x[per_lobe_ * j + 3] : 0; }
+    double shape(const Eigen::VectorXd& x, int j) const { return per_lobe_ == 4 ? x[per_lobe_ * j + 3] : 0; }
     /// Evaluates the lobes at x, in `offset_` the logarithms of their largest values, and the bounds of coefficients.
     void place(const Eigen::VectorXd& x);
     /// The Gram matrix of the lobes' values and the measurement.

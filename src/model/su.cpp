@@ -87,7 +87,7 @@ IndexTexture index_texture(const SuModel& model, DirectionMap map, int size) {
 }
 
 std::size_t payload_bytes(const SuModel& model) {
-    return 2 * model.direction.size() * std::size_t(model.lobes) * (model.depth.empty() ? 6 : 7);
+    return 2 * model.direction.size() * std::size_t(model.lobes) * (model.shape.empty() ? 6 : 7);
 }
 
 std::size_t auxiliary_bytes(const SuModel& model) {

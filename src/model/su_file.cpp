@@ -40,9 +40,9 @@ std::map<std::string, Tensor16> encode_su(const SuModel& model) {
         for (int c = 0; c < 3; ++c) coefficient.data.push_back(to_half(std::min(beta[c], k_half_max)));
     Tensor16& bandwidth = tensors["bandwidth"] = {Type16::half, {n, J}, {}};
     for (const float lambda : model.bandwidth) bandwidth.data.push_back(to_half(std::min(lambda, k_half_max)));
-    if (!model.depth.empty()) {
-        Tensor16& depth = tensors["depth"] = {Type16::half, {n, J}, {}};
-        for (const float tau : model.depth) depth.data.push_back(to_half(std::min(tau, k_half_max)));
+    if (!model.shape.empty()) {
+        Tensor16& shape = tensors["shape"] = {Type16::half, {n, J}, {}};
+        for (const float of : model.shape) shape.data.push_back(to_half(std::clamp(of, -k_half_max, k_half_max)));
     }
     Tensor16& centre = tensors["centre"] = {Type16::half, {n, J, 2}, {}};
     for (std::size_t i = 0; i < model.centre.size(); ++i) {
@@ -78,8 +78,8 @@ Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const 
     std::map<std::string, TensorShape> expected{{"coefficient", {Type16::half, {n, J, 3}}},
                                                 {"bandwidth", {Type16::half, {n, J}}},
                                                 {"centre", {Type16::half, {n, J, 2}}}};
-    const bool has_depth = tensors.contains("depth");
-    if (has_depth) expected["depth"] = {Type16::half, {n, J}};
+    const bool has_shapes = tensors.contains("shape");
+    if (has_shapes) expected["shape"] = {Type16::half, {n, J}};
     const auto index_at = tensors.find("aux.index");
     const bool has_index = index_at != tensors.end();
     const bool is_cube = has_index && index_at->second.shape.size() == 4;
@@ -107,11 +107,10 @@ Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const 
     };
     const auto coefficient = number("coefficient"), bandwidth = number("bandwidth"), centre = number("centre");
     for (std::size_t i = 0; i < n * J; ++i) {
-        if (has_depth) model.depth.push_back(from_half(tensors.at("depth").data[i]));
+        if (has_shapes) model.shape.push_back(from_half(tensors.at("shape").data[i]));
         const Rgb beta{coefficient(3 * i), coefficient(3 * i + 1), coefficient(3 * i + 2)};
         for (const auto& [what, x] : {std::pair("tensor 'coefficient'", std::min({beta.r, beta.g, beta.b})),
-                                      {"tensor 'bandwidth'", bandwidth(i)},
-                                      {"tensor 'depth'", has_depth ? model.depth[i] : 0.f}})
+                                      {"tensor 'bandwidth'", bandwidth(i)}})
             if (x < 0) return fail(what, "numbers of at least 0", fmt::format("{}", x));
         model.coefficient.push_back(beta);
         model.bandwidth.push_back(bandwidth(i));

@@ -79,7 +79,7 @@ Vec3 su_centre(Su su, int view, int j) {
     return Vec3(-w.x, -w.y, w.z) + texelFetch(su_numbers, ivec2(2 * j + 1, view), 0).xyz;
 }
 Real su_bandwidth(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j, view), 0).w; }
-Real su_depth(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j + 1, view), 0).w; }
+Real su_shape(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j + 1, view), 0).w; }
 Vec3 su_coefficient(Su su, int view, int j) { return texelFetch(su_numbers, ivec2(2 * j, view), 0).rgb; }
 #else
 int su_lobes(Su su) { return 0; }
@@ -87,6 +87,6 @@ int su_views(Su su) { return 1; }
 Vec3 su_direction(Su su, int view) { return Vec3(0.0, 0.0, 1.0); }
 Vec3 su_centre(Su su, int view, int j) { return Vec3(0.0); }
 Real su_bandwidth(Su su, int view, int j) { return 0.0; }
-Real su_depth(Su su, int view, int j) { return 0.0; }
+Real su_shape(Su su, int view, int j) { return 0.0; }
 Vec3 su_coefficient(Su su, int view, int j) { return Vec3(0.0); }
 #endif

@@ -207,7 +207,7 @@ SuTexels su_texels(const SuModel& model) {
             const Vec3f apart = model.centre[j] - mirror(w);
             texels.numbers.push_back({to_half(beta.r), to_half(beta.g), to_half(beta.b), to_half(model.bandwidth[j])});
             texels.numbers.push_back({to_half(apart.x), to_half(apart.y), to_half(apart.z),
-                                      model.depth.empty() ? std::uint16_t(0) : to_half(model.depth[j])});
+                                      model.shape.empty() ? std::uint16_t(0) : to_half(model.shape[j])});
         }
     }
     return texels;

@@ -35,7 +35,7 @@ Vec3 su_direction(Su su, int view) { return Vec3(0.0, 0.0, 1.0); }
 Vec3 su_centre(Su su, int view, int j) { return Vec3(0.0, 0.0, 1.0); }
 Real su_bandwidth(Su su, int view, int j) { return 0.0; }
 Vec3 su_coefficient(Su su, int view, int j) { return Vec3(0.0, 0.0, 0.0); }
-Real su_depth(Su su, int view, int j) { return 0.0; }
+Real su_shape(Su su, int view, int j) { return 0.0; }
 )";
 
 /// The exponents of a model are to the base e, those of kernel.glsl to the base 2.
@@ -140,9 +140,9 @@ std::string numbers_of(const SuModel& model, Program& program) {
         "Vec3 su_coefficient(Su su, int view, int j) {{ return Vec3({3}, {4}, {5}); }}\n"
         "Real su_bandwidth(Su su, int view, int j) {{ return {6}; }}\n"
         "Vec3 su_centre(Su su, int view, int j) {{ return Vec3({7}, {8}, {9}); }}\n"
-        "Real su_depth(Su su, int view, int j) {{ return {10}; }}\n",
+        "Real su_shape(Su su, int view, int j) {{ return {10}; }}\n",
         J, model.direction.size(), row, at(0), at(1), at(2), at(3), at(4), at(5), at(6),
-        model.depth.empty() ? "0.0" : at(7));
+        model.shape.empty() ? "0.0" : at(7));
 }
 
 /// A number of the kernel's language.
@@ -349,7 +349,7 @@ std::vector<float> shading_data(const SuModel& model) {
             const Rgb& beta = model.coefficient[j];
             const Vec3f xi = model.centre[j];
             data.insert(data.end(), {beta.r, beta.g, beta.b, model.bandwidth[j], xi.x, xi.y, xi.z,
-                                     model.depth.empty() ? 0 : model.depth[j]});
+                                     model.shape.empty() ? 0 : model.shape[j]});
         }
     }
     return data;

@@ -70,8 +70,8 @@ inline void require_unit(const Array& directions, const char* argument) {
 template <typename Body> void in_parts(std::size_t n, const Body& body) {
     constexpr std::size_t part = 1 << 14;
     const py::gil_scoped_release released;
-    parallel_for((n + part - 1) / part, n > part ? 0 : 1,
-                 [&](std::size_t i) { body(i * part, std::min(part, n - i * part)); });
+    parallel_for_parts(n, part, n > part ? 0 : 1,
+                       [&](std::size_t begin, std::size_t end) { body(begin, end - begin); });
 }
 
 }  // namespace srbf

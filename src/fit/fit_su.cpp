@@ -74,12 +74,11 @@ struct ViewByView {
 
     /// Calls body(problem, chain) for each chain of views, with working memory.
     template <typename Body> void each_chain(std::string_view stage, const Body& body, double work_of_view = 1) {
-        parallel_for((views.count() + k_chain - 1) / k_chain, [&](std::size_t i) {
+        parallel_for_parts(views.count(), k_chain, [&](std::size_t begin, std::size_t end) {
             if (reporter.cancelled()) return;
             ViewProblem problem(options.lobes, attenuated);
-            const Chain chain{i * k_chain, std::min((i + 1) * k_chain, views.count())};
-            body(problem, chain);
-            reporter.advance(stage, work_of_view * double(chain.end - chain.begin));
+            body(problem, Chain{begin, end});
+            reporter.advance(stage, work_of_view * double(end - begin));
         });
     }
 

@@ -41,6 +41,8 @@ inline Check png_name() {
 
 /// Options for the mesh of pictures and its upward axis.
 void add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up);
+/// The latter alone.
+Option add_up_option(const Subcommand& sub, std::string& up, const std::string& about);
 
 // Each function adds its subcommand. If the subcommand is chosen, parsing runs it and stores its exit status in
 // `status`.

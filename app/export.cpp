@@ -264,10 +264,7 @@ void add_export(CommandLine& app, int& status) {
     const Option mesh =
         sub.add_option("--mesh", command->mesh, "html: a .ply or .obj file, the object that is shown at first")
             .type_name("FILE");
-    const Option up = sub.add_option("--up", command->up, "html: axis of that mesh that points upwards, y or z")
-                          .type_name("AXIS")
-                          .one_of({"y", "z"})
-                          .capture_default_str();
+    const Option up = add_up_option(sub, command->up, "html: axis of that mesh that points upwards, y or z");
     sub.add_option("-o,--output", command->output, "The file to write").type_name("FILE").required();
     sub.footer(
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"

@@ -248,10 +248,10 @@ void add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up)
     sub.add_option("--mesh", mesh, fmt::format("A .ply or .obj file, or {}", fmt::join(k_built_in_meshes, " or ")))
         .type_name("FILE")
         .capture_default_str();
-    sub.add_option("--up", up, "Axis of the mesh that points upwards, y or z")
-        .type_name("AXIS")
-        .one_of({"y", "z"})
-        .capture_default_str();
+    add_up_option(sub, up, "Axis of the mesh that points upwards, y or z");
+}
+Option add_up_option(const Subcommand& sub, std::string& up, const std::string& about) {
+    return sub.add_option("--up", up, about).type_name("AXIS").one_of({"y", "z"}).capture_default_str();
 }
 
 void add_render(CommandLine& app, int& status) {

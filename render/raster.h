@@ -4,50 +4,15 @@
 #include <functional>
 #include <initializer_list>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "render/environment.h"
+#include "render/gl_object.h"
 #include "render/image.h"
-#include "render/pixel_shader.h"
 #include "render/scene.h"
 
 namespace srbf {
-
-/// Owns an object of the graphics library. It must be destroyed while its context is current.
-class GlObject {
-  public:
-    using Delete = void (*)(unsigned id);
-    GlObject() = default;
-    GlObject(unsigned id, Delete destroy) : id_(id), delete_(destroy) {}
-    GlObject(GlObject&& other) noexcept : id_(std::exchange(other.id_, 0)), delete_(other.delete_) {}
-    GlObject& operator=(GlObject&& other) noexcept {
-        std::swap(id_, other.id_), std::swap(delete_, other.delete_);
-        return *this;
-    }
-    ~GlObject() {
-        if (id_ != 0) delete_(id_);
-    }
-    unsigned id() const { return id_; }
-
-  private:
-    unsigned id_ = 0;
-    Delete delete_ = nullptr;
-};
-
-/// A mesh in the buffers of the graphics library.
-class RasterMesh {
-  public:
-    explicit RasterMesh(const Mesh& mesh);
-    const Bounds& bounds() const { return bounds_; }
-    void draw() const;
-
-  private:
-    Bounds bounds_;
-    int corners_ = 0;
-    GlObject vertices_, triangles_, array_;
-};
 
 /// Parameters of a picture.
 struct RasterView {
@@ -60,6 +25,20 @@ struct RasterView {
     bool back_faces = true;
     /// Of the points that pixels show from their centres, right and up, in widths and heights of the picture.
     std::array<double, 2> shift{};
+};
+
+/// A mesh in the buffers of the graphics library.
+class RasterMesh {
+  public:
+    explicit RasterMesh(const Mesh& mesh);
+    const Bounds& bounds() const { return bounds_; }
+    /// Draws it by the program in use, `program`, whose uniform `to_clip` is set for the view.
+    void draw(const GlObject& program, const RasterView& view) const;
+
+  private:
+    Bounds bounds_;
+    int corners_ = 0;
+    GlObject vertices_, triangles_, array_;
 };
 
 /// An environment in textures of the graphics library.

@@ -34,4 +34,14 @@ template <typename Body> void parallel_for(std::size_t count, int threads, const
     on_threads(threads, [&] { parallel_for(count, body); });
 }
 
+constexpr std::size_t part_count(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
+/// Calls body(begin, end) for each of the parts of 0..count−1 of that size, of which the last may be smaller: part
+/// begin/size of `part_count(count, size)`.
+template <typename Body> void parallel_for_parts(std::size_t count, std::size_t size, const Body& body) {
+    parallel_for(part_count(count, size), [&](std::size_t i) { body(i * size, std::min((i + 1) * size, count)); });
+}
+template <typename Body> void parallel_for_parts(std::size_t count, std::size_t size, int threads, const Body& body) {
+    on_threads(threads, [&] { parallel_for_parts(count, size, body); });
+}
+
 }  // namespace srbf

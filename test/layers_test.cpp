@@ -38,7 +38,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"render/path", "render/room"},
     {"render/preview"},
     {"render/pixel", "render/surface", "render/whole", "render/develop"},
-    {"render/offscreen"},
+    {"render/offscreen", "render/gl_object"},
     {"render/raster"},
     {"render/frames"},
     {"render/html", "render/drawing"},

@@ -1,18 +1,14 @@
 // Exported code is what its languages' compilers accept, and computes what the library computes.
 #include "srbf/shading_code.h"
 
-#include <dlfcn.h>
-#include <fmt/format.h>
-#include <sys/wait.h>
+#include <cstdlib>
 
-#include <cstring>
-
+#include "compiled_code.h"
 #include "models.h"
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
 #include "statistics.h"
 #include "su_models.h"
-#include "temporary_folder.h"
 #ifdef SRBF_RASTER
 #include <epoxy/gl.h>
 
@@ -136,16 +132,6 @@ void expect_equal(const Answers& answers, const std::string& of) {
     EXPECT_LE(double(wrong_samples), 0.001 * double(library.size())) << of;
 }
 
-testing::AssertionResult runs(const std::string& command) {
-    FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
-    if (!pipe) return testing::AssertionFailure() << "cannot run " << command;
-    std::string output;
-    for (char part[256]; std::fgets(part, sizeof part, pipe);) output += part;
-    const int status = ::pclose(pipe);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return testing::AssertionSuccess();
-    return testing::AssertionFailure() << command << "\n" << output.substr(0, 4000);
-}
-
 /// Statements that answer a question for every model: `read` gives a vector of its three directions or numbers,
 /// `write(k, vector, number)` stores one of the answers.
 std::string answers_text(const std::string& vector, const auto& write) {
@@ -160,46 +146,34 @@ std::string answers_text(const std::string& vector, const auto& write) {
     return text;
 }
 
-class ShadingCode : public testing::Test {
+class ShadingCode : public WrittenCode {
   protected:
-    std::string written(const std::string& name, const std::string& text) const {
-        write(folder_ / name, text);
-        return (folder_ / name).string();
-    }
-    std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
     /// Compiles a C or C++ program with the code and asks it.
     void ask_compiled(const std::string& compiler, const std::string& header, const std::string& vector,
-                      const std::string& of) const {
+                      const std::string& of) {
         const auto write = [](std::size_t k, const std::string& three, const std::string& number) {
             return fmt::format(
                 "        w = {}; r[4 * {} + 3] = {};\n        r[4 * {}] = w.x; r[4 * {} + 1] = w.y; r[4 * {} + 2] = "
                 "w.z;\n",
                 three, k, number, k, k, k);
         };
-        const std::string source = written(
-            of + ".c", header + fmt::format("#ifdef __cplusplus\nextern \"C\"\n#endif\n"
-                                            "void answer(const float* q, float* r, int n);\n"
-                                            "void answer(const float* q, float* r, int n) {{\n"
-                                            "    int i;\n    for (i = 0; i < n; ++i) {{\n"
-                                            "        {0} wl, wv, u, w;\n"
-                                            "        wl.x = q[0], wl.y = q[1], wl.z = q[2], wv.x = q[4], wv.y = q[5];\n"
-                                            "        wv.z = q[6], u.x = q[8], u.y = q[9], u.z = q[10];\n{1}"
-                                            "        q += 12, r += {2};\n    }}\n}}\n",
-                                            vector, answers_text("float", write), 12 * models().size()));
-        const std::string library = path(of + ".so");
-        ASSERT_TRUE(runs(fmt::format("{} -O1 -Wall -Wextra -Wconversion -Werror -shared -fPIC '{}' -o '{}' -lm",
-                                     compiler, source, library)));
-        void* opened = ::dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-        ASSERT_TRUE(opened) << ::dlerror();
-        const auto answer = reinterpret_cast<void (*)(const float*, float*, int)>(::dlsym(opened, "answer"));
+        void* const library =
+            compiled(compiler + " -Wall -Wextra -Wconversion -Werror", of,
+                     header + fmt::format("#ifdef __cplusplus\nextern \"C\"\n#endif\n"
+                                          "void answer(const float* q, float* r, int n);\n"
+                                          "void answer(const float* q, float* r, int n) {{\n"
+                                          "    int i;\n    for (i = 0; i < n; ++i) {{\n"
+                                          "        {0} wl, wv, u, w;\n"
+                                          "        wl.x = q[0], wl.y = q[1], wl.z = q[2], wv.x = q[4], wv.y = q[5];\n"
+                                          "        wv.z = q[6], u.x = q[8], u.y = q[9], u.z = q[10];\n{1}"
+                                          "        q += 12, r += {2};\n    }}\n}}\n",
+                                          vector, answers_text("float", write), 12 * models().size()));
+        ASSERT_TRUE(library);
+        const auto answer = function<void(const float*, float*, int)>(library, "answer");
         Answers answers(questions().size() * models().size());
         answer(questions()[0].wl.data(), answers[0].value.data(), int(questions().size()));
         expect_equal(answers, of);
-        ::dlclose(opened);
     }
-
-    const TemporaryFolder folder_;
 };
 
 TEST_F(ShadingCode, RunsAsCAndCpp) {
@@ -221,26 +195,21 @@ TEST_F(ShadingCode, SamplesFollowTheirDensity) {
         cases_of_sample += fmt::format("    case {}: w = {}_sample(wv, u[0], u[1], u[2]); break;\n", m, name_of(m));
         cases_of_pdf += fmt::format("    case {}: return {}_pdf(wl, wv);\n", m, name_of(m));
     }
-    const std::string source =
-        written("draws.c", code(CodeLanguage::c) +
-                               "void draw(int m, const float* v, const float* u, float* to);\n"
-                               "float density(int m, const float* l, const float* v);\n"
-                               "void draw(int m, const float* v, const float* u, float* to) {\n"
-                               "    srbf_vec3 wv = {v[0], v[1], v[2]}, w = wv;\n    switch (m) {\n" +
-                               cases_of_sample +
-                               "    }\n    to[0] = w.x, to[1] = w.y, to[2] = w.z;\n}\n"
-                               "float density(int m, const float* l, const float* v) {\n"
-                               "    srbf_vec3 wl = {l[0], l[1], l[2]}, wv = {v[0], v[1], v[2]};\n    switch (m) {\n" +
-                               cases_of_pdf + "    }\n    return 0;\n}\n");
-    const std::string library = path("draws.so");
-    ASSERT_TRUE(
-        runs(fmt::format("{} -x c -std=c99 -O1 -shared -fPIC '{}' -o '{}' -lm", SRBF_COMPILER, source, library)));
-    void* opened = ::dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-    ASSERT_TRUE(opened) << ::dlerror();
-    using Draw = void (*)(int, const float*, const float*, float*);
-    using Density = float (*)(int, const float*, const float*);
-    const auto draw = reinterpret_cast<Draw>(::dlsym(opened, "draw"));
-    const auto density = reinterpret_cast<Density>(::dlsym(opened, "density"));
+    void* const library =
+        compiled(SRBF_COMPILER " -x c -std=c99", "draws",
+                 code(CodeLanguage::c) +
+                     "void draw(int m, const float* v, const float* u, float* to);\n"
+                     "float density(int m, const float* l, const float* v);\n"
+                     "void draw(int m, const float* v, const float* u, float* to) {\n"
+                     "    srbf_vec3 wv = {v[0], v[1], v[2]}, w = wv;\n    switch (m) {\n" +
+                     cases_of_sample +
+                     "    }\n    to[0] = w.x, to[1] = w.y, to[2] = w.z;\n}\n"
+                     "float density(int m, const float* l, const float* v) {\n"
+                     "    srbf_vec3 wl = {l[0], l[1], l[2]}, wv = {v[0], v[1], v[2]};\n    switch (m) {\n" +
+                     cases_of_pdf + "    }\n    return 0;\n}\n");
+    ASSERT_TRUE(library);
+    const auto draw = function<void(int, const float*, const float*, float*)>(library, "draw");
+    const auto density = function<float(int, const float*, const float*)>(library, "density");
 
     constexpr int count = 20000;
     const PolarBins bins = half_vector_bins();
@@ -270,7 +239,6 @@ TEST_F(ShadingCode, SamplesFollowTheirDensity) {
             expected.push_back(count * std::max(0.0, 1 - within));
             EXPECT_GT(chi2_p_value(observed, expected), significance) << m << " from " << theta;
         }
-    ::dlclose(opened);
 }
 
 TEST_F(ShadingCode, CompilesAsCuda) {
@@ -360,19 +328,15 @@ std::string body(const std::string& vec3, const std::string& vec4, const std::st
 
 TEST_F(ShadingCode, RunsAsGlsl) {
     const std::string text = code(CodeLanguage::glsl);
-    ASSERT_TRUE(std::strlen(SRBF_GLSLANG)) << "glslangValidator (Debian: glslang-tools) was not found";
     std::string calls;
     for (std::size_t m = 0; m < models().size(); ++m) calls += fmt::format(" + {}_brdf(a, b)", name_of(m));
-    EXPECT_TRUE(runs(fmt::format(
-        "'{}' '{}'", SRBF_GLSLANG,
-        written("plain.frag", "#version 300 es\nprecision highp float;\n" + code(CodeLanguage::glsl, false) +
-                                  "out vec4 c;\nvoid main() { c = vec4(1.0); }\n"))));
+    EXPECT_TRUE(compiles_as_glsl("plain.frag", "#version 300 es\nprecision highp float;\n" +
+                                                   code(CodeLanguage::glsl, false) +
+                                                   "out vec4 c;\nvoid main() { c = vec4(1.0); }\n"));
     for (const char* version : {"#version 300 es\nprecision highp float;\n", "#version 330\n"})
-        EXPECT_TRUE(runs(fmt::format("'{}' '{}'", SRBF_GLSLANG,
-                                     written("code.frag", version + text +
-                                                              "in vec3 a, b; out vec4 c;\nvoid main() { c = "
-                                                              "vec4(vec3(0.0)" +
-                                                              calls + ", 1.0); }\n"))));
+        EXPECT_TRUE(compiles_as_glsl(
+            "code.frag",
+            version + text + "in vec3 a, b; out vec4 c;\nvoid main() { c = vec4(vec3(0.0)" + calls + ", 1.0); }\n"));
     const auto context = OffscreenContext::make(Dialect::gl_450);
     if (!context) GTEST_SKIP() << message(context.error());
     expect_equal(computed("#version 450\nlayout(local_size_x = 64) in;\n"
@@ -385,22 +349,18 @@ TEST_F(ShadingCode, RunsAsGlsl) {
 
 /// What glslang makes of the HLSL is translated from SPIR-V to GLSL, which OpenGL runs.
 TEST_F(ShadingCode, RunsAsHlsl) {
-    ASSERT_TRUE(std::strlen(SRBF_GLSLANG)) << "glslangValidator (Debian: glslang-tools) was not found";
-    const std::string source =
-        written("code.comp",
-                "StructuredBuffer<float4> questions : register(t0);\n"
-                "RWStructuredBuffer<float4> answers : register(u1);\n" +
-                    code(CodeLanguage::hlsl, true) +
-                    "[numthreads(64, 1, 1)] void main(uint3 at : SV_DispatchThreadID) {\n    uint i = at.x;\n" +
-                    body("float3", "float4", "answers") + "}\n");
-    const std::string module = path("code.spv");
-    ASSERT_TRUE(runs(fmt::format("'{}' -D -V -S comp -e main -o '{}' '{}'", SRBF_GLSLANG, module, source)));
-    EXPECT_TRUE(runs(fmt::format(
-        "'{}' -D -V -S frag -e main -o '{}' '{}'", SRBF_GLSLANG, path("plain.spv"),
-        written("plain.hlsl", code(CodeLanguage::hlsl, false) + "float4 main() : SV_Target { return 1.0; }\n"))));
+    ASSERT_TRUE(compiles_as_hlsl(
+        "comp", "code",
+        "StructuredBuffer<float4> questions : register(t0);\n"
+        "RWStructuredBuffer<float4> answers : register(u1);\n" +
+            code(CodeLanguage::hlsl, true) +
+            "[numthreads(64, 1, 1)] void main(uint3 at : SV_DispatchThreadID) {\n    uint i = at.x;\n" +
+            body("float3", "float4", "answers") + "}\n"));
+    EXPECT_TRUE(compiles_as_hlsl("frag", "plain",
+                                 code(CodeLanguage::hlsl, false) + "float4 main() : SV_Target { return 1.0; }\n"));
     if (!std::strlen(SRBF_SPIRV_CROSS)) GTEST_SKIP() << "compiled, not run: no spirv-cross (Debian: spirv-cross)";
-    ASSERT_TRUE(runs(
-        fmt::format("'{}' '{}' --version 450 --no-es --output '{}'", SRBF_SPIRV_CROSS, module, path("code.glsl"))));
+    ASSERT_TRUE(runs(fmt::format("'{}' '{}' --version 450 --no-es --output '{}'", SRBF_SPIRV_CROSS, path("code.spv"),
+                                 path("code.glsl"))));
     const auto context = OffscreenContext::make(Dialect::gl_450);
     if (!context) GTEST_SKIP() << message(context.error());
     expect_equal(computed(contents(path("code.glsl"))), "hlsl");
@@ -483,18 +443,15 @@ TEST_F(ShadingCode, RunsViewByView) {
     const std::vector<float> data = shading_data(su);
     const auto text = shading_code(named, "su", {.language = CodeLanguage::c});
     ASSERT_TRUE(text) << message(text.error());
-    const std::string source =
-        written("su.c", "static const float* data;\n#define su_number(i) data[i]\n" + *text +
-                            "void answer(const float* numbers, const float* q, float* f);\n"
-                            "void answer(const float* numbers, const float* q, float* f) {\n"
-                            "    srbf_vec3 wl = {q[0], q[1], q[2]}, wv = {q[4], q[5], q[6]}, w;\n"
-                            "    data = numbers, w = su_brdf(wl, wv);\n    f[0] = w.x, f[1] = w.y, f[2] = w.z;\n}\n");
-    const std::string library = path("su.so");
-    ASSERT_TRUE(runs(fmt::format("{} -x c -std=c99 -pedantic -O1 -Wall -Wextra -Werror -shared -fPIC '{}' -o '{}' -lm",
-                                 SRBF_COMPILER, source, library)));
-    void* opened = ::dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-    ASSERT_TRUE(opened) << ::dlerror();
-    const auto answer = reinterpret_cast<void (*)(const float*, const float*, float*)>(::dlsym(opened, "answer"));
+    void* const library =
+        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Werror", "su",
+                 "static const float* data;\n#define su_number(i) data[i]\n" + *text +
+                     "void answer(const float* numbers, const float* q, float* f);\n"
+                     "void answer(const float* numbers, const float* q, float* f) {\n"
+                     "    srbf_vec3 wl = {q[0], q[1], q[2]}, wv = {q[4], q[5], q[6]}, w;\n"
+                     "    data = numbers, w = su_brdf(wl, wv);\n    f[0] = w.x, f[1] = w.y, f[2] = w.z;\n}\n");
+    ASSERT_TRUE(library);
+    const auto answer = function<void(const float*, const float*, float*)>(library, "answer");
     float peak = 0;
     for (const Rgb& beta : su.coefficient) peak = std::max({peak, beta.r, beta.g, beta.b});
     for (const Question& q : questions()) {
@@ -504,155 +461,19 @@ TEST_F(ShadingCode, RunsViewByView) {
         for (int c = 0; c < 3; ++c)
             ASSERT_NEAR(f[std::size_t(c)], expected[c], std::max(1e-4f * expected[c], 1e-6f * peak));
     }
-    ::dlclose(opened);
 
     const auto glsl = shading_code(named, "su", {.albedo = true}),
                hlsl = shading_code(named, "su", {.language = CodeLanguage::hlsl});
     ASSERT_TRUE(glsl && hlsl);
-    ASSERT_TRUE(std::strlen(SRBF_GLSLANG)) << "glslangValidator (Debian: glslang-tools) was not found";
     const std::string in_glsl =
         "#version 300 es\nprecision highp float;\nuniform highp sampler2D data;\n"
         "float su_number(int i) { return texelFetch(data, ivec2(i % 1024, i / 1024), 0).x; }\n" +
         *glsl + "in vec3 a, b; out vec4 c;\nvoid main() { c = vec4(su_brdf(a, b) * su_albedo(b.z), 1.0); }\n";
-    EXPECT_TRUE(runs(fmt::format("'{}' '{}'", SRBF_GLSLANG, written("su.frag", in_glsl))));
+    EXPECT_TRUE(compiles_as_glsl("su.frag", in_glsl));
     const std::string in_hlsl =
         "StructuredBuffer<float> data : register(t0);\nfloat su_number(int i) { return data[i]; }\n" + *hlsl +
         "float4 main(float3 a : A, float3 b : B) : SV_Target { return float4(su_brdf(a, b), 1.0); }\n";
-    EXPECT_TRUE(runs(fmt::format("'{}' -D -V -S frag -e main -o '{}' '{}'", SRBF_GLSLANG, path("su.spv"),
-                                 written("su.hlsl", in_hlsl))));
-}
-
-/// BSDFs with parts of their own, with parts that their counterparts answer for, and with one that is 0.
-std::vector<Model> bsdfs() {
-    std::vector<Model> all(3, Model{full_bsdf(), {}});
-    auto& shared = std::get<BsdfModel>(all[1].model);
-    shared.part[1].reset(), shared.part[3].reset();
-    shared.beam = {};
-    shared.beam[1] = {{0.2f, float(k_pi / 2)}, {{0.3f, 0.2f, 0.1f}, {0.1f, 0.2f, 0.3f}}};
-    auto& one_way = std::get<BsdfModel>(all[2].model);
-    one_way.part[0].reset(), one_way.part[1].reset();
-    one_way.part[2] = std::make_shared<const Model>(models().back());
-    for (Model& model : all) model = *read_model(write_model(model), "m");
-    return all;
-}
-
-std::string code_of_bsdfs(const std::vector<Model>& all, CodeLanguage language, bool sampling) {
-    std::vector<NamedModel> named;
-    for (std::size_t i = 0; i < all.size(); ++i) named.push_back({fmt::format("b{}", i), &all[i]});
-    named.push_back({"brdf", &models()[0]});
-    const auto text = shading_code(named, "all", {.language = language, .sampling = sampling});
-    if (!text) return ADD_FAILURE() << message(text.error()), "";
-    return *text;
-}
-
-/// On either side of a BSDF: values and beams are the library's, the density integrates to 1 with the draws that have
-/// no direction, draws follow it, and their weights are unbiased.
-TEST_F(ShadingCode, RunsOnBothSides) {
-    const std::vector<Model> all = bsdfs();
-    const std::string source = written(
-        "both.c",
-        code_of_bsdfs(all, CodeLanguage::c, true) +
-            "enum { VALUE, BEAM, MIRROR_BEAM, SAMPLE, PDF };\n"
-            "void answer(int m, int what, const float* l, const float* v, float* to);\n"
-            "void answer(int m, int what, const float* l, const float* v, float* to) {\n"
-            "    srbf_vec3 a = {l[0], l[1], l[2]}, wv = {v[0], v[1], v[2]}, w = {0.0f, 0.0f, 0.0f};\n"
-            "    if (what == VALUE) w = m == 0 ? b0_bsdf(a, wv) : m == 1 ? b1_bsdf(a, wv) : b2_bsdf(a, wv);\n"
-            "    if (what == BEAM && m != 1) w = m == 0 ? b0_beam(wv) : b2_beam(wv);\n"
-            "    if (what == MIRROR_BEAM) w = m == 0 ? b0_mirror_beam(wv) : m == 1 ? b1_mirror_beam(wv) : "
-            "b2_mirror_beam(wv);\n"
-            "    if (what == SAMPLE)\n"
-            "        w = m == 0   ? b0_sample(wv, a.x, a.y, a.z)\n            : m == 1 ? b1_sample(wv, a.x, a.y, a.z)\n"
-            "                     : b2_sample(wv, a.x, a.y, a.z);\n"
-            "    if (what == PDF) w.x = m == 0 ? b0_pdf(a, wv) : m == 1 ? b1_pdf(a, wv) : b2_pdf(a, wv);\n"
-            "    to[0] = w.x, to[1] = w.y, to[2] = w.z;\n}\n");
-    const std::string library = path("both.so");
-    ASSERT_TRUE(runs(fmt::format(
-        "{} -x c -std=c99 -pedantic -O1 -Wall -Wextra -Wconversion -Wno-unused-function -Werror -shared -fPIC '{}' -o "
-        "'{}' -lm",
-        SRBF_COMPILER, source, library)));
-    void* opened = ::dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-    ASSERT_TRUE(opened) << ::dlerror();
-    const auto called =
-        reinterpret_cast<void (*)(int, int, const float*, const float*, float*)>(::dlsym(opened, "answer"));
-    enum { value_of, beam, mirror_beam, drawn, density };
-    const auto answer = [&](std::size_t m, int what, Vec3f l, Vec3f v) {
-        const std::array<float, 3> a{l.x, l.y, l.z}, b{v.x, v.y, v.z};
-        std::array<float, 3> to{};
-        called(int(m), what, a.data(), b.data(), to.data());
-        return Rgb{to[0], to[1], to[2]};
-    };
-
-    std::mt19937_64 random(7);
-    for (std::size_t m = 0; m < all.size(); ++m) {
-        const auto& bsdf = std::get<BsdfModel>(all[m].model);
-        for (int i = 0; i < 4000; ++i) {
-            const Vec3f wl = to_float(random_direction(random)), wv = to_float(random_direction(random));
-            const Rgb f = answer(m, value_of, wl, wv), expected = value(all[m], wl, wv);
-            const Rgb through = answer(m, beam, wl, wv), of_mirror = answer(m, mirror_beam, wl, wv);
-            for (int c = 0; c < 3; ++c) {
-                ASSERT_PRED3(near, f[c], expected[c], 1e-4 * double(expected[c]) + 1e-6) << m;
-                ASSERT_PRED3(near, through[c], share_at(bsdf.beam[2], wv.z)[c], 1e-5) << m;
-                ASSERT_PRED3(near, of_mirror[c], share_at(bsdf.beam[wv.z > 0 ? 0 : 1], wv.z)[c], 1e-5) << m;
-            }
-        }
-        const Vec3f in_surface{1, 0, 0}, up{0, 0, 1};
-        EXPECT_EQ(answer(m, value_of, in_surface, up), Rgb{});
-        EXPECT_EQ(answer(m, value_of, up, in_surface), Rgb{});
-
-        for (const double theta : {10.0, 55.0, 125.0, 165.0}) {
-            const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
-            const PolarBins bins{{0, 0, 1}, {0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 1.9, 2}};
-            std::vector<double> expected =
-                bins.masses([&](Vec3d w) { return double(answer(m, density, to_float(w), wv).r); }, 48);
-            std::vector<double> observed(bins.size());
-            constexpr int count = 50000;
-            int lost = 0;
-            double sum = 0, squares = 0;
-            for (int i = 0; i < count; ++i) {
-                const auto u = [&] { return std::min(float(uniform(random)), 0x1.fffffep-1f); };
-                const Vec3f three{u(), u(), u()};
-                const Rgb to = answer(m, drawn, three, wv);
-                const Vec3f wl{to.r, to.g, to.b};
-                const float of_draw = answer(m, density, wl, wv).r;
-                if (!(of_draw > 0)) {
-                    ++lost;
-                    continue;
-                }
-                observed[bins.index(to_double(wl))] += 1;
-                const double weight = double(answer(m, value_of, wl, wv).g * std::abs(wl.z) / of_draw);
-                sum += weight, squares += weight * weight;
-            }
-            double mass = 0, seen = 0;
-            for (const double each : expected) mass += each;
-            for (const double each : observed) seen += each;
-            EXPECT_PRED3(near, mass + double(lost) / count, 1, 7e-3) << m << " from " << theta;
-            for (double& each : expected) each *= seen / mass;
-            EXPECT_GT(chi2_p_value(observed, expected), sidak(0.01, 12)) << m << " from " << theta;
-            double whole = 0;
-            for (const double each :
-                 bins.masses([&](Vec3d w) { return double(value(all[m], to_float(w), wv).g) * std::abs(w.z); }, 48))
-                whole += each;
-            const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
-            EXPECT_PRED3(near, mean, whole, 4 * deviation + 3e-3 * whole) << m << " from " << theta;
-        }
-    }
-    ::dlclose(opened);
-}
-
-TEST_F(ShadingCode, CompilesOnBothSides) {
-    ASSERT_TRUE(std::strlen(SRBF_GLSLANG)) << "glslangValidator (Debian: glslang-tools) was not found";
-    const std::vector<Model> all = bsdfs();
-    EXPECT_TRUE(runs(fmt::format(
-        "'{}' '{}'", SRBF_GLSLANG,
-        written("both.frag", "#version 300 es\nprecision highp float;\n" +
-                                 code_of_bsdfs(all, CodeLanguage::glsl, true) +
-                                 "in vec3 a, b; out vec4 c;\nvoid main() { c = vec4(b0_bsdf(a, b) + b0_beam(b), "
-                                 "b0_pdf(b0_sample(b, a.x, a.y, a.z), b)); }\n"))));
-    EXPECT_TRUE(runs(fmt::format(
-        "'{}' -D -V -S frag -e main -o '{}' '{}'", SRBF_GLSLANG, path("both.spv"),
-        written("both.hlsl", code_of_bsdfs(all, CodeLanguage::hlsl, true) +
-                                 "float4 main(float3 a : A, float3 b : B) : SV_Target { return float4(b0_bsdf(a, b) + "
-                                 "b0_beam(b), b0_pdf(b0_sample(b, a.x, a.y, a.z), b)); }\n"))));
+    EXPECT_TRUE(compiles_as_hlsl("frag", "su", in_hlsl));
 }
 
 TEST(ShadingCodeText, WhatALanguageCannotHoldIsRefused) {

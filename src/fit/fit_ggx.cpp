@@ -75,10 +75,11 @@ class GgxProblem {
 
   private:
     Moments moments(const Roughness& log_alpha) const {
-        const std::size_t parts = (rows_ + k_rows_at_once - 1) / k_rows_at_once, terms = 1 + 2 * log_alpha.size();
-        std::vector<Moments> part(parts);
-        parallel_for(parts, threads_, [&](std::size_t p) {
-            for (std::size_t row = p * k_rows_at_once; row < std::min((p + 1) * k_rows_at_once, rows_); ++row) {
+        const std::size_t terms = 1 + 2 * log_alpha.size();
+        std::vector<Moments> parts(part_count(rows_, k_rows_at_once));
+        parallel_for_parts(rows_, k_rows_at_once, threads_, [&](std::size_t begin, std::size_t end) {
+            Moments& part = parts[begin / k_rows_at_once];
+            for (std::size_t row = begin; row < end; ++row) {
                 const Vec3f wl = observations_.wl[row], wv = observations_.wv[row];
                 const double w = observations_.weight[row];
                 const auto s = double(Kernel<float>::schlick_weight(wl, wv));
@@ -89,15 +90,15 @@ class GgxProblem {
                     t[2 + 2 * i] = facets * s;
                 }
                 for (std::size_t i = 0; i < terms; ++i) {
-                    for (std::size_t k = 0; k < terms; ++k) part[p].terms[i][k] += w * t[i] * t[k];
+                    for (std::size_t k = 0; k < terms; ++k) part.terms[i][k] += w * t[i] * t[k];
                     for (int c = 0; c < 3; ++c)
-                        part[p].values[i][std::size_t(c)] += w * t[i] * double(observations_.f[row][c]);
+                        part.values[i][std::size_t(c)] += w * t[i] * double(observations_.f[row][c]);
                 }
-                for (int c = 0; c < 3; ++c) part[p].energy += w * std::pow(double(observations_.f[row][c]), 2);
+                for (int c = 0; c < 3; ++c) part.energy += w * std::pow(double(observations_.f[row][c]), 2);
             }
         });
         Moments sums;
-        for (const Moments& of_part : part) {
+        for (const Moments& of_part : parts) {
             for (std::size_t i = 0; i < terms; ++i) {
                 for (std::size_t k = 0; k < terms; ++k) sums.terms[i][k] += of_part.terms[i][k];
                 for (std::size_t c = 0; c < 3; ++c) sums.values[i][c] += of_part.values[i][c];

@@ -122,8 +122,8 @@ void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::
     const ObjectiveTraits& of = traits(objective);
     const std::vector<double> solid_angle(weight.begin(), weight.end());
     const auto take = [&](auto& to, const auto& rule) {
-        parallel_for((f.size() + k_part - 1) / k_part, threads, [&](std::size_t part) {
-            for (std::size_t i = part * k_part; i < std::min(f.size(), (part + 1) * k_part); ++i)
+        parallel_for_parts(f.size(), k_part, threads, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
                 to[i] = solid_angle[i] * rule(mean_of(f[i]), typical, double(wl[i].z), double(wv[i].z));
         });
         return energy_of(f, to);

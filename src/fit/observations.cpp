@@ -67,11 +67,11 @@ struct Drawn {
 template <typename DrawAt>
 Drawn measured(const Evaluate& f, std::size_t count, int threads, const DrawAt& draw, Reporter& reporter) {
     constexpr std::size_t k_part = 4096;
-    std::vector<Drawn> parts((count + k_part - 1) / k_part);
-    parallel_for(parts.size(), threads, [&](std::size_t p) {
+    std::vector<Drawn> parts(part_count(count, k_part));
+    parallel_for_parts(count, k_part, threads, [&](std::size_t begin, std::size_t end) {
         if (!reporter.advance("observing", double(k_part))) return;
         Drawn part;
-        for (std::size_t i = p * k_part; i < std::min(count, (p + 1) * k_part); ++i) {
+        for (std::size_t i = begin; i < end; ++i) {
             const std::optional<Draw> one = draw(i);
             if (!one) continue;
             part.wl.push_back(to_float(one->wl)), part.wv.push_back(to_float(one->wv));
@@ -79,7 +79,7 @@ Drawn measured(const Evaluate& f, std::size_t count, int threads, const DrawAt& 
         }
         part.f.resize(part.wl.size());
         f(part.wl, part.wv, part.f);
-        Drawn& kept = parts[p];
+        Drawn& kept = parts[begin / k_part];
         for (std::size_t i = 0; i < part.size(); ++i) {
             if (!is_finite(part.f[i])) {
                 ++kept.masked;

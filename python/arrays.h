@@ -1,0 +1,77 @@
+// Arrays and errors between Python and the library. Arrays are contiguous, of float32, and of shape [n, 3] where they
+// hold directions or colours.
+#pragma once
+#include <pybind11/numpy.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "parallel.h"
+#include "srbf/colour.h"
+#include "srbf/result.h"
+#include "srbf/vec.h"
+
+namespace srbf {
+
+namespace py = pybind11;
+using Array = py::array_t<float, py::array::c_style>;
+static_assert(sizeof(Vec3f) == 12 && sizeof(Rgb) == 12);
+
+inline std::size_t rows(const Array& array) { return std::size_t(array.shape(0)); }
+template <typename T> std::span<const T> span_of(const Array& array) {
+    return {reinterpret_cast<const T*>(array.data()), rows(array)};
+}
+template <typename T> std::span<T> changing(Array& array) {
+    return {reinterpret_cast<T*>(array.mutable_data()), rows(array)};
+}
+inline Array array_of(std::span<const float> numbers, std::vector<py::ssize_t> shape) {
+    Array array(std::move(shape));
+    std::copy(numbers.begin(), numbers.end(), array.mutable_data());
+    return array;
+}
+template <typename T> std::span<const float> floats(const std::vector<T>& of) {
+    return {reinterpret_cast<const float*>(of.data()), of.size() * sizeof(T) / sizeof(float)};
+}
+
+/// Raises srbf.Error.
+[[noreturn]] inline void raise(const Error& error) {
+    const py::object type = py::module_::import("srbf").attr("Error");
+    const py::object offset = error.offset ? py::cast(*error.offset) : py::none();
+    const py::object made = type(message(error), error.source, offset, error.what, error.expected, error.found,
+                                 std::string(name(error.code)));
+    PyErr_SetObject(type.ptr(), made.ptr());
+    throw py::error_already_set();
+}
+template <typename T> T required(Result<T> result) {
+    if (!result) raise(result.error());
+    return *std::move(result);
+}
+
+/// Raises ValueError for the first row that is not a unit vector, within 1e-3 of the square of its length.
+inline void require_unit(const Array& directions, const char* argument) {
+    const std::span<const Vec3f> w = span_of<Vec3f>(directions);
+    constexpr std::size_t block = 1024;
+    for (std::size_t first = 0; first < w.size(); first += block) {
+        const std::size_t end = std::min(first + block, w.size());
+        int wrong = 0;
+        for (std::size_t i = first; i < end; ++i) wrong += !(std::abs(dot(w[i], w[i]) - 1) < 1e-3f);
+        for (std::size_t i = first; wrong > 0 && i < end; ++i)
+            if (!(std::abs(dot(w[i], w[i]) - 1) < 1e-3f))
+                throw py::value_error(std::string(argument) + " at " + std::to_string(i) +
+                                      ": expected a unit vector, found (" + std::to_string(w[i].x) + ", " +
+                                      std::to_string(w[i].y) + ", " + std::to_string(w[i].z) + ")");
+    }
+}
+
+/// Calls body(first, count) for parts of n rows, on all threads if there are many.
+template <typename Body> void in_parts(std::size_t n, const Body& body) {
+    constexpr std::size_t part = 1 << 14;
+    const py::gil_scoped_release released;
+    parallel_for_parts(n, part, n > part ? 0 : 1,
+                       [&](std::size_t begin, std::size_t end) { body(begin, end - begin); });
+}
+
+}  // namespace srbf

@@ -1,0 +1,187 @@
+// Fits as Python asks for them, and their errors.
+#pragma once
+#include <chrono>
+#include <cstring>
+#include <exception>
+
+#include "background.h"
+#include "brdf.h"
+#include "srbf/directions.h"
+#include "srbf/fit_batch.h"
+#include "srbf/fit_bsdf.h"
+#include "srbf/fitting.h"
+
+namespace srbf {
+
+/// What Python asks for: empty or no value is the library's default.
+struct Request {
+    std::string model = "pm", form, objective, channels = "rgb";
+    std::optional<int> lobes, variates;
+    bool automatic = false, reciprocal = false;
+    std::optional<bool> axial;
+    std::optional<std::size_t> budget;
+    std::optional<double> target_error, target_delta_e, max_theta;
+    std::uint64_t seed = 0;
+    int threads = 0;
+
+    FitRequest fit_request() const {
+        FitRequest request;
+        if (model == "pm") {
+            PmRequest pm;
+            const auto named = form_named(form);
+            if (!form.empty() && !named) throw py::value_error("form: expected one of srbf.forms(), found " + form);
+            if (named) pm.form = *named;
+            if (variates) pm.variates = *variates;
+            if (lobes) pm.size = LobeCount{*lobes};
+            if (automatic) pm.size = AutomaticLobes{};
+            if (budget) pm.size = ByteBudget{*budget};
+            if (target_error) pm.size = TargetError{*target_error};
+            if (target_delta_e) pm.size = TargetDeltaE{*target_delta_e};
+            pm.axial = axial, pm.reciprocal = reciprocal;
+            request.model = pm;
+        } else if (model == "su") {
+            SuRequest su;
+            if (lobes) su.lobes = *lobes;
+            request.model = su;
+        } else if (model == "ggx") {
+            request.model = GgxRequest{lobes.value_or(GgxRequest{}.lobes)};
+        } else {
+            throw py::value_error("model: expected pm, su or ggx, found " + model);
+        }
+        if (!objective.empty()) {
+            const auto named = objective_named(objective);
+            if (!named) throw py::value_error("objective: expected one of srbf.objectives(), found " + objective);
+            request.objective = *named;
+        }
+        if (max_theta) request.max_theta = *max_theta * k_degree;
+        request.spectral = channels == "spectral";
+        request.seed = seed, request.threads = threads;
+        return request;
+    }
+};
+
+inline py::dict measures_of(const Comparison& of) {
+    py::dict errors;
+    for (const MeasureName& measure : k_measures) {
+        errors[measure.name] = of.matrix.*measure.member;
+        errors[("heldout_" + std::string(measure.name)).c_str()] = of.heldout.*measure.member;
+    }
+    errors["albedo_error"] = of.albedo_error;
+    if (of.appearance.lighting.empty()) return errors;
+    for (const PictureErrorName& error : k_picture_errors) errors[error.name] = of.appearance.mean.*error.member;
+    errors["worst_delta_e_itp"] = of.appearance.worst_delta_e;
+    py::dict lightings;
+    for (std::size_t i = 0; i < of.appearance.lighting.size(); ++i) {
+        py::dict lighting;
+        for (const PictureErrorName& error : k_picture_errors)
+            lighting[error.name] = of.appearance.lighting[i].*error.member;
+        lightings[py::str(std::string(standard_lightings()[i].name))] = lighting;
+    }
+    errors["lightings"] = lightings;
+    return errors;
+}
+
+inline py::dict outcome_of(FitOutcome outcome) {
+    py::dict of;
+    of["errors"] = outcome.errors ? py::object(measures_of(*outcome.errors)) : py::none();
+    of["seconds"] = outcome.fit_seconds;
+    of["reached"] = outcome.reached;
+    of["stop_reason"] = outcome.stop ? py::object(py::str(std::string(name(*outcome.stop)))) : py::none();
+    of["model"] = Held(std::move(outcome.model));
+    return of;
+}
+
+inline py::dict fit_brdf(const Held& brdf, const Request& asked, const py::object& progress) {
+    if (!brdf.measured()) raise({"srbf.fit", {}, "input", "a measurement", "a model", ErrorCode::wrong_kind});
+    const FitRequest request = asked.fit_request();
+    if (is_two_sided(brdf.content())) {
+        BsdfOutcome outcome = required(in_background(
+            progress, [&](const ProgressToken& token) { return fit_bsdf(*brdf.measured(), request, token); }));
+        outcome.model.provenance["source"] = brdf.measured()->source;
+        py::dict of, errors;
+        for (const PartFit& part : outcome.parts)
+            errors[py::str(std::string(name(part.part)))] = part.squared_error_ratio;
+        of["errors"] = errors;
+        of["seconds"] = outcome.fit_seconds;
+        of["reached"] = true;
+        of["stop_reason"] = py::none();
+        of["model"] = Held(std::move(outcome.model));
+        return of;
+    }
+    FitOutcome outcome = required(
+        in_background(progress, [&](const ProgressToken& token) { return fit(*brdf.measured(), request, token); }));
+    outcome.model.provenance["source"] = brdf.measured()->source;
+    return outcome_of(std::move(outcome));
+}
+
+/// `function(wl, wv)` returns f_r of n pairs as an array that broadcasts to [n, 3].
+inline py::dict fit_function(const py::function& function, const Request& asked, const py::object& progress) {
+    const FitRequest request = asked.fit_request();
+    std::exception_ptr raised;
+    const auto run = [&](const ProgressToken& token) {
+        return fit(
+            [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+                const py::gil_scoped_acquire acquired;
+                std::ranges::fill(f, Rgb{});
+                if (raised) return;
+                try {
+                    const auto n = py::ssize_t(wl.size());
+                    const auto array = [n](std::span<const Vec3f> w) {
+                        return array_of({&w[0].x, 3 * w.size()}, {n, 3});
+                    };
+                    const py::module_ numpy = py::module_::import("numpy");
+                    const py::object values =
+                        numpy.attr("broadcast_to")(function(array(wl), array(wv)), py::make_tuple(n, 3));
+                    const auto numbers = py::array_t<float, py::array::c_style | py::array::forcecast>(values);
+                    std::memcpy(f.data(), numbers.data(), f.size() * sizeof(Rgb));
+                } catch (...) {
+                    raised = std::current_exception();
+                    token.cancel();
+                }
+            },
+            request, token);
+    };
+    Result<FitOutcome> outcome = in_background(progress, run);
+    if (raised) std::rethrow_exception(raised);
+    return outcome_of(required(std::move(outcome)));
+}
+
+inline py::list fit_texels(const Array& wl, const Array& wv, const Array& f, const Request& asked, bool isotropic,
+                           const py::object& progress) {
+    require_unit(wl, "wl");
+    require_unit(wv, "wv");
+    const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
+    const SharedPairs pairs{{l.begin(), l.end()}, {v.begin(), v.end()}, isotropic};
+    const std::span<const Rgb> values(reinterpret_cast<const Rgb*>(f.data()), std::size_t(f.size()) / 3);
+    BatchOptions options;
+    options.request = asked.fit_request();
+    const auto start = std::chrono::steady_clock::now();
+    auto fits = required(
+        in_background(progress, [&](const ProgressToken& token) { return fit_batch(pairs, values, options, token); }));
+    const std::chrono::duration<double> all = std::chrono::steady_clock::now() - start;
+    py::list outcomes;
+    for (TexelFit& fit : fits) {
+        py::dict of, errors;
+        const bool fitted = fit.state == TexelState::fitted;
+        for (const MeasureName& measure : k_measures) errors[measure.name] = fit.errors.*measure.member;
+        of["errors"] = fitted ? py::object(errors) : py::none();
+        of["seconds"] = all.count() / double(fits.size());
+        of["reached"] = fitted;
+        of["stop_reason"] = fitted ? py::object(py::str(std::string(name(fit.stop)))) : py::none();
+        of["model"] = Held(Model{std::move(fit.model), {{"objective", std::string(name(options.request.objective))}}});
+        outcomes.append(of);
+    }
+    return outcomes;
+}
+
+inline py::dict errors(const Held& reference, const Held& other, double max_theta, int threads) {
+    const double theta = max_theta * k_degree;
+    const Evaluate a = reference.evaluate(), others[] = {other.evaluate()};
+    const std::vector<Vec3f> directions =
+        other.model() ? matrix_directions(*other.model(), theta) : fibonacci_directions(k_matrix_directions, theta);
+    return measures_of(in_background(py::none(), [&](const ProgressToken& token) {
+        return compare(a, others, {theta, threads, token}, directions);
+    })[0]);
+}
+
+}  // namespace srbf

@@ -1,0 +1,115 @@
+#include "fit/fit_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/view_in_pictures.h"
+#include "fit/vmf_clusters.h"
+#include "srbf/directions.h"
+
+namespace srbf {
+namespace {
+
+constexpr int k_steps = 15, k_steps_from_scratch = 40, k_steps_after_perturbation = 12;
+constexpr int k_view_perturbations = 8;
+/// Steps with the pixels of a view, of all variables and of rounded lobes' coefficients; and what the pixels cost at
+/// first, relative to the rest of the loss.
+constexpr int k_picture_steps = 4, k_coefficient_steps = 3;
+constexpr double k_picture_importance = 8;
+
+ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, int steps) {
+    LevenbergMarquardtOptions options;
+    options.max_iterations = steps;
+    options.decrease_tolerance = 1e-4;
+    Eigen::VectorXd x = problem.start(rows, start);
+    const auto summary = levenberg_marquardt(problem, x, options);
+    return {problem.lobes(x), summary.loss, summary.stop};
+}
+
+/// The rows of a view with positive weight, as input of clusterings.
+struct Weighted {
+    std::vector<Vec3f> direction;
+    std::vector<double> weight;  ///< w f, summed over the channels
+    Vec3d brightest;
+};
+Weighted weighted(const ViewRows& rows) {
+    Weighted points;
+    double most = -1;
+    for (std::size_t i = 0; i < rows.root_weight.size(); ++i) {
+        const double root = double(rows.root_weight[i]);
+        if (!(root > 0)) continue;
+        double value = 0;
+        for (const auto& y : rows.y) value += double(y[i]) / root;
+        points.direction.push_back({rows.directions.w[0][i], rows.directions.w[1][i], rows.directions.w[2][i]});
+        points.weight.push_back(root * root * value);
+        if (value > most) most = value, points.brightest = to_double(points.direction.back());
+    }
+    return points;
+}
+
+/// Initial positions of J lobes: of all sizes about the brightest direction, and at bright directions far apart from
+/// each other.
+std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_t J) {
+    std::vector<std::vector<ViewLobe>> starts;
+    for (const double factor : {3.0, 6.0, 30.0}) {
+        std::vector<ViewLobe> lobes;
+        for (std::size_t j = 0; j < J; ++j)
+            lobes.push_back({points.brightest, std::min(0.5 * std::pow(factor, double(j)), 5e4)});
+        starts.push_back(std::move(lobes));
+    }
+    std::vector<ViewLobe> apart{{points.brightest, 20}};
+    std::vector<double> squared_distance(points.weight.size(), 4.0);
+    while (apart.size() < J) {
+        std::size_t next = 0;
+        double most = -1;
+        for (std::size_t i = 0; i < points.weight.size(); ++i) {
+            const Vec3d d = to_double(points.direction[i]) - apart.back().centre;
+            squared_distance[i] = std::min(squared_distance[i], dot(d, d));
+            if (points.weight[i] * squared_distance[i] > most) most = points.weight[i] * squared_distance[i], next = i;
+        }
+        apart.push_back({to_double(points.direction[next]), 20});
+    }
+    starts.push_back(std::move(apart));
+    return starts;
+}
+
+}  // namespace
+
+ViewFit fit_view(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start) {
+    return optimised(problem, rows, start, k_steps);
+}
+
+ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::size_t lobes, std::mt19937_64& random) {
+    const Weighted points = weighted(rows);
+    ViewFit best;
+    for (const auto& start : beginnings(points, lobes))
+        for (const int rounds : {0, 8}) {
+            ViewFit fit = optimised(problem, rows, vmf_clusters(points.direction, points.weight, start, rounds),
+                                    k_steps_from_scratch);
+            if (fit.loss < best.loss) best = std::move(fit);
+        }
+    for (int perturbation = 0; perturbation < k_view_perturbations; ++perturbation) {
+        problem.loss(problem.start(rows, best.lobes));
+        const std::vector<double> cost = problem.cost_of_dropping();
+        std::vector<ViewLobe> next = best.lobes;
+        ViewLobe& least = next[std::size_t(std::min_element(cost.begin(), cost.end()) - cost.begin())];
+        const double pick = uniform(random), size = uniform(random);
+        least = {to_double(points.direction[std::size_t(pick * double(points.direction.size()))]),
+                 0.3 * std::pow(1e5, size)};
+        ViewFit fit = optimised(problem, rows, next, k_steps_after_perturbation);
+        if (fit.loss < best.loss) best = std::move(fit);
+    }
+    return best;
+}
+
+std::vector<ViewLobe> match_pixels(ViewProblem& problem, const Eigen::VectorXd& x, double loss, bool keep_lobes) {
+    LevenbergMarquardtOptions options;
+    options.max_iterations = keep_lobes ? k_coefficient_steps : k_picture_steps;
+    options.decrease_tolerance = 1e-4;
+    ViewInPictures seen(problem);
+    Eigen::VectorXd all = seen.start(x, loss, k_picture_importance, keep_lobes);
+    levenberg_marquardt(seen, all, options);
+    return problem.lobes(all.head(x.size()));
+}
+
+}  // namespace srbf

@@ -1,0 +1,77 @@
+// Code that a test writes, compiles and calls.
+#pragma once
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "temporary_folder.h"
+
+namespace srbf {
+
+inline testing::AssertionResult runs(const std::string& command) {
+    FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+    if (!pipe) return testing::AssertionFailure() << "cannot run " << command;
+    std::string output;
+    for (char part[256]; std::fgets(part, sizeof part, pipe);) output += part;
+    const int status = ::pclose(pipe);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << command << "\n" << output.substr(0, 4000);
+}
+
+/// A folder of texts, and what compilers make of them.
+class WrittenCode : public testing::Test {
+  protected:
+    ~WrittenCode() override {
+        for (void* library : loaded_) ::dlclose(library);
+    }
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    /// The path of a new file.
+    std::string written(const std::string& name, const std::string& text) const {
+        write(folder_ / name, text);
+        return path(name);
+    }
+
+    /// The library of this C or C++, loaded until the test ends; null, and a failure, where there is none.
+    void* compiled(const std::string& compiler, const std::string& name, const std::string& text) {
+        const std::string source = written(name + ".c", text), file = path(name + ".so");
+        EXPECT_TRUE(runs(fmt::format("{} -O1 -shared -fPIC '{}' -o '{}' -lm", compiler, source, file)));
+        void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+        if (library)
+            loaded_.push_back(library);
+        else
+            ADD_FAILURE() << ::dlerror();
+        return library;
+    }
+    template <typename Function> static Function* function(void* library, const char* name) {
+        return reinterpret_cast<Function*>(::dlsym(library, name));
+    }
+
+    /// Whether glslang accepts a shader; NAME ends with its stage.
+    testing::AssertionResult compiles_as_glsl(const std::string& name, const std::string& text) const {
+        return glslang("", name, text);
+    }
+    /// The same of HLSL, in which NAME.spv is made.
+    testing::AssertionResult compiles_as_hlsl(const std::string& stage, const std::string& name,
+                                              const std::string& text) const {
+        return glslang(fmt::format("-D -V -S {} -e main -o '{}'", stage, path(name + ".spv")), name + ".hlsl", text);
+    }
+
+    const TemporaryFolder folder_;
+
+  private:
+    testing::AssertionResult glslang(const std::string& options, const std::string& name,
+                                     const std::string& text) const {
+        if (!std::strlen(SRBF_GLSLANG))
+            return testing::AssertionFailure() << "glslangValidator (Debian: glslang-tools) was not found";
+        return runs(fmt::format("'{}' {} '{}'", SRBF_GLSLANG, options, written(name, text)));
+    }
+    std::vector<void*> loaded_;
+};
+
+}  // namespace srbf

@@ -77,7 +77,9 @@ Option Subcommand::add_flag(const std::string& names, bool& to, const std::strin
     return Option(app_->add_flag(names, to, about));
 }
 Option Subcommand::add_flag(const std::string& names, int& to, const std::string& about) const {
-    return Option(app_->add_flag(names, to, about));
+    // With a variable in place of a function, CLI11 from 2.2 on counts a flag as given where it is not.
+    const auto take = [&to](std::int64_t value) { to = int(value); };
+    return Option(app_->add_flag_function(names, take, about));
 }
 Option Subcommand::add_flag(const std::string& names, std::function<void()> when_given,
                             const std::string& about) const {

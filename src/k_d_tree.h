@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <nanoflann.hpp>
+#include <type_traits>
 #include <vector>
 
 namespace srbf {
@@ -20,5 +21,10 @@ template <typename Real, std::size_t dimensions> struct PointCloud {
 template <typename Real, std::size_t dimensions>
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<Real, PointCloud<Real, dimensions>>,
                                                    PointCloud<Real, dimensions>, int(dimensions), std::uint32_t>;
+
+/// What a search within a radius finds: indices, `first`, and squared distances, `second`. The type of these pairs
+/// depends on nanoflann's version.
+template <typename Real>
+using FoundPoints = std::remove_reference_t<decltype(nanoflann::RadiusResultSet<Real, std::uint32_t>::m_indices_dists)>;
 
 }  // namespace srbf

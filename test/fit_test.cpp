@@ -12,9 +12,10 @@
 namespace srbf::fit_test {
 namespace {
 
-const Measured& bundled(const std::string& name) {
+const Measured& bundled(const char* name) {
     static std::map<std::string, Measured> loaded;
-    if (!loaded.contains(name)) loaded[name] = *load_measured((bundled_data() / (name + ".bsdf")).string());
+    if (!loaded.contains(name))
+        loaded[name] = *load_measured((bundled_data() / (std::string(name) + ".bsdf")).string());
     return loaded[name];
 }
 
@@ -139,7 +140,7 @@ struct Fitted {
     PmFit fit;
     Measures rounded, unrounded;
 };
-const Fitted& fitted(const std::string& name) {
+const Fitted& fitted(const char* name) {
     static std::map<std::string, Fitted> all;
     if (const auto at = all.find(name); at != all.end()) return at->second;
     const Measured& measured = bundled(name);

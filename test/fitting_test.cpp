@@ -1,6 +1,7 @@
 // Fits with measured errors in one call: results, cancellation, errors.
 #include "srbf/fitting.h"
 
+#include <algorithm>
 #include <set>
 #include <thread>
 
@@ -56,6 +57,7 @@ Measured samples() {
 struct Bound {
     const char* name;
     double delta_e, rms, albedo_error;  // 1.25 times the measured values
+    int seeds;                          // the albedo error is the median of so many fits
 };
 
 class DefaultFit : public testing::TestWithParam<Bound> {
@@ -73,9 +75,25 @@ TEST_P(DefaultFit, ErrsNoMoreThanItDid) {
     EXPECT_EQ(payload_bytes(outcome().model), 208u);
     EXPECT_LE(outcome().errors->appearance.mean.delta_e, GetParam().delta_e);
     EXPECT_LE(outcome().errors->appearance.mean.rms, GetParam().rms);
-    EXPECT_LE(outcome().errors->albedo_error, GetParam().albedo_error);
     EXPECT_EQ(outcome().model.provenance.at("objective"), "appearance");
     EXPECT_EQ(outcome().model.provenance.at("max_theta"), "89");
+}
+
+/// No fit minimises this error. That of the film is 0.8 to 3 %, depending on the seed, and as much on the instruction
+/// set, the compiler and its libraries, which change the path of a search as another seed does.
+TEST_P(DefaultFit, ErrsInAlbedoNoMoreThanItDid) {
+    const Measured measured = bundled(GetParam().name);
+    Fitter fitter(measured);
+    std::vector<double> errors{outcome().errors->albedo_error};
+    for (FitRequest request; int(errors.size()) < GetParam().seeds;) {
+        ++request.seed;
+        auto made = fitter.fit(request);
+        ASSERT_TRUE(made && fitter.measure(*made, request));
+        errors.push_back(made->errors->albedo_error);
+    }
+    const auto median = errors.begin() + GetParam().seeds / 2;
+    std::nth_element(errors.begin(), median, errors.end());
+    EXPECT_LE(*median, GetParam().albedo_error);
 }
 
 TEST_P(DefaultFit, IsBoundedToTheHorizon) {
@@ -106,8 +124,8 @@ TEST_P(DefaultFit, IsBoundedToTheHorizon) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
-                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 5.8, 0.13, 0.0169},
-                                         Bound{"paper_white_rgb", 0.88, 0.0605, 0.0066}),
+                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 5.8, 0.13, 0.0169, 9},
+                                         Bound{"paper_white_rgb", 0.88, 0.0605, 0.0066, 1}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 /// The same number of bytes, by what is seen: better than an objective of numbers.

@@ -178,7 +178,7 @@ class ShadingCode : public WrittenCode {
 
 TEST_F(ShadingCode, RunsAsCAndCpp) {
     const std::string header = code(CodeLanguage::c);
-    ask_compiled(SRBF_COMPILER " -x c -std=c99 -pedantic", header, "srbf_vec3", "c");
+    ask_compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wstrict-prototypes", header, "srbf_vec3", "c");
     ask_compiled(SRBF_COMPILER " -x c++ -std=c++11 -pedantic", header, "srbf_vec3", "cpp");
     const std::string plain = written("plain.h", code(CodeLanguage::c, false)),
                       checks = " -x c -std=c99 -pedantic -Wall -Wextra -Werror -Wno-unused-function -fsyntax-only '{}'";

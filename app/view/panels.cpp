@@ -52,7 +52,6 @@ Result<Panels> Panels::make(Dialect dialect) {
 }
 
 void Panels::set_mesh(const Mesh& mesh) {
-    mesh_.reset();
     mesh_.emplace(mesh);
     drawn_.clear();
 }

@@ -50,9 +50,9 @@ Places find_places(const ScatteredSamples& samples) {
     tree.buildIndex();
 
     Sets sets(n);
-    std::vector<std::pair<std::uint32_t, double>> found;
+    FoundPoints<double> found;
     for (std::size_t i = 0; i < n; ++i) {
-        tree.radiusSearch(cloud.at[2 * i].data(), k_same_place * k_same_place, found, nanoflann::SearchParams());
+        tree.radiusSearch(cloud.at[2 * i].data(), k_same_place * k_same_place, found, {});
         for (const auto& [point, distance] : found) sets.join(i, point / 2);
     }
     Places places{std::vector<int>(n, -1), 0, 0};

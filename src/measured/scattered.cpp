@@ -67,7 +67,7 @@ class SampleIndex {
         Neighbours found;
         Nearest result(std::min<std::size_t>(k_neighbours + 1, points_.at.size()));
         result.init(found.sample.data(), found.distance2.data());
-        tree_.findNeighbors(result, place.data(), nanoflann::SearchParams());
+        tree_.findNeighbors(result, place.data(), {});
         found.count = std::uint32_t(result.size());
         return found;
     }

@@ -331,6 +331,7 @@ std::string Printer::text(const Function& function) {
     std::string parameters;
     for (const Variable& of : function.parameters)
         parameters += (parameters.empty() ? "" : ", ") + declaration(of.type, of.name);
+    if (parameters.empty() && language_.is_c) parameters = "void";  // without it C would take any arguments
     const std::string name = named(function.name), type = type_text(function.type);
     const std::string head = language_.types_follow
                                  ? fmt::format("{}{}({}) -> {} {{", language_.function, name, parameters, type)

@@ -5,6 +5,7 @@
 
 #include "fit/excess.h"
 #include "fit/objective.h"
+#include "fit/phases.h"
 #include "fit/rounding.h"
 #include "parallel.h"
 
@@ -23,7 +24,7 @@ constexpr std::size_t k_most_places = 16;
 constexpr double k_most_radiance_loss = 0.004;
 
 /// The pictures' share of the sum relative to that of the pairs.
-constexpr double k_picture_share = 2;
+constexpr double k_picture_share = 2.5;
 
 /// At most this many of them, uniformly spaced.
 std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {
@@ -80,8 +81,9 @@ void Sample::look_about(const std::vector<Candidate>& candidates, const FitOptio
     }
 }
 
-void Sample::weigh_large_errors(const PmModel& fitted, double most) {
+void Sample::weigh_by_errors(const PmModel& fitted, double most) {
     srbf::weigh_large_errors(some_.observations, some_.begin, evaluator(fitted), most);
+    add_phase_weights(some_.observations, evaluator(fitted));
 }
 
 double Sample::radiance_importance() const {

@@ -35,7 +35,7 @@ void evaluate(const GgxModel& model, std::span<const Vec3f> wl, std::span<const 
 Evaluate evaluator(const GgxModel& model);
 
 /// Size of the stored numbers: 3 + 5 per lobe, two bytes each.
-constexpr std::size_t payload_bytes(const GgxModel& model) { return 2 * (3 + 5 * model.lobes.size()); }
+inline std::size_t payload_bytes(const GgxModel& model) { return 2 * (3 + 5 * model.lobes.size()); }
 constexpr std::size_t auxiliary_bytes(const GgxModel&) { return 0; }
 /// `model` with every number rounded to its stored precision.
 GgxModel rounded(const GgxModel& model);

@@ -8,6 +8,7 @@
 #include "fit/batched_fits.h"
 #include "fit/excess.h"
 #include "fit/objective.h"
+#include "fit/phases.h"
 #include "fit/rounding.h"
 #include "fit/sample.h"
 #include "least_squares.h"
@@ -247,7 +248,7 @@ struct Fit {
 
     /// With views. Weights are those of small errors until here.
     PmFit seen() {
-        sample.weigh_large_errors(on(sample.to_search(false), found.front()), k_most_large_error_weight);
+        sample.weigh_by_errors(on(sample.to_search(false), found.front()), k_most_large_error_weight);
         const double importance = sample.picture_importance(found.front(), options, log_peak_limit);
         const Rows to_see = sample.to_see(importance);
         for (const SeenRound& round : k_seen_rounds) {
@@ -260,8 +261,9 @@ struct Fit {
         }
         const Candidate& best = found.front();
         Observations weighed = observations;
-        weigh_large_errors(weighed, weighed.f.size() - weighed.checks, evaluator(on(to_see, best)),
-                           k_most_large_error_weight);
+        const Evaluate fitted = evaluator(on(to_see, best));
+        weigh_large_errors(weighed, weighed.f.size() - weighed.checks, fitted, k_most_large_error_weight);
+        if (weighed.wavelengths.empty()) add_phase_weights(weighed, fitted);
         return finished(best, std::move(weighed), importance);
     }
 

@@ -7,6 +7,7 @@
 #include "fit/check_grid.h"
 #include "fit/objective.h"
 #include "fit/observe_views.h"
+#include "fit/phases.h"
 #include "parallel.h"
 #include "r_sequence.h"
 #include "reporter.h"
@@ -101,7 +102,7 @@ Drawn measured(const Evaluate& f, std::size_t count, int threads, const DrawAt& 
 
 struct ChosenPair {
     std::size_t index;
-    double weight;
+    double times;  // relative to the expected number
 };
 
 /// Chooses about `count` of the pairs, in order: half by their share of Σ w |f|², half uniformly. Weights are divided
@@ -116,7 +117,7 @@ std::vector<ChosenPair> choose(const Drawn& pool, std::span<const double> weight
         const double expected = double(count) * (k_by_energy * by_energy + (1 - k_by_energy) * alike);
         const double times = std::floor(sum + expected) - std::floor(sum);
         sum += expected;
-        if (times > 0) chosen.push_back({i, weight[i] * times / expected});
+        if (times > 0) chosen.push_back({i, times / expected});
     }
     return chosen;
 }
@@ -183,6 +184,7 @@ Observations beginning(const Observations& observations, std::size_t count) {
     some.spectrum.assign(observations.spectrum.begin(), observations.spectrum.begin() + std::ptrdiff_t(count * C));
     some.wl = first(observations.wl), some.wv = first(observations.wv);
     some.f = first(observations.f), some.weight = first(observations.weight);
+    if (!observations.phase_weight.empty()) some.phase_weight = first(observations.phase_weight);
     normalise(some);
     return some;
 }
@@ -191,6 +193,9 @@ Result<Done> validate(const Observations& observations, std::size_t parameters) 
     const std::size_t count = observations.f.size();
     if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)
         return Error{"fit", {}, "observations", "arrays of one length", "different lengths"};
+    if (const std::size_t phases = observations.phase_weight.size();
+        phases > 0 && phases + observations.checks != count)
+        return Error{"fit", {}, "phase weights", "none, or those of all observations but the checks", "others"};
     const std::size_t C = observations.wavelengths.size();
     bool has_spectra = observations.spectrum.size() == C * count;
     for (const RadianceObservation& seen : observations.radiances)
@@ -307,17 +312,23 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
             peak = std::max(peak, square_of(some->f[i]) * std::pow(double(some->wl[i].z) * double(some->wv[i].z), 2));
 
     const std::vector<ChosenPair> chosen = choose(pool, weight, pair_count);
+    const auto weight_of = [&](const ChosenPair& pair) { return weight[pair.index] * pair.times; };
     double chosen_energy = 0;
-    for (const ChosenPair& pair : chosen) chosen_energy += pair.weight * square_of(pool.f[pair.index]);
+    for (const ChosenPair& pair : chosen) chosen_energy += weight_of(pair) * square_of(pool.f[pair.index]);
     // A guard follows every seventh of them.
     const std::size_t guarded = std::min(guards.size(), chosen.size() / k_pairs_a_guard);
+    std::vector<double> measure;  // of solid angles, 0 for guards
     for (std::size_t k = 0; k < chosen.size(); ++k) {
-        append(observations, pool, chosen[k].index, chosen[k].weight / chosen_energy);
+        append(observations, pool, chosen[k].index, weight_of(chosen[k]) / chosen_energy);
+        measure.push_back(pool.weight[chosen[k].index] * chosen[k].times / double(pool.size()));
         const std::size_t g = k / k_pairs_a_guard;
         if (k % k_pairs_a_guard + 1 < k_pairs_a_guard || g >= guarded) continue;
         const double area = double(guards.wl[g].z) * double(guards.wv[g].z);
         append(observations, guards, g, k_guard_importance * area * area / (double(guarded) * peak));
+        measure.push_back(0);
     }
+    if (traits(options.objective).of_pictures)
+        observations.phase_weight = phase_weights(observations.wl, observations.wv, observations.f, measure);
     for (std::size_t i = 0; i < checks.size(); ++i) append(observations, checks, i, 0);
     observations.checks = checks.size();
     observations.radiances = observe_albedos(f, theta_max, options.threads);

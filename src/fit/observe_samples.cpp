@@ -79,6 +79,7 @@ Result<Observations> observe_completed(const ScatteredSamples& samples, const Ob
     if (!table) return table.error();
     Observations all = *table;
     if (options.only_completed > 0) all.views.clear();
+    all.phase_weight.clear();
     const std::size_t pairs = all.f.size() - all.checks;
     all.wl.resize(pairs), all.wv.resize(pairs), all.f.resize(pairs), all.weight.resize(pairs);
     for (std::size_t i = 0; i < observed.f.size(); ++i)

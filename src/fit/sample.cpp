@@ -5,6 +5,7 @@
 
 #include "fit/excess.h"
 #include "fit/objective.h"
+#include "fit/phases.h"
 #include "fit/rounding.h"
 #include "parallel.h"
 
@@ -22,8 +23,11 @@ constexpr std::size_t k_most_places = 16;
 /// that cannot follow the data does not benefit from an accidentally correct albedo.
 constexpr double k_most_radiance_loss = 0.004;
 
+/// What radiances cost more beside phase weights, which are several times the loss of the pairs and see highlights most.
+constexpr double k_radiances_beside_phases = 8;
+
 /// The pictures' share of the sum relative to that of the pairs.
-constexpr double k_picture_share = 2;
+constexpr double k_picture_share = 2.5;
 
 /// At most this many of them, uniformly spaced.
 std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {
@@ -80,12 +84,14 @@ void Sample::look_about(const std::vector<Candidate>& candidates, const FitOptio
     }
 }
 
-void Sample::weigh_large_errors(const PmModel& fitted, double most) {
+void Sample::weigh_by_errors(const PmModel& fitted, double most) {
     srbf::weigh_large_errors(some_.observations, some_.begin, evaluator(fitted), most);
+    add_phase_weights(some_.observations, evaluator(fitted));
+    radiance_factor_ = k_radiances_beside_phases;
 }
 
 double Sample::radiance_importance() const {
-    return std::min(loss_, k_most_radiance_loss) / (3 * all_.radiance_error * all_.radiance_error);
+    return radiance_factor_ * std::min(loss_, k_most_radiance_loss) / (3 * all_.radiance_error * all_.radiance_error);
 }
 
 double Sample::picture_importance(const Candidate& candidate, const FitOptions& options, double log_peak_limit) const {

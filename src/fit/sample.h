@@ -17,8 +17,8 @@ class Sample {
     /// the loss to which the weight of radiances is relative.
     void look_about(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit);
 
-    /// Adapts the weights of `to_see` to the errors of a fit, see `large_error_weight`.
-    void weigh_large_errors(const PmModel& fitted, double most);
+    /// Adapts the weights of `to_see` to the errors of a fit, see `large_error_weight` and `add_phase_weights`.
+    void weigh_by_errors(const PmModel& fitted, double most);
 
     /// The increase of the sum if every radiance is off by its luminance in one of three channels.
     double radiance_importance() const;
@@ -49,7 +49,7 @@ class Sample {
 
     const Observations& all_;
     Part few_, some_, more_;
-    double largest_, loss_ = 1;
+    double largest_, loss_ = 1, radiance_factor_ = 1;
 };
 
 }  // namespace srbf

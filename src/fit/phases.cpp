@@ -1,0 +1,89 @@
+#include "fit/phases.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "fit/objective.h"
+
+namespace srbf {
+namespace {
+
+/// Phases that are told apart, each from 0 to π by its share.
+constexpr std::size_t k_phases = 16;
+using OfPhases = std::array<double, k_phases>;
+/// Of a pixel [squared radii of the sphere]: 64 of them across.
+constexpr double k_pixel_area = 1.0 / (32 * 32);
+constexpr int k_energy_steps = 20;
+/// What radiance costs relative to the loss of the pairs.
+constexpr double k_phase_share = 4;
+/// A phase counts as if its error were at least this share of the largest.
+constexpr double k_least_rms = 0.1;
+
+double start_of(std::size_t phase) { return double(phase) * k_pi / double(k_phases); }
+std::size_t phase_of(Vec3f wl, Vec3f wv) {
+    const double angle = std::acos(std::clamp(double(dot(wl, wv)), -1.0, 1.0));
+    return std::min(std::size_t(angle / k_pi * double(k_phases)), k_phases - 1);
+}
+double squared_error(const Rgb& a, const Rgb& b) { return square_of({a.r - b.r, a.g - b.g, a.b - b.b}); }
+
+}  // namespace
+
+// A picture of pixels of area a has the energy Σ a g² for g = f cosθl. A highlight of less than a pixel is hit by few of
+// the pictures, whose energy is its then: a pair is seen relative to T + a g², where T is the energy that others have.
+std::vector<double> phase_weights(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                                  std::span<const double> measure) {
+    std::vector<std::size_t> phase(f.size());
+    std::vector<double> area(f.size()), square(f.size());
+    OfPhases others{};
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        phase[i] = phase_of(wl[i], wv[i]);
+        const double ring = 2 * k_pi * (std::cos(start_of(phase[i])) - std::cos(start_of(phase[i] + 1)));
+        area[i] = measure[i] * double(wv[i].z) / ring;
+        square[i] = square_of(f[i]) * std::pow(double(wl[i].z), 2);
+        others[phase[i]] += area[i] * square[i];
+    }
+    // Σ g² / (T + a g²) over the sphere becomes 1.
+    for (int step = 0; step < k_energy_steps; ++step) {
+        OfPhases next{};
+        for (std::size_t i = 0; i < f.size(); ++i)
+            if (square[i] > 0)
+                next[phase[i]] += area[i] * square[i] / (1 + k_pixel_area * square[i] / others[phase[i]]);
+        others = next;
+    }
+    std::vector<double> weight(f.size());
+    for (std::size_t i = 0; i < f.size(); ++i)
+        if (const double energy = others[phase[i]] + k_pixel_area * square[i]; energy > 0)
+            weight[i] = area[i] * std::pow(double(wl[i].z), 2) / energy;
+    return weight;
+}
+
+void add_phase_weights(Observations& observations, const Evaluate& fitted) {
+    const std::vector<double> added = std::exchange(observations.phase_weight, {});
+    const std::size_t count = added.size();
+    std::vector<Rgb> f(count);
+    fitted(std::span(observations.wl).first(count), std::span(observations.wv).first(count), f);
+    double loss = 0;
+    OfPhases rms{}, factor{};
+    std::vector<std::size_t> phase(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double squares = squared_error(observations.f[i], f[i]);
+        phase[i] = phase_of(observations.wl[i], observations.wv[i]);
+        loss += observations.weight[i] * squares;
+        rms[phase[i]] += added[i] * squares;
+    }
+    for (double& x : rms) x = std::sqrt(x);
+    const double least = k_least_rms * *std::ranges::max_element(rms);
+    if (!(least > 0)) return;
+    // cos(φ/2) is the root of the share of the sphere's disc that is lit.
+    double sum = 0;
+    for (std::size_t k = 0; k < k_phases; ++k) {
+        factor[k] = std::cos((start_of(k) + start_of(k + 1)) / 4) / std::max(rms[k], least);
+        sum += factor[k] * rms[k] * rms[k];
+    }
+    for (std::size_t i = 0; i < count; ++i)
+        observations.weight[i] += k_phase_share * loss / sum * factor[phase[i]] * added[i];
+}
+
+}  // namespace srbf

@@ -29,7 +29,7 @@ ViewRows rows(bool with_lights) {
         for (std::size_t k = 0; k < rows.lights.size(); ++k)
             rows.lights[k][i] = w.z * (k == 0 ? 1.f : std::exp(3 * (w.x - 1))) / (100 * root);
     }
-    rows.across = {0.6f, 0.8f, 0};
+    rows.view = {-0.8f, 0.6f, 0};
     rows.largest.fill(100);
     rows.least_cosine = 0.04;
     return rows;

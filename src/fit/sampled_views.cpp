@@ -6,7 +6,6 @@
 #include "fit/objective.h"
 #include "parallel.h"
 #include "srbf/directions.h"
-#include "srbf/kernel.h"
 #include "srbf/pictures.h"
 #include "weighted_quantile.h"
 
@@ -131,7 +130,7 @@ ViewRows SampledViews::rows(std::size_t view, bool with_pixels) const {
     }
 
     rows.directions = DirectionRows(directions);
-    rows.across = Kernel<float>::tangent_across(matrix_.direction[view]);
+    rows.view = matrix_.direction[view];
     rows.scale = std::sqrt(energy / whole);
     rows.root_weight.assign(rows.directions.blocks * k_block, 0.f);
     for (auto& y : rows.y) y.assign(rows.root_weight.size(), 0.f);

@@ -54,7 +54,7 @@ Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLob
                                   {Kernel<double>::from_frame(lobe.centre, 1.0, 0.0, 0.0),
                                    Kernel<double>::from_frame(lobe.centre, 0.0, 1.0, 0.0)}};
         x[per_lobe_ * j + 2] = std::log(std::clamp(lobe.bandwidth, k_least_bandwidth, double(k_half_max)));
-        if (per_lobe_ == 4) x[per_lobe_ * j + 3] = lobe.shape;
+        if (per_lobe_ == 4) x[per_lobe_ * j + 3] = std::max(lobe.shape, least_shape(j));
     }
     return x;
 }
@@ -65,7 +65,8 @@ MovingLobe ViewProblem::moving(const Eigen::VectorXd& x, int j) const {
     const Vec3d towards = frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1];
     const double length = std::sqrt(dot(towards, towards));
     const Vec3d centre = (1 / length) * towards;
-    MovingLobe lobe{to_float(centre), {}, float(std::exp(of[2])), float(shape(x, j)), view_->across};
+    MovingLobe lobe{
+        to_float(centre), {}, float(std::exp(of[2])), float(shape(x, j)), Kernel<float>::tangent_across(view_->view)};
     for (int k = 0; k < 2; ++k)
         lobe.along[k] = to_float((1 / length) * (frame.along[k] - dot(frame.along[k], centre) * centre));
     return lobe;
@@ -82,11 +83,16 @@ std::vector<ViewLobe> ViewProblem::lobes(const Eigen::VectorXd& x) const {
     return lobes;
 }
 
+double ViewProblem::least_shape(int j) const {
+    const double cosine = dot(frame_[std::size_t(j)].centre, to_double(view_->view));
+    return -k_most_narrowing * (1 - cosine) / std::max(1 + cosine, 0.01);
+}
+
 Eigen::VectorXd ViewProblem::lower(const Eigen::VectorXd& x) const {
     Eigen::VectorXd bound = Eigen::VectorXd::Constant(x.size(), -k_most_shift);
     for (int j = 0; j < lobes_; ++j) {
         bound[per_lobe_ * j + 2] = std::log(k_least_bandwidth);
-        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = -k_most_shape;
+        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = least_shape(j);
     }
     return bound;
 }
@@ -95,7 +101,7 @@ Eigen::VectorXd ViewProblem::upper(const Eigen::VectorXd& x) const {
     Eigen::VectorXd bound = Eigen::VectorXd::Constant(x.size(), k_most_shift);
     for (int j = 0; j < lobes_; ++j) {
         bound[per_lobe_ * j + 2] = std::log(double(k_half_max));
-        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = k_most_shape;
+        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = k_most_depth;
     }
     return bound;
 }

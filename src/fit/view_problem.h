@@ -13,12 +13,15 @@ struct ViewLobe {
     double shape = 0;  ///< τ or −α
 };
 inline constexpr double k_least_bandwidth = 1e-3;  ///< lower bound in a fit: constant within 0.2 %
-inline constexpr double k_most_shape = 64;         ///< of either sign
+inline constexpr double k_most_depth = 64;
+/// The largest α, relative to that of a round lobe of half vectors, (1 − ξ·wv) / (1 + ξ·wv). Where view and centre are
+/// close nothing tells across, and an α that differs from view to view would be seen as rings.
+inline constexpr double k_most_narrowing = 2;
 
 /// The weighted measurement of one sampled view.
 struct ViewRows {
     DirectionRows directions;
-    Vec3f across;                     ///< the tangent along which lobes are narrowed
+    Vec3f view{0, 0, 1};              ///< whose tangent across lobes are narrowed along
     Aligned<float> root_weight;       ///< √w, Σ w = 1; 0 where nothing was measured
     std::array<Aligned<float>, 3> y;  ///< √w f / scale for each channel; their squares sum to 1
     /// Of each radiance that is also matched: Σ light √w f / scale over the rows is the reflected radiance under some
@@ -66,6 +69,7 @@ class ViewProblem {
 
   private:
     friend class ViewInPictures;
+    double least_shape(int j) const;  ///< −α at most
     MovingLobe moving(const Eigen::VectorXd& x, int j) const;
     double shape(const Eigen::VectorXd& x, int j) const { return per_lobe_ == 4 ? x[per_lobe_ * j + 3] : 0; }
     /// Evaluates the lobes at x, in `offset_` the logarithms of their largest values, and the bounds of coefficients.

@@ -73,8 +73,8 @@ struct Observations {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;          ///< [1/sr], ≥ 0
     std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
-    /// Of appearance, for all but the checks, otherwise empty: w ≥ 0 of radiance in pictures by one light, up to a factor.
-    /// A fit adds it to `weight` in its last stages.
+    /// Of appearance, for all but the checks, otherwise empty: w ≥ 0 of radiance in pictures by one light, up to a
+    /// factor. A fit adds it to `weight` in its last stages.
     std::vector<double> phase_weight;
     std::size_t checks = 0;  ///< the last `checks` pairs are not part of Σ unless a fit exceeds them by far
     Objective objective = Objective::raw;        ///< that the weights are of

@@ -45,8 +45,9 @@ std::optional<DirectionMap> map_named(std::string_view text);
 
 /// Scattered univariate SRBFs (Tsai 2009, section 7.2): for each sampled view direction wv_i
 ///   ρ(wl, wv_i) = Σ_j β_ij G(wl·ξ_ij | λ_ij) e^{−τ_ij (1/cosθl − 1)} e^{−α_ij λ_ij ((wl − ξ_ij)·t_i)²/2} [1/sr],
-/// t_i the tangent across the plane of incidence, and between them interpolation. At least one of τ_ij, α_ij is 0. Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv
-/// are exchanged. `write_model` describes the file encoding.
+/// t_i the tangent across the plane of incidence, and between them interpolation. At least one of τ_ij, α_ij is 0.
+/// Evaluated by the su_ functions of kernel.glsl. With `discretise` light, wl and wv are exchanged. `write_model`
+/// describes the file encoding.
 struct SuModel {
     Discretise discretise = Discretise::view;
     SuInterpolation interpolation = SuInterpolation::rotated;

@@ -22,6 +22,7 @@ ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<
     options.max_iterations = steps;
     options.decrease_tolerance = 1e-4;
     Eigen::VectorXd x = problem.start(rows, start);
+    x = x.cwiseMax(problem.lower(x));  // a neighbour's lobe may be narrowed more than one of this view
     const auto summary = levenberg_marquardt(problem, x, options);
     return {problem.lobes(x), summary.loss, summary.stop};
 }

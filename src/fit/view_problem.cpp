@@ -54,7 +54,7 @@ Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLob
                                   {Kernel<double>::from_frame(lobe.centre, 1.0, 0.0, 0.0),
                                    Kernel<double>::from_frame(lobe.centre, 0.0, 1.0, 0.0)}};
         x[per_lobe_ * j + 2] = std::log(std::clamp(lobe.bandwidth, k_least_bandwidth, double(k_half_max)));
-        if (per_lobe_ == 4) x[per_lobe_ * j + 3] = std::max(lobe.shape, least_shape(j));
+        if (per_lobe_ == 4) x[per_lobe_ * j + 3] = lobe.shape;
     }
     return x;
 }

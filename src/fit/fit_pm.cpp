@@ -215,9 +215,9 @@ struct Fit {
     void polished_one(std::size_t rounds = 1) {
         reporter.advance("polishing", work.polish / double(rounds * found.size()));
     }
-    PmFit finished(const Candidate& candidate, Observations all, double picture_importance) const {
+    PmFit finished(const Candidate& candidate, Observations all, double picture_importance, bool has_phases) const {
         const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
-        const double radiance_importance = sample.radiance_importance() * 3 / channels;
+        const double radiance_importance = sample.radiance_importance(has_phases) * 3 / channels;
         return finish(candidate.lobes, std::move(all), radiance_importance, picture_importance, options, log_peak_limit,
                       reporter);
     }
@@ -263,8 +263,9 @@ struct Fit {
         Observations weighed = observations;
         const Evaluate fitted = evaluator(on(to_see, best));
         weigh_large_errors(weighed, weighed.f.size() - weighed.checks, fitted, k_most_large_error_weight);
-        if (weighed.wavelengths.empty()) add_phase_weights(weighed, fitted);
-        return finished(best, std::move(weighed), importance);
+        const bool has_phases = weighed.wavelengths.empty() && !weighed.phase_weight.empty();
+        if (has_phases) add_phase_weights(weighed, fitted);
+        return finished(best, std::move(weighed), importance, has_phases);
     }
 
     void polish_best() {
@@ -286,7 +287,7 @@ struct Fit {
         PmFit fit;
         for (std::size_t i = 0; i < found.size(); ++i) {
             if (i > 0 && (found[i].loss > (1 + k_nearly_best) * fit.loss || reporter.cancelled())) break;
-            PmFit next = finished(found[i], observations, 0);
+            PmFit next = finished(found[i], observations, 0, false);
             if (i == 0 || next.loss < fit.loss) fit = std::move(next);
         }
         return fit;

@@ -26,8 +26,8 @@ constexpr double k_most_radiance_loss = 0.004;
 /// What radiances cost more beside phase weights, which are several times the loss of the pairs and see highlights most.
 constexpr double k_radiances_beside_phases = 8;
 
-/// The pictures' share of the sum relative to that of the pairs.
-constexpr double k_picture_share = 2.5;
+/// The pictures' share of the sum relative to that of the pairs, and beside phase weights.
+constexpr double k_picture_share = 2, k_pictures_beside_phases = 2.5;
 
 /// At most this many of them, uniformly spaced.
 std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {
@@ -86,12 +86,13 @@ void Sample::look_about(const std::vector<Candidate>& candidates, const FitOptio
 
 void Sample::weigh_by_errors(const PmModel& fitted, double most) {
     srbf::weigh_large_errors(some_.observations, some_.begin, evaluator(fitted), most);
-    add_phase_weights(some_.observations, evaluator(fitted));
-    radiance_factor_ = k_radiances_beside_phases;
+    has_phases_ = !some_.observations.phase_weight.empty();
+    if (has_phases_) add_phase_weights(some_.observations, evaluator(fitted));
 }
 
-double Sample::radiance_importance() const {
-    return radiance_factor_ * std::min(loss_, k_most_radiance_loss) / (3 * all_.radiance_error * all_.radiance_error);
+double Sample::radiance_importance(bool beside_phases) const {
+    return (beside_phases ? k_radiances_beside_phases : 1) * std::min(loss_, k_most_radiance_loss) /
+           (3 * all_.radiance_error * all_.radiance_error);
 }
 
 double Sample::picture_importance(const Candidate& candidate, const FitOptions& options, double log_peak_limit) const {
@@ -99,7 +100,7 @@ double Sample::picture_importance(const Candidate& candidate, const FitOptions& 
     const Rows rows = to_see(k_negligible);
     LobeProblem problem(rows, shape_of(options), true, log_peak_limit);
     problem.loss(LobeProblem::pack(candidate.lobes));
-    return k_picture_share * loss_ / std::max(problem.delta_e(), k_least_delta_e);
+    return (has_phases_ ? k_pictures_beside_phases : k_picture_share) * loss_ / std::max(problem.delta_e(), k_least_delta_e);
 }
 
 }  // namespace srbf

@@ -20,8 +20,9 @@ class Sample {
     /// Adapts the weights of `to_see` to the errors of a fit, see `large_error_weight` and `add_phase_weights`.
     void weigh_by_errors(const PmModel& fitted, double most);
 
-    /// The increase of the sum if every radiance is off by its luminance in one of three channels.
-    double radiance_importance() const;
+    /// The increase of the sum if every radiance is off by its luminance in one of three channels; beside phase weights
+    /// it is larger.
+    double radiance_importance(bool beside_phases = false) const;
 
     Rows to_grow_on() const { return Rows(few_.observations); }
     /// `first`: for the many initial candidates.
@@ -32,12 +33,12 @@ class Sample {
     Rows to_polish() const { return Rows(more_.observations, {.radiance_importance = radiance_importance()}); }
     /// With the views of pictures.
     Rows to_see(double picture_importance) const {
-        return Rows(
-            some_.observations,
-            {.radiance_importance = radiance_importance(), .roughly = true, .picture_importance = picture_importance});
+        return Rows(some_.observations, {.radiance_importance = radiance_importance(has_phases_),
+                                         .roughly = true,
+                                         .picture_importance = picture_importance});
     }
-    /// The factor with which the mean error of pixels costs about k_picture_share times as much as the loss, for this
-    /// candidate.
+    /// The factor with which the mean error of pixels costs about twice as much as the loss, more beside phase weights,
+    /// for this candidate.
     double picture_importance(const Candidate& candidate, const FitOptions& options, double log_peak_limit) const;
 
   private:
@@ -49,7 +50,8 @@ class Sample {
 
     const Observations& all_;
     Part few_, some_, more_;
-    double largest_, loss_ = 1, radiance_factor_ = 1;
+    double largest_, loss_ = 1;
+    bool has_phases_ = false;  ///< whether `to_see` has phase weights
 };
 
 }  // namespace srbf

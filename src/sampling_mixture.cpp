@@ -62,6 +62,7 @@ template <typename Lanes> HWY_INLINE auto in_all(const Kernel<float>::Stretch& m
         typename Formulas<Lanes, PmModel>::Stretch{in_all<Lanes>(map.x), in_all<Lanes>(map.y), in_all<Lanes>(map.more),
                                                    in_all<Lanes>(map.less), in_all<Lanes>(map.shrink)};
 }
+// The first few lanes.
 template <typename D> HWY_INLINE Few the_first(hn::Vec<D> v) {
     if constexpr (hn::MaxLanes(D()) > 4)
         return the_first<hn::Half<D>>(hn::LowerHalf(hn::Half<D>(), v));
@@ -70,7 +71,7 @@ template <typename D> HWY_INLINE Few the_first(hn::Vec<D> v) {
 }
 HWY_INLINE Lobes everywhere(float x) { return in_all<Lobes>(x); }
 
-// Without branches, which could not be foreseen.
+// Without branches, which could not be foreseen; `at` is less than the last node, so that there is an upper one.
 HWY_INLINE NodesAbout nodes_about(float z) {
     constexpr float last = MixtureProposal::k_nodes - 1;
     const Few at =

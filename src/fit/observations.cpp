@@ -102,12 +102,11 @@ Drawn measured(const Evaluate& f, std::size_t count, int threads, const DrawAt& 
 
 struct ChosenPair {
     std::size_t index;
-    double times;  // relative to the expected number
+    double times;  ///< that it was chosen, over the expected number
 };
 
-/// Chooses about `count` of the pairs, in order: half by their share of Σ w |f|², half uniformly. Weights are divided
-/// by the expected number of choices, so that sums over the chosen pairs are unbiased; pairs that are chosen several
-/// times are merged.
+/// Chooses about `count` of the pairs, in order: half by their share of Σ w |f|², half uniformly. Sums over
+/// the chosen pairs, their weights times `times`, are unbiased; pairs that are chosen several times are merged.
 std::vector<ChosenPair> choose(const Drawn& pool, std::span<const double> weight, std::size_t count) {
     const double energy = energy_of(pool.f, weight);
     std::vector<ChosenPair> chosen;

@@ -44,6 +44,7 @@ ViewProblem::ViewProblem(int lobes, bool shaped)
 
 Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLobe> lobes) {
     view_ = &view;
+    across_ = Kernel<float>::tangent_across(view.view);
     const std::size_t rows = blocks() * k_block, J = std::size_t(lobes_);
     exponent_.resize(rows * J), value_.resize(rows * J), derivative_.resize(rows * std::size_t(per_lobe_) * J),
         rest_.resize(rows * 3);
@@ -65,8 +66,7 @@ MovingLobe ViewProblem::moving(const Eigen::VectorXd& x, int j) const {
     const Vec3d towards = frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1];
     const double length = std::sqrt(dot(towards, towards));
     const Vec3d centre = (1 / length) * towards;
-    MovingLobe lobe{
-        to_float(centre), {}, float(std::exp(of[2])), float(shape(x, j)), Kernel<float>::tangent_across(view_->view)};
+    MovingLobe lobe{to_float(centre), {}, float(std::exp(of[2])), float(shape(x, j)), across_};
     for (int k = 0; k < 2; ++k)
         lobe.along[k] = to_float((1 / length) * (frame.along[k] - dot(frame.along[k], centre) * centre));
     return lobe;

@@ -88,6 +88,7 @@ class ViewProblem {
     template <typename OfBlock> Eigen::MatrixXd gram(std::size_t columns, const OfBlock& of_block);
 
     const ViewRows* view_ = nullptr;
+    Vec3f across_;          ///< the tangent across the plane of the view and the normal
     int lobes_, per_lobe_;  ///< J, variables of each
     struct Frame {
         Vec3d centre, along[2];

@@ -97,7 +97,7 @@ LitLobes lit_lobes(SurfaceFrame frame, Vec3 wv, float side) {
         float chance = mixture_between(k, nodes);
         if (chance > 0.0) {
             // 2 pi / lambda; the reflection of half vectors takes 4 cos(theta_v) times as much.
-            float spread = k < 6 ? 2.0 : 8.0 * lit.wv.z;
+            float spread = k < SRBF_FIRST_HALF_VECTOR_LOBE ? 2.0 : 8.0 * lit.wv.z;
             float solid_angle = k < 2 ? k_pi_ : spread * k_pi_ / proposal_bandwidth(k);
             vec2 centre = k < 2 ? above : mirrored;
             chance *= mean + luminance(environment_radiance(centre, environment_level(solid_angle)));

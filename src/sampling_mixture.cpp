@@ -18,13 +18,17 @@
 #define SRBF_SAMPLING_MIXTURE
 namespace srbf {
 
-/// What the lobes are made of, side by side.
+/// What the lobes are made of, side by side: those of directions to the light, then as many of half vectors.
 struct LobeTable {
-    static constexpr int k_count = MixtureProposal::k_lobes;
-    using Row = MixtureProposal::Row;
-    alignas(64) Row bandwidth, width, scale, rest;
-    Row kind;  ///< -1, -2: the cosine, its square; 0: about the mirror direction; 1: of half vectors
-    Row pull;  ///< of half vectors: the mixture's or none
+    static constexpr int k_count = MixtureProposal::k_lobes, k_of_kind = SRBF_FIRST_HALF_VECTOR_LOBE;
+    static_assert(k_count == 2 * k_of_kind);
+    using Row = std::array<float, k_of_kind>;
+    /// Of directions, about the mirror direction. A cosine is a lobe of bandwidth 0 there.
+    alignas(32) Row bandwidth, width, scale, rest;
+    /// The polynomial in cosθl that multiplies their densities, of which at −cosθl the constant is left.
+    alignas(32) Row constant, linear, square;
+    /// Of half vectors: the latter is 1, or 0 of the lobe that is not weighted by its visibility.
+    alignas(32) Row half_bandwidth, weighted;
 };
 
 /// Between which nodes a view is, and the part of the upper one.
@@ -48,8 +52,8 @@ HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
 
-// As many lobes as a vector holds.
-using Lobes = BatchOf<hn::CappedTag<float, LobeTable::k_count>>;
+// As many lobes as a vector holds, of one kind.
+using Lobes = BatchOf<hn::CappedTag<float, LobeTable::k_of_kind>>;
 // Few of what all lobes have in common.
 using Few = BatchOf<hn::CappedTag<float, 4>>;
 
@@ -92,107 +96,57 @@ HWY_INLINE Lobes between(const MixtureProposal::Row& low, const MixtureProposal:
     return a + everywhere(part) * (b - a);
 }
 
+HWY_INLINE Lobes at(const LobeTable::Row& row, int k) { return Lobes::load(&row[std::size_t(k)]); }
+
 // A mixture as a viewer sees it, its lobes in the lanes of one vector after the other.
 struct Seen {
     using F = Formulas<Lobes, PmModel>;
-    static constexpr int k_few = LobeTable::k_count / 2;  // beyond, there are half-vector lobes alone
+    static constexpr int k_vectors = LobeTable::k_of_kind / int(sizeof(Lobes) / sizeof(float));  // of each kind
     const LobeTable& table;
-    Lobes shrink, pull;
-    Vec3<Lobes> v, viewer;
+    Vec3<Lobes> viewer, specular;
+    typename F::Stretch map;
+    typename F::ProposalLobe half[k_vectors];
 
     HWY_INLINE Seen(const LobeTable& lobes, const ViewOfMixture& view)
         : table(lobes),
-          shrink(everywhere(view.map.shrink)),
-          pull(everywhere(view.pull)),
-          v(in_all<Lobes>(view.wv)),
-          viewer(in_all<Lobes>(Kernel<float>::stretched(view.wv, view.map))) {}
-    HWY_INLINE static Lobes at(const LobeTable::Row& row, int k) { return Lobes::load(&row[std::size_t(k)]); }
-    HWY_INLINE Lobes::Mask is_cosine(int k) const { return at(table.kind, k) < Lobes(0.0); }
-    HWY_INLINE Lobes::Mask is_half_vector(int k) const { return Lobes(0.0) < at(table.kind, k); }
-
-    HWY_INLINE F::ProposalLobe lobe(int k) const {
-        const Lobes bandwidth = at(table.bandwidth, k);
-        typename F::ProposalLobe seen = F::half_vector_lobe(viewer, shrink, bandwidth, pull * at(table.pull, k));
-        if (k >= k_few) return seen;
-        const auto where = is_half_vector(k);
-        seen.centre = select(where, seen.centre, Vec3<Lobes>(-v.x, -v.y, v.z));
-        seen.bandwidth = select(where, seen.bandwidth, bandwidth);
-        seen.width = select(where, seen.width, at(table.width, k));
-        seen.scale = select(where, seen.scale, at(table.scale, k));
-        seen.rest = at(table.rest, k);
-        return seen;
-    }
-};
-
-// The half vectors of a direction to the light and of the same mirrored at the horizon, for all lobes.
-struct BothHalfVectors {
-    using F = Seen::F;
-    F::HalfVector above, below;
-
-    HWY_INLINE BothHalfVectors(const ViewOfMixture& view, const Vec3f& wl) {
-        HWY_ALIGN static constexpr float up_and_down[4] = {1, -1, 1, 1};
-        HWY_ALIGN float numbers[4][4];
-        const auto map = in_all<Few>(view.map);
-        for (std::size_t i = 0; i < 2; i += Few::size()) {
-            const auto half = Formulas<Few, PmModel>::half_vector(
-                {in_all<Few>(wl.x), in_all<Few>(wl.y), Few::load(up_and_down + i) * in_all<Few>(wl.z)},
-                in_all<Few>(view.wv), map);
-            half.direction.x.store(numbers[0] + i), half.direction.y.store(numbers[1] + i);
-            half.direction.z.store(numbers[2] + i), half.factor.store(numbers[3] + i);
+          viewer(in_all<Lobes>(view.wv)),
+          specular(-viewer.x, -viewer.y, viewer.z),
+          map(in_all<Lobes>(view.map)) {
+        const Vec3<Lobes> stretched = in_all<Lobes>(Kernel<float>::stretched(view.wv, view.map));
+        for (int i = 0; i < k_vectors; ++i) {
+            const int k = i * int(Lobes::size());
+            const Lobes pull = everywhere(view.pull) * at(table.weighted, k);
+            half[i] = F::half_vector_lobe(stretched, map.shrink, at(table.half_bandwidth, k), pull);
         }
-        const auto of = [&](std::size_t i) HWY_ATTR {
-            return F::HalfVector{{everywhere(numbers[0][i]), everywhere(numbers[1][i]), everywhere(numbers[2][i])},
-                                 everywhere(numbers[3][i])};
-        };
-        above = of(0), below = of(1);
+    }
+    HWY_INLINE F::ProposalLobe of_directions(int k) const {
+        return {specular, at(table.bandwidth, k), at(table.width, k), at(table.scale, k), at(table.rest, k)};
     }
 };
 
-// The density of all lobes at one direction to the light.
-struct Density {
+HWY_INLINE float density(const MixtureProposal& proposal, const Seen& seen, const ViewOfMixture& view,
+                         const Vec3f& wl) {
     using F = Seen::F;
-    const Seen& seen;
-    Vec3<Lobes> l, mirrored;
-    BothHalfVectors half;
-    const MixtureProposal::Row &low, &high;
-    float part;
-    Lobes sum{0.0};
-
-    HWY_INLINE Density(const MixtureProposal& proposal, const Seen& by, const ViewOfMixture& view, const Vec3f& wl)
-        : seen(by),
-          l(in_all<Lobes>(wl)),
-          mirrored(l.x, l.y, -l.z),
-          half(view, wl),
-          low(proposal.weight(view.nodes.below)),
-          high(proposal.weight(view.nodes.below + 1)),
-          part(view.nodes.part) {}
-    HWY_INLINE void add(int k, const F::ProposalLobe& lobe) {
-        Lobes of_lobes;
-        if (k >= Seen::k_few) {
-            of_lobes = F::folded_pdf(lobe, half.above, half.below);
-        } else {
-            const auto where = seen.is_half_vector(k);
-            const auto either = [&](const F::HalfVector& h, const Vec3<Lobes>& w, Lobes factor) HWY_ATTR {
-                return F::HalfVector{select(where, h.direction, w), select(where, h.factor, factor)};
-            };
-            // A cosine is a lobe of bandwidth 0 times a power of z, once.
-            const Lobes kind = Seen::at(seen.table.kind, k);
-            const Lobes power = select(kind < Lobes(-1.0), l.z * l.z, l.z);
-            const auto is_cosine = kind < Lobes(0.0);
-            of_lobes = F::folded_pdf(lobe, either(half.above, l, select(is_cosine, power, Lobes(1.0))),
-                                     either(half.below, mirrored, select(is_cosine, Lobes(0.0), Lobes(1.0))));
-        }
-        sum = sum + between(low, high, part, k) * of_lobes;
+    const auto &low = proposal.weight(view.nodes.below), &high = proposal.weight(view.nodes.below + 1);
+    const Vec3<Lobes> l = in_all<Lobes>(wl), mirrored(l.x, l.y, -l.z);
+    const auto above = F::half_vector(l, seen.viewer, seen.map),
+               below = F::half_vector(mirrored, seen.viewer, seen.map);
+    Lobes sum(0.0);
+    for (int i = 0; i < Seen::k_vectors; ++i) {
+        const int k = i * int(Lobes::size());
+        const Lobes constant = at(seen.table.constant, k);
+        const Lobes factor = constant + l.z * (at(seen.table.linear, k) + l.z * at(seen.table.square, k));
+        sum = sum + between(low, high, view.nodes.part, k) *
+                        F::folded_pdf(seen.of_directions(k), {l, factor}, {mirrored, constant});
+        sum = sum +
+              between(low, high, view.nodes.part, LobeTable::k_of_kind + k) * F::folded_pdf(seen.half[i], above, below);
     }
-};
+    return sum.sum();
+}
 
 float mixture_pdf(const MixtureProposal& proposal, const LobeTable& table, const Vec3f& wl, const Vec3f& wv) {
     const ViewOfMixture view = view_of(proposal, wv);
-    const Seen seen(table, view);
-    Density density(proposal, seen, view, wl);
-#pragma GCC unroll 4
-    for (int k = 0; k < LobeTable::k_count; k += int(Lobes::size())) density.add(k, seen.lobe(k));
-    return density.sum.sum();
+    return density(proposal, Seen(table, view), view, wl);
 }
 
 // Put together in one store, for which loads of several of them need not wait.
@@ -211,52 +165,53 @@ HWY_INLINE DirectionSample with_pdf(const Vec3f& wl, float pdf) {
 #endif
 }
 
-// What a lobe draws, from numbers that are in all lanes the same.
-HWY_INLINE Vec3f drawn_by(const ViewOfMixture& view, float kind, const Vec3<Few>& centre, Few width, Few rest,
-                          const Vec2f& u) {
+// What each lobe draws, about its centre: for all of them, before it is known which is chosen.
+struct Drawn {
+    alignas(32) float x[LobeTable::k_count], y[LobeTable::k_count], z[LobeTable::k_count], below[LobeTable::k_count];
+
+    HWY_INLINE Drawn(const Seen& seen, float u1) {
+        for (int i = 0; i < Seen::k_vectors; ++i) {
+            const int k = i * int(Lobes::size());
+            set(k, seen.of_directions(k), u1);
+            set(LobeTable::k_of_kind + k, seen.half[i], u1);
+        }
+    }
+    HWY_INLINE void set(int k, const Seen::F::ProposalLobe& lobe, float u1) {
+        lobe.centre.x.store(x + k), lobe.centre.y.store(y + k), lobe.centre.z.store(z + k);
+        Seen::F::sample_below(lobe.width, lobe.rest, everywhere(u1)).store(below + k);
+    }
+};
+
+// The first lobe whose running sum exceeds the selector. What rounding leaves over is the cosine's.
+HWY_INLINE std::size_t chosen_lobe(const MixtureProposal& proposal, const NodesAbout& nodes, float selector) {
+    const auto &low = proposal.running(nodes.below), &high = proposal.running(nodes.below + 1);
+    std::size_t chosen = 0;
+    for (int k = 0; k < LobeTable::k_count; k += int(Lobes::size()))
+        chosen += hn::CountTrue(Lobes::Tag(), hn::Ge(everywhere(selector).v, between(low, high, nodes.part, k).v));
+    return chosen < LobeTable::k_count ? chosen : 0;
+}
+
+HWY_INLINE Vec3f draw(const MixtureProposal& proposal, const Seen& seen, const ViewOfMixture& view, const Vec2f& u,
+                      float selector) {
     using F = Formulas<Few, PmModel>;
-    const Few u1 = in_all<Few>(u.x), u2 = in_all<Few>(u.y);
+    const Drawn drawn(seen, u.x);
+    const std::size_t k = chosen_lobe(proposal, view.nodes, selector);
+    const Few below = in_all<Few>(drawn.below[k]), u2 = in_all<Few>(u.y);
     Vec3<Few> wl;
-    if (kind < 0) {
-        wl = F::off_centre(Vec3<Few>(Few(0.0), Few(0.0), Few(1.0)), F::below_power_cosine(width, u1), u2);
+    if (k < 2) {  // the logarithm of its cosine
+        wl = F::off_centre(Vec3<Few>(Few(0.0), Few(0.0), Few(1.0)), min(exp(below), Few(1.0)) - Few(1.0), u2);
     } else {
-        const Vec3<Few> w = F::sample_sharp_vmf(centre, width, rest, u1, u2);
+        const Vec3<Few> centre(in_all<Few>(drawn.x[k]), in_all<Few>(drawn.y[k]), in_all<Few>(drawn.z[k]));
+        const Vec3<Few> w = F::off_centre(centre, max(below, Few(-2.0)), u2);
         const Vec3<Few> light = F::light_of(F::stretched(w, in_all<Few>(view.map)), in_all<Few>(view.wv));
-        wl = F::folded(select(Few(0.0) < in_all<Few>(kind), light, w));
+        wl = F::folded(select(in_all<Few>(LobeTable::k_of_kind - 1) < in_all<Few>(float(k)), light, w));
     }
     return {hn::GetLane(wl.x.v), hn::GetLane(wl.y.v), hn::GetLane(wl.z.v)};
 }
 
-// A draw: the lobes, since the density takes them too, and the direction.
-struct Draw {
-    static constexpr int k_vectors = LobeTable::k_count / int(sizeof(Lobes) / sizeof(float));
-    Seen::F::ProposalLobe lobes[k_vectors];
-    Vec3f wl;
-
-    HWY_INLINE Draw(const MixtureProposal& proposal, const Seen& seen, const ViewOfMixture& view, const Vec2f& u,
-                    float selector) {
-        const auto &low = proposal.running(view.nodes.below), &high = proposal.running(view.nodes.below + 1);
-        std::size_t chosen = 0;  // the first lobe whose running sum exceeds the selector
-#pragma GCC unroll 4
-        for (int i = 0; i < k_vectors; ++i) {
-            const int k = i * int(Lobes::size());
-            chosen +=
-                hn::CountTrue(Lobes::Tag(), hn::Ge(everywhere(selector).v, between(low, high, view.nodes.part, k).v));
-            lobes[i] = seen.lobe(k);
-        }
-        if (chosen >= MixtureProposal::k_lobes) chosen = 0;  // what rounding leaves over is the cosine's
-        const Seen::F::ProposalLobe& lobe = lobes[k_vectors == 1 ? 0 : chosen / Lobes::size()];
-        const auto lane =
-            hn::IndicesFromVec(Lobes::Tag(), hn::Set(Lobes::Bits(), std::int32_t(chosen % Lobes::size())));
-        const auto its = [&](Lobes all) HWY_ATTR { return the_first<Lobes::Tag>(hn::TableLookupLanes(all.v, lane)); };
-        wl = drawn_by(view, seen.table.kind[chosen], {its(lobe.centre.x), its(lobe.centre.y), its(lobe.centre.z)},
-                      its(lobe.width), in_all<Few>(seen.table.rest[chosen]), u);
-    }
-};
-
 Vec3f draw_mixture(const MixtureProposal& proposal, const LobeTable& table, Vec3f wv, Vec2f u, float selector) {
     const ViewOfMixture view = view_of(proposal, wv);
-    return Draw(proposal, Seen(table, view), view, u, selector).wl;
+    return draw(proposal, Seen(table, view), view, u, selector);
 }
 
 // A direction and its density, 0 where there is no direction.
@@ -264,12 +219,8 @@ DirectionSample sample_mixture(const MixtureProposal& proposal, const LobeTable&
                                float selector) {
     const ViewOfMixture view = view_of(proposal, wv);
     const Seen seen(table, view);
-    const Draw draw(proposal, seen, view, u, selector);
-    if (!above_horizon(draw.wl, wv)) return with_pdf(draw.wl, 0);
-    Density density(proposal, seen, view, draw.wl);
-#pragma GCC unroll 4
-    for (int i = 0; i < Draw::k_vectors; ++i) density.add(i * int(Lobes::size()), draw.lobes[i]);
-    return with_pdf(draw.wl, density.sum.sum());
+    const Vec3f wl = draw(proposal, seen, view, u, selector);
+    return with_pdf(wl, above_horizon(wl, wv) ? density(proposal, seen, view, wl) : 0);
 }
 
 void densities_of_points(SamplingPoints& points, const ProposalShape& shape) {
@@ -336,16 +287,15 @@ static_assert(MixtureProposal::k_lobes == SRBF_PROPOSAL_LOBES);
 const LobeTable& lobe_table() {
     static const LobeTable all = [] {
         LobeTable table;
-        for (int k = 0; k < LobeTable::k_count; ++k) {
+        for (int k = 0; k < LobeTable::k_of_kind; ++k) {
             const auto i = std::size_t(k);
-            const bool is_mirror = k > 1 && k < 6;
-            table.bandwidth[i] = k < 2 ? 0 : K::proposal_bandwidth(k);
-            const auto mirror = K::mirror_lobe({0, 0, 1}, K::proposal_bandwidth(k));
-            table.width[i] = k == 0 ? 0.5f : k == 1 ? 1.f / 3 : mirror.width;
-            table.scale[i] = is_mirror ? mirror.scale : float((k + 2) / (2 * k_pi));
-            table.rest[i] = is_mirror ? mirror.rest : 0;
-            table.kind[i] = k < 2 ? float(-1 - k) : is_mirror ? 0 : 1;
-            table.pull[i] = K::proposal_pull(k, 1);
+            auto lobe = K::mirror_lobe({0, 0, 1}, K::proposal_bandwidth(k));
+            if (k < 2) lobe = {{0, 0, 1}, 0, 1 / float(k + 2), float((k + 2) / (2 * k_pi)), 0};
+            table.bandwidth[i] = lobe.bandwidth, table.width[i] = lobe.width;
+            table.scale[i] = lobe.scale, table.rest[i] = lobe.rest;
+            table.constant[i] = k > 1, table.linear[i] = k == 0, table.square[i] = k == 1;
+            table.half_bandwidth[i] = K::proposal_bandwidth(LobeTable::k_of_kind + k);
+            table.weighted[i] = K::proposal_pull(LobeTable::k_of_kind + k, 1);
         }
         return table;
     }();

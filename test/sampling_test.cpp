@@ -255,7 +255,7 @@ TEST_F(Sampling, AreaOfEachWarpTimesItsDensityIsOne) {
             check([&](double u1, double u2) { return D::sample_proposal_lobe(k, wv, map, power, u1, u2); },
                   [&](Vec3d w) { return D::proposal_lobe_pdf(k, D::proposal_point(w, wv, map, power)); },
                   "power of the cosine " + std::to_string(k + 1));
-        for (int k = 6; k < SRBF_PROPOSAL_LOBES; ++k) {
+        for (int k = SRBF_FIRST_HALF_VECTOR_LOBE; k < SRBF_PROPOSAL_LOBES; ++k) {
             const double bandwidth = D::proposal_bandwidth(k);
             check([&](double u1, double u2) { return D::sample_half_vector(wv, bandwidth, map, power, u1, u2); },
                   [&](Vec3d w) { return D::half_vector_pdf(w, wv, bandwidth, map, power); },
@@ -275,8 +275,9 @@ TEST_F(Sampling, LobesAreMirroredAtTheHorizon) {
         if (!(wl.z > 0)) continue;
         const auto plain = [&](Vec3d w) {
             const double bandwidth = D::proposal_bandwidth(k);
-            return k < 6 ? D::vmf_pdf(w, specular, bandwidth)
-                         : D::half_vector_pdf(w, wv, bandwidth, map, D::proposal_pull(k, 2.0));
+            return k < SRBF_FIRST_HALF_VECTOR_LOBE
+                       ? D::vmf_pdf(w, specular, bandwidth)
+                       : D::half_vector_pdf(w, wv, bandwidth, map, D::proposal_pull(k, 2.0));
         };
         EXPECT_TRUE(near_relative(D::proposal_lobe_pdf(k, D::proposal_point(wl, wv, map, 2.0)),
                                   plain(wl) + plain({wl.x, wl.y, -wl.z}), 2e-7));

@@ -222,14 +222,17 @@ SRBF_FN Vec3 sample_half_vector(Vec3 wv, Real bandwidth, Stretch map, Real power
     return light_of(stretched(sample_vmf(lobe.centre, lobe.bandwidth, u1, u2), map), wv);
 }
 
-// Components of a mixture that covers any reflective BRDF. 0: the cosine. 1: its square. 2 to 5: lobes about the mirror
-// direction, lambda = 4, 16, 64, 256. 6 to 14: lobes of half vectors, lambda = 8, 32, .. 8 4^8, stretched and weighted
-// by a power of their visibility. 15: such a lobe of lambda = 128, not weighted. Directions of these lobes below
-// the horizon are reflected to above it, so that no sample is lost.
+// Components of a mixture that covers any reflective BRDF. Of directions to the light, 0: the cosine; 1: its square; 2
+// to 7: lobes about the mirror direction, lambda = 4, 16, 64, 256 and, for highlights narrower than any of half
+// vectors, 8 4^6 and 8 4^7. Of half vectors, 8 to 14: lobes with lambda = 8, 32, .. 8 4^6, stretched and weighted by a
+// power of their visibility; 15: such a lobe of lambda = 128, not weighted. Directions of these lobes below the horizon
+// are reflected to above it, so that no sample is lost.
 #define SRBF_PROPOSAL_LOBES 16
+#define SRBF_FIRST_HALF_VECTOR_LOBE 8
 SRBF_FN Real proposal_bandwidth(int k) {
-    Real bandwidth = k < 6 ? Real(1.0) : Real(2.0);
-    for (int i = k < 6 ? 1 : 5; i < k; ++i) bandwidth = Real(4.0) * bandwidth;
+    int power = k < 6 ? k - 1 : k < 8 ? k : k - 8;
+    Real bandwidth = k < 6 ? Real(1.0) : Real(8.0);
+    for (int i = 0; i < power; ++i) bandwidth = Real(4.0) * bandwidth;
     if (k == 15) bandwidth = Real(128.0);
     return bandwidth;
 }
@@ -302,26 +305,24 @@ SRBF_FN HalfVector itself(Vec3 direction) {
 // The density of component k [1/sr]; wl is above the horizon.
 SRBF_FN Real proposal_lobe_pdf(int k, ProposalPoint at) {
     Real bandwidth = proposal_bandwidth(k);
-    Real density = power_cosine_pdf(at.wl, k == 0 ? Real(1.0) : Real(2.0));
-    if (k > 1 && k < 6) density = folded_pdf(mirror_lobe(at.specular, bandwidth), itself(at.wl), itself(at.mirrored));
-    if (k >= 6)
-        density = folded_pdf(half_vector_lobe(at.viewer, at.shrink, bandwidth, proposal_pull(k, at.pull)), at.above,
-                             at.below);
-    return density;
+    if (k >= SRBF_FIRST_HALF_VECTOR_LOBE)
+        return folded_pdf(half_vector_lobe(at.viewer, at.shrink, bandwidth, proposal_pull(k, at.pull)), at.above,
+                          at.below);
+    if (k > 1) return folded_pdf(mirror_lobe(at.specular, bandwidth), itself(at.wl), itself(at.mirrored));
+    return power_cosine_pdf(at.wl, k == 0 ? Real(1.0) : Real(2.0));
 }
 // Samples component k from u1, u2 uniform in [0,1). z = 0 where there is no direction.
 SRBF_FN Vec3 folded(Vec3 wl) { return Vec3(wl.x, wl.y, max(wl.z, -wl.z)); }
 SRBF_FN Vec3 sample_proposal_lobe(int k, Vec3 wv, Stretch map, Real power, Real u1, Real u2) {
     Real below = below_power_cosine(k == 0 ? Real(0.5) : Real(1.0 / 3.0), u1);
     Vec3 wl = off_centre(Vec3(Real(0.0), Real(0.0), Real(1.0)), below, u2);
-    if (k > 1 && k < 6) {
-        ProposalLobe lobe = mirror_lobe(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k));
-        wl = sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2);
-    }
-    if (k >= 6) {
+    if (k >= SRBF_FIRST_HALF_VECTOR_LOBE) {
         Real pull = proposal_pull(k, pull_of_visibility(wv, power));
         ProposalLobe lobe = half_vector_lobe(stretched(wv, map), map.shrink, proposal_bandwidth(k), pull);
         wl = light_of(stretched(sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2), map), wv);
+    } else if (k > 1) {
+        ProposalLobe lobe = mirror_lobe(Vec3(-wv.x, -wv.y, wv.z), proposal_bandwidth(k));
+        wl = sample_sharp_vmf(lobe.centre, lobe.width, lobe.rest, u1, u2);
     }
     return folded(wl);
 }

@@ -27,7 +27,7 @@ template <typename P>
 concept SeparableProblem = requires(P& problem, const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
     { problem.loss(x) } -> std::convertible_to<double>;  // at x, with the optimal linear variables
     {problem.linearise(x, H, g)};                        // JᵀJ and Jᵀr at the x of the last call of `loss`
-    { problem.lower(x) } -> std::convertible_to<Eigen::VectorXd>;  // bounds of an x of that size
+    { problem.lower(x) } -> std::convertible_to<Eigen::VectorXd>;  // bounds of a step from x
     { problem.upper(x) } -> std::convertible_to<Eigen::VectorXd>;
     {
         problem.longest_step(x)
@@ -59,13 +59,13 @@ struct LevenbergMarquardtSummary {
     Stop stop = Stop::iterations;
 };
 
-/// Minimises problem.loss over lower ≤ x ≤ upper from x, with steps (JᵀJ + μ diag JᵀJ) δ = −Jᵀr. μ adapts to the ratio
+/// Minimises problem.loss from x, each step within the bounds at its start, with steps (JᵀJ + μ diag JᵀJ) δ = −Jᵀr. μ adapts to the ratio
 /// of actual to predicted decrease (Nielsen 1999). Variables at a bound are fixed if the gradient pushes them outwards.
 /// The last call of problem.loss is at the returned x.
 template <SeparableProblem P>
 LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
                                               const LevenbergMarquardtOptions& options) {
-    const Eigen::VectorXd lower = problem.lower(x), upper = problem.upper(x);
+    Eigen::VectorXd lower, upper;
     LevenbergMarquardtSummary summary;
     Eigen::MatrixXd H;
     Eigen::VectorXd g;
@@ -76,6 +76,7 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
     while (summary.iterations < options.max_iterations) {
         problem.linearise(x, H, g);
         ++summary.iterations;
+        lower = problem.lower(x), upper = problem.upper(x);
         const double floor = 1e-12 * std::max(H.diagonal().maxCoeff(), 1e-300);
         for (Eigen::Index i = 0; i < x.size(); ++i) {
             if ((x[i] <= lower[i] && g[i] > 0) || (x[i] >= upper[i] && g[i] < 0)) {

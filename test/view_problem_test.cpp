@@ -120,6 +120,31 @@ TEST(ViewProblem, GradientOfShapedLobesIsThatOfTheLoss) {
     }
 }
 
+// The derivative by a shape jumps at 0. Shapes of the wrong sign do not keep the other variables from the minimum, and
+// the next fit tries the other side.
+TEST(ViewProblem, ShapesPassThroughZeroFromFitToFit) {
+    ViewRows view = rows(false);
+    for (std::size_t i = 0; i < view.root_weight.size(); ++i)
+        for (auto& y : view.y)
+            y[i] = view.root_weight[i] *
+                   std::exp(20 * (0.6f * view.directions.w[0][i] + 0.8f * view.directions.w[2][i] - 1) -
+                            0.5f * view.directions.slant[i]);
+    ViewProblem problem(1, true);
+    std::vector<ViewLobe> lobes{{normalize(Vec3d{0.5, 0.1, 0.8}), 10, -0.3}};
+    const auto fit = [&] {
+        Eigen::VectorXd x = problem.start(view, lobes);
+        const double loss = levenberg_marquardt(problem, x, LevenbergMarquardtOptions{}).loss;
+        lobes = problem.lobes(x);
+        return loss;
+    };
+    const double narrowed = fit();
+    EXPECT_EQ(lobes[0].shape, 0);
+    EXPECT_FALSE(std::signbit(lobes[0].shape));
+    EXPECT_LT(fit(), 1e-3 * narrowed);
+    EXPECT_NEAR(lobes[0].bandwidth, 20, 1e-2);
+    EXPECT_NEAR(lobes[0].shape, 0.5, 1e-3);
+}
+
 TEST(ViewInPictures, PixelsCostWhatIsAsked) {
     const ViewRows view = seen_rows();
     ViewProblem problem(2, true);

@@ -148,8 +148,8 @@ struct ViewByView {
                 if (fits[i].is_empty()) continue;
                 std::vector<ViewLobe> stored;
                 for (std::size_t k = i * lobes; k < (i + 1) * lobes; ++k)
-                    stored.push_back({to_double(model.centre[k]), double(model.bandwidth[k]),
-                                      shaped ? double(model.shape[k]) : 0});
+                    stored.push_back(
+                        {to_double(model.centre[k]), double(model.bandwidth[k]), shaped ? double(model.shape[k]) : 0});
                 solve(problem, model, i, std::move(stored), true);
             }
         });
@@ -167,7 +167,7 @@ struct ViewByView {
             if (keep_lobes) continue;
             model.centre[k] = to_float(of[j].centre);
             model.bandwidth[k] = float(of[j].bandwidth);
-            if (shaped) model.shape[k] = float(of[j].shape);
+            if (shaped) model.shape[k] = float(of[j].shape) + 0.f;  // no negative 0
         }
     }
 };

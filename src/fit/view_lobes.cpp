@@ -1,5 +1,6 @@
 #include "fit/view_lobes.h"
 
+#include <cmath>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
@@ -42,7 +43,7 @@ void exponentiate_view(const float* x, const float* root_weight, float offset, f
 
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
             float* by_first, float* by_second, float* by_log_bandwidth, float* by_shape) {
-    const bool is_narrowed = lobe.shape < 0;
+    const bool is_narrowed = std::signbit(lobe.shape);
     const Batch tau{double(std::max(lobe.shape, 0.f))}, alpha{double(std::max(-lobe.shape, 0.f))},
         half_lambda{0.5 * double(lobe.bandwidth)};
     const Vec3f along[2] = {lobe.bandwidth * lobe.along[0], lobe.bandwidth * lobe.along[1]};

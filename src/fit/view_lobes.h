@@ -31,7 +31,7 @@ inline constexpr double k_most_exponent = 20;
 void exponentiate(const float* x, const float* root_weight, float offset, float* e);
 /// The derivatives of √w G by the shifts along the tangents, by log λ and, unless `by_shape` is null, by the shape, `e`
 /// and `x` as above, with d = w − ξ: λ (d·along_k + α (d·t) (t·along_k)) e, (x + τ (1/w_z − 1)) e, and (1 − 1/w_z) e of
-/// a shape of at least 0, ½ λ (d·t)² e of one below.
+/// a shape from 0 up, ½ λ (d·t)² e of one from −0 down.
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
             float* by_first, float* by_second, float* by_log_bandwidth, float* by_shape);
 

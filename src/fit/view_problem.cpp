@@ -77,8 +77,9 @@ std::vector<ViewLobe> ViewProblem::lobes(const Eigen::VectorXd& x) const {
     for (int j = 0; j < lobes_; ++j) {
         const Frame& frame = frame_[std::size_t(j)];
         const double* const of = &x[per_lobe_ * j];
-        lobes.push_back(
-            {normalize(frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1]), std::exp(of[2]), shape(x, j)});
+        const double shape = this->shape(x, j);
+        lobes.push_back({normalize(frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1]), std::exp(of[2]),
+                         shape == 0 ? -shape : shape});
     }
     return lobes;
 }
@@ -92,7 +93,7 @@ Eigen::VectorXd ViewProblem::lower(const Eigen::VectorXd& x) const {
     Eigen::VectorXd bound = Eigen::VectorXd::Constant(x.size(), -k_most_shift);
     for (int j = 0; j < lobes_; ++j) {
         bound[per_lobe_ * j + 2] = std::log(k_least_bandwidth);
-        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = least_shape(j);
+        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = std::signbit(shape(x, j)) ? least_shape(j) : 0.0;
     }
     return bound;
 }
@@ -101,7 +102,7 @@ Eigen::VectorXd ViewProblem::upper(const Eigen::VectorXd& x) const {
     Eigen::VectorXd bound = Eigen::VectorXd::Constant(x.size(), k_most_shift);
     for (int j = 0; j < lobes_; ++j) {
         bound[per_lobe_ * j + 2] = std::log(double(k_half_max));
-        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = k_most_depth;
+        if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = std::signbit(shape(x, j)) ? -0.0 : k_most_depth;
     }
     return bound;
 }

@@ -10,7 +10,7 @@ namespace srbf {
 struct ViewLobe {
     Vec3d centre;
     double bandwidth = 0;
-    double shape = 0;  ///< τ or −α
+    double shape = 0;  ///< τ or −α; the sign of 0 tells which of them a fit may raise
 };
 inline constexpr double k_least_bandwidth = 1e-3;  ///< lower bound in a fit: constant within 0.2 %
 inline constexpr double k_most_depth = 64;
@@ -42,7 +42,8 @@ struct ViewRows {
 
 /// Σ w |f − Σ_j β_j G_j|² / Σ w |f|² of one view, with β eliminated by non-negative least squares per channel. The
 /// variables of each lobe are two shifts u along the tangents t of its initial centre, ξ = normalize(ξ_0 + u_1 t_1 +
-/// u_2 t_2), log λ, and the shape if there is one.
+/// u_2 t_2), log λ, and the shape if there is one. At 0 the derivative by the shape jumps: a fit stays on the side of 0
+/// on which it begins.
 class ViewProblem {
   public:
     /// `shaped`: lobes have shapes other than 0.
@@ -51,6 +52,7 @@ class ViewProblem {
     /// The problem of `view`, which must outlive it, linearised about these lobes: x has these of each lobe, with
     /// shifts 0.
     Eigen::VectorXd start(const ViewRows& view, std::span<const ViewLobe> lobes);
+    /// The lobes at x. A shape that ended at 0 has the sign of the other side, for the next fit to try.
     std::vector<ViewLobe> lobes(const Eigen::VectorXd& x) const;
 
     double loss(const Eigen::VectorXd& x);

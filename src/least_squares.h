@@ -59,9 +59,9 @@ struct LevenbergMarquardtSummary {
     Stop stop = Stop::iterations;
 };
 
-/// Minimises problem.loss from x, each step within the bounds at its start, with steps (JᵀJ + μ diag JᵀJ) δ = −Jᵀr. μ adapts to the ratio
-/// of actual to predicted decrease (Nielsen 1999). Variables at a bound are fixed if the gradient pushes them outwards.
-/// The last call of problem.loss is at the returned x.
+/// Minimises problem.loss from x, with steps (JᵀJ + μ diag JᵀJ) δ = −Jᵀr, each within the bounds at its start. μ adapts
+/// to the ratio of actual to predicted decrease (Nielsen 1999). Variables at a bound are fixed if the gradient pushes
+/// them outwards. The last call of problem.loss is at the returned x.
 template <SeparableProblem P>
 LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
                                               const LevenbergMarquardtOptions& options) {

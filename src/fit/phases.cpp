@@ -18,6 +18,8 @@ constexpr double k_pixel_area = 1.0 / (32 * 32);
 constexpr int k_energy_steps = 20;
 /// What radiance costs relative to the loss of the pairs.
 constexpr double k_phase_share = 4;
+/// They cost less where their mean error, relative to their energy, exceeds this: what no lobes can match would decide.
+constexpr double k_most_relative_rms = 0.25;
 /// A phase counts as if its error were at least this share of the largest.
 constexpr double k_least_rms = 0.1;
 
@@ -65,25 +67,29 @@ void add_phase_weights(Observations& observations, const Evaluate& fitted) {
     std::vector<Rgb> f(count);
     fitted(std::span(observations.wl).first(count), std::span(observations.wv).first(count), f);
     double loss = 0;
-    OfPhases rms{}, factor{};
+    OfPhases rms{}, energy{}, factor{};
     std::vector<std::size_t> phase(count);
     for (std::size_t i = 0; i < count; ++i) {
         const double squares = squared_error(observations.f[i], f[i]);
         phase[i] = phase_of(observations.wl[i], observations.wv[i]);
         loss += observations.weight[i] * squares;
         rms[phase[i]] += added[i] * squares;
+        energy[phase[i]] += added[i] * square_of(observations.f[i]);
     }
     for (double& x : rms) x = std::sqrt(x);
     const double least = k_least_rms * *std::ranges::max_element(rms);
     if (!(least > 0)) return;
     // cos(φ/2) is the root of the share of the sphere's disc that is lit.
-    double sum = 0;
+    double sum = 0, lit = 0, relative = 0;
     for (std::size_t k = 0; k < k_phases; ++k) {
-        factor[k] = std::cos((start_of(k) + start_of(k + 1)) / 4) / std::max(rms[k], least);
+        if (!(energy[k] > 0)) continue;
+        const double root_of_lit = std::cos((start_of(k) + start_of(k + 1)) / 4);
+        factor[k] = root_of_lit / std::max(rms[k], least);
         sum += factor[k] * rms[k] * rms[k];
+        lit += root_of_lit, relative += root_of_lit * rms[k] / std::sqrt(energy[k]);
     }
-    for (std::size_t i = 0; i < count; ++i)
-        observations.weight[i] += k_phase_share * loss / sum * factor[phase[i]] * added[i];
+    const double share = k_phase_share * std::min(1.0, std::pow(k_most_relative_rms * lit / relative, 2));
+    for (std::size_t i = 0; i < count; ++i) observations.weight[i] += share * loss / sum * factor[phase[i]] * added[i];
 }
 
 }  // namespace srbf

@@ -247,14 +247,22 @@ TEST(CompletedSamples, AreTheSamplesAtTheSamplesAndBoundedElsewhere) {
             peak = std::max(peak, f * double(wl.z) * double(wv.z));
         }
     }
-    EXPECT_TRUE(near(completed->most, 1.6 * peak, 1e-5 * peak));
     std::mt19937_64 random(10);
     for (int i = 0; i < 20000; ++i) {
         const Vec3f wl = to_float(draw(random, 89.9 * k_degree)), wv = to_float(draw(random, 89.9 * k_degree));
         const Rgb f = value(*completed, wl, wv);
+        double agreed = 1.8 * peak;
+        for (const GgxModel& prior : completed->priors) {
+            const Rgb g = value(prior, wl, wv);
+            agreed = std::min(agreed, double(std::max({g.r, g.g, g.b})) * double(wl.z) * double(wv.z));
+        }
+        const double most = std::max(peak, agreed);
         for (int c = 0; c < 3; ++c)
-            EXPECT_TRUE(f[c] >= 0 && double(f[c]) * double(wl.z) * double(wv.z) <= 1.0001 * completed->most);
+            EXPECT_TRUE(f[c] >= 0 && double(f[c]) * double(wl.z) * double(wv.z) <= 1.0001 * most);
     }
+    const auto of_one = complete(samples, k_cap, 0, true);
+    ASSERT_TRUE(of_one.ok());
+    EXPECT_TRUE(near(of_one->most, 1.6 * peak, 1e-5 * peak) && of_one->allowed == of_one->most);
 }
 
 TEST(CompletedSamples, OfAMicrofacetModelAreThatModel) {
@@ -273,20 +281,46 @@ TEST(CompletedSamples, OfAMicrofacetModelAreThatModel) {
 TEST(FitToSamples, GapsLookLikeTheMaterial) {
     const ScatteredSamples samples = taken_by_goniometer(coated);
     const Evaluate truth = as_brdf(coated);
-    const auto observations = observe(samples, {.objective = Objective::appearance, .max_theta = k_cap});
-    ASSERT_TRUE(observations.ok());
+    // Means of three seeds, which differ by a factor of two. Of a fit to the samples and interpolated values: 0.033,
+    // 0.09, 1.6 and 2.8.
+    constexpr std::uint64_t seeds = 3;
+    double cosine = 0, albedo = 0, delta_e = 0, worst = 0;
+    for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+        const auto observations =
+            observe(samples, {.objective = Objective::appearance, .max_theta = k_cap, .seed = seed});
+        ASSERT_TRUE(observations.ok());
+        SampleFitOptions how;
+        how.pm.starts = 6, how.pm.perturbations = 10, how.pm.seed = seed;
+        const auto fit = fit_pm(*observations, how);
+        ASSERT_TRUE(fit.ok());
+        const Evaluate others[] = {evaluator(fit->model)};
+        cosine += measure_heldout(truth, others, {k_cap}, 20000)[0].squared_error_ratio_cosine / seeds;
+        albedo += albedo_error(truth, others[0], k_cap) / seeds;
+        const Appearance seen = compare_pictures(truth, others, 0, {}, 32)[0];
+        delta_e += seen.mean.delta_e / seeds;
+        worst += seen.worst_delta_e / seeds;
+    }
+    EXPECT_LT(cosine, 0.015);
+    EXPECT_LT(albedo, 0.07);
+    EXPECT_LT(delta_e, 1);
+    EXPECT_LT(worst, 2);
+}
+
+/// Towards the horizon, beyond the samples, lobes would exceed what they follow by 40 %.
+TEST(FitToSamples, HighlightsOfTheHorizonAreNoBrighterThanCompleted) {
+    const ScatteredSamples samples = taken_by_goniometer(coated);
+    const double max_theta = 89 * k_degree;
+    const auto completed = complete(samples, max_theta);
+    const auto observations = observe(samples, {.objective = Objective::appearance, .max_theta = max_theta});
+    ASSERT_TRUE(completed && observations);
     SampleFitOptions how;
-    how.pm.starts = 6, how.pm.perturbations = 10;
+    how.pm.lobes = 8, how.pm.starts = 3, how.pm.perturbations = 4;
     const auto fit = fit_pm(*observations, how);
     ASSERT_TRUE(fit.ok());
-    // Of a fit to the samples and interpolated values: 0.033, 0.09, 1.6 and 2.8.
-    const Evaluate others[] = {evaluator(fit->model)};
-    const Measures everywhere = measure_heldout(truth, others, {k_cap}, 20000)[0];
-    EXPECT_LT(everywhere.squared_error_ratio_cosine, 0.015);
-    EXPECT_LT(albedo_error(truth, others[0], k_cap), 0.07);
-    const Appearance seen = compare_pictures(truth, others, 0, {}, 32)[0];
-    EXPECT_LT(seen.mean.delta_e, 1);
-    EXPECT_LT(seen.worst_delta_e, 2);
+    for (int theta = 70; theta <= 88; ++theta) {
+        const Vec3f wl = to_float(spherical(theta * k_degree, 0.0)), wv = to_float(spherical(theta * k_degree, k_pi));
+        EXPECT_LT(value(fit->model, wl, wv).g, 1.2f * value(*completed, wl, wv).g) << theta;
+    }
 }
 
 /// The fit of a paint's spectra, as colours, is as good as the fit of its colours, and nearly the same.

@@ -31,14 +31,17 @@ double spacing(const ScatteredSamples& samples);
 /// the mean, each sample also with light and viewer exchanged, plus what this leaves of the samples, interpolated. With
 /// A = cosθl cosθv, e = the mean over i of ∛(g_i A) and the w_k of `ScatteredSamples`,
 ///   f A = (e + Σ_k w_k (∛(f_k A_k) − e_k) / Σ_k w_k)³ [1/sr].
-/// Each g_i A and f A are clamped to 0..`most`. At a sample this is the sample's own value. Between samples far apart
-/// it has the highlight of microfacet models, where interpolation alone would have a band or a gap.
+/// Each g_i A is at most `most`. f A is clamped to 0..b, where b is the least g_i A (by its largest channel), but at
+/// least `allowed`: highlights exceed the samples where all g_i agree that they do. At a sample this is the sample's own
+/// value. Between samples far apart it has the highlight of microfacet models, where interpolation alone would have a
+/// band or a gap.
 struct CompletedSamples {
     /// g_i: of two lobes by the weights of `Objective::appearance`, of one by the same, of two by those of
     /// `Objective::cosine`, which continue a highlight differently; or the first alone
     std::vector<GgxModel> priors;
     ScatteredSamples rest;  ///< of colour (∛(f A) − e) / A, so that `signed_value` times A is the mean over k
-    double most = 0;        ///< 1.6 times the largest f A of the samples, as for fits
+    double allowed = 0;     ///< the largest f A of the samples; by one g, with which none disagrees, `most`
+    double most = 0;        ///< 1.8 times the largest f A of the samples; by one g 1.6 times, as for fits
 };
 /// `of_one`: by the first g alone, in a third of the time.
 /// Errors: no sample within max_theta [rad] that is not black.

@@ -18,17 +18,27 @@ struct Way {
 /// The first alone where one is asked for.
 constexpr Way k_ways[] = {{Objective::appearance, 2}, {Objective::appearance, 1}, {Objective::cosine, 2}};
 
-/// e of `CompletedSamples`.
-std::array<double, 3> expected_root(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
-    std::array<double, 3> root{};
+/// What several g_i agree on is likelier than what one expects alone, and may exceed the samples by more than a fit may.
+constexpr double k_most_agreed = 1.8;
+
+/// What is expected at a pair of directions.
+struct Expected {
+    std::array<double, 3> root{};  ///< e of `CompletedSamples`
+    double bound = 0;              ///< b of `CompletedSamples`
+};
+Expected expected(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
+    const double area = double(wl.z) * double(wv.z);
+    Expected all;
+    double agreed = samples.most;
     for (const GgxModel& prior : samples.priors) {
         const Rgb g = value(prior, wl, wv);
-        for (int c = 0; c < 3; ++c) {
-            const double expected = std::min(double(g[c]) * double(wl.z) * double(wv.z), samples.most);
-            root[std::size_t(c)] += std::cbrt(expected) / double(samples.priors.size());
-        }
+        for (int c = 0; c < 3; ++c)
+            all.root[std::size_t(c)] +=
+                std::cbrt(std::min(double(g[c]) * area, samples.most)) / double(samples.priors.size());
+        agreed = std::min(agreed, double(std::max({g.r, g.g, g.b})) * area);
     }
-    return root;
+    all.bound = std::max(agreed, samples.allowed);
+    return all;
 }
 
 }  // namespace
@@ -62,13 +72,15 @@ Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_th
         if (!prior) return prior.error();
         completed.priors.push_back(std::move(prior->unrounded));
     }
-    completed.most = k_most_excess * largest_measured(observed);
+    const double largest = largest_measured(observed);
+    completed.allowed = (of_one ? k_most_excess : 1) * largest;
+    completed.most = (of_one ? k_most_excess : k_most_agreed) * largest;
     for (std::size_t i = 0; i < rest.wl.size(); ++i) {
         const double area = double(rest.wl[i].z) * double(rest.wv[i].z);
-        const auto expected = expected_root(completed, rest.wl[i], rest.wv[i]);
+        const auto root = expected(completed, rest.wl[i], rest.wv[i]).root;
         Rgb r;
         for (int c = 0; c < 3; ++c)
-            r[c] = float((std::cbrt(double(observed.f[i][c]) * area) - expected[std::size_t(c)]) / area);
+            r[c] = float((std::cbrt(double(observed.f[i][c]) * area) - root[std::size_t(c)]) / area);
         rest.colour.push_back(r);
     }
     make_index(rest);
@@ -78,12 +90,12 @@ Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_th
 Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return {};
     const double area = double(wl.z) * double(wv.z);
-    const auto expected = expected_root(samples, wl, wv);
+    const Expected here = expected(samples, wl, wv);
     const Rgb rest = signed_value(samples.rest, wl, wv);
     Rgb f;
     for (int c = 0; c < 3; ++c) {
-        const double root = expected[std::size_t(c)] + double(rest[c]) * area;
-        f[c] = float(std::clamp(root * root * root, 0.0, samples.most) / area);
+        const double root = here.root[std::size_t(c)] + double(rest[c]) * area;
+        f[c] = float(std::clamp(root * root * root, 0.0, here.bound) / area);
     }
     return f;
 }

@@ -20,6 +20,13 @@ namespace {
 
 constexpr std::size_t k_sampled_mirror_checks = 8192;
 constexpr std::size_t k_completed_pairs = 16384;
+/// Pairs near the horizon, where both directions are beyond 66°: enough to cover the highlight there.
+constexpr std::size_t k_grazing_pairs = 512, k_grazing_tried = 65536;
+constexpr double k_grazing_cos = 0.4;
+/// Of Σ w |f|²: by less lobes follow less closely, by more they look worse elsewhere.
+constexpr double k_grazing_share = 0.3;
+/// The completed samples are level at the largest sample but for rounding.
+constexpr double k_level = 0.999;
 /// Number of pairs of the grid (of ten thousand) that also constrain lobes.
 constexpr std::size_t k_most_between_samples = 4096;
 /// Extrapolation beyond θmax gets a smaller weight than values of a table.
@@ -64,7 +71,33 @@ Observations together(const SampleObservations& from, double weight_between, std
     return all;
 }
 
-/// The completed samples within θmax observed like a table, and as much Σ w |f|² of the samples themselves.
+/// Adds pairs of directions near the horizon where the completed samples are at least as large as every sample, with
+/// `k_grazing_share` of Σ w |f|². A table's pairs are few there, so that lobes are free to exceed what they follow.
+void add_grazing(Observations& to, const CompletedSamples& completed, double max_theta, std::uint64_t seed) {
+    const MirrorMixture lights(max_theta);
+    std::mt19937_64 random(seed);
+    std::array<double, 6> first;
+    for (double& x : first) x = uniform(random);
+    RSequence<6> points(first);
+    Observations grazing;
+    for (std::size_t tried = 0; tried < k_grazing_tried && grazing.f.size() < k_grazing_pairs; ++tried) {
+        const auto u = points.next();
+        const Vec3d v = lights.sample_cap(u[1], u[2]), l = lights.sample(v, u[3], u[4], u[5]);
+        if (!lights.contains(l) || std::max(l.z, v.z) > k_grazing_cos) continue;
+        const Vec3f wl = to_float(l), wv = to_float(v);
+        const Rgb f = value(completed, wl, wv);
+        const double area = double(wl.z) * double(wv.z);
+        if (double(std::max({f.r, f.g, f.b})) * area >= k_level * completed.allowed)
+            add(grazing, wl, wv, f, area * area, {});
+    }
+    normalise(grazing);
+    const double share = k_grazing_share * double(grazing.f.size()) / double(k_grazing_pairs);
+    for (std::size_t i = 0; i < grazing.f.size(); ++i)
+        add(to, grazing.wl[i], grazing.wv[i], grazing.f[i], share * grazing.weight[i], {});
+}
+
+/// The completed samples within θmax observed like a table, as much Σ w |f|² of the samples themselves, and pairs near
+/// the horizon.
 Result<Observations> observe_completed(const ScatteredSamples& samples, const Observations& observed,
                                        const ObserveSamplesOptions& options, const ProgressToken& progress) {
     const auto completed = complete(samples, options.max_theta, options.threads, options.only_completed > 0);
@@ -84,6 +117,7 @@ Result<Observations> observe_completed(const ScatteredSamples& samples, const Ob
     all.wl.resize(pairs), all.wv.resize(pairs), all.f.resize(pairs), all.weight.resize(pairs);
     for (std::size_t i = 0; i < observed.f.size(); ++i)
         add(all, observed.wl[i], observed.wv[i], observed.f[i], observed.weight[i], {});
+    if (options.only_completed == 0) add_grazing(all, *completed, options.max_theta, options.seed);
     std::mt19937_64 random(options.seed);
     shuffle(all, random);
     for (std::size_t i = pairs; i < table->f.size(); ++i) add(all, table->wl[i], table->wv[i], table->f[i], 0, {});

@@ -50,6 +50,18 @@ std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to)
     return lobes;
 }
 
+/// The same moved with the mirror direction from one elevation to the other, about the tangent across the plane of
+/// incidence. Neighbours at the normal are a degree apart, where a highlight may be narrower: no gradient would find it.
+std::vector<ViewLobe> with_mirror_direction(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
+    const Vec3d tangent = Kernel<double>::tangent_across(to_double(to));
+    const auto theta = [](Vec3f w) { return std::atan2(std::hypot(double(w.x), double(w.y)), double(w.z)); };
+    const double cosine = std::cos(theta(from) - theta(to)), sine = std::sin(theta(from) - theta(to));
+    for (ViewLobe& lobe : lobes)
+        lobe.centre = normalize(cosine * lobe.centre + sine * cross(tangent, lobe.centre) +
+                                (1 - cosine) * dot(tangent, lobe.centre) * tangent);
+    return lobes;
+}
+
 /// Consecutive views, from `begin` to before `end`.
 struct Chain {
     std::size_t begin, end;
@@ -85,7 +97,10 @@ struct ViewByView {
     /// The fit of view i from the lobes of another view.
     ViewFit from_view(ViewProblem& problem, const ViewRows& rows, std::size_t i, std::size_t from,
                       const std::vector<ViewLobe>& its_lobes) const {
-        return fit_view(problem, rows, rotated(its_lobes, views.direction(from), views.direction(i)));
+        const Vec3f its_direction = views.direction(from), direction = views.direction(i);
+        std::vector<ViewLobe> start = rotated(its_lobes, its_direction, direction);
+        if (of_pictures) start = with_mirror_direction(std::move(start), its_direction, direction);
+        return fit_view(problem, rows, start);
     }
 
     /// Each view from the previous one of its chain, and from scratch where there is none or that leads nowhere.

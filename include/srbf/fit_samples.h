@@ -67,8 +67,8 @@ struct SampleObservations {
     ObserveSamplesOptions options;
     Observations samples;  ///< within θmax, followed by guards and checks beyond it
     Observations between;  ///< interpolated values on a grid of pairs within θmax, with Σ w |f|² = 1
-    /// The completed samples observed like a table, with as much weight again on the samples themselves; or none. A fit
-    /// uses either these or all the others.
+    /// The completed samples observed like a table, with as much weight again on the samples themselves, and pairs near
+    /// the horizon; or none. A fit uses either these or all the others.
     Observations completed;
     Measures interpolation;  ///< errors of interpolation at samples that were left out
     double finest = 0;       ///< lower bound on the width of a lobe [rad]: the spacing of the samples

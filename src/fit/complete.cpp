@@ -35,7 +35,7 @@ Expected expected(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
         for (int c = 0; c < 3; ++c)
             all.root[std::size_t(c)] +=
                 std::cbrt(std::min(double(g[c]) * area, samples.most)) / double(samples.priors.size());
-        agreed = std::min(agreed, double(std::max({g.r, g.g, g.b})) * area);
+        agreed = std::min(agreed, largest_of(g) * area);
     }
     all.bound = std::max(agreed, samples.allowed);
     return all;

@@ -15,8 +15,6 @@ double area(const Observations& observations, std::size_t i) {
     return double(observations.wl[i].z) * double(observations.wv[i].z);
 }
 
-double largest_of(const Rgb& f) { return double(std::max({f.r, f.g, f.b})); }
-
 }  // namespace
 
 double largest_measured(const Observations& observations) {

@@ -43,8 +43,7 @@ double energy_between(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
     double energy = 0;
     for (std::size_t v = 0, k = 0; v < directions.size(); ++v)
         for (std::size_t l = 0; l < directions.size(); ++l, ++k)
-            energy += double(directions[v].z) * double(directions[l].z) *
-                      square_of({a[k].r - b[k].r, a[k].g - b[k].g, a[k].b - b[k].b});
+            energy += double(directions[v].z) * double(directions[l].z) * squared_distance(a[k], b[k]);
     return energy;
 }
 

@@ -137,9 +137,8 @@ double PatchSums::error_ratio(const Evaluate& f) const {
     const std::vector<Rgb> fitted = averages(f);
     double error = 0, energy = 0;
     for (std::size_t k = 0; k < fitted.size(); ++k) {
-        const Rgb a = mean[k], b = fitted[k];
-        error += weight[k] * square_of({a.r - b.r, a.g - b.g, a.b - b.b});
-        energy += weight[k] * square_of(a);
+        error += weight[k] * squared_distance(mean[k], fitted[k]);
+        energy += weight[k] * square_of(mean[k]);
     }
     return energy > 0 ? error / energy : 0;
 }

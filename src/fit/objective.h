@@ -77,6 +77,8 @@ inline void exchange(Observations& observations, std::size_t i, std::size_t k) {
 }
 
 inline double square_of(const Rgb& f) { return double(f.r) * f.r + double(f.g) * f.g + double(f.b) * f.b; }
+inline double squared_distance(const Rgb& a, const Rgb& b) { return square_of({a.r - b.r, a.g - b.g, a.b - b.b}); }
+inline double largest_of(const Rgb& f) { return double(std::max({f.r, f.g, f.b})); }
 inline double mean_of(const Rgb& f) { return (double(f.r) + double(f.g) + double(f.b)) / 3; }
 
 /// Σ w |f|².
@@ -106,7 +108,7 @@ inline double large_error_weight(Objective objective, const Rgb& f, const Rgb& f
     double seen = 0;
     for (int c = 0; c < 3; ++c)
         seen += std::pow(of.seen(double(f[c]), typical, cos_l) - of.seen(double(fitted[c]), typical, cos_l), 2);
-    const double squares = square_of({f.r - fitted.r, f.g - fitted.g, f.b - fitted.b});
+    const double squares = squared_distance(f, fitted);
     const double small = std::pow(of.slope(mean_of(f), typical, cos_l), 2);
     return squares > 0 ? std::clamp(seen / squares / small, 1 / most, most) : 1;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "fit/check_grid.h"
 #include "fit/folds.h"
@@ -22,7 +23,7 @@ constexpr std::size_t k_sampled_mirror_checks = 8192;
 constexpr std::size_t k_completed_pairs = 16384;
 /// Pairs near the horizon, where both directions are beyond 66°: enough to cover the highlight there.
 constexpr std::size_t k_grazing_pairs = 512, k_grazing_tried = 65536;
-constexpr double k_grazing_cos = 0.4;
+constexpr float k_grazing_cos = 0.4f;
 /// Of Σ w |f|²: by less lobes follow less closely, by more they look worse elsewhere.
 constexpr double k_grazing_share = 0.3;
 /// The completed samples are level at the largest sample but for rounding.
@@ -71,24 +72,35 @@ Observations together(const SampleObservations& from, double weight_between, std
     return all;
 }
 
+/// Points of the cube of which `pair_in` makes pairs.
+RSequence<6> pair_points(std::mt19937_64& random) {
+    std::array<double, 6> first;
+    for (double& x : first) x = uniform(random);
+    return RSequence<6>(first);
+}
+struct Pair {
+    Vec3f wl, wv;
+};
+/// A pair of directions, many of them about each other's mirror direction; none where one is not within the cap.
+std::optional<Pair> pair_in(const MirrorMixture& cap, const std::array<double, 6>& u) {
+    const Vec3d v = cap.sample_cap(u[1], u[2]), l = cap.sample(v, u[3], u[4], u[5]);
+    if (!cap.contains(l)) return std::nullopt;
+    return Pair{to_float(l), to_float(v)};
+}
+
 /// Adds pairs of directions near the horizon where the completed samples are at least as large as every sample, with
 /// `k_grazing_share` of Σ w |f|². A table's pairs are few there, so that lobes are free to exceed what they follow.
 void add_grazing(Observations& to, const CompletedSamples& completed, double max_theta, std::uint64_t seed) {
     const MirrorMixture lights(max_theta);
     std::mt19937_64 random(seed);
-    std::array<double, 6> first;
-    for (double& x : first) x = uniform(random);
-    RSequence<6> points(first);
+    RSequence<6> points = pair_points(random);
     Observations grazing;
     for (std::size_t tried = 0; tried < k_grazing_tried && grazing.f.size() < k_grazing_pairs; ++tried) {
-        const auto u = points.next();
-        const Vec3d v = lights.sample_cap(u[1], u[2]), l = lights.sample(v, u[3], u[4], u[5]);
-        if (!lights.contains(l) || std::max(l.z, v.z) > k_grazing_cos) continue;
-        const Vec3f wl = to_float(l), wv = to_float(v);
-        const Rgb f = value(completed, wl, wv);
-        const double area = double(wl.z) * double(wv.z);
-        if (double(std::max({f.r, f.g, f.b})) * area >= k_level * completed.allowed)
-            add(grazing, wl, wv, f, area * area, {});
+        const auto pair = pair_in(lights, points.next());
+        if (!pair || std::max(pair->wl.z, pair->wv.z) > k_grazing_cos) continue;
+        const Rgb f = value(completed, pair->wl, pair->wv);
+        const double area = double(pair->wl.z) * double(pair->wv.z);
+        if (largest_of(f) * area >= k_level * completed.allowed) add(grazing, pair->wl, pair->wv, f, area * area, {});
     }
     normalise(grazing);
     const double share = k_grazing_share * double(grazing.f.size()) / double(k_grazing_pairs);
@@ -258,15 +270,12 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         add(observed.samples, wl, wv, f, 0, spectrum);
     }
     const MirrorMixture lights(k_guard_theta);
-    std::array<double, 6> first;
-    for (double& x : first) x = uniform(random);
-    for (RSequence<6> points(first); observed.samples.f.size() < fitted + grid.size() + k_sampled_mirror_checks;) {
-        const auto u = points.next();
-        const Vec3d v = lights.sample_cap(u[1], u[2]), l = lights.sample(v, u[3], u[4], u[5]);
-        if (!lights.contains(l)) continue;
-        const Vec3f wl = to_float(l), wv = to_float(v);
-        const Rgb f = foretold(wl, wv);
-        add(observed.samples, wl, wv, f, 0, spectrum);
+    for (RSequence<6> points = pair_points(random);
+         observed.samples.f.size() < fitted + grid.size() + k_sampled_mirror_checks;) {
+        const auto pair = pair_in(lights, points.next());
+        if (!pair) continue;
+        const Rgb f = foretold(pair->wl, pair->wv);
+        add(observed.samples, pair->wl, pair->wv, f, 0, spectrum);
     }
     observed.samples.checks = observed.samples.f.size() - fitted;
     observed.samples.masked = samples.masked;

@@ -28,7 +28,6 @@ std::size_t phase_of(Vec3f wl, Vec3f wv) {
     const double angle = std::acos(std::clamp(double(dot(wl, wv)), -1.0, 1.0));
     return std::min(std::size_t(angle / k_pi * double(k_phases)), k_phases - 1);
 }
-double squared_error(const Rgb& a, const Rgb& b) { return square_of({a.r - b.r, a.g - b.g, a.b - b.b}); }
 
 }  // namespace
 
@@ -70,7 +69,7 @@ void add_phase_weights(Observations& observations, const Evaluate& fitted) {
     OfPhases rms{}, energy{}, factor{};
     std::vector<std::size_t> phase(count);
     for (std::size_t i = 0; i < count; ++i) {
-        const double squares = squared_error(observations.f[i], f[i]);
+        const double squares = squared_distance(observations.f[i], f[i]);
         phase[i] = phase_of(observations.wl[i], observations.wv[i]);
         loss += observations.weight[i] * squares;
         rms[phase[i]] += added[i] * squares;

@@ -41,6 +41,10 @@ struct SeenRound {
     int steps;
 };
 constexpr SeenRound k_seen_rounds[] = {{1, 3}, {0.25, 4}, {0.125, 8}};
+/// With phase weights this many of them then take so many steps on all observations. The least sum decides, which knows
+/// radiance; ΔE_ITP does not.
+constexpr std::size_t k_compared = 2;
+constexpr int k_compared_steps = 6;
 std::span<const Round> rounds_of(const Observations& observations) {
     return observations.views.empty() ? std::span<const Round>(k_rounds) : std::span<const Round>(k_rounds_to_pictures);
 }
@@ -53,7 +57,9 @@ constexpr double k_nearly_best = 0.01;
 /// The last steps run in batches of ten until one lowers the loss by less than this. Most fits need two batches; a fit
 /// whose narrow lobes must match a radiance needs twenty.
 constexpr int k_last_steps = 10, k_most_tens = 26;
-constexpr double k_least_gain = 0.005, k_least_gain_with_pictures = 0.02;
+constexpr double k_least_gain = 0.005;
+/// Instead, for pictures of scattered samples, which are known less well.
+constexpr double k_least_gain_of_samples = 0.02;
 /// Upper bound on the log of the coefficient of a lobe with peak 1. The peak may lie where no pair of directions maps
 /// to; but opposing lobes of ever larger bandwidths gain less than 1 % on the measured materials and lose precision in
 /// float.
@@ -126,7 +132,7 @@ LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, d
 
 /// Optimises on all observations, for spectral ones with the spectra. Checks that the fit exceeds become observations,
 /// until none is exceeded. Then rounds.
-PmFit finish(Lobes lobes, Observations all, double radiance_importance, double picture_importance,
+PmFit finish(Lobes lobes, Observations all, double radiance_importance, double picture_importance, bool has_phases,
              const FitOptions& options, double log_peak_limit, const Reporter& reporter) {
     PmFit fit;
     const bool spectral = !all.wavelengths.empty();
@@ -138,8 +144,8 @@ PmFit finish(Lobes lobes, Observations all, double radiance_importance, double p
                               .picture_importance = picture_importance});
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = LobeProblem::pack(lobes);
-        const auto summary =
-            last_steps(problem, x, rows.views > 0 ? k_least_gain_with_pictures : k_least_gain, reporter);
+        const bool of_samples = rows.views > 0 && !has_phases;
+        const auto summary = last_steps(problem, x, of_samples ? k_least_gain_of_samples : k_least_gain, reporter);
         lobes = problem.unpack(x);
         fit.unrounded_loss = summary.loss;
         fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
@@ -218,8 +224,8 @@ struct Fit {
     PmFit finished(const Candidate& candidate, Observations all, double picture_importance, bool has_phases) const {
         const double channels = observations.wavelengths.empty() ? 3 : double(observations.wavelengths.size());
         const double radiance_importance = sample.radiance_importance(has_phases) * 3 / channels;
-        return finish(candidate.lobes, std::move(all), radiance_importance, picture_importance, options, log_peak_limit,
-                      reporter);
+        return finish(candidate.lobes, std::move(all), radiance_importance, picture_importance, has_phases, options,
+                      log_peak_limit, reporter);
     }
     /// A candidate with the coefficients for these rows.
     PmModel on(const Rows& rows, const Candidate& candidate) const {
@@ -259,13 +265,35 @@ struct Fit {
             });
             sort_by_loss(found);
         }
-        const Candidate& best = found.front();
+        const bool has_phases = observations.wavelengths.empty() && !observations.phase_weight.empty();
+        Observations weighed = weighed_by_errors(on(to_see, found.front()), has_phases);
+        if (has_phases && !reporter.cancelled()) {
+            const Rows all(weighed, {.radiance_importance = sample.radiance_importance(has_phases),
+                                     .picture_importance = importance});
+            weighed = weighed_by_errors(compared(all), has_phases);
+        }
+        return finished(found.front(), std::move(weighed), importance, has_phases);
+    }
+    Observations weighed_by_errors(const PmModel& model, bool has_phases) const {
         Observations weighed = observations;
-        const Evaluate fitted = evaluator(on(to_see, best));
+        const Evaluate fitted = evaluator(model);
         weigh_large_errors(weighed, weighed.f.size() - weighed.checks, fitted, k_most_large_error_weight);
-        const bool has_phases = weighed.wavelengths.empty() && !weighed.phase_weight.empty();
         if (has_phases) add_phase_weights(weighed, fitted);
-        return finished(best, std::move(weighed), importance, has_phases);
+        return weighed;
+    }
+    /// Of the first candidates the one with the least sum on these rows after some steps.
+    PmModel compared(const Rows& rows) {
+        found.resize(std::min(found.size(), k_compared));
+        each([&](std::size_t i) {
+            LobeProblem problem(rows, shape_of(options), true, log_peak_limit);
+            Eigen::VectorXd x = LobeProblem::pack(found[i].lobes);
+            LevenbergMarquardtOptions steps;
+            steps.max_iterations = k_compared_steps;
+            found[i].loss = levenberg_marquardt(problem, x, steps).loss;
+            found[i].lobes = problem.unpack(x);
+        });
+        sort_by_loss(found);
+        return on(rows, found.front());
     }
 
     void polish_best() {

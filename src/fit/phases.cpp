@@ -17,7 +17,7 @@ using OfPhases = std::array<double, k_phases>;
 constexpr double k_pixel_area = 1.0 / (32 * 32);
 constexpr int k_energy_steps = 20;
 /// What radiance costs relative to the loss of the pairs.
-constexpr double k_phase_share = 4;
+constexpr double k_phase_share = 5;
 /// They cost less where their mean error, relative to their energy, exceeds this: what no lobes can match would decide.
 constexpr double k_most_relative_rms = 0.25;
 /// A phase counts as if its error were at least this share of the largest.

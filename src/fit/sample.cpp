@@ -27,7 +27,7 @@ constexpr double k_most_radiance_loss = 0.004;
 constexpr double k_radiances_beside_phases = 8;
 
 /// The pictures' share of the sum relative to that of the pairs, and beside phase weights.
-constexpr double k_picture_share = 2, k_pictures_beside_phases = 2.5;
+constexpr double k_picture_share = 2, k_pictures_beside_phases = 3.5;
 
 /// At most this many of them, uniformly spaced.
 std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {

@@ -1,6 +1,8 @@
 #include "least_squares.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 #include <vector>
 
 namespace srbf {
@@ -72,6 +74,22 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
 }
 
 Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
+
+void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
+                     const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+    std::vector<Eigen::Index> free(std::size_t(step.size())), held;
+    std::iota(free.begin(), free.end(), 0);
+    for (;;) {
+        const auto exceeds = [&](Eigen::Index i) { return step[i] < lower[i] || step[i] > upper[i]; };
+        const auto first = std::stable_partition(free.begin(), free.end(), std::not_fn(exceeds));
+        if (first == free.end()) return;
+        held.insert(held.end(), first, free.end());
+        free.erase(first, free.end());
+        for (const Eigen::Index i : held) step[i] = std::clamp(step[i], lower[i], upper[i]);
+        if (free.empty()) return;
+        step(free) = -solved(A(free, free), g(free) + A(free, held) * step(held));
+    }
+}
 
 Eigen::MatrixXd ridged(Eigen::MatrixXd G) {
     G.diagonal().array() *= 1 + 1e-7;

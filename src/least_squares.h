@@ -15,6 +15,10 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::Vec
 /// Solves A x = b, with A symmetric and positive semidefinite.
 Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
+/// Makes the step δ = −A⁻¹g end at bounds that it exceeds, and solves for its other components again.
+void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
+                     const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
+
 /// G with a diagonal increased so that it can be factored even if columns coincide or are 0.
 Eigen::MatrixXd ridged(Eigen::MatrixXd G);
 
@@ -47,6 +51,8 @@ struct LevenbergMarquardtOptions {
     int max_iterations = 40;           ///< linearisations
     double decrease_tolerance = 1e-7;  ///< relative
     double damping = 1e-3;             ///< initial μ, times the diagonal of JᵀJ
+    /// What a step would take beyond its bound ends there. If so, the other variables adapt to it.
+    bool adapts_to_bounds = false;
     /// The loss to reach. From the second step on the optimiser stops if the remaining steps would not reach it, were
     /// each to lower the loss as much as the last one. Since the decrease of the steps usually diminishes, this rarely
     /// stops too early.
@@ -91,6 +97,7 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
             Eigen::MatrixXd damped = H;
             damped.diagonal() += mu * scale;
             Eigen::VectorXd step = -solved(damped, g);
+            if (options.adapts_to_bounds) adapt_to_bounds(step, damped, g, lower - x, upper - x);
             step *= std::min(1.0, 1 / step.cwiseAbs().cwiseQuotient(problem.longest_step(x)).maxCoeff());
             const double predicted = -2 * step.dot(g) - step.dot(H * step);
             if (!(predicted > options.decrease_tolerance * summary.loss)) {

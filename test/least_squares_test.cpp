@@ -192,6 +192,31 @@ Exponentials two_exponentials(double noise = 0) {
 }
 const LevenbergMarquardtOptions k_precise{.max_iterations = 200, .decrease_tolerance = 1e-14};
 
+// What is not held at a bound is where it belongs, given what is.
+TEST(AdaptToBounds, SolvesForTheOthersAgain) {
+    std::mt19937_64 random(7);
+    int held = 0;
+    for (int round = 0; round < 200; ++round) {
+        const Index n = 1 + round % 8;
+        const Linear problem = random_problem(random, n, false, false);
+        const VectorXd lower = VectorXd::NullaryExpr(n, [&] { return -uniform(random); }),
+                       upper = VectorXd::NullaryExpr(n, [&] { return uniform(random); });
+        VectorXd step = -solved(problem.G, problem.g);
+        adapt_to_bounds(step, problem.G, problem.g, lower, upper);
+        const VectorXd gradient = problem.G * step + problem.g;
+        for (Index i = 0; i < n; ++i) {
+            EXPECT_GE(step[i], lower[i]);
+            EXPECT_LE(step[i], upper[i]);
+            const bool at_bound = step[i] == lower[i] || step[i] == upper[i];
+            held += at_bound;
+            if (!at_bound) {
+                EXPECT_LE(std::abs(gradient[i]), 1e-5 * (std::abs(problem.g[i]) + problem.G.row(i).norm())) << i;
+            }
+        }
+    }
+    EXPECT_GT(held, 100);
+}
+
 TEST(LevenbergMarquardt, RecoversWhatMadeTheData) {
     Exponentials problem = two_exponentials();
     VectorXd x(2);

@@ -151,7 +151,7 @@ TEST(ViewInPictures, PixelsCostWhatIsAsked) {
     const Eigen::VectorXd lobes = problem.start(view, k_bent);
     const double loss = problem.loss(lobes);
     ViewInPictures seen(problem);
-    const Eigen::VectorXd x = seen.start(lobes, loss, 3);
+    const Eigen::VectorXd x = seen.start(lobes, seen.share(lobes, loss, 3));
     EXPECT_TRUE(near_relative(seen.loss(x), 4 * loss, 1e-6));
 }
 
@@ -161,7 +161,7 @@ TEST(ViewInPictures, GradientIsThatOfTheLoss) {
     const Eigen::VectorXd lobes = problem.start(view, k_bent);
     const double start = problem.loss(lobes);
     ViewInPictures seen(problem);
-    Eigen::VectorXd x = seen.start(lobes, start, 3);
+    Eigen::VectorXd x = seen.start(lobes, seen.share(lobes, start, 3));
     x.tail(6) *= 0.9;  // inside the bounds
     Eigen::MatrixXd H;
     Eigen::VectorXd g;
@@ -185,7 +185,7 @@ TEST(ViewInPictures, StepsLowerWhatIsSeen) {
     for (const bool only_coefficients : {true, false}) {
         problem.loss(lobes);
         ViewInPictures seen(problem);
-        Eigen::VectorXd x = seen.start(lobes, loss, 3, only_coefficients);
+        Eigen::VectorXd x = seen.start(lobes, seen.share(lobes, loss, 3), only_coefficients);
         const double before = seen.loss(x), after = levenberg_marquardt(seen, x, {}).loss;
         EXPECT_LT(after, (only_coefficients ? 0.999 : 0.95) * before);
         EXPECT_EQ(x.head(lobes.size()) == lobes, only_coefficients);

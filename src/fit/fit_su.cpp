@@ -8,9 +8,9 @@
 #include "fit/fit_view.h"
 #include "fit/objective.h"
 #include "fit/sampled_views.h"
+#include "fit/view_families.h"
 #include "parallel.h"
 #include "reporter.h"
-#include "srbf/kernel.h"
 
 namespace srbf {
 namespace {
@@ -20,10 +20,8 @@ constexpr std::size_t k_chain = 32;
 /// A view adopts the lobes of a neighbour whose loss is below this fraction of its own; it starts from clusterings if
 /// its loss exceeds the neighbour's by far.
 constexpr double k_better = 0.97, k_much_worse = 4;
-/// Passes of trying neighbours' lobes, down and up in turn: with pictures, in which rings would show, and without. And
-/// their work beside fitting all views once: later passes have little to try.
-constexpr std::size_t k_picture_passes = 8, k_passes = 2;
-constexpr double k_work_of_passes = 0.3;
+/// Work of trying neighbours' lobes, and of following one family of lobes, beside fitting all views once.
+constexpr double k_work_of_passes = 0.3, k_work_of_family = 0.5;
 
 Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
     const auto in_range = [](const char* what, double x, double least, double most) -> Result<Done> {
@@ -42,26 +40,6 @@ Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, doub
     return Done{};
 }
 
-/// Lobes of the sampled direction `from` as those of `to`, for a BRDF that is invariant under rotation of both
-/// directions.
-std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
-    const double angle = std::atan2(double(to.y), double(to.x)) - std::atan2(double(from.y), double(from.x));
-    for (ViewLobe& lobe : lobes) lobe.centre = Kernel<double>::turned(lobe.centre, std::cos(angle), std::sin(angle));
-    return lobes;
-}
-
-/// The same moved with the mirror direction from one elevation to the other, about the tangent across the plane of
-/// incidence. Neighbours at the normal are a degree apart, where a highlight may be narrower: no gradient would find it.
-std::vector<ViewLobe> with_mirror_direction(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
-    const Vec3d tangent = Kernel<double>::tangent_across(to_double(to));
-    const auto theta = [](Vec3f w) { return std::atan2(std::hypot(double(w.x), double(w.y)), double(w.z)); };
-    const double cosine = std::cos(theta(from) - theta(to)), sine = std::sin(theta(from) - theta(to));
-    for (ViewLobe& lobe : lobes)
-        lobe.centre = normalize(cosine * lobe.centre + sine * cross(tangent, lobe.centre) +
-                                (1 - cosine) * dot(tangent, lobe.centre) * tangent);
-    return lobes;
-}
-
 /// Consecutive views, from `begin` to before `end`.
 struct Chain {
     std::size_t begin, end;
@@ -70,19 +48,19 @@ struct Chain {
 
 /// The fit of all views, on the threads of the caller's `on_threads`: its stages, in the order in which they follow.
 struct ViewByView {
-    struct Fit : ViewFit {
-        std::size_t news_until = 2;  ///< neighbours try these lobes in passes before this one: once down and once up
-    };
     const SampledViews& views;
     const SuFitOptions& options;
     Reporter& reporter;
     bool of_pictures = traits(options.objective).of_pictures;
     bool shaped = options.shaped.value_or(of_pictures);
     std::size_t lobes = std::size_t(options.lobes);
-    std::vector<Fit> fits = std::vector<Fit>(views.count());
+    std::vector<ViewFit> fits = std::vector<ViewFit>(views.count());
+    std::vector<double> share = std::vector<double>(views.count(), 0.0);  ///< what a view's pixels cost each
 
     /// All work of a fit, that of a view in the other stages being 1.
-    static double work(std::size_t views) { return (3 + k_work_of_passes) * double(views); }
+    static double work(std::size_t views, bool of_pictures) {
+        return double(views) * (of_pictures ? 2 + k_work_of_family * double(k_families) : 3 + k_work_of_passes);
+    }
 
     /// Calls body(problem, chain) for each chain of views, with working memory.
     template <typename Body> void each_chain(std::string_view stage, const Body& body, double work_of_view = 1) {
@@ -95,12 +73,12 @@ struct ViewByView {
     }
 
     /// The fit of view i from the lobes of another view.
-    ViewFit from_view(ViewProblem& problem, const ViewRows& rows, std::size_t i, std::size_t from,
+    ViewFit from_view(ViewProblem& problem, std::size_t i, std::size_t from,
                       const std::vector<ViewLobe>& its_lobes) const {
         const Vec3f its_direction = views.direction(from), direction = views.direction(i);
         std::vector<ViewLobe> start = rotated(its_lobes, its_direction, direction);
         if (of_pictures) start = with_mirror_direction(std::move(start), its_direction, direction);
-        return fit_view(problem, rows, start);
+        return fit_view(problem, views.rows(i), start);
     }
 
     /// Each view from the previous one of its chain, and from scratch where there is none or that leads nowhere.
@@ -111,50 +89,68 @@ struct ViewByView {
             std::mt19937_64 random(seeds);
             std::optional<std::size_t> last;  // view with data
             for (std::size_t i = chain.begin; i < chain.end; ++i) {
-                const ViewRows rows = views.rows(i);
+                const ViewRows& rows = views.rows(i);
                 if (!(rows.scale > 0)) continue;
-                if (last) fits[i] = {from_view(problem, rows, i, *last, fits[*last].lobes)};
+                if (last) fits[i] = from_view(problem, i, *last, fits[*last].lobes);
                 if (!last || fits[i].loss > k_much_worse * fits[*last].loss + 1e-9) {
                     ViewFit fit = fit_view_from_scratch(problem, rows, lobes, random);
-                    if (fit.loss < fits[i].loss) fits[i] = {std::move(fit)};
+                    if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
                 }
+                share[i] = pixel_share(problem, rows, fits[i]);
                 last = i;
             }
         });
     }
 
-    /// Neighbouring views try each other's lobes, downwards and upwards in turn. Lobes pass from one chain to the next
-    /// once in a pass; from the third on only those are tried that have changed since.
+    /// Neighbouring views try each other's lobes, once downwards and once upwards. Lobes pass from one chain to the next
+    /// once in a pass.
     void compare_neighbours() {
-        const std::size_t passes = of_pictures ? k_picture_passes : k_passes;
-        for (std::size_t pass = 0; pass < passes; ++pass) {
-            const std::vector<Fit> before = fits;
+        for (const bool down : {true, false}) {
+            const std::vector<ViewFit> before = fits;
             const auto compare = [&](ViewProblem& problem, Chain chain) {
                 for (std::size_t k = chain.begin; k < chain.end; ++k) {
-                    const bool down = pass % 2 == 0;
                     const std::size_t i = down ? chain.end - 1 - (k - chain.begin) : k, from = down ? i + 1 : i - 1;
                     if (from >= views.count()) continue;  // beyond the first or last view
-                    try_lobes(problem, i, from, chain.has(from) ? fits[from] : before[from], pass);
+                    try_lobes(problem, i, from, chain.has(from) ? fits[from] : before[from]);
                 }
             };
-            each_chain("comparing views", compare, k_work_of_passes / double(passes));
+            each_chain("comparing views", compare, k_work_of_passes / 2);
         }
     }
-    /// View i tries the lobes of view `from` if they are new and better there.
-    void try_lobes(ViewProblem& problem, std::size_t i, std::size_t from, const Fit& neighbour, std::size_t pass) {
-        if (pass >= neighbour.news_until) return;
+    /// View i tries the lobes of view `from` if they are better there.
+    void try_lobes(ViewProblem& problem, std::size_t i, std::size_t from, const ViewFit& neighbour) {
         if (fits[i].is_empty() || neighbour.is_empty() || neighbour.loss > k_better * fits[i].loss) return;
-        ViewFit fit = from_view(problem, views.rows(i), i, from, neighbour.lobes);
-        // Tried at once, in the next pass the other way, and in the one after beyond the chain.
-        if (fit.loss < fits[i].loss) fits[i] = {std::move(fit), pass + 3};
+        ViewFit fit = from_view(problem, i, from, neighbour.lobes);
+        if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
     }
 
+    /// With pictures: one of the families of lobes in each view.
+    void choose_families(SuModel& model) {
+        const auto done = [&](double views_done) {
+            return reporter.advance("following lobes", k_work_of_family * double(k_families) * views_done);
+        };
+        const std::vector<SeenFit> chosen = fit_families(views, fits, share, options.lobes, shaped, done);
+        for (std::size_t i = 0; i < chosen.size(); ++i) store(model, i, chosen[i]);
+    }
     /// Stores the lobes of all views and their coefficients.
     void finish(SuModel& model) {
         each_chain("finishing", [&](ViewProblem& problem, Chain chain) {
             for (std::size_t i = chain.begin; i < chain.end; ++i)
-                if (!fits[i].is_empty()) solve(problem, model, i, fits[i].lobes, false);
+                if (!fits[i].is_empty())
+                    store(model, i, fit_seen_coefficients(problem, views.rows(i), fits[i].lobes, 0));
         });
+    }
+    void store(SuModel& model, std::size_t i, const SeenFit& fit) const {
+        for (std::size_t j = 0; j < fit.lobes.size(); ++j) {
+            const std::size_t k = i * lobes + j;
+            store_coefficient(model, k, fit.coefficient[j]);
+            model.centre[k] = to_float(fit.lobes[j].centre);
+            model.bandwidth[k] = float(fit.lobes[j].bandwidth);
+            if (shaped) model.shape[k] = float(fit.lobes[j].shape) + 0.f;  // no negative 0
+        }
+    }
+    static void store_coefficient(SuModel& model, std::size_t k, const std::array<double, 3>& beta) {
+        for (int c = 0; c < 3; ++c) model.coefficient[k][c] = float(beta[std::size_t(c)]);
     }
     /// The coefficients again, for the lobes of the model, which were rounded.
     void solve_again(SuModel& model) {
@@ -165,25 +161,10 @@ struct ViewByView {
                 for (std::size_t k = i * lobes; k < (i + 1) * lobes; ++k)
                     stored.push_back(
                         {to_double(model.centre[k]), double(model.bandwidth[k]), shaped ? double(model.shape[k]) : 0});
-                solve(problem, model, i, std::move(stored), true);
+                const SeenFit fit = fit_seen_coefficients(problem, views.rows(i), stored, share[i]);
+                for (std::size_t j = 0; j < lobes; ++j) store_coefficient(model, i * lobes + j, fit.coefficient[j]);
             }
         });
-    }
-    /// Stores the coefficients for the lobes `of` of view i; what its pixels see may change these too, unless they are
-    /// kept.
-    void solve(ViewProblem& problem, SuModel& model, std::size_t i, std::vector<ViewLobe> of, bool keep_lobes) const {
-        const ViewRows rows = views.rows(i, of_pictures);
-        const Eigen::VectorXd x = problem.start(rows, of);
-        const double loss = problem.loss(x);
-        if (rows.seen.pixels.count() > 0) of = match_pixels(problem, x, loss, keep_lobes);
-        for (std::size_t j = 0; j < lobes; ++j) {
-            const std::size_t k = i * lobes + j;
-            for (int c = 0; c < 3; ++c) model.coefficient[k][c] = float(problem.coefficient(int(j), c));
-            if (keep_lobes) continue;
-            model.centre[k] = to_float(of[j].centre);
-            model.bandwidth[k] = float(of[j].bandwidth);
-            if (shaped) model.shape[k] = float(of[j].shape) + 0.f;  // no negative 0
-        }
     }
 };
 
@@ -221,7 +202,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
     const FlushSubnormals mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (const auto valid = validate(matrix, options, theta_max); !valid) return valid.error();
-    Reporter reporter(progress, ViewByView::work(matrix.direction.size()));
+    Reporter reporter(progress, ViewByView::work(matrix.direction.size(), traits(options.objective).of_pictures));
     Result<SuFit> result = SuFit{};
     on_threads(options.threads, [&] {
         const SampledViews views(matrix, options.objective, theta_max);
@@ -230,10 +211,14 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
             return;
         }
         ViewByView all{views, options, reporter};
-        all.fit_views();
-        all.compare_neighbours();
         result->unrounded = black_views(matrix, options, all.shaped);
-        all.finish(result->unrounded);
+        all.fit_views();
+        if (all.of_pictures) {
+            all.choose_families(result->unrounded);
+        } else {
+            all.compare_neighbours();
+            all.finish(result->unrounded);
+        }
         // The nonlinear parameters are rounded, then the coefficients are solved again.
         result->model = rounded(result->unrounded);
         all.solve_again(result->model);

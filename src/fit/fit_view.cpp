@@ -6,6 +6,7 @@
 #include "fit/view_in_pictures.h"
 #include "fit/vmf_clusters.h"
 #include "srbf/directions.h"
+#include "srbf/kernel.h"
 
 namespace srbf {
 namespace {
@@ -15,14 +16,18 @@ constexpr int k_view_perturbations = 8;
 /// Steps with the pixels of a view, of all variables and of rounded lobes' coefficients; and what the pixels cost at
 /// first, relative to the rest of the loss.
 constexpr int k_picture_steps = 4, k_coefficient_steps = 3;
-constexpr double k_picture_importance = 8;
+constexpr double k_picture_importance = 4;
+
+/// A neighbour's lobe may be narrowed more than one of this view.
+Eigen::VectorXd within_bounds(const ViewProblem& problem, const Eigen::VectorXd& x) {
+    return x.cwiseMax(problem.lower(x));
+}
 
 ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, int steps) {
     LevenbergMarquardtOptions options;
     options.max_iterations = steps;
     options.decrease_tolerance = 1e-4;
-    Eigen::VectorXd x = problem.start(rows, start);
-    x = x.cwiseMax(problem.lower(x));  // a neighbour's lobe may be narrowed more than one of this view
+    Eigen::VectorXd x = within_bounds(problem, problem.start(rows, start));
     const auto summary = levenberg_marquardt(problem, x, options);
     return {problem.lobes(x), summary.loss, summary.stop};
 }
@@ -74,6 +79,26 @@ std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_
     return starts;
 }
 
+std::vector<std::array<double, 3>> coefficients(const ViewProblem& problem, std::size_t lobes) {
+    std::vector<std::array<double, 3>> of(lobes);
+    for (std::size_t j = 0; j < lobes; ++j)
+        for (int c = 0; c < 3; ++c) of[j][std::size_t(c)] = problem.coefficient(int(j), c);
+    return of;
+}
+/// From the lobes x, of which `problem` has just computed the loss.
+SeenFit seen_fit(ViewProblem& problem, const Eigen::VectorXd& x, double share, bool only_coefficients) {
+    LevenbergMarquardtOptions options;
+    options.max_iterations = only_coefficients ? k_coefficient_steps : k_picture_steps;
+    options.decrease_tolerance = 1e-4;
+    options.adapts_to_bounds = true;
+    ViewInPictures seen(problem);
+    Eigen::VectorXd all = seen.start(x, share, only_coefficients);
+    const auto summary = levenberg_marquardt(seen, all, options);
+    std::vector<ViewLobe> lobes = problem.lobes(all.head(x.size()));
+    const std::size_t J = lobes.size();
+    return {{std::move(lobes), summary.loss, summary.stop}, coefficients(problem, J)};
+}
+
 }  // namespace
 
 ViewFit fit_view(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start) {
@@ -103,14 +128,44 @@ ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::s
     return best;
 }
 
-std::vector<ViewLobe> match_pixels(ViewProblem& problem, const Eigen::VectorXd& x, double loss, bool keep_lobes) {
-    LevenbergMarquardtOptions options;
-    options.max_iterations = keep_lobes ? k_coefficient_steps : k_picture_steps;
-    options.decrease_tolerance = 1e-4;
-    ViewInPictures seen(problem);
-    Eigen::VectorXd all = seen.start(x, loss, k_picture_importance, keep_lobes);
-    levenberg_marquardt(seen, all, options);
-    return problem.lobes(all.head(x.size()));
+std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
+    const double angle = std::atan2(double(to.y), double(to.x)) - std::atan2(double(from.y), double(from.x));
+    for (ViewLobe& lobe : lobes) lobe.centre = Kernel<double>::turned(lobe.centre, std::cos(angle), std::sin(angle));
+    return lobes;
+}
+
+std::vector<ViewLobe> with_mirror_direction(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
+    const Vec3d tangent = Kernel<double>::tangent_across(to_double(to));
+    const auto theta = [](Vec3f w) { return std::atan2(std::hypot(double(w.x), double(w.y)), double(w.z)); };
+    const double cosine = std::cos(theta(from) - theta(to)), sine = std::sin(theta(from) - theta(to));
+    for (ViewLobe& lobe : lobes)
+        lobe.centre = normalize(cosine * lobe.centre + sine * cross(tangent, lobe.centre) +
+                                (1 - cosine) * dot(tangent, lobe.centre) * tangent);
+    return lobes;
+}
+
+double pixel_share(ViewProblem& problem, const ViewRows& rows, const ViewFit& fit) {
+    if (rows.seen.pixels.count() == 0) return 0;
+    const Eigen::VectorXd x = problem.start(rows, fit.lobes);
+    const double loss = problem.loss(x);
+    return ViewInPictures(problem).share(x, loss, k_picture_importance);
+}
+
+SeenFit fit_seen(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, double share) {
+    if (!(share > 0)) return fit_seen_coefficients(problem, rows, fit_view(problem, rows, start).lobes, 0);
+    const Eigen::VectorXd x = within_bounds(problem, problem.start(rows, start));
+    problem.loss(x);
+    return seen_fit(problem, x, share, false);
+}
+
+SeenFit fit_seen_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes,
+                              double share) {
+    const Eigen::VectorXd x = problem.start(rows, lobes);
+    const double loss = problem.loss(x);
+    SeenFit fit =
+        share > 0 ? seen_fit(problem, x, share, true) : SeenFit{{lobes, loss}, coefficients(problem, lobes.size())};
+    fit.lobes = lobes;
+    return fit;
 }
 
 }  // namespace srbf

@@ -1,5 +1,6 @@
 // The fit of one sampled view: from lobes that are nearly right, from scratch, and to its pixels.
 #pragma once
+#include <array>
 #include <limits>
 #include <random>
 #include <vector>
@@ -23,8 +24,23 @@ ViewFit fit_view(ViewProblem& problem, const ViewRows& rows, const std::vector<V
 /// and adding a random one.
 ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::size_t lobes, std::mt19937_64& random);
 
-/// Makes the lobes x, of which `problem` has just computed the loss, match the view's pixels as well, or only their
-/// coefficients. Returns the lobes; `problem` has the coefficients.
-std::vector<ViewLobe> match_pixels(ViewProblem& problem, const Eigen::VectorXd& x, double loss, bool keep_lobes);
+/// The lobes of the view `from` for the view `to` of a BRDF that is invariant under rotation of both directions.
+std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to);
+/// The same moved with the mirror direction from one elevation to the other. Neighbours at the normal are a degree
+/// apart, where a highlight may be narrower: no gradient would find it.
+std::vector<ViewLobe> with_mirror_direction(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to);
+
+/// A fit to a view's pixels too. `loss` is that of a `ViewInPictures`.
+struct SeenFit : ViewFit {
+    std::vector<std::array<double, 3>> coefficient;  ///< β of each lobe [1/sr]
+};
+/// What a pixel of the view costs: all of them a constant times as much as the rest of the loss, for this fit without
+/// them. 0 if the view has none.
+double pixel_share(ViewProblem& problem, const ViewRows& rows, const ViewFit& fit);
+/// From these lobes, such as a neighbour's, a few steps by pairs and pixels.
+SeenFit fit_seen(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, double share);
+/// The coefficients alone, for lobes that were rounded.
+SeenFit fit_seen_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes,
+                              double share);
 
 }  // namespace srbf

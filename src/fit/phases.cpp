@@ -29,34 +29,49 @@ std::size_t phase_of(Vec3f wl, Vec3f wv) {
     return std::min(std::size_t(angle / k_pi * double(k_phases)), k_phases - 1);
 }
 
+/// The share that solid angles of both directions have in the pictures of their phase.
+double area_of(std::size_t phase, Vec3f wv, double measure) {
+    const double ring = 2 * k_pi * (std::cos(start_of(phase)) - std::cos(start_of(phase + 1)));
+    return measure * double(wv.z) / ring;
+}
+double square_of_radiance(const Rgb& f, Vec3f wl) { return square_of(f) * std::pow(double(wl.z), 2); }
+
 }  // namespace
 
 // A picture of pixels of area a has the energy Σ a g² for g = f cosθl. A highlight of less than a pixel is hit by few of
 // the pictures, whose energy is its then: a pair is seen relative to T + a g², where T is the energy that others have.
-std::vector<double> phase_weights(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
-                                  std::span<const double> measure) {
+PhaseEnergies::PhaseEnergies(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                             std::span<const double> measure)
+    : others_(k_phases) {
     std::vector<std::size_t> phase(f.size());
     std::vector<double> area(f.size()), square(f.size());
-    OfPhases others{};
     for (std::size_t i = 0; i < f.size(); ++i) {
         phase[i] = phase_of(wl[i], wv[i]);
-        const double ring = 2 * k_pi * (std::cos(start_of(phase[i])) - std::cos(start_of(phase[i] + 1)));
-        area[i] = measure[i] * double(wv[i].z) / ring;
-        square[i] = square_of(f[i]) * std::pow(double(wl[i].z), 2);
-        others[phase[i]] += area[i] * square[i];
+        area[i] = area_of(phase[i], wv[i], measure[i]);
+        square[i] = square_of_radiance(f[i], wl[i]);
+        others_[phase[i]] += area[i] * square[i];
     }
     // Σ g² / (T + a g²) over the sphere becomes 1.
     for (int step = 0; step < k_energy_steps; ++step) {
         OfPhases next{};
         for (std::size_t i = 0; i < f.size(); ++i)
             if (square[i] > 0)
-                next[phase[i]] += area[i] * square[i] / (1 + k_pixel_area * square[i] / others[phase[i]]);
-        others = next;
+                next[phase[i]] += area[i] * square[i] / (1 + k_pixel_area * square[i] / others_[phase[i]]);
+        others_.assign(next.begin(), next.end());
     }
+}
+
+double PhaseEnergies::weight(Vec3f wl, Vec3f wv, const Rgb& f, double measure) const {
+    const std::size_t phase = phase_of(wl, wv);
+    const double energy = others_[phase] + k_pixel_area * square_of_radiance(f, wl);
+    return energy > 0 ? area_of(phase, wv, measure) * std::pow(double(wl.z), 2) / energy : 0;
+}
+
+std::vector<double> phase_weights(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                                  std::span<const double> measure) {
+    const PhaseEnergies energies(wl, wv, f, measure);
     std::vector<double> weight(f.size());
-    for (std::size_t i = 0; i < f.size(); ++i)
-        if (const double energy = others[phase[i]] + k_pixel_area * square[i]; energy > 0)
-            weight[i] = area[i] * std::pow(double(wl[i].z), 2) / energy;
+    for (std::size_t i = 0; i < f.size(); ++i) weight[i] = energies.weight(wl[i], wv[i], f[i], measure[i]);
     return weight;
 }
 

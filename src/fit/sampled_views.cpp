@@ -22,8 +22,8 @@ constexpr std::size_t k_typical_views = 8;  ///< every eighth view tells the typ
 constexpr double k_between = 0.1;
 /// An error of 1 % in the radiances under all lights costs three channels times 1e-4 times this.
 constexpr double k_light_importance = 12;
-/// Of the objective's weights of highlights, as a share of a view's Σ w |f|².
-constexpr double k_highlights = 0.1;
+/// Of the objective's weights of highlights, and of those of radiance, relative to a view's Σ w |f|².
+constexpr double k_highlights = 3, k_radiance = 0.3;
 constexpr double k_elevation = 0.5;  ///< of the light beside, relative to 1
 constexpr std::size_t k_phases = 36;
 constexpr double k_least_sine = 0.05;  ///< of a phase whose density is uniform
@@ -56,11 +56,13 @@ SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double 
         }
     typical_ = typical_value(objective, wl, wv, some, std::vector<double>(some.size(), 1.0));
     if (!(typical_ > 0)) typical_ = 1;  // black in those views
-    if (traits(objective).of_pictures) expose();
+    if (traits(objective).of_pictures) see_pictures();
     largest_.resize(n);
     for (std::size_t view = 0; view < n; ++view)
         for (std::size_t i = view - std::min(view, k_peak_views); i < std::min(n, view + k_peak_views + 1); ++i)
             for (int c = 0; c < 3; ++c) largest_[view][c] = std::max(largest_[view][c], largest_of[i][c]);
+    rows_.resize(n);
+    parallel_for(n, [&](std::size_t view) { rows_[view] = rows_of(view); });
 }
 
 std::size_t SampledViews::valid(std::size_t view) const {
@@ -81,7 +83,20 @@ double SampledViews::highlight_weight(std::size_t view, Vec3f other, const Rgb& 
     return of.further.front().weight(mean_of(value), typical_, double(wl.z), double(wv.z));
 }
 
-ViewRows SampledViews::rows(std::size_t view, bool with_pixels) const {
+std::vector<double> SampledViews::solid_angles(std::size_t view, std::span<const Vec3f> directions,
+                                               std::span<const double> pdf_between) const {
+    const MirrorMixture mixture(k_pi / 2);
+    const double n = double(count()), m = double(matrix_.between.size()) / n;
+    std::vector<double> angles;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const double pdf =
+            i < count() ? mixture.pdf(to_double(directions[i]), to_double(direction(view))) : pdf_between[i - count()];
+        angles.push_back(1 / (n / (2 * k_pi) + m * pdf));
+    }
+    return angles;
+}
+
+ViewRows SampledViews::rows_of(std::size_t view) const {
     const std::size_t n = count(), m = matrix_.between.size() / n;
     std::vector<Vec3f> directions(matrix_.direction);
     std::vector<Rgb> values(n);
@@ -129,6 +144,11 @@ ViewRows SampledViews::rows(std::size_t view, bool with_pixels) const {
                           whole_weight(between.direction, between.f));
     }
 
+    std::vector<double> solid_angle;
+    if (traits(objective_).of_pictures) {
+        solid_angle = solid_angles(view, directions, pdf_between);
+        if (within(direction(view))) add_radiance(weights, energy, view, directions, values, solid_angle);
+    }
     rows.directions = DirectionRows(directions);
     rows.view = matrix_.direction[view];
     rows.scale = std::sqrt(energy / whole);
@@ -141,21 +161,28 @@ ViewRows SampledViews::rows(std::size_t view, bool with_pixels) const {
         for (int c = 0; c < 3; ++c) rows.y[std::size_t(c)][i] = float(root / rows.scale * double(values[i][c]));
     }
     if (traits(objective_).of_pictures) {
-        // Directions of the matrix and between them count by their common density.
-        const MirrorMixture mixture(k_pi / 2);
-        std::vector<double> solid_angle;
-        for (std::size_t i = 0; i < directions.size(); ++i) {
-            const double pdf =
-                i < n ? mixture.pdf(to_double(directions[i]), to_double(direction(view))) : pdf_between[i - n];
-            solid_angle.push_back(1 / (density + double(m) * pdf));
-        }
         add_lights(rows, view, directions, values, solid_angle);
-        if (with_pixels) add_pixels(rows, view, directions, values, solid_angle);
+        add_pixels(rows, view, directions, values, solid_angle);
     }
     rows.least_cosine = 0.5 * cos_max_;
     const double most = within(direction(view)) ? k_most_peak : k_most_peak_beyond;
     for (int c = 0; c < 3; ++c) rows.largest[std::size_t(c)] = most * double(largest_[view][c]) / rows.scale;
     return rows;
+}
+
+void SampledViews::add_radiance(std::span<double> weights, double energy, std::size_t view,
+                                std::span<const Vec3f> directions, std::span<const Rgb> values,
+                                std::span<const double> solid_angle) const {
+    std::vector<double> added(weights.size(), 0.0);
+    double sum = 0;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        if (!(weights[i] > 0) || !within(directions[i])) continue;
+        const auto [l, v] = pair(view, directions[i]);
+        added[i] = std::cos(phase_of(l, v) / 2) * energies_.weight(l, v, values[i], solid_angle[i]);
+        sum += added[i] * square_of(values[i]);
+    }
+    if (!(sum > 0)) return;
+    for (std::size_t i = 0; i < weights.size(); ++i) weights[i] += k_radiance * energy / sum * added[i];
 }
 
 void SampledViews::add_lights(ViewRows& rows, std::size_t view, std::span<const Vec3f> directions,
@@ -180,18 +207,36 @@ void SampledViews::add_lights(ViewRows& rows, std::size_t view, std::span<const 
     }
 }
 
-void SampledViews::expose() {
+void SampledViews::see_pictures() {
+    const std::size_t m = matrix_.between.size() / count();
     std::vector<std::vector<std::pair<double, double>>> lit(k_phases);  // radiances and areas of pixels
-    for (std::size_t view = 0; view < count(); view += k_typical_views)
-        for (std::size_t i = 0; i < count(); ++i) {
-            const Rgb& value = f(view, i);
-            if (!within(direction(view)) || !within(direction(i)) || !is_finite(value)) continue;
-            const auto [l, v] = pair(view, direction(i));
-            const double radiance = double(std::max({value.r, value.g, value.b}) * l.z);
-            if (!(radiance > 0)) continue;
+    std::vector<Vec3f> wl, wv;
+    std::vector<Rgb> some;
+    std::vector<double> measure;
+    for (std::size_t view = 0; view < count(); view += k_typical_views) {
+        if (!within(direction(view))) continue;
+        std::vector<Vec3f> directions(matrix_.direction);
+        std::vector<Rgb> values(count());
+        for (std::size_t i = 0; i < count(); ++i) values[i] = f(view, i);
+        std::vector<double> pdf_between;
+        for (const RawMatrix::Between& between : std::span(matrix_.between).subspan(view * m, m)) {
+            directions.push_back(between.direction);
+            values.push_back(between.f);
+            pdf_between.push_back(double(between.pdf));
+        }
+        const std::vector<double> angles = solid_angles(view, directions, pdf_between);
+        for (std::size_t i = 0; i < directions.size(); ++i) {
+            if (!within(directions[i]) || !is_finite(values[i])) continue;
+            const auto [l, v] = pair(view, directions[i]);
+            wl.push_back(l), wv.push_back(v), some.push_back(values[i]);
+            measure.push_back(angles[i] * 2 * k_pi * double(k_typical_views) / double(count()));
+            const double radiance = double(std::max({values[i].r, values[i].g, values[i].b}) * l.z);
+            if (i >= count() || !(radiance > 0)) continue;
             const auto phase = std::size_t(phase_of(l, v) / k_pi * double(k_phases));
             lit[std::min(phase, k_phases - 1)].emplace_back(radiance, double(v.z));
         }
+    }
+    energies_ = PhaseEnergies(wl, wv, some, measure);
     white_.assign(k_phases, 0.0);
     for (std::size_t phase = 0; phase < k_phases; ++phase) {
         white_[phase] = weighted_quantile(std::move(lit[phase]), k_exposed) / k_exposed_value;

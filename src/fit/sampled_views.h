@@ -1,5 +1,6 @@
 // The measurement of each sampled view in the form that a fit of that view uses.
 #pragma once
+#include "fit/phases.h"
 #include "fit/view_problem.h"
 #include "srbf/fit.h"
 
@@ -18,12 +19,12 @@ class SampledViews {
 
     /// The rows of a view. Directions of the matrix within θmax have the weights of the objective. Those beyond are
     /// guards with small weights, as in `observe`. Directions between those of the matrix together weigh as much as
-    /// k_between times a uniform density of them. For an objective of pictures radiances are matched too, and
-    /// on request the view's pixels. Empty (scale 0)
-    /// if there is no value above 0 within θmax.
-    ViewRows rows(std::size_t view, bool with_pixels = false) const;
+    /// k_between times a uniform density of them. For an objective of pictures radiances and pixels are matched too.
+    /// Empty (scale 0) if there is no value above 0 within θmax.
+    const ViewRows& rows(std::size_t view) const { return rows_[view]; }
 
   private:
+    ViewRows rows_of(std::size_t view) const;
     /// f of sampled direction `view` at direction `other` of the set.
     const Rgb& f(std::size_t view, std::size_t other) const {
         const bool by_view = matrix_.discretise == Discretise::view;
@@ -35,6 +36,13 @@ class SampledViews {
         return matrix_.discretise == Discretise::light ? std::pair(direction(view), other)
                                                        : std::pair(other, direction(view));
     }
+    /// The solid angles of a view's directions if those of the matrix, which come first, and those between them, which
+    /// have these densities, count by their common density [sr].
+    std::vector<double> solid_angles(std::size_t view, std::span<const Vec3f> directions,
+                                     std::span<const double> pdf_between) const;
+    /// Adds to the weights those of radiance in pictures of each phase; `energy`: Σ w |f|² so far.
+    void add_radiance(std::span<double> weights, double energy, std::size_t view, std::span<const Vec3f> directions,
+                      std::span<const Rgb> values, std::span<const double> solid_angle) const;
     /// Adds the radiances that a view reflects under four lights: a uniform one, and broad ones about the mirror
     /// direction, beside the view, and about it.
     void add_lights(ViewRows& rows, std::size_t view, std::span<const Vec3f> directions, std::span<const Rgb> values,
@@ -42,8 +50,8 @@ class SampledViews {
     /// Adds the view's pixels under single lights, whose phases (the angles between light and viewer) are uniform.
     void add_pixels(ViewRows& rows, std::size_t view, std::span<const Vec3f> directions, std::span<const Rgb> values,
                     std::span<const double> solid_angle) const;
-    /// Finds `white_`.
-    void expose();
+    /// Finds `white_` and `energies_`.
+    void see_pictures();
     double weight(std::size_t view, Vec3f other, const Rgb& f) const;
     /// For an objective of pictures: the weight, before scaling, that keeps radiance above white in order; otherwise 0.
     double highlight_weight(std::size_t view, Vec3f other, const Rgb& f) const;
@@ -53,8 +61,10 @@ class SampledViews {
     double cos_max_;
     double typical_ = 0;         ///< see `typical_value`
     std::vector<double> white_;  ///< of each phase: the f cosθl that pictures of a sphere show as white
+    PhaseEnergies energies_;     ///< of pictures
     /// maximum of f times the other direction's cosine, per channel, within θmax, over neighbouring views
     std::vector<Rgb> largest_;
+    std::vector<ViewRows> rows_;
 };
 
 }  // namespace srbf

@@ -8,18 +8,20 @@
 
 namespace srbf {
 
-Eigen::VectorXd ViewInPictures::start(const Eigen::VectorXd& x, double loss, double importance,
-                                      bool only_coefficients) {
+double ViewInPictures::share(const Eigen::VectorXd& x, double loss, double importance) {
+    const double errors = this->loss(start(x, 1)) - loss;
+    return errors > 0 ? importance * loss / errors : 0;
+}
+
+Eigen::VectorXd ViewInPictures::start(const Eigen::VectorXd& x, double share, bool only_coefficients) {
     only_coefficients_ = only_coefficients;
+    share_ = share;
     slopes_.resize(blocks());
     const auto J = std::size_t(of_.lobes_);
     offset_ = of_.offset_;
     exponent_.resize(blocks() * J * k_block), value_.resize(blocks() * J * k_block);
     Eigen::VectorXd all(x.size() + of_.beta_.size());
     all << x, of_.beta_.reshaped<Eigen::RowMajor>();
-    share_ = 1 / double(seen().pixels.count());
-    const double of_pixels = this->loss(all) - loss;
-    share_ *= of_pixels > 0 ? importance * loss / of_pixels : 0;
     return all;
 }
 

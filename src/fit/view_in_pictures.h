@@ -6,7 +6,7 @@
 
 namespace srbf {
 
-/// The loss of a `ViewProblem` plus importance × the mean error of the view's `Pixels`. It is not quadratic in the
+/// The loss of a `ViewProblem` plus share × the error of each of the view's `Pixels`. It is not quadratic in the
 /// coefficients and couples the channels, so that these are variables too, after those of the lobes: β_jc at 3 j + c,
 /// of lobes with a largest value of 1 on the rows at the start.
 class ViewInPictures {
@@ -14,9 +14,13 @@ class ViewInPictures {
     /// Uses the working memory of `problem`.
     explicit ViewInPictures(ViewProblem& problem) : of_(problem) {}
 
-    /// About the lobes x and their coefficients, of which `problem` has just computed this loss. `importance`: what the
-    /// pixels cost there, relative to that loss. If `only_coefficients`, the lobes remain.
-    Eigen::VectorXd start(const Eigen::VectorXd& x, double loss, double importance, bool only_coefficients = false);
+    /// What each pixel costs if all cost `importance` times as much as the lobes x of `problem`, whose loss it has just
+    /// computed, for these; 0 if they have no error.
+    double share(const Eigen::VectorXd& x, double loss, double importance);
+
+    /// About the lobes x and their coefficients, of which `problem` has just computed the loss. `share`: of each pixel.
+    /// If `only_coefficients`, the lobes remain.
+    Eigen::VectorXd start(const Eigen::VectorXd& x, double share, bool only_coefficients = false);
 
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);

@@ -13,8 +13,8 @@ namespace {
 
 constexpr int k_steps = 15, k_steps_from_scratch = 40, k_steps_after_perturbation = 12;
 constexpr int k_view_perturbations = 8;
-/// Steps with the pixels of a view, of all variables and of rounded lobes' coefficients; and what the pixels cost at
-/// first, relative to the rest of the loss.
+/// Steps with the pixels of a view, of all variables and of rounded lobes' coefficients; and what the pixels cost
+/// relative to the rest of the loss, for the lobes that are best for that.
 constexpr int k_picture_steps = 4, k_coefficient_steps = 3;
 constexpr double k_picture_importance = 4;
 

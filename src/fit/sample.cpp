@@ -100,7 +100,8 @@ double Sample::picture_importance(const Candidate& candidate, const FitOptions& 
     const Rows rows = to_see(k_negligible);
     LobeProblem problem(rows, shape_of(options), true, log_peak_limit);
     problem.loss(LobeProblem::pack(candidate.lobes));
-    return (has_phases_ ? k_pictures_beside_phases : k_picture_share) * loss_ / std::max(problem.delta_e(), k_least_delta_e);
+    return (has_phases_ ? k_pictures_beside_phases : k_picture_share) * loss_ /
+           std::max(problem.delta_e(), k_least_delta_e);
 }
 
 }  // namespace srbf

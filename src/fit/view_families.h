@@ -11,8 +11,8 @@ namespace srbf {
 /// itself often have different lobes of like loss, and the edge between them is seen as a ring. So the fits of a few
 /// views are followed through all others, and each view takes one of these families: those with the least sum of the
 /// losses, by what pixels cost, and of what is seen of edges between neighbours. `fits`: of the pairs alone. `share`:
-/// what a pixel of each view costs, 0 in views without pixels. `done` is told each view followed; returns false to stop,
-/// and all fits are empty then.
+/// what a pixel of each view costs, 0 in views without pixels. `done` is told how much has been done, the number of
+/// views in all; it returns false to stop, and all fits are empty then.
 std::vector<SeenFit> fit_families(const SampledViews& views, std::span<const ViewFit> fits,
                                   std::span<const double> share, int lobes, bool shaped,
                                   const std::function<bool(double)>& done);

@@ -43,7 +43,7 @@ struct SeenRound {
 constexpr SeenRound k_seen_rounds[] = {{1, 3}, {0.25, 4}, {0.125, 8}};
 /// With phase weights this many of them then take so many steps on all observations. The least sum decides, which knows
 /// radiance; ΔE_ITP does not.
-constexpr std::size_t k_compared = 2;
+constexpr std::size_t k_compared_candidates = 2;
 constexpr int k_compared_steps = 6;
 std::span<const Round> rounds_of(const Observations& observations) {
     return observations.views.empty() ? std::span<const Round>(k_rounds) : std::span<const Round>(k_rounds_to_pictures);
@@ -283,7 +283,7 @@ struct Fit {
     }
     /// Of the first candidates the one with the least sum on these rows after some steps.
     PmModel compared(const Rows& rows) {
-        found.resize(std::min(found.size(), k_compared));
+        found.resize(std::min(found.size(), k_compared_candidates));
         each([&](std::size_t i) {
             LobeProblem problem(rows, shape_of(options), true, log_peak_limit);
             Eigen::VectorXd x = LobeProblem::pack(found[i].lobes);

@@ -146,6 +146,38 @@ TEST(FitSu, LooksLikeTheMeasurement) {
     }
 }
 
+/// By how much the mean of two views' neighbours differs from each view, to light that turns with the view: rings.
+double roughness(const SuModel& model) {
+    const Evaluate f = evaluator(model);
+    const std::vector<Vec3f> lights = fibonacci_directions(256, k_cap);
+    const auto seen_from = [&](Vec3f view) {
+        const Vec3f turned(std::sqrt(std::max(0.f, 1 - view.z * view.z)), 0, view.z);
+        std::vector<Rgb> values(lights.size());
+        f(lights, std::vector<Vec3f>(lights.size(), turned), values);
+        return values;
+    };
+    double apart = 0, all = 0;
+    for (std::size_t i = 1; i + 1 < model.direction.size(); ++i) {
+        if (double(model.direction[i].z) < std::cos(k_cap)) continue;
+        const auto here = seen_from(model.direction[i]), above = seen_from(model.direction[i + 1]),
+                   below = seen_from(model.direction[i - 1]);
+        for (std::size_t k = 0; k < lights.size(); ++k)
+            for (int c = 0; c < 3; ++c) {
+                apart += std::abs(double(here[k][c]) - (double(above[k][c]) + double(below[k][c])) / 2);
+                all += double(here[k][c]);
+            }
+    }
+    return apart / all;
+}
+
+TEST(FitSu, ViewsChangeGradually) {
+    const struct {
+        const char* name;
+        double roughness;  ///< more than fits have, less than single views' scatter would add
+    } expected[] = {{"paper_white_rgb", 0.005}, {"cc_ibiza_sunset_rgb", 0.014}};
+    for (const auto& e : expected) EXPECT_LT(roughness(fit_su(matrix_of(e.name), {.lobes = 4})->model), e.roughness);
+}
+
 TEST(FitSu, ErrorFallsWithTheNumberOfLobes) {
     for (const char* name : {"paper_white_rgb", "cc_ibiza_sunset_rgb"}) {
         const RawMatrix matrix = matrix_of(name);

@@ -79,6 +79,13 @@ TEST(Faded, PassesFromOneFamilyToTheOther) {
     }
 }
 
+TEST(Faded, FadesTheLargestEdgeFirst) {
+    TwoFamilies two(1.2);
+    const Path expected = faded(two.path(), two.cost, two.between);
+    two.between[two.middle - 10](0, 0) = 0.3;  // seen too, and on the way
+    EXPECT_EQ(faded(two.path(), two.cost, two.between), expected);
+}
+
 TEST(Faded, LeavesWhatCannotBeContinued) {
     const TwoFamilies dear(3);
     EXPECT_EQ(faded(dear.path(), dear.cost, dear.between), dear.path());

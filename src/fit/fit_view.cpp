@@ -94,7 +94,7 @@ SeenFit seen_fit(ViewProblem& problem, const Eigen::VectorXd& x, double share, b
     ViewInPictures seen(problem);
     Eigen::VectorXd all = seen.start(x, share, only_coefficients);
     const auto summary = levenberg_marquardt(seen, all, options);
-    std::vector<ViewLobe> lobes = problem.lobes(all.head(x.size()));
+    std::vector<ViewLobe> lobes = problem.lobes(only_coefficients ? x : all.head(x.size()));
     const std::size_t J = lobes.size();
     return {{std::move(lobes), summary.loss, summary.stop}, coefficients(problem, J)};
 }

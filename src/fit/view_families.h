@@ -9,8 +9,9 @@ namespace srbf {
 
 /// The fit of each view to its pairs and pixels, empty where it has no data. Neighbouring views that are fitted each for
 /// itself often have different lobes of like loss, and the edge between them is seen as a ring. So the fits of a few
-/// views are followed through all others, and each view takes one of these families: those with the least sum of the
-/// losses, by what pixels cost, and of what is seen of edges between neighbours. `fits`: of the pairs alone. `share`:
+/// views are followed through all others, smoothed by taking means over the views nearby, and each view takes one of
+/// these families: those with the least sum of the losses, by what pixels cost, and of what is seen of edges between
+/// neighbours. `fits`: of the pairs alone. `share`:
 /// what a pixel of each view costs, 0 in views without pixels. `done` is told how much has been done, the number of
 /// views in all; it returns false to stop, and all fits are empty then.
 std::vector<SeenFit> fit_families(const SampledViews& views, std::span<const ViewFit> fits,

@@ -156,9 +156,9 @@ void ViewProblem::place(const Eigen::VectorXd& x) {
     }
 }
 
-Eigen::MatrixXd ViewProblem::gram_of_values() {
+void ViewProblem::take_products() {
     const auto J = std::size_t(lobes_);
-    return gram(J + 3, [&](std::size_t block, std::vector<const float*>& columns) {
+    const Eigen::MatrixXd G = gram(J + 3, [&](std::size_t block, std::vector<const float*>& columns) {
         for (std::size_t j = 0; j < J; ++j) {
             exponentiate(part(exponent_, j, block), &view_->root_weight[block * k_block], float(offset_[j]),
                          part(value_, j, block));
@@ -166,14 +166,14 @@ Eigen::MatrixXd ViewProblem::gram_of_values() {
         }
         for (std::size_t c = 0; c < 3; ++c) columns[J + c] = &view_->y[c][block * k_block];
     });
+    gram_ = G.topLeftCorner(lobes_, lobes_);
+    with_data_ = G.topRightCorner(lobes_, 3);
 }
 
 double ViewProblem::loss(const Eigen::VectorXd& x) {
     place(x);
-    const Eigen::MatrixXd G = gram_of_values();
-    gram_ = G.topLeftCorner(lobes_, lobes_);
-    for (int c = 0; c < 3; ++c)
-        beta_.col(c) = bounded_least_squares(gram_, G.block(0, lobes_ + c, lobes_, 1), limit_.col(c));
+    take_products();
+    for (int c = 0; c < 3; ++c) beta_.col(c) = bounded_least_squares(gram_, with_data_.col(c), limit_.col(c));
     return loss_of_coefficients();
 }
 

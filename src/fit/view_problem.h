@@ -76,8 +76,8 @@ class ViewProblem {
     double shape(const Eigen::VectorXd& x, int j) const { return per_lobe_ == 4 ? x[per_lobe_ * j + 3] : 0; }
     /// Evaluates the lobes at x, in `offset_` the logarithms of their largest values, and the bounds of coefficients.
     void place(const Eigen::VectorXd& x);
-    /// The Gram matrix of the lobes' values and the measurement.
-    Eigen::MatrixXd gram_of_values();
+    /// Evaluates the lobes and sets the products of their values with each other and with the measurement.
+    void take_products();
     /// The Gram matrix of the derivatives by x, the values and the residuals of the channels.
     Eigen::MatrixXd gram_of_derivatives(const Eigen::VectorXd& x);
     /// The loss with the present coefficients.
@@ -98,8 +98,10 @@ class ViewProblem {
     std::vector<Frame> frame_;
     Aligned<float> exponent_, value_, derivative_, rest_;  ///< blocks × (J, J, variables, 3) × k_block
     std::vector<double> offset_;
-    Eigen::MatrixXd lit_;                  ///< columns × lights, of the last call of `gram`
-    Eigen::MatrixXd beta_, limit_, gram_;  ///< J × 3, J × 3, J × J: for lobes normalised to a maximum of 1 on the rows
+    Eigen::MatrixXd lit_;  ///< columns × lights, of the last call of `gram`
+    // For lobes normalised to a maximum of 1 on the rows:
+    Eigen::MatrixXd beta_, limit_;      ///< J × 3
+    Eigen::MatrixXd gram_, with_data_;  ///< J × J; J × 3
 };
 
 }  // namespace srbf

@@ -1,14 +1,10 @@
 // Accuracy of the forms over many materials: fits every file in each form within 160 bytes. Prints the mean, median,
 // 95th percentile and maximum of the errors, then a row for each material.
 //   usage: accuracy OBJECTIVE FILE...
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <string>
-#include <vector>
 
+#include "material_table.h"
 #include "srbf/fit.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
@@ -30,18 +26,13 @@ struct Row {
     double albedo_error;
 };
 
-struct Column {
-    const char* title;
-    double (*of)(const Row&);
-    double scale;
-};
-constexpr Column k_columns[] = {
-    {"f, %", [](const Row& r) { return r.heldout.squared_error_ratio; }, 100},
-    {"f cosθl, %", [](const Row& r) { return r.heldout.squared_error_ratio_cosine; }, 100},
-    {"RMS of log", [](const Row& r) { return r.heldout.log_rms_cosine; }, 1},
-    {"cube root, %", [](const Row& r) { return r.heldout.cube_root_error_ratio; }, 100},
-    {"albedo, %", [](const Row& r) { return r.albedo_error; }, 100},
-    {"seconds", [](const Row& r) { return r.seconds; }, 1},
+const std::vector<Column<Row>> k_columns{
+    {"f, %", [](const Row& r) { return 100 * r.heldout.squared_error_ratio; }},
+    {"f cosθl, %", [](const Row& r) { return 100 * r.heldout.squared_error_ratio_cosine; }},
+    {"RMS of log", [](const Row& r) { return r.heldout.log_rms_cosine; }},
+    {"cube root, %", [](const Row& r) { return 100 * r.heldout.cube_root_error_ratio; }},
+    {"albedo, %", [](const Row& r) { return 100 * r.albedo_error; }},
+    {"seconds", [](const Row& r) { return r.seconds; }},
 };
 
 Result<Row> fit_one(const std::string& path, const Size& size, Objective objective) {
@@ -65,37 +56,6 @@ Result<Row> fit_one(const std::string& path, const Size& size, Objective objecti
                albedo_error(evaluator(*measured), others[0], cap)};
 }
 
-void print_row(const std::string& name, auto value_of_column) {
-    fmt::print("| {} |", name);
-    for (const Column& column : k_columns) fmt::print(" {:.3g} |", column.scale * value_of_column(column));
-    fmt::print("\n");
-}
-
-void print_table(const Size& size, const std::vector<Row>& rows) {
-    fmt::print("\n## Form {}, J = {}, N = {}, {} bytes\n\n|", name(size.form), size.lobes, size.variates,
-               rows[0].bytes);
-    fmt::print(" {} materials |", rows.size());
-    for (const Column& column : k_columns) fmt::print(" {} |", column.title);
-    fmt::print("\n|---|");
-    for (std::size_t k = 0; k < std::size(k_columns); ++k) fmt::print("---|");
-    fmt::print("\n");
-    const auto ranked = [&](const Column& column, double quantile) {
-        std::vector<double> values;
-        for (const Row& row : rows) values.push_back(column.of(row));
-        std::sort(values.begin(), values.end());
-        return values[std::size_t(quantile * double(values.size() - 1) + 0.5)];
-    };
-    print_row("mean", [&](const Column& column) {
-        double sum = 0;
-        for (const Row& row : rows) sum += column.of(row) / double(rows.size());
-        return sum;
-    });
-    print_row("median", [&](const Column& column) { return ranked(column, 0.5); });
-    print_row("95 % of them", [&](const Column& column) { return ranked(column, 0.95); });
-    print_row("worst", [&](const Column& column) { return ranked(column, 1); });
-    for (const Row& row : rows) print_row(row.material, [&](const Column& column) { return column.of(row); });
-}
-
 }  // namespace
 }  // namespace srbf
 
@@ -116,7 +76,9 @@ int main(int argc, char** argv) {
             }
             rows.push_back(*std::move(row));
         }
-        print_table(size, rows);
+        fmt::print("\n## Form {}, J = {}, N = {}, {} bytes\n", name(size.form), size.lobes, size.variates,
+                   rows[0].bytes);
+        print_table(rows, k_columns);
     }
     return 0;
 }

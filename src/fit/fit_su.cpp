@@ -21,7 +21,7 @@ constexpr std::size_t k_chain = 32;
 /// its loss exceeds the neighbour's by far.
 constexpr double k_better = 0.97, k_much_worse = 4;
 /// Work of trying neighbours' lobes, and of following one family of lobes, beside fitting all views once.
-constexpr double k_work_of_passes = 0.3, k_work_of_family = 0.5;
+constexpr double k_work_of_passes = 0.3, k_work_of_family = 0.6;
 
 Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
     const auto in_range = [](const char* what, double x, double least, double most) -> Result<Done> {

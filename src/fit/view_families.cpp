@@ -24,8 +24,9 @@ constexpr double k_seen_edge = 1.5, k_continued_edge = 2, k_continued_share = 0.
 /// A view's lobes are means over less than so many views on either side, unless their loss is larger by this factor.
 constexpr std::size_t k_meant = 8;
 constexpr double k_cost_of_mean = 1.1;
-/// Views after which progress is told.
+/// Views after which progress is told, and the share of the work that means are.
 constexpr std::size_t k_told = 16;
+constexpr double k_work_of_means = 0.2;
 
 std::vector<ViewLobe> moved(const std::vector<ViewLobe>& lobes, Vec3f from, Vec3f to) {
     return with_mirror_direction(rotated(lobes, from, to), from, to);
@@ -191,7 +192,7 @@ struct Families {
             for (std::size_t i = begin; way % 2 == 0 ? i-- > 0 : ++i < n;) {
                 const std::size_t from = way % 2 == 0 ? i + 1 : i - 1;
                 last = followed[i][family] = next(problem, i, from, last.lobes);
-                if (i % k_told == 0 && !done(double(k_told) / double(count()))) return;
+                if (i % k_told == 0 && !done((1 - k_work_of_means) * double(k_told) / double(count()))) return;
             }
         });
         if (!done(0)) followed.clear();
@@ -216,10 +217,12 @@ struct Families {
             lobe = {normalize(lobe.centre), std::exp(lobe.bandwidth / weights), lobe.shape / weights};
         return sum;
     }
-    /// With means for lobes: the fits of single views scatter about these, each by its own rows and pixels.
-    Followed smoothed(const Followed& followed) const {
+    /// With means for lobes: the fits of single views scatter about these, each by its own rows and pixels. Nothing if
+    /// stopped.
+    Followed smoothed(const Followed& followed, const std::function<bool(double)>& done) const {
         Followed result(followed.size());
         parallel_for_parts(followed.size(), k_told, [&](std::size_t begin, std::size_t end) {
+            if (!done(0)) return;
             ViewProblem problem(lobes, shaped);
             for (std::size_t i = begin; i < end; ++i)
                 for (std::size_t family = 0; family < count(); ++family) {
@@ -227,7 +230,9 @@ struct Families {
                     SeenFit fit = fit_seen_coefficients(problem, rows(i), mean(followed, i, family), share_of(i));
                     result[i].push_back(fit.loss <= k_cost_of_mean * own.loss ? std::move(fit) : own);
                 }
+            done(k_work_of_means * double(end - begin));
         });
+        if (!done(0)) result.clear();
         return result;
     }
 
@@ -262,7 +267,7 @@ std::vector<SeenFit> fit_families(const SampledViews& views, std::span<const Vie
     for (std::size_t i = 0; i < fits.size(); ++i)
         if (!fits[i].is_empty()) families.with_data.push_back(i);
     std::vector<SeenFit> result(views.count());
-    Followed followed = families.smoothed(families.follow(done));
+    Followed followed = families.smoothed(families.follow(done), done);
     const std::vector<std::size_t> path = families.choice(followed);
     for (std::size_t i = 0; i < path.size(); ++i) result[families.with_data[i]] = std::move(followed[i][path[i]]);
     return result;

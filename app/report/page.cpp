@@ -39,14 +39,16 @@ std::string lead_of(const View& view, const std::string& note) {
         html += fmt::format("{} materials; the fit looks {} for {}, {} for {} and {} for {}.", count("done"), word(0),
                             count("alike"), word(k_close), count("close"), word(1), count("differs"));
     // For the default fits of tables, which have the same size.
-    const auto statistics = rows_with(view.tables.statistics, "id", "pm-extended-8x4-cosine");
-    if (const Json* of = row_with(statistics, "measure", "heldout_squared_error_ratio_cosine")) {
+    const auto statistics =
+        rows_with(view.tables.statistics, "id", fmt::format("pm-extended-8x4-{}", name(k_default_objective)));
+    if (const Json* of = row_with(statistics, "measure", "delta_e_itp")) {
         const Json* fit = rows_with(view.tables.fits, "id", of->at("id"))[0];
         html += fmt::format(
-            " The default fit takes {} bytes where the raw data take {}. The median of its image error is {}, the "
-            "worst {} ({}).",
+            " The default fit of a table takes {} bytes where the raw data take {}; its ΔE_ITP is {} in the median, {} "
+            "at "
+            "most ({}).",
             number(of, "payload_bytes", Shown::whole), number(fit, "raw_bytes", Shown::whole),
-            number(of, "median", Shown::percent), number(of, "worst", Shown::percent), text_of(*of, "worst_material"));
+            number(of, "median", Shown::plain), number(of, "worst", Shown::plain), text_of(*of, "worst_material"));
     }
     return html + "</p>";
 }

@@ -171,11 +171,8 @@ double roughness(const SuModel& model) {
 }
 
 TEST(FitSu, ViewsChangeGradually) {
-    const struct {
-        const char* name;
-        double roughness;  ///< more than fits have, less than single views' scatter would add
-    } expected[] = {{"paper_white_rgb", 0.005}, {"cc_ibiza_sunset_rgb", 0.014}};
-    for (const auto& e : expected) EXPECT_LT(roughness(fit_su(matrix_of(e.name), {.lobes = 4})->model), e.roughness);
+    // Fits have 0.010. Where each view kept the lobes of its own rows and pixels it was 0.020.
+    EXPECT_LT(roughness(fit_su(matrix_of("cc_ibiza_sunset_rgb"), {.lobes = 4})->model), 0.014);
 }
 
 TEST(FitSu, ErrorFallsWithTheNumberOfLobes) {

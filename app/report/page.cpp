@@ -44,9 +44,8 @@ std::string lead_of(const View& view, const std::string& note) {
     if (const Json* of = row_with(statistics, "measure", "delta_e_itp")) {
         const Json* fit = rows_with(view.tables.fits, "id", of->at("id"))[0];
         html += fmt::format(
-            " The default fit of a table takes {} bytes where the raw data take {}; its ΔE_ITP is {} in the median, {} "
-            "at "
-            "most ({}).",
+            " The default fit of a table takes {} bytes where the raw data take {}."
+            " Its ΔE_ITP is {} in the median, {} at most ({}).",
             number(of, "payload_bytes", Shown::whole), number(fit, "raw_bytes", Shown::whole),
             number(of, "median", Shown::plain), number(of, "worst", Shown::plain), text_of(*of, "worst_material"));
     }

@@ -21,9 +21,8 @@ constexpr int k_first_fits = 4;
 /// and cost up to a factor more than the choice.
 constexpr std::size_t k_near = 16, k_most_faded = 64;
 constexpr double k_seen_edge = 1.5, k_continued_edge = 2, k_continued_share = 0.5, k_continued_cost = 2;
-/// A view's lobes are means over less than so many views on either side, unless their loss is larger by this factor.
-constexpr std::size_t k_meant = 8;
-constexpr double k_cost_of_mean = 1.1;
+/// A view's lobes are means over views whose cosines differ by less, unless their loss is larger by a factor.
+constexpr double k_mean_range = 1.0 / 192, k_cost_of_mean = 1.1;
 /// Views after which progress is told, and the share of the work that means are.
 constexpr std::size_t k_told = 16;
 constexpr double k_work_of_means = 0.2;
@@ -199,12 +198,14 @@ struct Families {
         return followed;
     }
 
+    /// Less than so many views on either side are part of a mean. Their cosines are 1/n apart.
+    std::size_t reach() const { return std::size_t(std::lround(k_mean_range * double(views.count()))); }
     /// The mean of a family's lobes in the views about i.
     std::vector<ViewLobe> mean(const Followed& followed, std::size_t i, std::size_t family) const {
         std::vector<ViewLobe> sum(std::size_t(lobes), ViewLobe{});  // of the logarithms of bandwidths
         double weights = 0;
-        for (std::size_t k = i - std::min(i, k_meant - 1); k < std::min(followed.size(), i + k_meant); ++k) {
-            const double weight = double(k_meant) - std::abs(double(k) - double(i));
+        for (std::size_t k = i - std::min(i, reach() - 1); k < std::min(followed.size(), i + reach()); ++k) {
+            const double weight = double(reach()) - std::abs(double(k) - double(i));
             const std::vector<ViewLobe> its = moved(followed[k][family].lobes, rows(k).view, rows(i).view);
             for (std::size_t j = 0; j < sum.size(); ++j) {
                 sum[j].centre = sum[j].centre + weight * its[j].centre;
@@ -219,7 +220,8 @@ struct Families {
     }
     /// With means for lobes: the fits of single views scatter about these, each by its own rows and pixels. Nothing if
     /// stopped.
-    Followed smoothed(const Followed& followed, const std::function<bool(double)>& done) const {
+    Followed smoothed(Followed followed, const std::function<bool(double)>& done) const {
+        if (reach() < 2) return followed;
         Followed result(followed.size());
         parallel_for_parts(followed.size(), k_told, [&](std::size_t begin, std::size_t end) {
             if (!done(0)) return;

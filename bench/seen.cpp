@@ -17,10 +17,10 @@ struct Row {
     PictureErrors fit, view_by_view;            ///< by the default objective
     std::map<Objective, PictureErrors> others;  ///< by the others
 };
-double least(const Row& row, double PictureErrors::*error) {
-    double best = std::numeric_limits<double>::infinity();
-    for (const auto& [objective, errors] : row.others) best = std::min(best, errors.*error);
-    return best;
+double least_flip_of_others(const Row& row) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [objective, errors] : row.others) least = std::min(least, errors.flip);
+    return least;
 }
 Column<Row> of_objective(const char* title, Objective objective) {
     return {title, [objective](const Row& row) { return row.others.at(objective).delta_e; }};
@@ -31,7 +31,7 @@ const std::vector<Column<Row>> k_columns{
     of_objective("log", Objective::log),
     of_objective("cube root", Objective::cube_root),
     {"ꟻLIP", [](const Row& r) { return r.fit.flip; }},
-    {"least of the three", [](const Row& r) { return least(r, &PictureErrors::flip); }},
+    {"least of the three", least_flip_of_others},
     {"RMS", [](const Row& r) { return r.fit.rms; }},
     {"SU: ΔE_ITP", [](const Row& r) { return r.view_by_view.delta_e; }},
     {"SU: RMS", [](const Row& r) { return r.view_by_view.rms; }},

@@ -189,6 +189,9 @@ TEST(ViewInPictures, StepsLowerWhatIsSeen) {
         const double before = seen.loss(x), after = levenberg_marquardt(seen, x, {}).loss;
         EXPECT_LT(after, (only_coefficients ? 0.999 : 0.95) * before);
         EXPECT_EQ(x.size(), (only_coefficients ? 0 : lobes.size()) + 6);
+        if (!only_coefficients) {
+            EXPECT_FALSE(x.head(lobes.size()) == lobes);
+        }
         EXPECT_GE(x.tail(6).minCoeff(), 0);
     }
 }

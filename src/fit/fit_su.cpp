@@ -75,10 +75,8 @@ struct ViewByView {
     /// The fit of view i from the lobes of another view.
     ViewFit from_view(ViewProblem& problem, std::size_t i, std::size_t from,
                       const std::vector<ViewLobe>& its_lobes) const {
-        const Vec3f its_direction = views.direction(from), direction = views.direction(i);
-        std::vector<ViewLobe> start = rotated(its_lobes, its_direction, direction);
-        if (of_pictures) start = with_mirror_direction(std::move(start), its_direction, direction);
-        return fit_view(problem, views.rows(i), start);
+        return fit_view(problem, views.rows(i),
+                        (of_pictures ? moved : rotated)(its_lobes, views.direction(from), views.direction(i)));
     }
 
     /// Each view from the previous one of its chain, and from scratch where there is none or that leads nowhere.

@@ -79,13 +79,13 @@ std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_
     return starts;
 }
 
-std::vector<std::array<double, 3>> coefficients(const ViewProblem& problem, std::size_t lobes) {
-    std::vector<std::array<double, 3>> of(lobes);
-    for (std::size_t j = 0; j < lobes; ++j)
+std::vector<std::array<double, 3>> coefficients(const ViewProblem& problem) {
+    std::vector<std::array<double, 3>> of(std::size_t(problem.count()));
+    for (std::size_t j = 0; j < of.size(); ++j)
         for (int c = 0; c < 3; ++c) of[j][std::size_t(c)] = problem.coefficient(int(j), c);
     return of;
 }
-/// From the lobes x, of which `problem` has just computed the loss.
+/// From the lobes x, of which `problem` has just computed the loss. Has lobes unless these remain.
 SeenFit seen_fit(ViewProblem& problem, const Eigen::VectorXd& x, double share, bool only_coefficients) {
     LevenbergMarquardtOptions options;
     options.max_iterations = only_coefficients ? k_coefficient_steps : k_picture_steps;
@@ -94,9 +94,9 @@ SeenFit seen_fit(ViewProblem& problem, const Eigen::VectorXd& x, double share, b
     ViewInPictures seen(problem);
     Eigen::VectorXd all = seen.start(x, share, only_coefficients);
     const auto summary = levenberg_marquardt(seen, all, options);
-    std::vector<ViewLobe> lobes = problem.lobes(only_coefficients ? x : all.head(x.size()));
-    const std::size_t J = lobes.size();
-    return {{std::move(lobes), summary.loss, summary.stop}, coefficients(problem, J)};
+    SeenFit fit{{{}, summary.loss, summary.stop}, coefficients(problem)};
+    if (!only_coefficients) fit.lobes = problem.lobes(all.head(x.size()));
+    return fit;
 }
 
 }  // namespace
@@ -134,7 +134,8 @@ std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to)
     return lobes;
 }
 
-std::vector<ViewLobe> with_mirror_direction(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
+std::vector<ViewLobe> moved(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
+    lobes = rotated(std::move(lobes), from, to);
     const Vec3d tangent = Kernel<double>::tangent_across(to_double(to));
     const auto theta = [](Vec3f w) { return std::atan2(std::hypot(double(w.x), double(w.y)), double(w.z)); };
     const double cosine = std::cos(theta(from) - theta(to)), sine = std::sin(theta(from) - theta(to));
@@ -162,8 +163,7 @@ SeenFit fit_seen_coefficients(ViewProblem& problem, const ViewRows& rows, const 
                               double share) {
     const Eigen::VectorXd x = problem.start(rows, lobes);
     const double loss = problem.loss(x);
-    SeenFit fit =
-        share > 0 ? seen_fit(problem, x, share, true) : SeenFit{{lobes, loss}, coefficients(problem, lobes.size())};
+    SeenFit fit = share > 0 ? seen_fit(problem, x, share, true) : SeenFit{{{}, loss}, coefficients(problem)};
     fit.lobes = lobes;
     return fit;
 }

@@ -26,9 +26,9 @@ ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::s
 
 /// The lobes of the view `from` for the view `to` of a BRDF that is invariant under rotation of both directions.
 std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to);
-/// The same moved with the mirror direction from one elevation to the other. Neighbours at the normal are a degree
+/// The same moved with the mirror direction too, from one elevation to the other. Neighbours at the normal are a degree
 /// apart, where a highlight may be narrower: no gradient would find it.
-std::vector<ViewLobe> with_mirror_direction(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to);
+std::vector<ViewLobe> moved(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to);
 
 /// A fit to a view's pixels too. `loss` is that of a `ViewInPictures`.
 struct SeenFit : ViewFit {
@@ -39,7 +39,7 @@ struct SeenFit : ViewFit {
 double pixel_share(ViewProblem& problem, const ViewRows& rows, const ViewFit& fit);
 /// From these lobes, such as a neighbour's, a few steps by pairs and pixels.
 SeenFit fit_seen(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, double share);
-/// The coefficients alone, for lobes that were rounded.
+/// The coefficients alone, for these lobes.
 SeenFit fit_seen_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes,
                               double share);
 

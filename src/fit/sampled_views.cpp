@@ -83,27 +83,40 @@ double SampledViews::highlight_weight(std::size_t view, Vec3f other, const Rgb& 
     return of.further.front().weight(mean_of(value), typical_, double(wl.z), double(wv.z));
 }
 
-std::vector<double> SampledViews::solid_angles(std::size_t view, std::span<const Vec3f> directions,
-                                               std::span<const double> pdf_between) const {
-    const MirrorMixture mixture(k_pi / 2);
-    const double n = double(count()), m = double(matrix_.between.size()) / n;
-    std::vector<double> angles;
-    for (std::size_t i = 0; i < directions.size(); ++i) {
-        const double pdf =
-            i < count() ? mixture.pdf(to_double(directions[i]), to_double(direction(view))) : pdf_between[i - count()];
-        angles.push_back(1 / (n / (2 * k_pi) + m * pdf));
+SampledViews::Tabulated SampledViews::tabulated(std::size_t view) const {
+    const std::size_t n = count(), m = matrix_.between.size() / n;
+    Tabulated of{matrix_.direction, std::vector<Rgb>(n), {}};
+    for (std::size_t i = 0; i < n; ++i) of.f[i] = f(view, i);
+    for (const RawMatrix::Between& between : std::span(matrix_.between).subspan(view * m, m)) {
+        if (!within(between.direction) || !is_finite(between.f)) continue;
+        of.direction.push_back(between.direction);
+        of.f.push_back(between.f);
+        of.pdf_between.push_back(double(between.pdf));
     }
+    return of;
+}
+
+double SampledViews::density(double pdf_between) const {
+    const double n = double(count()), m = double(matrix_.between.size()) / n;
+    return n / (2 * k_pi) + m * pdf_between;
+}
+
+std::vector<double> SampledViews::solid_angles(std::size_t view, const Tabulated& of) const {
+    const MirrorMixture mixture(k_pi / 2);
+    std::vector<double> angles;
+    for (std::size_t i = 0; i < of.direction.size(); ++i)
+        angles.push_back(1 / density(i < count() ? mixture.pdf(to_double(of.direction[i]), to_double(direction(view)))
+                                                 : of.pdf_between[i - count()]));
     return angles;
 }
 
 ViewRows SampledViews::rows_of(std::size_t view) const {
-    const std::size_t n = count(), m = matrix_.between.size() / n;
-    std::vector<Vec3f> directions(matrix_.direction);
-    std::vector<Rgb> values(n);
-    std::vector<double> weights(n, 0.0);
+    const std::size_t n = count();
+    const Tabulated of = tabulated(view);
+    const auto& [directions, values, pdf_between] = of;
+    std::vector<double> weights(directions.size(), 0.0);
     double energy = 0, highlights = 0, peak = 0, guards = 0;
     for (std::size_t i = 0; i < n; ++i) {
-        values[i] = f(view, i);
         if (!is_finite(values[i])) continue;
         const double cosine = double(directions[i].z);
         peak = std::max(peak, square_of(values[i]) * cosine * cosine);
@@ -132,21 +145,12 @@ ViewRows SampledViews::rows_of(std::size_t view) const {
             weights[i] = k_guard_importance * energy * cosine * cosine / (guards * peak);
         whole += weights[i];
     }
-    const double density = double(n) / (2 * k_pi);  // density of the matrix's directions [1/sr]
-    std::vector<double> pdf_between;
-    for (std::size_t i = view * m; i < (view + 1) * m; ++i) {
-        const RawMatrix::Between& between = matrix_.between[i];
-        if (!within(between.direction) || !is_finite(between.f)) continue;
-        directions.push_back(between.direction);
-        values.push_back(between.f);
-        pdf_between.push_back(double(between.pdf));
-        weights.push_back(k_between * density / (density + double(m) * double(between.pdf)) *
-                          whole_weight(between.direction, between.f));
-    }
+    for (std::size_t i = n; i < directions.size(); ++i)
+        weights[i] = k_between * density(0) / density(pdf_between[i - n]) * whole_weight(directions[i], values[i]);
 
     std::vector<double> solid_angle;
     if (traits(objective_).of_pictures) {
-        solid_angle = solid_angles(view, directions, pdf_between);
+        solid_angle = solid_angles(view, of);
         if (within(direction(view))) add_radiance(weights, energy, view, directions, values, solid_angle);
     }
     rows.directions = DirectionRows(directions);
@@ -208,23 +212,15 @@ void SampledViews::add_lights(ViewRows& rows, std::size_t view, std::span<const 
 }
 
 void SampledViews::see_pictures() {
-    const std::size_t m = matrix_.between.size() / count();
     std::vector<std::vector<std::pair<double, double>>> lit(k_phases);  // radiances and areas of pixels
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> some;
     std::vector<double> measure;
     for (std::size_t view = 0; view < count(); view += k_typical_views) {
         if (!within(direction(view))) continue;
-        std::vector<Vec3f> directions(matrix_.direction);
-        std::vector<Rgb> values(count());
-        for (std::size_t i = 0; i < count(); ++i) values[i] = f(view, i);
-        std::vector<double> pdf_between;
-        for (const RawMatrix::Between& between : std::span(matrix_.between).subspan(view * m, m)) {
-            directions.push_back(between.direction);
-            values.push_back(between.f);
-            pdf_between.push_back(double(between.pdf));
-        }
-        const std::vector<double> angles = solid_angles(view, directions, pdf_between);
+        const Tabulated of = tabulated(view);
+        const auto& [directions, values, pdf_between] = of;
+        const std::vector<double> angles = solid_angles(view, of);
         for (std::size_t i = 0; i < directions.size(); ++i) {
             if (!within(directions[i]) || !is_finite(values[i])) continue;
             const auto [l, v] = pair(view, directions[i]);

@@ -36,10 +36,18 @@ class SampledViews {
         return matrix_.discretise == Discretise::light ? std::pair(direction(view), other)
                                                        : std::pair(other, direction(view));
     }
-    /// The solid angles of a view's directions if those of the matrix, which come first, and those between them, which
-    /// have these densities, count by their common density [sr].
-    std::vector<double> solid_angles(std::size_t view, std::span<const Vec3f> directions,
-                                     std::span<const double> pdf_between) const;
+    /// The directions of a view with their values: all of the matrix, then those between them that are valid, whose
+    /// densities are known.
+    struct Tabulated {
+        std::vector<Vec3f> direction;
+        std::vector<Rgb> f;
+        std::vector<double> pdf_between;
+    };
+    Tabulated tabulated(std::size_t view) const;
+    /// The density of a view's directions, of the matrix and between them, where the latter have this one [1/sr].
+    double density(double pdf_between) const;
+    /// The solid angles of these directions if all count by their density [sr].
+    std::vector<double> solid_angles(std::size_t view, const Tabulated& of) const;
     /// Adds to the weights those of radiance in pictures of each phase; `energy`: Σ w |f|² so far.
     void add_radiance(std::span<double> weights, double energy, std::size_t view, std::span<const Vec3f> directions,
                       std::span<const Rgb> values, std::span<const double> solid_angle) const;

@@ -27,10 +27,6 @@ constexpr double k_mean_range = 1.0 / 192, k_cost_of_mean = 1.1;
 constexpr std::size_t k_told = 16;
 constexpr double k_work_of_means = 0.2;
 
-std::vector<ViewLobe> moved(const std::vector<ViewLobe>& lobes, Vec3f from, Vec3f to) {
-    return with_mirror_direction(rotated(lobes, from, to), from, to);
-}
-
 /// The colours of a view's pixels: for each block a column for each channel.
 std::vector<Aligned<float>> colours(const ViewRows& rows, const SeenFit& fit) {
     const std::size_t J = fit.lobes.size();
@@ -81,6 +77,27 @@ Eigen::MatrixXd edges(const ViewRows& rows, std::span<const SeenFit> fits, std::
     return apart;
 }
 
+/// An edge of a path between the views i − 1 and i.
+struct SeenEdge {
+    std::size_t i;
+    double height, near;  ///< near: mean of the edges nearby
+};
+
+/// The edges of a path that stand out, the largest first.
+std::vector<SeenEdge> seen_edges(const std::vector<std::size_t>& path, std::span<const Eigen::MatrixXd> between) {
+    const std::size_t n = path.size();
+    const auto edge = [&](std::size_t k) { return between[k](Eigen::Index(path[k]), Eigen::Index(path[k + 1])); };
+    std::vector<SeenEdge> seen;
+    for (std::size_t i = 1; i < n; ++i) {
+        const std::size_t first = i - std::min(i, k_near), last = std::min(n - 1, i + k_near);
+        double near = 0;
+        for (std::size_t k = first; k < last; ++k) near += edge(k) / double(last - first);
+        if (edge(i - 1) > k_seen_edge * near) seen.push_back({i, edge(i - 1), near});
+    }
+    std::ranges::stable_sort(seen, std::greater(), [](const SeenEdge& e) { return e.height - e.near; });
+    return seen;
+}
+
 }  // namespace
 
 std::vector<std::size_t> least_path(std::span<const Eigen::VectorXd> cost, std::span<const Eigen::MatrixXd> between) {
@@ -101,24 +118,10 @@ std::vector<std::size_t> least_path(std::span<const Eigen::VectorXd> cost, std::
 std::vector<std::size_t> faded(const std::vector<std::size_t>& path, std::span<const Eigen::VectorXd> cost,
                                std::span<const Eigen::MatrixXd> between) {
     const std::size_t n = path.size();
-    const auto edge = [&](std::size_t k) { return between[k](Eigen::Index(path[k]), Eigen::Index(path[k + 1])); };
-    /// Between the views i − 1 and i.
-    struct SeenEdge {
-        std::size_t i;
-        double height, near;  ///< near: mean of the edges nearby
-    };
-    std::vector<SeenEdge> seen;
-    for (std::size_t i = 1; i < n; ++i) {
-        const std::size_t first = i - std::min(i, k_near), last = std::min(n - 1, i + k_near);
-        double near = 0;
-        for (std::size_t k = first; k < last; ++k) near += edge(k) / double(last - first);
-        if (edge(i - 1) > k_seen_edge * near) seen.push_back({i, edge(i - 1), near});
-    }
-    // The largest first, since fades do not overlap.
-    std::ranges::stable_sort(seen, std::greater(), [](const SeenEdge& e) { return e.height - e.near; });
     std::vector<std::size_t> result = path;
     std::vector<bool> is_faded(n, false);
-    for (const auto& [i, height, near] : seen) {
+    // The largest first, since fades do not overlap.
+    for (const auto& [i, height, near] : seen_edges(path, between)) {
         std::size_t free_below = 0, free_above = 0;
         while (free_below < std::min(i, k_most_faded) && !is_faded[i - 1 - free_below]) ++free_below;
         while (free_above < std::min(n - i, k_most_faded) && !is_faded[i + free_above]) ++free_above;

@@ -55,6 +55,7 @@ class ViewProblem {
     /// The lobes at x. A shape that ended at 0 has the sign of the other side, for the next fit to try.
     std::vector<ViewLobe> lobes(const Eigen::VectorXd& x) const;
 
+    int count() const { return lobes_; }  ///< J
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
     Eigen::VectorXd lower(const Eigen::VectorXd& x) const;

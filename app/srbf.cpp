@@ -1,10 +1,37 @@
 #include <fmt/format.h>
+#include <hwy/targets.h>
 
+#include <cstdlib>
 #include <new>
+#include <optional>
+#include <string>
 #include <system_error>
 
 #include "app/commands.h"
 #include "app/output.h"
+
+namespace {
+
+/// Limits vectors to the instruction set that the environment variable SRBF_INSTRUCTIONS names, as Highway calls it, or
+/// older ones. Returns what is wrong.
+std::optional<std::string> limit_instructions() {
+    const char* const wanted = std::getenv("SRBF_INSTRUCTIONS");
+    if (!wanted) return {};
+    auto left = hwy::SupportedTargets(), newer = left - left;  // a set of bits, of which a newer set has a lower one
+    std::string names;
+    for (; left != 0; left &= left - 1) {
+        const auto target = left & -left;
+        if (std::string_view(hwy::TargetName(target)) == wanted) {
+            hwy::DisableTargets(newer);
+            return {};
+        }
+        newer |= target;
+        names += std::string(names.empty() ? "" : ", ") + hwy::TargetName(target);
+    }
+    return fmt::format("SRBF_INSTRUCTIONS: expected one of {}, found {}", names, wanted);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
     srbf::CommandLine app(
@@ -15,6 +42,10 @@ int main(int argc, char** argv) {
         "Example:\n  srbf fit paper_white_rgb.bsdf --preview paper.png\n\n"
         "Exit status: 0 success, 1 an error of input or output (reported in one line), 2 wrong usage.");
 
+    if (const auto wrong = limit_instructions()) {
+        srbf::complain({{}, {}, *wrong, {}, {}});
+        return srbf::k_usage;
+    }
     int status = srbf::k_done;
     srbf::add_fit(app, status);
     srbf::add_info(app, status);

@@ -9,6 +9,7 @@
 
 #include "one_target.h"
 #include "srbf/directions.h"
+#include "srbf/ggx.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
 #include "srbf/prepared.h"
@@ -129,6 +130,12 @@ void merl(benchmark::State& state) {
     evaluate(state, table);
 }
 BENCHMARK(merl);
+
+void ggx(benchmark::State& state) {
+    static const GgxModel model{{0.2f, 0.1f, 0.05f}, {{0.2f, {0.05f, 0.05f, 0.05f}, 1}}};
+    evaluate(state, model);
+}
+BENCHMARK(ggx);
 
 void rgl(benchmark::State& state) {
     static const auto measured = load_measured(SRBF_SOURCE_DIR "/data/cc_ibiza_sunset_rgb.bsdf");

@@ -1,5 +1,10 @@
 // A SIMD batch of floats with the widest vectors of the target, and the formulas of kernel.glsl on it. Included once
 // per instruction set, within a file that Highway includes repeatedly; hence no ordinary include guard.
+//
+// A `Batch` has the same bits on every processor: each operation is rounded once, as IEEE 754 defines it, functions
+// consist of such operations, minima and maxima are those of a comparison, and sums run over sixteen lanes whatever the
+// width of a vector. A `Group` is for renderers: its products are fused with sums and its 1/√ begins with the
+// processor's estimate, where there are such instructions.
 #if defined(SRBF_BATCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SRBF_BATCH_INL_H
 #undef SRBF_BATCH_INL_H
@@ -34,7 +39,7 @@ template <typename B, typename... More> HWY_INLINE B polynomial(B x, double c, M
 }
 
 // The lanes of a vector with that tag.
-template <typename D> struct BatchOf {
+template <typename D, bool is_fused = false> struct BatchOf {
     using Tag = D;
     using Bits = hn::RebindToSigned<D>;
     using Mask = hn::Mask<D>;
@@ -45,28 +50,35 @@ template <typename D> struct BatchOf {
     static HWY_INLINE BatchOf load(const float* p) { return hn::Load(D(), p); }
     HWY_INLINE void store(float* p) const { hn::Store(v, D(), p); }
     static HWY_INLINE std::size_t size() { return hn::Lanes(D()); }
-    HWY_INLINE float sum() const { return hn::GetLane(hn::SumOfLanes(D(), v)); }
+    HWY_INLINE float sum() const requires is_fused { return hn::GetLane(hn::SumOfLanes(D(), v)); }
     HWY_INLINE float largest() const { return hn::GetLane(hn::MaxOfLanes(D(), v)); }
 
-    friend HWY_INLINE BatchOf multiply_add(BatchOf a, BatchOf b, BatchOf c) {  // a b + c
+    friend HWY_INLINE BatchOf multiply_add(BatchOf a, BatchOf b, BatchOf c) requires is_fused {  // a b + c
         return hn::MulAdd(a.v, b.v, c.v);
     }
-    friend HWY_INLINE BatchOf multiply_subtract(BatchOf a, BatchOf b, BatchOf c) {  // a b - c
+    friend HWY_INLINE BatchOf multiply_subtract(BatchOf a, BatchOf b, BatchOf c) requires is_fused {  // a b - c
         return hn::MulSub(a.v, b.v, c.v);
     }
-    friend HWY_INLINE BatchOf subtract_product(BatchOf c, BatchOf a, BatchOf b) {  // c - a b
+    friend HWY_INLINE BatchOf subtract_product(BatchOf c, BatchOf a, BatchOf b) requires is_fused {  // c - a b
         return hn::NegMulAdd(a.v, b.v, c.v);
     }
     friend HWY_INLINE BatchOf product(BatchOf a, BatchOf b) { return hn::Mul(a.v, b.v); }
     friend HWY_INLINE BatchOf operator+(BatchOf a, BatchOf b) { return hn::Add(a.v, b.v); }
     friend HWY_INLINE BatchOf operator-(BatchOf a, BatchOf b) { return hn::Sub(a.v, b.v); }
-    friend HWY_INLINE Product<BatchOf> operator*(BatchOf a, BatchOf b) { return {a, b}; }
-    friend HWY_INLINE Scaled<BatchOf> operator*(BatchOf s, Vec3<BatchOf> v) { return {s, v}; }
+    friend HWY_INLINE BatchOf operator*(BatchOf a, BatchOf b) requires(!is_fused) { return product(a, b); }
+    friend HWY_INLINE Product<BatchOf> operator*(BatchOf a, BatchOf b) requires is_fused { return {a, b}; }
+    friend HWY_INLINE Scaled<BatchOf> operator*(BatchOf s, Vec3<BatchOf> v) requires is_fused { return {s, v}; }
     friend HWY_INLINE BatchOf operator/(BatchOf a, BatchOf b) { return hn::Div(a.v, b.v); }
     friend HWY_INLINE BatchOf operator-(BatchOf a) { return hn::Neg(a.v); }
     friend HWY_INLINE Mask operator<(BatchOf a, BatchOf b) { return hn::Lt(a.v, b.v); }
+    // a < b ? a : b and b < a ? a : b, which decides for NaN and zeros of either sign: the instructions of x86.
+#if HWY_ARCH_X86
     friend HWY_INLINE BatchOf min(BatchOf a, BatchOf b) { return hn::Min(a.v, b.v); }
     friend HWY_INLINE BatchOf max(BatchOf a, BatchOf b) { return hn::Max(a.v, b.v); }
+#else
+    friend HWY_INLINE BatchOf min(BatchOf a, BatchOf b) { return hn::IfThenElse(hn::Lt(a.v, b.v), a.v, b.v); }
+    friend HWY_INLINE BatchOf max(BatchOf a, BatchOf b) { return hn::IfThenElse(hn::Lt(b.v, a.v), a.v, b.v); }
+#endif
     friend HWY_INLINE BatchOf sqrt(BatchOf a) { return hn::Sqrt(a.v); }
     friend HWY_INLINE BatchOf select(Mask condition, BatchOf a, BatchOf b) {
         return hn::IfThenElse(condition, a.v, b.v);
@@ -80,10 +92,8 @@ template <typename D> struct BatchOf {
         const BatchOf x = max(a, BatchOf(-127.0));
         const BatchOf sum = x + magic;
         const BatchOf r = x - (sum - magic);
-        const BatchOf r2 = r * r;  // three independent parts
-        const BatchOf power = polynomial(r, 1.0, 0.6931469768716529) +
-                              r2 * (polynomial(r, 0.24022241112231937, 0.05550734515316676) +
-                                    r2 * polynomial(r, 0.009671576407961614, 0.0013264645359974006));
+        const BatchOf power = polynomial(r, 1.0, 0.6931469768716529, 0.24022241112231937, 0.05550734515316676,
+                                         0.009671576407961614, 0.0013264645359974006);
         const auto n = hn::ShiftLeft<23>(hn::BitCast(bits, sum.v));
         return hn::BitCast(D(), hn::Add(hn::BitCast(bits, power.v), n));
     }
@@ -110,13 +120,14 @@ template <typename D> struct BatchOf {
         return log(u) + (a - (u - BatchOf(1.0))) / u;
     }
 
+    friend HWY_INLINE BatchOf inversesqrt(BatchOf a) requires(!is_fused) { return BatchOf(1.0) / sqrt(a); }
 #if HWY_TARGET <= HWY_SSSE3  // x86, whose estimate has at least 12 bits: one Newton step. Relative error 3e-7.
-    friend HWY_INLINE BatchOf inversesqrt(BatchOf a) {
+    friend HWY_INLINE BatchOf inversesqrt(BatchOf a) requires is_fused {
         const BatchOf x = hn::ApproximateReciprocalSqrt(a.v);
         return x + BatchOf(0.5) * x * (BatchOf(1.0) - a * x * x);
     }
 #else
-    friend HWY_INLINE BatchOf inversesqrt(BatchOf a) { return BatchOf(1.0) / sqrt(a); }
+    friend HWY_INLINE BatchOf inversesqrt(BatchOf a) requires is_fused { return BatchOf(1.0) / sqrt(a); }
 #endif
 
     // cos(a) and sin(a), |a| <= 2 pi: absolute error 2e-7. The angle is reduced by the nearest multiple of pi / 2. The
@@ -130,7 +141,9 @@ template <typename D> struct BatchOf {
         const BatchOf magic(12582912.0);
         const BatchOf sum = a * BatchOf(0.6366197723675814) + magic;
         const BatchOf n = sum - magic;
-        const BatchOf r = a - n * BatchOf(1.5707963705062866) + n * BatchOf(4.371139000186241e-8);
+        // pi / 2 in three parts, of which the first two have so few bits that their products with n are exact.
+        const BatchOf r =
+            a - n * BatchOf(1.5703125) - n * BatchOf(4.837512969970703e-4) - n * BatchOf(7.54978995489188e-8);
         const BatchOf r2 = r * r;
         const BatchOf odd = r + r * r2 * polynomial(r2, -0.16666654611, 8.3321608736e-3, -1.9515295891e-4);
         const BatchOf even =
@@ -145,9 +158,51 @@ template <typename D> struct BatchOf {
 // With the widest vectors of the target; and with up to eight lanes, for a single pair of directions.
 using Batch = BatchOf<Lanes>;
 using BatchMask = Batch::Mask;
-using Group = BatchOf<hn::CappedTag<float, 8>>;
+using Group = BatchOf<hn::CappedTag<float, 8>, true>;
+
+// A sum of a column has sixteen lanes, of which lane k sums the numbers k, k + 16, k + 32, ... They are vectors of the
+// target, `parts` of them. In the end each half of the lanes is added to the other, again and again.
+constexpr std::size_t k_sum_lanes = 16, k_width = hn::MaxLanes(Lanes());
+static_assert(!HWY_HAVE_SCALABLE && k_sum_lanes % k_width == 0);
+constexpr std::size_t k_sum_parts = k_sum_lanes / k_width;
+
+// The halves of `count` parts, one added to the other, until one is left.
+template <std::size_t count = k_sum_parts, std::size_t stride = 1> HWY_INLINE Batch folded(const Batch* parts) {
+    if constexpr (count == 1)
+        return *parts;
+    else
+        return folded<count / 2, 2 * stride>(parts) + folded<count / 2, 2 * stride>(parts + stride);
+}
 
 #include "srbf/vec3.inl"
+
+// The same of a vector's lanes until four are left, and until one is.
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE float folded_lanes(Batch x) { return hn::GetLane(x.v); }
+#else
+template <typename D> HWY_INLINE auto folded_to_four(D, hn::Vec<D> x) {
+    if constexpr (hn::MaxLanes(D()) <= 4) {
+        return x;
+    } else {
+        const hn::Half<D> half;
+        return folded_to_four(half, hn::Add(hn::LowerHalf(half, x), hn::UpperHalf(half, x)));
+    }
+}
+HWY_INLINE float folded_lanes(Batch x) {
+    HWY_ALIGN float four[4];
+    hn::Store(folded_to_four(Lanes(), x.v), hn::CappedTag<float, 4>(), four);
+    return (four[0] + four[2]) + (four[1] + four[3]);
+}
+#endif
+
+// Σ of `term(i)`, the numbers of a column from i on, of `count` numbers, a multiple of sixteen.
+template <typename Term> HWY_INLINE float summed(std::size_t count, const Term& term) {
+    Batch sum[k_sum_parts];
+    for (Batch& part : sum) part = Batch(0.0);
+    for (std::size_t i = 0; i < count; i += k_sum_lanes)
+        for (std::size_t p = 0; p < k_sum_parts; ++p) sum[p] = sum[p] + term(i + p * k_width);
+    return folded_lanes(folded(sum));
+}
 
 template <typename B> HWY_INLINE Vec3<B> select(typename B::Mask where, const Vec3<B>& a, const Vec3<B>& b) {
     return {select(where, a.x, b.x), select(where, a.y, b.y), select(where, a.z, b.z)};

@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <cassert>
 
+#include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
 
 Vec3d fibonacci_direction(int i, int n, double theta_max) {
     static const double golden_angle = k_pi * (3 - std::sqrt(5.0));
-    const double cos_max = std::cos(theta_max);
+    const double cos_max = elementary::cos(theta_max);
     const double z = (i + 0.5) / n * (1 - cos_max) + cos_max;
     const double r = std::sqrt(std::max(0.0, 1 - z * z)), phi = i * golden_angle;
-    return {r * std::cos(phi), r * std::sin(phi), z};
+    return {r * elementary::cos(phi), r * elementary::sin(phi), z};
 }
 
 std::vector<Vec3f> fibonacci_directions(int n, double theta_max) {
@@ -103,14 +104,15 @@ std::size_t texel_of(DirectionMap map, int size, Vec3f w) {
 }
 
 MirrorMixture::MirrorMixture(double theta_max)
-    : cos_max_(std::cos(theta_max)), retro_scale_(k_retro / Kernel<double>::gaussian_integral(k_retro_bandwidth)) {
+    : cos_max_(elementary::cos(theta_max)),
+      retro_scale_(k_retro / Kernel<double>::gaussian_integral(k_retro_bandwidth)) {
     for (std::size_t k = 0; k < mirror_scale_.size(); ++k)
         mirror_scale_[k] = k_mirror / Kernel<double>::gaussian_integral(k_mirror_bandwidths[k]);
 }
 
 Vec3d MirrorMixture::sample_cap(double u1, double u2) const {
     const double z = 1 - u1 * (1 - cos_max_), r = std::sqrt(std::max(0.0, 1 - z * z));
-    return {r * std::cos(2 * k_pi * u2), r * std::sin(2 * k_pi * u2), z};
+    return {r * elementary::cos(2 * k_pi * u2), r * elementary::sin(2 * k_pi * u2), z};
 }
 
 Vec3d MirrorMixture::sample_part(int part, Vec3d wv, double u1, double u2) const {
@@ -130,7 +132,7 @@ double MirrorMixture::pdf(Vec3d wl, Vec3d wv) const {
     const auto lobe = [](Vec3d w, Vec3d centre, double bandwidth, double scale) {
         const double exponent = Kernel<double>::gaussian_exponent(w, centre, bandwidth);
         // smaller values are negligible relative to the uniform component
-        return exponent < -80 ? 0 : scale * std::exp(exponent);
+        return exponent < -80 ? 0 : scale * elementary::exp(exponent);
     };
     for (std::size_t k = 0; k < mirror_scale_.size(); ++k)
         density += lobe(wl, mirror(wv), k_mirror_bandwidths[k], mirror_scale_[k]);

@@ -1,6 +1,7 @@
 #include "least_squares.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numeric>
 #include <vector>
@@ -74,6 +75,20 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
 }
 
 Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
+
+// B = PᵀLDLᵀP, so that A B⁻¹ Aᵀ = (√D⁻¹ L⁻¹ P Aᵀ)ᵀ (√D⁻¹ L⁻¹ P Aᵀ).
+void eliminate(const Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) {
+    const Eigen::LDLT<Eigen::MatrixXd> factor(B);
+    Eigen::MatrixXd half = factor.transpositionsP() * A.transpose();
+    factor.matrixL().solveInPlace(half);
+    for (Eigen::Index i = 0; i < half.rows(); ++i) {
+        const double d = factor.vectorD()[i];
+        half.row(i) *= d > 1e-300 ? 1 / std::sqrt(d) : 0;
+    }
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(H.rows(), H.cols());
+    product.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
+    H -= Eigen::MatrixXd(product.selfadjointView<Eigen::Lower>());
+}
 
 void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
                      const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {

@@ -15,6 +15,10 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::Vec
 /// Solves A x = b, with A symmetric and positive semidefinite.
 Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
+/// Subtracts A B⁻¹ Aᵀ from H, with B symmetric and positive definite: what H is once variables of B, which A couples to
+/// its own, adapt to them.
+void eliminate(const Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H);
+
 /// Makes the step δ = −A⁻¹g end at bounds that it exceeds, and solves for its other components again.
 void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
                      const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
@@ -108,8 +112,8 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
             const double loss = problem.loss(next);
             at_x = loss < summary.loss;
             if (at_x) {
-                const double gain = (summary.loss - loss) / predicted;
-                mu *= std::max(1.0 / 3, 1 - std::pow(2 * gain - 1, 3));
+                const double gain = 2 * (summary.loss - loss) / predicted - 1;
+                mu *= std::max(1.0 / 3, 1 - gain * gain * gain);
                 growth = 2;
                 x = next;
                 decrease = summary.loss - loss;

@@ -9,6 +9,7 @@
 #include "parallel.h"
 #include "reporter.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
@@ -170,7 +171,7 @@ std::vector<Measures> measure_matrix(const Channels& reference, std::span<const 
                                      const MeasureOptions& options, std::span<const Vec3f> directions) {
     const FlushSubnormals mode;
     std::vector<Vec3f> within;
-    const auto cos_max = float(std::cos(options.max_theta));
+    const auto cos_max = float(elementary::cos(options.max_theta));
     std::copy_if(directions.begin(), directions.end(), std::back_inserter(within),
                  [&](Vec3f w) { return w.z >= cos_max; });
     return measure(reference, others, within.size(), within.size(), options,

@@ -53,45 +53,63 @@ HWY_INLINE DoubleBatch load(const PairColumn& column, std::size_t i) {
     return hn::PromoteTo(Doubles(), hn::Load(hn::Rebind<float, Doubles>(), &column[i]));
 }
 
-// A SquareSums in lanes.
-struct SquareLanes {
+// A sum in eight lanes, of which lane k sums the numbers k, k + 8, k + 16, ..., as many at once as a vector holds.
+struct LanesOfSum {
+    HWY_ALIGN double lanes[8];
+    HWY_INLINE double sum() const {
+        return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
+    }
+};
+// A SquareSums in such lanes, and those of them that a vector holds.
+struct LanesOfSquares {
+    LanesOfSum apart, whole;
+    HWY_INLINE SquareSums sum() const { return {apart.sum(), whole.sum()}; }
+};
+struct SquareBatch {
     DoubleBatch apart, whole;
 
-    HWY_INLINE SquareLanes() : apart(hn::Zero(Doubles())), whole(apart) {}
+    HWY_INLINE SquareBatch() : apart(hn::Zero(Doubles())), whole(apart) {}
     HWY_INLINE void add(DoubleBatch weight, DoubleBatch apart_squared, DoubleBatch x_squared) {
-        apart = hn::MulAdd(weight, apart_squared, apart);
-        whole = hn::MulAdd(weight, x_squared, whole);
+        apart = hn::Add(apart, hn::Mul(weight, apart_squared));
+        whole = hn::Add(whole, hn::Mul(weight, x_squared));
     }
-    HWY_INLINE SquareSums sum() const {
-        const Doubles d;
-        return {hn::GetLane(hn::SumOfLanes(d, apart)), hn::GetLane(hn::SumOfLanes(d, whole))};
+    HWY_INLINE void store(LanesOfSquares& sums, std::size_t lane) const {
+        hn::Store(apart, Doubles(), sums.apart.lanes + lane);
+        hn::Store(whole, Doubles(), sums.whole.lanes + lane);
     }
 };
 
 ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const SeenValues& f,
                      const SeenValues& other) {
-    const Doubles d;
-    SquareLanes plain, cosine, logarithm, root, sixth_root;
-    DoubleBatch whole_area = hn::Zero(d);
-    for (std::size_t i = 0; i < k_pair_block; i += hn::Lanes(d)) {
-        const DoubleBatch w = load(weight, i), cos_l = load(cosines.light, i);
-        const auto counts = hn::Gt(w, hn::Zero(d));
-        const DoubleBatch area = hn::Mul(w, load(cosines.viewer, i));
-        const auto square_where_counted = [&](DoubleBatch x)
-                                              HWY_ATTR { return hn::IfThenElseZero(counts, hn::Mul(x, x)); };
-        const auto add = [&](DoubleBatch factor, const PairColumn& x, const PairColumn& y, SquareLanes& sums) HWY_ATTR {
-            const DoubleBatch a = load(x, i);
-            sums.add(factor, square_where_counted(hn::Sub(a, load(y, i))), square_where_counted(a));
-        };
-        add(w, f.f, other.f, plain);
-        add(hn::Mul(area, hn::Mul(cos_l, cos_l)), f.f, other.f, cosine);
-        add(area, f.logarithm, other.logarithm, logarithm);
-        add(w, f.root, other.root, root);
-        add(area, f.sixth_root, other.sixth_root, sixth_root);
-        whole_area = hn::Add(whole_area, area);
+    constexpr Doubles d;
+    LanesOfSquares plain, cosine, logarithm, root, sixth_root;
+    LanesOfSum whole_area;
+    for (std::size_t lane = 0; lane < std::size(whole_area.lanes); lane += hn::MaxLanes(d)) {
+        SquareBatch of_plain, of_cosine, of_logarithm, of_root, of_sixth_root;
+        DoubleBatch of_area = hn::Zero(d);
+        for (std::size_t i = lane; i < k_pair_block; i += std::size(whole_area.lanes)) {
+            const DoubleBatch w = load(weight, i), cos_l = load(cosines.light, i);
+            const auto counts = hn::Gt(w, hn::Zero(d));
+            const DoubleBatch area = hn::Mul(w, load(cosines.viewer, i));
+            const auto square_where_counted = [&](DoubleBatch x)
+                                                  HWY_ATTR { return hn::IfThenElseZero(counts, hn::Mul(x, x)); };
+            const auto add = [&](DoubleBatch factor, const PairColumn& x, const PairColumn& y,
+                                 SquareBatch& sums) HWY_ATTR {
+                const DoubleBatch a = load(x, i);
+                sums.add(factor, square_where_counted(hn::Sub(a, load(y, i))), square_where_counted(a));
+            };
+            add(w, f.f, other.f, of_plain);
+            add(hn::Mul(area, hn::Mul(cos_l, cos_l)), f.f, other.f, of_cosine);
+            add(area, f.logarithm, other.logarithm, of_logarithm);
+            add(w, f.root, other.root, of_root);
+            add(area, f.sixth_root, other.sixth_root, of_sixth_root);
+            of_area = hn::Add(of_area, area);
+        }
+        of_plain.store(plain, lane), of_cosine.store(cosine, lane), of_logarithm.store(logarithm, lane);
+        of_root.store(root, lane), of_sixth_root.store(sixth_root, lane);
+        hn::Store(of_area, d, whole_area.lanes + lane);
     }
-    return {plain.sum(), cosine.sum(),     logarithm.sum(),
-            root.sum(),  sixth_root.sum(), hn::GetLane(hn::SumOfLanes(d, whole_area))};
+    return {plain.sum(), cosine.sum(), logarithm.sum(), root.sum(), sixth_root.sum(), whole_area.sum()};
 }
 
 }  // namespace HWY_NAMESPACE

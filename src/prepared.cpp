@@ -8,6 +8,7 @@
 #include "floating_point.h"
 #include "model/pm_lanes.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
@@ -24,7 +25,7 @@ AlbedoTable albedo_table(const Evaluate& brdf) {
     for (std::size_t node = 0; node < table.size();
          ++node) {  // on one thread: another's task might wait for this table
         const double s = double(node) / (k_albedo_nodes - 1);
-        const double theta = std::min(std::acos(1 - s * s), lowest);
+        const double theta = std::min(elementary::acos(1 - s * s), lowest);
         std::array<double, 3> sum{};
         for (int turn = 0; turn < k_azimuths; ++turn) {
             const Vec3d wv = spherical(theta, 2 * k_pi * turn / k_azimuths);

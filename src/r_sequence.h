@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "srbf/elementary.h"
+
 namespace srbf {
 
 /// The R_D sequence, low-discrepancy points in the D-dimensional unit cube: fractional parts of multiples of powers of
@@ -14,8 +16,8 @@ template <std::size_t D> class RSequence {
   public:
     explicit RSequence(const std::array<double, D>& start = {}) : at_(start) {
         double g = 1.5;
-        for (int i = 0; i < 60; ++i) g = std::pow(1 + g, 1.0 / (D + 1));
-        for (std::size_t d = 0; d < D; ++d) step_[d] = std::pow(1 / g, double(d + 1));
+        for (int i = 0; i < 60; ++i) g = elementary::pow(1 + g, 1.0 / (D + 1));
+        for (std::size_t d = 0; d < D; ++d) step_[d] = elementary::pow(1 / g, double(d + 1));
     }
     /// Point i after the current one, counted from 0.
     std::array<double, D> at(std::size_t i) const {

@@ -8,6 +8,7 @@
 
 #include "parallel.h"
 #include "sampling_points.h"
+#include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
@@ -127,7 +128,8 @@ SamplingPoints points_at(const Evaluate& brdf, std::span<const Vec3f> views, int
 /// The views at cosθv = z.
 std::vector<Vec3f> views_at(double z, int azimuths) {
     std::vector<Vec3f> views;
-    for (int i = 0; i < azimuths; ++i) views.push_back(to_float(spherical(std::acos(z), 2 * k_pi * i / azimuths)));
+    for (int i = 0; i < azimuths; ++i)
+        views.push_back(to_float(spherical(elementary::acos(z), 2 * k_pi * i / azimuths)));
     return views;
 }
 
@@ -147,8 +149,8 @@ ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, con
     constexpr int count = 24;
     const auto shape_at = [&](int i, int j) {
         ProposalShape shape = start;
-        if (!start.is_grain()) shape.stretch = float(std::pow(0.8, i));
-        shape.power = float(std::pow(0.8, 2 - 2 * j));
+        if (!start.is_grain()) shape.stretch = float(elementary::pow(0.8, i));
+        shape.power = float(elementary::pow(0.8, 2 - 2 * j));
         return shape;
     };
     // The same points for all of them, drawn from a wide shape and a narrow one.
@@ -193,7 +195,7 @@ void find_grain(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
     std::array<double, tried.size()> moment;
     parallel_for(tried.size(), threads, [&](std::size_t i) {
         const double azimuth = k_pi * double(i % azimuths) / azimuths;
-        tried[i] = {k_stretches[i / azimuths], 1, float(std::cos(azimuth)), float(std::sin(azimuth))};
+        tried[i] = {k_stretches[i / azimuths], 1, float(elementary::cos(azimuth)), float(elementary::sin(azimuth))};
         moment[i] = least_moment(points_at(brdf, views, count, {tried[i]}));
     });
     const auto best = std::size_t(std::min_element(moment.begin(), moment.end()) - moment.begin());

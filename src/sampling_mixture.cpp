@@ -53,9 +53,9 @@ namespace srbf {
 namespace HWY_NAMESPACE {
 
 // As many lobes as a vector holds, of one kind.
-using Lobes = BatchOf<hn::CappedTag<float, LobeTable::k_of_kind>>;
+using Lobes = BatchOf<hn::CappedTag<float, LobeTable::k_of_kind>, true>;
 // Few of what all lobes have in common.
-using Few = BatchOf<hn::CappedTag<float, 4>>;
+using Few = BatchOf<hn::CappedTag<float, 4>, true>;
 
 template <typename Lanes> HWY_INLINE Lanes in_all(float x) { return Lanes(double(x)); }
 template <typename Lanes> HWY_INLINE Vec3<Lanes> in_all(const Vec3f& w) {

@@ -70,7 +70,7 @@ inline std::string small_shade() {
     const std::size_t n = basis.patches();
     const auto through = [&](std::size_t o, std::size_t i) {
         const std::size_t ring = basis.ring_of(i);
-        const double beam = 0.08 * std::cos(double(basis.rings[ring].theta));
+        const double beam = 0.08 * elementary::cos(double(basis.rings[ring].theta));
         return 0.05 + (o == i ? beam / basis.projected_solid_angle(ring) : 0);
     };
     const auto back = [](std::size_t o, std::size_t i) { return 0.1 + 0.02 * double(o) + 0.001 * double(i); };

@@ -59,7 +59,7 @@ std::array<Evaluate, k_parts> leaf() {
         });
     };
     const auto through = evaluate_by([](Vec3f wl, Vec3f wv) {
-        const auto face = [](float cosine) { return 1 - std::pow(1 - 0.5f * cosine, 5.f); };
+        const auto face = [](float cosine) { return 1 - elementary::pow(1 - 0.5f * cosine, 5.f); };
         return times(float(1.2 / k_pi) * face(wl.z) * face(wv.z), {0.06f, 0.16f, 0.03f});
     });
     return {side(0.3f, {0.05f, 0.09f, 0.03f}), side(0.5f, {0.1f, 0.15f, 0.08f}), through, through};
@@ -113,7 +113,7 @@ double expect_furnace(const Model& model) {
         double due =
             double(share_at(bsdf.beam[0], float(*cosine)).g) + double(share_at(bsdf.beam[2], float(*cosine)).g);
         for (const Part part : {Part::reflection_front, Part::transmission_back})
-            due += double(albedo(part_of(values, part), std::acos(*cosine), k_pi / 2).g);
+            due += double(albedo(part_of(values, part), elementary::acos(*cosine), k_pi / 2).g);
         const double seen = double(once.rendering.radiance.pixels[i].g);
         sum += seen, expected += due;
         most_apart = std::max(most_apart, std::abs(seen - due));
@@ -149,7 +149,7 @@ TEST(FitBsdf, Leaf) { expect_good(leaf(), false); }
 /// are.
 TEST(FitBsdf, AveragesOverPatches) {
     const AngleBasis basis = small_basis();
-    const auto f = [](Vec3d wl, Vec3d wv) { return 0.1 + 0.3 * std::exp(8 * (normalize(wl + wv).z - 1)); };
+    const auto f = [](Vec3d wl, Vec3d wv) { return 0.1 + 0.3 * elementary::exp(8 * (normalize(wl + wv).z - 1)); };
     const auto mean = [&](std::size_t o, std::size_t i) {
         double sum = 0;
         constexpr int n = 6;
@@ -173,8 +173,8 @@ TEST(FitBsdf, AveragesOverPatches) {
     for (int k = 0; k < 2000; ++k) {
         const Vec3d wl = random_direction(random, 0.2), wv = random_direction(random, 0.2);
         const Vec3f l = to_float(wl), v = to_float(wv);
-        of_fit += std::pow(double(value(fitted->model, l, v).r) - f(wl, wv), 2);
-        of_patches += std::pow(double(value(*measured, l, v).r) - f(wl, wv), 2);
+        of_fit += elementary::pow(double(value(fitted->model, l, v).r) - f(wl, wv), 2);
+        of_patches += elementary::pow(double(value(*measured, l, v).r) - f(wl, wv), 2);
     }
     EXPECT_LT(of_fit, 0.2 * of_patches);
 }

@@ -12,13 +12,13 @@ namespace {
 /// A glossy film over a diffuse base, smooth to the scale of the samples below.
 Rgb glossy(Vec3d wl, Vec3d wv) {
     const Vec3d h = normalize(wl + wv);
-    const double gloss = 0.6 * std::exp(-12 * (1 - h.z)) * (1 + 2 * std::pow(1 - dot(wl, h), 3));
+    const double gloss = 0.6 * elementary::exp(-12 * (1 - h.z)) * (1 + 2 * elementary::pow(1 - dot(wl, h), 3));
     return {float(0.1 + gloss), float(0.2 + gloss), float(0.05 + 0.8 * gloss)};
 }
 
 Vec3d draw(std::mt19937_64& random, double theta_max) {
-    const double z = 1 - uniform(random) * (1 - std::cos(theta_max)), phi = 2 * k_pi * uniform(random);
-    return {std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z};
+    const double z = 1 - uniform(random) * (1 - elementary::cos(theta_max)), phi = 2 * k_pi * uniform(random);
+    return {std::sqrt(1 - z * z) * elementary::cos(phi), std::sqrt(1 - z * z) * elementary::sin(phi), z};
 }
 
 ScatteredSamples samples_of(int count, double noise, std::uint64_t seed, double theta_max = 75 * k_degree) {
@@ -204,8 +204,8 @@ TEST(FitToSamples, SamplesOfOnePlaneAreFittedAndStayBounded) {
 Rgb coated(Vec3d wl, Vec3d wv) {
     const Vec3d h = normalize(wl + wv);
     const double m2 = 0.004, cos2 = h.z * h.z, cos_d = dot(wl, h);
-    const double distribution = std::exp((1 - 1 / cos2) / m2) / (k_pi * m2 * cos2 * cos2);
-    const double coat = distribution * (0.04 + 0.96 * std::pow(1 - cos_d, 5)) / (4 * cos_d * cos_d);
+    const double distribution = elementary::exp((1 - 1 / cos2) / m2) / (k_pi * m2 * cos2 * cos2);
+    const double coat = distribution * (0.04 + 0.96 * elementary::pow(1 - cos_d, 5)) / (4 * cos_d * cos_d);
     return {float(0.15 + coat), float(0.04 + coat), float(0.02 + coat)};
 }
 

@@ -54,12 +54,12 @@ SuModel separated(int lobes, bool isotropic, std::uint64_t seed) {
             for (int j = 0; j < lobes; ++j) {
                 turn.push_back(first + 2 * k_pi * j / lobes);
                 theta.push_back((25 + 30 * uniform(random)) * k_degree);
-                bandwidth.push_back(8 * std::pow(8, uniform(random)));
+                bandwidth.push_back(8 * elementary::pow(8, uniform(random)));
                 colour.push_back(
                     {float(0.3 + uniform(random)), float(0.3 + uniform(random)), float(0.3 + uniform(random))});
             }
         }
-        const double azimuth = std::atan2(double(model.direction[i].y), double(model.direction[i].x));
+        const double azimuth = elementary::atan2(double(model.direction[i].y), double(model.direction[i].x));
         for (std::size_t j = 0; j < std::size_t(lobes); ++j) {
             model.coefficient.push_back(colour[j]);
             model.centre.push_back(to_float(spherical(theta[j], turn[j] + azimuth)));
@@ -158,7 +158,7 @@ double roughness(const SuModel& model) {
     };
     double apart = 0, all = 0;
     for (std::size_t i = 1; i + 1 < model.direction.size(); ++i) {
-        if (double(model.direction[i].z) < std::cos(k_cap)) continue;
+        if (double(model.direction[i].z) < elementary::cos(k_cap)) continue;
         const auto here = seen_from(model.direction[i]), above = seen_from(model.direction[i + 1]),
                    below = seen_from(model.direction[i - 1]);
         for (std::size_t k = 0; k < lights.size(); ++k)
@@ -270,8 +270,9 @@ TEST(FitSu, StaysBoundedUpToTheHorizon) {
         double measured = 0, most = 0;
         for (int i = 0; i < 200000; ++i) {
             const auto direction = [&] {
-                const double z = std::cos(89.9 * k_degree) * std::pow(1 / std::cos(89.9 * k_degree), uniform(random));
-                return to_float(spherical(std::acos(z), i % 4 ? 2 * k_pi * uniform(random) : i % 8 ? 0 : k_pi));
+                const double z = elementary::cos(89.9 * k_degree) *
+                                 elementary::pow(1 / elementary::cos(89.9 * k_degree), uniform(random));
+                return to_float(spherical(elementary::acos(z), i % 4 ? 2 * k_pi * uniform(random) : i % 8 ? 0 : k_pi));
             };
             const Vec3f wl = direction(), wv = direction();
             const auto area = [&](const Rgb& f) {

@@ -32,7 +32,8 @@ PmModel model_of(int lobes, int variates, std::mt19937_64& random) {
     model.lobes = lobes;
     model.variates = variates;
     const float angles[] = {float(k_pi / 4), 0.1f, 1.3f};
-    for (int n = 0; n < variates; ++n) model.parameterization.push_back({std::cos(angles[n]), std::sin(angles[n])});
+    for (int n = 0; n < variates; ++n)
+        model.parameterization.push_back({elementary::cos(angles[n]), elementary::sin(angles[n])});
     for (int j = 0; j < lobes; ++j) {
         const auto colour = [&] { return float(0.1 + uniform(random)); };
         model.coefficient.push_back({colour(), colour(), colour()});
@@ -40,7 +41,7 @@ PmModel model_of(int lobes, int variates, std::mt19937_64& random) {
         for (int n = 0; n < variates; ++n) {
             model.centre.push_back({0, 0, 1});
             model.bandwidth.push_back(
-                float(n == 0 ? 0.5 * std::pow(12.0, j) * (1 + uniform(random)) : 2 * uniform(random)));
+                float(n == 0 ? 0.5 * elementary::pow(12.0, j) * (1 + uniform(random)) : 2 * uniform(random)));
         }
     }
     return model;
@@ -64,7 +65,7 @@ TEST(Fit, RecoversTheSpectraThatMadeTheData) {
     PmModel model = model_of(3, 3, random);
     for (int c = 0; c < 9; ++c) model.wavelength.push_back(400 + 35.5f * float(c));
     for (std::size_t j = 0; j < 3; ++j)
-        for (int c = 0; c < 9; ++c) model.spectrum.push_back(float(0.5 + 0.4 * std::sin(c + 2.0 * double(j))));
+        for (int c = 0; c < 9; ++c) model.spectrum.push_back(float(0.5 + 0.4 * elementary::sin(c + 2.0 * double(j))));
     model.coefficient = colours(model.spectrum, model.wavelength);
     Observations observations = observed(evaluator(model));
     observe_spectra(observations, spectra(model));
@@ -244,10 +245,11 @@ TEST(Fit, StaysBoundedUpToTheHorizon) {
         double measured = 0, most = 0;
         for (int i = 0; i < 300000; ++i) {
             const auto direction = [&] {
-                const double z = std::cos(89.9 * k_degree) * std::pow(1 / std::cos(89.9 * k_degree), uniform(random));
+                const double z = elementary::cos(89.9 * k_degree) *
+                                 elementary::pow(1 / elementary::cos(89.9 * k_degree), uniform(random));
                 const double phi = i % 4 ? 2 * k_pi * uniform(random) : i % 8 ? 0 : k_pi;  // in-plane ones are likely
-                return Vec3f{float(std::sqrt(1 - z * z) * std::cos(phi)), float(std::sqrt(1 - z * z) * std::sin(phi)),
-                             float(z)};
+                return Vec3f{float(std::sqrt(1 - z * z) * elementary::cos(phi)),
+                             float(std::sqrt(1 - z * z) * elementary::sin(phi)), float(z)};
             };
             const Vec3f wl = direction(), wv = direction();
             const auto largest = [&](const Rgb& x) {

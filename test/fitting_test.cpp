@@ -56,7 +56,7 @@ Measured samples() {
 
 struct Bound {
     const char* name;
-    double delta_e, rms, albedo_error;  // 1.25 times the measured values
+    double delta_e, rms, albedo_error;  // 1.1 times the measured values
     int seeds;                          // the albedo error is the median of so many fits
 };
 
@@ -79,8 +79,7 @@ TEST_P(DefaultFit, ErrsNoMoreThanItDid) {
     EXPECT_EQ(outcome().model.provenance.at("max_theta"), "89");
 }
 
-/// No fit minimises this error. That of the film is 0.8 to 3 %, depending on the seed, and as much on the instruction
-/// set, the compiler and its libraries, which change the path of a search as another seed does.
+/// No fit minimises this error. That of the film is 0.8 to 3 %, depending on the seed.
 TEST_P(DefaultFit, ErrsInAlbedoNoMoreThanItDid) {
     const Measured measured = bundled(GetParam().name);
     Fitter fitter(measured);
@@ -124,8 +123,8 @@ TEST_P(DefaultFit, IsBoundedToTheHorizon) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
-                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 5.8, 0.13, 0.0169, 9},
-                                         Bound{"paper_white_rgb", 0.88, 0.0605, 0.0066, 1}),
+                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 5.6, 0.087, 0.0206, 9},
+                                         Bound{"paper_white_rgb", 0.893, 0.0285, 0.0013, 1}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 /// The same number of bytes, by what is seen: better than an objective of numbers.
@@ -136,6 +135,24 @@ TEST_P(DefaultFit, LooksMoreAlikeThanTheLeastSquares) {
     ASSERT_TRUE(numbers);
     EXPECT_LT(outcome().errors->appearance.mean.delta_e, 0.85 * numbers->errors->appearance.mean.delta_e);
     EXPECT_LT(outcome().errors->appearance.worst_delta_e, numbers->errors->appearance.worst_delta_e);
+}
+
+/// The film in 400 bytes, and view by view.
+TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
+    const Measured measured = bundled("cc_ibiza_sunset_rgb");
+    const struct {
+        FitRequest request;
+        std::size_t bytes;
+        double delta_e, rms;  // 1.1 times the measured values
+    } expected[] = {{{.model = PmRequest{.size = LobeCount{16}}}, 400, 4.14, 0.0492},
+                    {{.model = SuRequest{.lobes = 5}}, 107520, 3.67, 0.076}};
+    for (const auto& of : expected) {
+        const auto outcome = fit(measured, of.request);
+        ASSERT_TRUE(outcome);
+        EXPECT_EQ(payload_bytes(outcome->model), of.bytes);
+        EXPECT_LE(outcome->errors->appearance.mean.delta_e, of.delta_e);
+        EXPECT_LE(outcome->errors->appearance.mean.rms, of.rms);
+    }
 }
 
 // ---- A call and its stages ----

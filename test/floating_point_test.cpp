@@ -46,29 +46,30 @@ SRBF_WRAPPED(float, exponent,
              "_ZN4srbf8exponentERKNS_4RowsEmSt4spanIKfLm18446744073709551615EES3_IKPS4_Lm18446744073709551615EEPf",
              const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
              float* x) {
-    see(s);
+    see(s, rows.rows_in(block));
     const float largest = real_exponent(rows, block, weight, s, x);
-    see(x);
+    see(x, rows.rows_in(block));
     return largest;
 }
 SRBF_WRAPPED(void, exponentiate, "_ZN4srbf12exponentiateERKNS_4RowsEmfPf", const Rows& rows, std::size_t block,
              float offset, float* x) {
-    see(&rows.root_weight[block * k_block]);
+    see(&rows.root_weight[block * k_block], rows.rows_in(block));
     real_exponentiate(rows, block, offset, x);
-    see(x);
+    see(x, rows.rows_in(block));
 }
 SRBF_WRAPPED(double, residual,
-             "_ZN4srbf8residualEPKfSt4spanIS0_Lm18446744073709551615EES2_IKS1_Lm18446744073709551615EEPf",
-             const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
-    see(y), see(beta.data(), beta.size()), see(columns);
-    const double squares = real_residual(y, beta, columns, r);
-    see(r);
+             "_ZN4srbf8residualEPKfSt4spanIS0_Lm18446744073709551615EES2_IKS1_Lm18446744073709551615EEPfm",
+             const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r,
+             std::size_t count) {
+    see(y, count), see(beta.data(), beta.size()), see(columns, count);
+    const double squares = real_residual(y, beta, columns, r, count);
+    see(r, count);
     return squares;
 }
-SRBF_WRAPPED(void, add_gram, "_ZN4srbf8add_gramESt4spanIKPKfLm18446744073709551615EEPd",
-             std::span<const float* const> columns, double* G) {
-    see(columns);
-    real_add_gram(columns, G);
+SRBF_WRAPPED(void, add_gram, "_ZN4srbf8add_gramESt4spanIKPKfLm18446744073709551615EEPdm",
+             std::span<const float* const> columns, double* G, std::size_t count) {
+    see(columns, count);
+    real_add_gram(columns, G, count);
 }
 SRBF_WRAPPED(void, add_products, "_ZN4srbf12add_productsESt4spanIKPKfLm18446744073709551615EES4_Pdm",
              std::span<const float* const> rows, std::span<const float* const> columns, double* G, std::size_t count) {

@@ -13,8 +13,8 @@ GgxModel random_ggx(std::mt19937_64& random, int lobes) {
     };
     GgxModel model{colour(0.8), {}};
     for (int i = 0; i < lobes; ++i)
-        model.lobes.push_back({float(std::exp2(i == 0 ? -4 + 2 * uniform(random) : -1 - uniform(random))), colour(0.5),
-                               float(0.4 + 0.6 * uniform(random))});
+        model.lobes.push_back({float(elementary::exp2(i == 0 ? -4 + 2 * uniform(random) : -1 - uniform(random))),
+                               colour(0.5), float(0.4 + 0.6 * uniform(random))});
     return model;
 }
 
@@ -33,8 +33,8 @@ TEST(Ggx, IsReciprocalIsotropicAndNeverNegative) {
         const Rgb f = value(model, to_float(wl), to_float(wv)), g = value(model, to_float(wv), to_float(wl));
         const double turn = 6 * uniform(random);
         const auto turned = [&](Vec3d w) {
-            return to_float(
-                {std::cos(turn) * w.x - std::sin(turn) * w.y, std::sin(turn) * w.x + std::cos(turn) * w.y, w.z});
+            return to_float({elementary::cos(turn) * w.x - elementary::sin(turn) * w.y,
+                             elementary::sin(turn) * w.x + elementary::cos(turn) * w.y, w.z});
         };
         const Rgb h = value(model, turned(wl), turned(wv));
         for (int c = 0; c < 3; ++c) {
@@ -60,7 +60,7 @@ TEST(Ggx, FacetsReflectNoMoreThanTheyGetAndSmoothOnesAll) {
             EXPECT_LT(facet_albedo(alpha, theta), 1 + 1e-3) << alpha << ' ' << theta;
     EXPECT_TRUE(near(facet_albedo(0.02f, 0.0), 1, 2e-3));
     // At α = 1 and normal incidence the albedo is 1 - ln 2: ∫ cosθl / (2 (1 + cosθl)) dcosθl, twice.
-    EXPECT_TRUE(near(facet_albedo(1, 0.0), 1 - std::log(2.0), 1e-4));
+    EXPECT_TRUE(near(facet_albedo(1, 0.0), 1 - elementary::log(2.0), 1e-4));
 }
 
 TEST(Ggx, ReadsWhatItWrites) {

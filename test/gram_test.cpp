@@ -74,6 +74,12 @@ TEST_P(Gram, RowsHoldTheObservationsWithoutTheChecks) {
     EXPECT_EQ(Rows(few).blocks, 0u);
 }
 
+TEST_P(Gram, TheLastBlockHasFewerRows) {
+    EXPECT_EQ(rows_.rows_in(0), k_block);
+    EXPECT_EQ(rows_.rows_in(1), k_block);
+    EXPECT_EQ(rows_.rows_in(2), 320u);  // of 300
+}
+
 TEST_P(Gram, WeightsOfRowsSumToOne) {
     double sum = 0;
     for (const float root : rows_.root_weight) sum += double(root) * double(root);
@@ -161,7 +167,7 @@ TEST_P(Gram, ExponentIsTheWeightedSumAndItsLargestThatCounts) {
             Aligned<float> x(k_block);
             const float largest = exponent(rows_, block, weight, pointers(columns), x.data());
             double expected_largest = -INFINITY;
-            for (std::size_t i = 0; i < k_block; ++i) {
+            for (std::size_t i = 0; i < rows_.rows_in(block); ++i) {
                 double sum = 0, size = 0;
                 for (std::size_t n = 0; n < variates; ++n) {
                     sum += double(weight[n]) * double(columns[n][i]);
@@ -194,7 +200,7 @@ TEST_P(Gram, ExponentiateTakesTheOffsetAway) {
             }
             const auto before = x;
             exponentiate(rows_, block, offset, x.data());
-            for (std::size_t i = 0; i < k_block; ++i) {
+            for (std::size_t i = 0; i < rows_.rows_in(block); ++i) {
                 const double root = double(rows_.root_weight[block * k_block + i]);
                 const double expected = root > 0 ? root * std::exp(double(before[i]) - double(offset)) : 0;
                 const double size = std::abs(double(before[i]) - double(offset));
@@ -234,13 +240,15 @@ TEST_P(Gram, SumsAndProductsOfColumns) {
     const auto a = column(random_, -1, 1), b = column(random_, -1, 1), before = column(random_, -1, 1);
     auto c = before;
     add_product(a.data(), b.data(), c.data());
-    Aligned<float> x(k_block);
+    Aligned<float> x(k_block), times(k_block);
     const float* const columns[] = {a.data(), b.data()};
     combine(std::vector{2.f, -3.f}, columns, x.data());
+    combine(std::vector{2.f, -3.f}, columns, before.data(), times.data());
     double sum_of = 0, squares = 0, size = 0;
     for (std::size_t i = 0; i < k_block; ++i) {
         EXPECT_TRUE(near(c[i], double(before[i]) + double(a[i]) * double(b[i]), 3e-7));
         EXPECT_TRUE(near(x[i], 2 * double(a[i]) - 3 * double(b[i]), 6e-7));
+        EXPECT_EQ(times[i], before[i] * x[i]);
         sum_of += double(a[i]), size += std::abs(double(a[i])), squares += double(a[i]) * double(a[i]);
     }
     EXPECT_TRUE(near(sum(a.data()), sum_of, 3e-6 * size));
@@ -270,7 +278,7 @@ TEST_P(Gram, AddProductsAddsThoseOfRowsAndColumns) {
 TEST_P(Gram, AddProductsOfTheFirstRowsOfColumns) {
     const auto a = column(random_, -0.5, 1), b = column(random_, -0.5, 1);
     const float *const rows[] = {a.data()}, *const columns[] = {b.data()};
-    for (std::size_t count = k_least_view_rows; count <= k_block; count *= 2) {
+    for (std::size_t count = k_row_multiple; count <= k_block; count *= 2) {
         double product = 0, sum = 0, size = 0;
         add_products(rows, columns, &product, count);
         for (std::size_t l = 0; l < count; ++l)
@@ -299,6 +307,38 @@ TEST_P(Gram, AddGramAddsTheProductsBelowTheDiagonal) {
     }
     std::vector<double> none;
     add_gram({}, none.data());
+}
+
+/// What the loops make of the same random columns.
+std::vector<double> all_results(const Rows& rows) {
+    std::mt19937_64 random(3);
+    std::vector<double> all;
+    std::vector<Aligned<float>> columns;
+    for (int j = 0; j < 13; ++j) columns.push_back(column(random, -0.5, 1));
+    const auto pointers_to = pointers(columns);
+    const std::vector<float> weight(13, 0.3f);
+    Aligned<float> x(k_block), s(3 * k_block), by(3 * k_block), features_of(SRBF_TERMS * k_block);
+    const auto add = [&](const Aligned<float>& numbers) { all.insert(all.end(), numbers.begin(), numbers.end()); };
+    axial_feature(rows, 0, 0.6f, -0.8f, s.data(), by.data()), add(s), add(by);
+    general_features(rows, 1, 0.6f, 0.8f, s.data(), by.data()), add(s), add(by);
+    further_features(rows, 0, SRBF_TERMS, features_of.data()), add(features_of);
+    all.push_back(exponent(rows, 1, weight, pointers_to, x.data())), add(x);
+    exponentiate(rows, 1, 5, x.data()), add(x);
+    all.push_back(residual(columns[0].data(), weight, pointers_to, x.data())), add(x);
+    all.push_back(sum(x.data())), all.push_back(sum_of_squares(x.data()));
+    std::vector<double> G(13 * 13);
+    add_gram(pointers_to, G.data(), 448), all.insert(all.end(), G.begin(), G.end());
+    add_products(pointers_to, pointers_to, G.data()), all.insert(all.end(), G.begin(), G.end());
+    return all;
+}
+
+TEST(Gram, LoopsHaveTheSameBitsWithAllInstructionSets) {
+    const Rows rows(random_observations());
+    const auto expected = all_results(rows);
+    for (const Target target : hwy::SupportedAndGeneratedTargets()) {
+        const OneTarget one(target);
+        EXPECT_TRUE(all_results(rows) == expected) << hwy::TargetName(target);
+    }
 }
 
 }  // namespace

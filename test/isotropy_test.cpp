@@ -15,7 +15,7 @@ Evaluate brushed(double ax, double ay) {
             const Vec3d l(double(wl[i].x), double(wl[i].y), double(wl[i].z)),
                 v(double(wv[i].x), double(wv[i].y), double(wv[i].z)), h = normalize(l + v);
             const double tan2 = (h.x * h.x / (ax * ax) + h.y * h.y / (ay * ay)) / (h.z * h.z);
-            const double d = std::exp(-tan2) / (k_pi * ax * ay * std::pow(h.z, 4));
+            const double d = elementary::exp(-tan2) / (k_pi * ax * ay * elementary::pow(h.z, 4));
             const double g = std::min({1.0, 2 * h.z * l.z / dot(h, l), 2 * h.z * v.z / dot(h, v)});
             const auto fr = float(d * g / (4 * l.z * v.z));
             f[i] = {0.05f + 0.9f * fr, 0.03f + 0.7f * fr, 0.02f + 0.4f * fr};

@@ -16,8 +16,9 @@ const fs::path k_root = SRBF_SOURCE_DIR;
 // Groups of files in increasing level, by prefixes of their paths; a file may include its own group and those before
 // it.
 const std::vector<std::vector<std::string>> k_groups{
-    {"include/srbf/vec", "include/srbf/half", "src/half", "include/srbf/colour", "src/colour", "include/srbf/result",
-     "src/result", "include/srbf/picture.h", "include/srbf/progress", "src/progress", "src/reporter"},
+    {"include/srbf/elementary", "src/elementary", "include/srbf/vec", "include/srbf/half", "src/half",
+     "include/srbf/colour", "src/colour", "include/srbf/result", "src/result", "include/srbf/picture.h",
+     "include/srbf/progress", "src/progress", "src/reporter"},
     {"src/aligned", "src/floating_point", "src/parallel", "src/r_sequence", "src/k_d_tree", "src/least_squares",
      "src/weighted_quantile", "include/srbf/file", "src/file", "src/npy", "include/srbf/npy", "include/srbf/text"},
     {"include/srbf/kernel", "src/batch-inl", "src/fused"},

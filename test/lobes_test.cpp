@@ -150,7 +150,8 @@ TEST(Lobes, LossCountsAlbedo) {
         double expected = 0;
         for (std::size_t i = 0; i < o.f.size() - o.checks; ++i)
             for (int c = 0; c < 3; ++c)
-                expected += o.weight[i] * std::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
+                expected +=
+                    o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
         for (const RadianceObservation& seen : o.radiances) {
             double whole = 0;
             std::array<double, 3> off{};
@@ -161,7 +162,7 @@ TEST(Lobes, LossCountsAlbedo) {
                     off[std::size_t(c)] += seen.weight[i] * (double(seen.f[i][c]) - double(f[c]));
             }
             for (const double difference : off)
-                expected += importance / double(o.radiances.size()) * std::pow(difference / whole, 2);
+                expected += importance / double(o.radiances.size()) * elementary::pow(difference / whole, 2);
         }
         EXPECT_TRUE(near_relative(loss, expected, 2e-3));
     }
@@ -195,7 +196,7 @@ TEST(Lobes, LossCountsWhatIsSeen) {
     double of_pairs = 0, error = 0, delta_e = 0;
     for (std::size_t i = 0; i < o.f.size() - o.checks; ++i)
         for (int c = 0; c < 3; ++c)
-            of_pairs += o.weight[i] * std::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
+            of_pairs += o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
     int pixels = 0;
     for (const SeenView& view : o.views)
         for (const SeenPixel& pixel : view.pixels) {
@@ -237,13 +238,13 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
                     double exponent = -problem.offset()[std::size_t(j)];
                     for (int n = 0; n < 3; ++n) {
                         const double angle = lobes.angle[std::size_t(n)];
-                        const Vec3d psi = Kernel<double>::psi(to_double(o.wl[i]), to_double(o.wv[i]), std::cos(angle),
-                                                              std::sin(angle));
+                        const Vec3d psi = Kernel<double>::psi(to_double(o.wl[i]), to_double(o.wv[i]),
+                                                              elementary::cos(angle), elementary::sin(angle));
                         exponent += lobes.of(j)[std::size_t(n)] * (psi.z - 1);
                     }
-                    f += problem.scale() * beta(j, c) * std::exp(exponent);
+                    f += problem.scale() * beta(j, c) * elementary::exp(exponent);
                 }
-                total += double(o.weight[i]) * std::pow(double(o.f[i][c]) - f, 2);
+                total += double(o.weight[i]) * elementary::pow(double(o.f[i][c]) - f, 2);
             }
         return total;
     };
@@ -321,7 +322,8 @@ TEST(Rounding, KeepsDirections) {
         const Parameterization p = rounded_direction(angle);
         EXPECT_EQ(round_to_half(p.a), p.a);
         EXPECT_EQ(round_to_half(p.b), p.b);
-        largest = std::max(largest, std::abs(std::remainder(std::atan2(double(p.b), double(p.a)) - angle, 2 * k_pi)));
+        largest =
+            std::max(largest, std::abs(std::remainder(elementary::atan2(double(p.b), double(p.a)) - angle, 2 * k_pi)));
     }
     EXPECT_LT(largest, 3e-5);
 }
@@ -342,12 +344,13 @@ TEST(Rounding, ModelOfLobesEvaluatesToThem) {
             double exponent = -problem.offset()[std::size_t(j)];
             for (int n = 0; n < 3; ++n) {
                 const double angle = lobes.angle[std::size_t(n)];
-                const Vec3f psi = Kernel<float>::psi(o.wl[i], o.wv[i], float(std::cos(angle)), float(std::sin(angle)));
+                const Vec3f psi =
+                    Kernel<float>::psi(o.wl[i], o.wv[i], float(elementary::cos(angle)), float(elementary::sin(angle)));
                 exponent += lobes.of(j)[std::size_t(n)] * double(psi.z - 1);
             }
-            f += problem.scale() * problem.beta()(j, 1) * std::exp(exponent);
+            f += problem.scale() * problem.beta()(j, 1) * elementary::exp(exponent);
         }
-        error += std::pow(f - double(value(model, o.wl[i], o.wv[i]).g), 2);
+        error += elementary::pow(f - double(value(model, o.wl[i], o.wv[i]).g), 2);
         whole += f * f;
     }
     EXPECT_LT(error, 1e-6 * whole);

@@ -29,12 +29,12 @@ inline PmModel random_model(std::mt19937_64& random, const RandomModelOptions& o
         for (int n = 0; n < model.variates; ++n) {
             const bool up = draw() < 0.7;
             model.centre.push_back(options.axial ? Vec3f(0, 0, up ? 1 : -1) : to_float(random_direction(random)));
-            model.bandwidth.push_back(float(options.most_bandwidth * std::pow(draw(), 6)));
+            model.bandwidth.push_back(float(options.most_bandwidth * elementary::pow(draw(), 6)));
         }
     }
     for (int n = 0; n < model.variates; ++n) {
         const double angle = 2 * k_pi * draw();
-        model.parameterization.push_back({float(std::cos(angle)), float(std::sin(angle))});
+        model.parameterization.push_back({float(elementary::cos(angle)), float(elementary::sin(angle))});
     }
     return model;
 }

@@ -16,7 +16,7 @@ Evaluate constant(Rgb colour) {
 
 std::size_t fitted(const Observations& o) { return o.f.size() - o.checks; }
 bool within(const Observations& o, std::size_t i, double theta) {
-    return std::min(double(o.wl[i].z), double(o.wv[i].z)) >= std::cos(theta) - 1e-6;
+    return std::min(double(o.wl[i].z), double(o.wv[i].z)) >= elementary::cos(theta) - 1e-6;
 }
 
 TEST(Observations, EstimateTheIntegralOfTheirObjective) {
@@ -29,12 +29,12 @@ TEST(Observations, EstimateTheIntegralOfTheirObjective) {
             if (!within(*o, i, 80 * k_degree)) continue;
             const double w = double(o->weight[i]);
             all += w;
-            if (double(o->wl[i].z) > std::cos(50 * k_degree)) near_l += w;
-            if (double(o->wv[i].z) > std::cos(50 * k_degree)) near_v += w;
+            if (double(o->wl[i].z) > elementary::cos(50 * k_degree)) near_l += w;
+            if (double(o->wv[i].z) > elementary::cos(50 * k_degree)) near_v += w;
         }
         const auto share = [](int power) {  // of ∫ μ^power dμ
-            const double c = std::cos(80 * k_degree), d = std::cos(50 * k_degree);
-            return (1 - std::pow(d, power + 1)) / (1 - std::pow(c, power + 1));
+            const double c = elementary::cos(80 * k_degree), d = elementary::cos(50 * k_degree);
+            return (1 - elementary::pow(d, power + 1)) / (1 - elementary::pow(c, power + 1));
         };
         const bool raw = objective == Objective::raw;
         EXPECT_TRUE(near_relative(near_l / all, share(raw ? 0 : 2), 0.01));
@@ -115,8 +115,8 @@ TEST(Observations, ReachTheHorizonAndItsCorners) {
         ASSERT_GT(o->wl[i].z, 0);
         ASSERT_GT(o->wv[i].z, 0);
     }
-    EXPECT_LT(lowest, std::cos(89.89 * k_degree));
-    EXPECT_LT(lowest_both, std::cos(89.89 * k_degree));
+    EXPECT_LT(lowest, elementary::cos(89.89 * k_degree));
+    EXPECT_LT(lowest_both, elementary::cos(89.89 * k_degree));
 }
 
 TEST(Observations, LeaveOutWhatWasNotMeasuredAndClampTheNegative) {
@@ -153,10 +153,10 @@ TEST(Observations, ViewsOfPicturesAreExposedAndWithinTheCap) {
     std::map<std::size_t, std::vector<double>> largest;
     bool any_masked = false;
     for (const SeenView& view : views) {
-        EXPECT_GE(double(view.wv.z), std::cos(theta_max) - 1e-6);
+        EXPECT_GE(double(view.wv.z), elementary::cos(theta_max) - 1e-6);
         ASSERT_EQ(view.f.size(), view.wl.size());
         for (std::size_t i = 0; i < view.wl.size(); ++i) {
-            EXPECT_GE(double(view.wl[i].z), std::cos(theta_max) - 1e-6);
+            EXPECT_GE(double(view.wl[i].z), elementary::cos(theta_max) - 1e-6);
             ASSERT_TRUE(is_finite(view.f[i]) && view.f[i].r == 0);
         }
         for (const SeenPixel& pixel : view.pixels) {

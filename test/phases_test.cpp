@@ -14,7 +14,7 @@ Observations coated() {
         [](auto wl, auto wv, auto f) {
             for (std::size_t i = 0; i < f.size(); ++i) {
                 const Vec3f h = normalize(wl[i] + wv[i]);
-                const float coat = std::exp(50 * (h.z - 1));
+                const float coat = elementary::exp(50 * (h.z - 1));
                 f[i] = {0.1f + coat, 0.05f + coat, 0.02f + coat};
             }
         },
@@ -55,7 +55,7 @@ TEST(PhaseWeights, AreRelativeToTheEnergyOfTheirPhase) {
     std::vector<double> measure(o.f.size(), 1e-4);
     std::vector<Rgb> scaled = o.f;
     for (std::size_t i = 0; i < scaled.size(); ++i) {
-        const bool backwards = dot(o.wl[i], o.wv[i]) > std::cos(k_pi / 4);  // whole phases
+        const bool backwards = dot(o.wl[i], o.wv[i]) > elementary::cos(k_pi / 4);  // whole phases
         for (int c = 0; c < 3; ++c) scaled[i][c] *= backwards ? 50.f : 2.f;
     }
     const std::vector<double> once = phase_weights(o.wl, o.wv, o.f, measure),

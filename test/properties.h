@@ -30,7 +30,7 @@ inline std::filesystem::path shared_data() {
 inline Vec3d random_direction(std::mt19937_64& random, double z_min = -1) {
     const double z = z_min + (1 - z_min) * uniform(random), phi = 2 * k_pi * uniform(random);
     const double r = std::sqrt(std::max(0.0, 1 - z * z));
-    return {r * std::cos(phi), r * std::sin(phi), z};
+    return {r * elementary::cos(phi), r * elementary::sin(phi), z};
 }
 
 }  // namespace srbf

@@ -14,7 +14,7 @@ PmModel tilted() {
     PmModel model;
     model.lobes = model.variates = 2;
     for (const double angle : {k_pi / 4, 0.68 * k_pi})
-        model.parameterization.push_back({float(std::cos(angle)), float(std::sin(angle))});
+        model.parameterization.push_back({float(elementary::cos(angle)), float(elementary::sin(angle))});
     model.coefficient = {{1, 0.5f, 0.2f}, {0.1f, 0.3f, 0.4f}};
     model.log_scale = {0, 0};
     model.centre = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, -1}};

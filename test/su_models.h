@@ -14,7 +14,7 @@ inline SuModel random_su(std::mt19937_64& random, int views, int lobes, bool sha
     for (int i = 0; i < views * lobes; ++i) {
         model.coefficient.push_back({float(uniform(random)), float(uniform(random)), float(uniform(random))});
         model.centre.push_back(to_float(random_direction(random)));
-        model.bandwidth.push_back(float(std::pow(300, uniform(random))));
+        model.bandwidth.push_back(float(elementary::pow(300, uniform(random))));
         if (shaped) model.shape.push_back(float(6 * uniform(random) - 4));
     }
     return model;

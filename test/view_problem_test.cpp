@@ -24,10 +24,11 @@ ViewRows rows(bool with_lights) {
         const Vec3f w = directions[i];
         const auto root = float(std::sqrt(w.z / count));
         rows.root_weight[i] = root;
-        const float lobes[] = {std::exp(30 * (0.6f * w.x + 0.8f * w.z - 1)), std::exp(4 * (w.z - 1)), 0.2f + w.y * w.y};
+        const float lobes[] = {elementary::exp(30 * (0.6f * w.x + 0.8f * w.z - 1)), elementary::exp(4 * (w.z - 1)),
+                               0.2f + w.y * w.y};
         for (std::size_t c = 0; c < 3; ++c) rows.y[c][i] = root * (lobes[c] + 0.5f * lobes[(c + 1) % 3]);
         for (std::size_t k = 0; k < rows.lights.size(); ++k)
-            rows.lights[k][i] = w.z * (k == 0 ? 1.f : std::exp(3 * (w.x - 1))) / (100 * root);
+            rows.lights[k][i] = w.z * (k == 0 ? 1.f : elementary::exp(3 * (w.x - 1))) / (100 * root);
     }
     rows.view = {-0.8f, 0.6f, 0};
     rows.largest.fill(100);
@@ -51,7 +52,7 @@ TEST(ViewProblem, LossCountsPairsAndRadiances) {
                 const double cosine = view.directions.w[0][i] * centre.x + view.directions.w[1][i] * centre.y +
                                       view.directions.w[2][i] * centre.z;
                 rest -= double(view.root_weight[i]) * problem.coefficient(j, c) / view.scale *
-                        std::exp(bandwidth * (cosine - 1) - shape * (1 / double(view.directions.w[2][i]) - 1));
+                        elementary::exp(bandwidth * (cosine - 1) - shape * (1 / double(view.directions.w[2][i]) - 1));
             }
             expected += rest * rest;
             for (std::size_t k = 0; k < 2; ++k) off[k] += double(view.lights[k][i]) * rest;
@@ -127,8 +128,8 @@ TEST(ViewProblem, ShapesPassThroughZeroFromFitToFit) {
     for (std::size_t i = 0; i < view.root_weight.size(); ++i)
         for (auto& y : view.y)
             y[i] = view.root_weight[i] *
-                   std::exp(20 * (0.6f * view.directions.w[0][i] + 0.8f * view.directions.w[2][i] - 1) -
-                            0.5f * view.directions.slant[i]);
+                   elementary::exp(20 * (0.6f * view.directions.w[0][i] + 0.8f * view.directions.w[2][i] - 1) -
+                                   0.5f * view.directions.slant[i]);
     ViewProblem problem(1, true);
     std::vector<ViewLobe> lobes{{normalize(Vec3d{0.5, 0.1, 0.8}), 10, -0.3}};
     const auto fit = [&] {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "srbf/brdf.h"
+#include "srbf/elementary.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 
@@ -123,7 +124,7 @@ struct Beam {
 /// τ at that cosine.
 inline Rgb share_at(const Beam& beam, float cosine) {
     if (beam.empty()) return {};
-    const float theta = std::acos(std::fmin(std::abs(cosine), 1.f));
+    const float theta = elementary::acos(std::fmin(std::abs(cosine), 1.f));
     std::size_t next = 0;
     while (next < beam.theta.size() && beam.theta[next] <= theta) ++next;
     if (next == 0) return beam.share.front();

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "srbf/elementary.h"
 #include "srbf/vec.h"
 
 namespace [[gnu::visibility("default")]] srbf {
@@ -19,13 +20,13 @@ namespace kernel {
 // SIMD code) provide their own, found by argument-dependent lookup.
 template <typename Real>
 concept Number = std::is_floating_point_v<Real>;
-template <Number Real> inline Real exp(Real x) { return std::exp(x); }
-template <Number Real> inline Real exp2(Real x) { return std::exp2(x); }
-template <Number Real> inline Real log(Real x) { return std::log(x); }
+template <Number Real> inline Real exp(Real x) { return elementary::exp(x); }
+template <Number Real> inline Real exp2(Real x) { return elementary::exp2(x); }
+template <Number Real> inline Real log(Real x) { return elementary::log(x); }
 template <Number Real> inline Real sqrt(Real x) { return std::sqrt(x); }
 template <Number Real> inline Real inversesqrt(Real x) { return 1 / std::sqrt(x); }
-template <Number Real> inline Real cos(Real x) { return std::cos(x); }
-template <Number Real> inline Real sin(Real x) { return std::sin(x); }
+template <Number Real> inline Real cos(Real x) { return elementary::cos(x); }
+template <Number Real> inline Real sin(Real x) { return elementary::sin(x); }
 template <Number Real> inline Real min(Real a, Real b) { return std::min(a, b); }
 template <Number Real> inline Real max(Real a, Real b) { return std::max(a, b); }
 template <Number Real> inline Real select(bool condition, Real a, Real b) { return condition ? a : b; }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "srbf/brdf.h"
+#include "srbf/elementary.h"
 #include "srbf/pictures.h"
 #include "srbf/progress.h"
 
@@ -84,7 +85,7 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
                          std::span<const float> g, double max_theta);
 /// cos(θmax + 0.01°). The tolerance allows for rounded angles in files.
-inline float sample_cap(double max_theta) { return float(std::cos(max_theta + 0.01 * k_degree)); }
+inline float sample_cap(double max_theta) { return float(elementary::cos(max_theta + 0.01 * k_degree)); }
 
 /// The view angles at which albedo is compared [degrees].
 inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};

@@ -47,7 +47,7 @@ PreparedBrdf prepare(BrdfParts parts);
 
 /// A model for its values; the light is sampled by the cosine.
 PreparedBrdf prepare(const Model& model);
-/// And to be sampled by its own proposal, `propose(model, options)`, which takes some 15 ms to make.
+/// And to be sampled by its own proposal, `propose(model, options)`, which takes some 30 ms to make (docs/performance.md).
 PreparedBrdf prepare(const Model& model, const ProposeOptions& options);
 /// A measurement; what was not measured is NaN in `value`, and 0 in all else.
 PreparedBrdf prepare(Measured measured);

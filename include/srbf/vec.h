@@ -2,6 +2,8 @@
 #pragma once
 #include <cmath>
 
+#include "srbf/elementary.h"
+
 namespace [[gnu::visibility("default")]] srbf {
 
 inline constexpr double k_pi = 3.14159265358979323846;
@@ -37,7 +39,8 @@ struct Rgb {
 
 /// ω = (sin θ cos φ, sin θ sin φ, cos θ), angles in radians.
 template <typename Real> Vec3<Real> spherical(Real theta, Real phi) {
-    return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+    return {elementary::sin(theta) * elementary::cos(phi), elementary::sin(theta) * elementary::sin(phi),
+            elementary::cos(theta)};
 }
 
 /// The angles of a direction, in radians.
@@ -46,7 +49,8 @@ template <typename Real> struct Angles {
 };
 /// The inverse of `spherical`. 2 atan2 of the chords is accurate near the poles, where acos loses half of the digits.
 template <typename Real> Angles<Real> angles(Vec3<Real> w) {
-    return {2 * std::atan2(std::hypot(w.x, w.y, w.z - 1), std::hypot(w.x, w.y, w.z + 1)), std::atan2(w.y, w.x)};
+    return {2 * elementary::atan2(elementary::hypot(w.x, w.y, w.z - 1), elementary::hypot(w.x, w.y, w.z + 1)),
+            elementary::atan2(w.y, w.x)};
 }
 
 /// The mirror direction of ω: ω rotated by 180° about the normal, (−x, −y, z).

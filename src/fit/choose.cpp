@@ -9,6 +9,7 @@
 
 #include "fit/search.h"
 #include "parallel.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
@@ -211,11 +212,12 @@ Result<Search::Tried> within_error(Search& search, const FitOptions& options, do
     for (std::size_t before = 0, bytes = 32; !reached; before = bytes, bytes *= 2) {
         const auto glanced = search.glance(of, bytes);
         if (!glanced) return glanced.error();
-        const double doublings = std::log2(double(k_most_chosen_bytes) / double(bytes)), now = glanced->front().error,
-                     at_most = now * std::pow(std::min(now / before_error, 1.0), doublings);
+        const double doublings = elementary::log2(double(k_most_chosen_bytes) / double(bytes)),
+                     now = glanced->front().error,
+                     at_most = now * elementary::pow(std::min(now / before_error, 1.0), doublings);
         const bool last = doublings < 1 || (before >= k_telling_bytes && k_of_glance * at_most > error);
         before_error = now;
-        if (!search.report(0.1 * std::log2(double(bytes) / 16))) break;
+        if (!search.report(0.1 * elementary::log2(double(bytes) / 16))) break;
         if (k_of_glance * now > error) {
             if (!last) {
                 if (bytes >= k_telling_bytes) {

@@ -5,6 +5,7 @@
 
 #include "fit/excess.h"
 #include "fit/objective.h"
+#include "srbf/elementary.h"
 #include "srbf/fit_samples.h"
 
 namespace srbf {
@@ -34,7 +35,7 @@ Expected expected(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
         const Rgb g = value(prior, wl, wv);
         for (int c = 0; c < 3; ++c)
             all.root[std::size_t(c)] +=
-                std::cbrt(std::min(double(g[c]) * area, samples.most)) / double(samples.priors.size());
+                elementary::cbrt(std::min(double(g[c]) * area, samples.most)) / double(samples.priors.size());
         agreed = std::min(agreed, largest_of(g) * area);
     }
     all.bound = std::max(agreed, samples.allowed);
@@ -80,7 +81,7 @@ Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_th
         const auto root = expected(completed, rest.wl[i], rest.wv[i]).root;
         Rgb r;
         for (int c = 0; c < 3; ++c)
-            r[c] = float((std::cbrt(double(observed.f[i][c]) * area) - root[std::size_t(c)]) / area);
+            r[c] = float((elementary::cbrt(double(observed.f[i][c]) * area) - root[std::size_t(c)]) / area);
         rest.colour.push_back(r);
     }
     make_index(rest);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fit/objective.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
@@ -36,7 +37,7 @@ std::vector<std::size_t> exceeded(const Observations& observations, std::size_t 
 }
 
 double check_weight(const Observations& observations, std::size_t i, double loss, double largest) {
-    return k_excess_weight * loss * std::pow(area(observations, i) / largest, 2);
+    return k_excess_weight * loss * elementary::square(area(observations, i) / largest);
 }
 
 std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss) {

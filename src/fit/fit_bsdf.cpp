@@ -6,6 +6,7 @@
 #include "fit/objective.h"
 #include "floating_point.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 #include "srbf/fit_bsdf.h"
 
 namespace srbf {
@@ -63,7 +64,7 @@ std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fit
     };
     std::vector<Hemispherical> all;
     for (const double degrees : k_incidences) {
-        const double theta = degrees * k_degree, of_beam = double(share_at(beam, float(std::cos(theta))).g);
+        const double theta = degrees * k_degree, of_beam = double(share_at(beam, float(elementary::cos(theta))).g);
         const auto sum = [&](const Evaluate& f) { return double(albedo(exchanged(f), theta, k_pi / 2).g) + of_beam; };
         all.push_back({theta, sum(input.f), sum(fitted)});
     }

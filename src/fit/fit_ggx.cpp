@@ -6,6 +6,7 @@
 #include "fit/objective.h"
 #include "least_squares.h"
 #include "parallel.h"
+#include "srbf/elementary.h"
 #include "srbf/fit.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
@@ -67,7 +68,7 @@ class GgxProblem {
         solution.model.diffuse = {float(x[0]), float(x[1]), float(x[2])};
         for (std::size_t i = 0; i < L; ++i)
             solution.model.lobes.push_back(
-                {float(std::exp2(log_alpha[i])),
+                {float(elementary::exp2(log_alpha[i])),
                  {float(x[of_facing(i, 0)]), float(x[of_facing(i, 1)]), float(x[of_facing(i, 2)])},
                  float(x[of_grazing(i)])});
         return solution;
@@ -85,7 +86,8 @@ class GgxProblem {
                 const auto s = double(Kernel<float>::schlick_weight(wl, wv));
                 std::array<double, k_most_terms> t{1 / k_pi};
                 for (std::size_t i = 0; i < log_alpha.size(); ++i) {
-                    const double facets = double(Kernel<float>::ggx_facets(wl, wv, float(std::exp2(log_alpha[i]))));
+                    const double facets =
+                        double(Kernel<float>::ggx_facets(wl, wv, float(elementary::exp2(log_alpha[i]))));
                     t[1 + 2 * i] = facets * (1 - s);
                     t[2 + 2 * i] = facets * s;
                 }
@@ -94,7 +96,7 @@ class GgxProblem {
                     for (int c = 0; c < 3; ++c)
                         part.values[i][std::size_t(c)] += w * t[i] * double(observations_.f[row][c]);
                 }
-                for (int c = 0; c < 3; ++c) part.energy += w * std::pow(double(observations_.f[row][c]), 2);
+                for (int c = 0; c < 3; ++c) part.energy += w * elementary::square(double(observations_.f[row][c]));
             }
         });
         Moments sums;
@@ -178,7 +180,7 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
     fit.unrounded = std::move(unrounded);
     fit.unrounded_loss = unrounded_loss;
     // Roughness is rounded, then the other parameters are solved again.
-    for (double& x : log_alpha) x = std::log2(double(round_to_half(float(std::exp2(x)))));
+    for (double& x : log_alpha) x = elementary::log2(double(round_to_half(float(elementary::exp2(x)))));
     auto [model, loss] = all.solve(log_alpha);
     fit.model = rounded(model);
     fit.loss = loss;

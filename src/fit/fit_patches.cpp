@@ -11,6 +11,7 @@
 #include "measured/klems.h"
 #include "r_sequence.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 #include "srbf/fit_bsdf.h"
 
 namespace srbf {
@@ -147,7 +148,7 @@ std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate
     std::vector<Hemispherical> all = scattered(table, hemispheres(table), f);
     for (std::size_t ring = 0; ring < all.size(); ++ring) {
         if (!table.beam.empty()) all[ring].measured += double(table.beam[table.incident.first_of(ring)].g);
-        all[ring].fitted += double(share_at(beam, std::cos(table.incident.rings[ring].theta)).g);
+        all[ring].fitted += double(share_at(beam, elementary::cos(table.incident.rings[ring].theta)).g);
     }
     return all;
 }

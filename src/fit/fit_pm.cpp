@@ -13,6 +13,7 @@
 #include "fit/sample.h"
 #include "least_squares.h"
 #include "parallel.h"
+#include "srbf/elementary.h"
 #include "srbf/half.h"
 
 namespace srbf {
@@ -109,7 +110,7 @@ void weigh_for_spectra(Observations& observations) {
     double of_spectra = 0;
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t c = 0; c < C; ++c)
-            of_spectra += observations.weight[i] * std::pow(double(observations.spectrum[i * C + c]), 2);
+            of_spectra += observations.weight[i] * elementary::square(double(observations.spectrum[i * C + c]));
     if (!(of_spectra > 0)) return;
     for (double& weight : observations.weight) weight *= of_colours / of_spectra;
 }
@@ -200,7 +201,7 @@ Work work_of(const Observations& observations, const FitOptions& options) {
 }
 
 double log_peak_limit_of(const FitOptions& options) {
-    return options.log_scale ? k_log_peak_limit : std::log(double(k_half_max));
+    return options.log_scale ? k_log_peak_limit : elementary::log(double(k_half_max));
 }
 
 void sort_by_loss(std::vector<Candidate>& found) {

@@ -6,6 +6,7 @@
 #include "fit/view_in_pictures.h"
 #include "fit/vmf_clusters.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
@@ -60,7 +61,7 @@ std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_
     for (const double factor : {3.0, 6.0, 30.0}) {
         std::vector<ViewLobe> lobes;
         for (std::size_t j = 0; j < J; ++j)
-            lobes.push_back({points.brightest, std::min(0.5 * std::pow(factor, double(j)), 5e4)});
+            lobes.push_back({points.brightest, std::min(0.5 * elementary::pow(factor, double(j)), 5e4)});
         starts.push_back(std::move(lobes));
     }
     std::vector<ViewLobe> apart{{points.brightest, 20}};
@@ -121,7 +122,7 @@ ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::s
         ViewLobe& least = next[std::size_t(std::min_element(cost.begin(), cost.end()) - cost.begin())];
         const double pick = uniform(random), size = uniform(random);
         least = {to_double(points.direction[std::size_t(pick * double(points.direction.size()))]),
-                 0.3 * std::pow(1e5, size)};
+                 0.3 * elementary::pow(1e5, size)};
         ViewFit fit = optimised(problem, rows, next, k_steps_after_perturbation);
         if (fit.loss < best.loss) best = std::move(fit);
     }
@@ -129,16 +130,20 @@ ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::s
 }
 
 std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
-    const double angle = std::atan2(double(to.y), double(to.x)) - std::atan2(double(from.y), double(from.x));
-    for (ViewLobe& lobe : lobes) lobe.centre = Kernel<double>::turned(lobe.centre, std::cos(angle), std::sin(angle));
+    const double angle =
+        elementary::atan2(double(to.y), double(to.x)) - elementary::atan2(double(from.y), double(from.x));
+    for (ViewLobe& lobe : lobes)
+        lobe.centre = Kernel<double>::turned(lobe.centre, elementary::cos(angle), elementary::sin(angle));
     return lobes;
 }
 
 std::vector<ViewLobe> moved(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
     lobes = rotated(std::move(lobes), from, to);
     const Vec3d tangent = Kernel<double>::tangent_across(to_double(to));
-    const auto theta = [](Vec3f w) { return std::atan2(std::hypot(double(w.x), double(w.y)), double(w.z)); };
-    const double cosine = std::cos(theta(from) - theta(to)), sine = std::sin(theta(from) - theta(to));
+    const auto theta = [](Vec3f w) {
+        return elementary::atan2(elementary::hypot(double(w.x), double(w.y)), double(w.z));
+    };
+    const double cosine = elementary::cos(theta(from) - theta(to)), sine = elementary::sin(theta(from) - theta(to));
     for (ViewLobe& lobe : lobes)
         lobe.centre = normalize(cosine * lobe.centre + sine * cross(tangent, lobe.centre) +
                                 (1 - cosine) * dot(tangent, lobe.centre) * tangent);

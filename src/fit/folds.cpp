@@ -7,6 +7,7 @@
 
 #include "k_d_tree.h"
 #include "parallel.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
@@ -30,7 +31,8 @@ class Sets {
 std::array<double, 6> point_of(Vec3f l, Vec3f v, bool isotropic) {
     const Vec3d wl = to_double(l), wv = to_double(v);
     if (!isotropic) return {wl.x, wl.y, wl.z, wv.x, wv.y, wv.z};
-    const double rl = std::hypot(wl.x, wl.y), rv = std::hypot(wv.x, wv.y), both = std::max(std::hypot(rl, rv), 1e-30);
+    const double rl = elementary::hypot(wl.x, wl.y), rv = elementary::hypot(wv.x, wv.y),
+                 both = std::max(elementary::hypot(rl, rv), 1e-30);
     // Under a relative rotation by δ the distance is rl rv / √(rl² + rv²) δ, shared between both directions.
     const double across = std::abs(wl.x * wv.y - wl.y * wv.x) / both, along = (wl.x * wv.x + wl.y * wv.y) / both;
     return {rl, wl.z, rv, wv.z, along, across};

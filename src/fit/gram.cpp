@@ -24,7 +24,7 @@ void axial_feature(const Rows& rows, std::size_t block, float a, float b, float*
     const Batch a_(a), b_(b), one(1.0);
     const Vec3<Batch> up(Batch(0.0), Batch(0.0), one);
     const std::size_t first = block * k_block;
-    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+    for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
         const Vec3<Batch> wl = direction(rows.wl, first + i), wv = direction(rows.wv, first + i);
         Formula::gaussian_exponent(Formula::psi(wl, wv, a_, b_), up, one).store(s + i);
         Formula::psi_by_angle(wl, wv, a_, b_).z.store(s_by_angle + i);
@@ -41,7 +41,7 @@ void general_features(const Rows& rows, std::size_t block, float a, float b, flo
         y.store(to + k_block);
         z.store(to + 2 * k_block);
     };
-    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+    for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
         const Vec3<Batch> wl = direction(rows.wl, first + i), wv = direction(rows.wv, first + i);
         const Vec3<Batch> psi = Formula::psi(wl, wv, a_, b_), by_angle = Formula::psi_by_angle(wl, wv, a_, b_);
         store(psi.x, psi.y, Formula::gaussian_exponent(psi, up, one), s + i);
@@ -51,7 +51,7 @@ void general_features(const Rows& rows, std::size_t block, float a, float b, flo
 
 void further_features(const Rows& rows, std::size_t block, int count, float* features) {
     const std::size_t first = block * k_block;
-    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+    for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
         const auto of = Formulas<Batch, PmModel>::pm_further_features(count, direction(rows.wl, first + i),
                                                                       direction(rows.wv, first + i));
         for (int k = 0; k < count; ++k) of.x[k].store(features + std::size_t(k) * k_block + i);
@@ -60,22 +60,20 @@ void further_features(const Rows& rows, std::size_t block, int count, float* fea
 
 // Processes four batches at once: a weight is broadcast and a column addressed once for all four.
 constexpr std::size_t k_together = 4;
-static_assert(k_block % (k_together * HWY_MAX_BYTES / sizeof(float)) == 0);
-static_assert(k_least_view_rows % (HWY_MAX_BYTES / sizeof(float)) == 0);
+static_assert(k_row_multiple % (k_together * HWY_MAX_BYTES / sizeof(float)) == 0);
 
 // Calls store(i, sum) for the rows from each i on, with sum = start(i) + Σ_n weight[n] s[n].
 template <typename Start, typename Store>
-HWY_INLINE void add_weighted(std::span<const float> weight, std::span<const float* const> s, const Start& start,
-                             const Store& store) {
+HWY_INLINE void add_weighted(std::span<const float> weight, std::span<const float* const> s, std::size_t count,
+                             const Start& start, const Store& store) {
     const std::size_t lanes = Batch::size();
-    for (std::size_t i = 0; i < k_block; i += k_together * lanes) {
+    for (std::size_t i = 0; i < count; i += k_together * lanes) {
         Batch sum[k_together];
         for (std::size_t t = 0; t < k_together; ++t) sum[t] = start(i + t * lanes);
         for (std::size_t n = 0; n < weight.size(); ++n) {
             const Batch w{double(weight[n])};
             const float* const column = s[n] + i;
-            for (std::size_t t = 0; t < k_together; ++t)
-                sum[t] = multiply_add(w, Batch::load(column + t * lanes), sum[t]);
+            for (std::size_t t = 0; t < k_together; ++t) sum[t] = sum[t] + w * Batch::load(column + t * lanes);
         }
         for (std::size_t t = 0; t < k_together; ++t) store(i + t * lanes, sum[t]);
     }
@@ -87,7 +85,7 @@ float exponent(const Rows& rows, std::size_t block, std::span<const float> weigh
     const float* root_weight = &rows.root_weight[block * k_block];
     const Batch lowest(-std::numeric_limits<float>::max());
     Batch largest = lowest;
-    add_weighted(weight, s, zero, [&](std::size_t i, Batch sum) HWY_ATTR {
+    add_weighted(weight, s, rows.rows_in(block), zero, [&](std::size_t i, Batch sum) HWY_ATTR {
         sum.store(x + i);
         largest = max(largest, select(Batch(0.0) < Batch::load(root_weight + i), sum, lowest));
     });
@@ -97,12 +95,18 @@ float exponent(const Rows& rows, std::size_t block, std::span<const float> weigh
 void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
     const float* root_weight = &rows.root_weight[block * k_block];
     const Batch shift{double(offset)};
-    for (std::size_t i = 0; i < k_block; i += Batch::size())
+    for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size())
         Batch(Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, Batch(0.0)))).store(x + i);
 }
 
-void combine(std::span<const float> weight, std::span<const float* const> s, float* x) {
-    add_weighted(weight, s, zero, [&](std::size_t i, Batch sum) HWY_ATTR { sum.store(x + i); });
+void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count) {
+    add_weighted(weight, s, count, zero, [&](std::size_t i, Batch sum) HWY_ATTR { sum.store(x + i); });
+}
+
+void combine_and_multiply(std::span<const float> weight, std::span<const float* const> s, const float* factor, float* x,
+                          std::size_t count) {
+    add_weighted(weight, s, count, zero,
+                 [&](std::size_t i, Batch sum) HWY_ATTR { (Batch::load(factor + i) * sum).store(x + i); });
 }
 
 void multiply(const float* a, const float* b, float* out, std::size_t count) {
@@ -110,65 +114,49 @@ void multiply(const float* a, const float* b, float* out, std::size_t count) {
         Batch(Batch::load(a + i) * Batch::load(b + i)).store(out + i);
 }
 
-void add_product(const float* a, const float* b, float* out) {
-    for (std::size_t i = 0; i < k_block; i += Batch::size())
-        multiply_add(Batch::load(a + i), Batch::load(b + i), Batch::load(out + i)).store(out + i);
+void add_product(const float* a, const float* b, float* out, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += Batch::size())
+        (Batch::load(out + i) + Batch::load(a + i) * Batch::load(b + i)).store(out + i);
 }
 
-double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
-    Batch sum(0.0);
+double sum(const float* column, std::size_t count) {
+    return double(summed(count, [&](std::size_t i) HWY_ATTR { return Batch::load(column + i); }));
+}
+
+double sum_of_squares(const float* column, std::size_t count) {
+    return double(summed(count, [&](std::size_t i) HWY_ATTR {
+        const Batch x = Batch::load(column + i);
+        return x * x;
+    }));
+}
+
+double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r,
+                std::size_t count) {
     // The negative residual: Σ_j beta[j] columns[j] − y.
     const auto start = [&](std::size_t i) HWY_ATTR { return -Batch::load(y + i); };
-    add_weighted(beta, columns, start, [&](std::size_t i, Batch rest) HWY_ATTR {
-        (-rest).store(r + i);
-        sum = multiply_add(rest, rest, sum);
-    });
-    return double(sum.sum());
+    add_weighted(beta, columns, count, start, [&](std::size_t i, Batch rest) HWY_ATTR { (-rest).store(r + i); });
+    return sum_of_squares(r, count);
 }
 
-double sum(const float* column) {
-    Batch sum(0.0);
-    for (std::size_t i = 0; i < k_block; i += Batch::size()) sum = sum + Batch::load(column + i);
-    return double(sum.sum());
-}
-
-double sum_of_squares(const float* column) {
-    Batch sum(0.0);
-    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
-        const Batch x = Batch::load(column + i);
-        sum = multiply_add(x, x, sum);
-    }
-    return double(sum.sum());
-}
-
-// to[k] += Σ over the lanes of x[k].
-#if HWY_TARGET == HWY_SCALAR || HWY_HAVE_SCALABLE
-HWY_INLINE void add_sums(const Batch (&x)[4], double* to) {
-    for (std::size_t k = 0; k < 4; ++k) to[k] += double(x[k].sum());
+// to[k] = Σ over the lanes of x[k], k < 4.
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE void sum_lanes(const Batch (&x)[4], float* to) {
+    for (std::size_t k = 0; k < 4; ++k) to[k] = folded_lanes(x[k]);
 }
 #else
-// Sums groups of four lanes of the vector.
-template <typename D> HWY_INLINE void store_sum_of_fours(D d, hn::Vec<D> x, float* to) {
-    if constexpr (hn::MaxLanes(D()) <= 4) {
-        hn::Store(x, d, to);
-    } else {
-        const hn::Half<D> half;
-        store_sum_of_fours(half, hn::Add(hn::LowerHalf(half, x), hn::UpperHalf(half, x)), to);
-    }
-}
-// Adds lanes in groups of four while transposing the matrix of four vectors.
-HWY_INLINE void add_sums(const Batch (&x)[4], double* to) {
-    const Lanes d;
-    const hn::RepartitionToWide<Lanes> pairs;
-    const auto halves = [&](Batch a, Batch b) HWY_ATTR {  // a b a b of each four lanes
-        return hn::BitCast(pairs, hn::Add(hn::InterleaveLower(d, a.v, b.v), hn::InterleaveUpper(d, a.v, b.v)));
+// The matrix of four vectors of four lanes is transposed while lanes are added.
+HWY_INLINE void sum_lanes(const Batch (&x)[4], float* to) {
+    const hn::CappedTag<float, 4> d;
+    const hn::RepartitionToWide<decltype(d)> pairs;
+    const auto four = [&](Batch of) HWY_ATTR { return folded_to_four(Lanes(), of.v); };
+    const auto halves = [&](Batch a, Batch b) HWY_ATTR {  // a b a b
+        const auto x4 = four(a), y4 = four(b);
+        return hn::BitCast(pairs, hn::Add(hn::InterleaveLower(d, x4, y4), hn::InterleaveUpper(d, x4, y4)));
     };
     const auto ab = halves(x[0], x[1]), cd = halves(x[2], x[3]);
-    const auto abcd =
-        hn::Add(hn::BitCast(d, hn::InterleaveLower(pairs, ab, cd)), hn::BitCast(d, hn::InterleaveUpper(pairs, ab, cd)));
-    HWY_ALIGN float sum[4];
-    store_sum_of_fours(d, abcd, sum);
-    for (std::size_t k = 0; k < 4; ++k) to[k] += double(sum[k]);
+    hn::Store(
+        hn::Add(hn::BitCast(d, hn::InterleaveLower(pairs, ab, cd)), hn::BitCast(d, hn::InterleaveUpper(pairs, ab, cd))),
+        d, to);
 }
 #endif
 
@@ -189,33 +177,43 @@ HWY_INLINE void add_tiles(std::span<const float* const> rows, std::span<const fl
         for (std::size_t column = 0; column < columns_of(std::min(row + k_tile, m) - 1); column += 4) {
             const float* b[4];
             for (std::size_t u = 0; u < 4; ++u) b[u] = columns[std::min(column + u, n - 1)];
-            Batch sum[k_tile][4];
-            for (auto& of_row : sum)
-                for (Batch& x : of_row) x = Batch(0.0);
-            for (std::size_t i = 0; i < count; i += Batch::size()) {
-                Batch of_rows[k_tile];
-                for (std::size_t t = 0; t < k_tile; ++t) of_rows[t] = Batch::load(a[t] + i);
-                for (std::size_t u = 0; u < 4; ++u) {
-                    const Batch of_column = Batch::load(b[u] + i);
-                    for (std::size_t t = 0; t < k_tile; ++t) sum[t][u] = multiply_add(of_rows[t], of_column, sum[t][u]);
-                }
+            // One pass for each part of the sums, which fill the registers.
+            Batch sums[k_sum_parts][k_tile][4];
+            for (std::size_t p = 0; p < k_sum_parts; ++p) {
+                Batch sum[k_tile][4];
+                for (auto& of_row : sum)
+                    for (Batch& x : of_row) x = Batch(0.0);
+                for (std::size_t i = p * k_width; i < count; i += k_sum_lanes)
+                    for (std::size_t u = 0; u < 4; ++u) {
+                        const Batch of_column = Batch::load(b[u] + i);
+                        for (std::size_t t = 0; t < k_tile; ++t)
+                            sum[t][u] = sum[t][u] + Batch::load(a[t] + i) * of_column;
+                    }
+                for (std::size_t t = 0; t < k_tile; ++t)
+                    for (std::size_t u = 0; u < 4; ++u) sums[p][t][u] = sum[t][u];
             }
             for (std::size_t t = 0; t < k_tile && row + t < m; ++t) {
-                double sums[4]{};
-                add_sums(sum[t], sums);
+                Batch whole[4];
+                for (std::size_t u = 0; u < 4; ++u) {
+                    Batch parts[k_sum_parts];
+                    for (std::size_t p = 0; p < k_sum_parts; ++p) parts[p] = sums[p][t][u];
+                    whole[u] = folded(parts);
+                }
+                HWY_ALIGN float sum[4];
+                sum_lanes(whole, sum);
                 double* const to = G + (row + t) * n + column;
                 const std::size_t asked = columns_of(row + t);
                 if (column + 4 <= asked)
-                    for (std::size_t u = 0; u < 4; ++u) to[u] += sums[u];
+                    for (std::size_t u = 0; u < 4; ++u) to[u] += double(sum[u]);
                 else
-                    for (std::size_t u = 0; column + u < asked; ++u) to[u] += sums[u];
+                    for (std::size_t u = 0; column + u < asked; ++u) to[u] += double(sum[u]);
             }
         }
     }
 }
 
-void add_gram(std::span<const float* const> columns, double* G) {
-    add_tiles(columns, columns, G, k_block, [](std::size_t row) { return row + 1; });
+void add_gram(std::span<const float* const> columns, double* G, std::size_t count) {
+    add_tiles(columns, columns, G, count, [](std::size_t row) { return row + 1; });
 }
 
 void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
@@ -236,6 +234,7 @@ HWY_EXPORT(further_features);
 HWY_EXPORT(exponent);
 HWY_EXPORT(exponentiate);
 HWY_EXPORT(combine);
+HWY_EXPORT(combine_and_multiply);
 HWY_EXPORT(multiply);
 HWY_EXPORT(add_product);
 HWY_EXPORT(residual);
@@ -260,19 +259,30 @@ float exponent(const Rows& rows, std::size_t block, std::span<const float> weigh
 void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
     HWY_DYNAMIC_DISPATCH(exponentiate)(rows, block, offset, x);
 }
-void combine(std::span<const float> weight, std::span<const float* const> s, float* x) {
-    HWY_DYNAMIC_DISPATCH(combine)(weight, s, x);
+void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(combine)(weight, s, x, count);
+}
+void combine(std::span<const float> weight, std::span<const float* const> s, const float* factor, float* x,
+             std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(combine_and_multiply)(weight, s, factor, x, count);
 }
 void multiply(const float* a, const float* b, float* out, std::size_t count) {
     HWY_DYNAMIC_DISPATCH(multiply)(a, b, out, count);
 }
-void add_product(const float* a, const float* b, float* out) { HWY_DYNAMIC_DISPATCH(add_product)(a, b, out); }
-double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r) {
-    return HWY_DYNAMIC_DISPATCH(residual)(y, beta, columns, r);
+void add_product(const float* a, const float* b, float* out, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(add_product)(a, b, out, count);
 }
-double sum(const float* column) { return HWY_DYNAMIC_DISPATCH(sum)(column); }
-double sum_of_squares(const float* column) { return HWY_DYNAMIC_DISPATCH(sum_of_squares)(column); }
-void add_gram(std::span<const float* const> columns, double* G) { HWY_DYNAMIC_DISPATCH(add_gram)(columns, G); }
+double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r,
+                std::size_t count) {
+    return HWY_DYNAMIC_DISPATCH(residual)(y, beta, columns, r, count);
+}
+double sum(const float* column, std::size_t count) { return HWY_DYNAMIC_DISPATCH(sum)(column, count); }
+double sum_of_squares(const float* column, std::size_t count) {
+    return HWY_DYNAMIC_DISPATCH(sum_of_squares)(column, count);
+}
+void add_gram(std::span<const float* const> columns, double* G, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(add_gram)(columns, G, count);
+}
 void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
                   std::size_t count) {
     HWY_DYNAMIC_DISPATCH(add_products)(rows, columns, G, count);
@@ -287,7 +297,7 @@ template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double
 
 Rows::Rows(const Observations& observations, const Extent& extent) {
     const std::size_t count = observations.f.size() - observations.checks;
-    blocks = blocks_for(count);
+    blocks = blocks_for(count), pairs = count;
     const std::size_t every = extent.roughly ? 2 : 1, step = extent.roughly ? 9 : 1;
     if (extent.radiance_importance > 0) radiances = (observations.radiances.size() + every - 1) / every;
     for (std::size_t k = 0; k < radiances; ++k)
@@ -296,7 +306,7 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     const auto has_pixels = [](const SeenView& view) { return !view.pixels.empty(); };
     if (extent.picture_importance > 0 && !extent.spectra && std::ranges::any_of(observations.views, has_pixels)) {
         picture_importance = extent.picture_importance;
-        views = observations.views.size(), view_rows = k_least_view_rows;
+        views = observations.views.size(), view_rows = k_row_multiple;
         for (const SeenView& view : observations.views) view_rows = std::max(view_rows, std::bit_ceil(view.wl.size()));
     }
     // Padding rows: any direction is fine, the weight is 0.

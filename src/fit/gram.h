@@ -15,7 +15,6 @@
 namespace srbf {
 
 inline constexpr std::size_t k_chunk = 8;  ///< blocks per chunk, the unit of summation
-inline constexpr std::size_t k_least_view_rows = 64;
 
 /// Which parts of the observations Rows hold.
 struct Extent {
@@ -32,7 +31,7 @@ struct Extent {
 struct Rows {
     /// All observations except the checks.
     explicit Rows(const Observations& observations, const Extent& extent = {});
-    std::size_t blocks = 0;                          ///< of pairs
+    std::size_t pairs = 0, blocks = 0;               ///< number of pairs, and of their blocks
     std::size_t radiances = 0, radiance_blocks = 0;  ///< number of radiances, blocks per radiance
     std::array<Aligned<float>, 3> wl, wv;
     double scale = 1;               ///< unit of the values: 1 / √Σw
@@ -46,7 +45,7 @@ struct Rows {
         float weight;
         std::size_t light;
     };
-    /// The views: each has `view_rows` rows, a power of two from k_least_view_rows to k_block.
+    /// The views: each has `view_rows` rows, a power of two from k_row_multiple to k_block.
     std::size_t views = 0, view_rows = 0;
     std::vector<Pixel> pixel;              ///< in the order of the views
     std::vector<std::size_t> first_pixel;  ///< of each view, and their number
@@ -54,6 +53,7 @@ struct Rows {
     Pixels pixels;
     double picture_importance = 0;
 
+    std::size_t rows_in(std::size_t block) const { return block < blocks ? rows_in_block(block, pairs) : k_block; }
     std::size_t first_view_block() const { return blocks + radiances * radiance_blocks; }
     std::size_t whole_blocks() const { return first_view_block() + blocks_for(views * view_rows); }
 
@@ -63,7 +63,8 @@ struct Rows {
     template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
 };
 
-// All arrays below hold k_block numbers and are aligned for SIMD.
+// All arrays below hold k_block numbers and are aligned for SIMD. Of a block of `rows` its `rows_in` are computed;
+// elsewhere `count` numbers, a multiple of k_row_multiple.
 
 /// For the rows of a block and ψ of angle (a, b): s = −|ψ−ẑ|²/2 = ψ_z − 1 and its derivative with respect to the angle.
 void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle);
@@ -79,20 +80,23 @@ float exponent(const Rows& rows, std::size_t block, std::span<const float> weigh
 /// x ← √w exp(x − offset), for x ≤ offset. Rows of weight 0 may exceed `offset`; they become 0.
 void exponentiate(const Rows& rows, std::size_t block, float offset, float* x);
 /// x = Σ_n weight[n] s[n].
-void combine(std::span<const float> weight, std::span<const float* const> s, float* x);
-/// out = a b, of `count` numbers, a multiple of k_least_view_rows.
+void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count = k_block);
+/// x = factor Σ_n weight[n] s[n].
+void combine(std::span<const float> weight, std::span<const float* const> s, const float* factor, float* x,
+             std::size_t count = k_block);
+/// out = a b.
 void multiply(const float* a, const float* b, float* out, std::size_t count = k_block);
 /// out += a b.
-void add_product(const float* a, const float* b, float* out);
+void add_product(const float* a, const float* b, float* out, std::size_t count = k_block);
 /// r = y − Σ_j beta[j] columns[j]; returns Σ r².
-double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r);
+double residual(const float* y, std::span<const float> beta, std::span<const float* const> columns, float* r,
+                std::size_t count = k_block);
 /// Σ of the column, and Σ of its squares.
-double sum(const float* column);
-double sum_of_squares(const float* column);
+double sum(const float* column, std::size_t count = k_block);
+double sum_of_squares(const float* column, std::size_t count = k_block);
 /// G[i × n + k] += columns[i] · columns[k] for k ≤ i, n the number of columns.
-void add_gram(std::span<const float* const> columns, double* G);
-/// G[i × n + k] += rows[i] · columns[k], n the number of columns, over `count` numbers, a multiple of
-/// k_least_view_rows.
+void add_gram(std::span<const float* const> columns, double* G, std::size_t count = k_block);
+/// G[i × n + k] += rows[i] · columns[k], n the number of columns.
 void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
                   std::size_t count = k_block);
 

@@ -2,6 +2,7 @@
 
 #include "floating_point.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 #include "srbf/fit.h"
 #include "srbf/kernel.h"
 
@@ -15,7 +16,9 @@ constexpr double k_rounding = 1e-6, k_noise = 0.02;
 /// Noise changes as much under a small rotation as under any; a brushed surface changes far less.
 constexpr double k_most_growth = 2.5;
 
-Vec3f turned(Vec3f w, double angle) { return Kernel<float>::turned(w, float(std::cos(angle)), float(std::sin(angle))); }
+Vec3f turned(Vec3f w, double angle) {
+    return Kernel<float>::turned(w, float(elementary::cos(angle)), float(elementary::sin(angle)));
+}
 
 }  // namespace
 
@@ -45,9 +48,9 @@ bool is_isotropic(const Evaluate& f, double max_theta) {
         if (!is_finite(at[i]) || !is_finite(at_small[i]) || !is_finite(at_any[i])) continue;
         const double area = double(wl[i].z) * double(wv[i].z), w = weight[i] * area * area;
         for (int c = 0; c < 3; ++c) {
-            whole += w * std::pow(double(at[i][c]), 2);
-            by_small += w * std::pow(double(at_small[i][c] - at[i][c]), 2);
-            by_any += w * std::pow(double(at_any[i][c] - at[i][c]), 2);
+            whole += w * elementary::square(double(at[i][c]));
+            by_small += w * elementary::square(double(at_small[i][c] - at[i][c]));
+            by_any += w * elementary::square(double(at_any[i][c] - at[i][c]));
         }
     }
     return by_any <= k_rounding * whole || (by_any <= k_noise * whole && by_any <= k_most_growth * by_small);

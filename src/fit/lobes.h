@@ -7,6 +7,7 @@
 
 #include "fit/gram.h"
 #include "parallel.h"
+#include "srbf/elementary.h"
 #include "srbf/half.h"
 #include "srbf/model.h"
 
@@ -51,7 +52,7 @@ inline Interval weight_range(int n, const LobeShape& shape) {
         const double slope = term.is_slope ? most(1 / shape.finest) : double(k_half_max);
         return {std::max(term.least, -slope), std::min(term.most, slope)};
     }
-    const double bandwidth = most(std::pow(shape.finest, -2));  // |p|, representable in 16 bits
+    const double bandwidth = most(elementary::pow(shape.finest, -2));  // |p|, representable in 16 bits
     const double component = shape.axial ? bandwidth : bandwidth / std::sqrt(3.0);
     return {-component, component};
 }
@@ -109,11 +110,36 @@ class LobeProblem {
             for (std::size_t i = 0; i < count; ++i) body(i);
     }
     template <typename Body> void for_chunks(std::size_t count, const Body& body) const;
-    /// Σ over blocks of pairs of products of n columns, and over radiances of products of the columns' sums.
-    /// `columns(block, scratch)` appends n pointers; `sums(begin, end)` returns the columns' sums over the blocks of an
-    /// radiance.
-    template <typename Columns, typename Sums>
-    Eigen::MatrixXd gram(std::size_t n, std::size_t scratch_columns, const Columns& columns, const Sums& sums) const;
+    /// For each chunk of pairs `count` sums, to which `of_pairs(block, sums)` adds those of a block; for each radiance the
+    /// sums of columns over its blocks, `of_radiance(begin, end)`.
+    template <typename OfPairs, typename OfRadiance>
+    std::vector<std::vector<double>> sums_of_chunks(std::size_t count, const OfPairs& of_pairs,
+                                                    const OfRadiance& of_radiance) const;
+    /// G, of whose upper triangle alone is used, with the products of the radiances' sums of columns.
+    Eigen::MatrixXd with_radiances(Eigen::MatrixXd G, const std::vector<std::vector<double>>& parts) const;
+
+    /// The sums over rows of which `linearise` makes its equations, over pairs and, as products of sums, over radiances.
+    struct DerivativeSums {
+        Eigen::Index angle_sums, factors;  ///< S; W + 1
+        double unit;                       ///< of the coefficients in all that follows: A and R have it once, U twice
+        Eigen::MatrixXd in_channel, across_channels;  ///< channels × S; its square, S × S
+        std::vector<double> products;                 ///< (E_j E_k) · (s_i s_l), over pairs
+        Eigen::MatrixXd of_radiances;                 ///< of the sums of E_j s_i
+        /// of the columns of angles, and of the residuals, with lobes and columns of angles
+        Eigen::MatrixXd of_angle, of_rest;
+        Eigen::MatrixXd with_lobe;  ///< of E_j U_nj and E_j R_j, J × (N + 1), with the factors of weights
+        /// (E_j s_i) · (E_k s_l), where factor 0 is 1, but not both.
+        double product(Eigen::Index j, Eigen::Index i, Eigen::Index k, Eigen::Index l) const {
+            return products[std::size_t(pair_index(j, k) * (count_of_pairs(factors) - 1) + pair_index(i, l) - 1)] +
+                   of_radiances(j * factors + i, k * factors + l);
+        }
+        /// Unordered pairs of 0..n−1, each with itself too: (0,0), (1,0), (1,1), (2,0), …
+        static constexpr Eigen::Index count_of_pairs(Eigen::Index n) { return n * (n + 1) / 2; }
+        static constexpr Eigen::Index pair_index(Eigen::Index a, Eigen::Index b) {
+            return a < b ? pair_index(b, a) : count_of_pairs(a) + b;
+        }
+    };
+    DerivativeSums sums_of_derivatives(const Eigen::VectorXd& x);
 
     // Of pixels:
     float* moment(std::size_t block, std::size_t column) {
@@ -164,7 +190,8 @@ class LobeProblem {
 /// Log of the factor from β_j in the problem's units to the coefficient of a lobe with peak 1.
 double log_peak_factor(std::span<const double> of_lobe, const LobeShape& shape, double offset);
 /// Colours of a block of pixels, Σ_j β_jc values[j], in `columns`.
-Pixels::Colours combined(const Eigen::MatrixXd& beta, std::span<const float* const> values, Aligned<float>& columns);
+Pixels::Colours combined(const Eigen::MatrixXd& beta, std::span<const float* const> values, Aligned<float>& columns,
+                         std::size_t count = k_block);
 /// p_n from the weights of a lobe.
 Vec3d vector_of(std::span<const double> of_lobe, const LobeShape& shape, int n);
 
@@ -173,7 +200,7 @@ template <typename Add> void LobeProblem::for_limit(const Eigen::VectorXd& x, in
     const double factor = shape_.reciprocal ? 2 : 1;
     for (int n = 0; n < N; ++n) {
         const Vec3d p = vector_of({&x[N + j * W], std::size_t(W)}, shape_, n);
-        const double bandwidth = std::hypot(p.x, p.y, p.z);
+        const double bandwidth = elementary::hypot(p.x, p.y, p.z);
         if (bandwidth == 0) continue;
         const Eigen::Index last = N + j * W + (n + 1) * C - 1;  // index of p_z
         add(last, factor * (1 - p.z / bandwidth));

@@ -22,9 +22,8 @@ void LobeProblem::Coefficients::eliminate(Eigen::MatrixXd& of_x, Eigen::VectorXd
     const Eigen::MatrixXd A = across(Eigen::all, free);
     Eigen::MatrixXd B = H(free, free);
     B.diagonal() *= 1 + 1e-6;
-    const Eigen::LDLT<Eigen::MatrixXd> factor(B);
-    of_x -= A * factor.solve(A.transpose());
-    by_x -= A * factor.solve(g(free));
+    srbf::eliminate(B, A, of_x);
+    by_x -= A * solved(B, g(free));
 }
 
 void LobeProblem::take_moments(bool all) {
@@ -72,13 +71,14 @@ void LobeProblem::take_moments(bool all) {
     });
 }
 
-Pixels::Colours combined(const Eigen::MatrixXd& beta, std::span<const float* const> values, Aligned<float>& columns) {
+Pixels::Colours combined(const Eigen::MatrixXd& beta, std::span<const float* const> values, Aligned<float>& columns,
+                         std::size_t count) {
     columns.resize(3 * k_block);
     Pixels::Colours colours;
     for (std::size_t c = 0; c < 3; ++c) {
         const Eigen::VectorXf of_channel = beta.col(Eigen::Index(c)).cast<float>();
         float* const column = &columns[c * k_block];
-        combine({of_channel.data(), values.size()}, values, column);
+        combine({of_channel.data(), values.size()}, values, column, count);
         colours[c] = column;
     }
     return colours;
@@ -88,7 +88,7 @@ Pixels::Colours LobeProblem::colours(const Eigen::MatrixXd& beta, std::size_t bl
     thread_local Aligned<float> columns;
     std::vector<const float*> moments;
     for (std::size_t j = 0; j < std::size_t(lobes_); ++j) moments.push_back(moment(block, j));
-    return combined(beta, moments, columns);
+    return combined(beta, moments, columns, rows_in_block(block, rows_.pixels.count()));
 }
 
 double LobeProblem::delta_e() {
@@ -107,6 +107,7 @@ double LobeProblem::pixel_loss(const Eigen::MatrixXd& beta, Coefficients& adapti
         thread_local PixelSlopes slopes;
         thread_local Aligned<float> scratch;
         scratch.resize(std::max(scratch.size(), std::size_t(3 * J) * k_block));
+        const std::size_t count = rows_in_block(block, rows_.pixels.count());
         errors[block] = rows_.pixels.errors(block, colours(beta, block), slopes);
         std::vector<const float*> all;
         for (std::size_t component = 0; component < 3; ++component) {
@@ -114,11 +115,11 @@ double LobeProblem::pixel_loss(const Eigen::MatrixXd& beta, Coefficients& adapti
             for (std::size_t c = 0; c < 3; ++c)
                 for (std::size_t j = 0; j < std::size_t(J); ++j) {
                     float* const column = &scratch[all.size() * k_block];
-                    multiply(slopes.by(component)[c], moment(block, j), column);
+                    multiply(slopes.by(component)[c], moment(block, j), column, count);
                     all.push_back(column);
                 }
             all.push_back(slopes.of(component));
-            add_gram(all, parts[block].data());
+            add_gram(all, parts[block].data(), count);
         }
     });
     const double share = rows_.picture_importance / double(rows_.pixels.count());
@@ -186,6 +187,7 @@ void LobeProblem::add_pixels(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen
         const auto moment_of = [&](Eigen::Index j, Eigen::Index n) {
             return moment(block, std::size_t(J + j * F + n));
         };
+        const std::size_t count = rows_in_block(block, rows_.pixels.count());
         rows_.pixels.errors(block, colours(beta_, block), slopes);
         float *const of_lobe = column(columns - 1), *const turned = column(columns);
         const std::vector<const float*> of_one{of_lobe};
@@ -196,24 +198,25 @@ void LobeProblem::add_pixels(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen
             std::fill_n(column(0), std::size_t(columns - 1) * k_block, 0.f);
             for (Eigen::Index j = 0; j < J; ++j) {
                 const Pixels::Triplet beta{beta_(j, 0), beta_(j, 1), beta_(j, 2)};
-                combine(std::vector<float>(beta.begin(), beta.end()), by_channel, of_lobe);
-                for (Eigen::Index n = 0; n < W; ++n) multiply(of_lobe, moment_of(j, n), column(N + j * W + n));
+                combine(std::vector<float>(beta.begin(), beta.end()), by_channel, of_lobe, count);
+                for (Eigen::Index n = 0; n < W; ++n) multiply(of_lobe, moment_of(j, n), column(N + j * W + n), count);
                 for (Eigen::Index n = 0; n < N * C; ++n) {
-                    combine(std::vector{float(x[N + j * W + n])}, of_one, turned);
-                    add_product(turned, moment_of(j, W + n), column(n / C));
+                    combine(std::vector{float(x[N + j * W + n])}, of_one, turned, count);
+                    add_product(turned, moment_of(j, W + n), column(n / C), count);
                 }
                 const float* const e = moment(block, std::size_t(j));
                 for (std::size_t c = 0; c < 3; ++c) {
-                    multiply(by_channel[c], e, column(X + Eigen::Index(c) * J + j));
+                    multiply(by_channel[c], e, column(X + Eigen::Index(c) * J + j), count);
                     if (beta[c] < beta_limit_[j]) continue;
                     for_limit(x, int(j), [&](Eigen::Index i, double by) {
-                        combine(std::vector{float(by * beta[c])}, std::vector<const float*>{by_channel[c]}, turned);
-                        add_product(turned, e, column(i));
+                        combine(std::vector{float(by * beta[c])}, std::vector<const float*>{by_channel[c]}, turned,
+                                count);
+                        add_product(turned, e, column(i), count);
                     });
                 }
             }
             all.push_back(slopes.of(component));
-            add_gram(all, parts[block].data());
+            add_gram(all, parts[block].data(), count);
             all.pop_back();
         }
     });

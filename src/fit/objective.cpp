@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "parallel.h"
+#include "srbf/elementary.h"
 #include "weighted_quantile.h"
 
 namespace srbf {
@@ -18,21 +19,25 @@ constexpr double k_body_importance = 5e-3, k_highlight_importance = 1, k_peak_im
 
 double cosine_weight(double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }
 double cube_root_weight(double f, double mean, double, double) {
-    return std::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
+    return elementary::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
 }
 double body_weight(double f, double mean, double cos_l, double cos_v) {
     return cos_l * cos_v * cube_root_weight(f, mean, cos_l, cos_v);
 }
-double cube_root_slope(double f, double mean, double) { return std::pow(std::max(f, 0.01 * mean), -2.0 / 3) / 3; }
+double cube_root_slope(double f, double mean, double) {
+    return elementary::pow(std::max(f, 0.01 * mean), -2.0 / 3) / 3;
+}
 /// f cosθl as a display shows it, with s of `Objective::appearance`.
-double displayed(double f, double bright, double cos_l) { return std::pow(f * cos_l + k_dark_share * bright, 1.0 / 6); }
+double displayed(double f, double bright, double cos_l) {
+    return elementary::pow(f * cos_l + k_dark_share * bright, 1.0 / 6);
+}
 double displayed_slope(double f, double bright, double cos_l) {
-    return cos_l * std::pow(f * cos_l + k_dark_share * bright, -5.0 / 6) / 6;
+    return cos_l * elementary::pow(f * cos_l + k_dark_share * bright, -5.0 / 6) / 6;
 }
 /// The squared slope of ∛(f cosθl + bright), but for a factor, weighted by √cosθv: measurements brighten towards the
 /// rim of what is seen, which is narrow.
 double highlight_weight(double f, double bright, double cos_l, double cos_v) {
-    return cos_l * cos_l * std::pow(1 + f * cos_l / bright, -4.0 / 3) * std::sqrt(cos_v);
+    return cos_l * cos_l * elementary::pow(1 + f * cos_l / bright, -4.0 / 3) * std::sqrt(cos_v);
 }
 
 constexpr ObjectiveTraits k_traits[] = {
@@ -55,14 +60,14 @@ constexpr ObjectiveTraits k_traits[] = {
      .measure = &Measures::log_rms_cosine,
      .max_theta = 89,
      .weight = [](double f, double, double cos_l,
-                  double cos_v) { return std::pow(cos_l / (1 + f * cos_l), 2) * cos_v; }},
+                  double cos_v) { return elementary::square(cos_l / (1 + f * cos_l)) * cos_v; }},
     {.objective = Objective::cube_root,
      .name = "cube-root",
      .summary = "squared error of the cube root of f",
      .measure = &Measures::cube_root_error_ratio,
      .max_theta = 80,
      .weight = cube_root_weight,
-     .seen = [](double f, double, double) { return std::cbrt(f); },
+     .seen = [](double f, double, double) { return elementary::cbrt(f); },
      .slope = cube_root_slope},
     {.objective = Objective::appearance,
      .name = "appearance",
@@ -70,7 +75,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .measure = &Measures::sixth_root_error_ratio,
      .max_theta = 89,
      .weight = [](double f, double bright, double cos_l,
-                  double cos_v) { return std::pow(displayed_slope(f, bright, cos_l), 2) * cos_v; },
+                  double cos_v) { return elementary::square(displayed_slope(f, bright, cos_l)) * cos_v; },
      .further = {{{highlight_weight, k_highlight_importance}, {cosine_weight, k_peak_importance}}},
      .seen = displayed,
      .slope = displayed_slope,

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "srbf/elementary.h"
 #include "srbf/fit.h"
 
 namespace srbf {
@@ -107,9 +108,9 @@ inline double large_error_weight(Objective objective, const Rgb& f, const Rgb& f
     if (!of.seen) return 1;
     double seen = 0;
     for (int c = 0; c < 3; ++c)
-        seen += std::pow(of.seen(double(f[c]), typical, cos_l) - of.seen(double(fitted[c]), typical, cos_l), 2);
+        seen += elementary::square(of.seen(double(f[c]), typical, cos_l) - of.seen(double(fitted[c]), typical, cos_l));
     const double squares = squared_distance(f, fitted);
-    const double small = std::pow(of.slope(mean_of(f), typical, cos_l), 2);
+    const double small = elementary::square(of.slope(mean_of(f), typical, cos_l));
     return squares > 0 ? std::clamp(seen / squares / small, 1 / most, most) : 1;
 }
 

@@ -13,6 +13,7 @@
 #include "reporter.h"
 #include "srbf/colour.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 #include "srbf/fit.h"
 
 namespace srbf {
@@ -31,12 +32,12 @@ class ViewMixture {
   public:
     explicit ViewMixture(double cos_max) : cos_max_(cos_max) {}
     Vec3d sample(double u0, double u1, double u2) const {
-        const double z = u0 < k_uniform ? 1 - u1 * (1 - cos_max_) : std::pow(cos_max_, u1);
+        const double z = u0 < k_uniform ? 1 - u1 * (1 - cos_max_) : elementary::pow(cos_max_, u1);
         const double r = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * k_pi * u2;
-        return {r * std::cos(phi), r * std::sin(phi), z};
+        return {r * elementary::cos(phi), r * elementary::sin(phi), z};
     }
     double pdf(Vec3d w) const {  // [1/sr]
-        return (k_uniform / (1 - cos_max_) + (1 - k_uniform) / (w.z * -std::log(cos_max_))) / (2 * k_pi);
+        return (k_uniform / (1 - cos_max_) + (1 - k_uniform) / (w.z * -elementary::log(cos_max_))) / (2 * k_pi);
     }
 
   private:
@@ -248,7 +249,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
         return point;
     };
     const RSequence<6> pair_points(random_point()), guard_points(random_point()), check_points(random_point());
-    const double cos_max = std::cos(theta_max), cos_guard = std::cos(k_guard_theta);
+    const double cos_max = elementary::cos(theta_max), cos_guard = elementary::cos(k_guard_theta);
     const ViewMixture views(cos_max);
     const MirrorMixture lights(theta_max), guard_lights(k_guard_theta);
 
@@ -268,7 +269,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
             return Draw{wl, wv};
         }
         const double z = cos_guard + u[1] * (cos_max - cos_guard), r = std::sqrt(1 - z * z);
-        const Vec3d edge{r * std::cos(2 * k_pi * u[2]), r * std::sin(2 * k_pi * u[2]), z};
+        const Vec3d edge{r * elementary::cos(2 * k_pi * u[2]), r * elementary::sin(2 * k_pi * u[2]), z};
         const Vec3d other = guard_lights.sample(edge, u[3], u[4], u[5]);
         if (other.z < cos_guard) return std::nullopt;
         return u[0] < 0.75 ? Draw{edge, other} : Draw{other, edge};
@@ -308,7 +309,8 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     double peak = 0;
     for (const Drawn* some : {&pool, &guards, &checks})
         for (std::size_t i = 0; i < some->size(); ++i)
-            peak = std::max(peak, square_of(some->f[i]) * std::pow(double(some->wl[i].z) * double(some->wv[i].z), 2));
+            peak = std::max(peak,
+                            square_of(some->f[i]) * elementary::square(double(some->wl[i].z) * double(some->wv[i].z)));
 
     const std::vector<ChosenPair> chosen = choose(pool, weight, pair_count);
     const auto weight_of = [&](const ChosenPair& pair) { return weight[pair.index] * pair.times; };

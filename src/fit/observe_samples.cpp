@@ -12,6 +12,7 @@
 #include "floating_point.h"
 #include "r_sequence.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 #include "srbf/fit_samples.h"
 #include "srbf/metrics.h"
 #include "srbf/prepared.h"
@@ -182,7 +183,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         const int clamped = clamp_negative(f);
         if (C == 0) observed.samples.clamped += std::uint64_t(clamped);
         add(inside, samples.wl[i], samples.wv[i], f, 1, {});
-        peak = std::max(peak, square_of(f) * std::pow(double(samples.wl[i].z) * double(samples.wv[i].z), 2));
+        peak = std::max(peak, square_of(f) * elementary::square(double(samples.wl[i].z) * double(samples.wv[i].z)));
     }
     if (within.empty())
         return Error{"samples", {}, "samples within the largest angle", "some", "none", ErrorCode::no_data};

@@ -5,6 +5,7 @@
 #include "fit/objective.h"
 #include "parallel.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 #include "srbf/pictures.h"
 
 namespace srbf {
@@ -39,7 +40,7 @@ bool is_single(const Lighting& lighting) { return lighting.sources.size() == 1 &
 /// A frame about `normal`, turned about it by some angle.
 Frame frame_of(Vec3d normal, double turn) {
     const Frame frame = frame_about(normal, std::abs(normal.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0});
-    const Vec3d x = std::cos(turn) * frame.x + std::sin(turn) * frame.y;
+    const Vec3d x = elementary::cos(turn) * frame.x + elementary::sin(turn) * frame.y;
     return {x, cross(normal, x), normal};
 }
 
@@ -52,8 +53,9 @@ std::vector<SeenView> observe_views(const Evaluate& f, double theta_max, int thr
     std::vector<Image> seen(all.size(), Image(int(k_views), 1));
     parallel_for(k_views, threads, [&](std::size_t i) {
         SeenView& view = views[i];
-        const double r = std::sqrt((double(i) + 0.5) / double(k_views)) * std::sin(theta_max), phi = 2.4 * double(i);
-        const Frame frame = frame_of({r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - r * r)}, phi);
+        const double r = std::sqrt((double(i) + 0.5) / double(k_views)) * elementary::sin(theta_max),
+                     phi = 2.4 * double(i);
+        const Frame frame = frame_of({r * elementary::cos(phi), r * elementary::sin(phi), std::sqrt(1 - r * r)}, phi);
         const Vec3d wv = frame.to({0, 0, 1});
         view.wv = to_float(wv);
         const Quadrature points = mixture.quadrature(wv, k_points);

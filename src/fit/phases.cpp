@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "fit/objective.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
@@ -25,16 +26,16 @@ constexpr double k_least_rms = 0.1;
 
 double start_of(std::size_t phase) { return double(phase) * k_pi / double(k_phases); }
 std::size_t phase_of(Vec3f wl, Vec3f wv) {
-    const double angle = std::acos(std::clamp(double(dot(wl, wv)), -1.0, 1.0));
+    const double angle = elementary::acos(std::clamp(double(dot(wl, wv)), -1.0, 1.0));
     return std::min(std::size_t(angle / k_pi * double(k_phases)), k_phases - 1);
 }
 
 /// The share that solid angles of both directions have in the pictures of their phase.
 double area_of(std::size_t phase, Vec3f wv, double measure) {
-    const double ring = 2 * k_pi * (std::cos(start_of(phase)) - std::cos(start_of(phase + 1)));
+    const double ring = 2 * k_pi * (elementary::cos(start_of(phase)) - elementary::cos(start_of(phase + 1)));
     return measure * double(wv.z) / ring;
 }
-double square_of_radiance(const Rgb& f, Vec3f wl) { return square_of(f) * std::pow(double(wl.z), 2); }
+double square_of_radiance(const Rgb& f, Vec3f wl) { return square_of(f) * elementary::square(double(wl.z)); }
 
 }  // namespace
 
@@ -64,7 +65,7 @@ PhaseEnergies::PhaseEnergies(std::span<const Vec3f> wl, std::span<const Vec3f> w
 double PhaseEnergies::weight(Vec3f wl, Vec3f wv, const Rgb& f, double measure) const {
     const std::size_t phase = phase_of(wl, wv);
     const double energy = others_[phase] + k_pixel_area * square_of_radiance(f, wl);
-    return energy > 0 ? area_of(phase, wv, measure) * std::pow(double(wl.z), 2) / energy : 0;
+    return energy > 0 ? area_of(phase, wv, measure) * elementary::square(double(wl.z)) / energy : 0;
 }
 
 std::vector<double> phase_weights(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
@@ -97,12 +98,12 @@ void add_phase_weights(Observations& observations, const Evaluate& fitted) {
     double sum = 0, lit = 0, relative = 0;
     for (std::size_t k = 0; k < k_phases; ++k) {
         if (!(energy[k] > 0)) continue;
-        const double root_of_lit = std::cos((start_of(k) + start_of(k + 1)) / 4);
+        const double root_of_lit = elementary::cos((start_of(k) + start_of(k + 1)) / 4);
         factor[k] = root_of_lit / std::max(rms[k], least);
         sum += factor[k] * rms[k] * rms[k];
         lit += root_of_lit, relative += root_of_lit * rms[k] / std::sqrt(energy[k]);
     }
-    const double share = k_phase_share * std::min(1.0, std::pow(k_most_relative_rms * lit / relative, 2));
+    const double share = k_phase_share * std::min(1.0, elementary::square(k_most_relative_rms * lit / relative));
     for (std::size_t i = 0; i < count; ++i) observations.weight[i] += share * loss / sum * factor[phase[i]] * added[i];
 }
 

@@ -26,8 +26,8 @@ Triplet load(const float* columns, std::size_t i) {
 
 // Calls see(i, colour, limit, seen, seen − reference) for the pixels from each i on.
 template <typename See>
-HWY_INLINE void for_pixels(const float* reference, const Pixels::Colours& colours, const See& see) {
-    for (std::size_t i = 0; i < k_block; i += Batch::size()) {
+HWY_INLINE void for_pixels(const float* reference, const Pixels::Colours& colours, std::size_t count, const See& see) {
+    for (std::size_t i = 0; i < count; i += Batch::size()) {
         const Triplet of_reference = load(reference, i), limit = load(reference + 3 * k_block, i);
         Triplet colour, shown;
         for (std::size_t c = 0; c < 3; ++c) {
@@ -50,9 +50,10 @@ void see(const Pixels::Colours& colours, float* itp) {
     }
 }
 
-void errors(const float* reference, const Pixels::Colours& colours, float* jacobian, float* r, float* error) {
+void errors(const float* reference, const Pixels::Colours& colours, std::size_t count, float* jacobian, float* r,
+            float* error) {
     const Batch k(Pixels::k_just_noticeable), zero(0.0);
-    for_pixels(reference, colours,
+    for_pixels(reference, colours, count,
                [&](std::size_t i, const Triplet& colour, const Triplet& limit, const Itp<Batch>& seen,
                    const Triplet& difference) HWY_ATTR {
                    const Batch square = squared(difference), smooth = sqrt(square + k * k), root = sqrt(k / smooth);
@@ -68,8 +69,8 @@ void errors(const float* reference, const Pixels::Colours& colours, float* jacob
                });
 }
 
-void delta_e(const float* reference, const Pixels::Colours& colours, float* apart) {
-    for_pixels(reference, colours,
+void delta_e(const float* reference, const Pixels::Colours& colours, std::size_t count, float* apart) {
+    for_pixels(reference, colours, count,
                [&](std::size_t i, const Triplet&, const Triplet&, const Itp<Batch>&, const Triplet& difference)
                    HWY_ATTR { sqrt(squared(difference)).store(apart + i); });
 }
@@ -112,15 +113,15 @@ Pixels::Pixels(std::span<const Triplet> colours) : count_(colours.size()), refer
 }
 
 double Pixels::errors(std::size_t block, const Colours& colours, PixelSlopes& slopes) const {
-    Aligned<float> error(k_block);
+    Aligned<float> error(rows_in_block(block, count_));
     HWY_DYNAMIC_DISPATCH(errors)
-    (&reference_[6 * block * k_block], colours, slopes.jacobian.data(), slopes.r.data(), error.data());
+    (&reference_[6 * block * k_block], colours, error.size(), slopes.jacobian.data(), slopes.r.data(), error.data());
     return sum_of(error);
 }
 
 double Pixels::delta_e(std::size_t block, const Colours& colours) const {
-    Aligned<float> apart(k_block);
-    HWY_DYNAMIC_DISPATCH(delta_e)(&reference_[6 * block * k_block], colours, apart.data());
+    Aligned<float> apart(rows_in_block(block, count_));
+    HWY_DYNAMIC_DISPATCH(delta_e)(&reference_[6 * block * k_block], colours, apart.size(), apart.data());
     return sum_of(apart);
 }
 

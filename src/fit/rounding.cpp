@@ -5,12 +5,13 @@
 #include <numeric>
 
 #include "least_squares.h"
+#include "srbf/elementary.h"
 #include "srbf/half.h"
 
 namespace srbf {
 
 Parameterization rounded_direction(double angle) {
-    const double a = std::cos(angle), b = std::sin(angle);
+    const double a = elementary::cos(angle), b = elementary::sin(angle);
     const bool swap = std::abs(b) > std::abs(a);
     const double ratio = swap ? a / b : b / a, sign = (swap ? b : a) < 0 ? -1 : 1;
     Parameterization best;
@@ -39,7 +40,7 @@ PmModel without_coefficients(const Lobes& lobes) {
     model.variates = (shape.reciprocal ? 2 : 1) * shape.variates;
     for (int n = 0; n < model.variates; ++n) {
         const double angle = lobes.angle[std::size_t(n % shape.variates)];
-        const Parameterization p{float(std::cos(angle)), float(std::sin(angle))};
+        const Parameterization p{float(elementary::cos(angle)), float(elementary::sin(angle))};
         model.parameterization.push_back(n < shape.variates ? p : swapped(p));
     }
     for (int j = 0; j < model.lobes; ++j) {
@@ -47,7 +48,7 @@ PmModel without_coefficients(const Lobes& lobes) {
             model.exponent.push_back(float(kappa));
         for (int n = 0; n < model.variates; ++n) {
             const Vec3d p = vector_of(lobes.of(j), shape, n % shape.variates);
-            const double bandwidth = std::hypot(p.x, p.y, p.z);
+            const double bandwidth = elementary::hypot(p.x, p.y, p.z);
             model.centre.push_back(bandwidth > 0 ? to_float((1 / bandwidth) * p) : Vec3f(0, 0, 1));
             model.bandwidth.push_back(float(bandwidth));
         }
@@ -66,11 +67,12 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale,
     bool out_of_range = features(shape.form) > 0;  // those forms always have log scales
     for (int j = 0; j < model.lobes; ++j) {
         const double beta = problem.beta().row(j).maxCoeff();
-        const double log_beta = std::log(beta) + std::log(problem.scale()) +
+        const double log_beta = elementary::log(beta) + elementary::log(problem.scale()) +
                                 log_peak_factor(lobes.of(j), shape, problem.offset()[std::size_t(j)]);
         log_peak.push_back(log_beta);
         if (beta > 1e-30)
-            out_of_range |= log_beta > std::log(double(k_half_max)) || log_beta < std::log(double(k_half_min)) + 3;
+            out_of_range |=
+                log_beta > elementary::log(double(k_half_max)) || log_beta < elementary::log(double(k_half_min)) + 3;
     }
     for (int j = 0; j < model.lobes; ++j) {
         const double largest = problem.beta().row(j).maxCoeff();
@@ -78,7 +80,7 @@ PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale,
         const double scale =
             log_scale && out_of_range && any ? double(round_to_half(float(log_peak[std::size_t(j)]))) : 0.0;
         // β / largest × e^(log peak − scale): neither factor overflows.
-        const double factor = any ? std::exp(std::min(log_peak[std::size_t(j)] - scale, 80.0)) / largest : 0.0;
+        const double factor = any ? elementary::exp(std::min(log_peak[std::size_t(j)] - scale, 80.0)) / largest : 0.0;
         const auto coefficient = [&](Eigen::Index c) { return float(problem.beta()(j, c) * factor); };
         if (wavelengths.empty()) model.coefficient[std::size_t(j)] = {coefficient(0), coefficient(1), coefficient(2)};
         for (std::size_t c = 0; c < wavelengths.size(); ++c) model.spectrum.push_back(coefficient(Eigen::Index(c)));
@@ -102,7 +104,7 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
     Lobes lobes{shape, {}, {}};
     for (int n = 0; n < shape.variates; ++n) {
         const Parameterization p = model.parameterization[std::size_t(n)];
-        lobes.angle.push_back(std::atan2(double(p.b), double(p.a)));
+        lobes.angle.push_back(elementary::atan2(double(p.b), double(p.a)));
     }
     const auto N = std::size_t(model.variates), of_shape = std::size_t(shape.variates),
                F = std::size_t(features(model.form));

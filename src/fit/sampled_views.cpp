@@ -6,6 +6,7 @@
 #include "fit/objective.h"
 #include "parallel.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 #include "srbf/pictures.h"
 #include "weighted_quantile.h"
 
@@ -30,12 +31,14 @@ constexpr double k_least_sine = 0.05;  ///< of a phase whose density is uniform
 constexpr std::size_t k_pixels = 256;  ///< of each view
 
 /// The angle between light and viewer [rad].
-double phase_of(Vec3f l, Vec3f v) { return 2 * std::asin(std::min(1.0, std::sqrt(double(dot(l - v, l - v))) / 2)); }
+double phase_of(Vec3f l, Vec3f v) {
+    return 2 * elementary::asin(std::min(1.0, std::sqrt(double(dot(l - v, l - v))) / 2));
+}
 
 }  // namespace
 
 SampledViews::SampledViews(const RawMatrix& matrix, Objective objective, double theta_max)
-    : matrix_(matrix), objective_(objective), cos_max_(std::cos(theta_max)) {
+    : matrix_(matrix), objective_(objective), cos_max_(elementary::cos(theta_max)) {
     const std::size_t n = count(), m = matrix.between.size() / n;
     std::vector<Rgb> largest_of(n);
     parallel_for(n, [&](std::size_t view) {
@@ -182,7 +185,7 @@ void SampledViews::add_radiance(std::span<double> weights, double energy, std::s
     for (std::size_t i = 0; i < weights.size(); ++i) {
         if (!(weights[i] > 0) || !within(directions[i])) continue;
         const auto [l, v] = pair(view, directions[i]);
-        added[i] = std::cos(phase_of(l, v) / 2) * energies_.weight(l, v, values[i], solid_angle[i]);
+        added[i] = elementary::cos(phase_of(l, v) / 2) * energies_.weight(l, v, values[i], solid_angle[i]);
         sum += added[i] * square_of(values[i]);
     }
     if (!(sum > 0)) return;
@@ -199,7 +202,7 @@ void SampledViews::add_lights(ViewRows& rows, std::size_t view, std::span<const 
         double luminous = 0;
         for (std::size_t i = 0; i < directions.size(); ++i) {
             if (!(rows.root_weight[i] > 0) || !within(directions[i])) continue;
-            const double of_light = std::exp(kappa * (dot(to_double(directions[i]), centre) - 1)),
+            const double of_light = elementary::exp(kappa * (dot(to_double(directions[i]), centre) - 1)),
                          measure = solid_angle[i] * double(directions[i].z) * of_light;
             light[i] = float(measure / double(rows.root_weight[i]));
             luminous += measure * double(luminance(values[i]));
@@ -253,7 +256,7 @@ void SampledViews::add_pixels(ViewRows& rows, std::size_t view, std::span<const 
         if (!(rows.root_weight[i] > 0) || !within(directions[i])) continue;
         const auto [l, v] = pair(view, directions[i]);
         const double phase = phase_of(l, v),
-                     share = solid_angle[i] * double(v.z) / std::max(std::sin(phase), k_least_sine);
+                     share = solid_angle[i] * double(v.z) / std::max(elementary::sin(phase), k_least_sine);
         pixels.push_back({phase, share, i});
         whole += share;
     }
@@ -269,7 +272,7 @@ void SampledViews::add_pixels(ViewRows& rows, std::size_t view, std::span<const 
              colours.size() < k_pixels && (double(colours.size()) + 0.5) * whole <= sum * double(k_pixels);) {
             const double at = std::clamp(pixel.phase / k_pi * double(k_phases) - 0.5, 0.0, double(k_phases - 1));
             const auto below = std::min(std::size_t(at), k_phases - 2);
-            const double white = std::lerp(white_[below], white_[below + 1], at - double(below));
+            const double white = white_[below] + (at - double(below)) * (white_[below + 1] - white_[below]);
             const Vec3f w = directions[pixel.row];
             const Rgb& value = values[pixel.row];
             const double exposure = double(pair(view, w).first.z) / white;

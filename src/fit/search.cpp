@@ -5,6 +5,7 @@
 
 #include "least_squares.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 
@@ -32,17 +33,20 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
         std::vector<double> weight(parent.begin(), parent.end());
         for (int i = 0; i < shape.width(); ++i) {
             double& w = weight[std::size_t(i)];
-            w = clamped(w * std::exp(2 * uniform(random) - 1) + 4 * (uniform(random) - 0.5), i);
+            const double scale = uniform(random), shift = uniform(random);  // drawn in this order by every compiler
+            w = clamped(w * elementary::exp(2 * scale - 1) + 4 * (shift - 0.5), i);
         }
         return weight;
     }
     std::vector<double> weight;
     const auto sharp = [&] {
-        const double chance = uniform(random), size = 0.3 * std::pow(2e5, uniform(random)), sign = uniform(random);
+        const double chance = uniform(random), size = 0.3 * elementary::pow(2e5, uniform(random)),
+                     sign = uniform(random);
         return chance < 0.35 ? 0.0 : sign < 0.3 ? -std::min(size, 100.0) : size;
     };
     const auto broad = [&] {
-        const double chance = uniform(random), size = 0.1 * std::pow(100, uniform(random)), sign = uniform(random);
+        const double chance = uniform(random), size = 0.1 * elementary::pow(100, uniform(random)),
+                     sign = uniform(random);
         return chance < 0.5 ? 0.0 : sign < 0.5 ? -size : size;
     };
     for (int n = 0; n < shape.variates; ++n) {
@@ -52,7 +56,7 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
             continue;
         }
         const double chance = uniform(random), z = 2 * uniform(random) - 1, phi = 2 * k_pi * uniform(random);
-        const Vec3d centre = chance < 0.5 ? Vec3d(0, 0, 1) : spherical(std::acos(z), phi);
+        const Vec3d centre = chance < 0.5 ? Vec3d(0, 0, 1) : spherical(elementary::acos(z), phi);
         for (const double component : {centre.x, centre.y, centre.z})
             weight.push_back(clamped(p * component, int(weight.size())));
     }

@@ -7,6 +7,7 @@
 
 #include "fit/lobes.h"
 #include "parallel.h"
+#include "srbf/elementary.h"
 #include "srbf/kernel.h"
 
 namespace srbf {
@@ -212,13 +213,13 @@ struct Families {
             const std::vector<ViewLobe> its = moved(followed[k][family].lobes, rows(k).view, rows(i).view);
             for (std::size_t j = 0; j < sum.size(); ++j) {
                 sum[j].centre = sum[j].centre + weight * its[j].centre;
-                sum[j].bandwidth += weight * std::log(its[j].bandwidth);
+                sum[j].bandwidth += weight * elementary::log(its[j].bandwidth);
                 sum[j].shape += weight * its[j].shape;
             }
             weights += weight;
         }
         for (ViewLobe& lobe : sum)
-            lobe = {normalize(lobe.centre), std::exp(lobe.bandwidth / weights), lobe.shape / weights};
+            lobe = {normalize(lobe.centre), elementary::exp(lobe.bandwidth / weights), lobe.shape / weights};
         return sum;
     }
     /// With means for lobes: the fits of single views scatter about these, each by its own rows and pixels. Nothing if

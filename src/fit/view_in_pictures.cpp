@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "fit/lobes.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 
@@ -45,7 +46,7 @@ double ViewInPictures::loss(const Eigen::VectorXd& x) {
         for (Eigen::Index j = 0; j < J; ++j) {
             const double change = offset_[std::size_t(j)] - of_.offset_[std::size_t(j)];
             if (change < -k_most_exponent) return std::numeric_limits<double>::infinity();
-            of_.limit_.row(j) *= std::exp(std::min(change, 700.0));
+            of_.limit_.row(j) *= elementary::exp(std::min(change, 700.0));
         }
         of_.offset_ = offset_;
         of_.take_products();

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "least_squares.h"
+#include "srbf/elementary.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
 
@@ -24,15 +25,15 @@ Eigen::MatrixXd symmetric(const std::vector<double>& triangle, Eigen::Index n) {
 /// Where a lobe λ, τ with a centre at height z has its maximum over the hemisphere: the height, and the logarithm
 /// there. The maximum lies in the plane of centre and normal, where λ sin(θ_centre − θ) = τ sin θ / cos² θ.
 std::pair<double, double> highest(double z, double lambda, double tau) {
-    const double centre = std::acos(std::clamp(z, -1.0, 1.0));
+    const double centre = elementary::acos(std::clamp(z, -1.0, 1.0));
     double low = std::max(0.0, centre - k_pi / 2), high = std::min(centre, k_pi / 2);
     for (int step = 0; step < 40; ++step) {
         const double theta = (low + high) / 2;
-        const double pull = lambda * std::sin(centre - theta) * std::cos(theta) * std::cos(theta);
-        (pull > tau * std::sin(theta) ? low : high) = theta;
+        const double pull = lambda * elementary::sin(centre - theta) * elementary::cos(theta) * elementary::cos(theta);
+        (pull > tau * elementary::sin(theta) ? low : high) = theta;
     }
-    const double cosine = std::cos(low);
-    return {cosine, lambda * (std::cos(centre - low) - 1) - tau * Kernel<double>::slant(cosine)};
+    const double cosine = elementary::cos(low);
+    return {cosine, lambda * (elementary::cos(centre - low) - 1) - tau * Kernel<double>::slant(cosine)};
 }
 
 }  // namespace
@@ -54,7 +55,7 @@ Eigen::VectorXd ViewProblem::start(const ViewRows& view, std::span<const ViewLob
         frame_[std::size_t(j)] = {lobe.centre,
                                   {Kernel<double>::from_frame(lobe.centre, 1.0, 0.0, 0.0),
                                    Kernel<double>::from_frame(lobe.centre, 0.0, 1.0, 0.0)}};
-        x[per_lobe_ * j + 2] = std::log(std::clamp(lobe.bandwidth, k_least_bandwidth, double(k_half_max)));
+        x[per_lobe_ * j + 2] = elementary::log(std::clamp(lobe.bandwidth, k_least_bandwidth, double(k_half_max)));
         if (per_lobe_ == 4) x[per_lobe_ * j + 3] = lobe.shape;
     }
     return x;
@@ -66,7 +67,7 @@ MovingLobe ViewProblem::moving(const Eigen::VectorXd& x, int j) const {
     const Vec3d towards = frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1];
     const double length = std::sqrt(dot(towards, towards));
     const Vec3d centre = (1 / length) * towards;
-    MovingLobe lobe{to_float(centre), {}, float(std::exp(of[2])), float(shape(x, j)), across_};
+    MovingLobe lobe{to_float(centre), {}, float(elementary::exp(of[2])), float(shape(x, j)), across_};
     for (int k = 0; k < 2; ++k)
         lobe.along[k] = to_float((1 / length) * (frame.along[k] - dot(frame.along[k], centre) * centre));
     return lobe;
@@ -78,8 +79,8 @@ std::vector<ViewLobe> ViewProblem::lobes(const Eigen::VectorXd& x) const {
         const Frame& frame = frame_[std::size_t(j)];
         const double* const of = &x[per_lobe_ * j];
         const double shape = this->shape(x, j);
-        lobes.push_back({normalize(frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1]), std::exp(of[2]),
-                         shape == 0 ? -shape : shape});
+        lobes.push_back({normalize(frame.centre + of[0] * frame.along[0] + of[1] * frame.along[1]),
+                         elementary::exp(of[2]), shape == 0 ? -shape : shape});
     }
     return lobes;
 }
@@ -92,7 +93,7 @@ double ViewProblem::least_shape(int j) const {
 Eigen::VectorXd ViewProblem::lower(const Eigen::VectorXd& x) const {
     Eigen::VectorXd bound = Eigen::VectorXd::Constant(x.size(), -k_most_shift);
     for (int j = 0; j < lobes_; ++j) {
-        bound[per_lobe_ * j + 2] = std::log(k_least_bandwidth);
+        bound[per_lobe_ * j + 2] = elementary::log(k_least_bandwidth);
         if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = std::signbit(shape(x, j)) ? least_shape(j) : 0.0;
     }
     return bound;
@@ -101,7 +102,7 @@ Eigen::VectorXd ViewProblem::lower(const Eigen::VectorXd& x) const {
 Eigen::VectorXd ViewProblem::upper(const Eigen::VectorXd& x) const {
     Eigen::VectorXd bound = Eigen::VectorXd::Constant(x.size(), k_most_shift);
     for (int j = 0; j < lobes_; ++j) {
-        bound[per_lobe_ * j + 2] = std::log(double(k_half_max));
+        bound[per_lobe_ * j + 2] = elementary::log(double(k_half_max));
         if (per_lobe_ == 4) bound[per_lobe_ * j + 3] = std::signbit(shape(x, j)) ? -0.0 : k_most_depth;
     }
     return bound;
@@ -111,7 +112,7 @@ Eigen::VectorXd ViewProblem::longest_step(const Eigen::VectorXd& x) const {
     Eigen::VectorXd longest = Eigen::VectorXd::Ones(x.size());
     for (int j = 0; j < lobes_; ++j) {
         auto of = longest.segment(per_lobe_ * j, per_lobe_);
-        of.head(2).setConstant(std::min(0.5, 1.5 / std::sqrt(std::exp(x[per_lobe_ * j + 2]))));
+        of.head(2).setConstant(std::min(0.5, 1.5 / std::sqrt(elementary::exp(x[per_lobe_ * j + 2]))));
         if (per_lobe_ == 4) of[3] = 0.5 + 0.5 * std::abs(shape(x, j));
     }
     return longest;
@@ -146,11 +147,12 @@ void ViewProblem::place(const Eigen::VectorXd& x) {
         const double centre_z = double(lobe.centre.z), lambda = double(lobe.bandwidth);
         double z = centre_z, log_visible = z < 0 ? lambda * (std::sqrt(std::max(0.0, 1 - z * z)) - 1) : 0;
         if (lobe.shape > 0) std::tie(z, log_visible) = highest(centre_z, lambda, double(lobe.shape));
-        const double seen = std::exp(double(most) - log_visible);  // the fraction of it that is visible on the rows
+        const double seen =
+            elementary::exp(double(most) - log_visible);  // the fraction of it that is visible on the rows
         for (int c = 0; c < 3; ++c) {
             const double of_hemisphere = view_->largest[std::size_t(c)] / std::max(z, view_->least_cosine) * seen *
                                          std::min(1.0, k_unseen * seen);
-            const double of_halves = double(k_half_max) / view_->scale * std::exp(double(most));
+            const double of_halves = double(k_half_max) / view_->scale * elementary::exp(double(most));
             limit_(j, c) = std::min(of_hemisphere, of_halves);
         }
     }
@@ -241,7 +243,7 @@ void ViewProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
 }
 
 double ViewProblem::coefficient(int j, int c) const {
-    const double at_peak = std::exp(std::min(-offset_[std::size_t(j)], 700.0));
+    const double at_peak = elementary::exp(std::min(-offset_[std::size_t(j)], 700.0));
     return std::min(beta_(j, c) * at_peak * view_->scale, double(k_half_max));
 }
 

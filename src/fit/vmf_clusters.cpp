@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "srbf/elementary.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
 
@@ -25,7 +26,7 @@ std::vector<ViewLobe> vmf_clusters(std::span<const Vec3f> directions, std::span<
                 const double exponent = Kernel<double>::gaussian_exponent(w, lobes[j].centre, lobes[j].bandwidth);
                 part[j] =
                     // exp is slow for large negative arguments
-                    exponent > -100 ? share[j] * normaliser[j] * std::exp(exponent) : 0;
+                    exponent > -100 ? share[j] * normaliser[j] * elementary::exp(exponent) : 0;
                 sum += part[j];
             }
             whole += weight[i];

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "measured/samples.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 
@@ -14,13 +15,15 @@ struct ViewAndLight {
 };
 
 /// The direction whose θ and φ are given as the plane vector (θ cosφ, θ sinφ).
-Vec3d unrolled(double x, double y) { return spherical(std::hypot(x, y), std::atan2(y, x)); }
+Vec3d unrolled(double x, double y) { return spherical(elementary::hypot(x, y), elementary::atan2(y, x)); }
 
 /// From θ_h, φ_h, θ_d, φ_d: the viewer at (θ_d, φ_d) relative to the half vector, the light its mirror direction.
 ViewAndLight from_half_vector(double theta_h, double phi_h, double theta_d, double phi_d) {
     const Vec3d d = spherical(theta_d, phi_d), h = spherical(theta_h, phi_h);
-    const double c = std::cos(theta_h), s = std::sin(theta_h), x = c * d.x + s * d.z, z = c * d.z - s * d.x;
-    const Vec3d view{std::cos(phi_h) * x - std::sin(phi_h) * d.y, std::sin(phi_h) * x + std::cos(phi_h) * d.y, z};
+    const double c = elementary::cos(theta_h), s = elementary::sin(theta_h), x = c * d.x + s * d.z,
+                 z = c * d.z - s * d.x;
+    const Vec3d view{elementary::cos(phi_h) * x - elementary::sin(phi_h) * d.y,
+                     elementary::sin(phi_h) * x + elementary::cos(phi_h) * d.y, z};
     return {view, 2 * dot(view, h) * h - view};
 }
 
@@ -68,7 +71,8 @@ constexpr AltaParameterization k_parameterizations[] = {
     {"RUSIN_TH_PH_TD_PD", 4, false, [](const double* x) { return from_half_vector(x[0], x[1], x[2], x[3]); }},
     {"RUSIN_TH_TD_PD", 3, true, [](const double* x) { return from_half_vector(x[0], 0, x[1], x[2]); }},
     {"RUSIN_TH_TD", 2, true, [](const double* x) { return from_half_vector(x[0], 0, x[1], k_pi / 2); }},
-    {"COS_TH_TD", 2, true, [](const double* x) { return from_half_vector(std::acos(x[0]), 0, std::acos(x[1]), 0); }},
+    {"COS_TH_TD", 2, true,
+     [](const double* x) { return from_half_vector(elementary::acos(x[0]), 0, elementary::acos(x[1]), 0); }},
     {"SCHLICK_TL_TK_PROJ_DPHI", 3, true,
      [](const double* x) {
          const Vec3d light = spherical(x[0], 0.0), back = unrolled(x[1], x[2]), reflected = mirror(light);
@@ -84,7 +88,8 @@ constexpr AltaParameterization k_parameterizations[] = {
      [](const double* x) {
          const Vec3d h{x[0], 0, std::sqrt(1 - x[0] * x[0] - x[1] * x[1])};
          // Along azimuth φ of the plane, and orthogonal to h.
-         const Vec3d b = x[1] * normalize(Vec3d{h.z * std::cos(x[2]), h.z * std::sin(x[2]), -h.x * std::cos(x[2])});
+         const Vec3d b = x[1] * normalize(Vec3d{h.z * elementary::cos(x[2]), h.z * elementary::sin(x[2]),
+                                                -h.x * elementary::cos(x[2])});
          return ViewAndLight{h - b, h + b};
      }},
     {"STARK_2D", 2, true,
@@ -94,7 +99,7 @@ constexpr AltaParameterization k_parameterizations[] = {
      }},
     {"NEUMANN_3D", 3, true,
      [](const double* x) {
-         const double across = x[1] * std::cos(x[2]), along = x[1] * std::sin(x[2]);
+         const double across = x[1] * elementary::cos(x[2]), along = x[1] * elementary::sin(x[2]);
          return ViewAndLight{lifted(x[0] + across, along), lifted(x[0] - across, -along)};
      }},
     {"NEUMANN_2D", 2, true,

@@ -15,6 +15,7 @@
 #include "parallel.h"
 #include "srbf/colour.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 #include "srbf/file.h"
 
 namespace srbf {
@@ -46,7 +47,7 @@ MerlTable to_merl(const Evaluate& brdf, std::array<std::uint32_t, 3> size, int t
     parallel_for(n_h, threads, [&](std::size_t h) {
         std::vector<Vec3f> wl, wv;
         wl.reserve(plane), wv.reserve(plane);
-        const double theta_h = std::pow(double(h) / n_h, 2) * k_pi / 2;
+        const double theta_h = elementary::square(double(h) / n_h) * k_pi / 2;
         for (std::uint32_t d = 0; d < n_d; ++d)
             for (std::uint32_t p = 0; p < n_p; ++p) {
                 const auto pair = merl_pair(theta_h, double(d) / n_d * k_pi / 2, double(p) / n_p * k_pi);
@@ -100,7 +101,7 @@ std::vector<float> half_vector_profile(const Evaluate& brdf, int threads) {
         most[i] = f.empty() ? -1 : 0;
         for (std::size_t k = 0; k < f.size(); ++k)
             if (is_finite(f[k]))
-                most[i] = std::max(most[i], luminance(f[k]) * std::pow(double(wl[k].z) * double(wv[k].z), 0.75));
+                most[i] = std::max(most[i], luminance(f[k]) * elementary::pow(double(wl[k].z) * double(wv[k].z), 0.75));
     });
     // Towards the horizon there are no pairs; the last value is repeated.
     const double largest = *std::ranges::max_element(most);
@@ -118,11 +119,12 @@ double projected_area(const RglTable::Profile& ndf, double theta) {
     constexpr int polar = 1024;
     double sum = 0;
     for (int i = 0; i < polar; ++i) {
-        const double u = (i + 0.5) / polar, m = theta_of(u), s = std::sin(m) * std::sin(theta),
-                     c = std::cos(m) * std::cos(theta);
+        const double u = (i + 0.5) / polar, m = theta_of(u), s = elementary::sin(m) * elementary::sin(theta),
+                     c = elementary::cos(m) * elementary::cos(theta);
         // Closed form in azimuth: ∫ max(0, c + s cosφ) dφ.
-        const double edge = c >= s ? k_pi : c <= -s ? 0 : std::acos(-c / s);
-        sum += double(at(ndf, float(u))) * 2 * (c * edge + s * std::sin(edge)) * std::sin(m) * k_pi * u / polar;
+        const double edge = c >= s ? k_pi : c <= -s ? 0 : elementary::acos(-c / s);
+        sum += double(at(ndf, float(u))) * 2 * (c * edge + s * elementary::sin(edge)) * elementary::sin(m) * k_pi * u /
+               polar;
     }
     return sum;
 }
@@ -187,7 +189,7 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
                 const double u = u_of(x, k_normals), theta = theta_of(u);
                 const Vec3d m = spherical(theta, (2 * u_of(y, k_normals) - 1) * k_pi);
                 density[y * k_normals + x] =
-                    float(double(at(table.ndf, float(u))) * std::max(0.0, dot(m, wl)) * std::sin(theta) * u);
+                    float(double(at(table.ndf, float(u))) * std::max(0.0, dot(m, wl)) * elementary::sin(theta) * u);
             }
         integrate(density, visible);
     }
@@ -196,7 +198,7 @@ RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
     table.colour.width = table.colour.height = options.colours;
     table.colour.nodes.resize(table.theta_l.size() * size);
     parallel_for(table.theta_l.size(), options.threads, [&](std::size_t slice) {
-        const double theta_l = std::min(double(table.theta_l[slice]), std::acos(double(k_horizon)));
+        const double theta_l = std::min(double(table.theta_l[slice]), elementary::acos(double(k_horizon)));
         const Vec3d light = spherical(theta_l, 0.0);
         std::vector<Vec3f> wl(size, to_float(light)), wv;
         std::vector<double> scale;
@@ -346,7 +348,7 @@ MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options) {
     table.cells.resize(table.polar * slice);
     const auto direction = [&](std::size_t i, double phi) {
         const double theta = double(i) / table.polar * k_pi / 2;
-        return to_float(spherical(std::min(theta, std::acos(double(k_horizon))), phi));
+        return to_float(spherical(std::min(theta, elementary::acos(double(k_horizon))), phi));
     };
     parallel_for(table.polar, options.threads, [&](std::size_t l) {
         std::vector<Vec3f> wl(slice, direction(l, 0)), wv;

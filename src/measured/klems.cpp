@@ -10,6 +10,7 @@
 
 #include "measured/klems.h"
 #include "measured/samples.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 
@@ -44,17 +45,18 @@ double AngleBasis::azimuth_of(std::size_t patch) const {
 }
 
 double AngleBasis::projected_solid_angle(std::size_t ring) const {
-    const auto squared_sine = [](float theta) { return std::pow(std::sin(double(theta)), 2); };
+    const auto squared_sine = [](float theta) { return elementary::square(elementary::sin(double(theta))); };
     const Ring& of = rings[ring];
     return k_pi * (squared_sine(of.to) - squared_sine(of.from)) / of.azimuths;
 }
 
 Vec3d AngleBasis::point_of(std::size_t patch, double s, double t) const {
     const Ring& ring = rings[ring_of(patch)];
-    const double from = std::pow(std::cos(double(ring.from)), 2), to = std::pow(std::cos(double(ring.to)), 2);
+    const double from = elementary::square(elementary::cos(double(ring.from))),
+                 to = elementary::square(elementary::cos(double(ring.to)));
     const double squared = std::max(from + s * (to - from), 0.0), r = std::sqrt(1 - squared);
     const double phi = azimuth_of(patch) + 2 * k_pi * (t - 0.5) / ring.azimuths;
-    return {r * std::cos(phi), r * std::sin(phi), std::sqrt(squared)};
+    return {r * elementary::cos(phi), r * elementary::sin(phi), std::sqrt(squared)};
 }
 
 Rgb signed_value(const KlemsTable& table, Vec3f wl, Vec3f wv) {
@@ -92,7 +94,7 @@ std::vector<PatchClass> patch_classes(const KlemsTable& table, bool isotropic) {
                     sums.of.weight += weight;
                     for (int c = 0; c < 3; ++c) {
                         sums.sum[std::size_t(c)] += weight * double(f[c]);
-                        sums.of.energy += weight * std::pow(double(f[c]), 2);
+                        sums.of.energy += weight * elementary::square(double(f[c]));
                     }
                 }
         }

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 
+#include "srbf/elementary.h"
 #include "srbf/vec.h"
 
 namespace srbf {
@@ -15,7 +16,7 @@ struct MerlPair {
 
 /// The directions at θ_h, θ_d, φ_d [rad], with the half vector at azimuth 0 and the light at (θ_d, φ_d) relative to it.
 inline MerlPair merl_pair(double theta_h, double theta_d, double phi_d) {
-    const double c = std::cos(theta_h), s = std::sin(theta_h);
+    const double c = elementary::cos(theta_h), s = elementary::sin(theta_h);
     const auto place = [&](Vec3d w) { return Vec3d{c * w.x + s * w.z, w.y, c * w.z - s * w.x}; };
     const Vec3d difference = spherical(theta_d, phi_d);
     return {place(difference), place(mirror(difference))};

@@ -18,7 +18,7 @@ using Indices = hn::Vec<hn::RebindToSigned<Lanes>>;
 
 HWY_INLINE Batch abs(Batch a) { return hn::Abs(a.v); }
 HWY_INLINE Batch copysign(Batch magnitude, Batch sign) { return hn::CopySign(magnitude.v, sign.v); }
-HWY_INLINE Batch mix(Batch a, Batch b, Batch to) { return multiply_add(to, b - a, a); }
+HWY_INLINE Batch mix(Batch a, Batch b, Batch to) { return a + to * (b - a); }
 HWY_INLINE Indices index(Batch whole) { return hn::ConvertTo(hn::RebindToSigned<Lanes>(), whole.v); }
 HWY_INLINE Batch rounded_down(Batch a) { return hn::Floor(a.v); }
 HWY_INLINE Batch gather(const float* numbers, Indices at) { return hn::GatherIndex(Lanes(), numbers, at); }

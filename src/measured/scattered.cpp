@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
+#include <utility>
 
 #include "k_d_tree.h"
 #include "measured/angles.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 
@@ -19,31 +22,48 @@ using Point = std::array<float, 5>;
 /// Coordinates of a pair for the neighbour search, as documented for `ScatteredSamples`.
 Point place_of(Vec3f wl, Vec3f wv, bool isotropic) {
     constexpr float sharpness = 20, right_angle = float(k_pi / 2);
-    const float scale = right_angle / std::log1p(sharpness * right_angle);
-    const float half = scale * std::log1p(sharpness * polar_angle(wl + wv));
+    const float scale = right_angle / elementary::log1p(sharpness * right_angle);
+    const float half = scale * elementary::log1p(sharpness * polar_angle(wl + wv));
     const float theta_l = polar_angle(wl), theta_v = polar_angle(wv);
     if (isotropic) return {half, theta_l, theta_v, 0, 0};
     const float phi_l = azimuth(wl.y, wl.x), phi_v = azimuth(wv.y, wv.x);
-    return {half, theta_l * std::cos(phi_l), theta_l * std::sin(phi_l), theta_v * std::cos(phi_v),
-            theta_v * std::sin(phi_v)};
+    return {half, theta_l * elementary::cos(phi_l), theta_l * elementary::sin(phi_l), theta_v * elementary::cos(phi_v),
+            theta_v * elementary::sin(phi_v)};
 }
 
 using Points = PointCloud<float, 5>;
 using Tree = KdTree<float, 5>;
 
-/// The nearest points, in the interface that nanoflann requires. If millions of samples are at one distance, any of
-/// them are valid: the search ends after this many candidates that were not nearer.
-class Nearest : public nanoflann::KNNResultSet<float, std::uint32_t> {
+/// The nearest points, in the interface that nanoflann requires; of those at one distance the first samples, whichever
+/// way a version of it searches. If millions of samples are at one distance, any of them are valid: the search ends after
+/// this many candidates that were not nearer.
+class Nearest {
   public:
-    using KNNResultSet::KNNResultSet;
+    explicit Nearest(std::size_t most) : most_(most) {}
+    std::size_t size() const { return count_; }
+    bool empty() const { return count_ == 0; }
+    bool full() const { return count_ == most_; }
+    void sort() const {}  // they are sorted
     bool addPoint(float distance2, std::uint32_t sample) {
-        asked_ = distance2 < KNNResultSet::worstDist() ? 0 : asked_;
-        return KNNResultSet::addPoint(distance2, sample);
+        const std::pair found(distance2, sample);
+        if (full() && !(found < found_[count_ - 1])) return true;
+        asked_ = 0;
+        std::size_t at = full() ? count_ - 1 : count_++;
+        for (; at > 0 && found < found_[at - 1]; --at) found_[at] = found_[at - 1];
+        found_[at] = found;
+        return true;
     }
-    float worstDist() const { return full() && ++asked_ > k_patience ? -1 : KNNResultSet::worstDist(); }
+    /// A little more than the largest distance, so that points at the same distance are offered too.
+    float worstDist() const {
+        if (!full()) return std::numeric_limits<float>::max();
+        return ++asked_ > k_patience ? -1 : found_[count_ - 1].first * 1.000001f;
+    }
+    const std::pair<float, std::uint32_t>& operator[](std::size_t i) const { return found_[i]; }
 
   private:
     static constexpr int k_patience = 2000;  // at most 108 are needed for known measurements
+    std::size_t most_, count_ = 0;
+    std::array<std::pair<float, std::uint32_t>, k_neighbours + 1> found_;
     mutable int asked_ = 0;
 };
 
@@ -66,9 +86,10 @@ class SampleIndex {
     Neighbours nearest(const Point& place) const {
         Neighbours found;
         Nearest result(std::min<std::size_t>(k_neighbours + 1, points_.at.size()));
-        result.init(found.sample.data(), found.distance2.data());
         tree_.findNeighbors(result, place.data(), {});
         found.count = std::uint32_t(result.size());
+        for (std::size_t i = 0; i < result.size(); ++i)
+            found.distance2[i] = result[i].first, found.sample[i] = result[i].second;
         return found;
     }
 

@@ -31,20 +31,9 @@ struct Both {
 struct BothMasks {
     BatchMask a, b;
 };
-HWY_INLINE Both product(Both x, Both y) { return {product(x.a, y.a), product(x.b, y.b)}; }
-HWY_INLINE Both multiply_add(Both x, Both y, Both z) {
-    return {multiply_add(x.a, y.a, z.a), multiply_add(x.b, y.b, z.b)};
-}
-HWY_INLINE Both multiply_subtract(Both x, Both y, Both z) {
-    return {multiply_subtract(x.a, y.a, z.a), multiply_subtract(x.b, y.b, z.b)};
-}
-HWY_INLINE Both subtract_product(Both z, Both x, Both y) {
-    return {subtract_product(z.a, x.a, y.a), subtract_product(z.b, x.b, y.b)};
-}
 HWY_INLINE Both operator+(Both x, Both y) { return {x.a + y.a, x.b + y.b}; }
 HWY_INLINE Both operator-(Both x, Both y) { return {x.a - y.a, x.b - y.b}; }
-HWY_INLINE Product<Both> operator*(Both x, Both y) { return {x, y}; }
-HWY_INLINE Scaled<Both> operator*(Both s, Vec3<Both> v) { return {s, v}; }
+HWY_INLINE Both operator*(Both x, Both y) { return {x.a * y.a, x.b * y.b}; }
 HWY_INLINE Both operator/(Both x, Both y) { return {x.a / y.a, x.b / y.b}; }
 HWY_INLINE Both operator-(Both x) { return {-x.a, -x.b}; }
 HWY_INLINE BothMasks operator<(Both x, Both y) { return {x.a < y.a, x.b < y.b}; }

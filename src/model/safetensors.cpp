@@ -96,7 +96,8 @@ std::vector<std::byte> write_safetensors(const Safetensors& content) {
 
     std::vector<std::byte> bytes;
     bytes.reserve(k_length_bytes + text.size() + data.size());
-    for (unsigned i = 0; i < k_length_bytes; ++i) bytes.push_back(std::byte(text.size() >> 8 * i & 0xff));
+    for (unsigned i = 0; i < k_length_bytes; ++i)
+        bytes.push_back(std::byte(std::uint64_t(text.size()) >> 8 * i & 0xff));
     for (const char c : text) bytes.push_back(std::byte(c));
     bytes.insert(bytes.end(), data.begin(), data.end());
     return bytes;

@@ -2,7 +2,8 @@
 #pragma once
 #include <algorithm>
 #include <array>
-#include <cmath>
+
+#include "srbf/elementary.h"
 
 namespace srbf {
 

@@ -38,7 +38,7 @@ template <typename Real> struct Itp {
         constexpr double m1 = 2610.0 / 16384, m2 = 128 * 2523.0 / 4096, c1 = 3424.0 / 4096, c2 = 32 * 2413.0 / 4096,
                          c3 = 32 * 2392.0 / 4096, white = 100.0 / 10000, least = 1e-9;
         static_assert(c1 == 1 + c3 - c2);
-        using std::exp, std::log, std::log1p, std::max;
+        using elementary::exp, elementary::log, elementary::log1p, std::max;
         const Real of = max(x, Real(least)) * Real(white), y = exp(Real(m1) * log(of)),
                    below = Real(1.0) + Real(c3) * y, t = Real(c2 - c3) * (Real(1.0) - y) / below;
         encoded = exp(Real(m2) * log1p(-t));

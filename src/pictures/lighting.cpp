@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "srbf/elementary.h"
 #include "srbf/pictures.h"
 
 namespace srbf {
@@ -28,7 +29,7 @@ Rgb radiance(const Lighting& lighting, Vec3d w) {
         if (source.radius == 0) continue;
         const double cosine = dot(w, source.direction), radius = source.radius * k_degree;
         if (cosine <= 1 - radius * radius / 2) continue;  // below cos(radius), for most directions
-        const double edge = std::cos(radius);
+        const double edge = elementary::cos(radius);
         if (cosine <= edge) continue;
         const double share = smooth_step(edge, edge + k_soft_edge * (1 - edge), cosine);
         for (int c = 0; c < 3; ++c) sum[c] += float(share) * source.power[c];

@@ -6,6 +6,8 @@
 #include <functional>
 #include <limits>
 
+#include "srbf/elementary.h"
+
 namespace srbf {
 namespace {
 
@@ -35,7 +37,7 @@ double sum(const Filter& filter) {
     return total;
 }
 Filter gaussian_filter(int radius, double sigma) {
-    Filter filter = sampled(radius, [&](double x) { return std::exp(-x * x / (2 * sigma * sigma)); });
+    Filter filter = sampled(radius, [&](double x) { return elementary::exp(-x * x / (2 * sigma * sigma)); });
     const double whole = sum(filter);
     for (double& w : filter) w /= whole;
     return filter;
@@ -84,7 +86,7 @@ Triplet to_linear_rgb(const Triplet& relative) {
             0.055630 * x - 0.203977 * y + 1.056972 * z};
 }
 double linear(double encoded) {
-    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+    return encoded <= 0.04045 ? encoded / 12.92 : elementary::pow((encoded + 0.055) / 1.055, 2.4);
 }
 Triplet linear_rgb(const Rgb8& shown) {
     return {linear(shown[0] / 255.0), linear(shown[1] / 255.0), linear(shown[2] / 255.0)};
@@ -93,13 +95,13 @@ Triplet linear_rgb(const Rgb8& shown) {
 /// CIELAB with chroma scaled by L/100 (Hunt effect).
 Triplet hunt_lab(const Triplet& rgb) {
     Triplet t = to_relative_xyz(rgb);
-    for (double& v : t) v = v > 216.0 / 24389 ? std::cbrt(v) : v * 841 / 108 + 4.0 / 29;
+    for (double& v : t) v = v > 216.0 / 24389 ? elementary::cbrt(v) : v * 841 / 108 + 4.0 / 29;
     const double l = 116 * t[1] - 16;
     return {l, 0.01 * l * 500 * (t[0] - t[1]), 0.01 * l * 200 * (t[1] - t[2])};
 }
 /// HyAB distance to the power 0.7.
 double colour_distance(const Triplet& a, const Triplet& b) {
-    return std::pow(std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]), 0.7);
+    return elementary::pow(std::abs(a[0] - b[0]) + elementary::hypot(a[1] - b[1], a[2] - b[2]), 0.7);
 }
 /// That distance mapped to [0, 1]: values up to 0.4 of the largest distance, green to blue, use 0.95 of the range.
 double redistributed(double distance) {
@@ -137,7 +139,7 @@ std::vector<Triplet> seen(const std::array<Plane, 3>& planes, double pixels_per_
         double whole = 0;
         for (const auto& [a, b] : sensitivity[c]) {
             const Filter filter = sampled(radius, [b = b, pixels_per_degree](double x) {
-                return std::exp(-k_pi * k_pi * x * x / (pixels_per_degree * pixels_per_degree * b));
+                return elementary::exp(-k_pi * k_pi * x * x / (pixels_per_degree * pixels_per_degree * b));
             });
             const double weight = a * std::sqrt(k_pi / b);
             total = combined(total, filtered(planes[c], filter, filter),
@@ -162,12 +164,13 @@ std::vector<Triplet> seen(const std::array<Plane, 3>& planes, double pixels_per_
 Plane features(const Plane& luma, double sigma, const std::function<double(double)>& derivative) {
     const int radius = int(std::ceil(3 * sigma));
     const Filter gaussian = gaussian_filter(radius, sigma);
-    Filter by = sampled(radius, [&](double x) { return derivative(x) * std::exp(-x * x / (2 * sigma * sigma)); });
+    Filter by =
+        sampled(radius, [&](double x) { return derivative(x) * elementary::exp(-x * x / (2 * sigma * sigma)); });
     double positive = 0, negative = 0;
     for (const double w : by) (w > 0 ? positive : negative) += std::abs(w);
     for (double& w : by) w /= w > 0 ? positive : negative;
     return combined(filtered(luma, by, gaussian), filtered(luma, gaussian, by),
-                    [](double dx, double dy) { return std::hypot(dx, dy); });
+                    [](double dx, double dy) { return elementary::hypot(dx, dy); });
 }
 
 struct Features {
@@ -207,7 +210,7 @@ std::vector<double> flip_of(const Picture<Pixel>& reference, const Picture<Pixel
         const double difference =
             std::max(std::abs(fa.edges.x[i] - fb.edges.x[i]), std::abs(fa.points.x[i] - fb.points.x[i]));
         const double feature = std::sqrt(std::min(difference / std::sqrt(2.0), 1.0));
-        map.push_back(std::pow(colour, 1 - feature));
+        map.push_back(elementary::pow(colour, 1 - feature));
     }
     return map;
 }
@@ -248,7 +251,7 @@ Likeness likeness(const Image8& reference, const Image8& other) {
             squares += apart * apart;
         }
     squares /= 3 * double(reference.pixels.size());
-    return {squares > 0 ? -10 * std::log10(squares) : std::numeric_limits<double>::infinity(),
+    return {squares > 0 ? -10 * elementary::log10(squares) : std::numeric_limits<double>::infinity(),
             mean(ssim_map(reference, other)), mean(flip_map(reference, other))};
 }
 

@@ -4,6 +4,7 @@
 
 #include "parallel.h"
 #include "pictures/itp.h"
+#include "srbf/elementary.h"
 #include "srbf/likeness.h"
 #include "srbf/pictures.h"
 
@@ -13,7 +14,7 @@ namespace {
 constexpr double k_most_psnr = 100;
 constexpr float k_surroundings = 0.16f;
 
-double srgb_encoded(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055; }
+double srgb_encoded(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * elementary::pow(x, 1 / 2.4) - 0.055; }
 
 Image displayed(const Image& radiance, float exposure) {
     Image shown = radiance;
@@ -33,7 +34,7 @@ double delta_e_itp(const Rgb& a, const Rgb& b) {
         return Itp<double>({double(colour.r), double(colour.g), double(colour.b)}).value();
     };
     const Itp<double>::Triplet x = itp(a), y = itp(b);
-    return std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
+    return elementary::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
 }
 
 PictureErrors picture_errors(const Image& reference, const Image& other) {
@@ -56,7 +57,7 @@ PictureErrors picture_errors(const Image& reference, const Image& other) {
         }
     }
     errors.delta_e /= pixels, errors.flip /= pixels;
-    errors.psnr = std::min(-10 * std::log10(encoded / (3 * pixels)), k_most_psnr);
+    errors.psnr = std::min(-10 * elementary::log10(encoded / (3 * pixels)), k_most_psnr);
     errors.rms = squares > 0 ? std::sqrt(squares / whole) : 0;
     return errors;
 }

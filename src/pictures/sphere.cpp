@@ -6,6 +6,7 @@
 #include "parallel.h"
 #include "reporter.h"
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 #include "srbf/kernel.h"
 #include "srbf/pictures.h"
 
@@ -29,7 +30,8 @@ struct Disc {
 Disc disc(const Lighting::Source& source) {
     const double radius = source.radius * k_degree;
     const Frame frame = frame_about(source.direction, {0, 1, 0});
-    Disc disc{{}, source.direction, std::cos(radius), k_source_points / (2 * k_pi * (1 - std::cos(radius)))};
+    Disc disc{
+        {}, source.direction, elementary::cos(radius), k_source_points / (2 * k_pi * (1 - elementary::cos(radius)))};
     for (int i = 0; i < k_source_points; ++i)
         disc.points.push_back(frame.from(fibonacci_direction(i, k_source_points, radius)));
     return disc;
@@ -95,7 +97,7 @@ Pixel pixel_of(const Frame& frame, const Quadrature& mirrored, const MirrorMixtu
     // Points of all sets count by their common density. Few of the mixture's are within a source: all count as if none
     // was, and these by their differences from that.
     const auto count = double(mirrored.w.size());
-    const double across = std::hypot(v.x, v.y), cosine = across > 0 ? v.x / across : 1,
+    const double across = elementary::hypot(v.x, v.y), cosine = across > 0 ? v.x / across : 1,
                  sine = across > 0 ? v.y / across : 0;
     for (std::size_t i = 0; i < mirrored.w.size(); ++i) {
         const Vec3d l = Kernel<double>::turned(to_double(mirrored.w[i]), cosine, sine), w = frame.from(l);

@@ -1,0 +1,347 @@
+// golden DATA TABLE [--instructions NAME | --older] [--threads N] [--only ROW] [--write]
+//
+// Fits of every kind, compared with a table by the hashes of their models and of their figures, which are the same on every
+// processor. DATA is the folder of the bundled measurements. --write replaces the table: for changes that mean to change
+// fits. A program by itself, so that it runs wherever the library does.
+#include <cinttypes>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <memory>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "one_target.h"
+#include "srbf/directions.h"
+#include "srbf/file.h"
+#include "srbf/fit_batch.h"
+#include "srbf/fit_bsdf.h"
+#include "srbf/fitting.h"
+#include "srbf/kernel.h"
+#include "srbf/model.h"
+
+namespace srbf {
+namespace {
+
+/// FNV-1a.
+class Hash {
+  public:
+    void add(std::span<const std::byte> bytes) {
+        for (const std::byte b : bytes) state_ = (state_ ^ std::uint64_t(b)) * 1099511628211u;
+    }
+    void add(double x) { add(std::as_bytes(std::span(&x, 1))); }
+    void add(const Measures& of) {
+        for (const MeasureName& measure : k_measures) add(of.*measure.member);
+        add(double(of.pairs)), add(double(of.masked));
+    }
+    void add(const PictureErrors& of) {
+        for (const PictureErrorName& error : k_picture_errors) add(of.*error.member);
+    }
+    void add(const Comparison& of) {
+        add(of.matrix), add(of.heldout), add(of.albedo_error), add(of.appearance.mean);
+        for (const PictureErrors& lighting : of.appearance.lighting) add(lighting);
+    }
+    std::string text() const {
+        char digits[17];
+        std::snprintf(digits, sizeof digits, "%016" PRIx64, state_);
+        return digits;
+    }
+
+  private:
+    std::uint64_t state_ = 14695981039346656037u;
+};
+
+std::string hash_of(Model model) {
+    model.provenance.clear();  // which names the version
+    Hash hash;
+    hash.add(write_model(model));
+    return hash.text();
+}
+
+/// What the table has of a fit.
+struct Line {
+    std::string model, figures;  ///< hashes
+    std::string delta_e, error;  ///< for people: mean ΔE_ITP and the held-out error of f cosθl, or what there is
+};
+
+[[noreturn]] void fail(const std::string& why) {
+    std::fprintf(stderr, "golden: %s\n", why.c_str());
+    std::exit(1);
+}
+template <typename T> T must(Result<T> result) {
+    if (!result) fail(message(result.error()));
+    return *std::move(result);
+}
+
+std::string digits(double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", x);
+    return text;
+}
+
+Line line_of(const FitOutcome& outcome) {
+    Hash figures;
+    for (const auto& errors : {outcome.errors, outcome.unrounded_errors})
+        if (errors) figures.add(*errors);
+    figures.add(double(outcome.masked)), figures.add(double(outcome.clamped));
+    for (const Step& step : outcome.path) figures.add(step.error);
+    // A model of many views is evaluated at fewer pairs than all.
+    return {hash_of(outcome.model), figures.text(), digits(outcome.errors->appearance.mean.delta_e),
+            digits(outcome.errors->heldout.squared_error_ratio_cosine)};
+}
+
+/// Lambert below a varnish of GGX, for which there is a closed form.
+Evaluate varnished(float roughness, Rgb body) {
+    return [=](auto wl, auto wv, auto f) {
+        using K = Kernel<float>;
+        const K::GgxLobe varnish{roughness, {0.04f, 0.04f, 0.04f}, 1};
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            const Vec3f of = K::ggx_value({body.r, body.g, body.b}, varnish, {1, {0, 0, 0}, 0}, wl[i], wv[i]);
+            f[i] = wl[i].z > 0 && wv[i].z > 0 ? Rgb{of.x, of.y, of.z} : Rgb{};
+        }
+    };
+}
+
+/// Pairs of directions up to 80° from the normal, many of them about the mirror direction.
+SharedPairs some_pairs(std::size_t count) {
+    const MirrorMixture mixture(80 * k_degree);
+    std::mt19937_64 random(1);
+    SharedPairs pairs;
+    while (pairs.wl.size() < count) {
+        const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random), u4 = uniform(random),
+                     u5 = uniform(random);
+        const Vec3d v = mixture.sample_cap(u1, u2), l = mixture.sample(v, u3, u4, u5);
+        if (!mixture.contains(l)) continue;
+        pairs.wl.push_back(to_float(l)), pairs.wv.push_back(to_float(v));
+    }
+    return pairs;
+}
+
+/// The measurement at these pairs as the text of a CSV file; with five wavelengths instead of colours, if wanted.
+Measured samples_of(const Measured& measured, std::size_t count, bool is_spectral) {
+    const SharedPairs pairs = some_pairs(count);
+    std::vector<Rgb> f(count);
+    evaluator(measured)(pairs.wl, pairs.wv, f);
+    std::string text = is_spectral ? "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,450nm,500nm,550nm,600nm,650nm\n"
+                                   : "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n";
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vec3f l = pairs.wl[i], v = pairs.wv[i];
+        std::vector<float> numbers{l.x, l.y, l.z, v.x, v.y, v.z};
+        if (is_spectral)
+            for (const float x : {f[i].b, 0.5f * (f[i].g + f[i].b), f[i].g, 0.5f * (f[i].r + f[i].g), f[i].r})
+                numbers.push_back(x);
+        else
+            numbers.insert(numbers.end(), {f[i].r, f[i].g, f[i].b});
+        for (std::size_t k = 0; k < numbers.size(); ++k) {
+            char number[32];
+            std::snprintf(number, sizeof number, "%s%.9g", k > 0 ? "," : "", double(numbers[k]));
+            text += number;
+        }
+        text += '\n';
+    }
+    return must(read_measured(as_bytes(text), "samples.csv"));
+}
+
+struct Golden {
+    Measured paper, film;
+    int threads;  ///< 0: as many as the machine has
+
+    FitRequest request(PmRequest pm, Objective objective = k_default_objective) const {
+        return {.model = pm, .objective = objective, .threads = threads};
+    }
+    Line fitted(const Measured& measured, const FitRequest& of) const { return line_of(must(fit(measured, of))); }
+    Line of_pm(const Measured& measured, int lobes, Objective objective = k_default_objective,
+               PmRequest pm = {}) const {
+        pm.size = LobeCount{lobes};
+        return fitted(measured, request(pm, objective));
+    }
+    Line of_goal(const Measured& measured, SizeGoal goal, Objective objective) const {
+        return fitted(measured, request({.variates = 2, .size = goal}, objective));
+    }
+    Line of_su(const Measured& measured, SuRequest su, Objective objective) const {
+        return fitted(measured, {.model = su, .objective = objective, .threads = threads});
+    }
+    Line of_both_sides() const {
+        const Evaluate front = varnished(0.3f, {0.4f, 0.3f, 0.2f}), back = varnished(0.5f, {0.2f, 0.3f, 0.4f}),
+                       through = varnished(0.7f, {0.1f, 0.2f, 0.1f});
+        const BsdfOutcome outcome = must(
+            fit_bsdf(std::array{front, back, through, through}, request({.size = LobeCount{2}}, Objective::cosine)));
+        Hash figures;
+        for (const PartFit& part : outcome.parts) figures.add(part.squared_error_ratio);
+        for (const Hemispherical& of : outcome.parts[0].hemispherical) figures.add(of.fitted);
+        return {hash_of(outcome.model), figures.text(), "", digits(outcome.parts[0].squared_error_ratio)};
+    }
+    Line of_texels() const {
+        const SharedPairs pairs = some_pairs(300);
+        std::vector<Rgb> f;
+        for (const Measured* of : {&paper, &film}) {
+            std::vector<Rgb> texel(pairs.wl.size());
+            evaluator (*of)(pairs.wl, pairs.wv, texel);
+            f.insert(f.end(), texel.begin(), texel.end());
+        }
+        BatchOptions options;
+        options.request.threads = threads;
+        Hash figures;
+        ModelStack stack;
+        for (const TexelFit& texel : must(fit_batch(pairs, f, options))) {
+            figures.add(texel.errors);
+            stack.models.push_back(texel.model);
+            stack.error.push_back(float(texel.errors.squared_error_ratio_cosine));
+            stack.state.push_back(std::uint16_t(texel.state));
+        }
+        Hash models;
+        models.add(write_stack(stack));
+        return {models.text(), figures.text(), "", digits(double(stack.error[1]))};
+    }
+};
+
+struct Row {
+    const char* name;
+    std::function<Line(const Golden&)> fit;
+};
+const std::vector<Row>& rows() {
+    using G = Golden;
+    static const std::vector<Row> all{
+        {"paper", [](const G& g) { return g.of_pm(g.paper, 8); }},
+        {"film", [](const G& g) { return g.of_pm(g.film, 8); }},
+        {"film-3-general", [](const G& g) { return g.of_pm(g.film, 3, k_default_objective, {.axial = false}); }},
+        {"film-3-source", [](const G& g) { return g.of_pm(g.film, 3, Objective::raw, {.form = PmForm::gaussian}); }},
+        {"film-3-cosine", [](const G& g) { return g.of_pm(g.film, 3, Objective::cosine, {.reciprocal = true}); }},
+        {"paper-3-log", [](const G& g) { return g.of_pm(g.paper, 3, Objective::log, {.form = PmForm::horizon}); }},
+        {"film-3-cube-root", [](const G& g) { return g.of_pm(g.film, 3, Objective::cube_root); }},
+        {"paper-budget", [](const G& g) { return g.of_goal(g.paper, ByteBudget{60}, Objective::cosine); }},
+        {"paper-target", [](const G& g) { return g.of_goal(g.paper, TargetError{0.02}, Objective::cosine); }},
+        {"paper-delta-e", [](const G& g) { return g.of_goal(g.paper, TargetDeltaE{4}, k_default_objective); }},
+        {"film-views", [](const G& g) { return g.of_su(g.film, {.lobes = 3, .directions = 96}, k_default_objective); }},
+        {"film-lights",
+         [](const G& g) {
+             return g.of_su(g.film, {.lobes = 2, .discretise = Discretise::light, .directions = 64}, Objective::raw);
+         }},
+        {"film-ggx", [](const G& g) { return g.fitted(g.film, {.model = GgxRequest{2}, .threads = g.threads}); }},
+        {"film-samples", [](const G& g) { return g.of_pm(samples_of(g.film, 400, false), 3); }},
+        {"film-spectra",
+         [](const G& g) {
+             FitRequest request = g.request({.size = LobeCount{3}}, Objective::cosine);
+             request.spectral = true;
+             return g.fitted(samples_of(g.film, 300, true), request);
+         }},
+        {"both-sides", [](const G& g) { return g.of_both_sides(); }},
+        {"texels", [](const G& g) { return g.of_texels(); }},
+    };
+    return all;
+}
+
+/// The lines of the table by name; empty where there is no such file.
+std::map<std::string, Line> read_table(const std::string& path) {
+    std::map<std::string, Line> table;
+    const auto bytes = read_file(path);
+    if (!bytes) return table;
+    std::istringstream file(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()));
+    std::string text, name;
+    std::getline(file, text);  // the names of the columns
+    while (std::getline(file, text)) {
+        std::istringstream columns(text);
+        Line line;
+        std::getline(columns, name, ',');
+        for (std::string* column : {&line.model, &line.figures, &line.delta_e, &line.error})
+            std::getline(columns, *column, ',');
+        table[name] = line;
+    }
+    return table;
+}
+
+/// The processor's instruction sets that the library was compiled for, the newest first.
+std::vector<std::string> instruction_sets() {
+    std::vector<std::string> names;
+    for (const auto target : hwy::SupportedAndGeneratedTargets()) names.push_back(hwy::TargetName(target));
+    return names;
+}
+/// Dispatches to that instruction set alone until the next call.
+void limit_to(const std::string& name) {
+    static std::unique_ptr<OneTarget> one;
+    one.reset();
+    for (const auto target : hwy::SupportedAndGeneratedTargets())
+        if (hwy::TargetName(target) == name) one = std::make_unique<OneTarget>(target);
+    if (!one) fail("this processor has no " + name);
+}
+
+/// Fits the rows of that name, or all where there is none, adds their lines to `text`, and returns how many differ from
+/// the table.
+int differing(const Golden& golden, const std::map<std::string, Line>& table, const std::string& only,
+              std::string& text) {
+    int failed = 0;
+    for (const Row& row : rows()) {
+        if (!only.empty() && only != row.name) continue;
+        const Line line = row.fit(golden);
+        const auto at = table.find(row.name);
+        const Line expected = at == table.end() ? Line{} : at->second;
+        const auto print = [](const char* what, const Line& of) {
+            std::printf("%s: model %s, figures %s, delta E %s, error %s\n", what, of.model.c_str(), of.figures.c_str(),
+                        of.delta_e.c_str(), of.error.c_str());
+        };
+        const bool same = line.model == expected.model && line.figures == expected.figures;
+        failed += !same;
+        print(row.name, line);
+        if (!same) print("  DIFFERS, expected", expected);
+        std::fflush(stdout);
+        text += std::string(row.name) + ',' + line.model + ',' + line.figures + ',' + line.delta_e + ',' + line.error +
+                '\n';
+    }
+    return failed;
+}
+
+int run(const std::vector<std::string>& arguments) {
+    if (arguments.size() < 2) fail("expected the folder of data and the table");
+    const std::string &data = arguments[0], &path = arguments[1];
+    Golden golden{must(load_measured(data + "/paper_white_rgb.bsdf")),
+                  must(load_measured(data + "/cc_ibiza_sunset_rgb.bsdf")), 0};
+    const std::map<std::string, Line> table = read_table(path);
+    std::string only;
+    bool writes = false, is_older = false;
+    for (std::size_t i = 2; i < arguments.size(); ++i) {
+        const bool has_value = i + 1 < arguments.size();
+        if (arguments[i] == "--write")
+            writes = true;
+        else if (arguments[i] == "--older")
+            is_older = true;
+        else if (arguments[i] == "--instructions" && has_value)
+            limit_to(arguments[++i]);
+        else if (arguments[i] == "--threads" && has_value)
+            golden.threads = std::atoi(arguments[++i].c_str());
+        else if (arguments[i] == "--only" && has_value)
+            only = arguments[++i];
+        else
+            fail("unknown argument " + arguments[i]);
+    }
+    std::string text = "fit,model,figures,delta_e_itp,error\n";
+    int failed = 0;
+    if (is_older) {
+        const std::vector<std::string> sets = instruction_sets();
+        for (std::size_t i = 1; i < sets.size(); ++i) {
+            limit_to(sets[i]);
+            golden.threads = i == 1 ? 7 : 1;
+            std::printf("%s, %d threads\n", sets[i].c_str(), golden.threads);
+            // Narrow vectors take long: the next newest set has all rows, the others those of each kind of model.
+            for (const char* row : {"texels", "film-lights", "film-ggx", "film-3-general", "film-spectra"})
+                if (i > 1) failed += differing(golden, table, row, text);
+            if (i == 1) failed += differing(golden, table, "", text);
+        }
+    } else {
+        failed = differing(golden, table, only, text);
+    }
+    if (writes) {
+        std::FILE* const file = std::fopen(path.c_str(), "w");
+        if (!file || std::fputs(text.c_str(), file) < 0 || std::fclose(file) != 0) fail("cannot write " + path);
+        return 0;
+    }
+    std::printf("%d differ\n", failed);
+    return failed == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace srbf
+
+int main(int count, char** arguments) { return srbf::run({arguments + 1, arguments + count}); }

@@ -1,0 +1,5 @@
+find_path(FMT_INCLUDE_DIR fmt/format.h PATHS /usr/include)
+add_library(fmt::fmt INTERFACE IMPORTED)
+target_include_directories(fmt::fmt INTERFACE ${FMT_INCLUDE_DIR})
+target_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)
+set(fmt_FOUND TRUE)

@@ -1,0 +1,5 @@
+file(GLOB pugixml_source ${SRBF_SOURCES}/pugixml-*/src)
+add_library(pugixml STATIC ${pugixml_source}/pugixml.cpp)
+target_include_directories(pugixml SYSTEM PUBLIC ${pugixml_source})
+add_library(pugixml::pugixml ALIAS pugixml)
+set(pugixml_FOUND TRUE)

@@ -39,6 +39,8 @@ using Tree = KdTree<float, 5>;
 /// this many candidates that were not nearer.
 class Nearest {
   public:
+    using DistanceType = float;
+    using IndexType = std::uint32_t;
     explicit Nearest(std::size_t most) : most_(most) {}
     std::size_t size() const { return count_; }
     bool empty() const { return count_ == 0; }

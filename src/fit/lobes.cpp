@@ -82,12 +82,6 @@ std::vector<std::vector<double>> LobeProblem::sums_of_chunks(std::size_t count, 
     return parts;
 }
 
-Eigen::MatrixXd LobeProblem::with_radiances(Eigen::MatrixXd G, const std::vector<std::vector<double>>& parts) const {
-    for (std::size_t chunk = chunks_of_pairs(); chunk < chunks(); ++chunk)
-        G.selfadjointView<Eigen::Upper>().rankUpdate(Eigen::Map<const Eigen::VectorXd>(parts[chunk].data(), G.rows()));
-    return G.selfadjointView<Eigen::Upper>();
-}
-
 double LobeProblem::loss(const Eigen::VectorXd& x) {
     lobes_ = (int(x.size()) - shape_.variates) / shape_.width();
     const std::size_t J = std::size_t(lobes_), N = std::size_t(shape_.variates), W = std::size_t(shape_.width());
@@ -155,10 +149,12 @@ double LobeProblem::loss(const Eigen::VectorXd& x) {
                                           return whole;
                                       });
     // Row-major lower triangles are column-major upper ones.
-    Eigen::MatrixXd of_pairs = Eigen::MatrixXd::Zero(Eigen::Index(J + C), Eigen::Index(J + C));
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(Eigen::Index(J + C), Eigen::Index(J + C));
     for (std::size_t chunk = 0; chunk < chunks_of_pairs(); ++chunk)
-        of_pairs += Eigen::Map<const Eigen::MatrixXd>(parts[chunk].data(), of_pairs.rows(), of_pairs.cols());
-    const Eigen::MatrixXd G = with_radiances(std::move(of_pairs), parts);
+        G += Eigen::Map<const Eigen::MatrixXd>(parts[chunk].data(), G.rows(), G.cols());
+    for (std::size_t chunk = chunks_of_pairs(); chunk < chunks(); ++chunk)
+        G.selfadjointView<Eigen::Upper>().rankUpdate(Eigen::Map<const Eigen::VectorXd>(parts[chunk].data(), G.rows()));
+    G = Eigen::MatrixXd(G.selfadjointView<Eigen::Upper>());
     gram_ = G.topLeftCorner(lobes_, lobes_);
     beta_limit_.resize(lobes_);
     for (int j = 0; j < lobes_; ++j) {

@@ -115,8 +115,6 @@ class LobeProblem {
     template <typename OfPairs, typename OfRadiance>
     std::vector<std::vector<double>> sums_of_chunks(std::size_t count, const OfPairs& of_pairs,
                                                     const OfRadiance& of_radiance) const;
-    /// G, of whose upper triangle alone is used, with the products of the radiances' sums of columns.
-    Eigen::MatrixXd with_radiances(Eigen::MatrixXd G, const std::vector<std::vector<double>>& parts) const;
 
     /// The sums over rows of which `linearise` makes its equations, over pairs and, as products of sums, over radiances.
     struct DerivativeSums {

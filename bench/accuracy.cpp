@@ -4,8 +4,8 @@
 #include <chrono>
 #include <filesystem>
 
+#include "fit/fits.h"
 #include "material_table.h"
-#include "srbf/fit.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 

@@ -10,8 +10,8 @@
 #include <ctime>
 #include <filesystem>
 
+#include "fit/fits.h"
 #include "render/path.h"
-#include "srbf/fit.h"
 #include "srbf/measured.h"
 
 namespace srbf {

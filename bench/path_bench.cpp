@@ -6,10 +6,10 @@
 
 #include <ctime>
 
+#include "fit/fits.h"
 #include "one_target.h"
 #include "render/path.h"
 #include "srbf/convert.h"
-#include "srbf/fit.h"
 #include "srbf/measured.h"
 
 namespace srbf {

@@ -22,8 +22,8 @@
 #include <thread>
 #include <vector>
 
+#include "fit/fits.h"
 #include "render/frames.h"
-#include "srbf/fit.h"
 #include "srbf/metrics.h"
 
 namespace srbf {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "fit/fits.h"
 #include "srbf/directions.h"
-#include "srbf/fit.h"
 #include "srbf/measured.h"
 #include "srbf/sampling.h"
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "srbf/fit.h"
+#include "fit/fits.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "srbf/fit.h"
+#include "fit/fits.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/model.h"

@@ -3,10 +3,11 @@
 
 #include <fmt/format.h>
 
-#include "fit/batched_fits.h"
-#include "fit/lobes.h"
-#include "fit/search.h"
-#include "least_squares.h"
+#include "fit/fits.h"
+#include "fit/search/fit_pm.h"
+#include "fit/search/search.h"
+#include "fit/solve/least_squares.h"
+#include "fit/solve/lobes.h"
 #include "one_target.h"
 #include "properties.h"
 
@@ -277,9 +278,9 @@ TEST(Cuda, searches_in_batches_find_fits_as_good) {
     FitOptions options;
     options.lobes = 3, options.variates = 2, options.starts = 3, options.perturbations = 4, options.threads = 1;
     const Observations* const both[] = {&first, &second};
-    const auto fits = fit_pm_in_batches(both, options, Batches::Where::emulated);
+    const auto fits = fit_pm(both, options, Where::emulated);
     ASSERT_TRUE(fits) << message(fits.error());
-    const auto again = fit_pm_in_batches(std::span(both).last(1), options, Batches::Where::emulated);
+    const auto again = fit_pm(std::span(both).last(1), options, Where::emulated);
     ASSERT_TRUE(again);
     EXPECT_EQ(again->front().model, (*fits)[1].model);  // whatever else is in the batch
     for (std::size_t i = 0; i < 2; ++i) {

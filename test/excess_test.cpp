@@ -1,7 +1,8 @@
 // Fits that exceed the measurement between the rows that they have seen.
-#include "fit/excess.h"
+#include "fit/objective/bound.h"
 
-#include "fit/sample.h"
+#include "fit/data/observations.h"
+#include "fit/search/subsets.h"
 #include "properties.h"
 #include "srbf/directions.h"
 
@@ -51,7 +52,7 @@ TEST(Excess, IsFoundWhereItIs) {
 
 TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
     Observations o = grey();
-    const std::size_t first = o.f.size() - o.checks, checks = o.checks;
+    const std::size_t first = o.fitted(), checks = o.checks;
     const std::size_t taken = take_exceeded(o, first, with_spike(), 0.01);
     ASSERT_GT(taken, 0u);
     EXPECT_EQ(o.checks, checks - taken);
@@ -68,21 +69,23 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
     for (std::size_t i = 0; i < taken; ++i) EXPECT_EQ(o.weight[first + i], 4 * weight[i]);
 }
 
-// The search's sample grows only by pairs at which a candidate exceeds the measurement.
-TEST(Sample, TakesInWhereCandidatesExceedTheMeasurement) {
+// The search's subsets grow only by pairs at which a candidate exceeds the measurement.
+TEST(Subsets, TakeInWhereCandidatesExceedTheMeasurement) {
     const Observations o = grey();
     const FitOptions options{.form = PmForm::gaussian, .axial = false, .lobes = 1, .variates = 1};
-    Sample sample(o);
-    const std::size_t before = sample.to_grow_on().wl[0].size();
-    const auto look_at = [&](Vec3d p) {
-        sample.look_about({{0, {shape_of(options), {0}, {p.x, p.y, p.z}}, 1, 0}}, options, 300);
-        return sample.to_grow_on().wl[0].size();
+    Subsets subsets(o);
+    const auto rows = [&] { return subsets.rows({.pairs = k_few}, 0).wl[0].size(); };
+    const std::size_t before = rows();
+    const auto with = [&](Vec3d p) {
+        const Candidate candidate{.lobes = {shape_of(options), {0}, {p.x, p.y, p.z}}, .loss = 1};
+        subsets.add_exceeded({candidate}, options, 300);
+        return rows();
     };
-    EXPECT_EQ(look_at({0, 0, 0}), before);                     // the constant
-    EXPECT_TRUE(near(sample.radiance_importance(), 0, 1e-6));  // which leaves no loss
+    EXPECT_EQ(with({0, 0, 0}), before);                         // the constant
+    EXPECT_TRUE(near(subsets.radiance_importance(), 0, 1e-6));  // which leaves no loss
     // A lobe of a quarter of a degree, as large as the constant where it is seen first, a degree from its centre.
-    EXPECT_GT(look_at(60000.0 * spherical(0.7, 1.3)), before);
-    EXPECT_TRUE(near(sample.radiance_importance(), 0.004 / 0.03, 1e-6));  // no more than a loss of 0.004 counts
+    EXPECT_GT(with(60000.0 * spherical(0.7, 1.3)), before);
+    EXPECT_TRUE(near(subsets.radiance_importance(), 0.004 / 0.03, 1e-6));  // no more than a loss of 0.004 counts
 }
 
 }  // namespace

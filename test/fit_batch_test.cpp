@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "fit/data/observe_samples.h"
 #include "program.h"
 #include "properties.h"
 #include "srbf/directions.h"

@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "fit/data/observe_samples.h"
 #include "properties.h"
 #include "srbf/directions.h"
 

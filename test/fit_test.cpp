@@ -1,5 +1,5 @@
 // The fit: recovery of synthetic input, documented properties, errors.
-#include "srbf/fit.h"
+#include "fit/fits.h"
 
 #include <map>
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <thread>
 
-#include "fit/excess.h"
+#include "fit/objective/bound.h"
 #include "measured_files.h"
 #include "models.h"
 #include "properties.h"

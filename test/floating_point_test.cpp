@@ -8,7 +8,8 @@
 #include <limits>
 #include <thread>
 
-#include "fit/view_lobes.h"
+#include "fit/data/observe_samples.h"
+#include "fit/views/view_lobes.h"
 #include "models.h"
 #include "properties.h"
 #include "srbf/convert.h"

@@ -1,7 +1,7 @@
 // Lambert and GGX: the formula, its file, its fit.
+#include "fit/fits.h"
 #include "properties.h"
 #include "srbf/directions.h"
-#include "srbf/fit.h"
 #include "srbf/metrics.h"
 
 namespace srbf::ggx_test {

@@ -1,6 +1,7 @@
 // The inner loops of the fit compared with plain ones, for each instruction set of this machine.
-#include "fit/gram.h"
+#include "fit/solve/gram.h"
 
+#include "fit/data/observations.h"
 #include "one_target.h"
 #include "properties.h"
 #include "srbf/kernel.h"

@@ -1,7 +1,7 @@
 // Anisotropic data: detection, and fits with general lobes.
+#include "fit/fits.h"
 #include "properties.h"
 #include "srbf/directions.h"
-#include "srbf/fit.h"
 #include "srbf/metrics.h"
 
 namespace srbf::isotropy_test {

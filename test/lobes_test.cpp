@@ -1,8 +1,9 @@
 // Lobes as a least-squares problem: derivatives, the linear part, and the steps of the search.
-#include "fit/lobes.h"
+#include "fit/solve/lobes.h"
 
-#include "fit/rounding.h"
-#include "least_squares.h"
+#include "fit/data/observations.h"
+#include "fit/solve/least_squares.h"
+#include "fit/solve/rounding.h"
 #include "properties.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
@@ -148,7 +149,7 @@ TEST(Lobes, LossCountsAlbedo) {
         check_gradient(problem, x);
         const PmModel model = to_model(problem, lobes, true);
         double expected = 0;
-        for (std::size_t i = 0; i < o.f.size() - o.checks; ++i)
+        for (std::size_t i = 0; i < o.fitted(); ++i)
             for (int c = 0; c < 3; ++c)
                 expected +=
                     o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
@@ -194,7 +195,7 @@ TEST(Lobes, LossCountsWhatIsSeen) {
     for (int i = 0; i < 10; ++i) loss = problem.loss(x);
     const PmModel model = to_model(problem, some_lobes(), true);
     double of_pairs = 0, error = 0, delta_e = 0;
-    for (std::size_t i = 0; i < o.f.size() - o.checks; ++i)
+    for (std::size_t i = 0; i < o.fitted(); ++i)
         for (int c = 0; c < 3; ++c)
             of_pairs += o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
     int pixels = 0;
@@ -276,7 +277,7 @@ TEST(Lobes, DroppingCostsWhatItSays) {
     LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     const Lobes lobes{{PmForm::gaussian, 3}, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
     const double loss = problem.loss(LobeProblem::pack(lobes));
-    const std::vector<double> cost = problem.cost_of_dropping();
+    const std::vector<double> cost = cost_of_dropping(problem.gram(), problem.beta());
     for (std::size_t j = 0; j < 3; ++j) {
         Lobes fewer = lobes;
         fewer.weight.erase(fewer.weight.begin() + std::ptrdiff_t(3 * j),

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <map>
 
+#include "fit/data/observations.h"
 #include "properties.h"
-#include "srbf/fit.h"
 #include "srbf/kernel.h"
 #include "srbf/pictures.h"
 

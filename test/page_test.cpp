@@ -9,13 +9,13 @@
 #include <regex>
 #include <unordered_set>
 
+#include "fit/fits.h"
 #include "models.h"
 #include "render/chart.h"
 #include "render/html.h"
 #include "render/scene.h"
 #include "render/slices.h"
 #include "srbf/convert.h"
-#include "srbf/fit.h"
 #include "su_models.h"
 #include "temporary_folder.h"
 #ifdef SRBF_RASTER

@@ -1,7 +1,8 @@
 // Weights of radiance in pictures by one light.
-#include "fit/phases.h"
+#include "fit/objective/point_lights.h"
 
-#include "fit/objective.h"
+#include "fit/data/observations.h"
+#include "fit/objective/objective.h"
 #include "properties.h"
 #include "srbf/directions.h"
 
@@ -31,8 +32,8 @@ Evaluate with_error(const Observations& o, float error) {
 double added_cost(float error) {
     Observations o = coated();
     const Observations before = o;
-    add_phase_weights(o, with_error(before, error));
-    EXPECT_TRUE(o.phase_weight.empty());
+    add_point_lights(o, with_error(before, error));
+    EXPECT_TRUE(o.point_light_weight.empty());
     double others = 0, added = 0;
     for (std::size_t i = 0; i < o.f.size(); ++i) {
         const double square = square_of(o.f[i]);
@@ -58,8 +59,8 @@ TEST(PhaseWeights, AreRelativeToTheEnergyOfTheirPhase) {
         const bool backwards = dot(o.wl[i], o.wv[i]) > elementary::cos(k_pi / 4);  // whole phases
         for (int c = 0; c < 3; ++c) scaled[i][c] *= backwards ? 50.f : 2.f;
     }
-    const std::vector<double> once = phase_weights(o.wl, o.wv, o.f, measure),
-                              twice = phase_weights(o.wl, o.wv, scaled, measure);
+    const std::vector<double> once = point_light_weights(o.wl, o.wv, o.f, measure),
+                              twice = point_light_weights(o.wl, o.wv, scaled, measure);
     for (std::size_t i = 0; i < scaled.size(); ++i)
         ASSERT_TRUE(
             near(twice[i] * square_of(scaled[i]), once[i] * square_of(o.f[i]), 1e-5 * once[i] * square_of(o.f[i])))

@@ -1,5 +1,5 @@
 // Errors of pixels against the measure of pictures and their own differences.
-#include "fit/pixels.h"
+#include "fit/objective/pixels.h"
 
 #include "pictures/itp.h"
 #include "properties.h"

@@ -3,12 +3,12 @@
 #include <map>
 
 #include "dialects.h"
+#include "fit/fits.h"
 #include "models.h"
 #include "program.h"
 #include "render/path.h"
 #include "render/raster.h"
 #include "srbf/convert.h"
-#include "srbf/fit.h"
 #include "srbf/likeness.h"
 #include "su_models.h"
 

@@ -5,13 +5,13 @@
 
 #include <map>
 
+#include "fit/fits.h"
 #include "models.h"
 #include "program.h"
 #include "render/exr.h"
 #include "render/shading.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
-#include "srbf/fit.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
 #include "su_models.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <map>
 
+#include "fit/fits.h"
 #include "models.h"
-#include "srbf/fit.h"
 #include "srbf/kernel.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"

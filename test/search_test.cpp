@@ -1,6 +1,7 @@
 // The search for lobes: growth and perturbations.
-#include "fit/search.h"
+#include "fit/search/search.h"
 
+#include "fit/data/observations.h"
 #include "models.h"
 #include "properties.h"
 
@@ -37,12 +38,13 @@ FitOptions options_of(std::uint64_t seed) {
 
 Candidate improved(Candidate candidate, const FitOptions& options, int perturbations) {
     Reporter reporter({}, 1);
-    improve(rows(), options, k_no_peak_limit, perturbations, candidate, reporter);
+    ProcessorSolver solver(rows(), shape_of(options), k_no_peak_limit);
+    EXPECT_TRUE(perturb(solver, options, perturbations, {&candidate, 1}, reporter));
     return candidate;
 }
 
 TEST(Search, PerturbationsFindAParameterizationThatStepsDoNotReach) {
-    const Candidate beside{0, {{PmForm::gaussian, 2}, {k_pi / 4, 0.1}, {60, 3, 2, -300}}};
+    const Candidate beside{.lobes = {{PmForm::gaussian, 2}, {k_pi / 4, 0.1}, {60, 3, 2, -300}}};
     int found = 0;
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         const Candidate before = improved(beside, options_of(seed), 3), after = improved(before, options_of(seed), 32);
@@ -58,8 +60,9 @@ TEST(Search, GrowsWhatMadeTheData) {
     int found = 0;
     for (int start = 0; start < 10; ++start) {
         Reporter reporter({}, 1);
-        const Candidate candidate = grow(rows(), options_of(3), k_no_peak_limit, start, reporter);
-        EXPECT_EQ(candidate.start, start);
+        Candidate candidate{.start = start};
+        ProcessorSolver solver(rows(), shape_of(options_of(3)), k_no_peak_limit);
+        EXPECT_TRUE(grow(solver, options_of(3), {&candidate, 1}, reporter));
         EXPECT_EQ(candidate.lobes.count(), 2);
         found += improved(candidate, options_of(3), 16).loss <= 1e-6;
     }

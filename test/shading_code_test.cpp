@@ -12,6 +12,7 @@
 #ifdef SRBF_RASTER
 #include <epoxy/gl.h>
 
+#include "fit/data/observations.h"
 #include "render/offscreen.h"
 #endif
 

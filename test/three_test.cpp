@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "fit/fits.h"
 #include "models.h"
 #include "render/html.h"
 #include "render/offscreen.h"
@@ -13,7 +14,6 @@
 #include "render/raster.h"
 #include "render/scene.h"
 #include "srbf/convert.h"
-#include "srbf/fit.h"
 #include "srbf/shading_code.h"
 #include "temporary_folder.h"
 

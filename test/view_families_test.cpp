@@ -1,5 +1,5 @@
 // The choice among families of lobes: the cheapest path, and the fading of its edges.
-#include "fit/view_families.h"
+#include "fit/views/view_families.h"
 
 #include "properties.h"
 

@@ -1,9 +1,9 @@
 // The lobes of one view as a least-squares problem: its loss and derivatives.
-#include "fit/view_problem.h"
+#include "fit/views/view_problem.h"
 
-#include "fit/view_in_pictures.h"
+#include "fit/views/view_in_pictures.h"
 
-#include "least_squares.h"
+#include "fit/solve/least_squares.h"
 #include "properties.h"
 
 namespace srbf::view_problem_test {

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <limits>
 
-#include "fit/objective.h"
-#include "least_squares.h"
+#include "fit/fits.h"
+#include "fit/objective/objective.h"
+#include "fit/solve/least_squares.h"
 #include "parallel.h"
 #include "srbf/elementary.h"
-#include "srbf/fit.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"
 
@@ -33,9 +33,7 @@ using Roughness = std::vector<double>;
 class GgxProblem {
   public:
     GgxProblem(const Observations& observations, std::size_t rows, int threads)
-        : observations_(observations),
-          rows_(std::min(rows, observations.f.size() - observations.checks)),
-          threads_(threads) {}
+        : observations_(observations), rows_(std::min(rows, observations.fitted())), threads_(threads) {}
 
     double loss(const Roughness& log_alpha) { return solve(log_alpha).loss; }
 
@@ -170,7 +168,7 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
     for (int round = 0; round < k_root_rounds && traits(observations.objective).seen; ++round) {
         const GgxModel model = all.solve(log_alpha).model;
         weighed.weight = observations.weight;
-        weigh_large_errors(weighed, weighed.f.size() - weighed.checks, evaluator(model), k_most_root_change);
+        weigh_large_errors(weighed, weighed.fitted(), evaluator(model), k_most_root_change);
         if (!progress.report("refining roughness", 0.3 + 0.7 * round / k_root_rounds)) return cancelled_error("fit");
         if (round == 0) log_alpha = scanned(sample, options.lobes);
         refine(all, log_alpha);

@@ -3,7 +3,7 @@
 #include <numeric>
 
 #include "srbf/convert.h"
-#include "srbf/fit.h"
+#include "srbf/fitting.h"
 #include "srbf/kernel.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
@@ -12,17 +12,12 @@
 int main(int, char** arguments) {
     const auto measured = srbf::load_measured(arguments[1]);
     if (!measured) return std::puts(message(measured.error()).c_str()), 1;
-    const auto observations = srbf::observe(srbf::signed_evaluator(*measured), srbf::ObserveOptions{});
-    if (!observations) return 1;
-    srbf::FitOptions options;
-    options.lobes = 2;
-    options.variates = 2;
-    const auto fit = srbf::fit_pm(*observations, options);
-    if (!fit) return 1;
-    const auto saved = srbf::save_model({fit->model, {{"generator", "a user of the library"}}}, arguments[2]);
+    const auto fit = srbf::fit(*measured, {.model = srbf::PmRequest{.variates = 2, .size = srbf::LobeCount{2}}});
+    if (!fit) return std::puts(message(fit.error()).c_str()), 1;
+    const auto saved = srbf::save_model(fit->model, arguments[2]);
     if (!saved) return std::puts(message(saved.error()).c_str()), 1;
     const auto again = srbf::load_model(arguments[2]);
     const srbf::Rgb f = value(*again, {0, 0, 1}, {0.6f, 0, 0.8f}), g = value(*measured, {0, 0, 1}, {0.6f, 0, 0.8f});
-    std::printf("%zu bytes, green %.3f for %.3f\n", srbf::payload_bytes(fit->model), double(f.g), double(g.g));
+    std::printf("%zu bytes, green %.3f for %.3f\n", payload_bytes(fit->model), double(f.g), double(g.g));
     return f.g > 0.5f * g.g && f.g < 2 * g.g ? 0 : 1;
 }

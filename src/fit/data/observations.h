@@ -1,0 +1,106 @@
+// What a fit sees of a measurement.
+#pragma once
+#include <cstdint>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "fit/data/values.h"
+#include "srbf/fit.h"
+
+namespace srbf {
+
+/// Radiance reflected towards wv under an extended light, as a quadrature: Σ_i weight_i f(wl_i, wv). In uniform light
+/// of radiance 1 it is the directional albedo.
+struct RadianceObservation {
+    Vec3f wv;
+    std::vector<Vec3f> wl;
+    std::vector<Rgb> f;           ///< [1/sr], ≥ 0
+    std::vector<double> weight;   ///< solid angle times cosθl [sr], times the light's radiance
+    std::vector<float> spectrum;  ///< of spectral observations: f at each wavelength, ≥ 0
+};
+
+/// A pixel of a displayed picture, where 1 is white: Σ_i weight_i f(wl_i, wv), over the directions of its view from
+/// `first` on.
+struct SeenPixel {
+    std::size_t lighting = 0;  ///< index of the picture
+    std::size_t first = 0;
+    std::vector<float> weight;  ///< solid angle times cosθl, radiance and exposure [sr]
+};
+/// A point of a surface in pictures under several lights.
+struct SeenView {
+    Vec3f wv;
+    std::vector<Vec3f> wl;  ///< at most k_most_view_directions
+    std::vector<Rgb> f;     ///< [1/sr], ≥ 0
+    std::vector<SeenPixel> pixels;
+};
+inline constexpr std::size_t k_most_view_directions = 512;
+
+/// Weighted samples of a BRDF, in an order such that every prefix is a representative subset.
+struct Observations {
+    std::vector<Vec3f> wl, wv;
+    std::vector<Rgb> f;          ///< [1/sr], ≥ 0
+    std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
+    /// Of appearance, for all but the checks, otherwise empty: w ≥ 0 of radiance in pictures by one light, up to a
+    /// factor. A fit adds it to `weight` in its last stages.
+    std::vector<double> point_light_weight;
+    std::size_t checks = 0;  ///< the last `checks` pairs are not part of Σ unless a fit exceeds them by far
+    Objective objective = Objective::raw;        ///< that the weights are of
+    double typical = 0;                          ///< the value of f or f cosθl to which they are relative
+    std::vector<RadianceObservation> radiances;  ///< that a fit also matches, from its first perturbation on
+    double radiance_error = 0.1;  ///< an error of this share in every radiance costs as much as the loss of the pairs
+    std::vector<SeenView> views;  ///< of pictures that a fit also matches, in its last stages
+    std::uint64_t masked = 0;     ///< number of sampled pairs where nothing was measured
+    std::uint64_t clamped = 0;    ///< number of negative channel values at sampled pairs, set to 0
+    std::vector<float> wavelengths;  ///< C [nm] of spectral observations; otherwise empty
+    std::vector<float> spectrum;     ///< f at each wavelength: observations × C [1/sr], ≥ 0
+
+    std::size_t fitted() const { return f.size() - checks; }  ///< all but the checks, which come last
+    std::span<const float> spectrum_of(std::size_t i) const {
+        return std::span(spectrum).subspan(i * wavelengths.size(), wavelengths.size());
+    }
+    void add(Vec3f l, Vec3f v, const Rgb& value, double its_weight, std::span<const float> its_spectrum = {});
+    void exchange(std::size_t i, std::size_t k);  ///< swaps two of them
+    void shuffle(std::mt19937_64& random);
+    void resize(std::size_t count);  ///< to the first `count`
+    /// Makes Σ w |f|² = 1; no change if it is 0.
+    void normalise();
+};
+
+/// The first `count` observations, without checks and radiances: for short fits.
+Observations beginning(const Observations& observations, std::size_t count);
+
+/// Returns an error unless all arrays have the same length, values are finite, weights are ≥ 0 with one of them > 0,
+/// and there are at least as many values as `parameters` of the model.
+Result<Done> validate(const Observations& observations, std::size_t parameters);
+
+struct ObserveOptions {
+    Objective objective = k_default_objective;
+    double max_theta = 0;       ///< [rad], in (0, π/2); 0: the objective's default
+    std::size_t count = 65536;  ///< maximum number of pairs, 1024..2^24; an eighth of them are guards
+    std::uint64_t seed = 0;
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+
+/// Samples eight times as many pairs as requested from a mixture that covers the features of a BRDF. Of these it
+/// chooses half with probability proportional to their share of Σ w |f|² and half uniformly, weighted so that sums over
+/// them estimate the objective's integrals over both caps. A pair that is chosen several times becomes one observation.
+/// An eighth are guards between θmax and 89.9° with small weights proportional to f cosθl cosθv; they keep the fit at
+/// the measurement's order of magnitude where it is not fitted. After these follow the checks: a grid over the whole
+/// hemisphere to 89.9°, including its edges, and 32,768 pairs about the mirror direction. Radiances are observed at
+/// those of 0, 15, 30, 45, 60, 70, 75, 80 and 85° that lie within θmax, in uniform light: albedos. For appearance 100
+/// views of a sphere follow, under four extended and eleven single white lights of which none is one of
+/// `standard_lightings`. `f` may be negative (see signed_value) or NaN.
+/// Errors: no pair has a value; all values are 0; cancelled.
+Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress = {});
+
+/// Makes `observations` spectral: adds the spectra whose colours they have, with negative values set to 0. `clamped`
+/// then counts these instead of those of the colours.
+void observe_spectra(Observations& observations, const Channels& spectra);
+
+/// Whether f(Rωl, Rωv) = f(ωl, ωv) for rotations R about the normal, up to rounding or noise, over θ ≤ max_theta [rad].
+/// The criterion: the mean squared change of f cosθl cosθv under any rotation is at most 1e-6 of the mean square of f
+/// cosθl cosθv; or at most 2 % of it and at most 2.5 times the change under rotation by 15°.
+bool is_isotropic(const Evaluate& f, double max_theta);
+
+}  // namespace srbf

@@ -1,0 +1,31 @@
+// A measurement as a matrix, for view-by-view fits.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "srbf/fit.h"
+
+namespace srbf {
+
+/// A BRDF at all pairs of n directions (the raw data of Tsai 2009, 12 n² bytes), and at further directions for each of
+/// them.
+struct RawMatrix {
+    Discretise discretise = Discretise::view;  ///< which direction of a pair is the sampled one in `between`
+    std::vector<Vec3f> direction;              ///< n: the Fibonacci set of the whole hemisphere
+    std::vector<Rgb> f;                        ///< n × n; (wl_l, wv_v) is at v n + l [1/sr], ≥ 0; NaN: not measured
+    /// f at a sampled direction and another one sampled from MirrorMixture about it. The directions of the set miss
+    /// most of a sharp highlight, and for isotropic data the same part of it in all views.
+    struct Between {
+        Vec3f direction;
+        Rgb f;
+        float pdf = 0;  ///< [1/sr]
+    };
+    std::vector<Between> between;  ///< n × m
+    std::uint64_t masked = 0;      ///< number of pairs of the matrix that were not measured
+    std::uint64_t clamped = 0;     ///< number of negative channel values in the matrix, set to 0
+};
+
+/// Evaluates `f`, which may be negative (see signed_value) or NaN. Errors: options out of range; cancelled.
+Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options = {}, const ProgressToken& progress = {});
+
+}  // namespace srbf

@@ -1,0 +1,33 @@
+// What fits compute of values of a BRDF.
+#pragma once
+#include <algorithm>
+#include <span>
+
+#include "srbf/colour.h"
+
+namespace srbf {
+
+/// Sets negative channels to 0; returns how many.
+inline int clamp_negative(std::span<float> f) {
+    int clamped = 0;
+    for (float& x : f) {
+        clamped += x < 0;
+        x = std::max(x, 0.f);
+    }
+    return clamped;
+}
+inline int clamp_negative(Rgb& f) { return clamp_negative({&f[0], 3}); }
+
+inline double square_of(const Rgb& f) { return double(f.r) * f.r + double(f.g) * f.g + double(f.b) * f.b; }
+inline double squared_distance(const Rgb& a, const Rgb& b) { return square_of({a.r - b.r, a.g - b.g, a.b - b.b}); }
+inline double largest_of(const Rgb& f) { return double(std::max({f.r, f.g, f.b})); }
+inline double mean_of(const Rgb& f) { return (double(f.r) + double(f.g) + double(f.b)) / 3; }
+
+/// Σ w |f|².
+inline double energy_of(std::span<const Rgb> f, std::span<const double> weight) {
+    double energy = 0;
+    for (std::size_t i = 0; i < f.size(); ++i) energy += weight[i] * square_of(f[i]);
+    return energy;
+}
+
+}  // namespace srbf

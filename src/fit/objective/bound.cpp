@@ -1,0 +1,60 @@
+#include "fit/objective/bound.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/data/observations.h"
+#include "fit/objective/objective.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+/// Initial cost, relative to the loss, of exceeding a check by the largest measured value.
+constexpr double k_excess_weight = 0.005;
+
+double area(const Observations& observations, std::size_t i) {
+    return double(observations.wl[i].z) * double(observations.wv[i].z);
+}
+
+}  // namespace
+
+double largest_measured(const Observations& observations) {
+    double largest = 0;
+    for (std::size_t i = 0; i < observations.f.size(); ++i)
+        largest = std::max(largest, largest_of(observations.f[i]) * area(observations, i));
+    return largest;
+}
+
+std::vector<std::size_t> exceeded(const Observations& observations, std::size_t first, const PmModel& model,
+                                  double largest) {
+    const std::span<const Vec3f> wl(observations.wl), wv(observations.wv);
+    std::vector<Rgb> f(wl.size() - first);
+    evaluator(model)(wl.subspan(first), wv.subspan(first), f);
+    std::vector<std::size_t> where;
+    for (std::size_t i = first; i < wl.size(); ++i)
+        if (largest_of(f[i - first]) * area(observations, i) > k_most_excess * largest) where.push_back(i);
+    return where;
+}
+
+double check_weight(const Observations& observations, std::size_t i, double loss, double largest) {
+    return k_excess_weight * loss * elementary::square(area(observations, i) / largest);
+}
+
+std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss) {
+    const double largest = largest_measured(observations);
+    const std::vector<std::size_t> where = exceeded(observations, first, model, largest);
+    for (const std::size_t i : where) {
+        const std::size_t to = observations.fitted();
+        if (i < to) {
+            observations.weight[i] *= 4;
+            continue;
+        }
+        observations.exchange(i, to);
+        observations.weight[to] = check_weight(observations, to, loss, largest);
+        --observations.checks;
+    }
+    return where.size();
+}
+
+}  // namespace srbf

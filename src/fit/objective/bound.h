@@ -1,0 +1,27 @@
+// Detection of fits that exceed the measurement between the observations.
+#pragma once
+#include <vector>
+
+#include "fit/data/observations.h"
+
+namespace srbf {
+
+/// The fitted f cosθl cosθv may reach this multiple of the largest measured value (documented: twice).
+inline constexpr double k_most_excess = 1.6;
+
+/// The largest measured f cosθl cosθv.
+double largest_measured(const Observations& observations);
+
+/// Indices, in order, of the observations from `first` on, including checks, at which f cosθl cosθv of `model` is more
+/// than `k_most_excess` times `largest`.
+std::vector<std::size_t> exceeded(const Observations& observations, std::size_t first, const PmModel& model,
+                                  double largest);
+
+/// The weight of check i when it becomes an observation, for a fit with this loss.
+double check_weight(const Observations& observations, std::size_t i, double loss, double largest);
+
+/// Turns checks that `model` exceeds into observations, and raises the weight of former checks that it still exceeds.
+/// Returns how many. `first` is the index of the first check.
+std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss);
+
+}  // namespace srbf

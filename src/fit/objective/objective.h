@@ -1,0 +1,75 @@
+// Weights of observations.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "fit/data/observations.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+
+/// Definition of an objective: a row of the table in objective.cpp.
+struct ObjectiveTraits {
+    Objective objective;
+    std::string_view name, summary;
+    double Measures::*measure;  ///< that it minimises
+    double max_theta;           ///< default θmax [degrees]
+    /// The weight of (f−f̂)² per solid angle of both directions, for a pair with mean `f` over its channels; `typical`
+    /// is their `typical_value`.
+    double (*weight)(double f, double typical, double cos_l, double cos_v);
+    /// Weights that are added for pairs which `weight` alone neglects: an error of 100 % everywhere adds to Σ w |f|²
+    /// the share `importance` of it.
+    struct Further {
+        double (*weight)(double f, double typical, double cos_l, double cos_v) = nullptr;
+        double importance = 0;
+    };
+    std::array<Further, 2> further{};  ///< null: none
+    /// The g of an objective Σ (g(f) − g(f̂))² whose weights, squares of its slope, hold for small errors only;
+    /// `large_error_weight` corrects them elsewhere. null: weights hold for errors of any size.
+    double (*seen)(double f, double typical, double cos_l) = nullptr;
+    double (*slope)(double f, double typical, double cos_l) = nullptr;
+    bool of_pictures = false;  ///< relative to f cosθl, the radiance seen under a light; also observes extended lights
+};
+const ObjectiveTraits& traits(Objective objective);
+
+/// The value to which an objective's weights are relative: the mean f, or for an objective of pictures the upper
+/// quartile of f cosθl, weighted by cosθv, which a display exposed for the picture shows as bright. f by its mean over
+/// the channels; `weight`: solid angles of the pairs. 0 if all of f is 0.
+double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
+                     std::span<const double> weight);
+
+/// Multiplies the weights of pairs (their solid angles) by the weights of the objective.
+void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
+           std::span<const Rgb> f, std::span<double> weight, int threads);
+
+/// Whether the measure of an objective is a root mean square, as opposed to a ratio of sums of squares.
+bool is_root(Objective objective);
+
+/// For an objective whose weights hold for small errors, and a fitted value `fitted`: the factor that makes the
+/// weighted square the actual error, Σ_c (g(f_c) − g(f̂_c))² / Σ_c (f_c−f̂_c)² over the square of g's slope; clamped to
+/// a factor of `most`. 1 for the other objectives.
+inline double large_error_weight(Objective objective, const Rgb& f, const Rgb& fitted, double typical, double cos_l,
+                                 double most) {
+    const ObjectiveTraits& of = traits(objective);
+    if (!of.seen) return 1;
+    double seen = 0;
+    for (int c = 0; c < 3; ++c)
+        seen += elementary::square(of.seen(double(f[c]), typical, cos_l) - of.seen(double(fitted[c]), typical, cos_l));
+    const double squares = squared_distance(f, fitted);
+    const double small = elementary::square(of.slope(mean_of(f), typical, cos_l));
+    return squares > 0 ? std::clamp(seen / squares / small, 1 / most, most) : 1;
+}
+
+/// The largest factor of a weight for an error that is not small, and the reciprocal of the least.
+inline constexpr double k_most_large_error_weight = 10;
+/// Multiplies the weights of the first `count` observations by their `large_error_weight` for what is fitted.
+void weigh_large_errors(Observations& observations, std::size_t count, const Evaluate& fitted, double most);
+
+/// Σ over the guards (observations beyond θmax) if the fit were off by the largest measured f cosθl cosθv at each of
+/// them, relative to Σ w |f|².
+inline constexpr double k_guard_importance = 1e-2;
+
+}  // namespace srbf

@@ -1,0 +1,97 @@
+#include "fit/search/finish.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "fit/objective/bound.h"
+#include "fit/objective/objective.h"
+#include "fit/solve/least_squares.h"
+#include "fit/solve/rounding.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+constexpr int k_check_rounds = 12;
+/// The last steps run in batches of ten until one lowers the loss by less than this. Most fits need two batches; a fit
+/// whose narrow lobes must match a radiance needs twenty.
+constexpr int k_last_steps = 10, k_most_tens = 26;
+constexpr double k_least_gain = 0.005;
+/// Instead, for pictures of scattered samples, which are known less well.
+constexpr double k_least_gain_of_samples = 0.02;
+/// If rounding raises the loss by more than this factor, parameters are rounded one after the other instead.
+struct CostlyRounding {
+    double factor;
+    Turns turns;
+};
+constexpr CostlyRounding k_costly_rounding[] = {{1.003, {4, 2, 2}}, {1.02, {12, 3, 6}}};
+
+/// Weights for which Σ w |f|² over the wavelengths equals that over R, G, B.
+void weigh_for_spectra(Observations& observations) {
+    const std::size_t count = observations.fitted(), C = observations.wavelengths.size();
+    const double of_colours =
+        energy_of(std::span(observations.f).first(count), std::span(observations.weight).first(count));
+    double of_spectra = 0;
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < C; ++c)
+            of_spectra += observations.weight[i] * elementary::square(double(observations.spectrum[i * C + c]));
+    if (!(of_spectra > 0)) return;
+    for (double& weight : observations.weight) weight *= of_colours / of_spectra;
+}
+
+/// Levenberg-Marquardt from x as long as the steps pay off.
+LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, double least_gain,
+                                     const Reporter& reporter) {
+    LevenbergMarquardtOptions steps;
+    steps.max_iterations = reporter.cancelled() ? 0 : k_last_steps;
+    LevenbergMarquardtSummary summary;
+    double before = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < k_most_tens; ++i) {
+        summary = levenberg_marquardt(problem, x, steps);
+        const bool pays = summary.loss <= (1 - least_gain) * before;
+        if (!pays || summary.stop != Stop::iterations || reporter.cancelled()) break;
+        before = summary.loss;
+    }
+    return summary;
+}
+
+}  // namespace
+
+PmFit finish(Lobes lobes, Observations all, const Importances& importance, const FitOptions& options,
+             double log_peak_limit, const Reporter& reporter) {
+    PmFit fit;
+    const bool spectral = !all.wavelengths.empty();
+    if (spectral) weigh_for_spectra(all);
+    const std::size_t first_check = all.fitted();
+    for (int round = 0;; ++round) {
+        const Rows rows(all, {.radiance_importance = importance.radiances,
+                              .spectra = spectral,
+                              .picture_importance = importance.pictures});
+        LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
+        Eigen::VectorXd x = LobeProblem::pack(lobes);
+        const bool of_samples = rows.views > 0 && !importance.has_point_lights;
+        const auto summary = last_steps(problem, x, of_samples ? k_least_gain_of_samples : k_least_gain, reporter);
+        lobes = problem.unpack(x);
+        fit.unrounded_loss = summary.loss;
+        fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
+        fit.unrounded = to_model(problem, lobes, options.log_scale, all.wavelengths);
+
+        // The nonlinear parameters are rounded, then the coefficients are solved again.
+        Lobes halves = to_lobes(to_halves(fit.unrounded, lobes), lobes.shape);
+        fit.loss = problem.loss(LobeProblem::pack(halves));
+        for (const auto& [factor, turns] : k_costly_rounding) {
+            if (fit.loss <= factor * fit.unrounded_loss) break;
+            const Lobes in_turn = rounded_in_turn(problem, lobes, turns);
+            if (const double loss = problem.loss(LobeProblem::pack(in_turn)); loss < fit.loss)
+                halves = in_turn, fit.loss = loss;
+            else
+                problem.loss(LobeProblem::pack(halves));
+        }
+        fit.model = to_halves(to_model(problem, halves, options.log_scale, all.wavelengths), halves);
+        if (round == k_check_rounds || reporter.cancelled()) return fit;
+        if (take_exceeded(all, first_check, fit.model, fit.loss) == 0) return fit;
+    }
+}
+
+}  // namespace srbf

@@ -1,0 +1,294 @@
+#include "fit/search/fit_pm.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "fit/objective/objective.h"
+#include "fit/objective/point_lights.h"
+#include "fit/search/finish.h"
+#include "fit/search/schedule.h"
+#include "fit/search/search.h"
+#include "fit/search/subsets.h"
+#include "fit/solve/least_squares.h"
+#include "fit/solve/rounding.h"
+#include "parallel.h"
+#include "srbf/elementary.h"
+#include "srbf/half.h"
+
+namespace srbf {
+
+std::string_view name(StopReason reason) {
+    switch (reason) {
+        case StopReason::converged:
+            return "converged";
+        case StopReason::iterations:
+            return "iterations";
+        case StopReason::cancelled:
+            return "cancelled";
+    }
+    return "";
+}
+
+namespace {
+
+/// Upper bound on the log of the coefficient of a lobe with peak 1. The peak may lie where no pair of directions maps
+/// to; but opposing lobes of ever larger bandwidths gain less than 1 % on the measured materials and lose precision in
+/// float.
+constexpr double k_log_peak_limit = 300;
+
+/// After the best candidate another one is finished only if its error is at most this much larger.
+constexpr double k_nearly_best = 0.01;
+
+Result<Done> validate(const Observations& observations, const FitOptions& options) {
+    const auto in_range = [](const char* what, int x, int least, int most) -> Result<Done> {
+        if (x >= least && x <= most) return Done{};
+        return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x), ErrorCode::argument};
+    };
+    for (const auto& result : {in_range("number of lobes", options.lobes, 1, k_most_fitted_lobes),
+                               in_range("number of variates", options.variates, 1, k_most_variates),
+                               in_range("number of starts", starts_of(options), 1, 1000),
+                               in_range("number of perturbations", perturbations_of(options), 0, 100000),
+                               in_range("number of threads", options.threads, 0, 1024)})
+        if (!result) return result.error();
+    if (!(options.finest >= 0 && options.finest < 1))
+        return Error{
+            "fit", {}, "finest width", "0 to 1 radian", fmt::format("{}", options.finest), ErrorCode::argument};
+    if (!options.log_scale && options.form != PmForm::gaussian)
+        return Error{"fit", {}, "log scale", "one, in all forms but gaussian", "none", ErrorCode::argument};
+    if (options.reciprocal && options.variates % 2 == 1)
+        return Error{"fit",
+                     {},
+                     "number of variates",
+                     "an even one, for a reciprocal model",
+                     fmt::format("{}", options.variates),
+                     ErrorCode::argument};
+    return validate(observations, parameter_count(options));
+}
+
+double log_peak_limit_of(const FitOptions& options) {
+    return options.log_scale ? k_log_peak_limit : elementary::log(double(k_half_max));
+}
+
+/// Work of a fit in grown lobes and perturbations: of the search, and of what follows.
+struct Effort {
+    double search = 0, rest = 0;
+    double all() const { return search + 2 * rest; }
+};
+Effort effort_of(const Observations& observations, const FitOptions& options) {
+    int perturbations = 0, before = 0;
+    for (const Stage& stage : schedule(!observations.views.empty())) {
+        if (stage.work != Work::perturb) continue;
+        const int until = stage.perturbations_until(options);
+        perturbations += int(stage.candidates(options)) * (until - before);
+        before = until;
+    }
+    return {double(starts_of(options) * options.lobes + perturbations), 0.2 * perturbations + 1};
+}
+
+/// The fit of one material, on the threads of the caller's `on_threads`.
+class Fit {
+  public:
+    Fit(const Observations& observations, const FitOptions& options, Reporter& reporter)
+        : observations_(observations), options_(options), reporter_(reporter) {
+        found.resize(std::size_t(starts_of(options)));
+        for (std::size_t start = 0; start < found.size(); ++start) found[start].start = int(start);
+    }
+
+    /// Candidates and weights for a stage.
+    void prepare(const Stage& stage) {
+        if (stage.bounds) subsets_.add_exceeded(found, options_, log_peak_limit_);
+        if (stage.reweights) reweight(stage);
+        found.resize(std::min(found.size(), stage.candidates(options_)));
+    }
+    Rows rows_of(const Stage& stage) const {
+        if (stage.pairs > 0) return subsets_.rows(stage, importances_.pictures);
+        return Rows(weighed(), {.radiance_importance = subsets_.radiance_importance(importances_.has_point_lights),
+                                .picture_importance = stage.pictures ? importances_.pictures : 0});
+    }
+    void sort() { std::ranges::stable_sort(found, {}, &Candidate::loss); }
+
+    /// Stages without a search. Without weights of point lights there is nothing to compare.
+    void take_steps(const Stage& stage) {
+        const bool has_work = stage.pairs > 0 || importances_.has_point_lights;
+        if (has_work && !reporter_.cancelled()) {
+            prepare(stage);
+            const Rows rows = rows_of(stage);
+            parallel_for(found.size(), [&](std::size_t i) {
+                if (!reporter_.cancelled()) take_steps(stage, rows, found[i]);
+            });
+            sort();
+            last_ = &stage;
+        }
+        polished();
+    }
+    /// Tells that a stage between the search and the last is done.
+    void polished() {
+        const auto stages = std::ranges::count_if(schedule(!observations_.views.empty()), [](const Stage& stage) {
+            return stage.work == Work::steps || stage.work == Work::polish;
+        });
+        reporter_.advance("polishing", effort_.rest / double(stages));
+    }
+    /// The last stage: the first candidate, or of those that are nearly as good the best.
+    PmFit finished(const Stage& stage) {
+        if (stage.reweights) reweight(stage);
+        if (!stage.pictures) sort_by_all();
+        found.resize(std::min(found.size(), stage.most));
+        PmFit fit;
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            if (i > 0 && (found[i].loss > (1 + k_nearly_best) * fit.loss || reporter_.cancelled())) break;
+            const double channels = spectral() ? double(observations_.wavelengths.size()) : 3;
+            Importances importances = importances_;
+            importances.radiances = subsets_.radiance_importance(importances_.has_point_lights) * 3 / channels;
+            PmFit next = finish(found[i].lobes, weighed(), importances, options_, log_peak_limit_, reporter_);
+            if (i == 0 || next.loss < fit.loss) fit = std::move(next);
+        }
+        if (!reporter_.advance("polishing", effort_.rest)) fit.stop = StopReason::cancelled;
+        return fit;
+    }
+
+    std::vector<Candidate> found;
+
+  private:
+    void take_steps(const Stage& stage, const Rows& rows, Candidate& candidate) const {
+        LobeProblem problem(rows, shape_of(options_), stage.pairs == 0, log_peak_limit_);
+        Eigen::VectorXd x = LobeProblem::pack(candidate.lobes);
+        candidate.loss = levenberg_marquardt(problem, x, {.max_iterations = stage.steps}).loss;
+        candidate.lobes = problem.unpack(x);
+        if (stage.order == Order::delta_e) candidate.loss = problem.delta_e();
+    }
+    bool spectral() const { return !observations_.wavelengths.empty(); }
+    const Observations& weighed() const { return weighed_.f.empty() ? observations_ : weighed_; }
+
+    /// Weights for the errors of the best candidate; before the first pictures those of a subset, later of all
+    /// observations.
+    void reweight(const Stage& stage) {
+        if (stage.pairs > 0) {
+            Stage pairs_alone = stage;
+            pairs_alone.pictures = false;
+            subsets_.reweight(fitted(subsets_.rows(pairs_alone, 0)));
+            importances_.pictures = subsets_.picture_importance(found.front(), stage, options_, log_peak_limit_);
+            importances_.has_point_lights = !spectral() && !observations_.point_light_weight.empty();
+            return;
+        }
+        const Evaluate model = fitted(rows_of(*last_));
+        weighed_ = observations_;
+        weigh_large_errors(weighed_, weighed_.fitted(), model, k_most_large_error_weight);
+        if (importances_.has_point_lights) add_point_lights(weighed_, model);
+    }
+    /// The best candidate, with coefficients for these rows.
+    Evaluate fitted(const Rows& rows) const {
+        LobeProblem problem(rows, shape_of(options_), true, log_peak_limit_);
+        problem.loss(LobeProblem::pack(found.front().lobes));
+        return evaluator(to_model(problem, found.front().lobes, options_.log_scale, {}));
+    }
+    void sort_by_all() {
+        const Rows all(observations_, {.radiance_importance = subsets_.radiance_importance()});
+        LobeProblem problem(all, shape_of(options_), true, log_peak_limit_);
+        for (Candidate& candidate : found) candidate.loss = problem.loss(LobeProblem::pack(candidate.lobes));
+        sort();
+    }
+
+    const Observations& observations_;
+    const FitOptions& options_;
+    Reporter& reporter_;
+    double log_peak_limit_ = log_peak_limit_of(options_);
+    Effort effort_ = effort_of(observations_, options_);
+    Subsets subsets_{observations_};
+    Observations weighed_;  ///< once weights are adapted: all observations
+    Importances importances_;
+    const Stage* last_ = nullptr;  ///< the last stage of steps
+};
+
+using Fits = std::span<const std::unique_ptr<Fit>>;
+
+/// One stage of the search, for the candidates of all fits.
+template <Solver S>
+Result<Done> searched(S& solver, const Stage& stage, const FitOptions& options, std::span<Candidate> candidates,
+                      Reporter& reporter) {
+    switch (stage.work) {
+        case Work::grow:
+            return grow(solver, options, candidates, reporter);
+        case Work::perturb:
+            return perturb(solver, options, stage.perturbations_until(options), candidates, reporter);
+        default:
+            return polish(solver, options, candidates);
+    }
+}
+
+/// The same on this processor, a candidate a thread, or on a device, all of them together.
+Result<Done> search(Fits fits, const Stage& stage, const FitOptions& options, Where where, Reporter& reporter) {
+    std::vector<std::unique_ptr<Rows>> rows(fits.size());
+    parallel_for(fits.size(), [&](std::size_t i) {
+        fits[i]->prepare(stage);
+        rows[i] = std::make_unique<Rows>(fits[i]->rows_of(stage));
+    });
+    std::vector<Candidate> all;
+    for (std::size_t i = 0; i < fits.size(); ++i)
+        for (Candidate& of : fits[i]->found) of.rows = i, all.push_back(std::move(of));
+    Result<Done> done = Done{};
+    if (where == Where::processor) {
+        parallel_for(all.size(), [&](std::size_t i) {
+            ProcessorSolver solver(*rows[all[i].rows], shape_of(options), log_peak_limit_of(options));
+            [[maybe_unused]] const auto never_fails = searched(solver, stage, options, {&all[i], 1}, reporter);
+        });
+    } else {
+        std::vector<const Rows*> pointers;
+        for (const auto& of : rows) pointers.push_back(of.get());
+        auto solver = DeviceSolver::make(where, pointers, log_peak_limit_of(options));
+        if (!solver) return solver.error();
+        done = searched(*solver, stage, options, all, reporter);
+    }
+    for (const auto& fit : fits) fit->found.clear();
+    for (Candidate& of : all) fits[of.rows]->found.push_back(std::move(of));
+    for (const auto& fit : fits) {
+        fit->sort();
+        if (stage.work == Work::polish) fit->polished();
+    }
+    return done;
+}
+
+}  // namespace
+
+Result<std::vector<PmFit>> fit_pm(std::span<const Observations* const> observations, const FitOptions& options,
+                                  Where where, const ProgressToken& progress) {
+    const FlushSubnormals mode;
+    if (observations.empty()) return std::vector<PmFit>{};
+    const bool with_pictures = !observations[0]->views.empty();
+    double effort = 0;
+    for (const Observations* of : observations) {
+        if (const auto valid = validate(*of, options); !valid) return valid.error();
+        if (of->views.empty() == with_pictures)
+            return Error{"fit", {}, "observations", "with views, or without any", "both", ErrorCode::argument};
+        effort += effort_of(*of, options).all();
+    }
+    Reporter reporter(progress, effort);
+    std::vector<PmFit> done(observations.size());
+    Result<Done> result = Done{};
+    on_threads(options.threads, [&] {
+        std::vector<std::unique_ptr<Fit>> fits(observations.size());
+        parallel_for(fits.size(),
+                     [&](std::size_t i) { fits[i] = std::make_unique<Fit>(*observations[i], options, reporter); });
+        for (const Stage& stage : schedule(with_pictures)) {
+            if (!result) return;
+            if (stage.work == Work::steps)
+                parallel_for(fits.size(), [&](std::size_t i) { fits[i]->take_steps(stage); });
+            else if (stage.work == Work::finish)
+                parallel_for(fits.size(), [&](std::size_t i) { done[i] = fits[i]->finished(stage); });
+            else
+                result = search(fits, stage, options, where, reporter);
+        }
+    });
+    if (!result) return result.error();
+    return done;
+}
+
+Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress) {
+    const Observations* const one = &observations;
+    auto fits = fit_pm({&one, 1}, options, options.device == Device::cuda ? Where::cuda : Where::processor, progress);
+    if (!fits) return fits.error();
+    return std::move(fits->front());
+}
+
+}  // namespace srbf

@@ -1,0 +1,81 @@
+// Fits of multivariate models to scattered samples.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/data/observe_samples.h"
+#include "fit/objective/objective.h"
+#include "fit/search/search.h"
+#include "floating_point.h"
+#include "srbf/metrics.h"
+#include "srbf/prepared.h"
+
+namespace srbf {
+namespace {
+
+// The short fit: its error is needed within a factor of about two.
+constexpr int k_short_starts = 4, k_short_perturbations = 10;
+
+/// The observations of a fit in which the grid between the samples has this weight.
+Observations together(const SampleObservations& from, double weight_between, std::uint64_t seed) {
+    const Observations &samples = from.samples, &between = from.between;
+    const std::size_t fitted = samples.fitted();
+    Observations all;
+    all.wavelengths = samples.wavelengths;
+    const auto add_from = [&](const Observations& some, std::size_t i, double importance) {
+        all.add(some.wl[i], some.wv[i], some.f[i], importance * some.weight[i], some.spectrum_of(i));
+    };
+    for (std::size_t i = 0; i < fitted; ++i) add_from(samples, i, 1);
+    for (std::size_t i = 0; i < between.f.size() && weight_between > 0; ++i) add_from(between, i, weight_between);
+    std::mt19937_64 random(seed);
+    all.shuffle(random);
+    for (std::size_t i = fitted; i < samples.f.size(); ++i) add_from(samples, i, 1);
+    all.checks = samples.checks;
+    return all;
+}
+
+constexpr double k_most_change = 3;
+void weigh_large_errors(Observations& observations, const PmModel& fitted, const ObserveSamplesOptions& options,
+                        double typical) {
+    if (!traits(options.objective).seen) return;
+    const PreparedBrdf model = prepare(Model{fitted, {}});
+    for (std::size_t i = 0; i < observations.fitted(); ++i) {
+        const Vec3f wl = observations.wl[i], wv = observations.wv[i];
+        if (std::min(wl.z, wv.z) >= sample_cap(options.max_theta))  // otherwise a guard
+            observations.weight[i] *= large_error_weight(options.objective, observations.f[i], value(model, wl, wv),
+                                                         typical, double(wl.z), k_most_change);
+    }
+}
+
+}  // namespace
+
+Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
+                     const ProgressToken& progress) {
+    const FlushSubnormals mode;
+    const auto& [objective, max_theta, seed, spectral, complete, threads, only_completed] = observations.options;
+    const bool completed = !observations.completed.f.empty();
+    FitOptions bounded = options.pm;
+    if (!completed) bounded.finest = std::max(bounded.finest, observations.finest);
+    const std::size_t parameters = parameter_count(bounded), values = 3 * observations.places;
+    if (values < parameters)
+        return Error{"fit", {}, "samples", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
+    if (completed) return fit_pm(observations.completed, bounded, progress);
+    if (!options.fill) return fit_pm(together(observations, 0, seed), bounded, progress);
+
+    const Observations alone = together(observations, 0, seed);
+    const auto first = fit_pm(alone, in_short(bounded, k_short_starts, k_short_perturbations), progress.part(0, 0.3));
+    if (!first) return first;
+    const std::size_t fitted = observations.samples.fitted();
+    const auto beginning = [&](const auto& of) { return std::span(of).first(fitted); };
+    const Measures remaining = measure_samples(beginning(alone.wl), beginning(alone.wv), beginning(alone.f),
+                                               evaluator(first->unrounded), max_theta);
+    SampleObservations weighed = observations;
+    for (Observations* of : {&weighed.samples, &weighed.between})
+        weigh_large_errors(*of, first->unrounded, observations.options, observations.samples.typical);
+    double belief = std::min(error_of(remaining, objective) / error_of(observations.interpolation, objective), 1.0);
+    if (is_root(objective)) belief *= belief;
+    return fit_pm(together(weighed, std::isfinite(belief) ? belief : 1, seed), bounded, progress.part(0.3, 1));
+}
+
+}  // namespace srbf

@@ -1,0 +1,28 @@
+#include "fit/search/solver.h"
+
+#include "fit/solve/least_squares.h"
+
+namespace srbf {
+
+Result<Done> ProcessorSolver::optimise(std::span<Trial> trials) {
+    for (Trial& trial : trials) {
+        LevenbergMarquardtOptions options;
+        options.max_iterations = trial.steps;
+        options.target = trial.target;
+        Eigen::VectorXd x = LobeProblem::pack(trial.lobes);
+        const double loss = levenberg_marquardt(problem_, x, options).loss;
+        trial.lobes = problem_.unpack(x);
+        take_loss(trial, loss);
+    }
+    return Done{};
+}
+
+Result<Done> ProcessorSolver::best_additions(std::span<Trial> trials) {
+    for (Trial& trial : trials) {
+        take_loss(trial, problem_.loss(LobeProblem::pack(trial.lobes)));
+        trial.addition = problem_.best_addition(trial.additions);
+    }
+    return Done{};
+}
+
+}  // namespace srbf

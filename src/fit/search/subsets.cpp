@@ -1,0 +1,113 @@
+#include "fit/search/subsets.h"
+
+#include <algorithm>
+#include <set>
+
+#include "fit/data/observations.h"
+#include "fit/objective/bound.h"
+#include "fit/objective/objective.h"
+#include "fit/objective/point_lights.h"
+#include "fit/solve/rounding.h"
+#include "parallel.h"
+
+namespace srbf {
+namespace {
+
+/// Maximum number of exceeded checks that are added for each candidate.
+constexpr std::size_t k_most_added = 16;
+
+/// An error of `radiance_error` in every radiance costs as much as the fit's loss without them, but at most this: a fit
+/// that cannot follow the data does not benefit from an accidentally correct albedo.
+constexpr double k_most_radiance_loss = 0.004;
+
+/// What radiances cost more beside weights of point lights, which are several times the loss of the pairs and see highlights most.
+constexpr double k_radiances_beside_point_lights = 8;
+
+/// The pictures' share of the sum relative to that of the pairs, and beside weights of point lights.
+constexpr double k_picture_share = 2, k_pictures_beside_point_lights = 3.5;
+
+/// At most this many of them, uniformly spaced.
+std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {
+    if (all.size() <= most) return all;
+    std::vector<std::size_t> some;
+    for (std::size_t k = 0; k < most; ++k) some.push_back(all[k * all.size() / most]);
+    return some;
+}
+
+}  // namespace
+
+Subsets::Subsets(const Observations& observations)
+    : all_(observations),
+      few_(beginning_of_all(observations.f.size() < k_more ? k_some : k_few)),
+      some_(beginning_of_all(k_some)),
+      more_(beginning_of_all(k_more)),
+      largest_(largest_measured(observations)) {
+    some_.observations.views = observations.views;
+}
+
+Subsets::Part Subsets::beginning_of_all(std::size_t count) const {
+    Observations some = beginning(all_, count);
+    some.wavelengths.clear(), some.spectrum.clear();
+    some.radiances = all_.radiances;
+    const std::size_t begin = some.f.size();
+    return {std::move(some), begin};
+}
+
+void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit) {
+    const Rows some(some_.observations), more(more_.observations);
+    std::vector<std::vector<std::size_t>> places(candidates.size());
+    std::vector<double> loss(candidates.size());
+    parallel_for(candidates.size(), [&](std::size_t i) {
+        const Lobes& lobes = candidates[i].lobes;
+        LobeProblem seen(some, shape_of(options), false, log_peak_limit),
+            unseen(more, shape_of(options), false, log_peak_limit);
+        seen.loss(LobeProblem::pack(lobes));
+        places[i] =
+            some_of(exceeded(all_, few_.begin, to_model(seen, lobes, options.log_scale, {}), largest_), k_most_added);
+        loss[i] = unseen.loss(LobeProblem::pack(lobes));
+    });
+    loss_ = *std::min_element(loss.begin(), loss.end());
+
+    std::set<std::size_t> taken;
+    for (const auto& of_candidate : places) taken.insert(of_candidate.begin(), of_candidate.end());
+    const std::size_t checks = all_.fitted();
+    for (const std::size_t i : taken) {
+        const auto append = [&](Observations& to) {
+            to.wl.push_back(all_.wl[i]), to.wv.push_back(all_.wv[i]), to.f.push_back(all_.f[i]);
+            to.weight.push_back(i < checks ? all_.weight[i] : check_weight(all_, i, loss_, largest_));
+        };
+        for (Part* part : {&few_, &some_, &more_})
+            if (i >= part->begin) append(part->observations);
+    }
+}
+
+void Subsets::reweight(const Evaluate& fitted) {
+    weigh_large_errors(some_.observations, some_.begin, fitted, k_most_large_error_weight);
+    has_point_lights_ = !some_.observations.point_light_weight.empty();
+    if (has_point_lights_) add_point_lights(some_.observations, fitted);
+}
+
+double Subsets::radiance_importance(bool beside_point_lights) const {
+    return (beside_point_lights ? k_radiances_beside_point_lights : 1) * std::min(loss_, k_most_radiance_loss) /
+           (3 * all_.radiance_error * all_.radiance_error);
+}
+
+double Subsets::picture_importance(const Candidate& candidate, const Stage& stage, const FitOptions& options,
+                                   double log_peak_limit) const {
+    constexpr double k_negligible = 1e-9, k_least_delta_e = 1e-3;
+    const Rows seen = rows(stage, k_negligible);
+    LobeProblem problem(seen, shape_of(options), true, log_peak_limit);
+    problem.loss(LobeProblem::pack(candidate.lobes));
+    return (has_point_lights_ ? k_pictures_beside_point_lights : k_picture_share) * loss_ /
+           std::max(problem.delta_e(), k_least_delta_e);
+}
+
+Rows Subsets::rows(const Stage& stage, double picture_importance) const {
+    const Part& part = stage.pairs == k_few ? few_ : stage.pairs == k_some ? some_ : more_;
+    if (!stage.albedos) return Rows(part.observations);
+    return Rows(part.observations, {.radiance_importance = radiance_importance(stage.pictures && has_point_lights_),
+                                    .roughly = stage.pairs < k_more,
+                                    .picture_importance = stage.pictures ? picture_importance : 0});
+}
+
+}  // namespace srbf

@@ -1,0 +1,49 @@
+// The subsets of the observations that a search sees.
+#pragma once
+#include <vector>
+
+#include "fit/search/schedule.h"
+#include "fit/search/search.h"
+
+namespace srbf {
+
+/// The first few, some and more of the observations, in colours; with further observations, more from stage to stage,
+/// at which candidates exceeded the measurement.
+class Subsets {
+  public:
+    /// Keeps a reference to `observations`, which must outlive it.
+    explicit Subsets(const Observations& observations);
+
+    /// Evaluates the candidates at the other observations. Adds those at which they exceed the measurement, and updates
+    /// the loss to which the weight of radiances is relative.
+    void add_exceeded(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit);
+
+    /// Adapts the weights of the pairs that pictures are seen with to the errors of a fit, see `large_error_weight` and
+    /// `add_point_lights`.
+    void reweight(const Evaluate& fitted);
+
+    /// The rows of a stage of some pairs.
+    Rows rows(const Stage& stage, double picture_importance) const;
+
+    /// The increase of the sum if every radiance is off by its luminance in one of three channels; beside weights of
+    /// point lights it is larger.
+    double radiance_importance(bool beside_point_lights = false) const;
+    /// The factor with which the mean error of pixels costs about twice as much as the loss, more beside weights of
+    /// point lights, for this candidate.
+    double picture_importance(const Candidate& candidate, const Stage& stage, const FitOptions& options,
+                              double log_peak_limit) const;
+
+  private:
+    struct Part {
+        Observations observations;
+        std::size_t begin;  ///< this many of the first of all observations; those after them were added
+    };
+    Part beginning_of_all(std::size_t count) const;
+
+    const Observations& all_;
+    Part few_, some_, more_;
+    double largest_, loss_ = 1;
+    bool has_point_lights_ = false;  ///< whether weights of `some_` have them
+};
+
+}  // namespace srbf

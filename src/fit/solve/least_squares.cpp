@@ -1,0 +1,123 @@
+#include "fit/solve/least_squares.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <vector>
+
+namespace srbf {
+
+// Inner products of float columns are accurate to about 1e-7 of the product of the norms; smaller values are noise.
+constexpr double k_ridge = 1e-6;
+
+Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::VectorXd& g_in,
+                                      const Eigen::VectorXd& upper_in) {
+    // Columns are scaled to unit length, so that the tolerances are relative.
+    const Eigen::Index n = g_in.size();
+    if (n == 0) return {};
+    Eigen::VectorXd length = G_in.diagonal().cwiseMax(0.0).cwiseSqrt();
+    const Eigen::VectorXd reciprocal = (length.array() > 1e-150).select(length.array().max(1e-150).inverse(), 0.0);
+    Eigen::MatrixXd G = reciprocal.asDiagonal() * G_in * reciprocal.asDiagonal();
+    G.diagonal().array() += k_ridge;
+    const Eigen::VectorXd g = reciprocal.cwiseProduct(g_in), upper = upper_in.cwiseProduct(length);
+    const double tolerance = 1e-12 * g.cwiseAbs().maxCoeff();
+
+    enum Place { at_zero, free, at_upper };
+    std::vector<Place> place(std::size_t(n), at_zero);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
+    std::vector<Eigen::Index> passive;
+    for (int round = 0; round < 6 * int(n) + 6; ++round) {
+        // Free the variable whose release decreases the sum fastest.
+        const Eigen::VectorXd descent = g - G * x;
+        Eigen::Index best = -1;
+        double best_rate = tolerance;
+        for (Eigen::Index i = 0; i < n; ++i) {
+            const Place p = place[std::size_t(i)];
+            const double rate = p == at_zero ? descent[i] : p == at_upper ? -descent[i] : 0;
+            if (rate > best_rate && reciprocal[i] > 0 && upper[i] > 0) best = i, best_rate = rate;
+        }
+        if (best < 0) break;
+        place[std::size_t(best)] = free;
+
+        // Solve for the free variables; step back to the first bound that is crossed, until none is.
+        for (int inner = 0; inner <= int(n); ++inner) {
+            passive.clear();
+            for (Eigen::Index i = 0; i < n; ++i)
+                if (place[std::size_t(i)] == free) passive.push_back(i);
+            Eigen::VectorXd held = x;
+            for (const Eigen::Index i : passive) held[i] = 0;
+            const Eigen::VectorXd target = G(passive, passive).ldlt().solve(Eigen::VectorXd((g - G * held)(passive)));
+            double fraction = 1;
+            Eigen::Index crossed = -1;
+            Place bound = at_zero;
+            for (std::size_t k = 0; k < passive.size(); ++k) {
+                const Eigen::Index i = passive[k];
+                const double to = target[Eigen::Index(k)];
+                const double limit = to < 0 ? 0.0 : upper[i];
+                if (to >= 0 && to <= upper[i]) continue;
+                const double t = to == x[i] ? 0 : (limit - x[i]) / (to - x[i]);
+                if (t < fraction) fraction = std::max(t, 0.0), crossed = i, bound = to < 0 ? at_zero : at_upper;
+            }
+            for (std::size_t k = 0; k < passive.size(); ++k)
+                x[passive[k]] += fraction * (target[Eigen::Index(k)] - x[passive[k]]);
+            if (crossed < 0) break;
+            place[std::size_t(crossed)] = bound;
+            x[crossed] = bound == at_zero ? 0 : upper[crossed];
+        }
+    }
+    // Bounds are met exactly; scaling back and forth would lose a digit.
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const Place p = place[std::size_t(i)];
+        x[i] = p == at_zero ? 0 : p == at_upper ? upper_in[i] : std::clamp(reciprocal[i] * x[i], 0.0, upper_in[i]);
+    }
+    return x;
+}
+
+Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
+
+// B = PᵀLDLᵀP, so that A B⁻¹ Aᵀ = (√D⁻¹ L⁻¹ P Aᵀ)ᵀ (√D⁻¹ L⁻¹ P Aᵀ).
+void eliminate(const Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) {
+    const Eigen::LDLT<Eigen::MatrixXd> factor(B);
+    Eigen::MatrixXd half = factor.transpositionsP() * A.transpose();
+    factor.matrixL().solveInPlace(half);
+    for (Eigen::Index i = 0; i < half.rows(); ++i) {
+        const double d = factor.vectorD()[i];
+        half.row(i) *= d > 1e-300 ? 1 / std::sqrt(d) : 0;
+    }
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(H.rows(), H.cols());
+    product.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
+    H -= Eigen::MatrixXd(product.selfadjointView<Eigen::Lower>());
+}
+
+void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
+                     const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+    std::vector<Eigen::Index> free(std::size_t(step.size())), held;
+    std::iota(free.begin(), free.end(), 0);
+    for (;;) {
+        const auto exceeds = [&](Eigen::Index i) { return step[i] < lower[i] || step[i] > upper[i]; };
+        const auto first = std::stable_partition(free.begin(), free.end(), std::not_fn(exceeds));
+        if (first == free.end()) return;
+        held.insert(held.end(), first, free.end());
+        free.erase(first, free.end());
+        for (const Eigen::Index i : held) step[i] = std::clamp(step[i], lower[i], upper[i]);
+        if (free.empty()) return;
+        step(free) = -solved(A(free, free), g(free) + A(free, held) * step(held));
+    }
+}
+
+Eigen::MatrixXd ridged(Eigen::MatrixXd G) {
+    G.diagonal().array() *= 1 + 1e-7;
+    G.diagonal().array() += 1e-300;
+    return G;
+}
+
+std::vector<double> cost_of_dropping(const Eigen::MatrixXd& G, const Eigen::MatrixXd& x) {
+    const Eigen::MatrixXd inverse = ridged(G).ldlt().solve(Eigen::MatrixXd::Identity(G.rows(), G.cols()));
+    std::vector<double> cost;
+    for (Eigen::Index j = 0; j < G.rows(); ++j)
+        cost.push_back(x.row(j).squaredNorm() / std::max(inverse(j, j), 1e-300));
+    return cost;
+}
+
+}  // namespace srbf

@@ -1,0 +1,35 @@
+// Conversion between the lobes of a fit and the stored numbers.
+#pragma once
+#include "fit/solve/lobes.h"
+
+namespace srbf {
+
+/// The (a, b) in 16-bit floats whose direction is nearest to (cos angle, sin angle). Their scale is free, so the larger
+/// one may be any of the 1024 halves of a binade: the error is below 3e-5, that of plain rounding 3e-4.
+Parameterization rounded_direction(double angle);
+
+/// The model of these lobes with the coefficients of the problem's last call of `loss`. With `log_scale`, the lobes get
+/// log scales if the coefficient of a lobe with peak 1 leaves the normal range of 16-bit floats. `wavelengths`: of the
+/// problem's channels; empty: R, G, B.
+PmModel to_model(const LobeProblem& problem, const Lobes& lobes, bool log_scale,
+                 const std::vector<float>& wavelengths = {});
+
+/// `model`, which has these lobes, with every number rounded to a 16-bit float.
+PmModel to_halves(PmModel model, const Lobes& lobes);
+
+/// The lobes of a model of this shape.
+Lobes to_lobes(const PmModel& model, const LobeShape& shape);
+
+/// Schedule of rounding in several passes.
+struct Turns {
+    int count;         ///< at most; the first rounds the angles, the last all that remain
+    std::size_t part;  ///< each of the others rounds one in `part` of the remaining variables
+    int steps;         ///< steps of the variables not yet rounded, after each pass
+};
+
+/// `lobes`, which minimise the problem's loss, with every number a 16-bit float. They are rounded in several passes:
+/// first the angles, then in each pass a part of the remaining weights, those with the most costly rounding first.
+/// After each pass the variables not yet rounded are optimised again.
+Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes, const Turns& turns);
+
+}  // namespace srbf

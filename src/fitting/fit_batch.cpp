@@ -1,0 +1,211 @@
+#include "srbf/fit_batch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/data/observe_samples.h"
+#include "fit/search/fit_pm.h"
+#include "fitting/requests.h"
+#include "parallel.h"
+#include "reporter.h"
+#include "srbf/fit_samples.h"
+#include "srbf/sampling.h"
+
+namespace srbf {
+namespace {
+
+Error refused(const char* what, const char* expected, std::string found) {
+    return {"fit_batch", {}, what, expected, std::move(found), ErrorCode::argument};
+}
+
+/// With fewer pairs than 4096, lobes are found that the samples do not show; with more the error falls by little.
+constexpr std::size_t k_texel_pairs = 4096;
+
+/// What all texels have in common.
+struct Batch {
+    const SharedPairs& pairs;
+    FitRequest request;
+    FitOptions options;
+    bool all_above;            // the horizon
+    ScatteredSamples samples;  // if so, of a texel that was measured at all pairs, without its values
+};
+
+Result<Batch> batch_of(const SharedPairs& pairs, const BatchOptions& options) {
+    const auto* pm = std::get_if<PmRequest>(&options.request.model);
+    if (!pm || !lobes_of(*pm)) return refused("model", "multivariate lobes, a number of them", "another request");
+    if (options.request.spectral) return refused("channels", "colours", "spectra");
+    if (pairs.wl.empty() || pairs.wl.size() != pairs.wv.size())
+        return refused("pairs of directions", "as many to the light as to the viewer, at least 1",
+                       fmt::format("{} and {}", pairs.wl.size(), pairs.wv.size()));
+    if (options.request.device == Device::cuda) {
+        if (!completes(options.request)) return refused("objective", "one of pictures on CUDA", "another");
+        if (const auto device = cuda_device(); !device) return device.error();
+    }
+    Batch batch{pairs, options.request, {}, true, {}};
+    for (std::size_t i = 0; i < pairs.wl.size(); ++i)
+        batch.all_above = batch.all_above && above_horizon(pairs.wl[i], pairs.wv[i]);
+    batch.request.threads = 1;
+    batch.options = pm_options(batch.request, pm->axial.value_or(pairs.isotropic));
+    batch.options.starts = options.starts, batch.options.perturbations = options.perturbations;
+    batch.samples.isotropic = pairs.isotropic;
+    batch.samples.wl = pairs.wl, batch.samples.wv = pairs.wv;
+    if (batch.all_above) make_index(batch.samples);
+    return batch;
+}
+
+/// A model of the batch's form and size that is 0 everywhere.
+PmModel black_model(const FitOptions& of) {
+    const auto J = std::size_t(of.lobes), N = std::size_t(of.variates);
+    PmModel model;
+    model.form = of.form, model.axial = of.axial, model.lobes = of.lobes, model.variates = of.variates;
+    model.coefficient.assign(J, {});
+    model.log_scale.assign(J, 0);
+    model.centre.assign(J * N, {0, 0, 1});
+    model.bandwidth.assign(J * N, 0);
+    model.parameterization.assign(N, {});
+    model.exponent.assign(J * std::size_t(features(of.form)), 0);
+    return model;
+}
+
+ScatteredSamples samples_of(const Batch& batch, std::span<const Rgb> f) {
+    if (batch.all_above && std::ranges::all_of(f, [](const Rgb& of) { return is_finite(of); })) {
+        ScatteredSamples samples = batch.samples;  // shares the index
+        samples.colour.assign(f.begin(), f.end());
+        return samples;
+    }
+    ScatteredSamples samples;
+    samples.isotropic = batch.pairs.isotropic;
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        if (!is_finite(f[i]) || !above_horizon(batch.pairs.wl[i], batch.pairs.wv[i])) {
+            ++samples.masked;
+            continue;
+        }
+        samples.wl.push_back(batch.pairs.wl[i]), samples.wv.push_back(batch.pairs.wv[i]);
+        samples.colour.push_back(f[i]);
+    }
+    if (!samples.wl.empty()) make_index(samples);
+    return samples;
+}
+
+TexelFit without(const Batch& batch, TexelState state, std::optional<Error> failure) {
+    return {black_model(batch.options), state, {}, {}, std::move(failure)};
+}
+
+/// A texel before its fit: what is observed of its samples, or the fit of one without values.
+struct Texel {
+    ScatteredSamples samples;
+    std::optional<SampleObservations> observed;
+    TexelFit fit;
+};
+
+Texel observed_texel(const Batch& batch, std::span<const Rgb> f, const ProgressToken& progress) {
+    Texel texel{samples_of(batch, f), {}, {}};
+    if (texel.samples.wl.empty()) {
+        texel.fit =
+            without(batch, TexelState::failed, Error{"texel", {}, "values", "some", "none", ErrorCode::no_data});
+        return texel;
+    }
+    const auto is_black = [](const Rgb& of) { return !(std::max({of.r, of.g, of.b}) > 0); };
+    if (std::ranges::all_of(texel.samples.colour, is_black)) {
+        texel.fit = without(batch, TexelState::black, {});
+        return texel;
+    }
+    ObserveSamplesOptions observing{batch.request.objective, batch.request.theta(), batch.request.seed};
+    observing.threads = 1, observing.only_completed = k_texel_pairs;
+    auto observed = observe(texel.samples, observing, progress);
+    if (observed)
+        texel.observed = *std::move(observed);
+    else
+        texel.fit = without(batch, TexelState::failed, observed.error());
+    return texel;
+}
+
+TexelFit fitted_texel(const Batch& batch, const ScatteredSamples& samples, Result<PmFit> fitted) {
+    if (!fitted) return without(batch, TexelState::failed, fitted.error());
+    TexelFit fit{std::move(fitted->model), TexelState::fitted, {}, fitted->stop, {}};
+    fit.errors = measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit.model), batch.request.theta());
+    return fit;
+}
+
+/// The searches of all texels together, on CUDA.
+Result<Done> fit_in_batches(const Batch& batch, std::vector<Texel>& texels, int threads, Reporter& reporter) {
+    std::vector<const Observations*> observations;
+    std::vector<Texel*> with_them;
+    for (Texel& texel : texels)
+        if (texel.observed) observations.push_back(&texel.observed->completed), with_them.push_back(&texel);
+    FitOptions options = batch.options;
+    options.threads = threads;
+    auto fits = fit_pm(observations, options, Where::cuda, [&](const Progress&) { return !reporter.cancelled(); });
+    if (!fits) return fits.error();
+    parallel_for(with_them.size(), threads, [&](std::size_t i) {
+        with_them[i]->fit = fitted_texel(batch, with_them[i]->samples, std::move((*fits)[i]));
+        reporter.advance("fitting texels", 1);
+    });
+    return Done{};
+}
+
+Result<std::vector<TexelFit>> fit_batch(const Batch& batch, std::span<const Rgb> f, int threads, Reporter& reporter) {
+    const FlushSubnormals mode;
+    const std::size_t M = batch.pairs.wl.size();
+    const bool is_cuda = batch.options.device == Device::cuda;
+    std::vector<Texel> texels(f.size() / M);
+    parallel_for(texels.size(), threads, [&](std::size_t i) {
+        if (reporter.cancelled()) return;
+        // Each stops when all do.
+        const ProgressToken progress([&](const Progress&) { return !reporter.cancelled(); });
+        Texel texel = observed_texel(batch, f.subspan(i * M, M), progress.part(0, 0.4));
+        const bool waits = is_cuda && texel.observed;
+        if (texel.observed && !is_cuda) {
+            texel.fit = fitted_texel(batch, texel.samples,
+                                     fit_pm(*texel.observed, {batch.options, false}, progress.part(0.4, 1)));
+            texel.observed.reset();
+        }
+        texels[i] = std::move(texel);
+        if (!waits) reporter.advance("fitting texels", 1);
+    });
+    if (is_cuda && !reporter.cancelled())
+        if (const auto done = fit_in_batches(batch, texels, threads, reporter); !done) return done.error();
+    if (reporter.cancelled()) return cancelled_error("fit_batch");
+    std::vector<TexelFit> fits;
+    for (Texel& texel : texels) fits.push_back(std::move(texel.fit));
+    return fits;
+}
+
+}  // namespace
+
+Result<std::vector<TexelFit>> fit_batch(const SharedPairs& pairs, std::span<const Rgb> f, const BatchOptions& options,
+                                        const ProgressToken& progress) {
+    const auto batch = batch_of(pairs, options);
+    if (!batch) return batch.error();
+    if (f.size() % pairs.wl.size() != 0)
+        return refused("values", "as many for each texel as there are pairs", fmt::format("{}", f.size()));
+    Reporter reporter(progress, double(std::max<std::size_t>(f.size() / pairs.wl.size(), 1)));
+    return fit_batch(*batch, f, options.request.threads, reporter);
+}
+
+Result<Done> fit_batch(const SharedPairs& pairs, const TexelStream& texels, const BatchOptions& options,
+                       const ProgressToken& progress) {
+    const auto batch = batch_of(pairs, options);
+    if (!batch) return batch.error();
+    if (texels.slab == 0) return refused("texels of a slab", "at least 1", "0");
+    const std::size_t all = texels.end > texels.begin ? texels.end - texels.begin : 0;
+    Reporter reporter(progress, double(std::max<std::size_t>(all, 1)));
+    std::vector<Rgb> f;
+    for (std::size_t first = texels.begin; first < texels.end; first += texels.slab) {
+        const std::size_t count = std::min(texels.slab, texels.end - first);
+        if (texels.is_done && texels.is_done(first, count)) {
+            reporter.advance("fitting texels", double(count));
+            continue;
+        }
+        f.resize(count * pairs.wl.size());
+        if (const auto read = texels.read(first, f); !read) return read.error();
+        const auto fits = fit_batch(*batch, f, options.request.threads, reporter);
+        if (!fits) return fits.error();
+        if (const auto taken = texels.take(first, *fits); !taken) return taken.error();
+    }
+    return Done{};
+}
+
+}  // namespace srbf

@@ -1,0 +1,174 @@
+// Fits of both sides of a surface.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "fit/objective/objective.h"
+#include "floating_point.h"
+#include "srbf/directions.h"
+#include "srbf/elementary.h"
+#include "srbf/fit_bsdf.h"
+
+namespace srbf {
+namespace {
+
+/// Directions of the pairs at which parts are compared with their counterparts.
+constexpr int k_compared = 256;
+constexpr double k_compared_theta = 80 * k_degree;
+/// Angles of incidence of directional-hemispherical sums where a measurement has none [degrees].
+constexpr double k_incidences[] = {0, 10, 20, 30, 40, 50, 60, 70, 80};
+
+/// What is known of a part.
+struct Input {
+    Evaluate f;  ///< none: nothing
+    std::shared_ptr<const Measured> measured;
+    const KlemsTable* patches() const { return measured ? std::get_if<KlemsTable>(&measured->table) : nullptr; }
+};
+using Inputs = std::array<Input, k_parts>;
+
+/// Values at all pairs of some directions, [1/sr]; NaN counts as 0.
+std::vector<Rgb> sampled(const Evaluate& f, bool exchanged) {
+    const auto directions = fibonacci_directions(k_compared, k_compared_theta);
+    std::vector<Rgb> all, row(directions.size());
+    for (const Vec3f& w : directions) {
+        const std::vector<Vec3f> same(directions.size(), w);
+        exchanged ? f(same, directions, row) : f(directions, same, row);
+        for (Rgb& value : row) all.push_back(is_finite(value) ? value : Rgb{});
+    }
+    return all;
+}
+
+/// Weighted with the cosines of both.
+double energy_between(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
+    const auto directions = fibonacci_directions(k_compared, k_compared_theta);
+    double energy = 0;
+    for (std::size_t v = 0, k = 0; v < directions.size(); ++v)
+        for (std::size_t l = 0; l < directions.size(); ++l, ++k)
+            energy += double(directions[v].z) * double(directions[l].z) * squared_distance(a[k], b[k]);
+    return energy;
+}
+
+/// Whether the front part may answer for the back part.
+bool alike(const Input& front, const Input& back, Part part) {
+    const auto a = sampled(front.f, false), b = sampled(back.f, is_transmission(part));
+    return energy_between(a, b) <= k_same_part * energy_between(a, std::vector<Rgb>(a.size()));
+}
+
+/// A model of 0, where the counterpart must not answer.
+Model black() { return {GgxModel{{}, {GgxModel::Lobe{}}}, {}}; }
+
+std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beam& beam) {
+    if (input.patches()) return srbf::hemispherical(*input.patches(), fitted, beam);
+    const auto exchanged = [](const Evaluate& f) -> Evaluate {
+        return [&f](auto wl, auto wv, auto to) { f(wv, wl, to); };
+    };
+    std::vector<Hemispherical> all;
+    for (const double degrees : k_incidences) {
+        const double theta = degrees * k_degree, of_beam = double(share_at(beam, float(elementary::cos(theta))).g);
+        const auto sum = [&](const Evaluate& f) { return double(albedo(exchanged(f), theta, k_pi / 2).g) + of_beam; };
+        all.push_back({theta, sum(input.f), sum(fitted)});
+    }
+    return all;
+}
+
+Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const FitRequest& request,
+                               const ProgressToken& progress) {
+    const FlushSubnormals mode;
+    const auto start = std::chrono::steady_clock::now();
+    BsdfOutcome outcome;
+    BsdfModel model;
+    model.beam = beams;
+    std::array<bool, k_parts> is_black{};
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        if (!inputs[p].f) continue;
+        const auto values = sampled(inputs[p].f, false);
+        is_black[p] = !(energy_between(values, std::vector<Rgb>(values.size())) > 0);
+    }
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        if (!inputs[p].f) continue;
+        const Part part = Part(p);
+        const auto other = std::size_t(counterpart(part));
+        PartFit fit;
+        fit.part = part, fit.black = is_black[p];
+        const bool other_is_black = !inputs[other].f || is_black[other];
+        if (fit.black && other_is_black) {
+            outcome.parts.push_back(std::move(fit));  // nothing is stored
+            continue;
+        }
+        if (fit.black) {
+            model.part[p] = std::make_shared<const Model>(black());
+        } else if (is_back(part) && model.part[other] && alike(inputs[other], inputs[p], part)) {
+            fit.answered_by = counterpart(part);
+        } else {
+            const ProgressToken of_part = progress.part(double(p) / k_parts, double(p + 1) / k_parts);
+            auto fitted = inputs[p].patches()  ? fit_patches(*inputs[p].patches(), request, of_part)
+                          : inputs[p].measured ? srbf::fit(*inputs[p].measured, request, of_part)
+                                               : srbf::fit(inputs[p].f, request, of_part);
+            if (!fitted) {
+                Error error = fitted.error();
+                error.what = std::string(name(part)) + ": " + error.what;
+                return error;
+            }
+            fit.outcome = *std::move(fitted);
+            Model own = fit.outcome.model;
+            own.provenance.clear();
+            model.part[p] = std::make_shared<const Model>(std::move(own));
+        }
+        outcome.parts.push_back(std::move(fit));
+    }
+    // Beams are rounded as they are stored.
+    outcome.model = {std::move(model), {}};
+    auto stored = read_model(write_model(outcome.model), "fit");
+    if (!stored) return stored.error();
+    outcome.model = *std::move(stored);
+    outcome.fit_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+    const auto& bsdf = std::get<BsdfModel>(outcome.model.model);
+    for (PartFit& fit : outcome.parts) {
+        const auto p = std::size_t(fit.part);
+        const Answering<Model> of = answering(bsdf.part, fit.part);
+        const Evaluate fitted = [&](auto wl, auto wv, auto f) {
+            if (!of.brdf)
+                std::ranges::fill(f, Rgb{});
+            else
+                of.exchanged ? evaluate(*of.brdf, wv, wl, f) : evaluate(*of.brdf, wl, wv, f);
+        };
+        fit.hemispherical = hemispherical(inputs[p], fitted, bsdf.beam[beam_of(fit.part)]);
+        if (inputs[p].patches()) {
+            fit.squared_error_ratio = sums_of(*inputs[p].patches(), k_measured_points).error_ratio(fitted);
+        } else if (!fit.black) {
+            const auto a = sampled(inputs[p].f, false), b = sampled(fitted, false);
+            fit.squared_error_ratio = energy_between(a, b) / energy_between(a, std::vector<Rgb>(a.size()));
+        }
+    }
+    for (const PartFit& a : outcome.parts)
+        for (const PartFit& b : outcome.parts) {
+            if (is_transmission(a.part) || !is_transmission(b.part) || is_back(a.part) != is_back(b.part)) continue;
+            for (std::size_t k = 0; k < std::min(a.hemispherical.size(), b.hemispherical.size()); ++k) {
+                const Hemispherical &r = a.hemispherical[k], &t = b.hemispherical[k];
+                outcome.most_measured = std::max(outcome.most_measured, r.measured + t.measured);
+                outcome.most_fitted = std::max(outcome.most_fitted, r.fitted + t.fitted);
+            }
+        }
+    return outcome;
+}
+
+}  // namespace
+
+Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
+    const auto* table = std::get_if<BsdfTable>(&measured.table);
+    if (!table) return Error{"fit", {}, "measurement", "one of both sides", "one of a BRDF", ErrorCode::argument};
+    Inputs inputs;
+    for (std::size_t p = 0; p < k_parts; ++p)
+        if (table->band().part[p]) inputs[p] = {evaluator(*table->band().part[p]), table->band().part[p]};
+    return fit_inputs(inputs, table->band().beam, request, progress);
+}
+
+Result<BsdfOutcome> fit_bsdf(const std::array<Evaluate, k_parts>& parts, const FitRequest& request,
+                             const ProgressToken& progress) {
+    Inputs inputs;
+    for (std::size_t p = 0; p < k_parts; ++p) inputs[p].f = parts[p];
+    return fit_inputs(inputs, {}, request, progress);
+}
+
+}  // namespace srbf

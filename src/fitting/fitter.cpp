@@ -1,0 +1,396 @@
+// All stages of `srbf fit` between reading a measurement and writing a model.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "fit/data/observe_samples.h"
+#include "fit/objective/objective.h"
+#include "fitting/choose.h"
+#include "fitting/cross_validated_fits.h"
+#include "fitting/requests.h"
+#include "floating_point.h"
+#include "srbf/directions.h"
+#include "srbf/fitting.h"
+
+namespace srbf {
+namespace {
+
+/// Number of held-out pairs for short comparisons in a choice.
+constexpr std::uint64_t k_pairs_in_short = 20000;
+constexpr int k_pixels_in_short = 16;
+
+/// Drafts use the first observations.
+struct Draft {
+    std::size_t pairs;
+    int starts, perturbations;
+};
+constexpr Draft k_draft[Fitter::k_drafts] = {{4096, 3, 0}, {16384, 4, 8}};
+
+/// Approximate shares of the stages in the time of a fit.
+constexpr double k_observed = 0.1, k_fitted = 0.75;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Result<Done> validate(const FitRequest& request, bool has_spectra, bool is_samples) {
+    const auto refused = [](const char* what, const char* expected, std::string found) {
+        return Error{"fit", {}, what, expected, std::move(found), ErrorCode::argument};
+    };
+    if (request.spectral && !has_spectra)
+        return refused("spectral channels", "a measurement at wavelengths", "one of colours");
+    if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
+        return refused("spectral channels", "a multivariate model", "another");
+    if (request.spectral && goal_of(request))
+        return refused("spectral channels", "a number of lobes", "a budget or a target error");
+    if (is_samples && is_by_pictures(request))
+        return refused("target delta E", "a measured table", "scattered samples");
+    return Done{};
+}
+
+}  // namespace
+
+// ---- Stages common to tables and samples ----
+
+Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress) {
+    const SuRequest& su = std::get<SuRequest>(request.model);
+    const auto matrix = tabulate(
+        f,
+        {.directions = su.directions, .between = su.between, .discretise = su.discretise, .threads = request.threads},
+        progress.part(0, k_observed));
+    if (!matrix) return matrix.error();
+    SuFitOptions options;
+    options.lobes = su.lobes;
+    options.objective = request.objective;
+    options.max_theta = request.theta();
+    options.interpolation = su.interpolation;
+    options.neighbours = su.neighbours;
+    options.seed = request.seed;
+    options.threads = request.threads;
+    auto fitted = fit_su(*matrix, options, progress.part(k_observed, 1));
+    if (!fitted) return fitted.error();
+    if (progress.cancelled()) return cancelled_error("fit");
+    if (fitted->empty == su.directions) return Error{"fit", {}, "values", "some above 0", "none", ErrorCode::no_data};
+    if (su.index) fitted->model.index = index_texture(fitted->model, *su.index);
+    FitOutcome outcome;
+    outcome.masked = matrix->masked;
+    outcome.clamped = matrix->clamped;
+    outcome.raw_bytes = raw_bytes(std::uint64_t(su.directions));
+    outcome.empty_directions = fitted->empty;
+    outcome.stop = fitted->stop;
+    take(outcome, *std::move(fitted));
+    return outcome;
+}
+
+Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& request, const ProgressToken& progress) {
+    auto fitted = fit_ggx(observations, {std::get<GgxRequest>(request.model).lobes, request.threads}, progress);
+    if (!fitted) return fitted.error();
+    FitOutcome outcome;
+    take(outcome, *std::move(fitted));
+    return outcome;
+}
+
+// ---- The fitter ----
+
+class Fitter::Work {
+  public:
+    explicit Work(const Measured& measured)
+        : measured_(&measured), signed_(signed_evaluator(measured)), clamped_(evaluator(measured)) {}
+    explicit Work(Evaluate f) : signed_(std::move(f)) {
+        clamped_ = [f = signed_](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+            f(wl, wv, values);
+            for (Rgb& value : values) clamp_negative(value);  // NaN is kept
+        };
+    }
+
+    Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress) {
+        if (is_of_both_sides()) return both_sides_error();
+        const auto start = std::chrono::steady_clock::now();
+        if (const auto valid = validate(request, has_spectra(), samples() != nullptr); !valid) return valid.error();
+        auto outcome = samples() ? fit_to(*samples(), request, progress) : fit_table(request, progress);
+        return finished(std::move(outcome), request, start, progress);
+    }
+
+    Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress) {
+        if (is_of_both_sides()) return both_sides_error();
+        const auto start = std::chrono::steady_clock::now();
+        if (const auto valid = validate(request, has_spectra(), samples() != nullptr); !valid) return valid.error();
+        if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
+            return Error{"fit", {}, "draft", "one of a multivariate model", "another", ErrorCode::argument};
+        return finished(drafted(request, draft, progress), request, start, progress);
+    }
+
+    bool is_of_both_sides() const { return measured_ && std::holds_alternative<BsdfTable>(measured_->table); }
+    static Error both_sides_error() {
+        return {"fit", {}, "measurement", "one of a BRDF", "one of both sides, for fit_bsdf", ErrorCode::argument};
+    }
+
+    Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
+        const FlushSubnormals mode;
+        const double theta_max = request.theta();
+        Evaluate reference = clamped_;
+        CompletedSamples completed;
+        if (samples()) {
+            auto made = complete(*samples(), theta_max, request.threads);
+            if (!made) return made.error();
+            completed = *std::move(made);
+            reference = evaluator(completed);
+        } else {
+            const Channels f = channels_of(request);
+            const Channels others[] = {channels(outcome.model), channels(outcome.unrounded)};
+            const auto matrix = measure_matrix(f, others, {theta_max, request.threads, progress.part(0, 0.75)},
+                                               matrix_directions(outcome.model, theta_max)),
+                       heldout = measure_heldout(f, others, {theta_max, request.threads, progress.part(0.75, 0.9)});
+            outcome.errors = {matrix[0], heldout[0], 0};
+            outcome.unrounded_errors = {matrix[1], heldout[1], 0};
+        }
+        if (outcome.errors && !progress.cancelled()) {
+            const Evaluate others[] = {evaluator(outcome.model), evaluator(outcome.unrounded)};
+            const auto albedo = albedo_errors(reference, others, {theta_max, request.threads, progress});
+            const auto appearance = compare_pictures(reference, others, request.threads, progress.part(0.95, 1));
+            outcome.errors->albedo_error = albedo[0], outcome.errors->appearance = appearance[0];
+            outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
+        }
+        if (!progress.report("measuring the error", 1)) {
+            outcome.errors.reset(), outcome.unrounded_errors.reset();
+            return cancelled_error("measure");
+        }
+        if (!outcome.errors) return Done{};  // a draft of a fit to samples
+        const auto tell = [&](const char* name, double value) {
+            outcome.model.provenance[name] = fmt::format("{:.4g}", value);
+        };
+        tell("squared_error_ratio", outcome.errors->matrix.squared_error_ratio);
+        tell("heldout_squared_error_ratio", outcome.errors->heldout.squared_error_ratio);
+        tell("heldout_squared_error_ratio_cosine", outcome.errors->heldout.squared_error_ratio_cosine);
+        tell("albedo_error", outcome.errors->albedo_error);
+        for (const PictureErrorName& error : k_picture_errors)
+            tell(error.name, outcome.errors->appearance.mean.*error.member);
+        return Done{};
+    }
+
+  private:
+    const ScatteredSamples* samples() const {
+        return measured_ ? std::get_if<ScatteredSamples>(&measured_->table) : nullptr;
+    }
+    bool has_spectra() const { return measured_ && !wavelengths(*measured_).empty(); }
+    /// What is fitted, and what the errors are measured against.
+    Channels channels_of(const FitRequest& request) const {
+        return request.spectral ? spectra(*measured_) : rgb_channels(clamped_);
+    }
+
+    Result<FitOutcome> finished(Result<FitOutcome> outcome, const FitRequest& request,
+                                std::chrono::steady_clock::time_point start, const ProgressToken& progress) const {
+        if (progress.cancelled()) return cancelled_error("fit");
+        if (!outcome) return outcome;
+        outcome->fit_seconds = seconds_since(start);
+        outcome->max_theta = request.theta();
+        outcome->model.provenance = {{"generator", "srbf " SRBF_VERSION},
+                                     {"objective", std::string(name(request.objective))},
+                                     {"max_theta", fmt::format("{:.6g}", request.theta() / k_degree)},
+                                     {"seed", fmt::format("{}", request.seed)}};
+        return outcome;
+    }
+
+    // Observations, by everything that they depend on: the objective, θmax, the seed, whether they are spectral, and
+    // whether they are of completed samples.
+    using Key = std::tuple<Objective, double, std::uint64_t, bool, bool>;
+    Key key(const FitRequest& request) const {
+        return {request.objective, request.theta(), request.seed, request.spectral, samples() && completes(request)};
+    }
+
+    /// What `make()` observes for the request, kept for the next one.
+    template <typename Kept, typename Make>
+    Result<const Kept*> observed_once(std::map<Key, Kept>& all, const FitRequest& request, const Make& make) const {
+        if (const auto at = all.find(key(request)); at != all.end()) return &at->second;
+        auto made = make();
+        if (!made) return made.error();
+        return &all.emplace(key(request), *std::move(made)).first->second;
+    }
+    Result<const Observations*> observed(const FitRequest& request, const ProgressToken& progress) {
+        return observed_once(observations_, request, [&] {
+            auto made = observe(signed_,
+                                {.objective = request.objective,
+                                 .max_theta = request.theta(),
+                                 .seed = request.seed,
+                                 .threads = request.threads},
+                                progress);
+            if (made && request.spectral) observe_spectra(*made, signed_spectra(*measured_));
+            return made;
+        });
+    }
+    Result<const SampleObservations*> observed_samples(const FitRequest& request, const ProgressToken& progress) {
+        return observed_once(sample_observations_, request,
+                             [&] { return observe(*samples(), observe_options(request), progress); });
+    }
+    bool axial(const FitRequest& request) {
+        const PmRequest& pm = std::get<PmRequest>(request.model);
+        if (pm.axial) return *pm.axial;
+        const auto [at, is_new] = isotropic_.try_emplace(request.theta());
+        if (is_new) at->second = is_isotropic(clamped_, request.theta());
+        return at->second;
+    }
+
+    Result<FitOutcome> fit_to(const ScatteredSamples& samples, const FitRequest& request,
+                              const ProgressToken& progress) {
+        if (std::holds_alternative<SuRequest>(request.model))
+            return fit_to_samples(samples, nullptr, request, progress);
+        const auto observations = observed_samples(request, progress.part(0, 0.05));
+        if (!observations) return observations.error();
+        return fit_to_samples(samples, *observations, request, progress.part(0.05, 1));
+    }
+
+    Result<FitOutcome> fit_table(const FitRequest& request, const ProgressToken& progress) {
+        if (std::holds_alternative<SuRequest>(request.model)) return fit_su(signed_, request, progress);
+        const auto found = observed(request, progress.part(0, k_observed));
+        if (!found) return found.error();
+        const Observations& observations = **found;
+        const ProgressToken fitting = progress.part(k_observed, 1);
+        auto outcome = std::holds_alternative<GgxRequest>(request.model)
+                           ? fit_ggx(observations, request, fitting)
+                           : fit_pm_to_table(observations, request, fitting);
+        if (!outcome) return outcome;
+        outcome->masked = observations.masked;
+        outcome->clamped = observations.clamped;
+        outcome->raw_bytes = raw_bytes(k_matrix_directions, channels(outcome->model).count());
+        return outcome;
+    }
+
+    Result<FitOutcome> fit_pm_to_table(const Observations& observations, const FitRequest& request,
+                                       const ProgressToken& progress) {
+        const PmRequest& pm = std::get<PmRequest>(request.model);
+        const FitOptions options = pm_options(request, axial(request));
+        FitOutcome outcome;
+        if (const auto goal = goal_of(request)) {
+            const auto judge = [&](const PmModel& model, bool in_short) {
+                return error_of_model(model, request, in_short);
+            };
+            auto chosen = choose_pm(observations, options, *goal, judge, progress);
+            if (!chosen) return chosen.error();
+            outcome.path = std::move(chosen->path);
+            outcome.reached = chosen->reached;
+            outcome.stop = chosen->fit.stop;
+            take(outcome, std::move(chosen->fit));
+            return outcome;
+        }
+        const bool automatic = pm.size && std::holds_alternative<AutomaticLobes>(*pm.size);
+        if (!automatic) {
+            auto fitted = fit_pm(observations, options, progress);
+            if (!fitted) return fitted.error();
+            outcome.stop = fitted->stop;
+            take(outcome, *std::move(fitted));
+            return outcome;
+        }
+        // The best compromise between bytes and error.
+        double least = std::numeric_limits<double>::infinity(), done = 0, all = 0;
+        for (const int lobes : k_tried_lobes) all += lobes;
+        for (const int lobes : k_tried_lobes) {
+            FitOptions of_this = options;
+            of_this.lobes = lobes;
+            auto fitted = fit_pm(observations, of_this, progress.part(done / all, (done + lobes) / all));
+            if (!fitted) return fitted.error();
+            if (progress.cancelled()) return cancelled_error("fit");
+            done += lobes;
+            const Step step{of_this.form,
+                            of_this.axial,
+                            lobes,
+                            of_this.variates,
+                            payload_bytes(fitted->model),
+                            error_of_model(fitted->model, request, false),
+                            true};
+            outcome.path.push_back(step);
+            const double trade = double(step.bytes) * step.error;
+            if (!(trade < least)) continue;
+            least = trade;
+            outcome.stop = fitted->stop;
+            take(outcome, *std::move(fitted));
+        }
+        return outcome;
+    }
+
+    /// The held-out error by the objective's own measure, or the mean ΔE_ITP if that is the goal.
+    double error_of_model(const PmModel& model, const FitRequest& request, bool in_short) const {
+        if (is_by_pictures(request)) {
+            const Evaluate others[] = {evaluator(model)};
+            const int size = in_short ? k_pixels_in_short : k_sphere_pixels;
+            return compare_pictures(clamped_, others, request.threads, {}, size)[0].mean.delta_e;
+        }
+        const Channels others[] = {request.spectral ? spectra(model) : rgb_channels(evaluator(model))};
+        const Measures measures = measure_heldout(channels_of(request), others, {request.theta(), request.threads},
+                                                  in_short ? k_pairs_in_short : k_heldout_pairs)[0];
+        return error_of(measures, request.objective);
+    }
+
+    Result<FitOutcome> drafted(const FitRequest& request, int draft, const ProgressToken& progress) {
+        if (samples()) {
+            const auto observations = observed_samples(request, progress.part(0, 0.3));
+            if (!observations) return observations.error();
+            return draft_of_samples(*samples(), **observations, request, draft == 0, progress.part(0.3, 1));
+        }
+        const auto observations = observed(request, progress.part(0, 0.3));
+        if (!observations) return observations.error();
+        const auto& [pairs, starts, perturbations] = k_draft[draft];
+        FitOptions options = pm_options(request, axial(request));
+        options.starts = starts, options.perturbations = perturbations;
+        auto fitted = fit_pm(beginning(**observations, pairs), options, progress.part(0.3, 1));
+        if (!fitted) return fitted.error();
+        FitOutcome outcome;
+        outcome.masked = (*observations)->masked, outcome.clamped = (*observations)->clamped;
+        outcome.raw_bytes = raw_bytes(k_matrix_directions, channels_of(request).count());
+        outcome.stop = fitted->stop;
+        take(outcome, *std::move(fitted));
+        return outcome;
+    }
+
+    const Measured* measured_ = nullptr;
+    Evaluate signed_, clamped_;
+    std::map<Key, Observations> observations_;
+    std::map<Key, SampleObservations> sample_observations_;
+    std::map<double, bool> isotropic_;  // by θmax
+};
+
+Fitter::Fitter(const Measured& measured) : work_(std::make_unique<Work>(measured)) {}
+Fitter::Fitter(Evaluate f) : work_(std::make_unique<Work>(std::move(f))) {}
+Fitter::Fitter(Fitter&&) noexcept = default;
+Fitter& Fitter::operator=(Fitter&&) noexcept = default;
+Fitter::~Fitter() = default;
+
+Result<FitOutcome> Fitter::fit(const FitRequest& request, const ProgressToken& progress) {
+    return work_->fit(request, progress);
+}
+Result<FitOutcome> Fitter::draft(const FitRequest& request, int draft, const ProgressToken& progress) {
+    return work_->draft(request, draft, progress);
+}
+Result<Done> Fitter::measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
+    return work_->measure(outcome, request, progress);
+}
+
+namespace {
+
+Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
+    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
+    if (!outcome) return outcome;
+    if (const auto measured = fitter.measure(*outcome, request, progress.part(k_fitted, 1)); !measured)
+        return measured.error();
+    return outcome;
+}
+
+}  // namespace
+
+Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
+    return fit_and_measure(Fitter(measured), request, progress);
+}
+Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress) {
+    return fit_and_measure(Fitter(std::move(f)), request, progress);
+}
+
+std::vector<Vec3f> matrix_directions(const Model& model, double theta_max) {
+    if (const auto* su = std::get_if<SuModel>(&model.model)) return su->direction;
+    return fibonacci_directions(k_matrix_directions, theta_max);
+}
+
+}  // namespace srbf

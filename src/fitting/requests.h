@@ -1,0 +1,47 @@
+// What a request asks of the stages of a fit.
+#pragma once
+#include <algorithm>
+
+#include "fit/fits.h"
+#include "fit/search/search.h"
+#include "srbf/fitting.h"
+
+namespace srbf {
+
+/// Bytes of f at all pairs of n directions in floats.
+constexpr std::uint64_t raw_bytes(std::uint64_t n, std::uint64_t channels = 3) {
+    return n * n * channels * sizeof(float);
+}
+
+/// The requested number of lobes; none: it is chosen by the fit.
+inline std::optional<int> lobes_of(const PmRequest& pm) {
+    const auto* count = pm.size ? std::get_if<LobeCount>(&*pm.size) : nullptr;
+    return count ? std::optional(count->lobes) : std::nullopt;
+}
+
+inline FitOptions pm_options(const FitRequest& request, bool axial) {
+    const PmRequest& pm = std::get<PmRequest>(request.model);
+    FitOptions options;
+    options.form = pm.form;
+    options.axial = axial;
+    options.reciprocal = pm.reciprocal;
+    options.lobes = lobes_of(pm).value_or(LobeCount{}.lobes);
+    options.variates = pm.variates;
+    options.log_scale = pm.log_scale;
+    options.seed = request.seed;
+    options.threads = request.threads;
+    options.device = request.device;
+    return options;
+}
+
+/// An outcome's model, and the same before rounding.
+template <typename Fit> void take(FitOutcome& outcome, Fit&& fit) {
+    outcome.model.model = std::move(fit.model);
+    outcome.unrounded.model = std::move(fit.unrounded);
+}
+
+// What is the same for tables and samples.
+Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const ProgressToken& progress);
+Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& request, const ProgressToken& progress);
+
+}  // namespace srbf

@@ -29,6 +29,12 @@ template <typename Body> void parallel_for(std::size_t count, const Body& body) 
     });
 }
 
+/// The same, in order on the caller's thread unless `parallel`.
+template <typename Body> void for_each(std::size_t count, bool parallel, const Body& body) {
+    if (parallel) return parallel_for(count, body);
+    for (std::size_t i = 0; i < count; ++i) body(i);
+}
+
 /// The same on threads as in `on_threads`.
 template <typename Body> void parallel_for(std::size_t count, int threads, const Body& body) {
     on_threads(threads, [&] { parallel_for(count, body); });

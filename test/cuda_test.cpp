@@ -4,10 +4,11 @@
 #include <fmt/format.h>
 
 #include "fit/fits.h"
+#include "fit/model/features.h"
 #include "fit/search/fit_pm.h"
 #include "fit/search/search.h"
 #include "fit/solve/least_squares.h"
-#include "fit/solve/lobes.h"
+#include "fit/solve/lobe_problem.h"
 #include "one_target.h"
 #include "properties.h"
 
@@ -79,7 +80,7 @@ Eigen::VectorXd random_variables(const LobeShape& shape, int lobes, std::mt19937
         const std::vector<double> lobe = random_lobe(random, of);
         of.weight.insert(of.weight.end(), lobe.begin(), lobe.end());
     }
-    return LobeProblem::pack(of);
+    return pack(of);
 }
 
 /// Calls check(rows, shape, x, log peak limit) for random problems of every form.
@@ -256,7 +257,7 @@ TEST(Cuda, the_same_candidates_are_best) {
         std::vector<std::vector<double>> candidates;
         std::vector<float> weights;
         for (int k = 0; k < 40; ++k) {
-            candidates.push_back(random_lobe(random, problem.unpack(x)));
+            candidates.push_back(random_lobe(random, unpack(x, shape)));
             weights.insert(weights.end(), candidates.back().begin(), candidates.back().end());
         }
         Emulated of(rows, shape, x, log_peak_limit);

@@ -44,19 +44,19 @@ void see(std::span<const float* const> columns, std::size_t count = k_block) {
     result wrapped_##name(__VA_ARGS__)
 
 SRBF_WRAPPED(float, exponent,
-             "_ZN4srbf8exponentERKNS_4RowsEmSt4spanIKfLm18446744073709551615EES3_IKPS4_Lm18446744073709551615EEPf",
-             const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
-             float* x) {
-    see(s, rows.rows_in(block));
-    const float largest = real_exponent(rows, block, weight, s, x);
-    see(x, rows.rows_in(block));
+             "_ZN4srbf8exponentESt4spanIKfLm18446744073709551615EES0_IKPS1_Lm18446744073709551615EES3_Pfm",
+             std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
+             std::size_t count) {
+    see(s, count);
+    const float largest = real_exponent(weight, s, root_weight, x, count);
+    see(x, count);
     return largest;
 }
-SRBF_WRAPPED(void, exponentiate, "_ZN4srbf12exponentiateERKNS_4RowsEmfPf", const Rows& rows, std::size_t block,
-             float offset, float* x) {
-    see(&rows.root_weight[block * k_block], rows.rows_in(block));
-    real_exponentiate(rows, block, offset, x);
-    see(x, rows.rows_in(block));
+SRBF_WRAPPED(void, exponentiate, "_ZN4srbf12exponentiateEPKffPfm", const float* root_weight, float offset, float* x,
+             std::size_t count) {
+    see(root_weight, count);
+    real_exponentiate(root_weight, offset, x, count);
+    see(x, count);
 }
 SRBF_WRAPPED(double, residual,
              "_ZN4srbf8residualEPKfSt4spanIS0_Lm18446744073709551615EES2_IKS1_Lm18446744073709551615EEPfm",

@@ -1,5 +1,7 @@
 // The inner loops of the fit compared with plain ones, for each instruction set of this machine.
-#include "fit/solve/gram.h"
+#include "fit/model/features.h"
+#include "fit/solve/columns.h"
+#include "fit/solve/rows.h"
 
 #include "fit/data/observations.h"
 #include "one_target.h"
@@ -166,7 +168,8 @@ TEST_P(Gram, ExponentIsTheWeightedSumAndItsLargestThatCounts) {
                 for (std::size_t i = 0; i < k_block; ++i)
                     if (rows_.root_weight[block * k_block + i] == 0) c[i] = 1;
             Aligned<float> x(k_block);
-            const float largest = exponent(rows_, block, weight, pointers(columns), x.data());
+            const float largest = exponent(weight, pointers(columns), &rows_.root_weight[block * k_block], x.data(),
+                                           rows_.rows_in(block));
             double expected_largest = -INFINITY;
             for (std::size_t i = 0; i < rows_.rows_in(block); ++i) {
                 double sum = 0, size = 0;
@@ -187,7 +190,8 @@ TEST_P(Gram, ExponentIsTheWeightedSumAndItsLargestThatCounts) {
     const auto s = column(random_);
     const float* const columns[] = {s.data()};
     Aligned<float> x(k_block);
-    EXPECT_EQ(exponent(Rows(idle), 0, std::vector{1.f}, columns, x.data()), std::numeric_limits<float>::lowest());
+    EXPECT_EQ(exponent(std::vector{1.f}, columns, Rows(idle).root_weight.data(), x.data(), k_block),
+              std::numeric_limits<float>::lowest());
 }
 
 TEST_P(Gram, ExponentiateTakesTheOffsetAway) {
@@ -200,7 +204,7 @@ TEST_P(Gram, ExponentiateTakesTheOffsetAway) {
                 x[i] = offset + (counts ? below[i] : 100.f * float(i));  // a row of weight 0 may exceed every bound
             }
             const auto before = x;
-            exponentiate(rows_, block, offset, x.data());
+            exponentiate(&rows_.root_weight[block * k_block], offset, x.data(), rows_.rows_in(block));
             for (std::size_t i = 0; i < rows_.rows_in(block); ++i) {
                 const double root = double(rows_.root_weight[block * k_block + i]);
                 const double expected = root > 0 ? root * std::exp(double(before[i]) - double(offset)) : 0;
@@ -323,8 +327,9 @@ std::vector<double> all_results(const Rows& rows) {
     axial_feature(rows, 0, 0.6f, -0.8f, s.data(), by.data()), add(s), add(by);
     general_features(rows, 1, 0.6f, 0.8f, s.data(), by.data()), add(s), add(by);
     further_features(rows, 0, SRBF_TERMS, features_of.data()), add(features_of);
-    all.push_back(exponent(rows, 1, weight, pointers_to, x.data())), add(x);
-    exponentiate(rows, 1, 5, x.data()), add(x);
+    const float* const root_weight = &rows.root_weight[k_block];
+    all.push_back(exponent(weight, pointers_to, root_weight, x.data(), rows.rows_in(1))), add(x);
+    exponentiate(root_weight, 5, x.data(), rows.rows_in(1)), add(x);
     all.push_back(residual(columns[0].data(), weight, pointers_to, x.data())), add(x);
     all.push_back(sum(x.data())), all.push_back(sum_of_squares(x.data()));
     std::vector<double> G(13 * 13);

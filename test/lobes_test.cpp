@@ -1,5 +1,5 @@
 // Lobes as a least-squares problem: derivatives, the linear part, and the steps of the search.
-#include "fit/solve/lobes.h"
+#include "fit/solve/lobe_problem.h"
 
 #include "fit/data/observations.h"
 #include "fit/solve/least_squares.h"
@@ -101,7 +101,7 @@ TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
     EXPECT_EQ(spectral.y.size(), 5u);
     LobeProblem problem(spectral, {PmForm::gaussian, 3}, false),
         and_radiances(with_radiances, {PmForm::gaussian, 3}, false);
-    const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
+    const Eigen::VectorXd x = pack(some_lobes());
     check_gradient(problem, x);
     check_gradient(and_radiances, x);
     problem.loss(x);
@@ -118,20 +118,20 @@ TEST(Lobes, GradientIsThatOfTheLoss) {
          {some_lobes(), horizon, extended, general_lobes(), reciprocal(some_lobes()), reciprocal(general_lobes()),
           twice(some_lobes()), twice(general_lobes()), twice(reciprocal(general_lobes()))}) {
         LobeProblem problem(rows(), lobes.shape, false);
-        check_gradient(problem, LobeProblem::pack(lobes));
+        check_gradient(problem, pack(lobes));
     }
 }
 
 TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
     LobeProblem problem(rows(), {PmForm::gaussian, 3}, false, -3.0);
-    const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
+    const Eigen::VectorXd x = pack(some_lobes());
     const double bounded = problem.loss(x);
     LobeProblem free(rows(), {PmForm::gaussian, 3}, false);
     ASSERT_GT(bounded, 1.05 * free.loss(x));  // the bound is active
     check_gradient(problem, x);
 
     LobeProblem general(rows(), {PmForm::extended, 2, false}, false, 0.0);
-    const Eigen::VectorXd y = LobeProblem::pack(general_lobes());
+    const Eigen::VectorXd y = pack(general_lobes());
     LobeProblem general_free(rows(), {PmForm::extended, 2, false}, false);
     ASSERT_GT(general.loss(y), 1.05 * general_free.loss(y));
     check_gradient(general, y);
@@ -144,7 +144,7 @@ TEST(Lobes, LossCountsAlbedo) {
     const Rows with(o, {.radiance_importance = importance});
     for (const Lobes& lobes : {some_lobes(), general_lobes(), reciprocal(general_lobes())}) {
         LobeProblem problem(with, lobes.shape, false);
-        const Eigen::VectorXd x = LobeProblem::pack(lobes);
+        const Eigen::VectorXd x = pack(lobes);
         const double loss = problem.loss(x);
         check_gradient(problem, x);
         const PmModel model = to_model(problem, lobes, true);
@@ -180,7 +180,7 @@ TEST(Lobes, GradientIsThatOfTheLossWithPictures) {
     for (const Lobes& lobes : {some_lobes(), extended, general_lobes(), reciprocal(general_lobes())})
         for (const double limit : {std::numeric_limits<double>::infinity(), -3.0}) {
             LobeProblem problem(rows_with_views(), lobes.shape, false, limit);
-            const Eigen::VectorXd x = LobeProblem::pack(lobes);
+            const Eigen::VectorXd x = pack(lobes);
             for (int i = 0; i < 10; ++i) problem.loss(x);  // each goes on from the coefficients of the last
             check_gradient(problem, x);
         }
@@ -190,7 +190,7 @@ TEST(Lobes, LossCountsWhatIsSeen) {
     const Observations o = observations(Objective::appearance);
     ASSERT_FALSE(o.views.empty());
     LobeProblem problem(rows_with_views(), {PmForm::gaussian, 3}, false);
-    const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
+    const Eigen::VectorXd x = pack(some_lobes());
     double loss = 0;
     for (int i = 0; i < 10; ++i) loss = problem.loss(x);
     const PmModel model = to_model(problem, some_lobes(), true);
@@ -225,7 +225,7 @@ TEST(Lobes, LossCountsWhatIsSeen) {
 TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
     LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     const Lobes lobes = some_lobes();
-    const Eigen::VectorXd x = LobeProblem::pack(lobes);
+    const Eigen::VectorXd x = pack(lobes);
     const double loss = problem.loss(x);
     // Σ w |f − Σ β E|² evaluated directly, for the coefficients found and for perturbed ones.
     const Observations o = observations();
@@ -263,7 +263,7 @@ TEST(Lobes, CoefficientsAreTheBestNonNegativeOnes) {
 TEST(Lobes, AreTheSameInParallel) {
     const Rows many(observations(Objective::appearance, 1 << 16), {.picture_importance = 0.01});
     LobeProblem serial(many, {PmForm::gaussian, 3}, false), parallel(many, {PmForm::gaussian, 3}, true);
-    const Eigen::VectorXd x = LobeProblem::pack(some_lobes());
+    const Eigen::VectorXd x = pack(some_lobes());
     EXPECT_EQ(serial.loss(x), parallel.loss(x));
     Eigen::MatrixXd H1, H2;
     Eigen::VectorXd g1, g2;
@@ -276,13 +276,13 @@ TEST(Lobes, AreTheSameInParallel) {
 TEST(Lobes, DroppingCostsWhatItSays) {
     LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     const Lobes lobes{{PmForm::gaussian, 3}, {k_pi / 4, 0, k_pi / 2}, {80, 0, 0, 0, 0, 0, 0, 3, 3}};
-    const double loss = problem.loss(LobeProblem::pack(lobes));
+    const double loss = problem.loss(pack(lobes));
     const std::vector<double> cost = cost_of_dropping(problem.gram(), problem.beta());
     for (std::size_t j = 0; j < 3; ++j) {
         Lobes fewer = lobes;
         fewer.weight.erase(fewer.weight.begin() + std::ptrdiff_t(3 * j),
                            fewer.weight.begin() + std::ptrdiff_t(3 * j + 3));
-        const double rise = problem.loss(LobeProblem::pack(fewer)) - loss;
+        const double rise = problem.loss(pack(fewer)) - loss;
         EXPECT_GE(rise, cost[j] * 0.99) << j;  // non-negativity can only increase it
         EXPECT_LE(rise, cost[j] * 1.5) << j;
     }
@@ -299,13 +299,13 @@ TEST(Lobes, BestAdditionIsTheBestOfItsCandidates) {
         for (double& w : weight) w = 60 * uniform(random) - 20;
         candidates.push_back(weight);
     }
-    const double before = problem.loss(LobeProblem::pack(lobes));
+    const double before = problem.loss(pack(lobes));
     const std::vector<double> best = problem.best_addition(candidates);
     std::vector<double> losses;
     for (const auto& candidate : candidates) {
         Lobes more = lobes;
         more.weight.insert(more.weight.end(), candidate.begin(), candidate.end());
-        losses.push_back(problem.loss(LobeProblem::pack(more)));
+        losses.push_back(problem.loss(pack(more)));
     }
     const auto chosen = std::find(candidates.begin(), candidates.end(), best) - candidates.begin();
     ASSERT_LT(chosen, 40);
@@ -332,7 +332,7 @@ TEST(Rounding, KeepsDirections) {
 TEST(Rounding, ModelOfLobesEvaluatesToThem) {
     LobeProblem problem(rows(), {PmForm::gaussian, 3}, false);
     const Lobes lobes = some_lobes();
-    problem.loss(LobeProblem::pack(lobes));
+    problem.loss(pack(lobes));
     const PmModel model = to_model(problem, lobes, true);
     const Lobes back = to_lobes(model, lobes.shape);
     for (std::size_t i = 0; i < lobes.weight.size(); ++i)

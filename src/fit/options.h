@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/solve/lobes.h"
+#include "fit/model/lobes.h"
 #include "srbf/fit.h"
 
 namespace srbf {

@@ -170,7 +170,7 @@ Result<Done> DeviceSolver::State::run(Task task, std::span<Trial> trials) {
     for (std::size_t i = 0; i < trials.size(); ++i) {
         const Trial& of = trials[i];
         const Place& at = places[i];
-        const Eigen::VectorXd x = LobeProblem::pack(of.lobes);
+        const Eigen::VectorXd x = pack(of.lobes);
         std::copy(x.begin(), x.end(), all.begin() + std::ptrdiff_t(at.x));
         for (std::size_t v = 0; v < std::size_t(x.size()); ++v) {
             const auto N = std::size_t(of.lobes.shape.variates);

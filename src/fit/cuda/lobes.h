@@ -1,4 +1,4 @@
-// Lobes as a separable least-squares problem on a block of threads: what LobeProblem (fit/lobes.h) computes for pairs
+// Lobes as a separable least-squares problem on a block of threads: what LobeProblem (fit/solve/lobe_problem.h) computes for pairs
 // and radiances, in the same order of variables. See there for the symbols.
 #pragma once
 #include "fit/cuda/block.h"
@@ -36,7 +36,7 @@ SRBF_DEVICE inline bool fits(const Shape& shape) {
     return shape.lobes <= k_most_lobes && shape.width() <= k_most_width && shape.columns() <= k_most_columns;
 }
 
-/// The observations: arrays as in Rows (fit/gram.h), on the device.
+/// The observations: arrays as in Rows (fit/solve/rows.h), on the device.
 struct Observed {
     const float *wl[3], *wv[3], *root_weight, *y[k_channels];
     int pairs;                        ///< number of rows of pairs
@@ -289,7 +289,7 @@ SRBF_CALLED void bounded_least_squares(const Memory& memory, int of_gram, int n,
                                                      : lesser(greater(reciprocal[i] * x[i], 0.0), upper_in[i]);
 }
 
-/// Log of the factor from β_j to the coefficient of a lobe with peak 1, as log_peak_factor of fit/lobes.h.
+/// Log of the factor from β_j to the coefficient of a lobe with peak 1, as log_peak_factor of fit/model/lobes.h.
 SRBF_DEVICE inline double log_peak_factor(const Shape& shape, const double* weight, double offset) {
     double sum = -offset;
     for (int n = 0; n < shape.variates; ++n) {

@@ -69,24 +69,24 @@ PmFit finish(Lobes lobes, Observations all, const Importances& importance, const
                               .spectra = spectral,
                               .picture_importance = importance.pictures});
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
-        Eigen::VectorXd x = LobeProblem::pack(lobes);
+        Eigen::VectorXd x = pack(lobes);
         const bool of_samples = rows.views > 0 && !importance.has_point_lights;
         const auto summary = last_steps(problem, x, of_samples ? k_least_gain_of_samples : k_least_gain, reporter);
-        lobes = problem.unpack(x);
+        lobes = unpack(x, lobes.shape);
         fit.unrounded_loss = summary.loss;
         fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
         fit.unrounded = to_model(problem, lobes, options.log_scale, all.wavelengths);
 
         // The nonlinear parameters are rounded, then the coefficients are solved again.
         Lobes halves = to_lobes(to_halves(fit.unrounded, lobes), lobes.shape);
-        fit.loss = problem.loss(LobeProblem::pack(halves));
+        fit.loss = problem.loss(pack(halves));
         for (const auto& [factor, turns] : k_costly_rounding) {
             if (fit.loss <= factor * fit.unrounded_loss) break;
             const Lobes in_turn = rounded_in_turn(problem, lobes, turns);
-            if (const double loss = problem.loss(LobeProblem::pack(in_turn)); loss < fit.loss)
+            if (const double loss = problem.loss(pack(in_turn)); loss < fit.loss)
                 halves = in_turn, fit.loss = loss;
             else
-                problem.loss(LobeProblem::pack(halves));
+                problem.loss(pack(halves));
         }
         fit.model = to_halves(to_model(problem, halves, options.log_scale, all.wavelengths), halves);
         if (round == k_check_rounds || reporter.cancelled()) return fit;

@@ -1,7 +1,7 @@
 // The last stage of a multivariate fit.
 #pragma once
 #include "fit/fits.h"
-#include "fit/solve/lobes.h"
+#include "fit/model/lobes.h"
 #include "reporter.h"
 
 namespace srbf {

@@ -153,9 +153,9 @@ class Fit {
   private:
     void take_steps(const Stage& stage, const Rows& rows, Candidate& candidate) const {
         LobeProblem problem(rows, shape_of(options_), stage.pairs == 0, log_peak_limit_);
-        Eigen::VectorXd x = LobeProblem::pack(candidate.lobes);
+        Eigen::VectorXd x = pack(candidate.lobes);
         candidate.loss = levenberg_marquardt(problem, x, {.max_iterations = stage.steps}).loss;
-        candidate.lobes = problem.unpack(x);
+        candidate.lobes = unpack(x, candidate.lobes.shape);
         if (stage.order == Order::delta_e) candidate.loss = problem.delta_e();
     }
     bool spectral() const { return !observations_.wavelengths.empty(); }
@@ -180,13 +180,13 @@ class Fit {
     /// The best candidate, with coefficients for these rows.
     Evaluate fitted(const Rows& rows) const {
         LobeProblem problem(rows, shape_of(options_), true, log_peak_limit_);
-        problem.loss(LobeProblem::pack(found.front().lobes));
+        problem.loss(pack(found.front().lobes));
         return evaluator(to_model(problem, found.front().lobes, options_.log_scale, {}));
     }
     void sort_by_all() {
         const Rows all(observations_, {.radiance_importance = subsets_.radiance_importance()});
         LobeProblem problem(all, shape_of(options_), true, log_peak_limit_);
-        for (Candidate& candidate : found) candidate.loss = problem.loss(LobeProblem::pack(candidate.lobes));
+        for (Candidate& candidate : found) candidate.loss = problem.loss(pack(candidate.lobes));
         sort();
     }
 

@@ -3,7 +3,7 @@
 #include <random>
 #include <vector>
 
-#include "fit/solve/lobes.h"
+#include "fit/model/lobes.h"
 
 namespace srbf {
 

@@ -28,11 +28,9 @@ enum class Order {
 struct Stage {
     std::string_view name = {};
     Work work = Work::steps;
-    /// Beforehand, pairs at which candidates exceed the measurement are added to the rows.
-    bool bounds = false;
-    /// Beforehand, weights adapt to the errors of the best candidate.
-    bool reweights = false;
-    std::size_t pairs = 0;                   ///< the rows: the first so many pairs; 0: all
+    bool bounds = false;     ///< beforehand, pairs at which candidates exceed the measurement are added to the rows
+    bool reweights = false;  ///< beforehand, weights adapt to the errors of the best candidate
+    std::size_t pairs = 0;   ///< the rows: the first so many pairs; 0: all
     bool albedos = false, pictures = false;  ///< terms beside that of the pairs
     double share = 1;                        ///< of the starts: candidates that take part, at least one
     std::size_t most = std::size_t(-1);      ///< of them
@@ -52,72 +50,44 @@ struct Stage {
 /// observations than another's polish, uses the second number from the start: its first candidates are its only ones.
 inline constexpr std::size_t k_few = 2048, k_some = 4096, k_more = 16384;
 
+namespace stages {
+
+inline constexpr bool o = false, x = true;
+inline constexpr std::size_t all = std::size_t(-1);  ///< candidates
+
+// clang-format off
 /// By pairs and albedos alone. After the best candidate another one is finished only if its error is at most 1 %
 /// larger: the last steps lower the loss by 1 to 4 %.
-inline constexpr Stage k_stages_by_pairs[] = {
-    {.name = "grow", .work = Work::grow, .pairs = k_few},
-    {.name = "perturb", .work = Work::perturb, .bounds = true, .pairs = k_few, .albedos = true, .perturbations = 0.2},
-    {.name = "perturb",
-     .work = Work::perturb,
-     .bounds = true,
-     .pairs = k_some,
-     .albedos = true,
-     .share = 0.5,
-     .perturbations = 0.5},
-    {.name = "perturb",
-     .work = Work::perturb,
-     .bounds = true,
-     .pairs = k_some,
-     .albedos = true,
-     .share = 0.25,
-     .perturbations = 1},
-    {.name = "polish", .work = Work::polish, .bounds = true, .pairs = k_more, .albedos = true, .most = 4},
-    {.name = "finish", .work = Work::finish, .albedos = true, .most = 3},
+inline constexpr Stage by_pairs[] = {
+    // name      work           bounds   pairs   albedos share most          perturbations
+    //                            reweights         pictures                       steps order
+    {"grow",     Work::grow,     o, o,   k_few,  o, o,   1,    all},
+    {"perturb",  Work::perturb,  x, o,   k_few,  x, o,   1,    all, 0.2},
+    {"perturb",  Work::perturb,  x, o,   k_some, x, o,   0.5,  all, 0.5},
+    {"perturb",  Work::perturb,  x, o,   k_some, x, o,   0.25, all, 1},
+    {"polish",   Work::polish,   x, o,   k_more, x, o,   1,    4},
+    {"finish",   Work::finish,   o, o,   0,      x, o,   1,    3},
 };
 /// With pictures. Candidates with the same loss of pairs look different, and further perturbations lower that loss by
 /// little: all of them remain for pictures to choose from. The best after all their steps are nearly always among the
 /// best after three. Of the last two the least sum decides, which knows radiance; ΔE_ITP does not.
-inline constexpr Stage k_stages_with_pictures[] = {
-    {.name = "grow", .work = Work::grow, .pairs = k_few},
-    {.name = "perturb", .work = Work::perturb, .bounds = true, .pairs = k_few, .albedos = true, .perturbations = 0.12},
-    {.name = "perturb", .work = Work::perturb, .bounds = true, .pairs = k_few, .albedos = true, .perturbations = 0.28},
-    {.name = "pictures",
-     .work = Work::steps,
-     .bounds = true,
-     .reweights = true,
-     .pairs = k_some,
-     .albedos = true,
-     .pictures = true,
-     .steps = 3,
-     .order = Order::delta_e},
-    {.name = "pictures",
-     .work = Work::steps,
-     .pairs = k_some,
-     .albedos = true,
-     .pictures = true,
-     .share = 0.25,
-     .steps = 4,
-     .order = Order::delta_e},
-    {.name = "pictures",
-     .work = Work::steps,
-     .pairs = k_some,
-     .albedos = true,
-     .pictures = true,
-     .share = 0.125,
-     .steps = 8,
-     .order = Order::delta_e},
-    {.name = "compare",
-     .work = Work::steps,
-     .reweights = true,
-     .albedos = true,
-     .pictures = true,
-     .most = 2,
-     .steps = 6},
-    {.name = "finish", .work = Work::finish, .reweights = true, .albedos = true, .pictures = true, .most = 1},
+inline constexpr Stage with_pictures[] = {
+    {"grow",     Work::grow,     o, o,   k_few,  o, o,   1,    all},
+    {"perturb",  Work::perturb,  x, o,   k_few,  x, o,   1,    all, 0.12},
+    {"perturb",  Work::perturb,  x, o,   k_few,  x, o,   1,    all, 0.28},
+    {"pictures", Work::steps,    x, x,   k_some, x, x,   1,    all, 0,    3, Order::delta_e},
+    {"pictures", Work::steps,    o, o,   k_some, x, x,   0.25, all, 0,    4, Order::delta_e},
+    {"pictures", Work::steps,    o, o,   k_some, x, x,   0.125, all, 0,   8, Order::delta_e},
+    {"compare",  Work::steps,    o, x,   0,      x, x,   1,    2,            0,    6},
+    {"finish",   Work::finish,   o, x,   0,      x, x,   1,    1},
 };
+// clang-format on
+
+}  // namespace stages
+
 inline std::span<const Stage> schedule(bool with_pictures) {
-    if (with_pictures) return k_stages_with_pictures;
-    return k_stages_by_pairs;
+    if (with_pictures) return stages::with_pictures;
+    return stages::by_pairs;
 }
 
 }  // namespace srbf

@@ -9,9 +9,9 @@ Result<Done> ProcessorSolver::optimise(std::span<Trial> trials) {
         LevenbergMarquardtOptions options;
         options.max_iterations = trial.steps;
         options.target = trial.target;
-        Eigen::VectorXd x = LobeProblem::pack(trial.lobes);
+        Eigen::VectorXd x = pack(trial.lobes);
         const double loss = levenberg_marquardt(problem_, x, options).loss;
-        trial.lobes = problem_.unpack(x);
+        trial.lobes = unpack(x, trial.lobes.shape);
         take_loss(trial, loss);
     }
     return Done{};
@@ -19,7 +19,7 @@ Result<Done> ProcessorSolver::optimise(std::span<Trial> trials) {
 
 Result<Done> ProcessorSolver::best_additions(std::span<Trial> trials) {
     for (Trial& trial : trials) {
-        take_loss(trial, problem_.loss(LobeProblem::pack(trial.lobes)));
+        take_loss(trial, problem_.loss(pack(trial.lobes)));
         trial.addition = problem_.best_addition(trial.additions);
     }
     return Done{};

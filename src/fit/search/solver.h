@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "fit/solve/lobes.h"
+#include "fit/solve/lobe_problem.h"
 #include "srbf/result.h"
 
 namespace srbf {

@@ -61,10 +61,10 @@ void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOp
         const Lobes& lobes = candidates[i].lobes;
         LobeProblem seen(some, shape_of(options), false, log_peak_limit),
             unseen(more, shape_of(options), false, log_peak_limit);
-        seen.loss(LobeProblem::pack(lobes));
+        seen.loss(pack(lobes));
         places[i] =
             some_of(exceeded(all_, few_.begin, to_model(seen, lobes, options.log_scale, {}), largest_), k_most_added);
-        loss[i] = unseen.loss(LobeProblem::pack(lobes));
+        loss[i] = unseen.loss(pack(lobes));
     });
     loss_ = *std::min_element(loss.begin(), loss.end());
 
@@ -97,7 +97,7 @@ double Subsets::picture_importance(const Candidate& candidate, const Stage& stag
     constexpr double k_negligible = 1e-9, k_least_delta_e = 1e-3;
     const Rows seen = rows(stage, k_negligible);
     LobeProblem problem(seen, shape_of(options), true, log_peak_limit);
-    problem.loss(LobeProblem::pack(candidate.lobes));
+    problem.loss(pack(candidate.lobes));
     return (has_point_lights_ ? k_pictures_beside_point_lights : k_picture_share) * loss_ /
            std::max(problem.delta_e(), k_least_delta_e);
 }

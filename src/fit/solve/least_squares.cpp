@@ -11,6 +11,60 @@ namespace srbf {
 // Inner products of float columns are accurate to about 1e-7 of the product of the norms; smaller values are noise.
 constexpr double k_ridge = 1e-6;
 
+namespace {
+
+/// The active set of `bounded_least_squares`: which variables are free and which are held at a bound.
+struct ActiveSet {
+    enum Place { at_zero, free, at_upper };
+    const Eigen::MatrixXd& G;
+    const Eigen::VectorXd &g, &upper;
+    std::vector<Place> place = std::vector<Place>(std::size_t(g.size()), at_zero);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(g.size());
+
+    /// Frees the variable whose release decreases the sum fastest, if any does by more than the tolerance.
+    bool release(double tolerance) {
+        const Eigen::VectorXd descent = g - G * x;
+        Eigen::Index best = -1;
+        double best_rate = tolerance;
+        for (Eigen::Index i = 0; i < g.size(); ++i) {
+            const Place p = place[std::size_t(i)];
+            const double rate = p == at_zero ? descent[i] : p == at_upper ? -descent[i] : 0;
+            if (rate > best_rate && G(i, i) > k_ridge && upper[i] > 0) best = i, best_rate = rate;
+        }
+        if (best >= 0) place[std::size_t(best)] = free;
+        return best >= 0;
+    }
+
+    /// Moves the free variables towards their optimum, to the first bound that one of them crosses; false: there is none.
+    bool step() {
+        std::vector<Eigen::Index> passive;
+        for (Eigen::Index i = 0; i < g.size(); ++i)
+            if (place[std::size_t(i)] == free) passive.push_back(i);
+        Eigen::VectorXd held = x;
+        for (const Eigen::Index i : passive) held[i] = 0;
+        const Eigen::VectorXd target = G(passive, passive).ldlt().solve(Eigen::VectorXd((g - G * held)(passive)));
+        double fraction = 1;
+        Eigen::Index crossed = -1;
+        Place bound = at_zero;
+        for (std::size_t k = 0; k < passive.size(); ++k) {
+            const Eigen::Index i = passive[k];
+            const double to = target[Eigen::Index(k)];
+            const double limit = to < 0 ? 0.0 : upper[i];
+            if (to >= 0 && to <= upper[i]) continue;
+            const double t = to == x[i] ? 0 : (limit - x[i]) / (to - x[i]);
+            if (t < fraction) fraction = std::max(t, 0.0), crossed = i, bound = to < 0 ? at_zero : at_upper;
+        }
+        for (std::size_t k = 0; k < passive.size(); ++k)
+            x[passive[k]] += fraction * (target[Eigen::Index(k)] - x[passive[k]]);
+        if (crossed < 0) return false;
+        place[std::size_t(crossed)] = bound;
+        x[crossed] = bound == at_zero ? 0 : upper[crossed];
+        return true;
+    }
+};
+
+}  // namespace
+
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::VectorXd& g_in,
                                       const Eigen::VectorXd& upper_in) {
     // Columns are scaled to unit length, so that the tolerances are relative.
@@ -23,53 +77,17 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
     const Eigen::VectorXd g = reciprocal.cwiseProduct(g_in), upper = upper_in.cwiseProduct(length);
     const double tolerance = 1e-12 * g.cwiseAbs().maxCoeff();
 
-    enum Place { at_zero, free, at_upper };
-    std::vector<Place> place(std::size_t(n), at_zero);
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-    std::vector<Eigen::Index> passive;
-    for (int round = 0; round < 6 * int(n) + 6; ++round) {
-        // Free the variable whose release decreases the sum fastest.
-        const Eigen::VectorXd descent = g - G * x;
-        Eigen::Index best = -1;
-        double best_rate = tolerance;
-        for (Eigen::Index i = 0; i < n; ++i) {
-            const Place p = place[std::size_t(i)];
-            const double rate = p == at_zero ? descent[i] : p == at_upper ? -descent[i] : 0;
-            if (rate > best_rate && reciprocal[i] > 0 && upper[i] > 0) best = i, best_rate = rate;
+    ActiveSet set{G, g, upper};
+    for (int round = 0; round < 6 * int(n) + 6 && set.release(tolerance); ++round)
+        for (int inner = 0; inner <= int(n) && set.step(); ++inner) {
         }
-        if (best < 0) break;
-        place[std::size_t(best)] = free;
-
-        // Solve for the free variables; step back to the first bound that is crossed, until none is.
-        for (int inner = 0; inner <= int(n); ++inner) {
-            passive.clear();
-            for (Eigen::Index i = 0; i < n; ++i)
-                if (place[std::size_t(i)] == free) passive.push_back(i);
-            Eigen::VectorXd held = x;
-            for (const Eigen::Index i : passive) held[i] = 0;
-            const Eigen::VectorXd target = G(passive, passive).ldlt().solve(Eigen::VectorXd((g - G * held)(passive)));
-            double fraction = 1;
-            Eigen::Index crossed = -1;
-            Place bound = at_zero;
-            for (std::size_t k = 0; k < passive.size(); ++k) {
-                const Eigen::Index i = passive[k];
-                const double to = target[Eigen::Index(k)];
-                const double limit = to < 0 ? 0.0 : upper[i];
-                if (to >= 0 && to <= upper[i]) continue;
-                const double t = to == x[i] ? 0 : (limit - x[i]) / (to - x[i]);
-                if (t < fraction) fraction = std::max(t, 0.0), crossed = i, bound = to < 0 ? at_zero : at_upper;
-            }
-            for (std::size_t k = 0; k < passive.size(); ++k)
-                x[passive[k]] += fraction * (target[Eigen::Index(k)] - x[passive[k]]);
-            if (crossed < 0) break;
-            place[std::size_t(crossed)] = bound;
-            x[crossed] = bound == at_zero ? 0 : upper[crossed];
-        }
-    }
     // Bounds are met exactly; scaling back and forth would lose a digit.
+    Eigen::VectorXd x(n);
     for (Eigen::Index i = 0; i < n; ++i) {
-        const Place p = place[std::size_t(i)];
-        x[i] = p == at_zero ? 0 : p == at_upper ? upper_in[i] : std::clamp(reciprocal[i] * x[i], 0.0, upper_in[i]);
+        const ActiveSet::Place p = set.place[std::size_t(i)];
+        x[i] = p == ActiveSet::at_zero    ? 0
+               : p == ActiveSet::at_upper ? upper_in[i]
+                                          : std::clamp(reciprocal[i] * set.x[i], 0.0, upper_in[i]);
     }
     return x;
 }
@@ -77,8 +95,10 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
 Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
 
 // B = PᵀLDLᵀP, so that A B⁻¹ Aᵀ = (√D⁻¹ L⁻¹ P Aᵀ)ᵀ (√D⁻¹ L⁻¹ P Aᵀ).
-void eliminate(const Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) {
-    const Eigen::LDLT<Eigen::MatrixXd> factor(B);
+namespace {
+Eigen::LDLT<Eigen::MatrixXd> eliminated(Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) {
+    B.diagonal() *= 1 + k_ridge;
+    Eigen::LDLT<Eigen::MatrixXd> factor(B);
     Eigen::MatrixXd half = factor.transpositionsP() * A.transpose();
     factor.matrixL().solveInPlace(half);
     for (Eigen::Index i = 0; i < half.rows(); ++i) {
@@ -88,6 +108,15 @@ void eliminate(const Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::Matrix
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(H.rows(), H.cols());
     product.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
     H -= Eigen::MatrixXd(product.selfadjointView<Eigen::Lower>());
+    return factor;
+}
+}  // namespace
+
+void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H) { eliminated(B, A, H); }
+
+void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H, const Eigen::VectorXd& b,
+               Eigen::VectorXd& g) {
+    g -= A * eliminated(B, A, H).solve(b);
 }
 
 void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
@@ -103,6 +132,16 @@ void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eige
         for (const Eigen::Index i : held) step[i] = std::clamp(step[i], lower[i], upper[i]);
         if (free.empty()) return;
         step(free) = -solved(A(free, free), g(free) + A(free, held) * step(held));
+    }
+}
+
+void fix_at_bounds(const Eigen::VectorXd& x, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                   Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+        if (!(x[i] <= lower[i] && g[i] > 0) && !(x[i] >= upper[i] && g[i] < 0)) continue;
+        H.row(i).setZero();
+        H.col(i).setZero();
+        g[i] = 0;
     }
 }
 

@@ -15,9 +15,12 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G, const Eigen::Vec
 /// Solves A x = b, with A symmetric and positive semidefinite.
 Eigen::VectorXd solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
-/// Subtracts A B⁻¹ Aᵀ from H, with B symmetric and positive definite: what H is once variables of B, which A couples to
-/// its own, adapt to them.
-void eliminate(const Eigen::MatrixXd& B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H);
+/// Subtracts A B⁻¹ Aᵀ from H, with B symmetric and positive definite but for a ridge of 1e-6 of its diagonal: what the
+/// Hessian H is once other variables, of Hessian B, adapt to its own, with which A couples them. The second one also
+/// subtracts A B⁻¹ b from the gradient g, where b is the gradient by the variables that adapt.
+void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H);
+void eliminate(Eigen::MatrixXd B, const Eigen::MatrixXd& A, Eigen::MatrixXd& H, const Eigen::VectorXd& b,
+               Eigen::VectorXd& g);
 
 /// Makes the step δ = −A⁻¹g end at bounds that it exceeds, and solves for its other components again.
 void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
@@ -69,13 +72,16 @@ struct LevenbergMarquardtSummary {
     Stop stop = Stop::iterations;
 };
 
+/// Variables at a bound are fixed if the gradient pushes them outwards: their rows, columns and gradients become 0.
+void fix_at_bounds(const Eigen::VectorXd& x, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
+                   Eigen::MatrixXd& H, Eigen::VectorXd& g);
+
 /// Minimises problem.loss from x, with steps (JᵀJ + μ diag JᵀJ) δ = −Jᵀr, each within the bounds at its start. μ adapts
-/// to the ratio of actual to predicted decrease (Nielsen 1999). Variables at a bound are fixed if the gradient pushes
-/// them outwards. The last call of problem.loss is at the returned x.
+/// to the ratio of actual to predicted decrease (Nielsen 1999). The last call of problem.loss is at the returned x.
 template <SeparableProblem P>
 LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
                                               const LevenbergMarquardtOptions& options) {
-    Eigen::VectorXd lower, upper;
+    constexpr double k_most_damping = 1e10;
     LevenbergMarquardtSummary summary;
     Eigen::MatrixXd H;
     Eigen::VectorXd g;
@@ -86,18 +92,12 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
     while (summary.iterations < options.max_iterations) {
         problem.linearise(x, H, g);
         ++summary.iterations;
-        lower = problem.lower(x), upper = problem.upper(x);
+        const Eigen::VectorXd lower = problem.lower(x), upper = problem.upper(x);
         const double floor = 1e-12 * std::max(H.diagonal().maxCoeff(), 1e-300);
-        for (Eigen::Index i = 0; i < x.size(); ++i) {
-            if ((x[i] <= lower[i] && g[i] > 0) || (x[i] >= upper[i] && g[i] < 0)) {
-                H.row(i).setZero();
-                H.col(i).setZero();
-                g[i] = 0;
-            }
-        }
+        fix_at_bounds(x, lower, upper, H, g);
         const Eigen::VectorXd scale = H.diagonal().cwiseMax(floor);
         bool lowered = false;
-        for (; mu < 1e10; mu *= growth, growth *= 2) {
+        while (mu < k_most_damping && !lowered) {
             Eigen::MatrixXd damped = H;
             damped.diagonal() += mu * scale;
             Eigen::VectorXd step = -solved(damped, g);
@@ -110,25 +110,25 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
             }
             const Eigen::VectorXd next = (x + step).cwiseMax(lower).cwiseMin(upper);
             const double loss = problem.loss(next);
-            at_x = loss < summary.loss;
-            if (at_x) {
-                const double gain = 2 * (summary.loss - loss) / predicted - 1;
-                mu *= std::max(1.0 / 3, 1 - gain * gain * gain);
-                growth = 2;
-                x = next;
-                decrease = summary.loss - loss;
-                summary.loss = loss;
-                lowered = true;
-                break;
+            lowered = at_x = loss < summary.loss;
+            if (!lowered) {
+                mu *= growth, growth *= 2;
+                continue;
             }
+            const double gain = 2 * (summary.loss - loss) / predicted - 1;
+            mu *= std::max(1.0 / 3, 1 - gain * gain * gain);
+            growth = 2;
+            x = next;
+            decrease = summary.loss - loss;
+            summary.loss = loss;
         }
         if (lowered) {
             const int left = options.max_iterations - summary.iterations;
             if (summary.iterations == 1 || summary.loss - left * decrease <= options.target) continue;
             summary.stop = Stop::target;
-            break;
+        } else if (mu >= k_most_damping) {
+            summary.stop = Stop::step;
         }
-        if (mu >= 1e10) summary.stop = Stop::step;
         break;
     }
     if (!at_x) summary.loss = problem.loss(x);

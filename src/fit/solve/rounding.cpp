@@ -159,7 +159,7 @@ std::vector<double> cost_of_rounding(const Eigen::VectorXd& x, const Eigen::Matr
 }  // namespace
 
 Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes, const Turns& turns) {
-    Eigen::VectorXd x = LobeProblem::pack(lobes), g;
+    Eigen::VectorXd x = pack(lobes), g;
     Eigen::MatrixXd H;
     problem.loss(x);
     problem.linearise(x, H, g);
@@ -181,16 +181,15 @@ Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes, const Turns& tur
             end = first + std::max<std::size_t>((order.size() - first) / turns.part, 1);
         // components of one centre stay together
         while (end > first && end < order.size() && cost[order[end]] == cost[order[end - 1]]) ++end;
-        const Lobes now = problem.unpack(x);
-        const Eigen::VectorXd halves =
-            LobeProblem::pack(to_lobes(to_halves(without_coefficients(now), now), lobes.shape));
+        const Lobes now = unpack(x, lobes.shape);
+        const Eigen::VectorXd halves = pack(to_lobes(to_halves(without_coefficients(now), now), lobes.shape));
         for (; first < end; ++first) {
             x[Eigen::Index(order[first])] = halves[Eigen::Index(order[first])];
             held[order[first]] = true;
         }
         if (first < order.size()) levenberg_marquardt(rest, x, steps);
     }
-    return problem.unpack(x);
+    return unpack(x, lobes.shape);
 }
 
 }  // namespace srbf

@@ -1,6 +1,6 @@
 // Conversion between the lobes of a fit and the stored numbers.
 #pragma once
-#include "fit/solve/lobes.h"
+#include "fit/solve/lobe_problem.h"
 
 namespace srbf {
 

@@ -5,7 +5,8 @@
 #include <functional>
 #include <limits>
 
-#include "fit/solve/lobes.h"
+#include "fit/solve/columns.h"
+#include "fit/solve/pixel_term.h"
 #include "parallel.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "fit/solve/lobes.h"
+#include "fit/solve/columns.h"
+#include "fit/solve/pixel_term.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

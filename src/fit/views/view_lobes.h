@@ -1,6 +1,12 @@
 // The inner loops of the view-by-view fit: Gaussian lobes and their derivatives on the directions of one view.
 #pragma once
-#include "fit/solve/gram.h"
+#include <array>
+#include <span>
+
+#include "aligned.h"
+#include "fit/objective/pixels.h"
+#include "fit/solve/columns.h"
+#include "srbf/vec.h"
 
 namespace srbf {
 

@@ -1,63 +1,17 @@
-#include "fit/solve/gram.h"
+#include "fit/solve/columns.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "fit/solve/gram.cpp"
+#define HWY_TARGET_INCLUDE "fit/solve/columns.cpp"
 #include <hwy/foreach_target.h>
 
 #include "batch-inl.h"
-#include "fit/data/observations.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {
 namespace HWY_NAMESPACE {
-
-Vec3<Batch> direction(const std::array<Aligned<float>, 3>& w, std::size_t at) {
-    return {Batch::load(&w[0][at]), Batch::load(&w[1][at]), Batch::load(&w[2][at])};
-}
-
-void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
-    using Formula = Formulas<Batch, PmModel>;
-    const Batch a_(a), b_(b), one(1.0);
-    const Vec3<Batch> up(Batch(0.0), Batch(0.0), one);
-    const std::size_t first = block * k_block;
-    for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
-        const Vec3<Batch> wl = direction(rows.wl, first + i), wv = direction(rows.wv, first + i);
-        Formula::gaussian_exponent(Formula::psi(wl, wv, a_, b_), up, one).store(s + i);
-        Formula::psi_by_angle(wl, wv, a_, b_).z.store(s_by_angle + i);
-    }
-}
-
-void general_features(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
-    using Formula = Formulas<Batch, PmModel>;
-    const Batch a_(a), b_(b), one(1.0);
-    const Vec3<Batch> up(Batch(0.0), Batch(0.0), one);
-    const std::size_t first = block * k_block;
-    const auto store = [](Batch x, Batch y, Batch z, float* to) HWY_ATTR {
-        x.store(to);
-        y.store(to + k_block);
-        z.store(to + 2 * k_block);
-    };
-    for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
-        const Vec3<Batch> wl = direction(rows.wl, first + i), wv = direction(rows.wv, first + i);
-        const Vec3<Batch> psi = Formula::psi(wl, wv, a_, b_), by_angle = Formula::psi_by_angle(wl, wv, a_, b_);
-        store(psi.x, psi.y, Formula::gaussian_exponent(psi, up, one), s + i);
-        store(by_angle.x, by_angle.y, by_angle.z, s_by_angle + i);
-    }
-}
-
-void further_features(const Rows& rows, std::size_t block, int count, float* features) {
-    const std::size_t first = block * k_block;
-    for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
-        const auto of = Formulas<Batch, PmModel>::pm_further_features(count, direction(rows.wl, first + i),
-                                                                      direction(rows.wv, first + i));
-        for (int k = 0; k < count; ++k) of.x[k].store(features + std::size_t(k) * k_block + i);
-    }
-}
 
 // Processes four batches at once: a weight is broadcast and a column addressed once for all four.
 constexpr std::size_t k_together = 4;
@@ -81,22 +35,20 @@ HWY_INLINE void add_weighted(std::span<const float> weight, std::span<const floa
 }
 HWY_INLINE Batch zero(std::size_t) { return Batch(0.0); }
 
-float exponent(const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
-               float* x) {
-    const float* root_weight = &rows.root_weight[block * k_block];
+float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
+               std::size_t count) {
     const Batch lowest(-std::numeric_limits<float>::max());
     Batch largest = lowest;
-    add_weighted(weight, s, rows.rows_in(block), zero, [&](std::size_t i, Batch sum) HWY_ATTR {
+    add_weighted(weight, s, count, zero, [&](std::size_t i, Batch sum) HWY_ATTR {
         sum.store(x + i);
         largest = max(largest, select(Batch(0.0) < Batch::load(root_weight + i), sum, lowest));
     });
     return largest.largest();
 }
 
-void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
-    const float* root_weight = &rows.root_weight[block * k_block];
+void exponentiate(const float* root_weight, float offset, float* x, std::size_t count) {
     const Batch shift{double(offset)};
-    for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size())
+    for (std::size_t i = 0; i < count; i += Batch::size())
         Batch(Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, Batch(0.0)))).store(x + i);
 }
 
@@ -229,9 +181,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace srbf {
 
-HWY_EXPORT(axial_feature);
-HWY_EXPORT(general_features);
-HWY_EXPORT(further_features);
 HWY_EXPORT(exponent);
 HWY_EXPORT(exponentiate);
 HWY_EXPORT(combine);
@@ -244,21 +193,12 @@ HWY_EXPORT(sum_of_squares);
 HWY_EXPORT(add_gram);
 HWY_EXPORT(add_products);
 
-void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
-    HWY_DYNAMIC_DISPATCH(axial_feature)(rows, block, a, b, s, s_by_angle);
+float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
+               std::size_t count) {
+    return HWY_DYNAMIC_DISPATCH(exponent)(weight, s, root_weight, x, count);
 }
-void general_features(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
-    HWY_DYNAMIC_DISPATCH(general_features)(rows, block, a, b, s, s_by_angle);
-}
-void further_features(const Rows& rows, std::size_t block, int count, float* features) {
-    HWY_DYNAMIC_DISPATCH(further_features)(rows, block, count, features);
-}
-float exponent(const Rows& rows, std::size_t block, std::span<const float> weight, std::span<const float* const> s,
-               float* x) {
-    return HWY_DYNAMIC_DISPATCH(exponent)(rows, block, weight, s, x);
-}
-void exponentiate(const Rows& rows, std::size_t block, float offset, float* x) {
-    HWY_DYNAMIC_DISPATCH(exponentiate)(rows, block, offset, x);
+void exponentiate(const float* root_weight, float offset, float* x, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(exponentiate)(root_weight, offset, x, count);
 }
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count) {
     HWY_DYNAMIC_DISPATCH(combine)(weight, s, x, count);
@@ -287,84 +227,6 @@ void add_gram(std::span<const float* const> columns, double* G, std::size_t coun
 void add_products(std::span<const float* const> rows, std::span<const float* const> columns, double* G,
                   std::size_t count) {
     HWY_DYNAMIC_DISPATCH(add_products)(rows, columns, G, count);
-}
-
-template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f) {
-    wl[0][i] = l.x, wl[1][i] = l.y, wl[2][i] = l.z;
-    wv[0][i] = v.x, wv[1][i] = v.y, wv[2][i] = v.z;
-    root_weight[i] = float(factor * scale);
-    for (std::size_t c = 0; c < y.size(); ++c) y[c][i] = float(factor * double(f(c)));
-}
-
-Rows::Rows(const Observations& observations, const Extent& extent) {
-    const std::size_t count = observations.fitted();
-    blocks = blocks_for(count), pairs = count;
-    const std::size_t every = extent.roughly ? 2 : 1, step = extent.roughly ? 9 : 1;
-    if (extent.radiance_importance > 0) radiances = (observations.radiances.size() + every - 1) / every;
-    for (std::size_t k = 0; k < radiances; ++k)
-        radiance_blocks =
-            std::max(radiance_blocks, blocks_for((observations.radiances[k * every].wl.size() + step - 1) / step));
-    const auto has_pixels = [](const SeenView& view) { return !view.pixels.empty(); };
-    if (extent.picture_importance > 0 && !extent.spectra && std::ranges::any_of(observations.views, has_pixels)) {
-        picture_importance = extent.picture_importance;
-        views = observations.views.size(), view_rows = k_row_multiple;
-        for (const SeenView& view : observations.views) view_rows = std::max(view_rows, std::bit_ceil(view.wl.size()));
-    }
-    // Padding rows: any direction is fine, the weight is 0.
-    const std::size_t rows = whole_blocks() * k_block;
-    for (std::size_t k = 0; k < 3; ++k) {
-        wl[k].assign(rows, k == 2 ? 1.f : 0.f);
-        wv[k].assign(rows, k == 2 ? 1.f : 0.f);
-    }
-    const std::size_t C = extent.spectra ? observations.wavelengths.size() : 3;
-    y.assign(C, Aligned<float>(rows, 0.f));
-    // Channel c of an observation or of a light direction of a radiance.
-    const auto value_of = [C, spectra = extent.spectra](const auto& of, std::size_t i) {
-        return [&of, i, C, spectra](std::size_t c) { return spectra ? of.spectrum[i * C + c] : of.f[i][int(c)]; };
-    };
-    root_weight.assign(rows, 0.f);
-    double sum = 0;
-    for (std::size_t i = 0; i < count; ++i) sum += observations.weight[i];
-    if (sum > 0) scale = 1 / std::sqrt(sum);
-    for (std::size_t i = 0; i < count; ++i)
-        set(i, observations.wl[i], observations.wv[i], std::sqrt(observations.weight[i]), value_of(observations, i));
-    for (std::size_t k = 0; k < radiances; ++k) {
-        const RadianceObservation& seen = observations.radiances[k * every];
-        double whole = 0;
-        for (std::size_t i = 0; i < seen.wl.size(); i += step) whole += seen.weight[i] * double(luminance(seen.f[i]));
-        if (!(whole > 0)) continue;
-        const double factor = std::sqrt(extent.radiance_importance / double(radiances)) / whole;
-        std::size_t row = (blocks + k * radiance_blocks) * k_block;
-        for (std::size_t i = 0; i < seen.wl.size(); i += step)
-            set(row++, seen.wl[i], seen.wv, factor * seen.weight[i], value_of(seen, i));
-    }
-    if (views > 0) add_views(observations.views);
-}
-
-void Rows::add_views(const std::vector<SeenView>& all) {
-    const std::size_t begin = first_view_block() * k_block;
-    std::vector<Pixels::Triplet> colours;
-    for (std::size_t k = 0; k < views; ++k) {
-        const SeenView& view = all[k];
-        const std::size_t first = begin + k * view_rows;
-        for (std::size_t i = 0; i < view.wl.size(); ++i)
-            set(first + i, view.wl[i], view.wv, 1, [&](std::size_t c) { return view.f[i][int(c)]; });
-        first_pixel.push_back(pixel.size());
-        for (const SeenPixel& seen : view.pixels) {
-            const bool single = seen.weight.size() == 1;
-            pixel.push_back({single ? first + seen.first : first, single, seen.weight[0], light.size()});
-            if (!single) light.resize(light.size() + view_rows);
-            Pixels::Triplet colour{};
-            for (std::size_t i = 0; i < seen.weight.size(); ++i) {
-                if (!single) light[pixel.back().light + seen.first + i] = seen.weight[i];
-                for (std::size_t c = 0; c < 3; ++c)
-                    colour[c] += double(seen.weight[i]) * double(view.f[seen.first + i][int(c)]);
-            }
-            colours.push_back(colour);
-        }
-    }
-    first_pixel.push_back(pixel.size());
-    pixels = Pixels(colours);
 }
 
 }  // namespace srbf

@@ -1,0 +1,298 @@
+#include "fit/solve/lobe_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "fit/solve/columns.h"
+#include "fit/solve/least_squares.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+
+LobeProblem::LobeProblem(const Rows& rows, const LobeShape& shape, bool parallel, double log_peak_limit)
+    : rows_(rows),
+      shape_(shape),
+      log_peak_limit_(log_peak_limit),
+      basis_(rows, shape, parallel),
+      pixels_(basis_),
+      rest_(rows.whole_blocks() * rows.y.size() * k_block) {}
+
+Eigen::VectorXd LobeProblem::bounds(Eigen::Index size, double Interval::*side) const {
+    const Interval angles{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    Eigen::VectorXd b(size);
+    b.head(shape_.variates).setConstant(angles.*side);
+    for (Eigen::Index i = shape_.variates; i < size; ++i)
+        b[i] = weight_range(int(i - shape_.variates) % shape_.width(), shape_).*side;
+    return b;
+}
+
+Eigen::VectorXd LobeProblem::longest_step(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd longest = 0.5 * x.cwiseAbs().array() + 2;
+    longest.head(shape_.variates).setConstant(0.5);
+    return longest;
+}
+
+double LobeProblem::loss(const Eigen::VectorXd& x) {
+    basis_.evaluate(x);
+    const Eigen::MatrixXd products = products_with_data();
+    gram_ = products.topLeftCorner(basis_.count(), basis_.count());
+    bound_coefficients(x);
+    fit_coefficients(products);
+    return loss_with_residuals();
+}
+
+Eigen::MatrixXd LobeProblem::products_with_data() {
+    const std::size_t all = std::size_t(basis_.count()) + rows_.y.size();
+    std::vector<std::vector<double>> parts(rows_.chunks());
+    rows_.for_chunks(parts.size(), basis_.parallel(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        const bool of_radiance = rows_.observes_radiance(begin);
+        parts[chunk].assign(of_radiance ? all : all * all, 0.0);
+        std::vector<const float*> columns;
+        for (std::size_t block = begin; block < end; ++block) {
+            columns.clear();
+            for (int j = 0; j < basis_.count(); ++j) columns.push_back(basis_.lobe(block, j));
+            for (const auto& y : rows_.y) columns.push_back(&y[block * k_block]);
+            if (!of_radiance) add_gram(columns, parts[chunk].data(), rows_.rows_in(block));
+            for (std::size_t i = 0; of_radiance && i < all; ++i) parts[chunk][i] += sum(columns[i]);
+        }
+    });
+    // Row-major lower triangles are column-major upper ones.
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(Eigen::Index(all), Eigen::Index(all));
+    for (std::size_t chunk = 0; chunk < rows_.chunks_of_pairs(); ++chunk)
+        G += Eigen::Map<const Eigen::MatrixXd>(parts[chunk].data(), G.rows(), G.cols());
+    for (std::size_t chunk = rows_.chunks_of_pairs(); chunk < rows_.chunks(); ++chunk)
+        G.selfadjointView<Eigen::Upper>().rankUpdate(Eigen::Map<const Eigen::VectorXd>(parts[chunk].data(), G.rows()));
+    return G.selfadjointView<Eigen::Upper>();
+}
+
+void LobeProblem::bound_coefficients(const Eigen::VectorXd& x) {
+    const int W = shape_.width();
+    beta_limit_.resize(basis_.count());
+    for (int j = 0; j < basis_.count(); ++j) {
+        const std::span<const double> of_lobe(x.data() + shape_.variates + j * W, std::size_t(W));
+        const double factor = log_peak_factor(of_lobe, shape_, basis_.offset()[std::size_t(j)]);
+        beta_limit_[j] = elementary::exp(std::min(log_peak_limit_ - elementary::log(rows_.scale) - factor, 700.0));
+    }
+}
+
+void LobeProblem::fit_coefficients(const Eigen::MatrixXd& products) {
+    const Eigen::Index J = basis_.count();
+    // With pixels the coefficients of the last call are a better start than those of the pairs alone.
+    if (rows_.views == 0 || beta_.rows() != J || beta_.cols() != channels()) {
+        beta_.resize(J, channels());
+        for (Eigen::Index c = 0; c < channels(); ++c)
+            beta_.col(c) = bounded_least_squares(gram_, products.block(0, J + c, J, 1), beta_limit_);
+    }
+    if (rows_.views > 0) fit_coefficients_to_pixels(products);
+}
+
+// By a few steps of Gauss and Newton: the gradient of what remains is part of `linearise`.
+void LobeProblem::fit_coefficients_to_pixels(const Eigen::MatrixXd& products) {
+    constexpr int k_most_steps = 2;
+    constexpr double k_tolerance = 1e-6, k_least_share = 0.05;
+    const Eigen::Index J = basis_.count(), C = channels();
+    pixels_.evaluate(false);
+    beta_ = beta_.cwiseMin(beta_limit_.replicate(1, C)).eval();
+    // The sum, its gradient and Hessian.
+    const auto loss_at = [&](const Eigen::MatrixXd& beta, double& of_pixels, Coefficients& at) {
+        of_pixels = pixels_.loss(beta, at);
+        double sum = of_pixels;
+        for (Eigen::Index c = 0; c < C; ++c) {
+            const Eigen::VectorXd of_data = products.block(0, J + c, J, 1), product = gram_ * beta.col(c);
+            sum += beta.col(c).dot(product - 2 * of_data) + products(J + c, J + c);
+            at.H.block(c * J, c * J, J, J) += gram_;
+            at.g.segment(c * J, J) += product - of_data;
+        }
+        return sum;
+    };
+    const Eigen::VectorXd most = beta_limit_.replicate(C, 1);
+    Coefficients at(0, beta_.size()), further = at;
+    double loss = loss_at(beta_, of_pixels_, at);
+    for (int step = 0; step < k_most_steps; ++step) {
+        const Eigen::Map<const Eigen::VectorXd> now(beta_.data(), beta_.size());
+        const Eigen::VectorXd towards = bounded_least_squares(at.H, at.H * now - at.g, most) - now;
+        const double predicted = -2 * towards.dot(at.g) - towards.dot(at.H * towards);
+        if (!(predicted > k_tolerance * loss)) return;
+        bool lowered = false;
+        for (double share = 1; share > k_least_share && !lowered; share /= 2) {
+            const Eigen::MatrixXd next = beta_ + share * Eigen::Map<const Eigen::MatrixXd>(towards.data(), J, C);
+            double of_pixels = 0;
+            const double whole = loss_at(next, of_pixels, further);
+            lowered = whole < loss;
+            if (lowered) beta_ = next, of_pixels_ = of_pixels, loss = whole, std::swap(at, further);
+        }
+        if (!lowered) return;
+    }
+}
+
+double LobeProblem::loss_with_residuals() {
+    const auto J = std::size_t(basis_.count()), C = std::size_t(channels());
+    std::vector<double> sums(rows_.chunks(), 0.0);
+    rows_.for_chunks(sums.size(), basis_.parallel(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        std::vector<float> beta(J);
+        std::vector<const float*> columns(J);
+        std::vector<double> radiance(C, 0.0);
+        for (std::size_t block = begin; block < end; ++block) {
+            for (std::size_t j = 0; j < J; ++j) columns[j] = basis_.lobe(block, int(j));
+            for (std::size_t c = 0; c < C; ++c) {
+                for (std::size_t j = 0; j < J; ++j) beta[j] = float(beta_(Eigen::Index(j), Eigen::Index(c)));
+                float* const difference = rest(block, Eigen::Index(c));
+                const double squares =
+                    residual(&rows_.y[c][block * k_block], beta, columns, difference, rows_.rows_in(block));
+                if (rows_.observes_radiance(block))
+                    radiance[c] += sum(difference);
+                else
+                    sums[chunk] += squares;
+            }
+        }
+        for (const double difference : radiance) sums[chunk] += difference * difference;
+    });
+    double whole = of_pixels_;
+    for (const double part : sums) whole += part;
+    return whole;
+}
+
+// The derivative of the residual of channel c by weight i of lobe j is −β_jc E_j s_i, with s_i the factor of the weight;
+// by angle n it is −A_nc, A_nc = Σ_j β_jc E_j p_jn·∂ψ_n/∂angle. A coefficient strictly between its bounds adapts, so that
+// only the component of derivatives orthogonal to those lobes counts (Kaufman's approximation). A coefficient at its upper
+// bound follows the bound: β_j E_j is then a lobe of given peak, and the peak of exp(p·(ψ − ẑ)) is exp(|p| − p_z).
+void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+    const DerivativeSums sums(basis_, x, beta_, rest_);
+    H = Eigen::MatrixXd::Zero(x.size(), x.size());
+    g = Eigen::VectorXd::Zero(x.size());
+    set_derivatives(sums, H, g);
+    // With pixels the coefficients of all channels adapt together.
+    const bool together = rows_.views > 0;
+    const Eigen::Index J = basis_.count();
+    Coefficients adapting(x.size(), together ? beta_.size() : 0);
+    for (Eigen::Index c = 0; c < channels(); ++c) {
+        const Eigen::MatrixXd with_lobes = derivatives_with_lobes(x, sums, c, H, g);
+        const std::vector<Eigen::Index> free = free_coefficients(c);
+        if (together) {
+            const auto of_channel = Eigen::seqN(c * J, J);
+            adapting.across(Eigen::all, of_channel) = with_lobes;
+            adapting.H(of_channel, of_channel) = gram_;
+            adapting.g(of_channel) = -sums.rest_and_lobes(c);
+            for (const Eigen::Index j : free) adapting.free.push_back(c * J + j);
+        } else if (!free.empty()) {
+            eliminate(gram_(free, free), with_lobes(Eigen::all, free), H);
+        }
+    }
+    if (!together) return;
+    pixels_.add_derivatives(x, beta_, beta_limit_, H, g, adapting);
+    adapting.eliminate(H, g);
+}
+
+void LobeProblem::set_derivatives(const DerivativeSums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
+    const Eigen::Index J = basis_.count(), N = shape_.variates, W = shape_.width();
+    const auto weight = [&](Eigen::Index j, Eigen::Index i) { return N + j * W + i; };
+    const Eigen::MatrixXd of_channels = beta_ * beta_.transpose();
+    for (Eigen::Index k = 0; k < J; ++k)
+        for (Eigen::Index l = 0; l < W; ++l)
+            for (Eigen::Index j = 0; j < J; ++j)
+                for (Eigen::Index i = 0; i < W; ++i)
+                    H(weight(j, i), weight(k, l)) = of_channels(j, k) * sums.product(j, 1 + i, k, 1 + l);
+    for (Eigen::Index j = 0; j < J; ++j)
+        for (Eigen::Index i = 0; i < W; ++i) {
+            for (Eigen::Index n = 0; n < N; ++n)
+                H(n, weight(j, i)) = H(weight(j, i), n) = sums.angle_and_weight(n, j, i);
+            g[weight(j, i)] = -sums.rest_and_weight(j, i);
+        }
+    for (Eigen::Index n = 0; n < N; ++n) {
+        for (Eigen::Index m = 0; m < N; ++m) H(n, m) = sums.angles(n, m);
+        g[n] = -sums.rest_and_angle(n);
+    }
+}
+
+Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const Eigen::VectorXd& x, const DerivativeSums& sums,
+                                                    Eigen::Index c, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
+    const Eigen::Index J = basis_.count(), N = shape_.variates, W = shape_.width();
+    Eigen::MatrixXd with_lobes(x.size(), J);
+    for (Eigen::Index k = 0; k < J; ++k) {
+        for (Eigen::Index n = 0; n < N; ++n) with_lobes(n, k) = sums.angle_and_lobe(n, c, k);
+        for (Eigen::Index j = 0; j < J; ++j)
+            for (Eigen::Index i = 0; i < W; ++i)
+                with_lobes(N + j * W + i, k) = beta_(j, c) * sums.product(j, 1 + i, k, 0);
+    }
+    for (Eigen::Index j = 0; j < J; ++j) {
+        if (!(beta_(j, c) > 0) || beta_(j, c) < beta_limit_[j]) continue;
+        // The derivative by x_i has by β_jc E_j more.
+        Eigen::VectorXd bound = Eigen::VectorXd::Zero(x.size());
+        for (const auto& [i, by] : slopes_of_limit(x, shape_, j)) bound[i] = by * beta_(j, c);
+        H += bound * with_lobes.col(j).transpose() + with_lobes.col(j) * bound.transpose() +
+             gram_(j, j) * bound * bound.transpose();
+        g -= sums.rest_and_lobe(c, j) * bound;
+        with_lobes += bound * gram_.row(j);
+    }
+    return with_lobes;
+}
+
+std::vector<Eigen::Index> LobeProblem::free_coefficients(Eigen::Index c) const {
+    std::vector<Eigen::Index> free;
+    for (Eigen::Index j = 0; j < beta_.rows(); ++j)
+        if (beta_(j, c) > 0 && beta_(j, c) < beta_limit_[j]) free.push_back(j);
+    return free;
+}
+
+// The loss falls by (e·r)² / |e|² for each channel with e the candidate less its component along the present lobes, of
+// which coefficients adapt, r the residual, and a coefficient that is not negative.
+std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<double>>& candidates) {
+    constexpr std::size_t k_group = 16;  // the values of so many candidates on all blocks fit in the cache
+    constexpr double k_nothing = 1e-60, k_least_across = 1e-4;  // of |e|²: smaller shares are noise of floats
+    const Eigen::LDLT<Eigen::MatrixXd> factor(ridged(gram_));
+    std::vector<double> best;
+    double best_gain = -1;
+    for (std::size_t first = 0; first < candidates.size(); first += k_group) {
+        const auto group = std::span(candidates).subspan(first, std::min(k_group, candidates.size() - first));
+        Eigen::VectorXd squares(group.size());
+        const Eigen::MatrixXd products = products_with_candidates(group, squares);
+        for (Eigen::Index k = 0; k < squares.size(); ++k) {
+            if (!(squares[k] > k_nothing)) continue;
+            const auto with_lobes = products.col(k).head(basis_.count());
+            double across = squares[k];
+            if (basis_.count() > 0) across -= with_lobes.dot(factor.solve(with_lobes));
+            across = std::max(across, k_least_across * squares[k]);
+            const double gain = products.col(k).tail(channels()).cwiseMax(0.0).squaredNorm() / across;
+            if (gain > best_gain) best_gain = gain, best = group[std::size_t(k)];
+        }
+    }
+    return best;
+}
+
+Eigen::MatrixXd LobeProblem::products_with_candidates(std::span<const std::vector<double>> candidates,
+                                                      Eigen::VectorXd& squares) {
+    const std::size_t blocks = rows_.blocks;
+    thread_local Aligned<float> values;
+    values.resize(std::max(values.size(), candidates.size() * blocks * k_block));
+    const auto of = [&](std::size_t k, std::size_t block) { return &values[(k * blocks + block) * k_block]; };
+    std::vector<const float*> factors, rows, columns;
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+        const std::vector<float> weight(candidates[k].begin(), candidates[k].end());
+        float offset = -std::numeric_limits<float>::infinity();
+        for (std::size_t block = 0; block < blocks; ++block) {
+            factors.clear();
+            for (int n = 0; n < shape_.width(); ++n) factors.push_back(basis_.factor(block, n));
+            offset = std::max(offset, exponent(weight, factors, &rows_.root_weight[block * k_block], of(k, block),
+                                               rows_.rows_in(block)));
+        }
+        double sum = 0;
+        for (std::size_t block = 0; block < blocks; ++block) {
+            exponentiate(&rows_.root_weight[block * k_block], offset, of(k, block), rows_.rows_in(block));
+            sum += sum_of_squares(of(k, block), rows_.rows_in(block));
+        }
+        squares[Eigen::Index(k)] = sum;
+    }
+    // Row-major, read as columns of candidates.
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(basis_.count() + channels(), Eigen::Index(candidates.size()));
+    for (std::size_t block = 0; block < blocks; ++block) {
+        rows.clear(), columns.clear();
+        for (std::size_t k = 0; k < candidates.size(); ++k) rows.push_back(of(k, block));
+        for (int j = 0; j < basis_.count(); ++j) columns.push_back(basis_.lobe(block, j));
+        for (Eigen::Index c = 0; c < channels(); ++c) columns.push_back(rest(block, c));
+        add_products(rows, columns, products.data(), rows_.rows_in(block));
+    }
+    return products;
+}
+
+}  // namespace srbf

@@ -1,0 +1,83 @@
+// Observations in the layout of the inner loops.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "aligned.h"
+#include "fit/data/observations.h"
+#include "fit/objective/pixels.h"
+#include "fit/solve/block.h"
+#include "parallel.h"
+
+namespace srbf {
+
+/// Which parts of the observations Rows hold.
+struct Extent {
+    double radiance_importance =
+        0;  ///< increase of the sum if every radiance is off by its luminance in one channel; 0: no radiances
+    bool roughly = false;           ///< only every other radiance, and of each every ninth direction
+    bool spectra = false;           ///< the spectra of spectral observations instead of their colours
+    double picture_importance = 0;  ///< factor of the mean error of all `Pixels`; 0, or with spectra: no views
+};
+
+/// Observations in the layout of the loops: an array per component, padded to whole blocks with rows of weight 0. First
+/// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each radiance, which
+/// contributes the square of a sum; then the blocks of views, whose pixels are sums over rows.
+struct Rows {
+    /// All observations except the checks.
+    explicit Rows(const Observations& observations, const Extent& extent = {});
+    std::size_t pairs = 0, blocks = 0;               ///< number of pairs, and of their blocks
+    std::size_t radiances = 0, radiance_blocks = 0;  ///< number of radiances, blocks per radiance
+    std::array<Aligned<float>, 3> wl, wv;
+    double scale = 1;               ///< unit of the values: 1 / √Σw
+    Aligned<float> root_weight;     ///< √w × scale, so that its squares sum to 1 over pairs
+    std::vector<Aligned<float>> y;  ///< √w f for each channel
+
+    /// A pixel: weight f(row), or over all rows of its view Σ light[i] f(row + i).
+    struct Pixel {
+        std::size_t row;
+        bool single;
+        float weight;
+        std::size_t light;
+    };
+    /// The views: each has `view_rows` rows, a power of two from k_row_multiple to k_block.
+    std::size_t views = 0, view_rows = 0;
+    std::vector<Pixel> pixel;              ///< in the order of the views
+    std::vector<std::size_t> first_pixel;  ///< of each view, and their number
+    Aligned<float> light;
+    Pixels pixels;
+    double picture_importance = 0;
+
+    std::size_t rows_in(std::size_t block) const { return block < blocks ? rows_in_block(block, pairs) : k_block; }
+    std::size_t first_view_block() const { return blocks + radiances * radiance_blocks; }
+    std::size_t whole_blocks() const { return first_view_block() + blocks_for(views * view_rows); }
+
+    /// Chunks are what loops over rows take at a time, and whose sums are added in order: k_chunk blocks of pairs, the
+    /// blocks of a radiance, or a block of views.
+    static constexpr std::size_t k_chunk = 8;
+    std::size_t chunks_of_pairs() const { return (blocks + k_chunk - 1) / k_chunk; }
+    std::size_t chunks() const { return chunks_of_pairs() + radiances; }  ///< of pairs and radiances
+    std::size_t whole_chunks() const { return chunks() + whole_blocks() - first_view_block(); }
+    bool observes_radiance(std::size_t block) const { return block >= blocks; }
+    /// Calls body(chunk, begin, end) for the blocks of the first `count` chunks.
+    template <typename Body> void for_chunks(std::size_t count, bool parallel, const Body& body) const {
+        for_each(count, parallel, [&](std::size_t chunk) {
+            if (chunk < chunks_of_pairs()) return body(chunk, chunk * k_chunk, std::min((chunk + 1) * k_chunk, blocks));
+            if (chunk >= chunks()) {
+                const std::size_t block = first_view_block() + chunk - chunks();
+                return body(chunk, block, block + 1);
+            }
+            const std::size_t begin = blocks + (chunk - chunks_of_pairs()) * radiance_blocks;
+            body(chunk, begin, begin + radiance_blocks);
+        });
+    }
+
+  private:
+    void add_views(const std::vector<SeenView>& views);
+    /// Row i for these directions: `factor` is √w, or its replacement in a sum; f(c) the value of channel c.
+    template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
+};
+
+}  // namespace srbf

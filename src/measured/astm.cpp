@@ -65,6 +65,36 @@ Result<Vars> columns_of(std::string_view vars, const std::string& file_name, std
 
 bool opens_row(std::string_view line) { return line.find_first_of("0123456789+-.") == 0; }
 
+/// What the lines before the samples state.
+struct AstmHeader {
+    Vars columns;
+    std::optional<std::uint64_t> points;
+    std::string description;
+};
+
+Result<AstmHeader> read_astm_header(Lines& lines, const std::string& file_name) {
+    AstmHeader header;
+    for (;;) {
+        auto line = lines.next();
+        if (!line) return at_line(file_name, lines.number(), "header", "a line VARS", "the end of the file");
+        const std::string_view key = next_word(*line), rest = trimmed(*line);
+        if (key.starts_with('#')) continue;
+        if (opens_row(key))
+            return at_line(file_name, lines.number(), "header", "a line VARS before the samples", "none");
+        if (key == "NUM_POINTS") {
+            header.points = to_number<std::uint64_t>(rest);
+            if (!header.points) return at_line(file_name, lines.number(), "NUM_POINTS", "a number", quoted(rest));
+        } else if (key == "VARS") {
+            auto columns = columns_of(rest, file_name, lines.number());
+            if (!columns) return columns.error();
+            header.columns = *std::move(columns);
+            return header;
+        } else if (key == "SAMPLE_NAME" || key == "SAMPLE_TYPE" || key == "LAB_COMMENTS") {
+            header.description += (header.description.empty() ? "" : ", ") + std::string(rest.substr(0, 300));
+        }
+    }
+}
+
 }  // namespace
 
 bool is_astm(std::string_view text) {
@@ -79,67 +109,37 @@ bool is_astm(std::string_view text) {
 
 Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, const std::string& file_name) {
     Lines lines(as_text(bytes));
-    std::string description;
-    std::optional<std::uint64_t> points;
-    std::optional<Vars> columns;
-    while (!columns) {
-        auto line = lines.next();
-        if (!line) return at_line(file_name, lines.number(), "header", "a line VARS", "the end of the file");
-        const std::string_view key = next_word(*line), rest = trimmed(*line);
-        if (key.starts_with('#')) continue;
-        if (opens_row(key))
-            return at_line(file_name, lines.number(), "header", "a line VARS before the samples", "none");
-        if (key == "NUM_POINTS") {
-            points = to_number<std::uint64_t>(rest);
-            if (!points) return at_line(file_name, lines.number(), "NUM_POINTS", "a number", quoted(rest));
-        } else if (key == "VARS") {
-            const auto named = columns_of(rest, file_name, lines.number());
-            if (!named) return named.error();
-            columns = *named;
-        } else if (key == "SAMPLE_NAME" || key == "SAMPLE_TYPE" || key == "LAB_COMMENTS") {
-            description += (description.empty() ? "" : ", ") + std::string(rest.substr(0, 300));
-        }
-    }
+    auto header = read_astm_header(lines, file_name);
+    if (!header) return header.error();
+    const Vars& columns = header->columns;
+    const bool is_trinitron =
+        columns.values == Values::rgb && header->description.find(k_trinitron) != std::string::npos;
 
-    SampleBuilder builder(columns->values, {}, bytes.size(), lines_of(bytes));
-    std::vector<std::string_view> fields;
+    SampleBuilder builder(columns.values, {}, bytes.size(), lines_of(bytes));
+    NumberRow row(columns.count, file_name);
+    std::array<double, 4> angle{};
     std::vector<float> f(builder.width());
     std::uint64_t rows = 0;
     bool turned = false;
-    const bool is_trinitron = columns->values == Values::rgb && description.find(k_trinitron) != description.npos;
-    for (; auto line = lines.next(); ++rows) {
-        if (line->starts_with('#')) {
-            --rows;
-            continue;
-        }
-        split_fields(*line, fields);
-        if (fields.size() != columns->count)
-            return at_line(file_name, lines.number(), "sample", fmt::format("{} numbers", columns->count),
-                           fmt::format("{}", fields.size()));
-        std::array<double, 4> angle{};
-        const auto read = [&](std::size_t column, auto& number) {
-            using Number = std::remove_reference_t<decltype(number)>;
-            const auto parsed = to_number<Number>(fields[column]);
-            if (parsed) number = *parsed;
-            return parsed.has_value();
-        };
-        for (std::size_t a = 0; a < 4; ++a)
-            if (columns->angle[a] != k_absent && !read(columns->angle[a], angle[a]))
-                return at_line(file_name, lines.number(), std::string(k_names_of_angles[a]), "a number",
-                               quoted(fields[columns->angle[a]]));
-        for (std::size_t v = 0; v < f.size(); ++v)
-            if (!read(columns->value[v], f[v]))
-                return at_line(file_name, lines.number(), "value", "a number", quoted(fields[columns->value[v]]));
+    while (auto line = lines.next()) {
+        if (line->starts_with('#')) continue;
+        ++rows;
+        row.read(*line, lines.number());
+        for (std::size_t a = 0; a < angle.size(); ++a)
+            if (columns.angle[a] != k_absent) angle[a] = row.number<double>(columns.angle[a], k_names_of_angles[a]);
+        for (std::size_t v = 0; v < f.size(); ++v) f[v] = row.number<float>(columns.value[v], "value");
+        if (row.error()) return *row.error();
         if (is_trinitron) {
             const Rgb rgb = from_trinitron(f);
             f = {rgb.r, rgb.g, rgb.b};
         }
-        turned |= std::abs(std::remainder(angle[1], 2 * k_pi)) > 1e-4;
+        turned |= is_turned(angle[1]);
         builder.add(spherical(angle[0], angle[1]), spherical(angle[2], angle[3]), f);
     }
-    if (points && *points != rows)
-        return Error{file_name, {}, "samples", fmt::format("{} (NUM_POINTS)", *points), fmt::format("{}", rows)};
-    return std::move(builder).finish(file_name, std::move(description), !turned);
+    if (header->points && *header->points != rows)
+        return Error{
+            file_name, {}, "samples", fmt::format("{} (NUM_POINTS)", *header->points), fmt::format("{}", rows)};
+    return std::move(builder).finish(file_name, std::move(header->description), !turned);
 }
 
 Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::string& file_name) {

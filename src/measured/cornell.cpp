@@ -85,7 +85,7 @@ Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, 
                                "a number", word.empty() ? "the end of the file" : quoted(word));
             row[i] = *number;
         }
-        turned |= std::abs(std::remainder(row[1], float(2 * k_pi))) > 1e-4f;  // azimuth of the light differs from 0
+        turned |= is_turned(row[1]);
         builder.add(spherical(double(row[0]), double(row[1])), spherical(double(row[2]), double(row[3])),
                     std::span(row).subspan(4));
     }

@@ -120,6 +120,33 @@ bool is_csv_of_both_sides(std::string_view text) {
 
 namespace {
 
+/// The directions of a sample.
+struct Directions {
+    Vec3d wl, wv;
+    bool has_azimuth;  ///< whether the light's differs from 0
+};
+
+/// Tolerance of the length of a direction: it may be printed with two digits.
+constexpr double k_length_rounding = 0.01;
+
+Directions directions_in(NumberRow& row, const Columns& columns) {
+    if (!columns.has_vectors) {
+        std::array<double, 4> angle{};
+        for (std::size_t a = 0; a < angle.size(); ++a)
+            if (columns.angle[a] != k_absent) angle[a] = columns.unit * row.number<double>(columns.angle[a]);
+        return {spherical(angle[0], angle[1]), spherical(angle[2], angle[3]), is_turned(angle[1])};
+    }
+    std::array<double, 6> x{};
+    for (std::size_t c = 0; c < x.size(); ++c) x[c] = row.number<double>(columns.vector[c]);
+    const auto unit = [&](const char* what, const Vec3d& w) {
+        const double length = std::sqrt(dot(w, w));
+        if (!(std::abs(length - 1) <= k_length_rounding)) row.fail(what, "length 1", fmt::format("{:.6g}", length));
+        return normalize(w);
+    };
+    const Vec3d wl = unit("direction wl", {x[0], x[1], x[2]}), wv = unit("direction wv", {x[3], x[4], x[5]});
+    return {wl, wv, std::abs(wl.y) > k_azimuth_rounding};
+}
+
 /// Samples as they are read; of both sides for each part, in its frame.
 struct Collected {
     std::array<std::optional<SampleBuilder>, k_parts> part;
@@ -128,8 +155,8 @@ struct Collected {
 
 Result<Collected> collect(std::span<const std::byte> bytes, const std::string& file_name, bool both_sides) {
     Lines lines(as_text(bytes));
-    std::vector<std::string_view> fields;
     std::optional<Columns> columns;
+    std::optional<NumberRow> row;
     Collected collected;
     std::vector<float> f;
     bool is_isotropic = false, turned = false;
@@ -138,50 +165,23 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
             is_isotropic |= lower(trimmed(line->substr(1))) == "isotropic";
             continue;
         }
-        split_fields(*line, fields);
         if (!columns) {
-            const auto named = columns_of(fields, file_name, lines.number());
+            std::vector<std::string_view> header;
+            split_fields(*line, header);
+            auto named = columns_of(header, file_name, lines.number());
             if (!named) return named.error();
-            columns = *named;
+            columns = *std::move(named);
+            row.emplace(columns->count, file_name);
             for (auto& builder : std::span(collected.part).first(both_sides ? k_parts : 1))
                 builder.emplace(columns->values, columns->wavelengths, bytes.size(), lines_of(bytes));
             f.resize(collected.part[0]->width());
             continue;
         }
-        if (fields.size() != columns->count)
-            return at_line(file_name, lines.number(), "sample", fmt::format("{} numbers", columns->count),
-                           fmt::format("{}", fields.size()));
-        std::optional<Error> error;
-        const auto read = [&](std::size_t column) {
-            const auto number = to_number<double>(fields[column]);
-            if (!number && !error)
-                error = at_line(file_name, lines.number(), fmt::format("column {}", column + 1), "a number",
-                                quoted(fields[column]));
-            return number.value_or(0);
-        };
-        Vec3d wl, wv;
-        if (columns->has_vectors) {
-            const auto& at = columns->vector;
-            wl = {read(at[0]), read(at[1]), read(at[2])};
-            wv = {read(at[3]), read(at[4]), read(at[5])};
-            for (Vec3d* w : {&wl, &wv}) {
-                const double length = std::sqrt(dot(*w, *w));
-                if (!error && !(std::abs(length - 1) <= 0.01))
-                    error = at_line(file_name, lines.number(), w == &wl ? "direction wl" : "direction wv", "length 1",
-                                    fmt::format("{:.6g}", length));
-                *w = normalize(*w);
-            }
-            turned = turned || std::abs(wl.y) > 1e-4;
-        } else {
-            const auto angle = [&](std::size_t a) {
-                return columns->angle[a] == k_absent ? 0 : columns->unit * read(columns->angle[a]);
-            };
-            wl = spherical(angle(0), angle(1));
-            wv = spherical(angle(2), angle(3));
-            turned = turned || std::abs(std::remainder(angle(1), 2 * k_pi)) > 1e-4;
-        }
-        for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(read(columns->value[v]));
-        if (error) return *error;
+        row->read(*line, lines.number());
+        const auto [wl, wv, has_azimuth] = directions_in(*row, *columns);
+        for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(row->number<double>(columns->value[v]));
+        if (row->error()) return *row->error();
+        turned |= has_azimuth;
         const auto part = both_sides ? folded(to_float(wl), to_float(wv)) : std::nullopt;
         if (part)
             collected.part[std::size_t(part->part)]->add({wl.x, wl.y, std::abs(wl.z)}, {wv.x, wv.y, std::abs(wv.z)}, f);

@@ -48,6 +48,45 @@ Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, con
 Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
 
+/// Azimuths [rad] within this are 0: files state them with four digits or more.
+inline constexpr double k_azimuth_rounding = 1e-4;
+/// Whether the azimuth of a light differs from 0. Where it never does, a file holds an isotropic measurement.
+template <typename Real> bool is_turned(Real azimuth) {
+    return std::abs(std::remainder(azimuth, Real(2 * k_pi))) > Real(k_azimuth_rounding);
+}
+
+/// A row of numbers with commas between them. After its first error, which is kept, its numbers are 0.
+class NumberRow {
+  public:
+    NumberRow(std::size_t columns, const std::string& file_name) : columns_(columns), file_name_(file_name) {}
+    /// Takes the fields of a line; an error if there are not as many as columns.
+    void read(std::string_view text, std::uint64_t line) {
+        line_ = line;
+        split_fields(text, fields_);
+        if (fields_.size() != columns_)
+            fail("sample", std::to_string(columns_) + " numbers", std::to_string(fields_.size()));
+    }
+    /// The number in a column, which an error calls `what`, or by its position.
+    template <typename T> T number(std::size_t column, std::string_view what = {}) {
+        if (error_) return 0;
+        const std::string_view field = fields_[column];
+        if (const auto number = to_number<T>(field)) return *number;
+        fail(what.empty() ? "column " + std::to_string(column + 1) : std::string(what), "a number", quoted(field));
+        return 0;
+    }
+    void fail(const std::string& what, std::string expected, std::string found) {
+        if (!error_) error_ = at_line(file_name_, line_, what, std::move(expected), std::move(found));
+    }
+    const std::optional<Error>& error() const { return error_; }
+
+  private:
+    std::size_t columns_;
+    const std::string& file_name_;
+    std::uint64_t line_ = 0;
+    std::vector<std::string_view> fields_;
+    std::optional<Error> error_;
+};
+
 /// Upper bound on the rows of a text: its number of lines.
 inline std::size_t lines_of(std::span<const std::byte> bytes) {
     return std::size_t(std::ranges::count(bytes, std::byte('\n'))) + 1;

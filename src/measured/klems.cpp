@@ -138,6 +138,7 @@ const std::vector<KnownBasis>& known_bases() {
     return bases;
 }
 
+/// Limit on tags and attributes: the parser takes some hundred bytes for one, which may have four in the file.
 constexpr std::ptrdiff_t k_most_markup = 1 << 17;
 constexpr std::size_t k_most_rings = 64, k_most_patches = 4096, k_most_blocks = 256;
 
@@ -163,6 +164,11 @@ struct Element {
                 std::move(expected), std::move(found)};
     }
     Element child(const char* name) const { return {node.child(name), file_name}; }
+    std::vector<Element> children(const char* name) const {
+        std::vector<Element> found;
+        for (const pugi::xml_node of : node.children(name)) found.push_back({of, file_name});
+        return found;
+    }
     std::string_view text() const { return stripped(node.child_value()); }
     Result<double> number(const char* name) const {
         const auto number = to_number<double>(child(name).text());
@@ -174,8 +180,7 @@ struct Element {
 Result<AngleBasis> read_basis(const Element& of) {
     AngleBasis basis;
     basis.name = of.child("AngleBasisName").text().substr(0, 100);
-    for (const pugi::xml_node node : of.node.children("AngleBasisBlock")) {
-        const Element block{node, of.file_name};
+    for (const Element& block : of.children("AngleBasisBlock")) {
         if (basis.rings.size() == k_most_rings)
             return block.error("angle basis", fmt::format("at most {} rings", k_most_rings), "more");
         const Element bounds = block.child("ThetaBounds");
@@ -238,9 +243,33 @@ Result<std::vector<float>> read_numbers(const Element& data, std::size_t count) 
     return numbers;
 }
 
-Result<KlemsTable> read_matrix(const Element& block, const std::vector<AngleBasis>& defined, bool rows) {
-    auto incident = basis_named(block.child("ColumnAngleBasis"), defined),
-         outgoing = basis_named(block.child("RowAngleBasis"), defined);
+/// What a file defines before its matrices.
+struct Definition {
+    std::vector<AngleBasis> bases;
+    bool is_in_rows = false;  ///< whether a row of a matrix, not a column, is of an incident patch
+};
+
+Result<Definition> read_definition(const Element& of) {
+    Definition definition;
+    const std::string_view structure = of.child("IncidentDataStructure").text();
+    if (structure.starts_with("TensorTree"))
+        return of.error("IncidentDataStructure", "Columns or Rows: matrices of patches", "a tensor tree");
+    definition.is_in_rows = same(structure, "Rows");
+    if (!definition.is_in_rows && !same(structure, "Columns"))
+        return of.error("IncidentDataStructure", "Columns or Rows", quoted(structure));
+    for (const Element& basis_of : of.children("AngleBasis")) {
+        if (definition.bases.size() == k_most_blocks) return of.error("angle bases", "fewer", "more");
+        auto basis = read_basis(basis_of);
+        if (!basis) return basis.error();
+        definition.bases.push_back(*std::move(basis));
+    }
+    return definition;
+}
+
+Result<KlemsTable> read_matrix(const Element& block, const Definition& definition) {
+    const auto& [bases, rows] = definition;
+    auto incident = basis_named(block.child("ColumnAngleBasis"), bases),
+         outgoing = basis_named(block.child("RowAngleBasis"), bases);
     if (!incident) return incident.error();
     if (!outgoing) return outgoing.error();
     if (rows) std::swap(incident, outgoing);
@@ -357,6 +386,26 @@ Beam beam_of(std::span<const KlemsTable* const> tables) {
 
 // ---- Files ----
 
+/// Parses the text of a file; entities and document types are not looked at, since all that is read is names and
+/// numbers.
+Result<Done> parse(std::span<const std::byte> bytes, const std::string& file_name, pugi::xml_document& document) {
+    const auto refused = [&](std::string expected, std::string found) {
+        return Error{file_name, {}, "XML", std::move(expected), std::move(found)};
+    };
+    if (bytes.size() > k_largest_xml)
+        return refused(fmt::format("at most {} bytes", k_largest_xml), fmt::format("{}", bytes.size()));
+    if (const auto at = as_text(bytes).find("<!DOCTYPE"); at != std::string_view::npos)
+        return Error{file_name, at, "XML", "no document type, with which entities are defined", "one"};
+    const auto markup = std::ranges::count_if(as_text(bytes), [](char c) { return c == '<' || c == '='; });
+    if (markup > k_most_markup)
+        return refused(fmt::format("at most {} tags and attributes", k_most_markup), fmt::format("{}", markup));
+    const auto parsed =
+        document.load_buffer(bytes.data(), bytes.size(), pugi::parse_minimal | pugi::parse_cdata, pugi::encoding_utf8);
+    if (parsed) return Done{};
+    return Error{file_name, std::uint64_t(std::max<std::ptrdiff_t>(parsed.offset, 0)), "XML", "a well-formed file",
+                 parsed.description()};
+}
+
 /// WINDOW's words for the parts.
 std::optional<Part> part_named(std::string_view text) {
     constexpr std::array<std::string_view, k_parts> names{"Reflection Front", "Reflection Back", "Transmission Front",
@@ -367,6 +416,39 @@ std::optional<Part> part_named(std::string_view text) {
 }
 
 using Matrices = std::array<std::optional<KlemsTable>, k_parts>;
+using NamedMatrices = std::pair<std::string, Matrices>;
+
+/// Reads the matrix of a block into that of its part and band.
+Result<Done> read_block(const Element& block, const Definition& definition, const std::string& band,
+                        std::vector<NamedMatrices>& bands) {
+    const std::string_view direction = block.child("WavelengthDataDirection").text();
+    const auto part = part_named(direction);
+    if (!part)
+        return block.error("WavelengthDataDirection", "Transmission or Reflection, Front or Back", quoted(direction));
+    auto of_band = std::ranges::find(bands, band, &NamedMatrices::first);
+    if (of_band == bands.end()) of_band = bands.insert(bands.end(), {band, {}});
+    auto& matrix = of_band->second[std::size_t(*part)];
+    if (matrix) return block.error(std::string(name(*part)), "one matrix in a band", "another");
+    auto table = read_matrix(block, definition);
+    if (!table) return table.error();
+    matrix = *std::move(table);
+    return Done{};
+}
+
+Result<std::vector<NamedMatrices>> read_bands(const Element& layer, const Definition& definition) {
+    std::vector<NamedMatrices> bands;
+    std::size_t blocks = 0;
+    for (const Element& data : layer.children("WavelengthData")) {
+        const std::string band(data.child("Wavelength").text().substr(0, 100));
+        for (const Element& block : data.children("WavelengthDataBlock")) {
+            if (++blocks > k_most_blocks)
+                return block.error("matrices", fmt::format("at most {}", k_most_blocks), "more");
+            if (const auto read = read_block(block, definition, band, bands); !read) return read.error();
+        }
+    }
+    if (bands.empty()) return layer.error("Layer", "at least one WavelengthDataBlock", "none");
+    return bands;
+}
 
 BsdfTable::Band band_of(std::string name, Matrices&& matrices, const std::string& file_name) {
     BsdfTable::Band band;
@@ -392,68 +474,20 @@ bool is_xml(std::string_view text) {
 }
 
 Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name) {
-    const auto refused = [&](std::string what, std::string expected, std::string found) {
-        return Error{file_name, {}, std::move(what), std::move(expected), std::move(found)};
-    };
-    if (bytes.size() > k_largest_xml)
-        return refused("XML", fmt::format("at most {} bytes", k_largest_xml), fmt::format("{}", bytes.size()));
-    if (const auto at = as_text(bytes).find("<!DOCTYPE"); at != std::string_view::npos)
-        return Error{file_name, at, "XML", "no document type, with which entities are defined", "one"};
-    // The parser takes some hundred bytes for what may be four.
-    const auto markup = std::ranges::count_if(as_text(bytes), [](char c) { return c == '<' || c == '='; });
-    if (markup > k_most_markup)
-        return refused("XML", fmt::format("at most {} tags and attributes", k_most_markup), fmt::format("{}", markup));
     pugi::xml_document document;
-    // Neither entities nor document types are looked at: all that is read is names and numbers.
-    const auto parsed =
-        document.load_buffer(bytes.data(), bytes.size(), pugi::parse_minimal | pugi::parse_cdata, pugi::encoding_utf8);
-    if (!parsed)
-        return Error{file_name, std::uint64_t(std::max<std::ptrdiff_t>(parsed.offset, 0)), "XML", "a well-formed file",
-                     parsed.description()};
-    const Element root{document.child("WindowElement"), &file_name};
-    if (!root.node) return refused("XML", "an element WindowElement", "none");
-    const Element layer = root.child("Optical").child("Layer"), definition = layer.child("DataDefinition");
+    if (const auto parsed = parse(bytes, file_name, document); !parsed) return parsed.error();
+    const Element file{document, &file_name}, root = file.child("WindowElement");
+    if (!root.node) return Error{file_name, {}, "XML", "an element WindowElement", "none"};
+    const Element layer = root.child("Optical").child("Layer");
     if (!layer.node) return root.error("WindowElement", "an element Optical with a Layer", "none");
-    const std::string_view structure = definition.child("IncidentDataStructure").text();
-    if (structure.starts_with("TensorTree"))
-        return definition.error("IncidentDataStructure", "Columns or Rows: matrices of patches", "a tensor tree");
-    const bool rows = same(structure, "Rows");
-    if (!rows && !same(structure, "Columns"))
-        return definition.error("IncidentDataStructure", "Columns or Rows", quoted(structure));
-
-    std::vector<AngleBasis> bases;
-    for (const pugi::xml_node node : definition.node.children("AngleBasis")) {
-        if (bases.size() == k_most_blocks) return definition.error("angle bases", "fewer", "more");
-        auto basis = read_basis({node, &file_name});
-        if (!basis) return basis.error();
-        bases.push_back(*std::move(basis));
-    }
-    std::vector<std::pair<std::string, Matrices>> bands;
-    std::size_t blocks = 0;
-    for (const pugi::xml_node data : layer.node.children("WavelengthData")) {
-        const std::string band(Element{data, &file_name}.child("Wavelength").text().substr(0, 100));
-        for (const pugi::xml_node node : data.children("WavelengthDataBlock")) {
-            const Element block{node, &file_name};
-            if (++blocks > k_most_blocks)
-                return block.error("matrices", fmt::format("at most {}", k_most_blocks), "more");
-            const auto part = part_named(block.child("WavelengthDataDirection").text());
-            if (!part)
-                return block.error("WavelengthDataDirection", "Transmission or Reflection, Front or Back",
-                                   quoted(block.child("WavelengthDataDirection").text()));
-            auto of_band = std::ranges::find(bands, band, &std::pair<std::string, Matrices>::first);
-            if (of_band == bands.end()) of_band = bands.insert(bands.end(), {band, {}});
-            auto& matrix = of_band->second[std::size_t(*part)];
-            if (matrix) return block.error(std::string(name(*part)), "one matrix in a band", "another");
-            auto table = read_matrix(block, bases, rows);
-            if (!table) return table.error();
-            matrix = *std::move(table);
-        }
-    }
-    if (bands.empty()) return layer.error("Layer", "at least one WavelengthDataBlock", "none");
+    const auto definition = read_definition(layer.child("DataDefinition"));
+    if (!definition) return definition.error();
+    auto bands = read_bands(layer, *definition);
+    if (!bands) return bands.error();
 
     BsdfTable table;
     table.description = layer.child("Material").child("Name").text().substr(0, 200);
-    for (auto& [name, matrices] : bands) {
+    for (auto& [name, matrices] : *bands) {
         if (same(name, "Visible")) table.chosen = table.bands.size();
         table.bands.push_back(band_of(name, std::move(matrices), file_name));
     }

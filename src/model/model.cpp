@@ -75,29 +75,32 @@ std::map<std::string, Tensor16> encode(const PmModel& model, bool with_log_scale
 
 std::map<std::string, Tensor16> encode(const PmModel& model) { return encode(model, has_log_scale(model)); }
 
+/// The tensors of a model with J lobes of N variates and C coefficients a lobe.
+std::map<std::string, TensorShape> tensors_of(PmForm form, bool axial, bool with_log_scale, std::uint64_t J,
+                                              std::uint64_t N, std::uint64_t C) {
+    std::map<std::string, TensorShape> tensors{{"coefficient", {Type16::half, {J, C}}},
+                                               {"bandwidth", {Type16::half, {J, N}}},
+                                               {"parameterization", {Type16::half, {N, 2}}}};
+    if (!axial) tensors["centre"] = {Type16::half, {J, N, 2}};
+    if (const auto F = std::uint64_t(features(form)); F > 0) tensors["exponent"] = {Type16::half, {J, F}};
+    if (with_log_scale) tensors["log_scale"] = {Type16::half, {J}};
+    return tensors;
+}
+
 /// The model of these tensors, or an error.
 Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm form, bool axial,
                        std::vector<float> wavelength, const std::string& file_name) {
     const auto fail = [&](std::string what, std::string expected, std::string found) {
         return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
-    const auto bandwidth_at = tensors.find("bandwidth");
-    if (bandwidth_at == tensors.end()) return fail("tensor 'bandwidth'", "present", "none");
-    const auto& extent = bandwidth_at->second.shape;
-    if (extent.size() != 2 || extent[0] > k_most_lobes || extent[1] > k_most_variates)
-        return fail("tensor 'bandwidth': shape", fmt::format("[J, N] up to [{}, {}]", k_most_lobes, k_most_variates),
-                    shape_text(extent));
-    const std::uint64_t J = extent[0], N = extent[1];
-
-    const std::uint64_t C = wavelength.empty() ? 3 : wavelength.size();
-
-    std::map<std::string, TensorShape> expected{{"coefficient", {Type16::half, {J, C}}},
-                                                {"bandwidth", {Type16::half, {J, N}}},
-                                                {"parameterization", {Type16::half, {N, 2}}}};
-    if (!axial) expected["centre"] = {Type16::half, {J, N, 2}};
+    const auto shape =
+        shape_of_bandwidths(tensors, {0, 0}, {k_most_lobes, k_most_variates},
+                            fmt::format("[J, N] up to [{}, {}]", k_most_lobes, k_most_variates), file_name);
+    if (!shape) return shape.error();
+    const std::uint64_t J = (*shape)[0], N = (*shape)[1], C = wavelength.empty() ? 3 : wavelength.size();
     const auto F = std::uint64_t(features(form));
-    if (F > 0) expected["exponent"] = {Type16::half, {J, F}};
-    if (F > 0 || tensors.contains("log_scale")) expected["log_scale"] = {Type16::half, {J}};
+    const bool has_log_scale = tensors.contains("log_scale");
+    const auto expected = tensors_of(form, axial, F > 0 || has_log_scale, J, N, C);
     if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
 
     const auto number = [&](const char* name, std::size_t i) { return from_half(tensors.at(name).data[i]); };
@@ -116,8 +119,7 @@ Result<PmModel> decode(const std::map<std::string, Tensor16>& tensors, PmForm fo
     }
     if (!wavelength.empty()) model.coefficient = colours(model.spectrum, wavelength);
     model.wavelength = std::move(wavelength);
-    for (std::size_t j = 0; j < J; ++j)
-        model.log_scale.push_back(tensors.contains("log_scale") ? number("log_scale", j) : 0.f);
+    for (std::size_t j = 0; j < J; ++j) model.log_scale.push_back(has_log_scale ? number("log_scale", j) : 0.f);
     for (std::size_t i = 0; i < J * N; ++i) {
         const float lambda = number("bandwidth", i);
         if (axial) {

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "srbf/half.h"
+#include "srbf/text.h"
 
 namespace srbf {
 namespace {
@@ -33,7 +35,7 @@ std::string brief(const Json& json) {
     return json.is_structured() ? "something else" : fmt::format("{:.40}", json.dump());
 }
 
-/// The product of a JSON shape, or nothing if an entry is not a non-negative integer or the product exceeds `most`.
+/// The extents of a JSON shape, or nothing if one is not a positive integer or their product exceeds `most`.
 std::optional<std::vector<std::uint64_t>> shape_within(const Json& json, std::uint64_t most) {
     if (!json.is_array() || json.size() > 8) return std::nullopt;
     std::vector<std::uint64_t> shape;
@@ -49,6 +51,95 @@ std::optional<std::vector<std::uint64_t>> shape_within(const Json& json, std::ui
 }
 
 constexpr const char* name_of(Type16 type) { return type == Type16::half ? "F16" : "U16"; }
+
+/// The length of the header, from the first bytes of a file.
+Result<std::uint64_t> header_length(std::span<const std::byte> bytes, const std::string& file_name) {
+    if (bytes.size() < k_length_bytes)
+        return Error{file_name, 0, "header length", "8 bytes", fmt::format("{} bytes", bytes.size())};
+    if (as_text(bytes).starts_with("tensor_file"))
+        return Error{
+            file_name, {}, "input", "a fitted model", "a measurement (RGL tensor file)", ErrorCode::wrong_kind};
+    const std::uint64_t length = little_endian_64(bytes), most = bytes.size() - k_length_bytes;
+    if (length <= most) return length;
+    return Error{file_name, 0, "header length", fmt::format("at most {}", most), fmt::format("{}", length)};
+}
+
+Result<Json> parsed_header(std::string_view text, const std::string& file_name) {
+    Json header = Json::parse(text.begin(), text.end(), nullptr, false);
+    if (!header.is_object()) return Error{file_name, k_length_bytes, "header", "a JSON object", "something else"};
+    if (header.size() > k_most_tensors)
+        return Error{file_name, k_length_bytes, "number of tensors", fmt::format("at most {}", k_most_tensors),
+                     fmt::format("{}", header.size())};
+    return header;
+}
+
+Result<std::map<std::string, std::string>> read_metadata(const Json& entry, const std::string& file_name) {
+    if (!entry.is_object())
+        return Error{file_name, k_length_bytes, "metadata", "an object of strings", "something else"};
+    std::map<std::string, std::string> metadata;
+    for (const auto& [name, text] : entry.items()) {
+        if (!text.is_string())
+            return Error{file_name, k_length_bytes, fmt::format("metadata {:.80}", name), "a string", "something else"};
+        metadata[name] = text.get<std::string>();
+    }
+    return metadata;
+}
+
+/// The bytes of a tensor within the data.
+struct Range {
+    std::uint64_t begin, end;
+    friend auto operator<=>(const Range&, const Range&) = default;
+};
+
+struct Placed {
+    Range range;
+    Tensor16 tensor;
+};
+
+/// Reads from `data` the tensor `name`, which `entry` of the header describes.
+Result<Placed> read_tensor(const std::string& name, const Json& entry, std::span<const std::byte> data,
+                           const std::string& file_name) {
+    const auto refused = [&](const char* part, std::string expected, std::string found) {
+        return Error{file_name, k_length_bytes, fmt::format("tensor '{:.80}'{}", name, part), std::move(expected),
+                     std::move(found)};
+    };
+    if (!entry.is_object() || !entry.contains("dtype") || !entry.contains("shape") || !entry.contains("data_offsets"))
+        return refused("", "dtype, shape and data_offsets", "one is missing");
+    const Json &dtype = entry["dtype"], &offsets = entry["data_offsets"];
+    if (dtype != "F16" && dtype != "U16") return refused(": dtype", "\"F16\" or \"U16\"", brief(dtype));
+    const auto shape = shape_within(entry["shape"], data.size() / 2);
+    if (!shape)
+        return refused(": shape", fmt::format("counts, at most {} numbers", data.size() / 2), brief(entry["shape"]));
+    if (!offsets.is_array() || offsets.size() != 2 || !offsets[0].is_number_unsigned() ||
+        !offsets[1].is_number_unsigned())
+        return refused(": data_offsets", "two counts", brief(offsets));
+    const Range range{offsets[0].get<std::uint64_t>(), offsets[1].get<std::uint64_t>()};
+    const auto size = std::accumulate(shape->begin(), shape->end(), std::uint64_t(2), std::multiplies());
+    if (range.end > data.size() || range.begin > range.end || range.end - range.begin != size)
+        return refused(": data_offsets", fmt::format("{} bytes within {}", size, data.size()),
+                       fmt::format("[{}, {}]", range.begin, range.end));
+    Tensor16 tensor{dtype == "U16" ? Type16::count : Type16::half, *shape, {}};
+    tensor.data.reserve(std::size_t(size / 2));
+    for (std::uint64_t at = range.begin; at < range.end; at += 2)
+        tensor.data.push_back(std::uint16_t(std::to_integer<unsigned>(data[std::size_t(at)]) |
+                                            std::to_integer<unsigned>(data[std::size_t(at + 1)]) << 8));
+    return Placed{range, std::move(tensor)};
+}
+
+/// Returns an error unless the ranges cover `size` bytes of data, which begin at `data_at` of the file.
+Result<Done> check_covered(std::vector<Range> ranges, std::uint64_t size, std::uint64_t data_at,
+                           const std::string& file_name) {
+    std::sort(ranges.begin(), ranges.end());
+    std::uint64_t covered = 0;
+    for (const Range& range : ranges) {
+        if (range.begin != covered)
+            return Error{file_name, data_at + covered, "data", "tensors without gap or overlap",
+                         fmt::format("one that begins at {}", range.begin)};
+        covered = range.end;
+    }
+    if (covered == size) return Done{};
+    return Error{file_name, data_at + covered, "data", fmt::format("{} bytes", covered), fmt::format("{} bytes", size)};
+}
 
 }  // namespace
 
@@ -75,6 +166,16 @@ Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
     for (const auto& [name, tensor] : tensors)
         if (!expected.contains(name)) return fail(fmt::format("tensor '{:.80}'", name), "none of that name", "one");
     return Done{};
+}
+
+Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensors, Shape2 least, Shape2 most,
+                                   const std::string& expected, const std::string& file_name) {
+    const auto at = tensors.find("bandwidth");
+    if (at == tensors.end()) return Error{file_name, {}, "tensor 'bandwidth'", "present", "none"};
+    const auto& shape = at->second.shape;
+    if (shape.size() == 2 && shape[0] >= least[0] && shape[1] >= least[1] && shape[0] <= most[0] && shape[1] <= most[1])
+        return Shape2{shape[0], shape[1]};
+    return Error{file_name, {}, "tensor 'bandwidth': shape", expected, shape_text(shape)};
 }
 
 std::vector<std::byte> write_safetensors(const Safetensors& content) {
@@ -104,81 +205,28 @@ std::vector<std::byte> write_safetensors(const Safetensors& content) {
 }
 
 Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std::string& file_name) {
-    const auto fail = [&](std::uint64_t offset, std::string what, std::string expected, std::string found) {
-        return Error{file_name, offset, std::move(what), std::move(expected), std::move(found)};
-    };
-    if (bytes.size() < k_length_bytes)
-        return fail(0, "header length", "8 bytes", fmt::format("{} bytes", bytes.size()));
-    constexpr std::string_view k_tensor_file = "tensor_file";
-    if (std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()).starts_with(k_tensor_file))
-        return Error{
-            file_name, {}, "input", "a fitted model", "a measurement (RGL tensor file)", ErrorCode::wrong_kind};
-    const std::uint64_t length = little_endian_64(bytes);
-    if (length > bytes.size() - k_length_bytes)
-        return fail(0, "header length", fmt::format("at most {}", bytes.size() - k_length_bytes),
-                    fmt::format("{}", length));
-
-    const auto* text = reinterpret_cast<const char*>(bytes.data() + k_length_bytes);
-    const Json header = Json::parse(text, text + length, nullptr, false);
-    if (!header.is_object()) return fail(k_length_bytes, "header", "a JSON object", "something else");
-    if (header.size() > k_most_tensors)
-        return fail(k_length_bytes, "number of tensors", fmt::format("at most {}", k_most_tensors),
-                    fmt::format("{}", header.size()));
-
-    const std::span<const std::byte> data = bytes.subspan(std::size_t(k_length_bytes + length));
+    const auto length = header_length(bytes, file_name);
+    if (!length) return length.error();
+    const auto header = parsed_header(as_text(bytes).substr(k_length_bytes, std::size_t(*length)), file_name);
+    if (!header) return header.error();
+    const std::uint64_t data_at = k_length_bytes + *length;
+    const std::span<const std::byte> data = bytes.subspan(std::size_t(data_at));
     Safetensors content;
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges;
-    for (const auto& [key, entry] : header.items()) {
+    std::vector<Range> ranges;
+    for (const auto& [key, entry] : (*header).items()) {
         if (key == "__metadata__") {
-            if (!entry.is_object()) return fail(k_length_bytes, "metadata", "an object of strings", "something else");
-            for (const auto& [name, text_value] : entry.items()) {
-                if (!text_value.is_string())
-                    return fail(k_length_bytes, fmt::format("metadata {:.80}", name), "a string", "something else");
-                content.metadata[name] = text_value.get<std::string>();
-            }
+            auto metadata = read_metadata(entry, file_name);
+            if (!metadata) return metadata.error();
+            content.metadata = *std::move(metadata);
             continue;
         }
-        const std::string what = fmt::format("tensor '{:.80}'", key);
-        if (!entry.is_object() || !entry.contains("dtype") || !entry.contains("shape") ||
-            !entry.contains("data_offsets"))
-            return fail(k_length_bytes, what, "dtype, shape and data_offsets", "one is missing");
-        const Json& dtype = entry["dtype"];
-        if (dtype != "F16" && dtype != "U16")
-            return fail(k_length_bytes, what + ": dtype", "\"F16\" or \"U16\"", brief(dtype));
-        const auto shape = shape_within(entry["shape"], data.size() / 2);
-        if (!shape)
-            return fail(k_length_bytes, what + ": shape", fmt::format("counts, at most {} numbers", data.size() / 2),
-                        brief(entry["shape"]));
-        const Json& offsets = entry["data_offsets"];
-        if (!offsets.is_array() || offsets.size() != 2 || !offsets[0].is_number_unsigned() ||
-            !offsets[1].is_number_unsigned())
-            return fail(k_length_bytes, what + ": data_offsets", "two counts", brief(offsets));
-        const auto begin = offsets[0].get<std::uint64_t>(), end = offsets[1].get<std::uint64_t>();
-        std::uint64_t count = 1;
-        for (const std::uint64_t extent : *shape) count *= extent;
-        if (end > data.size() || begin > end || end - begin != 2 * count)
-            return fail(k_length_bytes, what + ": data_offsets",
-                        fmt::format("{} bytes within {}", 2 * count, data.size()), fmt::format("[{}, {}]", begin, end));
-        Tensor16 tensor{dtype == "U16" ? Type16::count : Type16::half, *shape, {}};
-        tensor.data.reserve(std::size_t(count));
-        for (std::uint64_t at = begin; at < end; at += 2)
-            tensor.data.push_back(std::uint16_t(std::to_integer<unsigned>(data[std::size_t(at)]) |
-                                                std::to_integer<unsigned>(data[std::size_t(at + 1)]) << 8));
-        ranges.emplace_back(begin, end);
-        content.tensors.emplace(key, std::move(tensor));
+        auto placed = read_tensor(key, entry, data, file_name);
+        if (!placed) return placed.error();
+        ranges.push_back(placed->range);
+        content.tensors.emplace(key, std::move(placed->tensor));
     }
-
-    std::sort(ranges.begin(), ranges.end());
-    std::uint64_t covered = 0;
-    for (const auto& [begin, end] : ranges) {
-        if (begin != covered)
-            return fail(k_length_bytes + length + covered, "data", "tensors without gap or overlap",
-                        fmt::format("one that begins at {}", begin));
-        covered = end;
-    }
-    if (covered != data.size())
-        return fail(k_length_bytes + length + covered, "data", fmt::format("{} bytes", covered),
-                    fmt::format("{} bytes", data.size()));
+    if (const auto covered = check_covered(std::move(ranges), data.size(), data_at, file_name); !covered)
+        return covered.error();
     return content;
 }
 

@@ -1,5 +1,6 @@
 // The safetensors container: an 8-byte little-endian header length, a JSON header, raw little-endian data.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -29,6 +30,11 @@ struct TensorShape {
 /// Returns an error unless `tensors` has exactly the tensors of `expected` and every 16-bit float is finite.
 Result<Done> check_tensors(const std::map<std::string, Tensor16>& tensors,
                            const std::map<std::string, TensorShape>& expected, const std::string& file_name);
+/// The shape [A, B] of the tensor 'bandwidth', from which those of a model's other tensors follow. An error, with the
+/// limits in the words of `expected`, unless `least` <= [A, B] <= `most`.
+using Shape2 = std::array<std::uint64_t, 2>;
+Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensors, Shape2 least, Shape2 most,
+                                   const std::string& expected, const std::string& file_name);
 /// "[2, 3]".
 std::string shape_text(const std::vector<std::uint64_t>& shape);
 

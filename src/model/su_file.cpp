@@ -30,6 +30,37 @@ Tensor16 direction_table(const std::vector<Vec3f>& directions) {
     return table;
 }
 
+/// A texture of nearest views without its texels, from the shape of its tensor; nothing if that is none.
+std::optional<IndexTexture> texture_of(const Shape& shape) {
+    const bool is_cube = shape.size() == 4;
+    const std::uint64_t size = shape.size() >= 3 ? shape[shape.size() - 2] : 0;
+    if (size == 0 || size > k_largest_texture) return {};
+    if (shape != (is_cube ? Shape{6, size, size, 8} : Shape{size, size, 8})) return {};
+    return IndexTexture{is_cube ? DirectionMap::cube : DirectionMap::parabolic, int(size), {}};
+}
+
+/// Decodes the numbers of the lobes; the model's directions and number of lobes are known.
+Result<Done> decode_lobes(const std::map<std::string, Tensor16>& tensors, SuModel& model,
+                          const std::string& file_name) {
+    const auto J = std::size_t(model.lobes);
+    const bool has_shapes = tensors.contains("shape");
+    const auto number = [&](const char* name) {
+        return [&data = tensors.at(name).data](std::size_t i) { return from_half(data[i]); };
+    };
+    const auto coefficient = number("coefficient"), bandwidth = number("bandwidth"), centre = number("centre");
+    for (std::size_t i = 0; i < model.direction.size() * J; ++i) {
+        if (has_shapes) model.shape.push_back(number("shape")(i));
+        const Rgb beta{coefficient(3 * i), coefficient(3 * i + 1), coefficient(3 * i + 2)};
+        for (const auto& [what, x] : {std::pair("tensor 'coefficient'", std::min({beta.r, beta.g, beta.b})),
+                                      {"tensor 'bandwidth'", bandwidth(i)}})
+            if (x < 0) return Error{file_name, {}, what, "numbers of at least 0", fmt::format("{}", x)};
+        model.coefficient.push_back(beta);
+        model.bandwidth.push_back(bandwidth(i));
+        model.centre.push_back(absolute({centre(2 * i), centre(2 * i + 1)}, model.direction[i / J]));
+    }
+    return Done{};
+}
+
 }  // namespace
 
 std::map<std::string, Tensor16> encode_su(const SuModel& model) {
@@ -66,29 +97,23 @@ Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const 
     const auto fail = [&](std::string what, std::string expected, std::string found) {
         return Error{file_name, std::nullopt, std::move(what), std::move(expected), std::move(found)};
     };
-    const auto bandwidth_at = tensors.find("bandwidth");
-    if (bandwidth_at == tensors.end()) return fail("tensor 'bandwidth'", "present", "none");
-    const Shape& extent = bandwidth_at->second.shape;
-    if (extent.size() != 2 || extent[0] < k_least_views || extent[0] > k_most_views || extent[1] > k_most_view_lobes)
-        return fail("tensor 'bandwidth': shape",
-                    fmt::format("[n, J] from [{}, 1] to [{}, {}]", k_least_views, k_most_views, k_most_view_lobes),
-                    shape_text(extent));
-    const std::uint64_t n = extent[0], J = extent[1];
+    const auto extent = shape_of_bandwidths(
+        tensors, {k_least_views, 0}, {k_most_views, k_most_view_lobes},
+        fmt::format("[n, J] from [{}, 1] to [{}, {}]", k_least_views, k_most_views, k_most_view_lobes), file_name);
+    if (!extent) return extent.error();
+    const std::uint64_t n = (*extent)[0], J = (*extent)[1];
 
     std::map<std::string, TensorShape> expected{{"coefficient", {Type16::half, {n, J, 3}}},
                                                 {"bandwidth", {Type16::half, {n, J}}},
                                                 {"centre", {Type16::half, {n, J, 2}}}};
-    const bool has_shapes = tensors.contains("shape");
-    if (has_shapes) expected["shape"] = {Type16::half, {n, J}};
+    if (tensors.contains("shape")) expected["shape"] = {Type16::half, {n, J}};
+    SuModel model;
     const auto index_at = tensors.find("aux.index");
     const bool has_index = index_at != tensors.end();
-    const bool is_cube = has_index && index_at->second.shape.size() == 4;
-    std::uint64_t size = 0;
     if (has_index) {
         const Shape& shape = index_at->second.shape;
-        if (shape.size() >= 3) size = shape[shape.size() - 2];
-        const Shape wanted = is_cube ? Shape{6, size, size, 8} : Shape{size, size, 8};
-        if (size == 0 || size > k_largest_texture || shape != wanted)
+        model.index = texture_of(shape);
+        if (!model.index)
             return fail("tensor 'aux.index': shape",
                         fmt::format("[6, s, s, 8] or [s, s, 8], s up to {}", k_largest_texture), shape_text(shape));
         expected["aux.index"] = {Type16::count, shape};
@@ -96,26 +121,12 @@ Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const 
     if (has_index || tensors.contains("aux.directions")) expected["aux.directions"] = {Type16::half, {n, 4}};
     if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
 
-    SuModel model;
     model.discretise = header.discretise;
     model.interpolation = header.interpolation;
     model.neighbours = header.neighbours;
     model.lobes = int(J);
     model.direction = fibonacci_directions(int(n), k_pi / 2);
-    const auto number = [&](const char* name) {
-        return [&data = tensors.at(name).data](std::size_t i) { return from_half(data[i]); };
-    };
-    const auto coefficient = number("coefficient"), bandwidth = number("bandwidth"), centre = number("centre");
-    for (std::size_t i = 0; i < n * J; ++i) {
-        if (has_shapes) model.shape.push_back(from_half(tensors.at("shape").data[i]));
-        const Rgb beta{coefficient(3 * i), coefficient(3 * i + 1), coefficient(3 * i + 2)};
-        for (const auto& [what, x] : {std::pair("tensor 'coefficient'", std::min({beta.r, beta.g, beta.b})),
-                                      {"tensor 'bandwidth'", bandwidth(i)}})
-            if (x < 0) return fail(what, "numbers of at least 0", fmt::format("{}", x));
-        model.coefficient.push_back(beta);
-        model.bandwidth.push_back(bandwidth(i));
-        model.centre.push_back(absolute({centre(2 * i), centre(2 * i + 1)}, model.direction[i / J]));
-    }
+    if (const auto lobes = decode_lobes(tensors, model, file_name); !lobes) return lobes.error();
     if (tensors.contains("aux.directions") &&
         tensors.at("aux.directions").data != direction_table(model.direction).data)
         return fail("tensor 'aux.directions'", fmt::format("the Fibonacci set of {}", n), "other directions");
@@ -124,8 +135,7 @@ Result<SuModel> decode_su(const std::map<std::string, Tensor16>& tensors, const 
         const auto out_of_range = std::find_if(data.begin(), data.end(), [&](std::uint16_t view) { return view >= n; });
         if (out_of_range != data.end())
             return fail("tensor 'aux.index'", fmt::format("numbers below {}", n), fmt::format("{}", *out_of_range));
-        model.index = IndexTexture{is_cube ? DirectionMap::cube : DirectionMap::parabolic, int(size),
-                                   std::vector<NearestViews>(data.size() / 8)};
+        model.index->texels.resize(data.size() / 8);
         for (std::size_t i = 0; i < data.size(); ++i) model.index->texels[i / 8][i % 8] = data[i];
     }
     return model;

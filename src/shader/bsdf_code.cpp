@@ -115,40 +115,43 @@ std::string value_text(const BsdfModel& bsdf, bool sampling) {
     return text + fmt::format("    return {};\n}}\n", k_black);
 }
 
-/// Directions on both sides: reflection or transmission is drawn by the luminance that it sends to the viewer, and at
-/// least one in a thousand times.
-std::string sampling_text(const BsdfModel& bsdf) {
-    const auto of = [&](Part part, const char* call, const char* none) {
+/// `line` with {0} and {1} replaced by the calls of the parts by which a viewer at the front sees light reflected and
+/// transmitted, {2} and {3} by those for a viewer at the back; by `none` where there is no such part.
+std::string for_viewers(const char* line, const BsdfModel& bsdf, const char* call, const char* none) {
+    const auto of = [&](Part part) {
         const std::string function = call_of(bsdf, part, true).function;
         return function.empty() ? std::string(none) : function + call;
     };
-    // For the viewer at the front, at the back.
-    const auto both = [&](const char* line, const char* call, const char* none) {
-        return fmt::format(fmt::runtime(line), of(Part::reflection_front, call, none),
-                           of(Part::transmission_back, call, none), of(Part::reflection_back, call, none),
-                           of(Part::transmission_front, call, none));
-    };
+    return fmt::format(fmt::runtime(line), of(Part::reflection_front), of(Part::transmission_back),
+                       of(Part::reflection_back), of(Part::transmission_front));
+}
+
+/// Reflection or transmission is drawn by the luminance that it sends to the viewer, and at least one in a thousand
+/// times.
+std::string chance_text(const BsdfModel& bsdf) {
     return "Real luminance(Vec3 c) { return Real(0.2126) * c.x + Real(0.7152) * c.y + Real(0.0722) * c.z; }\n"
            "// The chance of drawing reflected light, otherwise transmitted light.\n"
            "Real reflected_chance(Vec3 wv) {\n"
            "    Real cosine = abs(wv.z);\n" +
-           both(
+           for_viewers(
                "    Real r = luminance({0});\n    Real t = luminance({1});\n"
                "    if (wv.z < Real(0.0)) {{\n        r = luminance({2});\n        t = luminance({3});\n    }}\n",
-               "_albedo(cosine)", k_black) +
+               bsdf, "_albedo(cosine)", k_black) +
            "    Real least = max(Real(0.001) * (r + t), Real(1.0e-30));\n"
            "    r = max(r, least);\n"
            "    t = max(t, least);\n"
            "    return r / (r + t);\n"
-           "}\n"
-           "// A direction to the light on either side for three numbers uniform in [0,1); (0, 0, 0) where the draw\n"
+           "}\n";
+}
+
+/// Directions to the light on both sides.
+std::string sampling_text(const BsdfModel& bsdf) {
+    return "// A direction to the light on either side for three numbers uniform in [0,1); (0, 0, 0) where the draw\n"
            "// has none. Beams are not drawn.\n"
            "Vec3 sample_light(Vec3 wv, Real u1, Real u2, Real selector) {\n"
            "    Real chance = reflected_chance(wv);\n"
-           "    Vec3 v = Vec3(wv.x, wv.y, abs(wv.z));\n"
-           "    Vec3 l = " +
-           std::string(k_black) +
-           ";\n"
+           "    Vec3 v = Vec3(wv.x, wv.y, abs(wv.z));\n" +
+           fmt::format("    Vec3 l = {};\n", k_black) +
            "    Real side = wv.z < Real(0.0) ? Real(-1.0) : Real(1.0);\n"
            "    Real s = selector / chance;\n"
            "    if (selector >= chance) {\n"
@@ -156,27 +159,29 @@ std::string sampling_text(const BsdfModel& bsdf) {
            "        side = -side;\n"
            "    }\n"
            "    s = min(s, Real(0.99999994));\n" +
-           both(
+           for_viewers(
                "    if (wv.z > Real(0.0) && selector < chance) {{ l = {0}; }}\n"
                "    if (wv.z > Real(0.0) && selector >= chance) {{ l = {1}; }}\n"
                "    if (wv.z < Real(0.0) && selector < chance) {{ l = {2}; }}\n"
                "    if (wv.z < Real(0.0) && selector >= chance) {{ l = {3}; }}\n",
-               "_sample(v, u1, u2, s)", k_black) +
-           "    if (l.z <= Real(0.0)) return " + k_black +
-           ";\n"
+               bsdf, "_sample(v, u1, u2, s)", k_black) +
+           fmt::format("    if (l.z <= Real(0.0)) return {};\n", k_black) +
            "    return Vec3(l.x, l.y, side * l.z);\n"
-           "}\n"
-           "// Its density [1/sr].\n"
+           "}\n";
+}
+
+std::string density_text(const BsdfModel& bsdf) {
+    return "// Its density [1/sr].\n"
            "Real light_pdf(Vec3 wl, Vec3 wv) {\n"
            "    Real chance = reflected_chance(wv);\n"
            "    Vec3 l = Vec3(wl.x, wl.y, abs(wl.z));\n"
            "    Vec3 v = Vec3(wv.x, wv.y, abs(wv.z));\n" +
-           both(
+           for_viewers(
                "    if (wv.z > Real(0.0) && wl.z > Real(0.0)) return chance * {0};\n"
                "    if (wv.z > Real(0.0) && wl.z < Real(0.0)) return (Real(1.0) - chance) * {1};\n"
                "    if (wv.z < Real(0.0) && wl.z < Real(0.0)) return chance * {2};\n"
                "    if (wv.z < Real(0.0) && wl.z > Real(0.0)) return (Real(1.0) - chance) * {3};\n",
-               "_pdf(l, v)", "Real(0.0)") +
+               bsdf, "_pdf(l, v)", "Real(0.0)") +
            "    return Real(0.0);\n"
            "}\n";
 }
@@ -221,7 +226,7 @@ std::string bsdf_code(const NamedModel& of, const CodeOptions& options) {
     const BsdfModel& bsdf = bsdf_of(of);
     Program program;
     std::string text = value_text(bsdf, options.sampling) + beams_text(bsdf.beam, program);
-    if (options.sampling) text += sampling_text(bsdf);
+    if (options.sampling) text += chance_text(bsdf) + sampling_text(bsdf) + density_text(bsdf);
     return printed(of.name, std::move(program), stubs_of(bsdf, options.sampling), text, options.language);
 }
 

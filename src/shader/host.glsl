@@ -68,7 +68,7 @@ struct Su { int unused; };
 struct SuNearest { uvec4 pairs; };  // a texel of eight 16-bit numbers
 int su_nearest(SuNearest nearest, int k) { return int(nearest.pairs[k / 2] >> uint(16 * (k % 2)) & 0xffffu); }
 #ifdef SU_LOBES
-// one row per view, two texels per lobe: coefficient, bandwidth; centre - mirrored view, kappa
+// one row per view, two texels per lobe: coefficient, bandwidth; centre - mirrored view, shape
 uniform sampler2D su_numbers;
 uniform sampler2D su_directions;  // one row per view
 int su_lobes(Su su) { return SU_LOBES; }

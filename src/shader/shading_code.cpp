@@ -124,7 +124,7 @@ std::string numbers_of(const SuModel& model, Program& program) {
         {fmt::format(
              "number i of the data, float32 in little-endian order; a function or macro of the host. {} rows of {}: "
              "the direction of a view (x, y, z), and for each of its lobes, {}, coefficient (R, G, B), bandwidth, "
-             "centre (x, y, z), exponent of the cosine.",
+             "centre (x, y, z), shape (tau or -alpha, 0 without).",
              model.direction.size(), row, J),
          "number",
          {}});

@@ -109,10 +109,9 @@ class Fit {
     }
     void sort() { std::ranges::stable_sort(found, {}, &Candidate::loss); }
 
-    /// Stages without a search. Without weights of point lights there is nothing to compare.
+    /// A stage without a search.
     void take_steps(const Stage& stage) {
-        const bool has_work = stage.pairs > 0 || importances_.has_point_lights;
-        if (has_work && !reporter_.cancelled()) {
+        if (!reporter_.cancelled()) {
             prepare(stage);
             const Rows rows = rows_of(stage);
             parallel_for(found.size(), [&](std::size_t i) {
@@ -132,7 +131,7 @@ class Fit {
     }
     /// The last stage: the first candidate, or of those that are nearly as good the best.
     PmFit finished(const Stage& stage) {
-        if (stage.reweights) reweight(stage);
+        if (stage.reweights && last_) reweight(stage);  // cancelled, there may have been no steps
         if (!stage.pictures) sort_by_all();
         found.resize(std::min(found.size(), stage.most));
         PmFit fit;
@@ -152,7 +151,7 @@ class Fit {
 
   private:
     void take_steps(const Stage& stage, const Rows& rows, Candidate& candidate) const {
-        LobeProblem problem(rows, shape_of(options_), stage.pairs == 0, log_peak_limit_);
+        LobeProblem problem(rows, shape_of(options_), false, log_peak_limit_);
         Eigen::VectorXd x = pack(candidate.lobes);
         candidate.loss = levenberg_marquardt(problem, x, {.max_iterations = stage.steps}).loss;
         candidate.lobes = unpack(x, candidate.lobes.shape);

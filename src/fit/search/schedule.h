@@ -70,7 +70,7 @@ inline constexpr Stage by_pairs[] = {
 };
 /// With pictures. Candidates with the same loss of pairs look different, and further perturbations lower that loss by
 /// little: all of them remain for pictures to choose from. The best after all their steps are nearly always among the
-/// best after three. Of the last two the least sum decides, which knows radiance; ΔE_ITP does not.
+/// best after three.
 inline constexpr Stage with_pictures[] = {
     {"grow",     Work::grow,     o, o,   k_few,  o, o,   1,    all},
     {"perturb",  Work::perturb,  x, o,   k_few,  x, o,   1,    all, 0.12},
@@ -78,7 +78,6 @@ inline constexpr Stage with_pictures[] = {
     {"pictures", Work::steps,    x, x,   k_some, x, x,   1,    all, 0,    3, Order::delta_e},
     {"pictures", Work::steps,    o, o,   k_some, x, x,   0.25, all, 0,    4, Order::delta_e},
     {"pictures", Work::steps,    o, o,   k_some, x, x,   0.125, all, 0,   8, Order::delta_e},
-    {"compare",  Work::steps,    o, x,   0,      x, x,   1,    2,            0,    6},
     {"finish",   Work::finish,   o, x,   0,      x, x,   1,    1},
 };
 // clang-format on

@@ -22,7 +22,7 @@ AreaLight softbox(const Scene& scene) {
 }
 
 PreparedBsdf by_cosine(const Subject& subject) {
-    return std::visit([](const auto& content) { return prepare(content); }, subject.content);
+    return std::visit([](const auto& content) { return prepare(content, CosineProposal{}); }, subject.content);
 }
 
 }  // namespace

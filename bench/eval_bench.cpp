@@ -99,7 +99,7 @@ BENCHMARK(pm)->Apply(sizes);
 /// The same with a prepared model, pair by pair, for one of the instruction sets of this machine.
 void pm_prepared(benchmark::State& state, Target target) {
     const OneTarget one(target);
-    evaluate(state, prepare(Model{model_of(state), {}}));
+    evaluate(state, prepare(Model{model_of(state), {}}, CosineProposal{}));
 }
 
 /// The same in batches; "per_pair" is the time for one pair.

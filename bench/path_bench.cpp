@@ -72,7 +72,7 @@ void path(benchmark::State& state, const PreparedBrdf& brdf) {
     state.counters["evaluation_percent"] = 100 * (twice_best - once_best) / once_best;
 }
 void path_pm(benchmark::State& state) { path(state, prepare(Model{film_pm(), {}}, ProposeOptions{})); }
-void path_pm_by_cosine(benchmark::State& state) { path(state, prepare(Model{film_pm(), {}})); }
+void path_pm_by_cosine(benchmark::State& state) { path(state, prepare(Model{film_pm(), {}}, CosineProposal{})); }
 void path_su(benchmark::State& state) { path(state, prepare(Model{film_su(), {}}, ProposeOptions{})); }
 void path_rgl(benchmark::State& state) { path(state, prepare(film(), ProposeOptions{})); }
 void path_merl(benchmark::State& state) { path(state, prepare(film_as_merl(), propose(evaluator(film_as_merl())))); }

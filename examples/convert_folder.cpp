@@ -16,7 +16,8 @@ srbf::Result<srbf::Done> convert(const fs::path& from, const fs::path& to) {
     const auto* measured = std::get_if<srbf::Measured>(&*loaded);
     if (measured && !is_isotropic(*measured))
         return srbf::Error{from.string(), {}, "input", "an isotropic BRDF, as MERL tables are", "an anisotropic one"};
-    const srbf::PreparedBrdf brdf = std::visit([](auto& any) { return srbf::prepare(std::move(any)); }, *loaded);
+    const srbf::PreparedBrdf brdf =
+        std::visit([](auto& any) { return srbf::prepare(std::move(any), srbf::CosineProposal{}); }, *loaded);
     return srbf::write_file(to.string(), srbf::write_merl(srbf::to_merl(srbf::evaluator(brdf))));
 }
 

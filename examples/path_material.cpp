@@ -44,7 +44,7 @@ int main(int count, char** arguments) {
     if (count != 2) return std::puts("usage: path_material MODEL"), 2;
     const auto model = srbf::load_model(arguments[1]);
     if (!model) return std::fprintf(stderr, "%s\n", message(model.error()).c_str()), 1;
-    const srbf::PreparedBrdf material = prepare(*model, srbf::ProposeOptions{});
+    const srbf::PreparedBrdf material = prepare(*model);
 
     int wrong = 0;
     for (const float cos_v : {1.f, 0.7f, 0.3f}) {

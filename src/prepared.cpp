@@ -100,7 +100,7 @@ PreparedBrdf prepare(BrdfParts parts) {
     return PreparedBrdf(std::make_shared<const PreparedBrdf::Contents>(std::move(parts)));
 }
 
-PreparedBrdf prepare(const Model& model) { return prepare(parts_of(model)); }
+PreparedBrdf prepare(const Model& model, CosineProposal) { return prepare(parts_of(model)); }
 
 PreparedBrdf prepare(const Model& model, const ProposeOptions& options) {
     BrdfParts parts = parts_of(model);
@@ -110,7 +110,7 @@ PreparedBrdf prepare(const Model& model, const ProposeOptions& options) {
     return prepare(std::move(parts));
 }
 
-PreparedBrdf prepare(Measured measured) { return prepare(parts_of(std::move(measured))); }
+PreparedBrdf prepare(Measured measured, CosineProposal) { return prepare(parts_of(std::move(measured))); }
 
 PreparedBrdf prepare(Measured measured, const ProposeOptions& options) {
     BrdfParts parts = parts_of(std::move(measured));

@@ -222,6 +222,8 @@ const std::vector<Row>& rows() {
          }},
         {"film-ggx", [](const G& g) { return g.fitted(g.film, {.model = GgxRequest{2}, .threads = g.threads}); }},
         {"film-samples", [](const G& g) { return g.of_pm(samples_of(g.film, 400, false), 3); }},
+        {"film-samples-cube-root",
+         [](const G& g) { return g.of_pm(samples_of(g.film, 300, false), 2, Objective::cube_root); }},
         {"film-spectra",
          [](const G& g) {
              FitRequest request = g.request({.size = LobeCount{3}}, Objective::cosine);

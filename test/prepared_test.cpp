@@ -35,7 +35,7 @@ std::vector<Pair> random_pairs(std::mt19937_64& random, int count) {
 
 /// Within 1e-4 of the exact value or 1e-6 of the largest one.
 void expect_exact(const PmModel& model, const std::vector<Pair>& pairs) {
-    const PreparedBrdf prepared = prepare({model, {}});
+    const PreparedBrdf prepared = prepare(Model{model, {}}, CosineProposal{});
     std::vector<Vec3d> exact;
     double peak = 0;
     for (const auto& [l, v] : pairs) {
@@ -113,7 +113,7 @@ TEST_P(PreparedOn, IsCutBeforeSubnormalNumbersAndInfinity) {
     for (const auto& [log_scale, expected] : {std::pair(-500.f, 0x1p-100), {500.f, 0x1p100}}) {
         model.log_scale = {log_scale};
         model.bandwidth = {0};
-        const Rgb f = value(prepare({model, {}}), {0, 0, 1}, {0, 0, 1});
+        const Rgb f = value(prepare(Model{model, {}}, CosineProposal{}), {0, 0, 1}, {0, 0, 1});
         EXPECT_TRUE(near_relative(double(f.r), 0x1p-24 * expected, 1e-4));
         EXPECT_EQ(f.g, 0);
         EXPECT_TRUE(near_relative(double(f.b), expected, 1e-4));
@@ -188,7 +188,7 @@ TEST_P(PreparedOn, NothingDependsOnTheModeOfTheProcessor) {
 
 TEST_P(PreparedOn, AlbedoIsTheIntegral) {
     const PmModel pm = random_model(random_, {.lobes = 6, .form = PmForm::extended});
-    const PreparedBrdf brdf = prepare({pm, {}});
+    const PreparedBrdf brdf = prepare(Model{pm, {}}, CosineProposal{});
     for (const double theta : {0.0, 20.0, 45.0, 60.0, 75.0, 85.0}) {
         const Rgb expected = albedo(evaluator(pm), theta * k_degree, k_pi / 2),
                   found = albedo(brdf, float(std::cos(theta * k_degree)));
@@ -209,7 +209,7 @@ TEST_P(PreparedOn, ABrdfOfAnyTypeIsOwned) {
     {
         Measured measured = *load_measured((bundled_data() / "paper_white_rgb.bsdf").string());
         owners.push_back(prepare(measured, ProposeOptions{}));
-        owners.push_back(prepare(measured, CosineProposal{}));  // as any other type
+        owners.push_back(prepare(measured, CosineProposal{}));
         owners.push_back(prepare(std::move(measured)));
     }
     const Measured kept = *load_measured((bundled_data() / "paper_white_rgb.bsdf").string());
@@ -232,7 +232,7 @@ TEST_P(PreparedOn, BatchesAreTheModels) {
         for (const auto& [l, v] : random_pairs(random_, 100)) wl.push_back(l), wv.push_back(v);
         std::vector<Rgb> of_model(wl.size()), of_prepared(wl.size());
         evaluate(model, wl, wv, of_model);
-        evaluator(prepare({model, {}}))(wl, wv, of_prepared);
+        evaluator(prepare(Model{model, {}}, CosineProposal{}))(wl, wv, of_prepared);
         EXPECT_EQ(of_model, of_prepared);
     }
 }

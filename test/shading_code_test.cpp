@@ -85,7 +85,7 @@ Answers expected() {
     for (std::size_t m = 0; m < models().size(); ++m) {
         const Proposal proposal =
             propose(models()[m], {.azimuths = is_isotropic(models()[m]) ? 1 : k_anisotropic_azimuths});
-        const PreparedBrdf prepared = prepare(models()[m]);
+        const PreparedBrdf prepared = prepare(models()[m], CosineProposal{});
         for (std::size_t i = 0; i < questions().size(); ++i) {
             const auto& [l, v, u] = questions()[i];
             const Vec3f wl(l[0], l[1], l[2]), wv(v[0], v[1], v[2]);

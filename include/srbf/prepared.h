@@ -45,13 +45,13 @@ struct BrdfParts {
 };
 PreparedBrdf prepare(BrdfParts parts);
 
-/// A model for its values; the light is sampled by the cosine.
-PreparedBrdf prepare(const Model& model);
-/// And to be sampled by its own proposal, `propose(model, options)`, which takes some 30 ms to make (docs/performance.md).
-PreparedBrdf prepare(const Model& model, const ProposeOptions& options);
-/// A measurement; what was not measured is NaN in `value`, and 0 in all else.
-PreparedBrdf prepare(Measured measured);
-PreparedBrdf prepare(Measured measured, const ProposeOptions& options);
+/// A model, sampled by its own proposal, `propose(model, options)`, which takes some 30 ms to make (docs/performance.md);
+/// or by the cosine, for those who ask for values alone.
+PreparedBrdf prepare(const Model& model, const ProposeOptions& options = {});
+PreparedBrdf prepare(const Model& model, CosineProposal by_cosine);
+/// A measurement, likewise; what was not measured is NaN in `value`, and 0 in all else.
+PreparedBrdf prepare(Measured measured, const ProposeOptions& options = {});
+PreparedBrdf prepare(Measured measured, CosineProposal by_cosine);
 /// Any other BRDF, of which it takes a copy or what is moved into it.
 template <Brdf B> PreparedBrdf prepare(B brdf, Proposal proposal) {
     auto held = std::make_shared<const B>(std::move(brdf));

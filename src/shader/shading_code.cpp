@@ -192,7 +192,7 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
         }
     }
     if (options.albedo) {
-        const PreparedBrdf brdf = prepare(model);
+        const PreparedBrdf brdf = prepare(model, CosineProposal{});
         for (int i = 0; i < k_albedo_nodes; ++i) {
             const float s = float(i) / float(k_albedo_nodes - 1);
             const Rgb reflected = albedo(brdf, std::max(1 - s * s, 1e-7f));  // 0 has none

@@ -9,7 +9,6 @@
 #include "fit/search/search.h"
 #include "floating_point.h"
 #include "srbf/metrics.h"
-#include "srbf/prepared.h"
 
 namespace srbf {
 namespace {
@@ -36,16 +35,15 @@ Observations together(const SampleObservations& from, double weight_between, std
 }
 
 constexpr double k_most_change = 3;
+/// Of those within θmax; the others are guards.
 void weigh_large_errors(Observations& observations, const PmModel& fitted, const ObserveSamplesOptions& options,
                         double typical) {
-    if (!traits(options.objective).seen) return;
-    const PreparedBrdf model = prepare(Model{fitted, {}});
-    for (std::size_t i = 0; i < observations.fitted(); ++i) {
-        const Vec3f wl = observations.wl[i], wv = observations.wv[i];
-        if (std::min(wl.z, wv.z) >= sample_cap(options.max_theta))  // otherwise a guard
-            observations.weight[i] *= large_error_weight(options.objective, observations.f[i], value(model, wl, wv),
-                                                         typical, double(wl.z), k_most_change);
-    }
+    std::vector<Rgb> f(observations.fitted());
+    evaluator(fitted)(std::span(observations.wl).first(f.size()), std::span(observations.wv).first(f.size()), f);
+    for (std::size_t i = 0; i < f.size(); ++i)
+        if (std::min(observations.wl[i].z, observations.wv[i].z) >= sample_cap(options.max_theta))
+            observations.weight[i] *= large_error_weight(options.objective, observations.f[i], f[i], typical,
+                                                         double(observations.wl[i].z), k_most_change);
 }
 
 }  // namespace

@@ -52,10 +52,10 @@ TEST(Excess, IsFoundWhereItIs) {
 
 TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
     Observations o = grey();
-    const std::size_t first = o.fitted(), checks = o.checks;
+    const std::size_t first = o.fitted(), checks = o.bound_pairs;
     const std::size_t taken = take_exceeded(o, first, with_spike(), 0.01);
     ASSERT_GT(taken, 0u);
-    EXPECT_EQ(o.checks, checks - taken);
+    EXPECT_EQ(o.bound_pairs, checks - taken);
     const double largest = largest_measured(o);
     std::vector<double> weight;
     for (std::size_t i = first; i < first + taken; ++i) {
@@ -65,7 +65,7 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
         weight.push_back(o.weight[i]);
     }
     EXPECT_EQ(take_exceeded(o, first, with_spike(), 0.01), taken);
-    EXPECT_EQ(o.checks, checks - taken);
+    EXPECT_EQ(o.bound_pairs, checks - taken);
     for (std::size_t i = 0; i < taken; ++i) EXPECT_EQ(o.weight[first + i], 4 * weight[i]);
 }
 

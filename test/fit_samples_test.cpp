@@ -165,7 +165,7 @@ TEST(FitToSamples, OneOfManyValuesAtOnePlaceIsTheirMean) {
     make_index(samples);
     const auto observations = observe(samples, {Objective::raw, k_cap, 0});
     ASSERT_TRUE(observations.ok());
-    EXPECT_TRUE(near(double(observations->places), double(n), 3));  // a few lie as near by chance
+    EXPECT_TRUE(near(double(observations->groups), double(n), 3));  // a few lie as near by chance
     SampleFitOptions how;
     how.pm.lobes = 4, how.pm.starts = 4, how.pm.perturbations = 3;
     const auto fit = fit_pm(*observations, how);

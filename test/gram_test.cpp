@@ -15,7 +15,7 @@ constexpr std::size_t k_count = 2 * k_block + 300, k_checks = 7;
 Observations random_observations() {
     std::mt19937_64 random(1);
     Observations observations;
-    observations.checks = k_checks;
+    observations.bound_pairs = k_checks;
     for (std::size_t i = 0; i < k_count + k_checks; ++i) {
         observations.wl.push_back(to_float(random_direction(random)));
         observations.wv.push_back(to_float(random_direction(random)));
@@ -67,11 +67,11 @@ TEST_P(Gram, RowsHoldTheObservationsWithoutTheChecks) {
         }
     }
     Observations few = observations_;
-    few.checks = few.f.size() - k_block;
+    few.bound_pairs = few.f.size() - k_block;
     EXPECT_EQ(Rows(few).blocks, 1u);
-    few.checks -= 1;
+    few.bound_pairs -= 1;
     EXPECT_EQ(Rows(few).blocks, 2u);
-    few.checks = few.f.size();
+    few.bound_pairs = few.f.size();
     EXPECT_EQ(Rows(few).blocks, 0u);
 }
 

@@ -14,7 +14,7 @@ Evaluate constant(Rgb colour) {
     return [colour](auto, auto, auto f) { std::fill(f.begin(), f.end(), colour); };
 }
 
-std::size_t fitted(const Observations& o) { return o.f.size() - o.checks; }
+std::size_t fitted(const Observations& o) { return o.f.size() - o.bound_pairs; }
 bool within(const Observations& o, std::size_t i, double theta) {
     return std::min(double(o.wl[i].z), double(o.wv[i].z)) >= elementary::cos(theta) - 1e-6;
 }
@@ -152,14 +152,14 @@ TEST(Observations, ViewsOfPicturesAreExposedAndWithinTheCap) {
     const auto views = observe(f, {Objective::appearance, theta_max, 4096})->views;
     std::map<std::size_t, std::vector<double>> largest;
     bool any_masked = false;
-    for (const SeenView& view : views) {
+    for (const ObservedView& view : views) {
         EXPECT_GE(double(view.wv.z), elementary::cos(theta_max) - 1e-6);
         ASSERT_EQ(view.f.size(), view.wl.size());
         for (std::size_t i = 0; i < view.wl.size(); ++i) {
             EXPECT_GE(double(view.wl[i].z), elementary::cos(theta_max) - 1e-6);
             ASSERT_TRUE(is_finite(view.f[i]) && view.f[i].r == 0);
         }
-        for (const SeenPixel& pixel : view.pixels) {
+        for (const ObservedPixel& pixel : view.pixels) {
             Rgb colour;
             for (std::size_t i = 0; i < pixel.weight.size(); ++i) {
                 const bool masked = view.wl[pixel.first + i].x < -0.9f;

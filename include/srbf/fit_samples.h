@@ -12,14 +12,14 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// Assigns each sample to a fold, 0..k_folds−1, for cross-validation. Samples within `k_same_place` of each other
+/// Assigns each sample to a fold, 0..k_folds−1, for cross-validation. Samples within `k_group_distance` of each other
 /// belong to the same fold. That includes samples with light and viewer exchanged and, for isotropic samples, rotated
 /// or mirrored ones. Places within max_theta [rad] that are adjacent in brightness get different folds, otherwise at
 /// random, so that no fold contains a whole highlight.
 /// Errors: fewer than k_folds places.
 Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, double max_theta, std::uint64_t seed);
 inline constexpr int k_folds = 5;
-inline constexpr double k_same_place = 0.5 * k_degree;  ///< √(|Δωl|² + |Δωv|²), to first order
+inline constexpr double k_group_distance = 0.5 * k_degree;  ///< √(|Δωl|² + |Δωv|²), to first order
 /// The samples of all folds except `left_out`.
 ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const int> fold, int left_out);
 

@@ -52,7 +52,7 @@ std::size_t take_exceeded(Observations& observations, std::size_t first, const P
         }
         observations.exchange(i, to);
         observations.weight[to] = check_weight(observations, to, loss, largest);
-        --observations.checks;
+        --observations.bound_pairs;
     }
     return where.size();
 }

@@ -70,6 +70,6 @@ void weigh_large_errors(Observations& observations, std::size_t count, const Eva
 
 /// Σ over the guards (observations beyond θmax) if the fit were off by the largest measured f cosθl cosθv at each of
 /// them, relative to Σ w |f|².
-inline constexpr double k_guard_importance = 1e-2;
+inline constexpr double k_horizon_importance = 1e-2;
 
 }  // namespace srbf

@@ -58,7 +58,7 @@ struct Rows {
     std::size_t whole_blocks() const { return first_view_block() + blocks_for(views * view_rows); }
 
   private:
-    void add_views(const std::vector<SeenView>& views);
+    void add_views(const std::vector<ObservedView>& views);
     /// Row i for these directions: `factor` is √w, or its replacement in a sum; f(c) the value of channel c.
     template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
 };

@@ -31,53 +31,34 @@ constexpr double k_of_shortest = 0.75;
 constexpr std::size_t k_some_kinds = 8, k_few_kinds = 2, k_most_full_fits = 3;
 constexpr std::size_t k_first_bytes = 32, k_conclusive_bytes = 64;
 
-/// A kind of model: everything but J.
-struct Kind {
-    PmForm form;
-    bool axial;
-    int variates;
+/// Approximate progress after the short fits of each kind, and when the bytes have been doubled to the most.
+constexpr double k_done_by_shortest = 0.2, k_done_by_short = 0.4, k_done_by_doubling = 0.1, k_done_by_doublings = 0.6;
 
-    FitOptions with_lobes(FitOptions options, int lobes) const {
-        options.form = form;
-        options.axial = axial;
-        options.variates = variates;
-        options.lobes = lobes;
-        if (form != PmForm::gaussian) options.log_scale = true;
-        return options;
-    }
-    std::size_t bytes(int lobes, bool log_scale) const {
-        return payload_bytes(form, axial, log_scale || form != PmForm::gaussian, lobes, variates);
-    }
-    /// The largest number of lobes within a number of bytes, possibly 0.
-    int most_lobes(std::size_t within, bool log_scale) const {
-        int lobes = 0;
-        while (lobes < k_most_fitted_lobes && bytes(lobes + 1, log_scale) <= within) ++lobes;
-        return lobes;
-    }
-};
-Kind kind_of(const Step& step) { return {step.form, step.axial, step.variates}; }
+/// The options of a model to try, of which a `Step` has everything but the error; a *kind* is everything but J.
+FitOptions with_model(FitOptions options, const Step& model) {
+    options.form = model.form;
+    options.axial = model.axial;
+    options.variates = model.variates;
+    options.lobes = model.lobes;
+    if (model.form != PmForm::gaussian) options.log_scale = true;
+    return options;
+}
+std::size_t bytes_of(const Step& kind, int lobes, bool log_scale) {
+    return payload_bytes(kind.form, kind.axial, log_scale || kind.form != PmForm::gaussian, lobes, kind.variates);
+}
 
-/// A model to try.
-struct Trial {
-    Kind kind;
-    int lobes;
-};
-
-std::vector<Kind> kinds(const FitOptions& options) {
-    std::vector<Kind> all;
+std::vector<Step> kinds(const FitOptions& options) {
+    std::vector<Step> all;
     for (const PmForm form : k_forms)
         for (const bool axial : {true, false})
             for (int n = 1; n <= k_most_chosen_variates; ++n)
                 if ((axial || !options.axial) && !(options.reciprocal && n % 2 == 1) &&
                     (options.log_scale || form == PmForm::gaussian))
-                    all.push_back({form, axial, n});
+                    all.push_back({.form = form, .axial = axial, .variates = n});
     return all;
 }
-/// The kinds of the first of these steps.
-std::vector<Kind> first_kinds(const std::vector<Step>& steps, std::size_t most) {
-    std::vector<Kind> first;
-    for (std::size_t i = 0; i < std::min(most, steps.size()); ++i) first.push_back(kind_of(steps[i]));
-    return first;
+std::vector<Step> first_of(const std::vector<Step>& steps, std::size_t most) {
+    return {steps.begin(), steps.begin() + std::ptrdiff_t(std::min(most, steps.size()))};
 }
 
 bool by_error(const Step& a, const Step& b) { return a.error < b.error; }
@@ -98,11 +79,11 @@ class Search {
     const FitOptions& options() const { return options_; }
 
     /// Short fits in parallel, most promising first.
-    Result<std::vector<Step>> fit_in_short(const std::vector<Trial>& trials, const ShortFit& effort) {
+    Result<std::vector<Step>> fit_in_short(const std::vector<Step>& models, const ShortFit& effort) {
         const Observations some = beginning(observations_, effort.rows);
-        std::vector<Result<Tried>> tried(trials.size(), Error{});
-        parallel_for(trials.size(), options_.threads, [&](std::size_t i) {
-            const FitOptions options = trials[i].kind.with_lobes(options_, trials[i].lobes);
+        std::vector<Result<Tried>> tried(models.size(), Error{});
+        parallel_for(models.size(), options_.threads, [&](std::size_t i) {
+            const FitOptions options = with_model(options_, models[i]);
             tried[i] = attempt(some, in_short(options, effort.starts, effort.perturbations), true);
         });
         std::vector<Step> steps;
@@ -116,15 +97,19 @@ class Search {
     }
     /// The shortest fit of each of these kinds with the largest number of lobes within the bytes; nothing for kinds
     /// without one.
-    Result<std::vector<Step>> fit_largest(const std::vector<Kind>& of, std::size_t bytes) {
-        std::vector<Trial> trials;
-        for (const Kind& kind : of)
-            if (const int most = kind.most_lobes(bytes, options_.log_scale); most > 0) trials.push_back({kind, most});
-        return fit_in_short(trials, k_shortest_fit);
+    Result<std::vector<Step>> fit_largest(const std::vector<Step>& kinds, std::size_t bytes) {
+        std::vector<Step> models;
+        for (Step model : kinds) {
+            model.lobes = 0;
+            while (model.lobes < k_most_fitted_lobes && bytes_of(model, model.lobes + 1, options_.log_scale) <= bytes)
+                ++model.lobes;
+            if (model.lobes > 0) models.push_back(model);
+        }
+        return fit_in_short(models, k_shortest_fit);
     }
 
     Result<Tried> fit_whole(const Step& step) {
-        auto tried = attempt(observations_, kind_of(step).with_lobes(options_, step.lobes), false);
+        auto tried = attempt(observations_, with_model(options_, step), false);
         if (tried) path_.push_back(tried->step);
         return tried;
     }
@@ -161,33 +146,31 @@ class Search {
     std::vector<Step> path_;
 };
 
-Result<Tried> found_or_cancelled(std::optional<Tried>& best) {
-    if (best) return *std::move(best);
+Result<Chosen> chosen(const Search& search, std::optional<Tried>& best, bool reached) {
+    if (best) return Chosen{std::move(best->fit), search.path(), reached};
     return Error{
         "fit", {}, "models that were tried", "one at least", "none before it was cancelled", ErrorCode::cancelled};
 }
 
 /// The least error within the bytes; each kind has the largest number of lobes that fits.
-Result<Tried> within_bytes(Search& search, std::size_t bytes) {
+Result<Chosen> within_bytes(Search& search, std::size_t bytes) {
     auto steps = search.fit_largest(kinds(search.options()), bytes);
     if (!steps) return steps.error();
     if (steps->empty()) return argument_error("fit", "bytes", "enough for one lobe, 12", fmt::format("{}", bytes));
-    if (search.report(0.2)) {
-        std::vector<Trial> trials;
-        for (std::size_t i = 0; i < std::min(k_short_fits, steps->size()); ++i)
-            trials.push_back({kind_of((*steps)[i]), (*steps)[i].lobes});
-        steps = search.fit_in_short(trials, k_short_fit);
+    if (search.report(k_done_by_shortest)) {
+        steps = search.fit_in_short(first_of(*steps, k_short_fits), k_short_fit);
         if (!steps) return steps.error();
     }
     std::optional<Tried> best;
     std::size_t count = std::min(k_full_fits, steps->size());
     if (count < steps->size() && (*steps)[count].error <= k_as_promising * steps->front().error) ++count;
-    for (std::size_t i = 0; i < count && search.report(0.4 + 0.6 * double(i) / double(count)); ++i) {
+    for (std::size_t i = 0;
+         i < count && search.report(k_done_by_short + (1 - k_done_by_short) * double(i) / double(count)); ++i) {
         auto tried = search.fit_whole((*steps)[i]);
-        if (!tried) return tried;
+        if (!tried) return tried.error();
         if (tried->step.bytes <= bytes && (!best || by_error(tried->step, best->step))) best = *std::move(tried);
     }
-    return found_or_cancelled(best);
+    return chosen(search, best, true);
 }
 
 /// The fewest bytes for at most an error.
@@ -197,7 +180,7 @@ class SmallestWithin {
 
     /// The bytes are doubled until shortest fits of the kinds' largest models predict that one may reach the error, or
     /// that none would even if each further doubling lowered the error as much as the last one.
-    Result<Tried> run(bool& is_reached) {
+    Result<Chosen> run() {
         double error_before = std::numeric_limits<double>::infinity();
         for (std::size_t before = 0, bytes = k_first_bytes; !reached(); before = bytes, bytes *= 2) {
             const auto largest = search_.fit_largest(kinds_, bytes);
@@ -207,40 +190,38 @@ class SmallestWithin {
                          at_most = now * elementary::pow(std::min(now / error_before, 1.0), doublings);
             const bool last = doublings < 1 || (before >= k_conclusive_bytes && k_of_shortest * at_most > error_);
             error_before = now;
-            if (!search_.report(0.1 * elementary::log2(double(bytes) / 16))) break;
+            if (!search_.report(k_done_by_doubling * elementary::log2(double(2 * bytes) / double(k_first_bytes))))
+                break;
             if (k_of_shortest * now <= error_) {
                 if (const auto done = fit_between(*largest, before); !done) return done.error();
-                if (last || !search_.report(0.7)) break;
+                if (last || !search_.report(k_done_by_doublings + k_done_by_doubling)) break;
             } else if (last) {
                 if (const auto done = fit_whole(largest->front()); !done) return done.error();
                 break;
             } else if (bytes >= k_conclusive_bytes) {
-                kinds_ = first_kinds(*largest, k_some_kinds);
+                kinds_ = first_of(*largest, k_some_kinds);
             }
         }
-        is_reached = reached();
-        return found_or_cancelled(best_);
+        return chosen(search_, best_, reached());
     }
 
   private:
     bool reached() const { return best_ && best_->step.error <= error_; }
-    /// For the most promising kinds all trials down to the previous number of bytes get shortest fits. The smallest
+    /// For the most promising kinds all sizes down to the previous number of bytes get shortest fits. The smallest
     /// model that is expected to reach the error gets a full fit, which corrects the expectation for the others; and so
     /// on.
     Result<Done> fit_between(const std::vector<Step>& largest, std::size_t bytes_before) {
-        std::vector<Trial> trials;
-        for (std::size_t i = 0; i < std::min(k_few_kinds, largest.size()); ++i) {
-            const Kind kind = kind_of(largest[i]);
-            for (int lobes = largest[i].lobes - 1;
-                 lobes > 0 && kind.bytes(lobes, search_.options().log_scale) > bytes_before; --lobes)
-                trials.push_back({kind, lobes});
-        }
-        const auto smaller = search_.fit_in_short(trials, k_shortest_fit);
+        std::vector<Step> models;
+        for (Step model : first_of(largest, k_few_kinds))
+            while (--model.lobes > 0 && bytes_of(model, model.lobes, search_.options().log_scale) > bytes_before)
+                models.push_back(model);
+        const auto smaller = search_.fit_in_short(models, k_shortest_fit);
         if (!smaller) return smaller.error();
         std::vector<Step> open = *smaller;
         open.insert(open.end(), largest.begin(), largest.end());
         std::ranges::stable_sort(open, by_bytes);
-        for (std::size_t fits = 0; fits < k_most_full_fits && !open.empty() && search_.report(0.6); ++fits) {
+        for (std::size_t fits = 0; fits < k_most_full_fits && !open.empty() && search_.report(k_done_by_doublings);
+             ++fits) {
             auto next = std::ranges::find_if(open, [&](const Step& step) { return expected_ * step.error <= error_; });
             if (next == open.end()) {
                 if (reached()) break;
@@ -271,7 +252,7 @@ class SmallestWithin {
 
     Search& search_;
     const double error_;
-    std::vector<Kind> kinds_;
+    std::vector<Step> kinds_;
     std::optional<Tried> best_;
     double expected_ = k_of_shortest;  // ratio of the errors of full fits to those of shortest fits
 };
@@ -282,15 +263,11 @@ Result<Chosen> choose_pm(const Observations& observations, const FitOptions& opt
                          const JudgeModel& judge, const ProgressToken& progress) {
     const FlushSubnormals mode;
     Search search(observations, options, judge, progress);
-    const auto chosen = [&](Result<Tried> tried, bool reached) -> Result<Chosen> {
-        if (!tried) return tried.error();
-        return Chosen{std::move(tried->fit), search.path(), reached};
-    };
     if (const auto* budget = std::get_if<ByteBudget>(&goal)) {
         if (budget->bytes > k_most_chosen_bytes)
             return argument_error("fit", "budget", fmt::format("12 to {} bytes", k_most_chosen_bytes),
                                   fmt::format("{}", budget->bytes));
-        return chosen(within_bytes(search, budget->bytes), true);
+        return within_bytes(search, budget->bytes);
     }
     const auto* target = std::get_if<TargetError>(&goal);
     const double error = target ? target->error : std::get<TargetDeltaE>(goal).delta_e,
@@ -298,9 +275,7 @@ Result<Chosen> choose_pm(const Observations& observations, const FitOptions& opt
     if (!(error > 0 && error <= most))
         return argument_error("fit", target ? "target error" : "target delta E",
                               fmt::format("above 0, at most {}", most), fmt::format("{}", error));
-    bool reached = false;
-    auto found = SmallestWithin(search, error).run(reached);
-    return chosen(std::move(found), reached);
+    return SmallestWithin(search, error).run();
 }
 
 }  // namespace srbf

@@ -29,8 +29,10 @@ struct Draft {
 };
 constexpr Draft k_draft[Fitter::k_drafts] = {{4096, 3, 0}, {16384, 4, 8}};
 
-/// Approximate shares of the stages in the time of a fit.
+/// Approximate shares of the time of a fit until something is observed or fitted.
 constexpr double k_observed = 0.1, k_samples_observed = 0.05, k_drafts_observed = 0.3, k_fitted = 0.75;
+/// The same of measuring the errors.
+constexpr double k_matrix_measured = 0.75, k_heldout_measured = 0.9, k_albedo_measured = 0.95;
 
 }  // namespace
 
@@ -111,14 +113,14 @@ class Fitter::Work {
             completed = *std::move(made);
             reference = evaluator(completed);
         } else {
-            measure_pairs(outcome, request, progress.part(0, 0.9));
+            measure_pairs(outcome, request, progress);
         }
         if (outcome.errors && !progress.cancelled()) measure_appearance(outcome, reference, request, progress);
         if (!progress.report("measuring the error", 1)) {
             outcome.errors.reset(), outcome.unrounded_errors.reset();
             return cancelled_error("measure");
         }
-        if (outcome.errors) record(*outcome.errors, outcome.model.provenance);  // a draft of a fit to samples has none
+        if (outcome.errors) record(*outcome.errors, outcome.model);  // a draft of a fit to samples has none
         return Done{};
     }
 
@@ -144,15 +146,14 @@ class Fitter::Work {
 
     /// The errors over pairs of directions of a fit to a table.
     void measure_pairs(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
-        constexpr double matrix_share = 0.75 / 0.9;  // of the time
         const Channels f = channels_of(request);
         const Channels others[] = {channels(outcome.model), channels(outcome.unrounded)};
         const auto options = [&](double begin, double end) {
             return MeasureOptions{request.theta(), request.threads, progress.part(begin, end)};
         };
         const auto matrix =
-            measure_matrix(f, others, options(0, matrix_share), matrix_directions(outcome.model, request.theta()));
-        const auto heldout = measure_heldout(f, others, options(matrix_share, 1));
+            measure_matrix(f, others, options(0, k_matrix_measured), matrix_directions(outcome.model, request.theta()));
+        const auto heldout = measure_heldout(f, others, options(k_matrix_measured, k_heldout_measured));
         outcome.errors = {matrix[0], heldout[0], 0};
         outcome.unrounded_errors = {matrix[1], heldout[1], 0};
     }
@@ -160,13 +161,14 @@ class Fitter::Work {
                                    const ProgressToken& progress) {
         const Evaluate others[] = {evaluator(outcome.model), evaluator(outcome.unrounded)};
         const auto albedo = albedo_errors(reference, others, {request.theta(), request.threads, progress});
-        const auto appearance = compare_pictures(reference, others, request.threads, progress.part(0.95, 1));
+        const auto appearance =
+            compare_pictures(reference, others, request.threads, progress.part(k_albedo_measured, 1));
         outcome.errors->albedo_error = albedo[0], outcome.errors->appearance = appearance[0];
         outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
     }
-    /// Writes the main errors into a model's provenance.
-    template <typename Provenance> static void record(const Comparison& errors, Provenance& provenance) {
-        const auto set = [&](const char* name, double value) { provenance[name] = fmt::format("{:.4g}", value); };
+    /// Writes the main errors into the model's provenance.
+    static void record(const Comparison& errors, Model& model) {
+        const auto set = [&](const char* name, double value) { model.provenance[name] = fmt::format("{:.4g}", value); };
         set("squared_error_ratio", errors.matrix.squared_error_ratio);
         set("heldout_squared_error_ratio", errors.heldout.squared_error_ratio);
         set("heldout_squared_error_ratio_cosine", errors.heldout.squared_error_ratio_cosine);

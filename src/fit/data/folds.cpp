@@ -15,20 +15,6 @@
 namespace srbf {
 namespace {
 
-/// Disjoint sets.
-class Sets {
-  public:
-    explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-    std::size_t of(std::size_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(std::size_t i, std::size_t k) { parent_[of(i)] = of(k); }
-
-  private:
-    std::vector<std::size_t> parent_;
-};
-
 /// A point for each pair such that distances between points are, to first order, √(|Δωl|² + |Δωv|²); for isotropic
 /// samples the minimum over all rotations about the normal and reflections.
 std::array<double, 6> point_of(Vec3f l, Vec3f v, bool isotropic) {
@@ -58,11 +44,11 @@ class NearSamples {
     explicit NearSamples(const ScatteredSamples& samples) : cloud_(points_of(samples)) { tree_.buildIndex(); }
     NearSamples(const NearSamples&) = delete;
 
-    /// Joins the samples within `k_group_distance` of sample i.
-    void join_near(std::size_t i, Sets& sets) const {
+    /// Those within `k_group_distance` of sample i: each stands for one sample, whose number is half of it.
+    FoundPoints<double> points_near(std::size_t i) const {
         FoundPoints<double> found;
         tree_.radiusSearch(cloud_.at[2 * i].data(), k_group_distance * k_group_distance, found, {});
-        for (const auto& [point, distance] : found) sets.join(i, point / 2);
+        return found;
     }
     /// The distance of sample i to the nearest point of another group, among as many neighbours as necessary.
     double to_other_group(std::size_t i, const std::vector<int>& group) const {
@@ -109,14 +95,17 @@ std::vector<std::size_t> by_brightness(const ScatteredSamples& samples, const Sa
 SampleGroups group_samples(const ScatteredSamples& samples) {
     const std::size_t n = samples.wl.size();
     const NearSamples near(samples);
-    Sets sets(n);
-    for (std::size_t i = 0; i < n; ++i) near.join_near(i, sets);
     SampleGroups groups{std::vector<int>(n, -1), 0, 0};
-    std::vector<int> number(n, -1);
-    for (std::size_t i = 0; i < n; ++i) {
-        int& of_set = number[sets.of(i)];
-        if (of_set < 0) of_set = groups.count++;
-        groups.of[i] = of_set;
+    for (std::size_t first = 0; first < n; ++first) {
+        if (groups.of[first] >= 0) continue;
+        groups.of[first] = groups.count;
+        for (std::vector<std::size_t> open{first}; !open.empty();) {
+            const std::size_t i = open.back();
+            open.pop_back();
+            for (const auto& [point, distance] : near.points_near(i))
+                if (int& group = groups.of[point / 2]; group < 0) group = groups.count, open.push_back(point / 2);
+        }
+        ++groups.count;
     }
     if (groups.count < 2) return groups;
 

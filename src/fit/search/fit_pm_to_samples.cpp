@@ -42,7 +42,7 @@ void weigh_large_errors(Observations& observations, const PmModel& fitted, const
     const PreparedBrdf model = prepare(Model{fitted, {}});
     for (std::size_t i = 0; i < observations.fitted(); ++i) {
         const Vec3f wl = observations.wl[i], wv = observations.wv[i];
-        if (std::min(wl.z, wv.z) >= sample_cap(options.max_theta))  // otherwise a guard
+        if (std::min(wl.z, wv.z) >= sample_cap(options.max_theta))  // otherwise a horizon pair
             observations.weight[i] *= large_error_weight(options.objective, observations.f[i], value(model, wl, wv),
                                                          typical, double(wl.z), k_most_change);
     }

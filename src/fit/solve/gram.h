@@ -29,7 +29,7 @@ struct Extent {
 /// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each radiance, which
 /// contributes the square of a sum; then the blocks of views, whose pixels are sums over rows.
 struct Rows {
-    /// All observations except the checks.
+    /// All observations except the bound pairs.
     explicit Rows(const Observations& observations, const Extent& extent = {});
     std::size_t pairs = 0, blocks = 0;               ///< number of pairs, and of their blocks
     std::size_t radiances = 0, radiance_blocks = 0;  ///< number of radiances, blocks per radiance

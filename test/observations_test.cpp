@@ -39,7 +39,7 @@ TEST(Observations, EstimateTheIntegralOfTheirObjective) {
         const bool raw = objective == Objective::raw;
         EXPECT_TRUE(near_relative(near_l / all, share(raw ? 0 : 2), 0.01));
         EXPECT_TRUE(near_relative(near_v / all, share(raw ? 0 : 1), 0.01));
-        EXPECT_TRUE(near(3 * all, 1, 0.05));  // Σ w |f|² = 1; the grid of guards adds a few pairs within the cap
+        EXPECT_TRUE(near(3 * all, 1, 0.05));  // Σ w |f|² = 1; the grid of horizon pairs adds a few pairs within the cap
     }
 }
 
@@ -50,10 +50,10 @@ TEST(Observations, EveryBeginningIsASampleOfTheWhole) {
     double sum = 0;
     for (std::size_t i = 0; i < 4096; ++i) sum += 3 * double(o->weight[i]);
     EXPECT_TRUE(near_relative(sum, 4096.0 / 65536, 0.1));
-    std::size_t guards = 0;
-    for (std::size_t i = 0; i < 4096; ++i) guards += !within(*o, i, 80 * k_degree);
-    EXPECT_GT(guards, 4096u / 16);
-    EXPECT_LT(guards, 4096u / 8 + 1);
+    std::size_t horizon_pairs = 0;
+    for (std::size_t i = 0; i < 4096; ++i) horizon_pairs += !within(*o, i, 80 * k_degree);
+    EXPECT_GT(horizon_pairs, 4096u / 16);
+    EXPECT_LT(horizon_pairs, 4096u / 8 + 1);
 }
 
 // A highlight of half a degree contains nearly all of Σ w |f|². Sampled from the mixture alone, only a few dozen of

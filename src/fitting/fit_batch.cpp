@@ -152,11 +152,10 @@ Result<std::vector<TexelFit>> fit_batch(const Batch& batch, std::span<const Rgb>
         if (reporter.cancelled()) return;
         // Each stops when all do.
         const ProgressToken progress([&](const Progress&) { return !reporter.cancelled(); });
-        Texel texel = observed_texel(batch, f.subspan(i * M, M), progress.part(0, 0.4));
+        Texel texel = observed_texel(batch, f.subspan(i * M, M), progress);
         const bool waits = is_cuda && texel.observed;
         if (texel.observed && !is_cuda) {
-            texel.fit = fitted_texel(batch, texel.samples,
-                                     fit_pm(*texel.observed, {batch.options, false}, progress.part(0.4, 1)));
+            texel.fit = fitted_texel(batch, texel.samples, fit_pm(*texel.observed, {batch.options, false}, progress));
             texel.observed.reset();
         }
         texels[i] = std::move(texel);

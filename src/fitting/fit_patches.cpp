@@ -21,13 +21,15 @@ namespace {
 constexpr std::size_t k_fitted_points = 8;
 /// Points of an outgoing patch in directional-hemispherical sums.
 constexpr std::size_t k_hemisphere_points = 4;
-/// Each but the first begins from the previous one's errors.
+/// Rounds of expectation and maximisation: each but the first begins from the previous one's errors, and another one
+/// follows if the error has fallen by that share.
 constexpr int k_most_rounds = 3;
 constexpr double k_least_gain_of_round = 0.02;
 /// Most matrices are smooth, and a fit is repeated.
 constexpr int k_starts = 8, k_perturbations = 12;
+/// Half of the share to which the sums have to be right, `k_good_share`.
 constexpr double k_radiance_error = 0.005;
-/// The sizes that are tried, and what is good enough.
+/// The sizes that are tried, and what is good enough (fit_bsdf.h, `fit_patches`).
 struct Size {
     int lobes, variates;
 };

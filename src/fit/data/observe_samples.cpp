@@ -13,7 +13,7 @@
 namespace srbf {
 namespace {
 
-/// A quarter of those of a table: interpolated values have no narrow highlights between the nodes of the grid.
+/// Bound pairs about the mirror direction: a quarter of those of a table, as they are interpolated one by one.
 constexpr std::size_t k_sampled_mirror_pairs = 8192;
 constexpr std::size_t k_completed_pairs = 16384;
 /// Pairs near the horizon, where both directions are beyond 66°: enough to cover the highlight there.
@@ -101,8 +101,8 @@ std::optional<Measures> interpolation_errors(const ScatteredSamples& samples, co
 
 /// Adds what is interpolated: to `between` pairs of the grid within θmax, to `samples` horizon pairs and bound pairs.
 /// `largest`: the largest square of the samples. False: cancelled.
-bool add_interpolated(SampleObservations& to, const ScatteredSamples& samples, double largest,
-                      const ProgressToken& progress) {
+bool observe_interpolated(SampleObservations& to, const ScatteredSamples& samples, double largest,
+                          const ProgressToken& progress) {
     std::mt19937_64 random(to.options.seed);
     const float cos_max = sample_cap(to.options.max_theta);
     std::vector<DirectionPair> beyond;
@@ -205,7 +205,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     if (!errors) return cancelled_error("observe");
     observed.interpolation = *errors;
     observed.between.wavelengths = observed.samples.wavelengths;
-    if (!add_interpolated(observed, samples, largest_square(once), interpolating.part(0.5, 1)))
+    if (!observe_interpolated(observed, samples, largest_square(once), interpolating.part(0.5, 1)))
         return cancelled_error("observe");
     weigh_all(observed.between);
     return observed;

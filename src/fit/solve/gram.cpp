@@ -308,7 +308,8 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     if (extent.picture_importance > 0 && !extent.spectra && std::ranges::any_of(observations.views, has_pixels)) {
         picture_importance = extent.picture_importance;
         views = observations.views.size(), view_rows = k_row_multiple;
-        for (const ObservedView& view : observations.views) view_rows = std::max(view_rows, std::bit_ceil(view.wl.size()));
+        for (const ObservedView& view : observations.views)
+            view_rows = std::max(view_rows, std::bit_ceil(view.wl.size()));
     }
     // Padding rows: any direction is fine, the weight is 0.
     const std::size_t rows = whole_blocks() * k_block;

@@ -52,20 +52,20 @@ TEST(Excess, IsFoundWhereItIs) {
 
 TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
     Observations o = grey();
-    const std::size_t first = o.fitted(), checks = o.checks;
+    const std::size_t first = o.fitted(), bound_pairs = o.bound_pairs;
     const std::size_t taken = take_exceeded(o, first, with_spike(), 0.01);
     ASSERT_GT(taken, 0u);
-    EXPECT_EQ(o.checks, checks - taken);
+    EXPECT_EQ(o.bound_pairs, bound_pairs - taken);
     const double largest = largest_measured(o);
     std::vector<double> weight;
     for (std::size_t i = first; i < first + taken; ++i) {
         EXPECT_GT(double(value(with_spike(), o.wl[i], o.wv[i]).r) * double(o.wl[i].z) * double(o.wv[i].z),
                   1.6 * largest * (1 - 1e-5));
-        EXPECT_TRUE(near_relative(o.weight[i], check_weight(o, i, 0.01, largest), 1e-12));
+        EXPECT_TRUE(near_relative(o.weight[i], bound_weight(o, i, 0.01, largest), 1e-12));
         weight.push_back(o.weight[i]);
     }
     EXPECT_EQ(take_exceeded(o, first, with_spike(), 0.01), taken);
-    EXPECT_EQ(o.checks, checks - taken);
+    EXPECT_EQ(o.bound_pairs, bound_pairs - taken);
     for (std::size_t i = 0; i < taken; ++i) EXPECT_EQ(o.weight[first + i], 4 * weight[i]);
 }
 

@@ -42,7 +42,7 @@ ScatteredSamples samples_of(int count, double noise, std::uint64_t seed, double 
 
 constexpr double k_cap = 75 * k_degree;
 
-TEST(Folds, EachPlaceIsInOneAndAllAreOfOneSize) {
+TEST(Folds, EachGroupIsInOneAndAllAreOfOneSize) {
     ScatteredSamples samples = samples_of(500, 0, 1);
     // A copy of each tenth sample: unchanged, exchanged, mirrored, rotated.
     for (std::size_t i = 0; i < 500; i += 10) {
@@ -59,7 +59,7 @@ TEST(Folds, EachPlaceIsInOneAndAllAreOfOneSize) {
     for (std::size_t i = 0; i < 500; ++i) ++size[std::size_t((*fold)[i])];
     for (const int n : size) EXPECT_TRUE(n >= 95 && n <= 105) << n;
     for (std::size_t i = 500; i < fold->size(); ++i) EXPECT_EQ((*fold)[i], (*fold)[(i - 500) / 4 * 10]);
-    // Rotated anisotropic samples are different places.
+    // Rotated anisotropic samples are of different groups.
     samples.isotropic = false;
     const auto turned = assign_folds(samples, k_cap, 7);
     ASSERT_TRUE(turned.ok());
@@ -84,7 +84,7 @@ TEST(Folds, TheBrightestAreLeftOutOneByOne) {
     EXPECT_NE(*fold, *assign_folds(samples, k_cap, 4));
 }
 
-TEST(Folds, FewPlacesAreAnError) {
+TEST(Folds, FewGroupsAreAnError) {
     ScatteredSamples samples = samples_of(4, 0, 3);
     for (int i = 0; i < 4; ++i)
         samples.wl.push_back(samples.wl[std::size_t(i)]), samples.wv.push_back(samples.wv[std::size_t(i)]),
@@ -165,7 +165,7 @@ TEST(FitToSamples, OneOfManyValuesAtOnePlaceIsTheirMean) {
     make_index(samples);
     const auto observations = observe(samples, {Objective::raw, k_cap, 0});
     ASSERT_TRUE(observations.ok());
-    EXPECT_TRUE(near(double(observations->places), double(n), 3));  // a few lie as near by chance
+    EXPECT_TRUE(near(double(observations->groups), double(n), 3));  // a few lie as near by chance
     SampleFitOptions how;
     how.pm.lobes = 4, how.pm.starts = 4, how.pm.perturbations = 3;
     const auto fit = fit_pm(*observations, how);

@@ -330,9 +330,9 @@ TEST(Fit, RefusesBadOptionsAndObservations) {
     EXPECT_TRUE(without([](Observations& o) { o.weight[5] = std::numeric_limits<float>::infinity(); }));
     EXPECT_TRUE(without([](Observations& o) { o.wl.pop_back(); }));
     EXPECT_TRUE(without([](Observations& o) { std::fill(o.weight.begin(), o.weight.end(), 0.f); }));
-    EXPECT_TRUE(without([](Observations& o) { o.checks = o.f.size() + 1; }));
+    EXPECT_TRUE(without([](Observations& o) { o.bound_pairs = o.f.size() + 1; }));
     EXPECT_TRUE(without([](Observations& o) {
-        o.checks = 0;
+        o.bound_pairs = 0;
         o.wl.resize(20), o.wv.resize(20), o.f.resize(20), o.weight.resize(20);
     }));
 }

@@ -11,14 +11,14 @@
 namespace srbf::gram_test {
 namespace {
 
-constexpr std::size_t k_count = 2 * k_block + 300, k_checks = 7;
+constexpr std::size_t k_count = 2 * k_block + 300, k_bound_pairs = 7;
 
 /// Two whole blocks and part of a third; some weights are 0.
 Observations random_observations() {
     std::mt19937_64 random(1);
     Observations observations;
-    observations.checks = k_checks;
-    for (std::size_t i = 0; i < k_count + k_checks; ++i) {
+    observations.bound_pairs = k_bound_pairs;
+    for (std::size_t i = 0; i < k_count + k_bound_pairs; ++i) {
         observations.wl.push_back(to_float(random_direction(random)));
         observations.wv.push_back(to_float(random_direction(random)));
         observations.f.push_back({float(uniform(random)), float(uniform(random)), float(uniform(random))});
@@ -69,11 +69,11 @@ TEST_P(Gram, RowsHoldTheObservationsWithoutTheChecks) {
         }
     }
     Observations few = observations_;
-    few.checks = few.f.size() - k_block;
+    few.bound_pairs = few.f.size() - k_block;
     EXPECT_EQ(Rows(few).blocks, 1u);
-    few.checks -= 1;
+    few.bound_pairs -= 1;
     EXPECT_EQ(Rows(few).blocks, 2u);
-    few.checks = few.f.size();
+    few.bound_pairs = few.f.size();
     EXPECT_EQ(Rows(few).blocks, 0u);
 }
 

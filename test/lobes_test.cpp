@@ -199,8 +199,8 @@ TEST(Lobes, LossCountsWhatIsSeen) {
         for (int c = 0; c < 3; ++c)
             of_pairs += o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
     int pixels = 0;
-    for (const SeenView& view : o.views)
-        for (const SeenPixel& pixel : view.pixels) {
+    for (const ObservedView& view : o.views)
+        for (const ObservedPixel& pixel : view.pixels) {
             Rgb measured, fitted;
             for (std::size_t i = 0; i < pixel.weight.size(); ++i)
                 for (int c = 0; c < 3; ++c) {

@@ -14,7 +14,7 @@ Evaluate constant(Rgb colour) {
     return [colour](auto, auto, auto f) { std::fill(f.begin(), f.end(), colour); };
 }
 
-std::size_t fitted(const Observations& o) { return o.f.size() - o.checks; }
+std::size_t fitted(const Observations& o) { return o.f.size() - o.bound_pairs; }
 bool within(const Observations& o, std::size_t i, double theta) {
     return std::min(double(o.wl[i].z), double(o.wv[i].z)) >= elementary::cos(theta) - 1e-6;
 }
@@ -39,7 +39,7 @@ TEST(Observations, EstimateTheIntegralOfTheirObjective) {
         const bool raw = objective == Objective::raw;
         EXPECT_TRUE(near_relative(near_l / all, share(raw ? 0 : 2), 0.01));
         EXPECT_TRUE(near_relative(near_v / all, share(raw ? 0 : 1), 0.01));
-        EXPECT_TRUE(near(3 * all, 1, 0.05));  // Σ w |f|² = 1; the grid of guards adds a few pairs within the cap
+        EXPECT_TRUE(near(3 * all, 1, 0.05));  // Σ w |f|² = 1; the grid of horizon pairs adds a few pairs within the cap
     }
 }
 
@@ -50,10 +50,10 @@ TEST(Observations, EveryBeginningIsASampleOfTheWhole) {
     double sum = 0;
     for (std::size_t i = 0; i < 4096; ++i) sum += 3 * double(o->weight[i]);
     EXPECT_TRUE(near_relative(sum, 4096.0 / 65536, 0.1));
-    std::size_t guards = 0;
-    for (std::size_t i = 0; i < 4096; ++i) guards += !within(*o, i, 80 * k_degree);
-    EXPECT_GT(guards, 4096u / 16);
-    EXPECT_LT(guards, 4096u / 8 + 1);
+    std::size_t horizon_pairs = 0;
+    for (std::size_t i = 0; i < 4096; ++i) horizon_pairs += !within(*o, i, 80 * k_degree);
+    EXPECT_GT(horizon_pairs, 4096u / 16);
+    EXPECT_LT(horizon_pairs, 4096u / 8 + 1);
 }
 
 // A highlight of half a degree contains nearly all of Σ w |f|². Sampled from the mixture alone, only a few dozen of
@@ -152,14 +152,14 @@ TEST(Observations, ViewsOfPicturesAreExposedAndWithinTheCap) {
     const auto views = observe(f, {Objective::appearance, theta_max, 4096})->views;
     std::map<std::size_t, std::vector<double>> largest;
     bool any_masked = false;
-    for (const SeenView& view : views) {
+    for (const ObservedView& view : views) {
         EXPECT_GE(double(view.wv.z), elementary::cos(theta_max) - 1e-6);
         ASSERT_EQ(view.f.size(), view.wl.size());
         for (std::size_t i = 0; i < view.wl.size(); ++i) {
             EXPECT_GE(double(view.wl[i].z), elementary::cos(theta_max) - 1e-6);
             ASSERT_TRUE(is_finite(view.f[i]) && view.f[i].r == 0);
         }
-        for (const SeenPixel& pixel : view.pixels) {
+        for (const ObservedPixel& pixel : view.pixels) {
             Rgb colour;
             for (std::size_t i = 0; i < pixel.weight.size(); ++i) {
                 const bool masked = view.wl[pixel.first + i].x < -0.9f;

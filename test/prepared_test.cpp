@@ -121,7 +121,7 @@ TEST_P(PreparedOn, IsCutBeforeSubnormalNumbersAndInfinity) {
 }
 
 TEST_P(PreparedOn, BelowTheHorizonIsNothing) {
-    const PreparedBrdf model = prepare({random_model(random_, {}), {}}, {});
+    const PreparedBrdf model = prepare(Model{random_model(random_, {}), {}});
     const Vec3f up{0, 0, 1};
     for (const float z : {0.f, -0.f, -0.5f, 1e-40f}) {
         const Vec3f low{1, 0, z};
@@ -157,8 +157,8 @@ TEST_P(PreparedOn, NothingDependsOnTheModeOfTheProcessor) {
                     const PmModel model = random_model(random, {axial, true, lobes, 4, k_half_max, form});
                     made.push_back(prepare({model, {}}, {.azimuths = axial ? 1 : 4}));
                 }
-        made.push_back(prepare({random_su(random, 64, 5), {}}, {}));
-        made.push_back(prepare({GgxModel{{0.1f, 0.2f, 0.3f}, {{k_least_roughness, {1, 0.9f, 0.8f}, 1}}}, {}}, {}));
+        made.push_back(prepare(Model{random_su(random, 64, 5), {}}));
+        made.push_back(prepare(Model{GgxModel{{0.1f, 0.2f, 0.3f}, {{k_least_roughness, {1, 0.9f, 0.8f}, 1}}}, {}}));
         return made;
     }();
     std::vector<Pair> pairs = random_pairs(random_, 2000);
@@ -245,7 +245,7 @@ TEST_P(PreparedOn, CopiesOutliveTheirSources) {
         if (kind == 2) source->model = GgxModel{{0.1f, 0.2f, 0.3f}, {{0.2f, {1, 0.9f, 0.8f}, 1}}};
         const Model kept = *source;
         const Proposal proposal = propose(kept);
-        std::optional<PreparedBrdf> first = prepare(*source, {});
+        std::optional<PreparedBrdf> first = prepare(*source);
         source.reset();
         PreparedBrdf copy = *first;
         const PreparedBrdf moved = std::move(*first);
@@ -332,7 +332,7 @@ TEST_P(PreparedOn, DensityAndDrawsAreThoseOfTheText) {
 TEST_P(PreparedOn, DrawsAndDensityAgree) {
     // The mean of g / pdf over draws is the integral of g above the horizon: of cosθ / π, and of a lobe that is sharp.
     const PmModel model = random_model(random_, {.lobes = 6, .form = PmForm::extended});
-    const PreparedBrdf prepared = prepare({model, {}}, {});
+    const PreparedBrdf prepared = prepare(Model{model, {}});
     for (const double theta : {0.0, 0.5, 1.0, 1.4}) {
         const Vec3f wv = to_float(spherical(theta, 0.3)), specular = mirror(wv);
         double of_cosine = 0, of_lobe = 0, squares = 0;

@@ -93,7 +93,7 @@ std::string_view name(StopReason reason);
 struct SuFitOptions {
     int lobes = 8;  ///< J, 1..k_most_view_lobes
     Objective objective = k_default_objective;
-    double max_theta = 0;  ///< [rad], 1 to 89.9°; 0: the objective's default. Pairs beyond it are guards
+    double max_theta = 0;  ///< [rad], 1 to 89.9°; 0: the objective's default. Pairs beyond it have small weights
     /// Whether lobes have shapes, see `SuModel`; none: for objective appearance.
     std::optional<bool> shaped = {};
     SuInterpolation interpolation = SuInterpolation::rotated;  ///< stored in the model; the fit does not depend on it

@@ -12,19 +12,19 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// Assigns each sample to a fold, 0..k_folds−1, for cross-validation. Samples within `k_same_place` of each other
-/// belong to the same fold. That includes samples with light and viewer exchanged and, for isotropic samples, rotated
-/// or mirrored ones. Places within max_theta [rad] that are adjacent in brightness get different folds, otherwise at
-/// random, so that no fold contains a whole highlight.
-/// Errors: fewer than k_folds places.
+/// Assigns each sample to a fold, 0..k_folds−1, for cross-validation. Samples within `k_group_distance` of each other
+/// are a *group* and belong to the same fold. That includes samples with light and viewer exchanged and, for isotropic
+/// samples, rotated or mirrored ones. Groups within max_theta [rad] that are adjacent in brightness get different
+/// folds, otherwise at random, so that no fold contains a whole highlight.
+/// Errors: fewer than k_folds groups.
 Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, double max_theta, std::uint64_t seed);
 inline constexpr int k_folds = 5;
-inline constexpr double k_same_place = 0.5 * k_degree;  ///< √(|Δωl|² + |Δωv|²), to first order
+inline constexpr double k_group_distance = 0.5 * k_degree;  ///< √(|Δωl|² + |Δωv|²), to first order
 /// The samples of all folds except `left_out`.
 ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const int> fold, int left_out);
 
-/// Spacing of the samples where they are densest [rad]: the 5th percentile of the distances of places (see
-/// `assign_folds`) to their nearest neighbours. 0 if there is only one place.
+/// Spacing of the samples where they are densest [rad]: the 5th percentile of the distances of samples to the nearest
+/// of another group (see `assign_folds`). 0 if there is only one group.
 double spacing(const ScatteredSamples& samples);
 
 /// Samples, completed where nothing was measured: what fits g_i of Lambert and GGX to the samples within θmax expect in

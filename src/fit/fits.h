@@ -12,8 +12,8 @@ namespace srbf {
 struct PmFit {
     PmModel model;      ///< every number rounded to a 16-bit float
     PmModel unrounded;  ///< before rounding
-    double loss = 0;    ///< Σ w |f−f̂|² of `model` over the observations, including guards, exceeded checks and
-                        ///< radiances
+    double loss = 0;    ///< Σ w |f−f̂|² of `model` over the observations, including horizon pairs, exceeded bound
+                        ///< pairs and radiances
     double unrounded_loss = 0;  ///< loss of `unrounded`
     StopReason stop = StopReason::converged;
 };
@@ -41,15 +41,15 @@ struct SuFit {
 Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressToken& progress = {});
 
 struct GgxFit {
-    GgxModel model;      ///< every number rounded to a 16-bit float
-    GgxModel unrounded;  ///< before rounding
-    double loss = 0;  ///< Σ w |f−f̂|² over the observations, including guards, before the linear parameters are rounded
+    GgxModel model;             ///< every number rounded to a 16-bit float
+    GgxModel unrounded;         ///< before rounding
+    double loss = 0;            ///< Σ w |f−f̂|² over the observations, before the linear parameters are rounded
     double unrounded_loss = 0;  ///< loss of `unrounded`
 };
 
 /// Fits Lambert and GGX. For given roughness all other parameters solve a non-negative linear problem. Roughness is
 /// optimised by pattern search, from the best value on a grid of half octaves, evaluated on a subset. Albedos and
-/// checks are not used.
+/// bound pairs are not used.
 /// Errors: options out of range, fewer observations than parameters, values that are not finite; cancelled.
 Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& options,
                        const ProgressToken& progress = {});

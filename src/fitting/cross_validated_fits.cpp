@@ -18,6 +18,8 @@ constexpr double k_as_good = 1.03;
 /// A few thousand samples need a shorter search than a table, and are searched a dozen times.
 constexpr int k_sample_starts = 6, k_sample_perturbations = 14;
 constexpr int k_draft_starts = 3, k_draft_perturbations = 2;
+/// Approximate share of observing in the time of the fits to a fold's samples.
+constexpr double k_observed_of_fold = 0.2;
 
 FitOptions sample_options(const ScatteredSamples& samples, const FitRequest& request, std::optional<int> lobes) {
     FitOptions options = pm_options(request, std::get<PmRequest>(request.model).axial.value_or(samples.isotropic));
@@ -47,44 +49,15 @@ class SampleFits {
             if (!one) return one.error();
             return std::move(one->front());
         }
-        const std::optional<int> asked = lobes_of(*pm);
-        const auto goal = goal_of(request_);
-        std::vector<int> lobes;
-        if (asked)
-            lobes = {*asked};
-        else
-            for (const int j : k_tried_lobes)
-                if (enough_samples(j) && is_within(goal, bytes(j))) lobes.push_back(j);
-        if (lobes.empty()) lobes = {1};
-        if (completes(request_)) {
-            // Completed samples constrain any number of lobes. The most look best; held-out samples, which are few and
-            // crowded about highlights, prefer fewer half of the time.
-            if (!goal) lobes = {lobes.back()};
-            std::vector<Variant> candidates;
-            for (const int j : lobes) candidates.push_back({j, true});
-            validations_ = double(candidates.size());
-            auto all = judged(candidates);
-            if (!all) return all.error();
-            return chosen(*all, goal);
-        }
-        validations_ = double(lobes.size()) + 1;
-        const int first = asked.value_or(std::min(lobes.back(), k_first_tried));
-        auto both = judged({{first, false}, {first, true}});
-        if (!both) return both.error();
-        const bool fill = error((*both)[1]) < error((*both)[0]);
-        std::vector<Variant> others;
-        for (const int j : lobes)
-            if (j != first) others.push_back({j, fill});
-        auto all = judged(others);
+        const std::vector<int> lobes = tried_lobes(*pm);
+        auto all = completes(request_) ? fit_completed(lobes) : fit_alone_or_filled(lobes, lobes_of(*pm));
         if (!all) return all.error();
-        const auto before = std::ranges::count_if(lobes, [&](int j) { return j < first; });
-        all->insert(all->begin() + before, std::move((*both)[fill]));
-        return chosen(*all, goal);
+        return chosen(*all);
     }
 
   private:
-    static bool is_within(const std::optional<SizeGoal>& goal, std::size_t bytes) {
-        const auto* budget = goal ? std::get_if<ByteBudget>(&*goal) : nullptr;
+    bool is_within_budget(std::size_t bytes) const {
+        const auto* budget = goal_ ? std::get_if<ByteBudget>(&*goal_) : nullptr;
         return !budget || bytes <= budget->bytes;
     }
     double error(const FitOutcome& outcome) const { return error_of(outcome.errors->heldout, request_.objective); }
@@ -94,6 +67,41 @@ class SampleFits {
     }
     /// Three values of each sample outside a fold are at least twice as many as the numbers to find, of two bytes each.
     bool enough_samples(int lobes) const { return bytes(lobes) <= 3 * samples_.wl.size() * (k_folds - 1) / k_folds; }
+
+    /// The requested number of lobes, or those to choose from.
+    std::vector<int> tried_lobes(const PmRequest& pm) const {
+        if (const auto asked = lobes_of(pm)) return {*asked};
+        std::vector<int> lobes;
+        for (const int j : k_tried_lobes)
+            if (enough_samples(j) && is_within_budget(bytes(j))) lobes.push_back(j);
+        return lobes.empty() ? std::vector{1} : lobes;
+    }
+
+    /// Completed samples constrain any number of lobes. Without a goal the most look best; held-out samples, which are
+    /// few and crowded about highlights, prefer fewer half of the time.
+    Result<std::vector<FitOutcome>> fit_completed(const std::vector<int>& lobes) {
+        std::vector<Variant> candidates;
+        for (const int j : lobes)
+            if (goal_ || j == lobes.back()) candidates.push_back({j, true});
+        validations_ = double(candidates.size());
+        return judged(candidates);
+    }
+    /// Decides for one number of lobes whether to fill the gaps between samples, and fits the others alike.
+    Result<std::vector<FitOutcome>> fit_alone_or_filled(const std::vector<int>& lobes, std::optional<int> asked) {
+        validations_ = double(lobes.size()) + 1;
+        const int first = asked.value_or(std::min(lobes.back(), k_first_tried));
+        auto both = judged({{first, false}, {first, true}});
+        if (!both) return both;
+        const bool fill = error((*both)[1]) < error((*both)[0]);
+        std::vector<Variant> others;
+        for (const int j : lobes)
+            if (j != first) others.push_back({j, fill});
+        auto all = judged(others);
+        if (!all) return all;
+        const auto before = std::ranges::count_if(lobes, [&](int j) { return j < first; });
+        all->insert(all->begin() + before, std::move((*both)[fill]));
+        return all;
+    }
 
     /// One fit of `samples`; `observed` is of these, and required for PM and GGX.
     Result<FitOutcome> fitted(const ScatteredSamples& samples, const SampleObservations* observed,
@@ -112,9 +120,8 @@ class SampleFits {
                 fit_pm(*observed, {sample_options(samples_, request_, candidate.lobes), candidate.fill}, progress);
             if (!pm) return pm.error();
             if (progress.cancelled()) return cancelled_error("fit");
-            outcome.stop = pm->stop;
+            outcome = outcome_of(*std::move(pm));
             outcome.filled = candidate.fill;
-            take(outcome, *std::move(pm));
         }
         outcome.masked = observed->samples.masked;
         outcome.clamped = observed->samples.clamped;
@@ -144,42 +151,46 @@ class SampleFits {
         auto outcomes = fitted(samples_, observed_, candidates, progress.part(0, 1.0 / (k_folds + 1)));
         if (!outcomes) return outcomes;
         std::atomic<int> fits = 1;
-        const auto predicted =
-            cross_validate(samples_, fold_, [&](const ScatteredSamples& training) -> Result<std::vector<Model>> {
-                const int before = fits;
-                const ProgressToken of_fold =
-                    progress.part(double(before) / (k_folds + 1), (before + 1.0) / (k_folds + 1));
-                std::optional<SampleObservations> observed;
-                if (!std::holds_alternative<SuRequest>(request_.model)) {
-                    auto made = observe(training, observe_options(request_), of_fold.part(0, 0.2));
-                    if (!made) return made.error();
-                    observed = *std::move(made);
-                }
-                auto all = fitted(training, observed ? &*observed : nullptr, candidates, of_fold.part(0.2, 1));
-                ++fits;
-                if (!all) return all.error();
-                std::vector<Model> models;
-                for (FitOutcome& one : *all)
-                    models.push_back(std::move(one.model)), models.push_back(std::move(one.unrounded));
-                return models;
-            });
+        const auto predicted = cross_validate(samples_, fold_, [&](const ScatteredSamples& training) {
+            const int before = fits;
+            auto models = fitted_models(training, candidates,
+                                        progress.part(double(before) / (k_folds + 1), (before + 1.0) / (k_folds + 1)));
+            ++fits;
+            return models;
+        });
         if (!predicted) return predicted.error();
-        const auto measured_with = [&](const Model& model, std::span<const float> heldout) {
-            const Channels fitted = channels(model);
-            std::vector<float> f(heldout.size());
-            fitted.evaluate(samples_.wl, samples_.wv, f);
-            return Comparison{measured_against(f), measured_against(heldout), 0};
-        };
         for (std::size_t k = 0; k < outcomes->size(); ++k) {
             FitOutcome& outcome = (*outcomes)[k];
-            outcome.errors = measured_with(outcome.model, (*predicted)[2 * k]);
-            outcome.unrounded_errors = measured_with(outcome.unrounded, (*predicted)[2 * k + 1]);
+            outcome.errors = compared(outcome.model, (*predicted)[2 * k]);
+            outcome.unrounded_errors = compared(outcome.unrounded, (*predicted)[2 * k + 1]);
             outcome.samples = outcome.errors->matrix.pairs;
             outcome.raw_bytes = (*predicted)[2 * k].size() * sizeof(float);
         }
         return outcomes;
     }
 
+    /// The candidates' models of the samples of all folds but one: of each the rounded and the unrounded one.
+    Result<std::vector<Model>> fitted_models(const ScatteredSamples& training, const std::vector<Variant>& candidates,
+                                             const ProgressToken& progress) const {
+        std::optional<SampleObservations> observed;
+        if (!std::holds_alternative<SuRequest>(request_.model)) {
+            auto made = observe(training, observe_options(request_), progress.part(0, k_observed_of_fold));
+            if (!made) return made.error();
+            observed = *std::move(made);
+        }
+        auto all = fitted(training, observed ? &*observed : nullptr, candidates, progress.part(k_observed_of_fold, 1));
+        if (!all) return all.error();
+        std::vector<Model> models;
+        for (FitOutcome& one : *all) models.push_back(std::move(one.model)), models.push_back(std::move(one.unrounded));
+        return models;
+    }
+
+    /// The errors of a model at the samples, and of what the fits to other folds predict there.
+    Comparison compared(const Model& model, std::span<const float> heldout) const {
+        std::vector<float> f(heldout.size());
+        channels(model).evaluate(samples_.wl, samples_.wv, f);
+        return {measured_against(f), measured_against(heldout), 0};
+    }
     Measures measured_against(std::span<const float> f) const {
         if (request_.spectral) return measure_samples(samples_.wl, samples_.wv, samples_.spectrum, f, request_.theta());
         std::vector<float> colours;
@@ -187,30 +198,31 @@ class SampleFits {
         return measure_samples(samples_.wl, samples_.wv, colours, f, request_.theta());
     }
 
-    Result<FitOutcome> chosen(std::vector<FitOutcome>& all, const std::optional<SizeGoal>& goal) const {
-        const auto by_error = [&](const FitOutcome& a, const FitOutcome& b) { return error(a) < error(b); };
-        const double least = error(*std::min_element(all.begin(), all.end(), by_error));
-        const auto* target = goal ? std::get_if<TargetError>(&*goal) : nullptr;
-        const double enough = !goal ? k_as_good * least : target ? target->error : least;
-        auto taken = std::find_if(all.begin(), all.end(), [&](const FitOutcome& one) { return error(one) <= enough; });
-        const bool reached = taken != all.end();
-        if (!reached) taken = std::min_element(all.begin(), all.end(), by_error);
+    /// The smallest of the outcomes whose error is low enough; if there is none, the one with the least.
+    Result<FitOutcome> chosen(std::vector<FitOutcome>& all) const {
+        const auto error_of_this = [&](const FitOutcome& one) { return error(one); };
+        auto taken = std::ranges::min_element(all, {}, error_of_this);
+        const double least = error(*taken);
+        const auto* target = goal_ ? std::get_if<TargetError>(&*goal_) : nullptr;
+        const double enough = !goal_ ? k_as_good * least : target ? target->error : least;
+        const auto smallest = std::ranges::find_if(
+            all, [&](double e) { return e <= enough; }, error_of_this);
+        const bool reached = smallest != all.end();
+        if (reached) taken = smallest;
         std::vector<Step> path;
         if (all.size() > 1)
-            for (const FitOutcome& one : all) {
-                const PmModel& model = std::get<PmModel>(one.model.model);
-                path.push_back(
-                    {model.form, model.axial, model.lobes, model.variates, payload_bytes(model), error(one), true});
-            }
+            for (const FitOutcome& one : all)
+                path.push_back(step_of(std::get<PmModel>(one.model.model), error(one), true));
         FitOutcome outcome = std::move(*taken);
         outcome.path = std::move(path);
-        outcome.reached = reached && is_within(goal, payload_bytes(outcome.model));
+        outcome.reached = reached && is_within_budget(payload_bytes(outcome.model));
         return outcome;
     }
 
     const ScatteredSamples& samples_;
     const SampleObservations* observed_;
     const FitRequest& request_;
+    const std::optional<SizeGoal> goal_ = goal_of(request_);
     std::vector<int> fold_;
     ProgressToken progress_;
     double done_ = 0, validations_ = 1;  ///< share of the work done; number of candidates
@@ -240,10 +252,8 @@ Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const Sampl
     if (in_short) options = srbf::in_short(options, k_draft_starts, k_draft_perturbations);
     auto pm = fit_pm(observed, {options, !in_short}, progress);
     if (!pm) return pm.error();
-    FitOutcome outcome;
-    outcome.stop = pm->stop;
+    FitOutcome outcome = outcome_of(*std::move(pm));
     outcome.filled = !in_short || completes(request);
-    take(outcome, *std::move(pm));
     return outcome;
 }
 

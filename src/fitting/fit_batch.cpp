@@ -1,10 +1,9 @@
 #include "srbf/fit_batch.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "fit/data/errors.h"
 #include "fit/data/observe_samples.h"
 #include "fit/search/fit_pm.h"
 #include "fitting/requests.h"
@@ -17,7 +16,7 @@ namespace srbf {
 namespace {
 
 Error refused(const char* what, const char* expected, std::string found) {
-    return {"fit_batch", {}, what, expected, std::move(found), ErrorCode::argument};
+    return argument_error("fit_batch", what, expected, std::move(found));
 }
 
 /// With fewer pairs than 4096, lobes are found that the samples do not show; with more the error falls by little.
@@ -103,12 +102,10 @@ struct Texel {
 Texel observed_texel(const Batch& batch, std::span<const Rgb> f, const ProgressToken& progress) {
     Texel texel{samples_of(batch, f), {}, {}};
     if (texel.samples.wl.empty()) {
-        texel.fit =
-            without(batch, TexelState::failed, Error{"texel", {}, "values", "some", "none", ErrorCode::no_data});
+        texel.fit = without(batch, TexelState::failed, no_data_error("texel", "values"));
         return texel;
     }
-    const auto is_black = [](const Rgb& of) { return !(std::max({of.r, of.g, of.b}) > 0); };
-    if (std::ranges::all_of(texel.samples.colour, is_black)) {
+    if (std::ranges::all_of(texel.samples.colour, [](const Rgb& of) { return !(largest_of(of) > 0); })) {
         texel.fit = without(batch, TexelState::black, {});
         return texel;
     }
@@ -155,11 +152,10 @@ Result<std::vector<TexelFit>> fit_batch(const Batch& batch, std::span<const Rgb>
         if (reporter.cancelled()) return;
         // Each stops when all do.
         const ProgressToken progress([&](const Progress&) { return !reporter.cancelled(); });
-        Texel texel = observed_texel(batch, f.subspan(i * M, M), progress.part(0, 0.4));
+        Texel texel = observed_texel(batch, f.subspan(i * M, M), progress);
         const bool waits = is_cuda && texel.observed;
         if (texel.observed && !is_cuda) {
-            texel.fit = fitted_texel(batch, texel.samples,
-                                     fit_pm(*texel.observed, {batch.options, false}, progress.part(0.4, 1)));
+            texel.fit = fitted_texel(batch, texel.samples, fit_pm(*texel.observed, {batch.options, false}, progress));
             texel.observed.reset();
         }
         texels[i] = std::move(texel);

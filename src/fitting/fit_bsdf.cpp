@@ -1,9 +1,9 @@
 // Fits of both sides of a surface.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
-#include "fit/objective/objective.h"
+#include "fit/data/errors.h"
+#include "fitting/requests.h"
 #include "floating_point.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
@@ -38,20 +38,21 @@ std::vector<Rgb> sampled(const Evaluate& f, bool exchanged) {
     return all;
 }
 
-/// Weighted with the cosines of both.
+/// Of values at these pairs, weighted with the cosines of both.
 double energy_between(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
     const auto directions = fibonacci_directions(k_compared, k_compared_theta);
     double energy = 0;
     for (std::size_t v = 0, k = 0; v < directions.size(); ++v)
         for (std::size_t l = 0; l < directions.size(); ++l, ++k)
-            energy += double(directions[v].z) * double(directions[l].z) * squared_distance(a[k], b[k]);
+            energy += cosines(directions[v], directions[l]) * squared_distance(a[k], b[k]);
     return energy;
 }
+double energy(const std::vector<Rgb>& a) { return energy_between(a, std::vector<Rgb>(a.size())); }
 
 /// Whether the front part may answer for the back part.
 bool alike(const Input& front, const Input& back, Part part) {
     const auto a = sampled(front.f, false), b = sampled(back.f, is_transmission(part));
-    return energy_between(a, b) <= k_same_part * energy_between(a, std::vector<Rgb>(a.size()));
+    return energy_between(a, b) <= k_same_part * energy(a);
 }
 
 /// A model of 0, where the counterpart must not answer.
@@ -71,76 +72,63 @@ std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fit
     return all;
 }
 
-Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const FitRequest& request,
-                               const ProgressToken& progress) {
-    const FlushSubnormals mode;
-    const auto start = std::chrono::steady_clock::now();
-    BsdfOutcome outcome;
-    BsdfModel model;
-    model.beam = beams;
-    std::array<bool, k_parts> is_black{};
-    for (std::size_t p = 0; p < k_parts; ++p) {
-        if (!inputs[p].f) continue;
-        const auto values = sampled(inputs[p].f, false);
-        is_black[p] = !(energy_between(values, std::vector<Rgb>(values.size())) > 0);
-    }
+Result<FitOutcome> fit_part(const Input& input, Part part, const FitRequest& request, const ProgressToken& progress) {
+    auto fitted = input.patches()  ? fit_patches(*input.patches(), request, progress)
+                  : input.measured ? srbf::fit(*input.measured, request, progress)
+                                   : srbf::fit(input.f, request, progress);
+    if (fitted) return fitted;
+    Error error = fitted.error();
+    error.what = std::string(name(part)) + ": " + error.what;
+    return error;
+}
+
+/// Fits the parts that are neither black nor like their counterparts, and puts their models into `model`.
+Result<std::vector<PartFit>> fit_parts(const Inputs& inputs, BsdfModel& model, const FitRequest& request,
+                                       const ProgressToken& progress) {
+    std::array<bool, k_parts> is_black;
+    for (std::size_t p = 0; p < k_parts; ++p) is_black[p] = !inputs[p].f || !(energy(sampled(inputs[p].f, false)) > 0);
+    std::vector<PartFit> parts;
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (!inputs[p].f) continue;
         const Part part = Part(p);
         const auto other = std::size_t(counterpart(part));
-        PartFit fit;
+        PartFit& fit = parts.emplace_back();
         fit.part = part, fit.black = is_black[p];
-        const bool other_is_black = !inputs[other].f || is_black[other];
-        if (fit.black && other_is_black) {
-            outcome.parts.push_back(std::move(fit));  // nothing is stored
-            continue;
-        }
         if (fit.black) {
-            model.part[p] = std::make_shared<const Model>(black());
+            if (!is_black[other]) model.part[p] = std::make_shared<const Model>(black());  // otherwise none is stored
         } else if (is_back(part) && model.part[other] && alike(inputs[other], inputs[p], part)) {
             fit.answered_by = counterpart(part);
         } else {
-            const ProgressToken of_part = progress.part(double(p) / k_parts, double(p + 1) / k_parts);
-            auto fitted = inputs[p].patches()  ? fit_patches(*inputs[p].patches(), request, of_part)
-                          : inputs[p].measured ? srbf::fit(*inputs[p].measured, request, of_part)
-                                               : srbf::fit(inputs[p].f, request, of_part);
-            if (!fitted) {
-                Error error = fitted.error();
-                error.what = std::string(name(part)) + ": " + error.what;
-                return error;
-            }
+            auto fitted =
+                fit_part(inputs[p], part, request, progress.part(double(p) / k_parts, double(p + 1) / k_parts));
+            if (!fitted) return fitted.error();
             fit.outcome = *std::move(fitted);
-            Model own = fit.outcome.model;
-            own.provenance.clear();
-            model.part[p] = std::make_shared<const Model>(std::move(own));
+            model.part[p] = std::make_shared<const Model>(Model{fit.outcome.model.model, {}});
         }
-        outcome.parts.push_back(std::move(fit));
     }
-    // Beams are rounded as they are stored.
-    outcome.model = {std::move(model), {}};
-    auto stored = read_model(write_model(outcome.model), "fit");
-    if (!stored) return stored.error();
-    outcome.model = *std::move(stored);
-    outcome.fit_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return parts;
+}
 
-    const auto& bsdf = std::get<BsdfModel>(outcome.model.model);
-    for (PartFit& fit : outcome.parts) {
-        const auto p = std::size_t(fit.part);
-        const Answering<Model> of = answering(bsdf.part, fit.part);
-        const Evaluate fitted = [&](auto wl, auto wv, auto f) {
-            if (!of.brdf)
-                std::ranges::fill(f, Rgb{});
-            else
-                of.exchanged ? evaluate(*of.brdf, wv, wl, f) : evaluate(*of.brdf, wl, wv, f);
-        };
-        fit.hemispherical = hemispherical(inputs[p], fitted, bsdf.beam[beam_of(fit.part)]);
-        if (inputs[p].patches()) {
-            fit.squared_error_ratio = sums_of(*inputs[p].patches(), k_measured_points).error_ratio(fitted);
-        } else if (!fit.black) {
-            const auto a = sampled(inputs[p].f, false), b = sampled(fitted, false);
-            fit.squared_error_ratio = energy_between(a, b) / energy_between(a, std::vector<Rgb>(a.size()));
-        }
+/// Compares a part with what the model answers for it.
+void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
+    const Answering<Model> of = answering(bsdf.part, fit.part);
+    const Evaluate fitted = [&](auto wl, auto wv, auto f) {
+        if (!of.brdf)
+            std::ranges::fill(f, Rgb{});
+        else
+            of.exchanged ? evaluate(*of.brdf, wv, wl, f) : evaluate(*of.brdf, wl, wv, f);
+    };
+    fit.hemispherical = hemispherical(input, fitted, bsdf.beam[beam_of(fit.part)]);
+    if (input.patches()) {
+        fit.squared_error_ratio = sums_of(*input.patches(), k_measured_points).error_ratio(fitted);
+    } else if (!fit.black) {
+        const auto a = sampled(input.f, false);
+        fit.squared_error_ratio = energy_between(a, sampled(fitted, false)) / energy(a);
     }
+}
+
+/// The largest sums of reflection and transmission of light from one side.
+void add_largest_sums(BsdfOutcome& outcome) {
     for (const PartFit& a : outcome.parts)
         for (const PartFit& b : outcome.parts) {
             if (is_transmission(a.part) || !is_transmission(b.part) || is_back(a.part) != is_back(b.part)) continue;
@@ -150,6 +138,23 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
                 outcome.most_fitted = std::max(outcome.most_fitted, r.fitted + t.fitted);
             }
         }
+}
+
+Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const FitRequest& request,
+                               const ProgressToken& progress) {
+    const FlushSubnormals mode;
+    const auto start = std::chrono::steady_clock::now();
+    BsdfModel model;
+    model.beam = beams;
+    auto parts = fit_parts(inputs, model, request, progress);
+    if (!parts) return parts.error();
+    // Beams are rounded as they are stored.
+    auto stored = read_model(write_model({std::move(model), {}}), "fit");
+    if (!stored) return stored.error();
+    BsdfOutcome outcome{*std::move(stored), *std::move(parts), seconds_since(start), 0, 0};
+    for (PartFit& fit : outcome.parts)
+        measure(fit, inputs[std::size_t(fit.part)], std::get<BsdfModel>(outcome.model.model));
+    add_largest_sums(outcome);
     return outcome;
 }
 
@@ -157,7 +162,7 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
 
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
     const auto* table = std::get_if<BsdfTable>(&measured.table);
-    if (!table) return Error{"fit", {}, "measurement", "one of both sides", "one of a BRDF", ErrorCode::argument};
+    if (!table) return argument_error("fit", "measurement", "one of both sides", "one of a BRDF");
     Inputs inputs;
     for (std::size_t p = 0; p < k_parts; ++p)
         if (table->band().part[p]) inputs[p] = {evaluator(*table->band().part[p]), table->band().part[p]};

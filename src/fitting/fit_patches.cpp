@@ -1,10 +1,9 @@
 // Fits to averages over patches.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <random>
 
-#include "fit/data/check_grid.h"
+#include "fit/data/pairs.h"
 #include "fit/fits.h"
 #include "fit/objective/objective.h"
 #include "fitting/requests.h"
@@ -18,17 +17,19 @@
 namespace srbf {
 namespace {
 
-/// Points of a pair of patches that a fit sees.
+/// Points of a pair of patches at which a fit observes it.
 constexpr std::size_t k_fitted_points = 8;
 /// Points of an outgoing patch in directional-hemispherical sums.
 constexpr std::size_t k_hemisphere_points = 4;
-/// Each but the first begins from the previous one's errors.
+/// Rounds of expectation and maximisation: each but the first begins from the previous one's errors, and another one
+/// follows if the error has fallen by that share.
 constexpr int k_most_rounds = 3;
 constexpr double k_least_gain_of_round = 0.02;
 /// Most matrices are smooth, and a fit is repeated.
 constexpr int k_starts = 8, k_perturbations = 12;
+/// Half of the share to which the sums have to be right, `k_good_share`.
 constexpr double k_radiance_error = 0.005;
-/// The sizes that are tried, and what is good enough.
+/// The sizes that are tried, and what is good enough (fit_bsdf.h, `fit_patches`).
 struct Size {
     int lobes, variates;
 };
@@ -46,53 +47,29 @@ std::vector<RadianceObservation> hemispheres(const KlemsTable& table) {
     for (std::size_t ring = 0; ring < in.rings.size(); ++ring) {
         const std::size_t i = in.first_of(ring);
         // Light and viewer are exchanged: a radiance has one view direction.
-        RadianceObservation seen{light_at(spherical(double(in.rings[ring].theta), in.azimuth_of(i))), {}, {}, {}, {}};
+        RadianceObservation sum{light_at(spherical(double(in.rings[ring].theta), in.azimuth_of(i))), {}, {}, {}, {}};
         RSequence<2> points;
         for (std::size_t o = 0; o < out.patches(); ++o) {
             const Rgb f = table.cell(o, i);
             if (!is_finite(f)) continue;
             for (std::size_t k = 0; k < k_hemisphere_points; ++k) {
                 const auto u = points.next();
-                seen.wl.push_back(view_at(out.point_of(o, u[0], u[1])));
-                seen.f.push_back({std::max(f.r, 0.f), std::max(f.g, 0.f), std::max(f.b, 0.f)});
-                seen.weight.push_back(out.projected_solid_angle(out.ring_of(o)) / double(k_hemisphere_points));
+                sum.wl.push_back(view_at(out.point_of(o, u[0], u[1])));
+                sum.f.push_back(non_negative(f));
+                sum.weight.push_back(out.projected_solid_angle(out.ring_of(o)) / double(k_hemisphere_points));
             }
         }
-        all.push_back(std::move(seen));
+        all.push_back(std::move(sum));
     }
-    return all;
-}
-
-Observations observations_of(const KlemsTable& table, const PatchSums& sums, const std::vector<Rgb>& targets,
-                             const std::vector<RadianceObservation>& radiances, std::uint64_t seed) {
-    Observations all;
-    all.objective = Objective::cosine;
-    all.wl = sums.wv, all.wv = sums.wl, all.f = targets;  // exchanged, as in `hemispheres`
-    for (std::size_t k = 0; k < targets.size(); ++k)
-        all.weight.push_back(sums.weight[k / sums.points] / double(sums.points));
-    all.normalise();
-    double sum = 0;
-    for (const Rgb& f : targets) sum += mean_of(f);
-    all.typical = sum / double(targets.size());
-    std::mt19937_64 random(seed);
-    all.shuffle(random);
-    for (const auto& [wl, wv] : check_grid()) {
-        Rgb f = value(table, to_float(wv), to_float(wl));
-        if (!is_finite(f)) continue;
-        all.add(to_float(wl), to_float(wv), f, 0);
-        ++all.checks;
-    }
-    all.radiances = radiances;
-    all.radiance_error = k_radiance_error;
     return all;
 }
 
 /// The sums without beams.
-std::vector<Hemispherical> scattered(const KlemsTable& table, const std::vector<RadianceObservation>& seen,
+std::vector<Hemispherical> scattered(const KlemsTable& table, const std::vector<RadianceObservation>& sums,
                                      const Evaluate& f) {
     std::vector<Hemispherical> all;
-    for (std::size_t ring = 0; ring < seen.size(); ++ring) {
-        const RadianceObservation& of = seen[ring];
+    for (std::size_t ring = 0; ring < sums.size(); ++ring) {
+        const RadianceObservation& of = sums[ring];
         Hemispherical sum{double(table.incident.rings[ring].theta), 0, 0};
         std::vector<Rgb> fitted(of.f.size());
         f(std::vector<Vec3f>(of.f.size(), of.wv), of.wl, fitted);
@@ -109,6 +86,94 @@ bool is_good(const Hemispherical& sum) {
     return std::abs(sum.fitted - sum.measured) <= std::max(k_good_share * sum.measured, k_good_sum);
 }
 
+/// Fits to one matrix.
+class PatchFits {
+  public:
+    PatchFits(const KlemsTable& table, const FitRequest& request) : table_(table), request_(request) {
+        for (const Rgb& mean : points_.mean) means_.insert(means_.end(), points_.points, mean);
+    }
+
+    Result<FitOutcome> fit_ggx(const ProgressToken& progress) const {
+        return srbf::fit_ggx(observed(means_), request_, progress);  // reciprocal
+    }
+
+    /// A fit of this size in several rounds, the best of them.
+    Result<Done> fit_size(FitOptions options, const Size& size, const ProgressToken& progress) {
+        options.lobes = size.lobes, options.variates = size.variates;
+        if (options.reciprocal) options.variates += options.variates % 2;
+        std::vector<Rgb> values = means_;
+        std::optional<FitOutcome> best;
+        double least = 0;
+        for (int round = 0; round < k_most_rounds; ++round) {
+            auto fit = fit_pm(observed(values), options,
+                              progress.part(double(round) / k_most_rounds, (round + 1.0) / k_most_rounds));
+            if (!fit) return fit.error();
+            FitOutcome outcome = outcome_of(*std::move(fit));
+            exchange(outcome.model), exchange(outcome.unrounded);
+            const Evaluate fitted = evaluator(outcome.model);
+            const double error = measured_.error_ratio(fitted);
+            values = expected_values(fitted);
+            const bool pays = !best || error < (1 - k_least_gain_of_round) * least;
+            if (!best || error < least) best = outcome, least = error;
+            if (!pays || progress.cancelled()) break;
+        }
+        if (progress.cancelled()) return cancelled_error("fit");
+        if (!best_ || least < error_) best_ = std::move(best), error_ = least;
+        return Done{};
+    }
+    /// Whether the best fit so far is good enough.
+    bool is_enough() const {
+        return error_ <= k_good_error &&
+               std::ranges::all_of(scattered(table_, radiances_, evaluator(best_->model)), is_good);
+    }
+    FitOutcome best() { return *std::move(best_); }
+
+  private:
+    Observations observed(const std::vector<Rgb>& values) const {
+        Observations all;
+        all.objective = Objective::cosine;
+        all.wl = points_.wv, all.wv = points_.wl, all.f = values;  // exchanged, as in `hemispheres`
+        for (std::size_t k = 0; k < values.size(); ++k)
+            all.weight.push_back(points_.weight[k / points_.points] / double(points_.points));
+        all.normalise();
+        double sum = 0;
+        for (const Rgb& f : values) sum += mean_of(f);
+        all.typical = sum / double(values.size());
+        std::mt19937_64 random(request_.seed);
+        all.shuffle(random);
+        for (const auto& [wl, wv] : horizon_grid()) {
+            const Rgb f = value(table_, wv, wl);
+            if (!is_finite(f)) continue;
+            all.add(wl, wv, f, 0);
+            ++all.bound_pairs;
+        }
+        all.radiances = radiances_;
+        all.radiance_error = k_radiance_error;
+        return all;
+    }
+
+    /// The expected values within the patches, for their averages and this fit.
+    std::vector<Rgb> expected_values(const Evaluate& fitted) const {
+        std::vector<Rgb> values(points_.wl.size());
+        fitted(points_.wl, points_.wv, values);
+        const std::vector<Rgb> averages = points_.averages(fitted);
+        for (std::size_t k = 0; k < values.size(); ++k)
+            for (int c = 0; c < 3; ++c) {
+                const std::size_t patches = k / points_.points;
+                values[k][c] = std::max(values[k][c] + points_.mean[patches][c] - averages[patches][c], 0.f);
+            }
+        return values;
+    }
+
+    const KlemsTable& table_;
+    const FitRequest& request_;
+    const PatchSums points_ = sums_of(table_, k_fitted_points), measured_ = sums_of(table_, k_measured_points);
+    const std::vector<RadianceObservation> radiances_ = hemispheres(table_);
+    std::vector<Rgb> means_;  // of the patches, at each of the points
+    std::optional<FitOutcome> best_;
+    double error_ = 0;
+};
+
 }  // namespace
 
 PatchSums sums_of(const KlemsTable& table, std::size_t points) {
@@ -116,7 +181,7 @@ PatchSums sums_of(const KlemsTable& table, std::size_t points) {
     sums.points = points;
     RSequence<4> sequence;
     for (const PatchClass& of : patch_classes(table, is_isotropic(table))) {
-        sums.mean.push_back({std::max(of.mean.r, 0.f), std::max(of.mean.g, 0.f), std::max(of.mean.b, 0.f)});
+        sums.mean.push_back(non_negative(of.mean));
         sums.weight.push_back(of.weight);
         for (std::size_t k = 0; k < points; ++k) {
             const auto u = sequence.next();
@@ -157,71 +222,32 @@ std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate
 Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& request, const ProgressToken& progress) {
     const FlushSubnormals mode;
     const auto start = std::chrono::steady_clock::now();
-    const auto* pm = std::get_if<PmRequest>(&request.model);
     const Evaluate look_up = [&](auto wl, auto wv, auto f) {
         for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
     };
     if (std::holds_alternative<SuRequest>(request.model)) return fit_su(look_up, request, progress);
-    const PatchSums fitted = sums_of(table, k_fitted_points), measured = sums_of(table, k_measured_points);
-    const auto radiances = hemispheres(table);
-    std::vector<Rgb> targets;
-    for (const Rgb& mean : fitted.mean) targets.insert(targets.end(), fitted.points, mean);
-    const auto observed = [&](const std::vector<Rgb>& values) {
-        return observations_of(table, fitted, values, radiances, request.seed);
-    };
+    PatchFits fits(table, request);
+    const auto* pm = std::get_if<PmRequest>(&request.model);
     if (!pm) {
-        auto outcome = fit_ggx(observed(targets), request, progress);
+        auto outcome = fits.fit_ggx(progress);
         if (outcome) outcome->max_theta = k_pi / 2;
-        return outcome;  // reciprocal
+        return outcome;
     }
-
     std::vector<Size> sizes(std::begin(k_sizes), std::end(k_sizes));
     if (const auto lobes = lobes_of(*pm)) sizes = {{*lobes, pm->variates}};
-    FitOptions options = pm_options(request, pm->axial.value_or(is_isotropic(table)));
-    options = in_short(options, k_starts, k_perturbations);
-    std::optional<FitOutcome> best;
-    double least = 0;
-    for (std::size_t size = 0; size < sizes.size(); ++size) {
-        options.lobes = sizes[size].lobes, options.variates = sizes[size].variates;
-        if (options.reciprocal) options.variates += options.variates % 2;
-        std::vector<Rgb> values = targets;
-        std::optional<FitOutcome> of_size;
-        double error_of_size = 0;
-        for (int round = 0; round < k_most_rounds; ++round) {
-            const double done = double(size) + double(round) / k_most_rounds;
-            auto fit =
-                fit_pm(observed(values), options,
-                       progress.part(done / double(sizes.size()), (done + 1.0 / k_most_rounds) / double(sizes.size())));
-            if (!fit) return fit.error();
-            FitOutcome outcome;
-            outcome.stop = fit->stop;
-            take(outcome, *std::move(fit));
-            exchange(outcome.model), exchange(outcome.unrounded);
-            const double error = measured.error_ratio(evaluator(outcome.model));
-            const double error_before = error_of_size;
-            const bool is_better = !of_size || error < error_of_size;
-            // The expected values within the patches, for their averages and this fit.
-            std::vector<Rgb> now(fitted.wl.size());
-            evaluator(outcome.model)(fitted.wl, fitted.wv, now);
-            const std::vector<Rgb> averages = fitted.averages(evaluator(outcome.model));
-            for (std::size_t k = 0; k < now.size(); ++k)
-                for (int c = 0; c < 3; ++c)
-                    values[k][c] =
-                        std::max(now[k][c] + fitted.mean[k / fitted.points][c] - averages[k / fitted.points][c], 0.f);
-            if (is_better) of_size = std::move(outcome), error_of_size = error;
-            const bool pays = round == 0 || error < (1 - k_least_gain_of_round) * error_before;
-            if (!pays || progress.cancelled()) break;
-        }
-        if (progress.cancelled()) return cancelled_error("fit");
-        if (!best || error_of_size < least) best = std::move(of_size), least = error_of_size;
-        bool good = least <= k_good_error;
-        good = good && std::ranges::all_of(scattered(table, radiances, evaluator(best->model)), is_good);
-        if (good) break;
+    const FitOptions options =
+        in_short(pm_options(request, pm->axial.value_or(is_isotropic(table))), k_starts, k_perturbations);
+    const double all = double(sizes.size());
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+        const auto done = fits.fit_size(options, sizes[i], progress.part(double(i) / all, double(i + 1) / all));
+        if (!done) return done.error();
+        if (fits.is_enough()) break;
     }
-    best->fit_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    best->max_theta = k_pi / 2;
-    best->raw_bytes = table.cells.size() * sizeof(float);
-    return *std::move(best);
+    FitOutcome outcome = fits.best();
+    outcome.fit_seconds = seconds_since(start);
+    outcome.max_theta = k_pi / 2;
+    outcome.raw_bytes = table.cells.size() * sizeof(float);
+    return outcome;
 }
 
 }  // namespace srbf

@@ -1,13 +1,11 @@
 // All stages of `srbf fit` between reading a measurement and writing a model.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <tuple>
 
+#include "fit/data/errors.h"
 #include "fit/data/observe_samples.h"
 #include "fit/objective/objective.h"
 #include "fitting/choose.h"
@@ -31,27 +29,10 @@ struct Draft {
 };
 constexpr Draft k_draft[Fitter::k_drafts] = {{4096, 3, 0}, {16384, 4, 8}};
 
-/// Approximate shares of the stages in the time of a fit.
-constexpr double k_observed = 0.1, k_fitted = 0.75;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-Result<Done> validate(const FitRequest& request, bool has_spectra, bool is_samples) {
-    const auto refused = [](const char* what, const char* expected, std::string found) {
-        return Error{"fit", {}, what, expected, std::move(found), ErrorCode::argument};
-    };
-    if (request.spectral && !has_spectra)
-        return refused("spectral channels", "a measurement at wavelengths", "one of colours");
-    if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
-        return refused("spectral channels", "a multivariate model", "another");
-    if (request.spectral && goal_of(request))
-        return refused("spectral channels", "a number of lobes", "a budget or a target error");
-    if (is_samples && is_by_pictures(request))
-        return refused("target delta E", "a measured table", "scattered samples");
-    return Done{};
-}
+/// Approximate shares of the time of a fit until something is observed or fitted.
+constexpr double k_observed = 0.1, k_samples_observed = 0.05, k_drafts_observed = 0.3, k_fitted = 0.75;
+/// The same of measuring the errors.
+constexpr double k_matrix_measured = 0.75, k_heldout_measured = 0.9, k_albedo_measured = 0.95;
 
 }  // namespace
 
@@ -75,24 +56,21 @@ Result<FitOutcome> fit_su(const Evaluate& f, const FitRequest& request, const Pr
     auto fitted = fit_su(*matrix, options, progress.part(k_observed, 1));
     if (!fitted) return fitted.error();
     if (progress.cancelled()) return cancelled_error("fit");
-    if (fitted->empty == su.directions) return Error{"fit", {}, "values", "some above 0", "none", ErrorCode::no_data};
+    if (fitted->empty == su.directions) return no_data_error("fit", "values", "some above 0");
     if (su.index) fitted->model.index = index_texture(fitted->model, *su.index);
-    FitOutcome outcome;
+    const int empty = fitted->empty;
+    FitOutcome outcome = outcome_of(*std::move(fitted));
     outcome.masked = matrix->masked;
     outcome.clamped = matrix->clamped;
     outcome.raw_bytes = raw_bytes(std::uint64_t(su.directions));
-    outcome.empty_directions = fitted->empty;
-    outcome.stop = fitted->stop;
-    take(outcome, *std::move(fitted));
+    outcome.empty_directions = empty;
     return outcome;
 }
 
 Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& request, const ProgressToken& progress) {
     auto fitted = fit_ggx(observations, {std::get<GgxRequest>(request.model).lobes, request.threads}, progress);
     if (!fitted) return fitted.error();
-    FitOutcome outcome;
-    take(outcome, *std::move(fitted));
-    return outcome;
+    return outcome_of(*std::move(fitted));
 }
 
 // ---- The fitter ----
@@ -109,67 +87,40 @@ class Fitter::Work {
     }
 
     Result<FitOutcome> fit(const FitRequest& request, const ProgressToken& progress) {
-        if (is_of_both_sides()) return both_sides_error();
         const auto start = std::chrono::steady_clock::now();
-        if (const auto valid = validate(request, has_spectra(), samples() != nullptr); !valid) return valid.error();
+        if (const auto valid = validate(request); !valid) return valid.error();
         auto outcome = samples() ? fit_to(*samples(), request, progress) : fit_table(request, progress);
         return finished(std::move(outcome), request, start, progress);
     }
 
     Result<FitOutcome> draft(const FitRequest& request, int draft, const ProgressToken& progress) {
-        if (is_of_both_sides()) return both_sides_error();
         const auto start = std::chrono::steady_clock::now();
-        if (const auto valid = validate(request, has_spectra(), samples() != nullptr); !valid) return valid.error();
+        if (const auto valid = validate(request); !valid) return valid.error();
         if (!std::holds_alternative<PmRequest>(request.model) || draft < 0 || draft >= k_drafts)
-            return Error{"fit", {}, "draft", "one of a multivariate model", "another", ErrorCode::argument};
-        return finished(drafted(request, draft, progress), request, start, progress);
-    }
-
-    bool is_of_both_sides() const { return measured_ && std::holds_alternative<BsdfTable>(measured_->table); }
-    static Error both_sides_error() {
-        return {"fit", {}, "measurement", "one of a BRDF", "one of both sides, for fit_bsdf", ErrorCode::argument};
+            return argument_error("fit", "draft", "one of a multivariate model", "another");
+        auto outcome = samples() ? draft_to(*samples(), request, draft == 0, progress)
+                                 : draft_table(request, k_draft[draft], progress);
+        return finished(std::move(outcome), request, start, progress);
     }
 
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
         const FlushSubnormals mode;
-        const double theta_max = request.theta();
         Evaluate reference = clamped_;
         CompletedSamples completed;
         if (samples()) {
-            auto made = complete(*samples(), theta_max, request.threads);
+            auto made = complete(*samples(), request.theta(), request.threads);
             if (!made) return made.error();
             completed = *std::move(made);
             reference = evaluator(completed);
         } else {
-            const Channels f = channels_of(request);
-            const Channels others[] = {channels(outcome.model), channels(outcome.unrounded)};
-            const auto matrix = measure_matrix(f, others, {theta_max, request.threads, progress.part(0, 0.75)},
-                                               matrix_directions(outcome.model, theta_max)),
-                       heldout = measure_heldout(f, others, {theta_max, request.threads, progress.part(0.75, 0.9)});
-            outcome.errors = {matrix[0], heldout[0], 0};
-            outcome.unrounded_errors = {matrix[1], heldout[1], 0};
+            measure_pairs(outcome, request, progress);
         }
-        if (outcome.errors && !progress.cancelled()) {
-            const Evaluate others[] = {evaluator(outcome.model), evaluator(outcome.unrounded)};
-            const auto albedo = albedo_errors(reference, others, {theta_max, request.threads, progress});
-            const auto appearance = compare_pictures(reference, others, request.threads, progress.part(0.95, 1));
-            outcome.errors->albedo_error = albedo[0], outcome.errors->appearance = appearance[0];
-            outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
-        }
+        if (outcome.errors && !progress.cancelled()) measure_appearance(outcome, reference, request, progress);
         if (!progress.report("measuring the error", 1)) {
             outcome.errors.reset(), outcome.unrounded_errors.reset();
             return cancelled_error("measure");
         }
-        if (!outcome.errors) return Done{};  // a draft of a fit to samples
-        const auto tell = [&](const char* name, double value) {
-            outcome.model.provenance[name] = fmt::format("{:.4g}", value);
-        };
-        tell("squared_error_ratio", outcome.errors->matrix.squared_error_ratio);
-        tell("heldout_squared_error_ratio", outcome.errors->heldout.squared_error_ratio);
-        tell("heldout_squared_error_ratio_cosine", outcome.errors->heldout.squared_error_ratio_cosine);
-        tell("albedo_error", outcome.errors->albedo_error);
-        for (const PictureErrorName& error : k_picture_errors)
-            tell(error.name, outcome.errors->appearance.mean.*error.member);
+        if (outcome.errors) record(*outcome.errors, outcome.model);  // a draft of a fit to samples has none
         return Done{};
     }
 
@@ -177,7 +128,54 @@ class Fitter::Work {
     const ScatteredSamples* samples() const {
         return measured_ ? std::get_if<ScatteredSamples>(&measured_->table) : nullptr;
     }
-    bool has_spectra() const { return measured_ && !wavelengths(*measured_).empty(); }
+    Result<Done> validate(const FitRequest& request) const {
+        if (measured_ && std::holds_alternative<BsdfTable>(measured_->table))
+            return argument_error("fit", "measurement", "one of a BRDF", "one of both sides, for fit_bsdf");
+        const auto refused = [](const char* expected, const char* found) {
+            return argument_error("fit", "spectral channels", expected, found);
+        };
+        if (request.spectral && (!measured_ || wavelengths(*measured_).empty()))
+            return refused("a measurement at wavelengths", "one of colours");
+        if (request.spectral && !std::holds_alternative<PmRequest>(request.model))
+            return refused("a multivariate model", "another");
+        if (request.spectral && goal_of(request)) return refused("a number of lobes", "a budget or a target error");
+        if (samples() && is_by_pictures(request))
+            return argument_error("fit", "target delta E", "a measured table", "scattered samples");
+        return Done{};
+    }
+
+    /// The errors over pairs of directions of a fit to a table.
+    void measure_pairs(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
+        const Channels f = channels_of(request);
+        const Channels others[] = {channels(outcome.model), channels(outcome.unrounded)};
+        const auto options = [&](double begin, double end) {
+            return MeasureOptions{request.theta(), request.threads, progress.part(begin, end)};
+        };
+        const auto matrix =
+            measure_matrix(f, others, options(0, k_matrix_measured), matrix_directions(outcome.model, request.theta()));
+        const auto heldout = measure_heldout(f, others, options(k_matrix_measured, k_heldout_measured));
+        outcome.errors = {matrix[0], heldout[0], 0};
+        outcome.unrounded_errors = {matrix[1], heldout[1], 0};
+    }
+    static void measure_appearance(FitOutcome& outcome, const Evaluate& reference, const FitRequest& request,
+                                   const ProgressToken& progress) {
+        const Evaluate others[] = {evaluator(outcome.model), evaluator(outcome.unrounded)};
+        const auto albedo = albedo_errors(reference, others, {request.theta(), request.threads, progress});
+        const auto appearance =
+            compare_pictures(reference, others, request.threads, progress.part(k_albedo_measured, 1));
+        outcome.errors->albedo_error = albedo[0], outcome.errors->appearance = appearance[0];
+        outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
+    }
+    /// Writes the main errors into the model's provenance.
+    static void record(const Comparison& errors, Model& model) {
+        const auto set = [&](const char* name, double value) { model.provenance[name] = fmt::format("{:.4g}", value); };
+        set("squared_error_ratio", errors.matrix.squared_error_ratio);
+        set("heldout_squared_error_ratio", errors.heldout.squared_error_ratio);
+        set("heldout_squared_error_ratio_cosine", errors.heldout.squared_error_ratio_cosine);
+        set("albedo_error", errors.albedo_error);
+        for (const PictureErrorName& error : k_picture_errors) set(error.name, errors.appearance.mean.*error.member);
+    }
+
     /// What is fitted, and what the errors are measured against.
     Channels channels_of(const FitRequest& request) const {
         return request.spectral ? spectra(*measured_) : rgb_channels(clamped_);
@@ -239,9 +237,9 @@ class Fitter::Work {
                               const ProgressToken& progress) {
         if (std::holds_alternative<SuRequest>(request.model))
             return fit_to_samples(samples, nullptr, request, progress);
-        const auto observations = observed_samples(request, progress.part(0, 0.05));
+        const auto observations = observed_samples(request, progress.part(0, k_samples_observed));
         if (!observations) return observations.error();
-        return fit_to_samples(samples, *observations, request, progress.part(0.05, 1));
+        return fit_to_samples(samples, *observations, request, progress.part(k_samples_observed, 1));
     }
 
     Result<FitOutcome> fit_table(const FitRequest& request, const ProgressToken& progress) {
@@ -264,51 +262,43 @@ class Fitter::Work {
                                        const ProgressToken& progress) {
         const PmRequest& pm = std::get<PmRequest>(request.model);
         const FitOptions options = pm_options(request, axial(request));
-        FitOutcome outcome;
-        if (const auto goal = goal_of(request)) {
-            const auto judge = [&](const PmModel& model, bool in_short) {
-                return error_of_model(model, request, in_short);
-            };
-            auto chosen = choose_pm(observations, options, *goal, judge, progress);
-            if (!chosen) return chosen.error();
-            outcome.path = std::move(chosen->path);
-            outcome.reached = chosen->reached;
-            outcome.stop = chosen->fit.stop;
-            take(outcome, std::move(chosen->fit));
-            return outcome;
-        }
-        const bool automatic = pm.size && std::holds_alternative<AutomaticLobes>(*pm.size);
-        if (!automatic) {
+        if (pm.size && std::holds_alternative<AutomaticLobes>(*pm.size))
+            return fit_best_size(observations, options, request, progress);
+        const auto goal = goal_of(request);
+        if (!goal) {
             auto fitted = fit_pm(observations, options, progress);
             if (!fitted) return fitted.error();
-            outcome.stop = fitted->stop;
-            take(outcome, *std::move(fitted));
-            return outcome;
+            return outcome_of(*std::move(fitted));
         }
-        // The best compromise between bytes and error.
+        const auto judge = [&](const PmModel& model, bool in_short) {
+            return error_of_model(model, request, in_short);
+        };
+        auto chosen = choose_pm(observations, options, *goal, judge, progress);
+        if (!chosen) return chosen.error();
+        FitOutcome outcome = outcome_of(std::move(chosen->fit));
+        outcome.path = std::move(chosen->path);
+        outcome.reached = chosen->reached;
+        return outcome;
+    }
+
+    /// The best compromise between bytes and error.
+    Result<FitOutcome> fit_best_size(const Observations& observations, FitOptions options, const FitRequest& request,
+                                     const ProgressToken& progress) const {
+        FitOutcome outcome;
+        std::vector<Step> path;
         double least = std::numeric_limits<double>::infinity(), done = 0, all = 0;
         for (const int lobes : k_tried_lobes) all += lobes;
         for (const int lobes : k_tried_lobes) {
-            FitOptions of_this = options;
-            of_this.lobes = lobes;
-            auto fitted = fit_pm(observations, of_this, progress.part(done / all, (done + lobes) / all));
+            options.lobes = lobes;
+            auto fitted = fit_pm(observations, options, progress.part(done / all, (done + lobes) / all));
             if (!fitted) return fitted.error();
             if (progress.cancelled()) return cancelled_error("fit");
             done += lobes;
-            const Step step{of_this.form,
-                            of_this.axial,
-                            lobes,
-                            of_this.variates,
-                            payload_bytes(fitted->model),
-                            error_of_model(fitted->model, request, false),
-                            true};
-            outcome.path.push_back(step);
-            const double trade = double(step.bytes) * step.error;
-            if (!(trade < least)) continue;
-            least = trade;
-            outcome.stop = fitted->stop;
-            take(outcome, *std::move(fitted));
+            path.push_back(step_of(fitted->model, error_of_model(fitted->model, request, false), true));
+            const double trade = double(path.back().bytes) * path.back().error;
+            if (trade < least) least = trade, outcome = outcome_of(*std::move(fitted));
         }
+        outcome.path = std::move(path);
         return outcome;
     }
 
@@ -325,24 +315,22 @@ class Fitter::Work {
         return error_of(measures, request.objective);
     }
 
-    Result<FitOutcome> drafted(const FitRequest& request, int draft, const ProgressToken& progress) {
-        if (samples()) {
-            const auto observations = observed_samples(request, progress.part(0, 0.3));
-            if (!observations) return observations.error();
-            return draft_of_samples(*samples(), **observations, request, draft == 0, progress.part(0.3, 1));
-        }
-        const auto observations = observed(request, progress.part(0, 0.3));
+    Result<FitOutcome> draft_to(const ScatteredSamples& samples, const FitRequest& request, bool in_short,
+                                const ProgressToken& progress) {
+        const auto observations = observed_samples(request, progress.part(0, k_drafts_observed));
         if (!observations) return observations.error();
-        const auto& [pairs, starts, perturbations] = k_draft[draft];
+        return draft_of_samples(samples, **observations, request, in_short, progress.part(k_drafts_observed, 1));
+    }
+    Result<FitOutcome> draft_table(const FitRequest& request, const Draft& draft, const ProgressToken& progress) {
+        const auto observations = observed(request, progress.part(0, k_drafts_observed));
+        if (!observations) return observations.error();
         FitOptions options = pm_options(request, axial(request));
-        options.starts = starts, options.perturbations = perturbations;
-        auto fitted = fit_pm(beginning(**observations, pairs), options, progress.part(0.3, 1));
+        options.starts = draft.starts, options.perturbations = draft.perturbations;
+        auto fitted = fit_pm(beginning(**observations, draft.pairs), options, progress.part(k_drafts_observed, 1));
         if (!fitted) return fitted.error();
-        FitOutcome outcome;
+        FitOutcome outcome = outcome_of(*std::move(fitted));
         outcome.masked = (*observations)->masked, outcome.clamped = (*observations)->clamped;
         outcome.raw_bytes = raw_bytes(k_matrix_directions, channels_of(request).count());
-        outcome.stop = fitted->stop;
-        take(outcome, *std::move(fitted));
         return outcome;
     }
 

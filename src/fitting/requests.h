@@ -1,6 +1,6 @@
-// What a request asks of the stages of a fit.
+// What a request asks of the stages of a fit, and their outcomes.
 #pragma once
-#include <algorithm>
+#include <chrono>
 
 #include "fit/fits.h"
 #include "fit/search/search.h"
@@ -11,6 +11,10 @@ namespace srbf {
 /// Bytes of f at all pairs of n directions in floats.
 constexpr std::uint64_t raw_bytes(std::uint64_t n, std::uint64_t channels = 3) {
     return n * n * channels * sizeof(float);
+}
+
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 /// The requested number of lobes; none: it is chosen by the fit.
@@ -34,10 +38,18 @@ inline FitOptions pm_options(const FitRequest& request, bool axial) {
     return options;
 }
 
-/// An outcome's model, and the same before rounding.
-template <typename Fit> void take(FitOutcome& outcome, Fit&& fit) {
+/// The model of a fit, before and after rounding, and why its search stopped.
+template <typename Fit> FitOutcome outcome_of(Fit fit) {
+    FitOutcome outcome;
     outcome.model.model = std::move(fit.model);
     outcome.unrounded.model = std::move(fit.unrounded);
+    if constexpr (requires { fit.stop; }) outcome.stop = fit.stop;
+    return outcome;
+}
+
+/// A model that was tried, with this error.
+inline Step step_of(const PmModel& model, double error, bool whole) {
+    return {model.form, model.axial, model.lobes, model.variates, payload_bytes(model), error, whole};
 }
 
 // What is the same for tables and samples.

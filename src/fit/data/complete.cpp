@@ -3,22 +3,22 @@
 #include <cmath>
 #include <span>
 
-#include "fit/fits.h"
+#include "fit/data/errors.h"
+#include "fit/data/observe_samples.h"
 #include "fit/objective/bound.h"
 #include "fit/objective/objective.h"
 #include "srbf/elementary.h"
-#include "srbf/fit_samples.h"
 
 namespace srbf {
 namespace {
 
 /// A fit of Lambert and GGX: by the weights of this objective, with this many lobes.
-struct Way {
+struct Prior {
     Objective objective;
     int lobes;
 };
 /// The first alone where one is asked for.
-constexpr Way k_ways[] = {{Objective::appearance, 2}, {Objective::appearance, 1}, {Objective::cosine, 2}};
+constexpr Prior k_priors[] = {{Objective::appearance, 2}, {Objective::appearance, 1}, {Objective::cosine, 2}};
 
 /// What several g_i agree on is likelier than what one expects alone, and may exceed the samples by more than a fit may.
 constexpr double k_most_agreed = 1.8;
@@ -29,7 +29,7 @@ struct Expected {
     double bound = 0;              ///< b of `CompletedSamples`
 };
 Expected expected(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
-    const double area = double(wl.z) * double(wv.z);
+    const double area = cosines(wl, wv);
     Expected all;
     double agreed = samples.most;
     for (const GgxModel& prior : samples.priors) {
@@ -43,42 +43,36 @@ Expected expected(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
     return all;
 }
 
+/// g of `CompletedSamples`, fitted to samples of weight 1.
+Result<GgxModel> fitted_prior(const Prior& prior, Observations samples, int threads) {
+    samples.objective = prior.objective;
+    samples.typical = typical_value(prior.objective, samples.wl, samples.wv, samples.f, samples.weight);
+    if (!(samples.typical > 0)) return no_data_error("samples", "values within the largest angle", "some above 0");
+    weigh(prior.objective, samples.typical, samples.wl, samples.wv, samples.f, samples.weight, threads);
+    samples.normalise();
+    auto fit = fit_ggx(samples, {prior.lobes, threads});
+    if (!fit) return fit.error();
+    return std::move(fit->unrounded);
+}
+
 }  // namespace
 
 Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_theta, int threads, bool of_one) {
-    const float cos_max = sample_cap(max_theta);
+    const Observations observed = observations_of(samples, samples_within(samples, max_theta), true, false);
     CompletedSamples completed;
-    ScatteredSamples& rest = completed.rest;
-    rest.isotropic = samples.isotropic;
-    Observations observed;
-    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
-        if (std::min(samples.wl[i].z, samples.wv[i].z) < cos_max) continue;
-        Rgb f = samples.colour[i];
-        clamp_negative(f);
-        for (const bool exchanged : {false, true}) {
-            rest.wl.push_back(exchanged ? samples.wv[i] : samples.wl[i]);
-            rest.wv.push_back(exchanged ? samples.wl[i] : samples.wv[i]);
-            observed.f.push_back(f);
-        }
-    }
-    observed.wl = rest.wl, observed.wv = rest.wv;
-    for (const Way& way : std::span(k_ways).first(of_one ? 1 : std::size(k_ways))) {
-        observed.weight.assign(observed.f.size(), 1);
-        observed.objective = way.objective;
-        observed.typical = typical_value(way.objective, observed.wl, observed.wv, observed.f, observed.weight);
-        if (!(observed.typical > 0))
-            return Error{"samples", {}, "values within the largest angle", "some above 0", "none", ErrorCode::no_data};
-        weigh(way.objective, observed.typical, observed.wl, observed.wv, observed.f, observed.weight, threads);
-        observed.normalise();
-        auto prior = fit_ggx(observed, {way.lobes, threads});
-        if (!prior) return prior.error();
-        completed.priors.push_back(std::move(prior->unrounded));
+    for (const Prior& prior : std::span(k_priors).first(of_one ? 1 : std::size(k_priors))) {
+        auto fitted = fitted_prior(prior, observed, threads);
+        if (!fitted) return fitted.error();
+        completed.priors.push_back(*std::move(fitted));
     }
     const double largest = largest_measured(observed);
     completed.allowed = (of_one ? k_most_excess : 1) * largest;
     completed.most = (of_one ? k_most_excess : k_most_agreed) * largest;
+    ScatteredSamples& rest = completed.rest;
+    rest.isotropic = samples.isotropic;
+    rest.wl = observed.wl, rest.wv = observed.wv;
     for (std::size_t i = 0; i < rest.wl.size(); ++i) {
-        const double area = double(rest.wl[i].z) * double(rest.wv[i].z);
+        const double area = cosines(rest.wl[i], rest.wv[i]);
         const auto root = expected(completed, rest.wl[i], rest.wv[i]).root;
         Rgb r;
         for (int c = 0; c < 3; ++c)
@@ -91,7 +85,7 @@ Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_th
 
 Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return {};
-    const double area = double(wl.z) * double(wv.z);
+    const double area = cosines(wl, wv);
     const Expected here = expected(samples, wl, wv);
     const Rgb rest = signed_value(samples.rest, wl, wv);
     Rgb f;

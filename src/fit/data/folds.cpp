@@ -1,7 +1,10 @@
 #include "fit/data/folds.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -12,121 +15,134 @@
 namespace srbf {
 namespace {
 
-/// Disjoint sets.
-class Sets {
-  public:
-    explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-    std::size_t of(std::size_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(std::size_t i, std::size_t k) { parent_[of(i)] = of(k); }
-
-  private:
-    std::vector<std::size_t> parent_;
-};
-
 /// A point for each pair such that distances between points are, to first order, √(|Δωl|² + |Δωv|²); for isotropic
 /// samples the minimum over all rotations about the normal and reflections.
 std::array<double, 6> point_of(Vec3f l, Vec3f v, bool isotropic) {
+    constexpr double least = 1e-30;  // not 0 where both directions are the normal
     const Vec3d wl = to_double(l), wv = to_double(v);
     if (!isotropic) return {wl.x, wl.y, wl.z, wv.x, wv.y, wv.z};
     const double rl = elementary::hypot(wl.x, wl.y), rv = elementary::hypot(wv.x, wv.y),
-                 both = std::max(elementary::hypot(rl, rv), 1e-30);
+                 both = std::max(elementary::hypot(rl, rv), least);
     // Under a relative rotation by δ the distance is rl rv / √(rl² + rv²) δ, shared between both directions.
     const double across = std::abs(wl.x * wv.y - wl.y * wv.x) / both, along = (wl.x * wv.x + wl.y * wv.y) / both;
     return {rl, wl.z, rv, wv.z, along, across};
 }
 
+/// Of sample i point 2i; with exchanged directions 2i + 1.
+PointCloud<double, 6> points_of(const ScatteredSamples& samples) {
+    PointCloud<double, 6> points;
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        points.at.push_back(point_of(samples.wl[i], samples.wv[i], samples.isotropic));
+        points.at.push_back(point_of(samples.wv[i], samples.wl[i], samples.isotropic));
+    }
+    return points;
+}
+
+/// Searches among these points.
+class NearSamples {
+  public:
+    explicit NearSamples(const ScatteredSamples& samples) : cloud_(points_of(samples)) { tree_.buildIndex(); }
+    NearSamples(const NearSamples&) = delete;
+
+    /// Those within `k_group_distance` of sample i: each stands for one sample, whose number is half of it.
+    FoundPoints<double> points_near(std::size_t i) const {
+        FoundPoints<double> found;
+        tree_.radiusSearch(cloud_.at[2 * i].data(), k_group_distance * k_group_distance, found, {});
+        return found;
+    }
+    /// The distance of sample i to the nearest point of another group, among as many neighbours as necessary.
+    double to_other_group(std::size_t i, const std::vector<int>& group) const {
+        const std::size_t all = cloud_.at.size();
+        std::vector<std::uint32_t> point;
+        std::vector<double> distance;
+        for (std::size_t wanted = k_first_neighbours;; wanted = std::min(4 * wanted, all)) {
+            point.resize(wanted), distance.resize(wanted);
+            const std::size_t count = tree_.knnSearch(cloud_.at[2 * i].data(), wanted, point.data(), distance.data());
+            for (std::size_t k = 0; k < count; ++k)
+                if (group[point[k] / 2] != group[i]) return std::sqrt(distance[k]);
+            if (wanted >= all) return std::numeric_limits<double>::infinity();
+        }
+    }
+
+  private:
+    static constexpr std::size_t k_first_neighbours = 8, k_leaf = 16;  // of the tree, for speed alone
+    PointCloud<double, 6> cloud_;
+    KdTree<double, 6> tree_{6, cloud_, nanoflann::KDTreeSingleIndexAdaptorParams(k_leaf)};
+};
+
+/// The groups in the order of their folds: those within θmax first, then by brightness.
+std::vector<std::size_t> by_brightness(const ScatteredSamples& samples, const SampleGroups& groups, double max_theta) {
+    const auto count = std::size_t(groups.count);
+    std::vector<double> brightness(count), size(count);
+    std::vector<bool> within(count, false);
+    for (std::size_t i = 0; i < groups.of.size(); ++i) {
+        const auto group = std::size_t(groups.of[i]);
+        if (std::min(samples.wl[i].z, samples.wv[i].z) >= sample_cap(max_theta)) within[group] = true;
+        brightness[group] += luminance(samples.colour[i]);
+        size[group] += 1;
+    }
+    for (std::size_t group = 0; group < count; ++group) brightness[group] /= size[group];
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+        return within[a] != within[b] ? within[a] : brightness[a] > brightness[b];
+    });
+    return order;
+}
+
 }  // namespace
 
-Places find_places(const ScatteredSamples& samples) {
-    // Sample i is point 2i; with exchanged directions it is point 2i + 1.
+SampleGroups group_samples(const ScatteredSamples& samples) {
     const std::size_t n = samples.wl.size();
-    PointCloud<double, 6> cloud;
-    for (std::size_t i = 0; i < n; ++i) {
-        cloud.at.push_back(point_of(samples.wl[i], samples.wv[i], samples.isotropic));
-        cloud.at.push_back(point_of(samples.wv[i], samples.wl[i], samples.isotropic));
-    }
-    KdTree<double, 6> tree(6, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-    tree.buildIndex();
-
-    Sets sets(n);
-    FoundPoints<double> found;
-    for (std::size_t i = 0; i < n; ++i) {
-        tree.radiusSearch(cloud.at[2 * i].data(), k_same_place * k_same_place, found, {});
-        for (const auto& [point, distance] : found) sets.join(i, point / 2);
-    }
-    Places places{std::vector<int>(n, -1), 0, 0};
-    std::vector<int> number(n, -1);
-    for (std::size_t i = 0; i < n; ++i) {
-        int& of_set = number[sets.of(i)];
-        if (of_set < 0) of_set = places.count++;
-        places.of[i] = of_set;
-    }
-
-    // The nearest point of another place, among as many neighbours as necessary.
-    std::vector<double> nearest;
-    std::vector<std::uint32_t> point;
-    std::vector<double> distance;
-    for (std::size_t i = 0; i < n && places.count > 1; ++i)
-        for (std::size_t wanted = 8;; wanted = std::min(4 * wanted, 2 * n)) {
-            point.resize(wanted), distance.resize(wanted);
-            const std::size_t count = tree.knnSearch(cloud.at[2 * i].data(), wanted, point.data(), distance.data());
-            const auto other = std::find_if(point.begin(), point.begin() + std::ptrdiff_t(count),
-                                            [&](std::uint32_t p) { return places.of[p / 2] != places.of[i]; });
-            if (other == point.begin() + std::ptrdiff_t(count) && wanted < 2 * n) continue;
-            if (other != point.begin() + std::ptrdiff_t(count))
-                nearest.push_back(std::sqrt(distance[std::size_t(other - point.begin())]));
-            break;
+    const NearSamples near(samples);
+    SampleGroups groups{std::vector<int>(n, -1), 0, 0};
+    for (std::size_t first = 0; first < n; ++first) {
+        if (groups.of[first] >= 0) continue;
+        groups.of[first] = groups.count;
+        for (std::vector<std::size_t> open{first}; !open.empty();) {
+            const std::size_t i = open.back();
+            open.pop_back();
+            for (const auto& [point, distance] : near.points_near(i))
+                if (int& group = groups.of[point / 2]; group < 0) group = groups.count, open.push_back(point / 2);
         }
-    if (nearest.empty()) return places;
+        ++groups.count;
+    }
+    if (groups.count < 2) return groups;
+
+    std::vector<double> nearest;
+    for (std::size_t i = 0; i < n; ++i) nearest.push_back(near.to_other_group(i, groups.of));
     const auto twentieth = nearest.begin() + std::ptrdiff_t(nearest.size() / 20);
     std::nth_element(nearest.begin(), twentieth, nearest.end());
-    places.spacing = *twentieth;
-    return places;
+    groups.spacing = *twentieth;
+    return groups;
 }
 
-double spacing(const ScatteredSamples& samples) { return find_places(samples).spacing; }
+double spacing(const ScatteredSamples& samples) { return group_samples(samples).spacing; }
 
 Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, double max_theta, std::uint64_t seed) {
-    return assign_folds(samples, find_places(samples), max_theta, seed);
+    return assign_folds(samples, group_samples(samples), max_theta, seed);
 }
 
-Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, const Places& places, double max_theta,
+Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, const SampleGroups& groups, double max_theta,
                                       std::uint64_t seed) {
-    if (places.count < k_folds)
+    if (groups.count < k_folds)
         return Error{"samples",
                      {},
                      "samples at different directions",
-                     "at least " + std::to_string(k_folds),
-                     std::to_string(places.count)};
-    const auto count = std::size_t(places.count);
-    std::vector<double> brightness(count), samples_there(count);
-    std::vector<bool> within(count, false);
-    for (std::size_t i = 0; i < places.of.size(); ++i) {
-        const auto place = std::size_t(places.of[i]);
-        if (std::min(samples.wl[i].z, samples.wv[i].z) >= sample_cap(max_theta)) within[place] = true;
-        brightness[place] += luminance(samples.colour[i]);
-        samples_there[place] += 1;
-    }
-    for (std::size_t place = 0; place < count; ++place) brightness[place] /= samples_there[place];
-    std::vector<std::size_t> order(count);
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return within[a] != within[b] ? within[a] : brightness[a] > brightness[b];
-    });
-
+                     fmt::format("at least {}", k_folds),
+                     fmt::format("{}", groups.count)};
+    const std::vector<std::size_t> order = by_brightness(samples, groups, max_theta);
     std::mt19937_64 random(seed);
-    std::vector<int> of_place(count), of_sample;
-    for (std::size_t first = 0; first < count; first += k_folds) {
+    std::vector<int> of_group(order.size()), of_sample;
+    for (std::size_t first = 0; first < order.size(); first += k_folds) {
         std::array<int, k_folds> fold;
         std::iota(fold.begin(), fold.end(), 0);
         for (std::size_t k = k_folds - 1; k > 0; --k)
             std::swap(fold[k], fold[std::size_t(uniform(random) * double(k + 1))]);
-        for (std::size_t k = first; k < std::min(first + k_folds, count); ++k) of_place[order[k]] = fold[k - first];
+        for (std::size_t k = first; k < std::min(first + k_folds, order.size()); ++k)
+            of_group[order[k]] = fold[k - first];
     }
-    for (const int place : places.of) of_sample.push_back(of_place[std::size_t(place)]);
+    for (const int group : groups.of) of_sample.push_back(of_group[std::size_t(group)]);
     return of_sample;
 }
 

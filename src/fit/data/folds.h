@@ -1,4 +1,4 @@
-// Places: groups of close samples, for cross-validation.
+// Groups of close samples, for cross-validation.
 #pragma once
 #include <vector>
 
@@ -6,16 +6,16 @@
 
 namespace srbf {
 
-/// Samples within `k_same_place` of each other have the same number, from 0 on; so do samples that are close to them
-/// with wl and wv exchanged.
-struct Places {
-    std::vector<int> of;  ///< the place of each sample
+/// Samples within `k_group_distance` of each other have the same number, from 0 on; so do samples that are close to
+/// them with wl and wv exchanged.
+struct SampleGroups {
+    std::vector<int> of;  ///< the group of each sample
     int count = 0;
     double spacing = 0;  ///< see `spacing`
 };
-Places find_places(const ScatteredSamples& samples);
-/// `assign_folds` for known places.
-Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, const Places& places, double max_theta,
+SampleGroups group_samples(const ScatteredSamples& samples);
+/// `assign_folds` for known groups.
+Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, const SampleGroups& groups, double max_theta,
                                       std::uint64_t seed);
 
 }  // namespace srbf

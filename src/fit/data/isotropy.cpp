@@ -16,9 +16,18 @@ constexpr double k_rounding = 1e-6, k_noise = 0.02;
 /// Noise changes as much under a small rotation as under any; a brushed surface changes far less.
 constexpr double k_most_growth = 2.5;
 
-Vec3f turned(Vec3f w, double angle) {
-    return Kernel<float>::turned(w, float(elementary::cos(angle)), float(elementary::sin(angle)));
-}
+/// Pairs, and f there.
+struct ValuesAtPairs {
+    std::vector<Vec3f> wl, wv;
+    std::vector<Rgb> f;
+
+    void add(Vec3f l, Vec3f v) { wl.push_back(l), wv.push_back(v); }
+    void add_turned(Vec3f l, Vec3f v, double angle) {
+        const float c = float(elementary::cos(angle)), s = float(elementary::sin(angle));
+        add(Kernel<float>::turned(l, c, s), Kernel<float>::turned(v, c, s));
+    }
+    void evaluate(const Evaluate& brdf) { f.resize(wl.size()), brdf(wl, wv, f); }
+};
 
 }  // namespace
 
@@ -26,32 +35,27 @@ bool is_isotropic(const Evaluate& f, double max_theta) {
     const FlushSubnormals mode;
     std::mt19937_64 random(0);
     const MirrorMixture mixture(max_theta);
-    std::vector<Vec3f> wl, wv, wl_small, wv_small, wl_any, wv_any;
+    ValuesAtPairs at, slightly_turned, turned;
     std::vector<double> weight;
-    while (wl.size() < k_pairs) {
+    while (weight.size() < k_pairs) {
         const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random), u4 = uniform(random),
-                     u5 = uniform(random), any = 2 * k_pi * uniform(random);
+                     u5 = uniform(random), angle = 2 * k_pi * uniform(random);
         const Vec3d v = mixture.sample_cap(u1, u2), l = mixture.sample(v, u3, u4, u5);
         if (!mixture.contains(l)) continue;
-        wl.push_back(to_float(l)), wv.push_back(to_float(v));
-        wl_small.push_back(turned(wl.back(), k_small_turn)), wv_small.push_back(turned(wv.back(), k_small_turn));
-        wl_any.push_back(turned(wl.back(), any)), wv_any.push_back(turned(wv.back(), any));
+        const Vec3f wl = to_float(l), wv = to_float(v);
+        at.add(wl, wv), slightly_turned.add_turned(wl, wv, k_small_turn), turned.add_turned(wl, wv, angle);
         weight.push_back(1 / mixture.pdf(l, v));
     }
-    std::vector<Rgb> at(k_pairs), at_small(k_pairs), at_any(k_pairs);
-    f(wl, wv, at);
-    f(wl_small, wv_small, at_small);
-    f(wl_any, wv_any, at_any);
+    for (ValuesAtPairs* pairs : {&at, &slightly_turned, &turned}) pairs->evaluate(f);
     // For f cosθl cosθv: towards the horizon f grows, and so does its noise.
     double whole = 0, by_small = 0, by_any = 0;
     for (std::size_t i = 0; i < k_pairs; ++i) {
-        if (!is_finite(at[i]) || !is_finite(at_small[i]) || !is_finite(at_any[i])) continue;
-        const double area = double(wl[i].z) * double(wv[i].z), w = weight[i] * area * area;
-        for (int c = 0; c < 3; ++c) {
-            whole += w * elementary::square(double(at[i][c]));
-            by_small += w * elementary::square(double(at_small[i][c] - at[i][c]));
-            by_any += w * elementary::square(double(at_any[i][c] - at[i][c]));
-        }
+        const Rgb &value = at.f[i], &small = slightly_turned.f[i], &any = turned.f[i];
+        if (!is_finite(value) || !is_finite(small) || !is_finite(any)) continue;
+        const double w = weight[i] * elementary::square(cosines(at.wl[i], at.wv[i]));
+        whole += w * square_of(value);
+        by_small += w * squared_distance(small, value);
+        by_any += w * squared_distance(any, value);
     }
     return by_any <= k_rounding * whole || (by_any <= k_noise * whole && by_any <= k_most_growth * by_small);
 }

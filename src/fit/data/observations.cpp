@@ -6,12 +6,19 @@
 #include <cmath>
 
 #include "srbf/directions.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 
 void Observations::add(Vec3f l, Vec3f v, const Rgb& value, double its_weight, std::span<const float> its_spectrum) {
     wl.push_back(l), wv.push_back(v), f.push_back(value), weight.push_back(its_weight);
     spectrum.insert(spectrum.end(), its_spectrum.begin(), its_spectrum.end());
+}
+
+void Observations::append(const Observations& more) {
+    const auto extend = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    extend(wl, more.wl), extend(wv, more.wv), extend(f, more.f), extend(weight, more.weight);
+    extend(spectrum, more.spectrum);
 }
 
 void Observations::exchange(std::size_t i, std::size_t k) {
@@ -37,65 +44,86 @@ void Observations::normalise() {
         for (double& w : weight) w /= energy;
 }
 
+double largest_square(const Observations& observations) {
+    double largest = 0;
+    for (std::size_t i = 0; i < observations.f.size(); ++i)
+        largest = std::max(largest, square_of(observations.f[i]) *
+                                        elementary::square(cosines(observations.wl[i], observations.wv[i])));
+    return largest;
+}
+
+double horizon_weight(Vec3f wl, Vec3f wv, double importance, std::size_t count, double largest_square) {
+    const double area = cosines(wl, wv);
+    return importance * area * area / (double(count) * largest_square);
+}
+
 Observations beginning(const Observations& observations, std::size_t count) {
     count = std::min(count, observations.fitted());
-    const auto first = [&](const auto& of) {
-        return std::remove_cvref_t<decltype(of)>(of.begin(), of.begin() + std::ptrdiff_t(count));
-    };
     Observations some;
     some.objective = observations.objective, some.typical = observations.typical;
     some.radiance_error = observations.radiance_error;
     some.wavelengths = observations.wavelengths;
-    const std::size_t C = observations.wavelengths.size();
-    some.spectrum.assign(observations.spectrum.begin(), observations.spectrum.begin() + std::ptrdiff_t(count * C));
-    some.wl = first(observations.wl), some.wv = first(observations.wv);
-    some.f = first(observations.f), some.weight = first(observations.weight);
-    if (!observations.point_light_weight.empty()) some.point_light_weight = first(observations.point_light_weight);
+    const auto take = [](auto& to, const auto& from, std::size_t numbers) {
+        to.assign(from.begin(), from.begin() + std::ptrdiff_t(numbers));
+    };
+    take(some.wl, observations.wl, count), take(some.wv, observations.wv, count);
+    take(some.f, observations.f, count), take(some.weight, observations.weight, count);
+    take(some.spectrum, observations.spectrum, count * observations.wavelengths.size());
+    if (!observations.point_light_weight.empty()) take(some.point_light_weight, observations.point_light_weight, count);
     some.normalise();
     return some;
 }
 
+namespace {
+
+/// Whether the pixels of a view are sums over its directions.
+bool is_valid(const ObservedView& view) {
+    return view.f.size() == view.wl.size() && view.wl.size() <= k_most_view_directions &&
+           std::ranges::all_of(view.f, [](const Rgb& f) { return is_finite(f); }) &&
+           std::ranges::all_of(view.pixels, [&](const ObservedPixel& pixel) {
+               return !pixel.weight.empty() && pixel.first < view.wl.size() &&
+                      pixel.weight.size() <= view.wl.size() - pixel.first &&
+                      std::ranges::all_of(pixel.weight, [](float w) { return std::isfinite(w); });
+           });
+}
+
+/// Whether there is a spectrum at each pair and each direction of a radiance.
+bool has_all_spectra(const Observations& observations) {
+    const std::size_t C = observations.wavelengths.size();
+    return observations.spectrum.size() == C * observations.f.size() &&
+           (C == 0 || are_wavelengths(observations.wavelengths)) &&
+           std::ranges::all_of(observations.radiances, [&](const RadianceObservation& radiance) {
+               return radiance.spectrum.size() == C * radiance.f.size();
+           });
+}
+
+}  // namespace
+
 Result<Done> validate(const Observations& observations, std::size_t parameters) {
+    const auto refused = [](const char* what, std::string expected, std::string found = "others") {
+        return Error{"fit", {}, what, std::move(expected), std::move(found)};
+    };
     const std::size_t count = observations.f.size();
     if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)
-        return Error{"fit", {}, "observations", "arrays of one length", "different lengths"};
-    if (const std::size_t phases = observations.point_light_weight.size();
-        phases > 0 && phases + observations.checks != count)
-        return Error{"fit", {}, "phase weights", "none, or those of all observations but the checks", "others"};
-    const std::size_t C = observations.wavelengths.size();
-    bool has_spectra = observations.spectrum.size() == C * count;
-    for (const RadianceObservation& seen : observations.radiances)
-        has_spectra = has_spectra && seen.spectrum.size() == C * seen.f.size();
-    if (!has_spectra || (C > 0 && !are_wavelengths(observations.wavelengths)))
-        return Error{"fit", {}, "observations", "spectra at all of them, at increasing wavelengths", "others"};
+        return refused("observations", "arrays of one length", "different lengths");
+    if (observations.bound_pairs > count)
+        return refused("bound pairs", fmt::format("at most {}", count), fmt::format("{}", observations.bound_pairs));
+    const std::size_t fitted = observations.fitted(), point_lights = observations.point_light_weight.size();
+    if (point_lights != 0 && point_lights != fitted)
+        return refused("phase weights", "none, or those of all observations but the bound pairs");
+    if (!has_all_spectra(observations))
+        return refused("observations", "spectra at all of them, at increasing wavelengths");
     if (!std::ranges::all_of(observations.spectrum, [](float f) { return std::isfinite(f); }))
-        return Error{"fit", {}, "observations", "finite spectra", "others"};
-    if (observations.checks > count)
-        return Error{"fit", {}, "checks", fmt::format("at most {}", count), fmt::format("{}", observations.checks)};
-    const std::size_t values = 3 * (count - observations.checks);
-    if (values < parameters)
-        return Error{
-            "fit", {}, "observations", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
-    for (const SeenView& view : observations.views) {
-        bool valid = view.f.size() == view.wl.size() && view.wl.size() <= k_most_view_directions &&
-                     std::ranges::all_of(view.f, [](const Rgb& f) { return is_finite(f); });
-        for (const SeenPixel& pixel : view.pixels)
-            valid = valid && !pixel.weight.empty() && pixel.first < view.wl.size() &&
-                    pixel.weight.size() <= view.wl.size() - pixel.first &&
-                    std::ranges::all_of(pixel.weight, [](float w) { return std::isfinite(w); });
-        if (!valid)
-            return Error{"fit",
-                         {},
-                         "views",
-                         fmt::format("at most {} directions, and pixels of these", k_most_view_directions),
-                         "others"};
-    }
+        return refused("observations", "finite spectra");
+    if (3 * fitted < parameters)
+        return refused("observations", fmt::format("at least {} values", parameters), fmt::format("{}", 3 * fitted));
+    if (!std::ranges::all_of(observations.views, is_valid))
+        return refused("views", fmt::format("at most {} directions, and pixels of these", k_most_view_directions));
     for (std::size_t i = 0; i < count; ++i)
         if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
             return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
-    const auto end_of_fitted = observations.weight.begin() + std::ptrdiff_t(count - observations.checks);
-    if (std::none_of(observations.weight.begin(), end_of_fitted, [](double w) { return w > 0; }))
-        return Error{"fit", {}, "observations", "a weight above 0", "none"};
+    if (std::ranges::none_of(std::span(observations.weight).first(fitted), [](double w) { return w > 0; }))
+        return refused("observations", "a weight above 0", "none");
     return Done{};
 }
 

@@ -1,4 +1,4 @@
-// What a fit sees of a measurement.
+// What a fit observes of a measurement.
 #pragma once
 #include <cstdint>
 #include <random>
@@ -22,17 +22,17 @@ struct RadianceObservation {
 
 /// A pixel of a displayed picture, where 1 is white: Σ_i weight_i f(wl_i, wv), over the directions of its view from
 /// `first` on.
-struct SeenPixel {
+struct ObservedPixel {
     std::size_t lighting = 0;  ///< index of the picture
     std::size_t first = 0;
     std::vector<float> weight;  ///< solid angle times cosθl, radiance and exposure [sr]
 };
 /// A point of a surface in pictures under several lights.
-struct SeenView {
+struct ObservedView {
     Vec3f wv;
     std::vector<Vec3f> wl;  ///< at most k_most_view_directions
     std::vector<Rgb> f;     ///< [1/sr], ≥ 0
-    std::vector<SeenPixel> pixels;
+    std::vector<ObservedPixel> pixels;
 };
 inline constexpr std::size_t k_most_view_directions = 512;
 
@@ -41,25 +41,27 @@ struct Observations {
     std::vector<Vec3f> wl, wv;
     std::vector<Rgb> f;          ///< [1/sr], ≥ 0
     std::vector<double> weight;  ///< w ≥ 0; a fit minimises Σ w |f−f̂|², scaled so that Σ w |f|² = 1
-    /// Of appearance, for all but the checks, otherwise empty: w ≥ 0 of radiance in pictures by one light, up to a
-    /// factor. A fit adds it to `weight` in its last stages.
+    /// Of appearance, for all but the bound pairs, otherwise empty: w ≥ 0 of radiance in pictures by one light, up to
+    /// a factor. A fit adds it to `weight` in its last stages.
     std::vector<double> point_light_weight;
-    std::size_t checks = 0;  ///< the last `checks` pairs are not part of Σ unless a fit exceeds them by far
+    /// The last `bound_pairs` pairs only bound a fit from above: they are not part of Σ unless it exceeds them by far.
+    std::size_t bound_pairs = 0;
     Objective objective = Objective::raw;        ///< that the weights are of
     double typical = 0;                          ///< the value of f or f cosθl to which they are relative
     std::vector<RadianceObservation> radiances;  ///< that a fit also matches, from its first perturbation on
     double radiance_error = 0.1;  ///< an error of this share in every radiance costs as much as the loss of the pairs
-    std::vector<SeenView> views;  ///< of pictures that a fit also matches, in its last stages
-    std::uint64_t masked = 0;     ///< number of sampled pairs where nothing was measured
-    std::uint64_t clamped = 0;    ///< number of negative channel values at sampled pairs, set to 0
-    std::vector<float> wavelengths;  ///< C [nm] of spectral observations; otherwise empty
-    std::vector<float> spectrum;     ///< f at each wavelength: observations × C [1/sr], ≥ 0
+    std::vector<ObservedView> views;  ///< of pictures that a fit also matches, in its last stages
+    std::uint64_t masked = 0;         ///< number of sampled pairs where nothing was measured
+    std::uint64_t clamped = 0;        ///< number of negative channel values at sampled pairs, set to 0
+    std::vector<float> wavelengths;   ///< C [nm] of spectral observations; otherwise empty
+    std::vector<float> spectrum;      ///< f at each wavelength: observations × C [1/sr], ≥ 0
 
-    std::size_t fitted() const { return f.size() - checks; }  ///< all but the checks, which come last
+    std::size_t fitted() const { return f.size() - bound_pairs; }
     std::span<const float> spectrum_of(std::size_t i) const {
         return std::span(spectrum).subspan(i * wavelengths.size(), wavelengths.size());
     }
     void add(Vec3f l, Vec3f v, const Rgb& value, double its_weight, std::span<const float> its_spectrum = {});
+    void append(const Observations& more);        ///< adds all pairs of `more` with their weights
     void exchange(std::size_t i, std::size_t k);  ///< swaps two of them
     void shuffle(std::mt19937_64& random);
     void resize(std::size_t count);  ///< to the first `count`
@@ -67,7 +69,10 @@ struct Observations {
     void normalise();
 };
 
-/// The first `count` observations, without checks and radiances: for short fits.
+/// The largest |f|² (cosθl cosθv)² of the pairs.
+double largest_square(const Observations& observations);
+
+/// The first `count` observations, without bound pairs and radiances: for short fits.
 Observations beginning(const Observations& observations, std::size_t count);
 
 /// Returns an error unless all arrays have the same length, values are finite, weights are ≥ 0 with one of them > 0,
@@ -76,23 +81,29 @@ Result<Done> validate(const Observations& observations, std::size_t parameters);
 
 struct ObserveOptions {
     Objective objective = k_default_objective;
-    double max_theta = 0;       ///< [rad], in (0, π/2); 0: the objective's default
-    std::size_t count = 65536;  ///< maximum number of pairs, 1024..2^24; an eighth of them are guards
+    double max_theta = 0;       ///< [rad], 1 to 89.9°; 0: the objective's default
+    std::size_t count = 65536;  ///< maximum number of pairs, 1024..2^24; an eighth of them are horizon pairs
     std::uint64_t seed = 0;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
+/// θmax, or where it is 0 the objective's default. Errors: not within 1° to `k_horizon_theta`.
+Result<double> valid_theta(Objective objective, double max_theta);
+
 /// Samples eight times as many pairs as requested from a mixture that covers the features of a BRDF. Of these it
 /// chooses half with probability proportional to their share of Σ w |f|² and half uniformly, weighted so that sums over
 /// them estimate the objective's integrals over both caps. A pair that is chosen several times becomes one observation.
-/// An eighth are guards between θmax and 89.9° with small weights proportional to f cosθl cosθv; they keep the fit at
-/// the measurement's order of magnitude where it is not fitted. After these follow the checks: a grid over the whole
-/// hemisphere to 89.9°, including its edges, and 32,768 pairs about the mirror direction. Radiances are observed at
-/// those of 0, 15, 30, 45, 60, 70, 75, 80 and 85° that lie within θmax, in uniform light: albedos. For appearance 100
-/// views of a sphere follow, under four extended and eleven single white lights of which none is one of
-/// `standard_lightings`. `f` may be negative (see signed_value) or NaN.
+/// An eighth are *horizon pairs*: pairs between θmax and 89.9°, and of the grid to that angle, with small weights
+/// proportional to (cosθl cosθv)². They keep the fit at the measurement's order of magnitude where it is not fitted.
+/// After these follow the *bound pairs*: the grid, which includes the edges of the hemisphere, and 32,768 pairs about
+/// the mirror direction. Radiances are observed at those of 0, 15, 30, 45, 60, 70, 75, 80 and 85° that lie within θmax,
+/// in uniform light: albedos. For appearance 100 views of a sphere follow, under four extended and eleven single white
+/// lights of which none is one of `standard_lightings`. `f` may be negative (see signed_value) or NaN.
 /// Errors: no pair has a value; all values are 0; cancelled.
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress = {});
+
+/// The weight of one of `count` horizon pairs. Errors of √`largest_square` at all of them would cost `importance`.
+double horizon_weight(Vec3f wl, Vec3f wv, double importance, std::size_t count, double largest_square);
 
 /// Makes `observations` spectral: adds the spectra whose colours they have, with negative values set to 0. `clamped`
 /// then counts these instead of those of the colours.

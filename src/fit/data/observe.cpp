@@ -1,30 +1,45 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "fit/data/check_grid.h"
+#include "fit/data/errors.h"
 #include "fit/data/observations.h"
 #include "fit/data/observe_pictures.h"
+#include "fit/data/pairs.h"
 #include "fit/objective/objective.h"
 #include "fit/objective/point_lights.h"
 #include "parallel.h"
-#include "r_sequence.h"
 #include "reporter.h"
-#include "srbf/colour.h"
-#include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
 
-constexpr std::size_t k_pairs_a_guard = 7;
-constexpr std::size_t k_mirror_checks = 32768;
+constexpr double k_least_theta = k_degree;
+constexpr std::size_t k_least_count = 1024, k_most_count = std::size_t(1) << 24;
+/// One horizon pair follows so many others.
+constexpr std::size_t k_pairs_a_horizon_pair = 7;
+/// This share of the horizon pairs are nodes of the grid.
+constexpr double k_on_grid = 0.5;
+/// As many bound pairs about the mirror direction as are needed to find a lobe between the nodes of the grid.
+constexpr std::size_t k_mirror_pairs = 32768;
 /// The pool of pairs is this many times as large as the observations, at most k_most_pairs.
 constexpr std::size_t k_pool = 8, k_most_pairs = std::size_t(1) << 20;
-/// This share is chosen with probability proportional to Σ w |f|², the rest uniformly.
+/// This share is chosen with probability proportional to Σ w |f|², the rest uniformly (docs/fitting.md, Selection).
 constexpr double k_by_energy = 0.5;
+/// Pairs that one thread evaluates at once.
+constexpr std::size_t k_part = 4096;
+/// θv of the observed radiances [degrees], and the number of directions of each.
+constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
+constexpr int k_radiance_points = 4096;
+/// `radiance_error` of an objective of pictures.
+constexpr double k_picture_error = 0.02;
+
+/// The direction of that z and azimuth.
+Vec3d direction(double z, double phi) {
+    const double r = std::sqrt(std::max(0.0, 1 - z * z));
+    return {r * elementary::cos(phi), r * elementary::sin(phi), z};
+}
 
 /// Distribution of view directions: uniform over the cap, but a quarter uniform in log cosθ, so that directions close
 /// to the horizon are not rare.
@@ -32,9 +47,7 @@ class ViewMixture {
   public:
     explicit ViewMixture(double cos_max) : cos_max_(cos_max) {}
     Vec3d sample(double u0, double u1, double u2) const {
-        const double z = u0 < k_uniform ? 1 - u1 * (1 - cos_max_) : elementary::pow(cos_max_, u1);
-        const double r = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * k_pi * u2;
-        return {r * elementary::cos(phi), r * elementary::sin(phi), z};
+        return direction(u0 < k_uniform ? 1 - u1 * (1 - cos_max_) : elementary::pow(cos_max_, u1), 2 * k_pi * u2);
     }
     double pdf(Vec3d w) const {  // [1/sr]
         return (k_uniform / (1 - cos_max_) + (1 - k_uniform) / (w.z * -elementary::log(cos_max_))) / (2 * k_pi);
@@ -45,81 +58,152 @@ class ViewMixture {
     double cos_max_;
 };
 
-/// θv of the observed radiances [degrees], and the number of directions of each.
-constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
-constexpr int k_radiance_points = 4096;
-/// `radiance_error` of an objective of pictures.
-constexpr double k_picture_error = 0.02;
-
 struct Draw {
-    Vec3d wl, wv;
-    double weight = 0;  // 1 / density within the caps, 0 for a guard
+    DirectionPair pair;
+    double weight = 0;  ///< 1 / density within the caps; 0 for a pair that is not drawn from them
 };
 
-/// Pairs and their measured values.
-struct Drawn {
-    std::vector<Vec3f> wl, wv;
-    std::vector<Rgb> f;          // ≥ 0
-    std::vector<double> weight;  // of a sample
-    std::uint64_t masked = 0, clamped = 0;
-    std::size_t size() const { return f.size(); }
+/// The pairs of each kind, by their numbers. None: a direction is below the horizon or outside of the cap.
+class PairDraws {
+  public:
+    PairDraws(double theta_max, std::mt19937_64 random)
+        : fitted_points_(random_sequence(random)),
+          horizon_points_(random_sequence(random)),
+          bound_points_(random_sequence(random)),
+          cos_max_(elementary::cos(theta_max)),
+          views_(cos_max_),
+          lights_(theta_max) {}
+
+    std::optional<Draw> fitted(std::size_t i) const {
+        const auto u = fitted_points_.at(i);
+        const Vec3d wv = views_.sample(u[0], u[1], u[2]), wl = lights_.sample(wv, u[3], u[4], u[5]);
+        if (!lights_.contains(wl)) return std::nullopt;
+        return Draw{{to_float(wl), to_float(wv)}, 1 / (views_.pdf(wv) * lights_.pdf(wl, wv))};
+    }
+    /// A node of the grid, or a pair of which at least one direction, as often wl as wv, is beyond θmax.
+    std::optional<Draw> horizon(std::size_t i) const {
+        const auto u = horizon_points_.at(i);
+        if (u[0] < k_on_grid) return Draw{grid_[std::size_t(u[0] / k_on_grid * double(grid_.size()))]};
+        const Vec3d edge = direction(cos_horizon_ + u[1] * (cos_max_ - cos_horizon_), 2 * k_pi * u[2]);
+        const Vec3d other = to_horizon_.sample(edge, u[3], u[4], u[5]);
+        if (!to_horizon_.contains(other)) return std::nullopt;
+        const Vec3f of_edge = to_float(edge), of_other = to_float(other);
+        return u[0] < (1 + k_on_grid) / 2 ? Draw{{of_edge, of_other}} : Draw{{of_other, of_edge}};
+    }
+    std::size_t bound_pairs() const { return grid_.size() + k_mirror_pairs; }
+    std::optional<Draw> bound(std::size_t i) const {
+        if (i < grid_.size()) return Draw{grid_[i]};
+        const auto pair = pair_within(to_horizon_, bound_points_.at(i - grid_.size()));
+        return pair ? std::optional(Draw{*pair}) : std::nullopt;
+    }
+
+  private:
+    RSequence<6> fitted_points_, horizon_points_, bound_points_;
+    double cos_max_, cos_horizon_ = elementary::cos(k_horizon_theta);
+    ViewMixture views_;
+    MirrorMixture lights_, to_horizon_{k_horizon_theta};
+    std::vector<DirectionPair> grid_ = horizon_grid();
 };
 
 /// Evaluates f at `draw(i)`, i < count. Keeps the pairs that exist and have a value, in order.
 template <typename DrawAt>
-Drawn measured(const Evaluate& f, std::size_t count, int threads, const DrawAt& draw, Reporter& reporter) {
-    constexpr std::size_t k_part = 4096;
-    std::vector<Drawn> parts(part_count(count, k_part));
+Observations measured(const Evaluate& f, std::size_t count, int threads, const DrawAt& draw, Reporter& reporter) {
+    std::vector<Observations> parts(part_count(count, k_part));
     parallel_for_parts(count, k_part, threads, [&](std::size_t begin, std::size_t end) {
         if (!reporter.advance("observing", double(k_part))) return;
-        Drawn part;
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::optional<Draw> one = draw(i);
-            if (!one) continue;
-            part.wl.push_back(to_float(one->wl)), part.wv.push_back(to_float(one->wv));
-            part.weight.push_back(one->weight);
-        }
-        part.f.resize(part.wl.size());
-        f(part.wl, part.wv, part.f);
-        Drawn& kept = parts[begin / k_part];
-        for (std::size_t i = 0; i < part.size(); ++i) {
-            if (!is_finite(part.f[i])) {
+        std::vector<Vec3f> wl, wv;
+        std::vector<double> weight;
+        for (std::size_t i = begin; i < end; ++i)
+            if (const std::optional<Draw> one = draw(i))
+                wl.push_back(one->pair.wl), wv.push_back(one->pair.wv), weight.push_back(one->weight);
+        std::vector<Rgb> values(wl.size());
+        f(wl, wv, values);
+        Observations& kept = parts[begin / k_part];
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            if (!is_finite(values[i])) {
                 ++kept.masked;
                 continue;
             }
-            kept.clamped += std::uint64_t(clamp_negative(part.f[i]));
-            kept.wl.push_back(part.wl[i]), kept.wv.push_back(part.wv[i]);
-            kept.f.push_back(part.f[i]), kept.weight.push_back(part.weight[i]);
+            kept.clamped += std::uint64_t(clamp_negative(values[i]));
+            kept.add(wl[i], wv[i], values[i], weight[i]);
         }
     });
-    Drawn all;
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    for (const Drawn& part : parts) {
-        append(all.wl, part.wl), append(all.wv, part.wv), append(all.f, part.f), append(all.weight, part.weight);
+    Observations all;
+    for (const Observations& part : parts) {
+        all.append(part);
         all.masked += part.masked, all.clamped += part.clamped;
     }
     return all;
 }
 
-struct ChosenPair {
-    std::size_t index;
-    double times;  ///< that it was chosen, over the expected number
+/// What was measured at the pairs of each kind; of the pool, observations are chosen.
+struct MeasuredPairs {
+    std::size_t count;  ///< of observations to choose
+    Observations pool, horizon, bound;
 };
+Result<MeasuredPairs> measured_pairs(const Evaluate& f, double theta_max, const ObserveOptions& options,
+                                     const ProgressToken& progress) {
+    const PairDraws draws(theta_max, std::mt19937_64(options.seed));
+    const std::size_t horizon_count = options.count / (k_pairs_a_horizon_pair + 1);
+    const std::size_t count = options.count - horizon_count,
+                      pool_count = std::max(count, std::min(k_pool * count, k_most_pairs));
+    // Twice as many horizon pairs as needed, since not each draw is a pair with a measurement.
+    Reporter reporter(progress, double(pool_count + 2 * horizon_count + draws.bound_pairs()));
+    const auto drawn = [&](std::size_t number, auto kind) {
+        return measured(
+            f, number, options.threads, [&](std::size_t i) { return (draws.*kind)(i); }, reporter);
+    };
+    MeasuredPairs all{count, drawn(pool_count, &PairDraws::fitted), drawn(2 * horizon_count, &PairDraws::horizon),
+                      drawn(draws.bound_pairs(), &PairDraws::bound)};
+    if (reporter.cancelled()) return cancelled_error("observe");
+    return all;
+}
 
-/// Chooses about `count` of the pairs, in order: half by their share of Σ w |f|², half uniformly. Sums over
-/// the chosen pairs, their weights times `times`, are unbiased; pairs that are chosen several times are merged.
-std::vector<ChosenPair> choose(const Drawn& pool, std::span<const double> weight, std::size_t count) {
-    const double energy = energy_of(pool.f, weight);
-    std::vector<ChosenPair> chosen;
-    double sum = 0.5;
-    for (std::size_t i = 0; i < pool.size(); ++i) {
-        const double by_energy = weight[i] * square_of(pool.f[i]) / energy, alike = 1 / double(pool.size());
+/// Pairs chosen of the pool.
+struct ChosenPairs {
+    Observations pairs;               ///< with Σ w |f|² = 1
+    std::vector<double> solid_angle;  ///< that each stands for [sr²]
+};
+/// Chooses about `count` of the pairs, in order: half by their share of Σ w |f|², half uniformly. Sums over the chosen
+/// pairs, their weights divided by the expected number of times that they are chosen, are unbiased; pairs that are
+/// chosen several times are merged.
+ChosenPairs chosen_pairs(const Observations& pool, std::span<const double> weight, std::size_t count) {
+    const double energy = energy_of(pool.f, weight), size = double(pool.f.size());
+    ChosenPairs chosen;
+    double sum = 0.5;  // so that the number of chosen pairs is rounded to nearest
+    for (std::size_t i = 0; i < pool.f.size(); ++i) {
+        const double by_energy = weight[i] * square_of(pool.f[i]) / energy, alike = 1 / size;
         const double expected = double(count) * (k_by_energy * by_energy + (1 - k_by_energy) * alike);
-        const double times = std::floor(sum + expected) - std::floor(sum);
+        const double number = std::floor(sum + expected) - std::floor(sum);
         sum += expected;
-        if (times > 0) chosen.push_back({i, times / expected});
+        if (!(number > 0)) continue;
+        const double times = number / expected;
+        chosen.pairs.add(pool.wl[i], pool.wv[i], pool.f[i], weight[i] * times);
+        chosen.solid_angle.push_back(pool.weight[i] * times / size);
     }
+    chosen.pairs.normalise();
     return chosen;
+}
+
+/// Adds pairs chosen of the pool and a horizon pair after every seventh, with their weights.
+void add_fitted(Observations& to, const MeasuredPairs& measured, const ObserveOptions& options) {
+    const auto& [count, pool, horizon, bound] = measured;
+    std::vector<double> weight = pool.weight;
+    weigh(options.objective, to.typical, pool.wl, pool.wv, pool.f, weight, options.threads);
+    const auto [chosen, solid_angle] = chosen_pairs(pool, weight, count);
+    const std::size_t horizon_count = std::min(horizon.f.size(), chosen.f.size() / k_pairs_a_horizon_pair);
+    const double largest = std::max({largest_square(pool), largest_square(horizon), largest_square(bound)});
+    std::vector<double> angle;
+    for (std::size_t k = 0; k < chosen.f.size(); ++k) {
+        to.add(chosen.wl[k], chosen.wv[k], chosen.f[k], chosen.weight[k]);
+        angle.push_back(solid_angle[k]);
+        const std::size_t h = k / k_pairs_a_horizon_pair;
+        if (k % k_pairs_a_horizon_pair + 1 < k_pairs_a_horizon_pair || h >= horizon_count) continue;
+        to.add(horizon.wl[h], horizon.wv[h], horizon.f[h],
+               horizon_weight(horizon.wl[h], horizon.wv[h], k_horizon_importance, horizon_count, largest));
+        angle.push_back(0);
+    }
+    if (traits(options.objective).of_pictures) to.point_light_weight = point_light_weights(to.wl, to.wv, to.f, angle);
 }
 
 std::vector<RadianceObservation> observe_albedos(const Evaluate& f, double theta_max, int threads) {
@@ -129,151 +213,55 @@ std::vector<RadianceObservation> observe_albedos(const Evaluate& f, double theta
     std::vector<RadianceObservation> all(angles.size());
     parallel_for(all.size(), threads, [&](std::size_t k) {
         // Any azimuth is sufficient for isotropic data; the azimuths are spread for other data.
-        const Vec3d wv = spherical(angles[k], 2.4 * double(k));
+        const Vec3d wv = spherical(angles[k], k_golden_angle * double(k));
         Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_radiance_points);
-        RadianceObservation seen{to_float(wv), std::move(points.w), {}, std::move(points.weight), {}};
-        seen.f.resize(seen.wl.size());
-        f(seen.wl, std::vector<Vec3f>(seen.wl.size(), seen.wv), seen.f);
-        for (std::size_t i = 0; i < seen.f.size(); ++i) {
-            const bool valid = is_finite(seen.f[i]);
-            seen.weight[i] *= valid ? double(seen.wl[i].z) : 0;
-            if (!valid) seen.f[i] = {};
-            clamp_negative(seen.f[i]);
+        std::vector<Rgb> values = values_towards(f, points.w, to_float(wv));
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const bool valid = is_finite(values[i]);
+            points.weight[i] *= valid ? double(points.w[i].z) : 0;
+            values[i] = valid ? non_negative(values[i]) : Rgb{};
         }
-        all[k] = std::move(seen);
+        all[k] = {to_float(wv), std::move(points.w), std::move(values), std::move(points.weight), {}};
     });
     return all;
 }
 
 }  // namespace
 
-std::vector<std::pair<Vec3d, Vec3d>> check_grid() {
-    std::vector<double> theta{0, 2, 5};
-    for (double t = 10; t < 80; t += 5) theta.push_back(t);
-    for (const double t : {79.0, 82.0, 85.0, 87.0, 88.0, 89.0, 89.5, 89.9}) theta.push_back(t);
-    // Light and view are never exactly equal: there ψ of (1, −1) has no direction, and its direction is discontinuous.
-    std::vector<double> phi{0.5, 1,   3,   6,   10,  15,  20,  30,  40,  50,  60,  75, 90,
-                            105, 120, 130, 140, 150, 160, 165, 170, 174, 177, 179, 180};
-    std::vector<std::pair<Vec3d, Vec3d>> grid;
-    for (const double l : theta)
-        for (const double v : theta)
-            for (const double p : phi) {
-                const double turn = 2.4 * double(grid.size());  // any azimuth is sufficient for isotropic data
-                const double of_view = l == 0 && v == 0 ? 0.25 : v;
-                grid.emplace_back(spherical(l * k_degree, p * k_degree + turn), spherical(of_view * k_degree, turn));
-            }
-    return grid;
+Result<double> valid_theta(Objective objective, double max_theta) {
+    const double theta = max_theta == 0 ? default_max_theta(objective) : max_theta;
+    if (theta >= k_least_theta && theta <= k_horizon_theta) return theta;
+    return argument_error("observe", "max_theta",
+                          fmt::format("{:g} to {:g} degrees", k_least_theta / k_degree, k_horizon_theta / k_degree),
+                          fmt::format("{:g}", theta / k_degree));
 }
 
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress) {
     const FlushSubnormals mode;
-    const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
-    if (!(theta_max >= k_degree && theta_max <= k_guard_theta))
-        return Error{"observe",          {}, "max_theta", "1 to 89.9 degrees", std::to_string(theta_max / k_degree),
-                     ErrorCode::argument};
-    if (options.count < 1024 || options.count > std::size_t(1) << 24)
-        return Error{"observe", {}, "count", "1024 to 16777216", std::to_string(options.count), ErrorCode::argument};
+    const auto theta_max = valid_theta(options.objective, options.max_theta);
+    if (!theta_max) return theta_max.error();
+    if (const auto valid = require_range("observe", "count", options.count, k_least_count, k_most_count); !valid)
+        return valid.error();
+    const auto measured = measured_pairs(f, *theta_max, options, progress);
+    if (!measured) return measured.error();
+    const auto& [count, pool, horizon, bound] = *measured;
+    if (pool.f.size() + horizon.f.size() == 0) return no_data_error("observe", "pairs with a measurement");
 
-    std::mt19937_64 random(options.seed);
-    const auto random_point = [&] {
-        std::array<double, 6> point;
-        for (double& x : point) x = uniform(random);
-        return point;
-    };
-    const RSequence<6> pair_points(random_point()), guard_points(random_point()), check_points(random_point());
-    const double cos_max = elementary::cos(theta_max), cos_guard = elementary::cos(k_guard_theta);
-    const ViewMixture views(cos_max);
-    const MirrorMixture lights(theta_max), guard_lights(k_guard_theta);
-
-    // A pair within the caps.
-    const auto draw_pair = [&](std::size_t i) -> std::optional<Draw> {
-        const auto u = pair_points.at(i);
-        const Vec3d wv = views.sample(u[0], u[1], u[2]), wl = lights.sample(wv, u[3], u[4], u[5]);
-        if (!lights.contains(wl)) return std::nullopt;
-        return Draw{wl, wv, 1 / (views.pdf(wv) * lights.pdf(wl, wv))};
-    };
-    // Half of the guards have at least one direction between θmax and 89.9°; the others are nodes of the check grid.
-    const auto grid = check_grid();
-    const auto draw_guard = [&](std::size_t i) -> std::optional<Draw> {
-        const auto u = guard_points.at(i);
-        if (u[0] < 0.5) {
-            const auto& [wl, wv] = grid[std::size_t(2 * u[0] * double(grid.size()))];
-            return Draw{wl, wv};
-        }
-        const double z = cos_guard + u[1] * (cos_max - cos_guard), r = std::sqrt(1 - z * z);
-        const Vec3d edge{r * elementary::cos(2 * k_pi * u[2]), r * elementary::sin(2 * k_pi * u[2]), z};
-        const Vec3d other = guard_lights.sample(edge, u[3], u[4], u[5]);
-        if (other.z < cos_guard) return std::nullopt;
-        return u[0] < 0.75 ? Draw{edge, other} : Draw{other, edge};
-    };
-    // The checks: the grid, and as many pairs about the mirror direction as are needed to find a lobe between its
-    // nodes.
-    const auto draw_check = [&](std::size_t i) -> std::optional<Draw> {
-        if (i < grid.size()) return Draw{grid[i].first, grid[i].second};
-        const auto u = check_points.at(i - grid.size());
-        const Vec3d wv = guard_lights.sample_cap(u[1], u[2]), wl = guard_lights.sample(wv, u[3], u[4], u[5]);
-        if (wl.z < cos_guard) return std::nullopt;
-        return Draw{wl, wv};
-    };
-
-    const std::size_t guard_count = options.count / (k_pairs_a_guard + 1), pair_count = options.count - guard_count;
-    const std::size_t pool_count = std::max(pair_count, std::min(k_pool * pair_count, k_most_pairs)),
-                      check_count = grid.size() + k_mirror_checks;
-    Reporter reporter(progress, double(pool_count + 2 * guard_count + check_count));
-    const auto drawn = [&](std::size_t count, const auto& draw) {
-        return measured(f, count, options.threads, draw, reporter);
-    };
-    const Drawn pool = drawn(pool_count, draw_pair), guards = drawn(2 * guard_count, draw_guard),
-                checks = drawn(check_count, draw_check);
-    if (reporter.cancelled()) return cancelled_error("observe");
-
-    Observations observations;
-    observations.masked = pool.masked + guards.masked + checks.masked;
-    observations.clamped = pool.clamped + guards.clamped + checks.clamped;
-    if (pool.size() + guards.size() == 0)
-        return Error{"observe", {}, "pairs with a measurement", "some", "none", ErrorCode::no_data};
-    observations.objective = options.objective;
-    observations.typical = typical_value(options.objective, pool.wl, pool.wv, pool.f, pool.weight);
-    if (!(observations.typical > 0)) return Error{"observe", {}, "values", "some above 0", "none", ErrorCode::no_data};
-
-    std::vector<double> weight = pool.weight;
-    weigh(options.objective, observations.typical, pool.wl, pool.wv, pool.f, weight, options.threads);
-    double peak = 0;
-    for (const Drawn* some : {&pool, &guards, &checks})
-        for (std::size_t i = 0; i < some->size(); ++i)
-            peak = std::max(peak,
-                            square_of(some->f[i]) * elementary::square(double(some->wl[i].z) * double(some->wv[i].z)));
-
-    const std::vector<ChosenPair> chosen = choose(pool, weight, pair_count);
-    const auto weight_of = [&](const ChosenPair& pair) { return weight[pair.index] * pair.times; };
-    double chosen_energy = 0;
-    for (const ChosenPair& pair : chosen) chosen_energy += weight_of(pair) * square_of(pool.f[pair.index]);
-    // A guard follows every seventh of them.
-    const std::size_t guarded = std::min(guards.size(), chosen.size() / k_pairs_a_guard);
-    std::vector<double> measure;  // of solid angles, 0 for guards
-    const auto add = [&](const Drawn& from, std::size_t i, double weight_there) {
-        observations.add(from.wl[i], from.wv[i], from.f[i], weight_there);
-    };
-    for (std::size_t k = 0; k < chosen.size(); ++k) {
-        add(pool, chosen[k].index, weight_of(chosen[k]) / chosen_energy);
-        measure.push_back(pool.weight[chosen[k].index] * chosen[k].times / double(pool.size()));
-        const std::size_t g = k / k_pairs_a_guard;
-        if (k % k_pairs_a_guard + 1 < k_pairs_a_guard || g >= guarded) continue;
-        const double area = double(guards.wl[g].z) * double(guards.wv[g].z);
-        add(guards, g, k_guard_importance * area * area / (double(guarded) * peak));
-        measure.push_back(0);
-    }
-    if (traits(options.objective).of_pictures)
-        observations.point_light_weight =
-            point_light_weights(observations.wl, observations.wv, observations.f, measure);
-    for (std::size_t i = 0; i < checks.size(); ++i) add(checks, i, 0);
-    observations.checks = checks.size();
-    observations.radiances = observe_albedos(f, theta_max, options.threads);
+    Observations all;
+    all.masked = pool.masked + horizon.masked + bound.masked;
+    all.clamped = pool.clamped + horizon.clamped + bound.clamped;
+    all.objective = options.objective;
+    all.typical = typical_value(options.objective, pool.wl, pool.wv, pool.f, pool.weight);
+    if (!(all.typical > 0)) return no_data_error("observe", "values", "some above 0");
+    add_fitted(all, *measured, options);
+    all.append(bound);
+    all.bound_pairs = bound.f.size();
+    all.radiances = observe_albedos(f, *theta_max, options.threads);
     if (traits(options.objective).of_pictures) {
-        observations.views = observe_views(f, theta_max, options.threads);
-        observations.radiance_error = k_picture_error;
+        all.views = observe_views(f, *theta_max, options.threads);
+        all.radiance_error = k_picture_error;
     }
-    return observations;
+    return all;
 }
 
 void observe_spectra(Observations& observations, const Channels& spectra) {
@@ -283,10 +271,10 @@ void observe_spectra(Observations& observations, const Channels& spectra) {
     observations.spectrum.resize(C * observations.f.size());
     spectra.evaluate(observations.wl, observations.wv, observations.spectrum);
     observations.clamped = std::uint64_t(clamp_negative(observations.spectrum));
-    for (RadianceObservation& seen : observations.radiances) {
-        seen.spectrum.resize(C * seen.wl.size());
-        spectra.evaluate(seen.wl, std::vector<Vec3f>(seen.wl.size(), seen.wv), seen.spectrum);
-        clamp_negative(seen.spectrum);
+    for (RadianceObservation& radiance : observations.radiances) {
+        radiance.spectrum.resize(C * radiance.wl.size());
+        spectra.evaluate(radiance.wl, std::vector<Vec3f>(radiance.wl.size(), radiance.wv), radiance.spectrum);
+        clamp_negative(radiance.spectrum);
     }
 }
 

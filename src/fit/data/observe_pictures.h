@@ -1,4 +1,4 @@
-// What a fit for pictures sees of a measurement.
+// What a fit for pictures observes of a measurement.
 #pragma once
 #include <vector>
 
@@ -8,6 +8,6 @@ namespace srbf {
 
 /// Views over the disc that a sphere shows, each of the same area, under extended and single lights; none of them is
 /// one of `standard_lightings`. Pairs with a direction beyond θmax [rad] or without a measurement are dark.
-std::vector<SeenView> observe_views(const Evaluate& f, double theta_max, int threads);
+std::vector<ObservedView> observe_views(const Evaluate& f, double theta_max, int threads);
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-// What a fit sees of scattered samples.
+// What a fit observes of scattered samples.
 #pragma once
 #include "fit/data/observations.h"
 #include "fit/fits.h"
@@ -18,19 +18,26 @@ struct ObserveSamplesOptions {
     std::size_t only_completed = 0;
 };
 
+/// The indices of the samples within `sample_cap` of max_theta [rad].
+std::vector<std::size_t> samples_within(const ScatteredSamples& samples, double max_theta);
+/// These samples with weight 1, negative values set to 0; `both_ways`: each also with light and viewer exchanged;
+/// `spectral`: with their spectra, whose negative values are then counted instead of those of the colours.
+Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool both_ways,
+                             bool spectral);
+
 /// Samples prepared for fits. Each sample counts twice: as it is, and with light and viewer exchanged.
 struct SampleObservations {
     ObserveSamplesOptions options;
-    Observations samples;  ///< within θmax, followed by guards and checks beyond it
+    Observations samples;  ///< within θmax, and horizon pairs beyond it; followed by bound pairs
     Observations between;  ///< interpolated values on a grid of pairs within θmax, with Σ w |f|² = 1
     /// The completed samples observed like a table, with as much weight again on the samples themselves, and pairs near
     /// the horizon; or none. A fit uses either these or all the others.
     Observations completed;
     Measures interpolation;  ///< errors of interpolation at samples that were left out
     double finest = 0;       ///< lower bound on the width of a lobe [rad]: the spacing of the samples
-    std::size_t places = 0;  ///< number of places within θmax
+    std::size_t groups = 0;  ///< number of `SampleGroups` within θmax
 };
-/// Errors: no sample within θmax, or all of them 0; fewer than k_folds places; spectra requested of samples without
+/// Errors: no sample within θmax, or all of them 0; fewer than k_folds groups; spectra requested of samples without
 /// spectra; cancelled.
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress = {});
@@ -46,7 +53,7 @@ struct SampleFitOptions {
 
 /// Fits parameterized multivariate SRBFs: to the completed samples if they are observed, otherwise to the samples and
 /// the interpolated values, with no lobe narrower than the samples' spacing.
-/// Errors: those of `fit_pm`; fewer places than a third of the parameters (a place has three values).
+/// Errors: those of `fit_pm`; fewer groups than a third of the parameters (a group has three values).
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
                      const ProgressToken& progress = {});
 

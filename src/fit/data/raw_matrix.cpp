@@ -1,83 +1,74 @@
-#include <fmt/format.h>
+#include <numeric>
 
-#include <algorithm>
-
+#include "fit/data/errors.h"
 #include "fit/data/raw_matrix.h"
+#include "fit/data/values.h"
 #include "parallel.h"
 #include "r_sequence.h"
 #include "reporter.h"
+#include "srbf/directions.h"
 
 namespace srbf {
+namespace {
+
+/// Each sampled direction has the same points, shifted by its own offset: remainders by primes, so that it is another
+/// one for any two of at most k_most_views directions.
+RSequence<3> points_of_row(std::size_t i) {
+    return RSequence<3>({double(i % 97) / 97, double(i % 89) / 89, double(i % 83) / 83});
+}
+
+/// Values beside the sampled direction `about`, to each element of `row`.
+void sample_between(const Evaluate& f, Discretise discretise, Vec3f about, RSequence<3> points,
+                    std::span<RawMatrix::Between> row) {
+    const MirrorMixture mixture(k_pi / 2);
+    std::vector<Vec3f> others;
+    for (RawMatrix::Between& one : row) {
+        const auto u = points.next();
+        const Vec3d w = mixture.sample(to_double(about), u[0], u[1], u[2]);
+        one.direction = to_float(w);
+        one.pdf = float(mixture.pdf(w, to_double(about)));
+        others.push_back(one.direction);
+    }
+    const std::vector<Vec3f> sampled(row.size(), about);
+    std::vector<Rgb> values(row.size());
+    if (discretise == Discretise::view)
+        f(others, sampled, values);
+    else
+        f(sampled, others, values);
+    for (std::size_t k = 0; k < row.size(); ++k) row[k].f = non_negative(values[k]);
+}
+
+}  // namespace
 
 Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options, const ProgressToken& progress) {
     const FlushSubnormals mode;
-    const auto n = std::size_t(std::max(options.directions, 0)), m = std::size_t(std::max(options.between, 0));
-    if (n < k_least_views || n > k_most_views)
-        return Error{"matrix",
-                     {},
-                     "number of directions",
-                     fmt::format("{} to {}", k_least_views, k_most_views),
-                     fmt::format("{}", options.directions),
-                     ErrorCode::argument};
-    if (options.between < 0 || m > k_most_between)
-        return Error{"matrix",
-                     {},
-                     "number of directions between",
-                     fmt::format("0 to {}", k_most_between),
-                     fmt::format("{}", options.between),
-                     ErrorCode::argument};
+    for (const auto& valid :
+         {require_range("matrix", "number of directions", options.directions, k_least_views, k_most_views),
+          require_range("matrix", "number of directions between", options.between, 0, int(k_most_between))})
+        if (!valid) return valid.error();
+    const auto n = std::size_t(options.directions), m = std::size_t(options.between);
     RawMatrix matrix;
     matrix.discretise = options.discretise;
-    matrix.direction = fibonacci_directions(int(n), k_pi / 2);
+    matrix.direction = fibonacci_directions(options.directions, k_pi / 2);
     matrix.f.resize(n * n);
     matrix.between.resize(n * m);
-    const MirrorMixture mixture(k_pi / 2);
-    struct Counts {
-        std::uint64_t masked = 0, clamped = 0;
-    };
-    std::vector<Counts> counts(n);
+    std::vector<std::uint64_t> masked(n), clamped(n);
     Reporter reporter(progress, double(n));
     parallel_for(n, options.threads, [&](std::size_t i) {
         if (!reporter.advance("tabulating", 1)) return;
-        const Vec3f sampled = matrix.direction[i];
-        const std::vector<Vec3f> fixed(std::max(n, m), sampled);
-        const auto clamp = [&](Rgb& value) {
-            std::uint64_t clamped = 0;
-            for (int c = 0; c < 3; ++c)
-                if (value[c] < 0) value[c] = 0, ++clamped;
-            return clamped;
-        };
-        const std::span<Rgb> row(&matrix.f[i * n], n);
-        f(matrix.direction, std::span(fixed).first(n), row);
-        for (Rgb& value : row) {
-            counts[i].masked += !is_finite(value);
-            if (is_finite(value)) counts[i].clamped += clamp(value);
+        const std::vector<Rgb> values = values_towards(f, matrix.direction, matrix.direction[i]);
+        for (std::size_t k = 0; k < n; ++k) {
+            Rgb& value = matrix.f[i * n + k] = values[k];
+            masked[i] += !is_finite(value);
+            if (is_finite(value)) clamped[i] += std::uint64_t(clamp_negative(value));
         }
-        if (m == 0) return;
-        // Each view has the same points, shifted by its own offset.
-        RSequence<3> points({double(i % 97) / 97, double(i % 89) / 89, double(i % 83) / 83});
-        std::vector<Vec3f> others;
-        const std::span<RawMatrix::Between> between(&matrix.between[i * m], m);
-        const Vec3d about = to_double(sampled);
-        for (RawMatrix::Between& one : between) {
-            const auto u = points.next();
-            const Vec3d w = mixture.sample(about, u[0], u[1], u[2]);
-            one.direction = to_float(w);
-            one.pdf = float(mixture.pdf(w, about));
-            others.push_back(one.direction);
-        }
-        std::vector<Rgb> values(m);
-        if (options.discretise == Discretise::view)
-            f(others, std::span(fixed).first(m), values);
-        else
-            f(std::span(fixed).first(m), others, values);
-        for (std::size_t k = 0; k < m; ++k) {
-            between[k].f = values[k];
-            clamp(between[k].f);
-        }
+        if (m > 0)
+            sample_between(f, options.discretise, matrix.direction[i], points_of_row(i),
+                           std::span(matrix.between).subspan(i * m, m));
     });
     if (reporter.cancelled()) return cancelled_error("tabulate");
-    for (const Counts& of_row : counts) matrix.masked += of_row.masked, matrix.clamped += of_row.clamped;
+    matrix.masked = std::reduce(masked.begin(), masked.end());
+    matrix.clamped = std::reduce(clamped.begin(), clamped.end());
     return matrix;
 }
 

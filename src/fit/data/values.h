@@ -2,12 +2,14 @@
 #pragma once
 #include <algorithm>
 #include <span>
+#include <vector>
 
+#include "srbf/brdf.h"
 #include "srbf/colour.h"
 
 namespace srbf {
 
-/// Sets negative channels to 0; returns how many.
+/// Sets negative channels to 0, not NaN; returns how many.
 inline int clamp_negative(std::span<float> f) {
     int clamped = 0;
     for (float& x : f) {
@@ -17,17 +19,28 @@ inline int clamp_negative(std::span<float> f) {
     return clamped;
 }
 inline int clamp_negative(Rgb& f) { return clamp_negative({&f[0], 3}); }
+inline Rgb non_negative(Rgb f) { return clamp_negative(f), f; }
 
 inline double square_of(const Rgb& f) { return double(f.r) * f.r + double(f.g) * f.g + double(f.b) * f.b; }
 inline double squared_distance(const Rgb& a, const Rgb& b) { return square_of({a.r - b.r, a.g - b.g, a.b - b.b}); }
 inline double largest_of(const Rgb& f) { return double(std::max({f.r, f.g, f.b})); }
 inline double mean_of(const Rgb& f) { return (double(f.r) + double(f.g) + double(f.b)) / 3; }
 
+/// cosθl cosθv.
+inline double cosines(Vec3f wl, Vec3f wv) { return double(wl.z) * double(wv.z); }
+
 /// Σ w |f|².
 inline double energy_of(std::span<const Rgb> f, std::span<const double> weight) {
     double energy = 0;
     for (std::size_t i = 0; i < f.size(); ++i) energy += weight[i] * square_of(f[i]);
     return energy;
+}
+
+/// f of light from all of these directions towards one viewer.
+inline std::vector<Rgb> values_towards(const Evaluate& f, std::span<const Vec3f> wl, Vec3f wv) {
+    std::vector<Rgb> values(wl.size());
+    f(wl, std::vector<Vec3f>(wl.size(), wv), values);
+    return values;
 }
 
 }  // namespace srbf

@@ -10,7 +10,7 @@
 namespace srbf {
 namespace {
 
-/// Initial cost, relative to the loss, of exceeding a check by the largest measured value.
+/// Initial cost, relative to the loss, of exceeding a bound pair by the largest measured value.
 constexpr double k_excess_weight = 0.005;
 
 double area(const Observations& observations, std::size_t i) {
@@ -37,7 +37,7 @@ std::vector<std::size_t> exceeded(const Observations& observations, std::size_t 
     return where;
 }
 
-double check_weight(const Observations& observations, std::size_t i, double loss, double largest) {
+double bound_weight(const Observations& observations, std::size_t i, double loss, double largest) {
     return k_excess_weight * loss * elementary::square(area(observations, i) / largest);
 }
 
@@ -51,8 +51,8 @@ std::size_t take_exceeded(Observations& observations, std::size_t first, const P
             continue;
         }
         observations.exchange(i, to);
-        observations.weight[to] = check_weight(observations, to, loss, largest);
-        --observations.checks;
+        observations.weight[to] = bound_weight(observations, to, loss, largest);
+        --observations.bound_pairs;
     }
     return where.size();
 }

@@ -12,16 +12,16 @@ inline constexpr double k_most_excess = 1.6;
 /// The largest measured f cosθl cosθv.
 double largest_measured(const Observations& observations);
 
-/// Indices, in order, of the observations from `first` on, including checks, at which f cosθl cosθv of `model` is more
+/// Indices, in order, of the observations from `first` on, including bound pairs, at which f cosθl cosθv of `model` is more
 /// than `k_most_excess` times `largest`.
 std::vector<std::size_t> exceeded(const Observations& observations, std::size_t first, const PmModel& model,
                                   double largest);
 
-/// The weight of check i when it becomes an observation, for a fit with this loss.
-double check_weight(const Observations& observations, std::size_t i, double loss, double largest);
+/// The weight of bound pair i when it becomes an observation, for a fit with this loss.
+double bound_weight(const Observations& observations, std::size_t i, double loss, double largest);
 
-/// Turns checks that `model` exceeds into observations, and raises the weight of former checks that it still exceeds.
-/// Returns how many. `first` is the index of the first check.
+/// Turns bound pairs that `model` exceeds into observations, and raises the weight of former ones that it still exceeds.
+/// Returns how many. `first` is the index of the first of them.
 std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss);
 
 }  // namespace srbf

@@ -68,8 +68,8 @@ inline constexpr double k_most_large_error_weight = 10;
 /// Multiplies the weights of the first `count` observations by their `large_error_weight` for what is fitted.
 void weigh_large_errors(Observations& observations, std::size_t count, const Evaluate& fitted, double most);
 
-/// Σ over the guards (observations beyond θmax) if the fit were off by the largest measured f cosθl cosθv at each of
+/// Σ over the horizon pairs (observations beyond θmax) if the fit were off by the largest measured f cosθl cosθv at each of
 /// them, relative to Σ w |f|².
-inline constexpr double k_guard_importance = 1e-2;
+inline constexpr double k_horizon_importance = 1e-2;
 
 }  // namespace srbf

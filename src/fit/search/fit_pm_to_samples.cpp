@@ -30,12 +30,12 @@ Observations together(const SampleObservations& from, double weight_between, std
     std::mt19937_64 random(seed);
     all.shuffle(random);
     for (std::size_t i = fitted; i < samples.f.size(); ++i) add_from(samples, i, 1);
-    all.checks = samples.checks;
+    all.bound_pairs = samples.bound_pairs;
     return all;
 }
 
 constexpr double k_most_change = 3;
-/// Of those within θmax; the others are guards.
+/// Of those within θmax; the others are horizon pairs.
 void weigh_large_errors(Observations& observations, const PmModel& fitted, const ObserveSamplesOptions& options,
                         double typical) {
     std::vector<Rgb> f(observations.fitted());
@@ -55,7 +55,7 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
     const bool completed = !observations.completed.f.empty();
     FitOptions bounded = options.pm;
     if (!completed) bounded.finest = std::max(bounded.finest, observations.finest);
-    const std::size_t parameters = parameter_count(bounded), values = 3 * observations.places;
+    const std::size_t parameters = parameter_count(bounded), values = 3 * observations.groups;
     if (values < parameters)
         return Error{"fit", {}, "samples", fmt::format("at least {} values", parameters), fmt::format("{}", values)};
     if (completed) return fit_pm(observations.completed, bounded, progress);

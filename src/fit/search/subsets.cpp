@@ -13,7 +13,7 @@
 namespace srbf {
 namespace {
 
-/// Maximum number of exceeded checks that are added for each candidate.
+/// Maximum number of exceeded bound pairs that are added for each candidate.
 constexpr std::size_t k_most_added = 16;
 
 /// An error of `radiance_error` in every radiance costs as much as the fit's loss without them, but at most this: a fit
@@ -70,11 +70,11 @@ void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOp
 
     std::set<std::size_t> taken;
     for (const auto& of_candidate : places) taken.insert(of_candidate.begin(), of_candidate.end());
-    const std::size_t checks = all_.fitted();
+    const std::size_t fitted = all_.fitted();
     for (const std::size_t i : taken) {
         const auto append = [&](Observations& to) {
             to.wl.push_back(all_.wl[i]), to.wv.push_back(all_.wv[i]), to.f.push_back(all_.f[i]);
-            to.weight.push_back(i < checks ? all_.weight[i] : check_weight(all_, i, loss_, largest_));
+            to.weight.push_back(i < fitted ? all_.weight[i] : bound_weight(all_, i, loss_, largest_));
         };
         for (Part* part : {&few_, &some_, &more_})
             if (i >= part->begin) append(part->observations);

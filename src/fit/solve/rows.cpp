@@ -21,11 +21,12 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     for (std::size_t k = 0; k < radiances; ++k)
         radiance_blocks =
             std::max(radiance_blocks, blocks_for((observations.radiances[k * every].wl.size() + step - 1) / step));
-    const auto has_pixels = [](const SeenView& view) { return !view.pixels.empty(); };
+    const auto has_pixels = [](const ObservedView& view) { return !view.pixels.empty(); };
     if (extent.picture_importance > 0 && !extent.spectra && std::ranges::any_of(observations.views, has_pixels)) {
         picture_importance = extent.picture_importance;
         views = observations.views.size(), view_rows = k_row_multiple;
-        for (const SeenView& view : observations.views) view_rows = std::max(view_rows, std::bit_ceil(view.wl.size()));
+        for (const ObservedView& view : observations.views)
+            view_rows = std::max(view_rows, std::bit_ceil(view.wl.size()));
     }
     // Padding rows: any direction is fine, the weight is 0.
     const std::size_t rows = whole_blocks() * k_block;
@@ -58,16 +59,16 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     if (views > 0) add_views(observations.views);
 }
 
-void Rows::add_views(const std::vector<SeenView>& all) {
+void Rows::add_views(const std::vector<ObservedView>& all) {
     const std::size_t begin = first_view_block() * k_block;
     std::vector<Pixels::Triplet> colours;
     for (std::size_t k = 0; k < views; ++k) {
-        const SeenView& view = all[k];
+        const ObservedView& view = all[k];
         const std::size_t first = begin + k * view_rows;
         for (std::size_t i = 0; i < view.wl.size(); ++i)
             set(first + i, view.wl[i], view.wv, 1, [&](std::size_t c) { return view.f[i][int(c)]; });
         first_pixel.push_back(pixel.size());
-        for (const SeenPixel& seen : view.pixels) {
+        for (const ObservedPixel& seen : view.pixels) {
             const bool single = seen.weight.size() == 1;
             pixel.push_back({single ? first + seen.first : first, single, seen.weight[0], light.size()});
             if (!single) light.resize(light.size() + view_rows);

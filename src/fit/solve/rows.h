@@ -26,7 +26,7 @@ struct Extent {
 /// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each radiance, which
 /// contributes the square of a sum; then the blocks of views, whose pixels are sums over rows.
 struct Rows {
-    /// All observations except the checks.
+    /// All observations except the bound pairs.
     explicit Rows(const Observations& observations, const Extent& extent = {});
     std::size_t pairs = 0, blocks = 0;               ///< number of pairs, and of their blocks
     std::size_t radiances = 0, radiance_blocks = 0;  ///< number of radiances, blocks per radiance
@@ -75,7 +75,7 @@ struct Rows {
     }
 
   private:
-    void add_views(const std::vector<SeenView>& views);
+    void add_views(const std::vector<ObservedView>& views);
     /// Row i for these directions: `factor` is √w, or its replacement in a sum; f(c) the value of channel c.
     template <typename Value> void set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f);
 };

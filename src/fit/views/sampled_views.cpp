@@ -146,7 +146,7 @@ ViewRows SampledViews::rows_of(std::size_t view) const {
     for (std::size_t i = 0; i < n; ++i) {
         const double cosine = double(directions[i].z);
         if (is_finite(values[i]) && !within(directions[i]))
-            weights[i] = k_guard_importance * energy * cosine * cosine / (guards * peak);
+            weights[i] = k_horizon_importance * energy * cosine * cosine / (guards * peak);
         whole += weights[i];
     }
     for (std::size_t i = n; i < directions.size(); ++i)

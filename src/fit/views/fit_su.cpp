@@ -9,7 +9,7 @@
 #include "fit/objective/objective.h"
 #include "fit/views/fit_view.h"
 #include "fit/views/sampled_views.h"
-#include "fit/views/view_families.h"
+#include "fit/views/view_tracks.h"
 #include "parallel.h"
 #include "reporter.h"
 
@@ -21,8 +21,8 @@ constexpr std::size_t k_chain = 32;
 /// A view adopts the lobes of a neighbour whose loss is below this fraction of its own; it starts from clusterings if
 /// its loss exceeds the neighbour's by far.
 constexpr double k_better = 0.97, k_much_worse = 4;
-/// Work of trying neighbours' lobes, and of following one family of lobes, beside fitting all views once.
-constexpr double k_work_of_passes = 0.3, k_work_of_family = 0.6;
+/// Work of trying neighbours' lobes, and of following one track, beside fitting all views once.
+constexpr double k_work_of_passes = 0.3, k_work_of_track = 0.6;
 
 Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
     const auto in_range = [](const char* what, double x, double least, double most) -> Result<Done> {
@@ -60,7 +60,7 @@ struct ViewByView {
 
     /// All work of a fit, that of a view in the other stages being 1.
     static double work(std::size_t views, bool of_pictures) {
-        return double(views) * (of_pictures ? 2 + k_work_of_family * double(k_families) : 3 + k_work_of_passes);
+        return double(views) * (of_pictures ? 2 + k_work_of_track * double(k_tracks) : 3 + k_work_of_passes);
     }
 
     /// Calls body(problem, chain) for each chain of views, with working memory.
@@ -123,23 +123,22 @@ struct ViewByView {
         if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
     }
 
-    /// With pictures: one of the families of lobes in each view.
-    void choose_families(SuModel& model) {
+    /// With pictures: one of the tracks in each view.
+    void choose_tracks(SuModel& model) {
         const auto done = [&](double views_done) {
-            return reporter.advance("following lobes", k_work_of_family * double(k_families) * views_done);
+            return reporter.advance("following lobes", k_work_of_track * double(k_tracks) * views_done);
         };
-        const std::vector<SeenFit> chosen = fit_families(views, fits, share, options.lobes, shaped, done);
+        const std::vector<ViewFit> chosen = fit_tracks(views, fits, share, options.lobes, shaped, done);
         for (std::size_t i = 0; i < chosen.size(); ++i) store(model, i, chosen[i]);
     }
     /// Stores the lobes of all views and their coefficients.
     void finish(SuModel& model) {
         each_chain("finishing", [&](ViewProblem& problem, Chain chain) {
             for (std::size_t i = chain.begin; i < chain.end; ++i)
-                if (!fits[i].is_empty())
-                    store(model, i, fit_seen_coefficients(problem, views.rows(i), fits[i].lobes, 0));
+                if (!fits[i].is_empty()) store(model, i, fit_coefficients(problem, views.rows(i), fits[i].lobes, 0));
         });
     }
-    void store(SuModel& model, std::size_t i, const SeenFit& fit) const {
+    void store(SuModel& model, std::size_t i, const ViewFit& fit) const {
         for (std::size_t j = 0; j < fit.lobes.size(); ++j) {
             const std::size_t k = i * lobes + j;
             store_coefficient(model, k, fit.coefficient[j]);
@@ -160,7 +159,7 @@ struct ViewByView {
                 for (std::size_t k = i * lobes; k < (i + 1) * lobes; ++k)
                     stored.push_back(
                         {to_double(model.centre[k]), double(model.bandwidth[k]), shaped ? double(model.shape[k]) : 0});
-                const SeenFit fit = fit_seen_coefficients(problem, views.rows(i), stored, share[i]);
+                const ViewFit fit = fit_coefficients(problem, views.rows(i), stored, share[i]);
                 for (std::size_t j = 0; j < lobes; ++j) store_coefficient(model, i * lobes + j, fit.coefficient[j]);
             }
         });
@@ -213,7 +212,7 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
         result->unrounded = black_views(matrix, options, all.shaped);
         all.fit_views();
         if (all.of_pictures) {
-            all.choose_families(result->unrounded);
+            all.choose_tracks(result->unrounded);
         } else {
             all.compare_neighbours();
             all.finish(result->unrounded);

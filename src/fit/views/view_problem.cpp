@@ -39,8 +39,7 @@ void ViewProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen:
             if (!free.empty()) {
                 Eigen::MatrixXd EE = gram()(free, free);
                 EE.diagonal() *= 1 + k_ridge;
-                const Eigen::MatrixXd along = DE(Eigen::all, free);
-                across -= along * EE.ldlt().solve(along.transpose());
+                eliminate(EE, DE(Eigen::all, free), across);
             }
             last_free = free;
         }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 
 #include "fit/solve/lobes.h"
 #include "parallel.h"
@@ -13,15 +14,16 @@
 namespace srbf {
 namespace {
 
-/// What an edge costs whose mean ΔE_ITP is 1, relative to as large an error of one view's pixels.
+/// What an edge costs whose mean ΔE_ITP is 1, relative to as large an error of one view's pixels: as much as if that
+/// many views were off by it.
 constexpr double k_edge = 20;
-/// A track begins with this many more fits of its first view.
-constexpr int k_first_fits = 4;
 /// An edge is faded, over so many views on either side, if it exceeds the mean of the edges of so many nearby by this
 /// factor. What continues across it may have edges up to a factor times that mean, or up to a share of the faded one,
 /// and cost up to a factor more than the choice.
 constexpr std::size_t k_near = 16, k_most_faded = 64;
 constexpr double k_visible_edge = 1.5, k_continued_edge = 2, k_continued_share = 0.5, k_continued_cost = 2;
+/// A track begins with this many more fits of its first view, each of a few steps with pixels.
+constexpr int k_first_fits = 4;
 /// A view's lobes are means over views whose cosines differ by less, unless their loss is larger by a factor.
 constexpr double k_mean_range = 1.0 / 192, k_cost_of_mean = 1.1;
 /// Views after which progress is told, and the share of the work that means are.
@@ -54,7 +56,7 @@ std::vector<Aligned<float>> colours(const ViewRows& rows, const ViewFit& fit) {
 Pixels::Colours columns_of(const Aligned<float>& block) { return {&block[0], &block[k_block], &block[2 * k_block]}; }
 
 /// The visible errors that edges are, between the fits of a view and those of its neighbour, whose lobes have been moved
-/// to the view: the mean ΔE_ITP of the view's pixels.
+/// to the view: Σ ΔE_ITP of the view's pixels.
 Eigen::MatrixXd edges(const ViewRows& rows, std::span<const ViewFit> fits, std::span<const ViewFit> neighbours) {
     const auto all_colours = [&](std::span<const ViewFit> of) {
         std::vector<std::vector<Aligned<float>>> all;
@@ -72,8 +74,7 @@ Eigen::MatrixXd edges(const ViewRows& rows, std::span<const ViewFit> fits, std::
         const Pixels pixels(reference);
         for (std::size_t b = 0; b < neighbours.size(); ++b)
             for (std::size_t block = 0; block < pixels.blocks(); ++block)
-                apart(Eigen::Index(a), Eigen::Index(b)) +=
-                    pixels.delta_e(block, columns_of(there[b][block])) / double(count);
+                apart(Eigen::Index(a), Eigen::Index(b)) += pixels.delta_e(block, columns_of(there[b][block]));
     }
     return apart;
 }
@@ -168,17 +169,40 @@ using Followed = std::vector<std::vector<ViewFit>>;
 /// The stages of `fit_tracks`, in the order in which they follow.
 struct Tracks {
     const SampledViews& views;
-    std::span<const ViewFit> fits;
-    std::span<const double> share;
     int lobes;
     bool shaped;
     std::vector<std::size_t> with_data = {};
+    std::vector<ViewFit> begun = {};  ///< of each track: the fit by pairs of the view where it begins
+    double share = 0;                 ///< what a pixel costs
 
     std::size_t count() const { return std::min(k_tracks, with_data.size()); }
     const ViewRows& rows(std::size_t i) const { return views.rows(with_data[i]); }
-    double share_of(std::size_t i) const { return share[with_data[i]]; }
+    double share_of(std::size_t i) const { return rows(i).pixels.reference.count() > 0 ? share : 0; }
+    /// The view where a track begins: they are evenly spread.
+    std::size_t beginning(std::size_t track) const { return (2 * track + 1) * with_data.size() / (2 * count()); }
     ViewFit next(ViewProblem& problem, std::size_t i, std::size_t from, const std::vector<ViewLobe>& its) const {
         return fit_with_pixels(problem, rows(i), moved(its, rows(from).view, rows(i).view), share_of(i));
+    }
+
+    /// Finds views with data, fits those where tracks begin, and sets the share to the geometric mean of what suits
+    /// these: one for all views, so that nothing but the measurement changes from view to view.
+    void begin(std::uint64_t seed) {
+        for (std::size_t i = 0; i < views.count(); ++i)
+            if (views.rows(i).scale > 0) with_data.push_back(i);
+        begun.resize(count());
+        std::vector<double> of_track(count());
+        parallel_for(count(), [&](std::size_t track) {
+            std::seed_seq seeds{std::uint32_t(seed), std::uint32_t(seed >> 32), std::uint32_t(track)};
+            std::mt19937_64 random(seeds);
+            ViewProblem problem(lobes, shaped);
+            const ViewRows& first = rows(beginning(track));
+            begun[track] = fit_view_from_scratch(problem, first, std::size_t(lobes), random);
+            of_track[track] = pixel_share(problem, first, begun[track]);
+        });
+        std::erase(of_track, 0.0);
+        double sum = 0;
+        for (const double of : of_track) sum += elementary::log(of) / double(of_track.size());
+        if (!of_track.empty()) share = elementary::exp(sum);
     }
 
     /// The two ways from where a track begins are followed side by side. Nothing if stopped.
@@ -187,11 +211,11 @@ struct Tracks {
         Followed followed(n, std::vector<ViewFit>(count()));
         parallel_for(2 * count(), [&](std::size_t way) {
             ViewProblem problem(lobes, shaped);
-            const std::size_t track = way / 2, begin = (2 * track + 1) * n / (2 * count());
-            ViewFit last = next(problem, begin, begin, fits[with_data[begin]].lobes);
-            for (int more = 0; more < k_first_fits; ++more) last = next(problem, begin, begin, last.lobes);
-            if (way % 2 == 0) followed[begin][track] = last;
-            for (std::size_t i = begin; way % 2 == 0 ? i-- > 0 : ++i < n;) {
+            const std::size_t track = way / 2, first = beginning(track);
+            ViewFit last = next(problem, first, first, begun[track].lobes);
+            for (int more = 0; more < k_first_fits; ++more) last = next(problem, first, first, last.lobes);
+            if (way % 2 == 0) followed[first][track] = last;
+            for (std::size_t i = first; way % 2 == 0 ? i-- > 0 : ++i < n;) {
                 const std::size_t from = way % 2 == 0 ? i + 1 : i - 1;
                 last = followed[i][track] = next(problem, i, from, last.lobes);
                 if (i % k_told == 0 && !done((1 - k_work_of_means) * double(k_told) / double(count()))) return;
@@ -241,23 +265,19 @@ struct Tracks {
         return result;
     }
 
-    /// The track of each view.
+    /// The track of each view. Errors of a view count by its projected area.
     std::vector<std::size_t> choice(const Followed& followed) const {
         const std::size_t n = followed.size();
         std::vector<Eigen::VectorXd> cost(n);
         std::vector<Eigen::MatrixXd> between(n > 0 ? n - 1 : 0);
         parallel_for(n, [&](std::size_t i) {
-            // A view is visible by its projected area.
-            const double area = double(rows(i).view.z), pixels = share_of(i) * double(rows(i).pixels.reference.count());
-            const auto tracks = Eigen::Index(count());
-            cost[i].resize(tracks);
-            for (Eigen::Index a = 0; a < tracks; ++a)
-                cost[i][a] = area * followed[i][std::size_t(a)].loss / (pixels > 0 ? pixels : 1);
+            const double area = double(rows(i).view.z);
+            cost[i].resize(Eigen::Index(count()));
+            for (std::size_t a = 0; a < count(); ++a) cost[i][Eigen::Index(a)] = area * followed[i][a].loss;
             if (i + 1 == n) return;
             std::vector<ViewFit> neighbours = followed[i + 1];
             for (ViewFit& fit : neighbours) fit.lobes = moved(fit.lobes, rows(i + 1).view, rows(i).view);
-            between[i] = Eigen::MatrixXd::Zero(tracks, tracks);
-            if (pixels > 0) between[i] = k_edge * area * edges(rows(i), followed[i], neighbours);
+            between[i] = k_edge * area * share * edges(rows(i), followed[i], neighbours);
         });
         return faded(viterbi_path(cost, between), cost, between);
     }
@@ -265,16 +285,15 @@ struct Tracks {
 
 }  // namespace
 
-std::vector<ViewFit> fit_tracks(const SampledViews& views, std::span<const ViewFit> fits, std::span<const double> share,
-                                int lobes, bool shaped, const std::function<bool(double)>& done) {
-    Tracks tracks{views, fits, share, lobes, shaped};
-    for (std::size_t i = 0; i < fits.size(); ++i)
-        if (!fits[i].is_empty()) tracks.with_data.push_back(i);
-    std::vector<ViewFit> result(views.count());
+TrackFits fit_tracks(const SampledViews& views, int lobes, bool shaped, std::uint64_t seed,
+                     const std::function<bool(double)>& done) {
+    Tracks tracks{views, lobes, shaped};
+    tracks.begin(seed);
     Followed followed = tracks.smoothed(tracks.follow(done), done);
     const std::vector<std::size_t> path = tracks.choice(followed);
-    for (std::size_t i = 0; i < path.size(); ++i) result[tracks.with_data[i]] = std::move(followed[i][path[i]]);
-    return result;
+    TrackFits fits{std::vector<ViewFit>(views.count()), tracks.share};
+    for (std::size_t i = 0; i < path.size(); ++i) fits.view[tracks.with_data[i]] = std::move(followed[i][path[i]]);
+    return fits;
 }
 
 }  // namespace srbf

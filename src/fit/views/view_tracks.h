@@ -1,5 +1,6 @@
 // Tracks: lobes of one view, followed through all others.
 #pragma once
+#include <cstdint>
 #include <functional>
 
 #include "fit/views/fit_view.h"
@@ -7,17 +8,19 @@
 
 namespace srbf {
 
-/// The fit of each view to its pairs and pixels, empty where it has no data. Neighbouring views that are fitted each
-/// for itself often have different lobes of like loss, and the edge between them shows as a ring. So the fits of a few
-/// views are followed through all others, smoothed by taking means over the views nearby, and each view takes one of
-/// these tracks: those with the least sum of the losses, by what pixels cost, and of the visible errors that edges
-/// between neighbours are. `fits`: of the pairs alone. `share`: what a pixel of each view costs, 0 in views without
-/// pixels. `done` is told how much has been done, the number of views in all; it returns false to stop, and all fits
-/// are empty then.
-std::vector<ViewFit> fit_tracks(const SampledViews& views, std::span<const ViewFit> fits, std::span<const double> share,
-                                int lobes, bool shaped, const std::function<bool(double)>& done);
+struct TrackFits {
+    std::vector<ViewFit> view;  ///< empty where there is no data
+    double share = 0;           ///< what a pixel of any view costs
+};
+/// The fit of each view to its pairs and pixels. Neighbouring views that are fitted each for itself often have different
+/// lobes of like loss, and the edge between them shows as a ring. So the fits of a few views are followed through all
+/// others, smoothed by taking means over the views nearby, and each view takes one of these tracks: those with the least
+/// sum of the losses and of the visible errors that edges between neighbours are. `done` is told how much has been done,
+/// the number of views in all; it returns false to stop, and all fits are empty then.
+TrackFits fit_tracks(const SampledViews& views, int lobes, bool shaped, std::uint64_t seed,
+                     const std::function<bool(double)>& done);
 /// The number of tracks, by which the work of `fit_tracks` is measured.
-inline constexpr std::size_t k_tracks = 8;
+inline constexpr std::size_t k_tracks = 5;
 
 /// The path a_0, a_1, … that minimises Σ cost_i(a_i) + Σ between_i(a_i, a_i+1), the cost of an edge from i to i+1, by
 /// Viterbi's algorithm.

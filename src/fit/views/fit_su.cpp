@@ -19,8 +19,8 @@ namespace {
 /// Number of consecutive views that are fitted one from the other; the first of them starts from clusterings.
 constexpr std::size_t k_chain = 32;
 /// A view adopts the lobes of a neighbour whose loss is below this fraction of its own; it starts from clusterings if
-/// its loss exceeds the neighbour's by far.
-constexpr double k_better = 0.97, k_much_worse = 4;
+/// its loss exceeds the neighbour's by far, and what exact fits have, too.
+constexpr double k_better = 0.97, k_much_worse = 4, k_exact_loss = 1e-9;
 /// Work of trying neighbours' lobes beside fitting all views once, and of following one track beside finding all
 /// coefficients once; as measured.
 constexpr double k_work_of_passes = 0.3, k_work_of_track = 6;
@@ -91,7 +91,7 @@ struct ViewByView {
                 const ViewRows& rows = views.rows(i);
                 if (!(rows.scale > 0)) continue;
                 if (last) fits[i] = from_view(problem, i, *last, fits[*last].lobes);
-                if (!last || fits[i].loss > k_much_worse * fits[*last].loss + 1e-9) {
+                if (!last || fits[i].loss > k_much_worse * fits[*last].loss + k_exact_loss) {
                     ViewFit fit = fit_view_from_scratch(problem, rows, lobes, random);
                     if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
                 }

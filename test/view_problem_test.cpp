@@ -1,7 +1,7 @@
 // The lobes of one view as a least-squares problem: its loss and derivatives.
 #include "fit/views/view_problem.h"
 
-#include "fit/views/view_in_pictures.h"
+#include "fit/views/view_with_pixels.h"
 
 #include "fit/solve/least_squares.h"
 #include "properties.h"
@@ -42,6 +42,7 @@ TEST(ViewProblem, LossCountsPairsAndRadiances) {
     const ViewRows view = rows(true);
     ViewProblem problem(2);
     const double loss = problem.loss(problem.start(view, k_lobes));
+    const auto coefficient = problem.coefficients(problem.beta());
     double expected = 0;
     for (int c = 0; c < 3; ++c) {
         double off[2]{};
@@ -51,7 +52,7 @@ TEST(ViewProblem, LossCountsPairsAndRadiances) {
                 const auto& [centre, bandwidth, shape] = k_lobes[std::size_t(j)];
                 const double cosine = view.directions.w[0][i] * centre.x + view.directions.w[1][i] * centre.y +
                                       view.directions.w[2][i] * centre.z;
-                rest -= double(view.root_weight[i]) * problem.coefficient(j, c) / view.scale *
+                rest -= double(view.root_weight[i]) * coefficient[std::size_t(j)][std::size_t(c)] / view.scale *
                         elementary::exp(bandwidth * (cosine - 1) - shape * (1 / double(view.directions.w[2][i]) - 1));
             }
             expected += rest * rest;
@@ -88,22 +89,22 @@ TEST(ViewProblem, GradientIsThatOfTheLoss) {
 }
 
 /// With pixels: every seventh direction, under a light that lets some of them clip.
-ViewRows seen_rows() {
+ViewRows rows_with_pixels() {
     ViewRows view = rows(true);
     std::vector<Vec3f> towards;
     std::vector<Pixels::Triplet> colours;
-    view.seen.exposure.assign(k_block, 0.f);
+    view.pixels.exposure.assign(k_block, 0.f);
     for (std::size_t i = 0; i < 900; i += 7) {
         if (i % 10 == 3) continue;
         const double exposure = 0.8;
         Pixels::Triplet colour;
         for (std::size_t c = 0; c < 3; ++c) colour[c] = exposure * double(view.y[c][i]) / double(view.root_weight[i]);
         towards.push_back({view.directions.w[0][i], view.directions.w[1][i], view.directions.w[2][i]});
-        view.seen.exposure[colours.size()] = float(exposure);
+        view.pixels.exposure[colours.size()] = float(exposure);
         colours.push_back(colour);
     }
-    view.seen.directions = DirectionRows(towards);
-    view.seen.pixels = Pixels(colours);
+    view.pixels.directions = DirectionRows(towards);
+    view.pixels.reference = Pixels(colours);
     return view;
 }
 
@@ -146,48 +147,53 @@ TEST(ViewProblem, ShapesPassThroughZeroFromFitToFit) {
     EXPECT_NEAR(lobes[0].shape, 0.5, 1e-3);
 }
 
-TEST(ViewInPictures, PixelsCostWhatIsAsked) {
-    const ViewRows view = seen_rows();
+/// The problem of these lobes, about which `problem` is, and of pixels that cost `importance` times the loss of pairs.
+ViewWithPixels with_pixels(ViewProblem& problem, const Eigen::VectorXd& lobes, double importance,
+                           bool only_coefficients = false) {
+    const double loss = problem.loss(lobes);
+    ViewWithPixels unweighted(problem, lobes, 1);
+    const double errors = unweighted.loss(unweighted.start(lobes)) - loss;
+    return {problem, lobes, importance * loss / errors, only_coefficients};
+}
+
+TEST(ViewWithPixels, PixelsCostTheirShare) {
+    const ViewRows view = rows_with_pixels();
     ViewProblem problem(2, true);
     const Eigen::VectorXd lobes = problem.start(view, k_bent);
     const double loss = problem.loss(lobes);
-    ViewInPictures seen(problem);
-    const Eigen::VectorXd x = seen.start(lobes, seen.share(lobes, loss, 3));
-    EXPECT_TRUE(near_relative(seen.loss(x), 4 * loss, 1e-6));
+    ViewWithPixels pixels = with_pixels(problem, lobes, 3);
+    EXPECT_TRUE(near_relative(pixels.loss(pixels.start(lobes)), 4 * loss, 1e-6));
 }
 
-TEST(ViewInPictures, GradientIsThatOfTheLoss) {
-    const ViewRows view = seen_rows();
+TEST(ViewWithPixels, GradientIsThatOfTheLoss) {
+    const ViewRows view = rows_with_pixels();
     ViewProblem problem(2, true);
     const Eigen::VectorXd lobes = problem.start(view, k_bent);
-    const double start = problem.loss(lobes);
-    ViewInPictures seen(problem);
-    Eigen::VectorXd x = seen.start(lobes, seen.share(lobes, start, 3));
+    ViewWithPixels pixels = with_pixels(problem, lobes, 3);
+    Eigen::VectorXd x = pixels.start(lobes);
     x.tail(6) *= 0.9;  // inside the bounds
     Eigen::MatrixXd H;
     Eigen::VectorXd g;
-    const double loss = seen.loss(x);
-    seen.linearise(x, H, g);
+    const double loss = pixels.loss(x);
+    pixels.linearise(x, H, g);
     EXPECT_TRUE(H.isApprox(H.transpose()));
     for (Eigen::Index i = 0; i < x.size(); ++i) {
         constexpr double step = 1e-3;
         Eigen::VectorXd more = x, less = x;
         more[i] += step, less[i] -= step;
-        const double difference = (seen.loss(more) - seen.loss(less)) / (2 * step);
+        const double difference = (pixels.loss(more) - pixels.loss(less)) / (2 * step);
         EXPECT_TRUE(near(2 * g[i], difference, 1e-2 * loss)) << i << ' ' << 2 * g[i] << ' ' << difference;
     }
 }
 
-TEST(ViewInPictures, StepsLowerWhatIsSeen) {
-    const ViewRows view = seen_rows();
+TEST(ViewWithPixels, StepsLowerTheLoss) {
+    const ViewRows view = rows_with_pixels();
     ViewProblem problem(2, true);
     const Eigen::VectorXd lobes = problem.start(view, k_bent);
-    const double loss = problem.loss(lobes);
     for (const bool only_coefficients : {true, false}) {
-        problem.loss(lobes);
-        ViewInPictures seen(problem);
-        Eigen::VectorXd x = seen.start(lobes, seen.share(lobes, loss, 3), only_coefficients);
-        const double before = seen.loss(x), after = levenberg_marquardt(seen, x, {}).loss;
+        ViewWithPixels pixels = with_pixels(problem, lobes, 3, only_coefficients);
+        Eigen::VectorXd x = pixels.start(lobes);
+        const double before = pixels.loss(x), after = levenberg_marquardt(pixels, x, {}).loss;
         EXPECT_LT(after, (only_coefficients ? 0.999 : 0.95) * before);
         EXPECT_EQ(x.size(), (only_coefficients ? 0 : lobes.size()) + 6);
         if (!only_coefficients) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fit/data/observations.h"
+#include "fit/objective/importances.h"
 #include "parallel.h"
 #include "srbf/elementary.h"
 #include "weighted_quantile.h"
@@ -16,7 +17,7 @@ constexpr double k_bright_quantile = 0.75;
 
 /// If a highlight contains nearly all of Σ w |f|², the body under it, which dominates away from the mirror direction,
 /// has almost no weight in the objective cosine; and the highlight has little weight in appearance, its peak less.
-constexpr double k_body_importance = 5e-3, k_highlight_importance = 1, k_peak_importance = 0.03;
+constexpr double k_body_importance = 5e-3, k_peak_importance = 0.03;
 
 double cosine_weight(double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }
 double cube_root_weight(double f, double mean, double, double) {
@@ -77,7 +78,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .max_theta = 89,
      .weight = [](double f, double bright, double cos_l,
                   double cos_v) { return elementary::square(displayed_slope(f, bright, cos_l)) * cos_v; },
-     .further = {{{highlight_weight, k_highlight_importance}, {cosine_weight, k_peak_importance}}},
+     .further = {{{highlight_weight, k_highlights.multivariate}, {cosine_weight, k_peak_importance}}},
      .seen = displayed,
      .slope = displayed_slope,
      .of_pictures = true},

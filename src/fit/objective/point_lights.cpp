@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "fit/data/observations.h"
+#include "fit/objective/importances.h"
 #include "fit/objective/objective.h"
 #include "srbf/elementary.h"
 
@@ -13,13 +14,11 @@ namespace srbf {
 namespace {
 
 /// Phases that are told apart, each from 0 to π by its share.
-constexpr std::size_t k_phases = 16;
+constexpr std::size_t k_phases = k_energy_intervals;
 using OfPhases = std::array<double, k_phases>;
 /// Of a pixel [squared radii of the sphere]: 64 of them across.
 constexpr double k_pixel_area = 1.0 / (32 * 32);
 constexpr int k_energy_steps = 20;
-/// What radiance costs relative to the loss of the pairs.
-constexpr double k_phase_share = 5;
 /// They cost less where their mean error, relative to their energy, exceeds this: what no lobes can match would decide.
 constexpr double k_most_relative_rms = 0.25;
 /// A phase counts as if its error were at least this share of the largest.
@@ -104,7 +103,8 @@ void add_point_lights(Observations& observations, const Evaluate& fitted) {
         sum += factor[k] * rms[k] * rms[k];
         lit += root_of_lit, relative += root_of_lit * rms[k] / std::sqrt(energy[k]);
     }
-    const double share = k_phase_share * std::min(1.0, elementary::square(k_most_relative_rms * lit / relative));
+    const double share =
+        k_point_lights.multivariate * std::min(1.0, elementary::square(k_most_relative_rms * lit / relative));
     for (std::size_t i = 0; i < count; ++i) observations.weight[i] += share * loss / sum * factor[phase[i]] * added[i];
 }
 

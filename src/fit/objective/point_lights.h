@@ -28,7 +28,7 @@ std::vector<double> point_light_weights(std::span<const Vec3f> wl, std::span<con
 
 /// Adds the observations' `point_light_weight`, which then is empty, to the weights: each phase's by the reciprocal of its
 /// root mean square for what is fitted, so that a step lowers the sum of the roots, and all of them such that they cost
-/// k_phase_share times as much as the sum does so far.
+/// k_point_lights times as much as the sum does so far.
 void add_point_lights(Observations& observations, const Evaluate& fitted);
 
 }  // namespace srbf

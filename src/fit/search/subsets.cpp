@@ -5,6 +5,7 @@
 
 #include "fit/data/observations.h"
 #include "fit/objective/bound.h"
+#include "fit/objective/importances.h"
 #include "fit/objective/objective.h"
 #include "fit/objective/point_lights.h"
 #include "fit/solve/rounding.h"
@@ -23,8 +24,8 @@ constexpr double k_most_radiance_loss = 0.004;
 /// What radiances cost more beside weights of point lights, which are several times the loss of the pairs and see highlights most.
 constexpr double k_radiances_beside_point_lights = 8;
 
-/// The pictures' share of the sum relative to that of the pairs, and beside weights of point lights.
-constexpr double k_picture_share = 2, k_pictures_beside_point_lights = 3.5;
+/// The pictures' share of the sum relative to that of the pairs, while there are no weights of point lights.
+constexpr double k_picture_share = 2;
 
 /// At most this many of them, uniformly spaced.
 std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {
@@ -98,7 +99,7 @@ double Subsets::picture_importance(const Candidate& candidate, const Stage& stag
     const Rows seen = rows(stage, k_negligible);
     LobeProblem problem(seen, shape_of(options), true, log_peak_limit);
     problem.loss(pack(candidate.lobes));
-    return (has_point_lights_ ? k_pictures_beside_point_lights : k_picture_share) * loss_ /
+    return (has_point_lights_ ? k_pixels.multivariate : k_picture_share) * loss_ /
            std::max(problem.delta_e(), k_least_delta_e);
 }
 

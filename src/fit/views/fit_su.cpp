@@ -9,7 +9,7 @@
 #include "fit/objective/objective.h"
 #include "fit/views/fit_view.h"
 #include "fit/views/sampled_views.h"
-#include "fit/views/view_families.h"
+#include "fit/views/view_tracks.h"
 #include "parallel.h"
 #include "reporter.h"
 
@@ -19,10 +19,11 @@ namespace {
 /// Number of consecutive views that are fitted one from the other; the first of them starts from clusterings.
 constexpr std::size_t k_chain = 32;
 /// A view adopts the lobes of a neighbour whose loss is below this fraction of its own; it starts from clusterings if
-/// its loss exceeds the neighbour's by far.
-constexpr double k_better = 0.97, k_much_worse = 4;
-/// Work of trying neighbours' lobes, and of following one family of lobes, beside fitting all views once.
-constexpr double k_work_of_passes = 0.3, k_work_of_family = 0.6;
+/// its loss exceeds the neighbour's by far, and what exact fits have, too.
+constexpr double k_better = 0.97, k_much_worse = 4, k_exact_loss = 1e-9;
+/// Work of trying neighbours' lobes beside fitting all views once, and of following one track beside finding all
+/// coefficients once; as measured.
+constexpr double k_work_of_passes = 0.3, k_work_of_track = 6;
 
 Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
     const auto in_range = [](const char* what, double x, double least, double most) -> Result<Done> {
@@ -56,11 +57,11 @@ struct ViewByView {
     bool shaped = options.shaped.value_or(of_pictures);
     std::size_t lobes = std::size_t(options.lobes);
     std::vector<ViewFit> fits = std::vector<ViewFit>(views.count());
-    std::vector<double> share = std::vector<double>(views.count(), 0.0);  ///< what a view's pixels cost each
+    double share = 0;  ///< what a pixel of any view costs
 
     /// All work of a fit, that of a view in the other stages being 1.
     static double work(std::size_t views, bool of_pictures) {
-        return double(views) * (of_pictures ? 2 + k_work_of_family * double(k_families) : 3 + k_work_of_passes);
+        return double(views) * (of_pictures ? 1 + k_work_of_track * double(k_tracks) : 3 + k_work_of_passes);
     }
 
     /// Calls body(problem, chain) for each chain of views, with working memory.
@@ -76,8 +77,7 @@ struct ViewByView {
     /// The fit of view i from the lobes of another view.
     ViewFit from_view(ViewProblem& problem, std::size_t i, std::size_t from,
                       const std::vector<ViewLobe>& its_lobes) const {
-        return fit_view(problem, views.rows(i),
-                        (of_pictures ? moved : rotated)(its_lobes, views.direction(from), views.direction(i)));
+        return fit_view(problem, views.rows(i), rotated(its_lobes, views.direction(from), views.direction(i)));
     }
 
     /// Each view from the previous one of its chain, and from scratch where there is none or that leads nowhere.
@@ -91,11 +91,10 @@ struct ViewByView {
                 const ViewRows& rows = views.rows(i);
                 if (!(rows.scale > 0)) continue;
                 if (last) fits[i] = from_view(problem, i, *last, fits[*last].lobes);
-                if (!last || fits[i].loss > k_much_worse * fits[*last].loss + 1e-9) {
+                if (!last || fits[i].loss > k_much_worse * fits[*last].loss + k_exact_loss) {
                     ViewFit fit = fit_view_from_scratch(problem, rows, lobes, random);
                     if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
                 }
-                share[i] = pixel_share(problem, rows, fits[i]);
                 last = i;
             }
         });
@@ -123,24 +122,33 @@ struct ViewByView {
         if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
     }
 
-    /// With pictures: one of the families of lobes in each view.
-    void choose_families(SuModel& model) {
-        const auto done = [&](double views_done) {
-            return reporter.advance("following lobes", k_work_of_family * double(k_families) * views_done);
-        };
-        const std::vector<SeenFit> chosen = fit_families(views, fits, share, options.lobes, shaped, done);
-        for (std::size_t i = 0; i < chosen.size(); ++i) store(model, i, chosen[i]);
-    }
-    /// Stores the lobes of all views and their coefficients.
-    void finish(SuModel& model) {
+    /// The coefficients of all views.
+    void finish() {
         each_chain("finishing", [&](ViewProblem& problem, Chain chain) {
             for (std::size_t i = chain.begin; i < chain.end; ++i)
-                if (!fits[i].is_empty())
-                    store(model, i, fit_seen_coefficients(problem, views.rows(i), fits[i].lobes, 0));
+                if (!fits[i].is_empty()) fits[i].coefficient = coefficients(problem, i, fits[i].lobes);
         });
     }
-    void store(SuModel& model, std::size_t i, const SeenFit& fit) const {
-        for (std::size_t j = 0; j < fit.lobes.size(); ++j) {
+    std::vector<std::array<double, 3>> coefficients(ViewProblem& problem, std::size_t i,
+                                                    const std::vector<ViewLobe>& its_lobes) const {
+        const ViewRows& rows = views.rows(i);
+        return fit_coefficients(problem, rows, its_lobes, rows.pixels.reference.count() > 0 ? share : 0).coefficient;
+    }
+
+    /// With pictures: one of the tracks in each view.
+    void choose_tracks() {
+        const auto done = [&](double views_done) {
+            return reporter.advance("following lobes", k_work_of_track * double(k_tracks) * views_done);
+        };
+        TrackFits tracks = fit_tracks(views, options.lobes, shaped, options.seed, done);
+        fits = std::move(tracks.view), share = tracks.share;
+    }
+
+    void store(SuModel& model) const {
+        for (std::size_t i = 0; i < fits.size(); ++i) store(model, i, fits[i]);
+    }
+    void store(SuModel& model, std::size_t i, const ViewFit& fit) const {
+        for (std::size_t j = 0; j < fit.coefficient.size(); ++j) {  // none if cancelled
             const std::size_t k = i * lobes + j;
             store_coefficient(model, k, fit.coefficient[j]);
             model.centre[k] = to_float(fit.lobes[j].centre);
@@ -160,8 +168,8 @@ struct ViewByView {
                 for (std::size_t k = i * lobes; k < (i + 1) * lobes; ++k)
                     stored.push_back(
                         {to_double(model.centre[k]), double(model.bandwidth[k]), shaped ? double(model.shape[k]) : 0});
-                const SeenFit fit = fit_seen_coefficients(problem, views.rows(i), stored, share[i]);
-                for (std::size_t j = 0; j < lobes; ++j) store_coefficient(model, i * lobes + j, fit.coefficient[j]);
+                const auto again = coefficients(problem, i, stored);
+                for (std::size_t j = 0; j < lobes; ++j) store_coefficient(model, i * lobes + j, again[j]);
             }
         });
     }
@@ -211,13 +219,14 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
         }
         ViewByView all{views, options, reporter};
         result->unrounded = black_views(matrix, options, all.shaped);
-        all.fit_views();
         if (all.of_pictures) {
-            all.choose_families(result->unrounded);
+            all.choose_tracks();
         } else {
+            all.fit_views();
             all.compare_neighbours();
-            all.finish(result->unrounded);
+            all.finish();
         }
+        all.store(result->unrounded);
         // The nonlinear parameters are rounded, then the coefficients are solved again.
         result->model = rounded(result->unrounded);
         all.solve_again(result->model);

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/views/view_in_pictures.h"
+#include "fit/objective/importances.h"
+#include "fit/views/view_with_pixels.h"
 #include "fit/views/vmf_clusters.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
@@ -12,23 +13,36 @@
 namespace srbf {
 namespace {
 
+/// Steps of Levenberg-Marquardt, at most: from a neighbour's lobes, which are nearly right; from a clustering, which is
+/// not; and after a lobe was replaced, which shows by then whether that pays.
 constexpr int k_steps = 15, k_steps_from_scratch = 40, k_steps_after_perturbation = 12;
+/// A fit ends when a step is predicted to lower the loss by no more than this share: seeds change it by more.
+constexpr double k_decrease_tolerance = 1e-4;
+/// How many times a fit from scratch replaces its least useful lobe.
 constexpr int k_view_perturbations = 8;
-/// Steps with the pixels of a view, of all variables and of rounded lobes' coefficients; and what the pixels cost
-/// relative to the rest of the loss, for the lobes that are best for that.
-constexpr int k_picture_steps = 4, k_coefficient_steps = 3;
-constexpr double k_picture_importance = 4;
+/// Bandwidth of a random lobe: from the first on, uniform in the logarithm over the second, a factor.
+constexpr double k_least_random_bandwidth = 0.3, k_random_bandwidths = 1e5;
+/// Steps with pixels, of all variables, and of the coefficients of lobes that are fixed.
+constexpr int k_pixel_steps = 4, k_coefficient_steps = 3;
+/// Beginnings at the brightest direction: lobes of bandwidths 0.5, 0.5 k, 0.5 k², … for each factor k, of at most the
+/// largest. Five lobes reach down to widths of 19°, 3.6° and 0.3°.
+constexpr double k_bandwidth_factors[] = {3, 6, 30}, k_widest = 0.5, k_narrowest = 5e4;
+/// Bandwidth of lobes that begin far apart from each other: a width of 13°.
+constexpr double k_bandwidth_apart = 20;
+/// Rounds of clustering after which a fit begins: the beginning itself, and a mixture that is nearly the most likely.
+constexpr int k_cluster_rounds[] = {0, 8};
 
-/// A neighbour's lobe may be narrowed more than one of this view.
-Eigen::VectorXd within_bounds(const ViewProblem& problem, const Eigen::VectorXd& x) {
+/// The variables at the start. A neighbour's lobe may be narrowed more than one of this view.
+Eigen::VectorXd within_bounds(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start) {
+    const Eigen::VectorXd x = problem.start(rows, start);
     return x.cwiseMax(problem.lower(x));
 }
 
 ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, int steps) {
     LevenbergMarquardtOptions options;
     options.max_iterations = steps;
-    options.decrease_tolerance = 1e-4;
-    Eigen::VectorXd x = within_bounds(problem, problem.start(rows, start));
+    options.decrease_tolerance = k_decrease_tolerance;
+    Eigen::VectorXd x = within_bounds(problem, rows, start);
     const auto summary = levenberg_marquardt(problem, x, options);
     return {problem.lobes(x), summary.loss, summary.stop};
 }
@@ -58,13 +72,13 @@ Weighted weighted(const ViewRows& rows) {
 /// each other.
 std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_t J) {
     std::vector<std::vector<ViewLobe>> starts;
-    for (const double factor : {3.0, 6.0, 30.0}) {
+    for (const double factor : k_bandwidth_factors) {
         std::vector<ViewLobe> lobes;
         for (std::size_t j = 0; j < J; ++j)
-            lobes.push_back({points.brightest, std::min(0.5 * elementary::pow(factor, double(j)), 5e4)});
+            lobes.push_back({points.brightest, std::min(k_widest * elementary::pow(factor, double(j)), k_narrowest)});
         starts.push_back(std::move(lobes));
     }
-    std::vector<ViewLobe> apart{{points.brightest, 20}};
+    std::vector<ViewLobe> apart{{points.brightest, k_bandwidth_apart}};
     std::vector<double> squared_distance(points.weight.size(), 4.0);
     while (apart.size() < J) {
         std::size_t next = 0;
@@ -74,29 +88,23 @@ std::vector<std::vector<ViewLobe>> beginnings(const Weighted& points, std::size_
             squared_distance[i] = std::min(squared_distance[i], dot(d, d));
             if (points.weight[i] * squared_distance[i] > most) most = points.weight[i] * squared_distance[i], next = i;
         }
-        apart.push_back({to_double(points.direction[next]), 20});
+        apart.push_back({to_double(points.direction[next]), k_bandwidth_apart});
     }
     starts.push_back(std::move(apart));
     return starts;
 }
 
-std::vector<std::array<double, 3>> coefficients(const ViewProblem& problem) {
-    std::vector<std::array<double, 3>> of(std::size_t(problem.count()));
-    for (std::size_t j = 0; j < of.size(); ++j)
-        for (int c = 0; c < 3; ++c) of[j][std::size_t(c)] = problem.coefficient(int(j), c);
-    return of;
-}
-/// From the lobes x, of which `problem` has just computed the loss. Has lobes unless these remain.
-SeenFit seen_fit(ViewProblem& problem, const Eigen::VectorXd& x, double share, bool only_coefficients) {
+/// From the lobes x, of which `problem` has just computed the loss. Has lobes unless these are fixed.
+ViewFit steps_with_pixels(ViewProblem& problem, const Eigen::VectorXd& x, double share, bool only_coefficients) {
     LevenbergMarquardtOptions options;
-    options.max_iterations = only_coefficients ? k_coefficient_steps : k_picture_steps;
-    options.decrease_tolerance = 1e-4;
+    options.max_iterations = only_coefficients ? k_coefficient_steps : k_pixel_steps;
+    options.decrease_tolerance = k_decrease_tolerance;
     options.adapts_to_bounds = true;
-    ViewInPictures seen(problem);
-    Eigen::VectorXd all = seen.start(x, share, only_coefficients);
-    const auto summary = levenberg_marquardt(seen, all, options);
-    SeenFit fit{{{}, summary.loss, summary.stop}, coefficients(problem)};
-    if (!only_coefficients) fit.lobes = problem.lobes(all.head(x.size()));
+    ViewWithPixels with_pixels(problem, x, share, only_coefficients);
+    Eigen::VectorXd all = with_pixels.start(x);
+    const auto summary = levenberg_marquardt(with_pixels, all, options);
+    ViewFit fit{{}, summary.loss, summary.stop, with_pixels.coefficients()};
+    if (!only_coefficients) fit.lobes = problem.lobes(all);
     return fit;
 }
 
@@ -110,7 +118,7 @@ ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::s
     const Weighted points = weighted(rows);
     ViewFit best;
     for (const auto& start : beginnings(points, lobes))
-        for (const int rounds : {0, 8}) {
+        for (const int rounds : k_cluster_rounds) {
             ViewFit fit = optimised(problem, rows, vmf_clusters(points.direction, points.weight, start, rounds),
                                     k_steps_from_scratch);
             if (fit.loss < best.loss) best = std::move(fit);
@@ -122,7 +130,7 @@ ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::s
         ViewLobe& least = next[std::size_t(std::min_element(cost.begin(), cost.end()) - cost.begin())];
         const double pick = uniform(random), size = uniform(random);
         least = {to_double(points.direction[std::size_t(pick * double(points.direction.size()))]),
-                 0.3 * elementary::pow(1e5, size)};
+                 k_least_random_bandwidth * elementary::pow(k_random_bandwidths, size)};
         ViewFit fit = optimised(problem, rows, next, k_steps_after_perturbation);
         if (fit.loss < best.loss) best = std::move(fit);
     }
@@ -151,24 +159,26 @@ std::vector<ViewLobe> moved(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to) {
 }
 
 double pixel_share(ViewProblem& problem, const ViewRows& rows, const ViewFit& fit) {
-    if (rows.seen.pixels.count() == 0) return 0;
+    if (rows.pixels.reference.count() == 0) return 0;
     const Eigen::VectorXd x = problem.start(rows, fit.lobes);
     const double loss = problem.loss(x);
-    return ViewInPictures(problem).share(x, loss, k_picture_importance);
+    ViewWithPixels with_pixels(problem, x, 1);
+    const double errors = with_pixels.loss(with_pixels.start(x)) - loss;
+    return errors > 0 ? k_pixels.view * loss / errors : 0;
 }
 
-SeenFit fit_seen(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, double share) {
-    if (!(share > 0)) return fit_seen_coefficients(problem, rows, fit_view(problem, rows, start).lobes, 0);
-    const Eigen::VectorXd x = within_bounds(problem, problem.start(rows, start));
+ViewFit fit_with_pixels(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, double share) {
+    if (!(share > 0)) return fit_coefficients(problem, rows, fit_view(problem, rows, start).lobes, 0);
+    const Eigen::VectorXd x = within_bounds(problem, rows, start);
     problem.loss(x);
-    return seen_fit(problem, x, share, false);
+    return steps_with_pixels(problem, x, share, false);
 }
 
-SeenFit fit_seen_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes,
-                              double share) {
+ViewFit fit_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes, double share) {
     const Eigen::VectorXd x = problem.start(rows, lobes);
     const double loss = problem.loss(x);
-    SeenFit fit = share > 0 ? seen_fit(problem, x, share, true) : SeenFit{{{}, loss}, coefficients(problem)};
+    ViewFit fit = share > 0 ? steps_with_pixels(problem, x, share, true)
+                            : ViewFit{{}, loss, Stop::decrease, problem.coefficients(problem.beta())};
     fit.lobes = lobes;
     return fit;
 }

@@ -1,4 +1,4 @@
-// The fit of one sampled view: from lobes that are nearly right, from scratch, and to its pixels.
+// The fit of one sampled view: from lobes that are nearly right, from scratch, and with its pixels.
 #pragma once
 #include <array>
 #include <limits>
@@ -14,6 +14,7 @@ struct ViewFit {
     std::vector<ViewLobe> lobes;
     double loss = std::numeric_limits<double>::infinity();
     Stop stop = Stop::decrease;
+    std::vector<std::array<double, 3>> coefficient = {};  ///< β of each lobe [1/sr]
     bool is_empty() const { return lobes.empty(); }
 };
 
@@ -30,17 +31,12 @@ std::vector<ViewLobe> rotated(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to)
 /// apart, where a highlight may be narrower: no gradient would find it.
 std::vector<ViewLobe> moved(std::vector<ViewLobe> lobes, Vec3f from, Vec3f to);
 
-/// A fit to a view's pixels too. `loss` is that of a `ViewInPictures`.
-struct SeenFit : ViewFit {
-    std::vector<std::array<double, 3>> coefficient;  ///< β of each lobe [1/sr]
-};
 /// What a pixel of the view costs: all of them a constant times as much as the rest of the loss, for this fit without
 /// them. 0 if the view has none.
 double pixel_share(ViewProblem& problem, const ViewRows& rows, const ViewFit& fit);
-/// From these lobes, such as a neighbour's, a few steps by pairs and pixels.
-SeenFit fit_seen(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, double share);
+/// From these lobes, such as a neighbour's, a few steps by pairs and pixels. `share`: what a pixel costs.
+ViewFit fit_with_pixels(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, double share);
 /// The coefficients alone, for these lobes.
-SeenFit fit_seen_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes,
-                              double share);
+ViewFit fit_coefficients(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& lobes, double share);
 
 }  // namespace srbf

@@ -1,9 +1,9 @@
-// The choice among families of lobes: the cheapest path, and the fading of its edges.
-#include "fit/views/view_families.h"
+// The choice among tracks of lobes: the cheapest path, and the fading of its edges.
+#include "fit/views/view_tracks.h"
 
 #include "properties.h"
 
-namespace srbf::view_families_test {
+namespace srbf::view_tracks_test {
 namespace {
 
 using Eigen::Index;
@@ -20,34 +20,34 @@ double cost_of(const Path& path, const std::vector<VectorXd>& cost, const std::v
     return sum;
 }
 
-TEST(LeastPath, IsTheCheapestOfAll) {
+TEST(ViterbiPath, IsTheCheapestOfAll) {
     std::mt19937_64 random(1);
-    constexpr std::size_t views = 6, families = 3, paths = 729;
+    constexpr std::size_t views = 6, tracks = 3, paths = 729;
     for (int round = 0; round < 50; ++round) {
         std::vector<VectorXd> cost;
         std::vector<MatrixXd> between;
         for (std::size_t i = 0; i < views; ++i)
-            cost.push_back(VectorXd::NullaryExpr(families, [&] { return uniform(random); }));
+            cost.push_back(VectorXd::NullaryExpr(tracks, [&] { return uniform(random); }));
         for (std::size_t i = 0; i + 1 < views; ++i)
-            between.push_back(MatrixXd::NullaryExpr(families, families, [&] { return 2 * uniform(random); }));
+            between.push_back(MatrixXd::NullaryExpr(tracks, tracks, [&] { return 2 * uniform(random); }));
         double least = INFINITY;
         for (std::size_t code = 0; code < paths; ++code) {
             Path path;
-            for (std::size_t i = 0, rest = code; i < views; ++i, rest /= families) path.push_back(rest % families);
+            for (std::size_t i = 0, rest = code; i < views; ++i, rest /= tracks) path.push_back(rest % tracks);
             least = std::min(least, cost_of(path, cost, between));
         }
-        EXPECT_TRUE(near_relative(cost_of(least_path(cost, between), cost, between), least, 1e-12));
+        EXPECT_TRUE(near_relative(cost_of(viterbi_path(cost, between), cost, between), least, 1e-12));
     }
-    EXPECT_TRUE(least_path({}, {}).empty());
-    EXPECT_EQ(least_path(std::vector<VectorXd>{VectorXd{{2, 1}}}, {}), Path{1});
+    EXPECT_TRUE(viterbi_path({}, {}).empty());
+    EXPECT_EQ(viterbi_path(std::vector<VectorXd>{VectorXd{{2, 1}}}, {}), Path{1});
 }
 
-/// Two families with a large edge between them; the second is the better one from the middle on.
-struct TwoFamilies {
+/// Two tracks with a large edge between them; the second is the better one from the middle on.
+struct TwoTracks {
     std::size_t views = 401, middle = 200;
     std::vector<VectorXd> cost;
     std::vector<MatrixXd> between;
-    explicit TwoFamilies(double dearer) {
+    explicit TwoTracks(double dearer) {
         for (std::size_t i = 0; i < views; ++i)
             cost.push_back(i < middle ? VectorXd{{1, dearer}} : VectorXd{{dearer, 1}});
         between.assign(views - 1, MatrixXd{{0.1, 1}, {1, 0.1}});
@@ -59,9 +59,9 @@ struct TwoFamilies {
     }
 };
 
-TEST(Faded, PassesFromOneFamilyToTheOther) {
-    const TwoFamilies two(1.2);
-    ASSERT_EQ(least_path(two.cost, two.between), two.path());
+TEST(Faded, PassesFromOneTrackToTheOther) {
+    const TwoTracks two(1.2);
+    ASSERT_EQ(viterbi_path(two.cost, two.between), two.path());
     const Path faded_path = faded(two.path(), two.cost, two.between);
     // In windows of sixteen views the share of the second rises from none to all, by little from one to the next.
     double last = 0;
@@ -80,19 +80,19 @@ TEST(Faded, PassesFromOneFamilyToTheOther) {
 }
 
 TEST(Faded, FadesTheLargestEdgeFirst) {
-    TwoFamilies two(1.2);
+    TwoTracks two(1.2);
     const Path expected = faded(two.path(), two.cost, two.between);
     two.between[two.middle - 10](0, 0) = 0.3;  // seen too, and on the way
     EXPECT_EQ(faded(two.path(), two.cost, two.between), expected);
 }
 
 TEST(Faded, LeavesWhatCannotBeContinued) {
-    const TwoFamilies dear(3);
+    const TwoTracks dear(3);
     EXPECT_EQ(faded(dear.path(), dear.cost, dear.between), dear.path());
-    TwoFamilies alike(1.2);
+    TwoTracks alike(1.2);
     alike.between.assign(alike.views - 1, MatrixXd::Constant(2, 2, 0.1));  // nothing is seen of the edge
     EXPECT_EQ(faded(alike.path(), alike.cost, alike.between), alike.path());
-    TwoFamilies broken(1.2);
+    TwoTracks broken(1.2);
     for (auto& edges : broken.between) edges = MatrixXd{{1, 1}, {1, 0.1}};  // neither goes on where the other is
     for (std::size_t i = 0; i < broken.middle; ++i) broken.between[i](0, 0) = 0.1, broken.between[i](1, 1) = 1;
     EXPECT_EQ(faded(broken.path(), broken.cost, broken.between), broken.path());
@@ -100,4 +100,4 @@ TEST(Faded, LeavesWhatCannotBeContinued) {
 }
 
 }  // namespace
-}  // namespace srbf::view_families_test
+}  // namespace srbf::view_tracks_test

@@ -63,8 +63,6 @@ inline double large_error_weight(Objective objective, const Rgb& f, const Rgb& f
     return squares > 0 ? std::clamp(seen / squares / small, 1 / most, most) : 1;
 }
 
-/// The largest factor of a weight for an error that is not small, and the reciprocal of the least.
-inline constexpr double k_most_large_error_weight = 10;
 /// Multiplies the weights of the first `count` observations by their `large_error_weight` for what is fitted.
 void weigh_large_errors(Observations& observations, std::size_t count, const Evaluate& fitted, double most);
 

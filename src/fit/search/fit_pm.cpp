@@ -99,13 +99,13 @@ class Fit {
     /// Candidates and weights for a stage.
     void prepare(const Stage& stage) {
         if (stage.bounds) subsets_.add_exceeded(found, options_, log_peak_limit_);
-        if (stage.reweights) reweight(stage);
+        if (stage.lights) add_lights(stage);
         found.resize(std::min(found.size(), stage.candidates(options_)));
     }
     Rows rows_of(const Stage& stage) const {
         if (stage.pairs > 0) return subsets_.rows(stage, importances_.pictures);
-        return Rows(weighed(), {.radiance_importance = subsets_.radiance_importance(importances_.has_point_lights),
-                                .picture_importance = stage.pictures ? importances_.pictures : 0});
+        return Rows(all(), {.radiance_importance = subsets_.radiance_importance(importances_.has_point_lights),
+                            .picture_importance = stage.pictures ? importances_.pictures : 0});
     }
     void sort() { std::ranges::stable_sort(found, {}, &Candidate::loss); }
 
@@ -131,7 +131,7 @@ class Fit {
     }
     /// The last stage: the first candidate, or of those that are nearly as good the best.
     PmFit finished(const Stage& stage) {
-        if (stage.reweights && last_) reweight(stage);  // cancelled, there may have been no steps
+        if (stage.lights) add_lights(stage);
         if (!stage.pictures) sort_by_all();
         found.resize(std::min(found.size(), stage.most));
         PmFit fit;
@@ -140,7 +140,7 @@ class Fit {
             const double channels = spectral() ? double(observations_.wavelengths.size()) : 3;
             Importances importances = importances_;
             importances.radiances = subsets_.radiance_importance(importances_.has_point_lights) * 3 / channels;
-            PmFit next = finish(found[i].lobes, weighed(), importances, options_, log_peak_limit_, reporter_);
+            PmFit next = finish(found[i].lobes, all(), importances, options_, log_peak_limit_, reporter_);
             if (i == 0 || next.loss < fit.loss) fit = std::move(next);
         }
         if (!reporter_.advance("polishing", effort_.rest)) fit.stop = StopReason::cancelled;
@@ -158,23 +158,21 @@ class Fit {
         if (stage.order == Order::delta_e) candidate.loss = problem.delta_e();
     }
     bool spectral() const { return !observations_.wavelengths.empty(); }
-    const Observations& weighed() const { return weighed_.f.empty() ? observations_ : weighed_; }
+    const Observations& all() const { return with_lights_.f.empty() ? observations_ : with_lights_; }
 
-    /// Weights for the errors of the best candidate; before the first pictures those of a subset, later of all
+    /// Adds weights of point lights, where there are any: to a subset before the first pictures, later to all
     /// observations.
-    void reweight(const Stage& stage) {
+    void add_lights(const Stage& stage) {
         if (stage.pairs > 0) {
             Stage pairs_alone = stage;
             pairs_alone.pictures = false;
-            subsets_.reweight(fitted(subsets_.rows(pairs_alone, 0)));
+            subsets_.add_lights(fitted(subsets_.rows(pairs_alone, 0)));
             importances_.pictures = subsets_.picture_importance(found.front(), stage, options_, log_peak_limit_);
             importances_.has_point_lights = !spectral() && !observations_.point_light_weight.empty();
-            return;
+        } else if (importances_.has_point_lights && last_) {  // cancelled, there may have been no steps
+            with_lights_ = observations_;
+            add_point_lights(with_lights_, fitted(rows_of(*last_)));
         }
-        const Evaluate model = fitted(rows_of(*last_));
-        weighed_ = observations_;
-        weigh_large_errors(weighed_, weighed_.fitted(), model, k_most_large_error_weight);
-        if (importances_.has_point_lights) add_point_lights(weighed_, model);
     }
     /// The best candidate, with coefficients for these rows.
     Evaluate fitted(const Rows& rows) const {
@@ -195,7 +193,7 @@ class Fit {
     double log_peak_limit_ = log_peak_limit_of(options_);
     Effort effort_ = effort_of(observations_, options_);
     Subsets subsets_{observations_};
-    Observations weighed_;  ///< once weights are adapted: all observations
+    Observations with_lights_;  ///< all observations, once their weights have those of point lights
     Importances importances_;
     const Stage* last_ = nullptr;  ///< the last stage of steps
 };

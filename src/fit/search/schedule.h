@@ -28,9 +28,9 @@ enum class Order {
 struct Stage {
     std::string_view name = {};
     Work work = Work::steps;
-    bool bounds = false;     ///< beforehand, pairs at which candidates exceed the measurement are added to the rows
-    bool reweights = false;  ///< beforehand, weights adapt to the errors of the best candidate
-    std::size_t pairs = 0;   ///< the rows: the first so many pairs; 0: all
+    bool bounds = false;    ///< beforehand, pairs at which candidates exceed the measurement are added to the rows
+    bool lights = false;    ///< beforehand, weights of point lights are added, relative to the best candidate's errors
+    std::size_t pairs = 0;  ///< the rows: the first so many pairs; 0: all
     bool albedos = false, pictures = false;  ///< terms beside that of the pairs
     double share = 1;                        ///< of the starts: candidates that take part, at least one
     std::size_t most = std::size_t(-1);      ///< of them
@@ -60,7 +60,7 @@ inline constexpr std::size_t all = std::size_t(-1);  ///< candidates
 /// larger: the last steps lower the loss by 1 to 4 %.
 inline constexpr Stage by_pairs[] = {
     // name      work           bounds   pairs   albedos share most          perturbations
-    //                            reweights         pictures                       steps order
+    //                            lights            pictures                       steps order
     {"grow",     Work::grow,     o, o,   k_few,  o, o,   1,    all},
     {"perturb",  Work::perturb,  x, o,   k_few,  x, o,   1,    all, 0.2},
     {"perturb",  Work::perturb,  x, o,   k_some, x, o,   0.5,  all, 0.5},

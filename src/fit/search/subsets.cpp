@@ -82,8 +82,7 @@ void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOp
     }
 }
 
-void Subsets::reweight(const Evaluate& fitted) {
-    weigh_large_errors(some_.observations, some_.begin, fitted, k_most_large_error_weight);
+void Subsets::add_lights(const Evaluate& fitted) {
     has_point_lights_ = !some_.observations.point_light_weight.empty();
     if (has_point_lights_) add_point_lights(some_.observations, fitted);
 }

@@ -18,9 +18,8 @@ class Subsets {
     /// the loss to which the weight of radiances is relative.
     void add_exceeded(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit);
 
-    /// Adapts the weights of the pairs that pictures are seen with to the errors of a fit, see `large_error_weight` and
-    /// `add_point_lights`.
-    void reweight(const Evaluate& fitted);
+    /// Adds to the pairs that pictures are fitted with the weights of point lights, relative to the errors of a fit.
+    void add_lights(const Evaluate& fitted);
 
     /// The rows of a stage of some pairs.
     Rows rows(const Stage& stage, double picture_importance) const;

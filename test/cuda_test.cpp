@@ -44,11 +44,11 @@ on_device::Shape shape_on_device(const LobeShape& shape, int lobes) {
 /// A problem with all its memory.
 struct Emulated {
     Emulated(const Rows& rows, const LobeShape& shape, const Eigen::VectorXd& at, double log_peak_limit)
-        : x(at.begin(), at.end()), tile(std::size_t(on_device::k_tile * (on_device::k_most_columns + 4))) {
+        : x(at.begin(), at.end()), tile(on_device::k_shared) {
         problem.shape = shape_on_device(shape, int(at.size() - shape.variates) / shape.width());
         problem.observed = observed(rows);
         problem.log_peak_limit = log_peak_limit;
-        doubles.resize(memory.lay_out(problem.shape, nullptr, nullptr));
+        doubles.resize(memory.doubles(problem.shape));
         memory.lay_out(problem.shape, tile.data(), doubles.data());
         LobeProblem bounds(rows, shape, false);
         const Eigen::VectorXd least = bounds.lower(at), most = bounds.upper(at);
@@ -261,7 +261,7 @@ TEST(Cuda, the_same_candidates_are_best) {
             weights.insert(weights.end(), candidates.back().begin(), candidates.back().end());
         }
         Emulated of(rows, shape, x, log_peak_limit);
-        const std::size_t stride = std::size_t(of.problem.shape.lobes) + 5;
+        const std::size_t stride = std::size_t(of.problem.shape.of_candidate());
         std::vector<double> gain(40 * stride);
         of.problem.candidates = weights.data(), of.problem.candidate_count = 40, of.problem.gain = gain.data();
         on_device::gains_of_additions(of.block, of.problem, of.tile.data());

@@ -78,14 +78,27 @@ struct Block {
         for (int i = 0; i < count; ++i) item(i);
 #endif
     }
-    /// A number that items wrote; later items may change it.
-    SRBF_DEVICE double read(const double& number) const {
-        const double value = number;
+    /// f(), which one thread computes for all of them; `place` is for its value, in memory of the block.
+    template <typename F> SRBF_DEVICE double once(double& place, const F& f) const {
+        each(1, [&](int) { place = f(); });
+        const double value = place;
 #ifdef __CUDA_ARCH__
-        __syncthreads();
+        __syncthreads();  // later items may use the place
 #endif
         return value;
     }
 };
+
+/// The sum of `count` numbers, `stride` apart from each other.
+SRBF_DEVICE inline double sum_of(const double* number, int count, int stride) {
+    double sum = 0;
+    for (int i = 0; i < count; ++i) sum += number[i * stride];
+    return sum;
+}
+/// The largest of them and of `least`.
+SRBF_DEVICE inline double largest_of(const double* number, int count, int stride, double least) {
+    for (int i = 0; i < count; ++i) least = greater(least, number[i * stride]);
+    return least;
+}
 
 }  // namespace srbf::on_device

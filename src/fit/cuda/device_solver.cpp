@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "fit/cuda/kernels.h"
 
 namespace srbf {
@@ -13,8 +15,10 @@ Error of_device(const std::string& what) {
     return {"cuda", {}, "device", "one of compute capability 7.5 or more", what, ErrorCode::argument};
 }
 
-Error while_running(const std::string& what) {
-    return {"cuda", {}, "search", "to run on the device", what, ErrorCode::argument};
+/// An error if `failure`, which a function of kernels.h returned, is the text of one.
+Result<Done> checked(const std::string& failure) {
+    if (failure.empty()) return Done{};
+    return Error{"cuda", {}, "search", "to run on the device", failure, ErrorCode::argument};
 }
 
 /// Memory of a device, or of this processor.
@@ -45,16 +49,14 @@ class Buffer {
             std::copy_n(static_cast<const std::byte*>(from), bytes, static_cast<std::byte*>(memory_));
             return Done{};
         }
-        const std::string failure = on_device::copy_to_device(memory_, from, bytes);
-        return failure.empty() ? Result<Done>(Done{}) : while_running(failure);
+        return checked(on_device::copy_to_device(memory_, from, bytes));
     }
     Result<Done> read(void* to, std::size_t bytes) const {
         if (!is_cuda_) {
             std::copy_n(static_cast<const std::byte*>(memory_), bytes, static_cast<std::byte*>(to));
             return Done{};
         }
-        const std::string failure = on_device::copy_to_host(to, memory_, bytes);
-        return failure.empty() ? Result<Done>(Done{}) : while_running(failure);
+        return checked(on_device::copy_to_host(to, memory_, bytes));
     }
     template <typename T> T* as() const { return static_cast<T*>(memory_); }
     std::size_t bytes() const { return bytes_; }
@@ -99,6 +101,68 @@ on_device::Shape shape_of(const Lobes& lobes) {
             lobes.shape.reciprocal};
 }
 
+/// Where the numbers of a trial are in the memory of those of all trials, in doubles, and its scratch memory.
+struct Place {
+    std::size_t x, lower, upper, loss, beta, gram, gain, candidates, scratch;
+};
+/// The places of all trials, and the sizes of both memories.
+struct Layout {
+    std::vector<Place> places;
+    std::size_t numbers = 0, scratch = 0;
+};
+Result<Layout> laid_out(std::span<const Trial> trials) {
+    Layout all;
+    const auto take = [&all](std::size_t count) { return std::exchange(all.numbers, all.numbers + count); };
+    for (const Trial& of : trials) {
+        const on_device::Shape shape = shape_of(of.lobes);
+        if (!on_device::fits(shape)) {
+            const std::string most =
+                fmt::format("{} or fewer, of at most {} columns", on_device::k_most_lobes, on_device::k_most_columns);
+            return Error{"cuda", {}, "lobes", most, "more", ErrorCode::argument};
+        }
+        const auto n = std::size_t(shape.variables()), J = std::size_t(shape.lobes), count = of.additions.size(),
+                   channels = std::size_t(on_device::k_channels), gains = std::size_t(shape.of_candidate());
+        all.places.push_back({take(n), take(n), take(n), take(1), take(channels * J), take(J * J), take(count * gains),
+                              take((count * std::size_t(shape.width()) + 1) / 2), all.scratch});
+        all.scratch += on_device::Memory::doubles(shape);
+    }
+    return all;
+}
+
+/// Writes what a trial begins with: variables, their bounds and candidates.
+void write_start(const Trial& trial, const Place& at, double* all) {
+    const Eigen::VectorXd x = pack(trial.lobes);
+    const LobeShape& shape = trial.lobes.shape;
+    std::ranges::copy(x, all + at.x);
+    for (int v = 0; v < int(x.size()); ++v) {
+        constexpr double unbounded = std::numeric_limits<double>::infinity();
+        const Interval range = v < shape.variates ? Interval{-unbounded, unbounded}
+                                                  : weight_range((v - shape.variates) % shape.width(), shape);
+        all[at.lower + std::size_t(v)] = range.least, all[at.upper + std::size_t(v)] = range.most;
+    }
+    auto* candidate = reinterpret_cast<float*>(all + at.candidates);
+    for (const auto& weights : trial.additions)
+        candidate = std::ranges::transform(weights, candidate, [](double w) { return float(w); }).out;
+}
+/// Reads what came of it.
+void read_results(Task task, const double* all, const Place& at, Trial& trial) {
+    const Eigen::Index J = trial.lobes.count(), N = trial.lobes.shape.variates;
+    trial.loss = all[at.loss];
+    trial.beta = Eigen::Map<const Eigen::MatrixXd>(all + at.beta, on_device::k_channels, J).transpose();
+    trial.gram = Eigen::Map<const Eigen::MatrixXd>(all + at.gram, J, J);
+    if (task == Task::optimise) {
+        std::copy_n(all + at.x, N, trial.lobes.angle.begin());
+        std::copy_n(all + at.x + N, trial.lobes.weight.size(), trial.lobes.weight.begin());
+        return;
+    }
+    trial.addition.clear();
+    double best = -1;
+    const auto stride = std::size_t(shape_of(trial.lobes).of_candidate());
+    for (std::size_t k = 0; k < trial.additions.size(); ++k)
+        if (const double gain = all[at.gain + k * stride]; gain > best)
+            best = gain, trial.addition = trial.additions[k];
+}
+
 constexpr std::size_t k_blocks = 4096;                            ///< of a launch, at most
 constexpr std::size_t k_emulated_scratch = std::size_t(4) << 20;  ///< bytes of an emulated launch
 
@@ -113,6 +177,9 @@ struct DeviceSolver::State {
     std::vector<on_device::Observed> observed;
     Buffer scratch, numbers, problems;
 
+    /// The problem of a trial, once its numbers are written.
+    on_device::Problem problem_of(const Trial& trial, const Place& at) const;
+    Result<Done> launch(Task task, std::span<const on_device::Problem> launched);
     Result<Done> run(Task task, std::span<Trial> trials);
     /// The number of trials from the first on that are launched together.
     Result<std::size_t> together(std::span<const Trial> trials) const;
@@ -145,90 +212,44 @@ Result<DeviceSolver> DeviceSolver::make(Where where, std::span<const Rows* const
     return DeviceSolver(std::move(state));
 }
 
-Result<Done> DeviceSolver::State::run(Task task, std::span<Trial> trials) {
-    // Numbers in and out of each problem, in doubles, and its scratch memory.
-    struct Place {
-        std::size_t x, lower, upper, loss, beta, gram, gain, candidates, scratch;
-    };
-    std::vector<Place> places;
-    std::size_t used = 0, scratched = 0;
-    const auto take = [&used](std::size_t count) { return std::exchange(used, used + count); };
-    for (const Trial& of : trials) {
-        const on_device::Shape shape = shape_of(of.lobes);
-        if (!on_device::fits(shape))
-            return Error{"cuda", {}, "lobes", "16 or fewer, of at most 352 columns", "more", ErrorCode::argument};
-        const auto n = std::size_t(shape.variables()), J = std::size_t(shape.lobes), count = of.additions.size();
-        on_device::Memory memory{};
-        places.push_back({take(n), take(n), take(n), take(1), take(3 * J), take(J * J), take(count * (J + 5)),
-                          take((count * std::size_t(shape.width()) + 1) / 2), scratched});
-        scratched += memory.lay_out(shape, nullptr, nullptr);
-    }
-    if (const auto room = scratch.reserve(scratched * sizeof(double)); !room) return room;
-    if (const auto room = numbers.reserve(used * sizeof(double)); !room) return room;
-    std::vector<double> all(used);
-    std::vector<on_device::Problem> launched;
-    for (std::size_t i = 0; i < trials.size(); ++i) {
-        const Trial& of = trials[i];
-        const Place& at = places[i];
-        const Eigen::VectorXd x = pack(of.lobes);
-        std::copy(x.begin(), x.end(), all.begin() + std::ptrdiff_t(at.x));
-        for (std::size_t v = 0; v < std::size_t(x.size()); ++v) {
-            const auto N = std::size_t(of.lobes.shape.variates);
-            constexpr double unbounded = std::numeric_limits<double>::infinity();
-            const Interval range = v < N ? Interval{-unbounded, unbounded}
-                                         : weight_range(int(v - N) % of.lobes.shape.width(), of.lobes.shape);
-            all[at.lower + v] = range.least, all[at.upper + v] = range.most;
-        }
-        auto* candidate = reinterpret_cast<float*>(all.data() + at.candidates);
-        for (const auto& weights : of.additions)
-            candidate = std::ranges::transform(weights, candidate, [](double w) { return float(w); }).out;
-        double* const there = numbers.as<double>();
-        on_device::Problem& problem = launched.emplace_back();
-        problem.shape = shape_of(of.lobes);
-        problem.observed = observed[of.rows];
-        problem.log_peak_limit = log_peak_limit;
-        problem.iterations = of.steps, problem.target = of.target;
-        problem.doubles = scratch.as<double>() + at.scratch;
-        problem.x = there + at.x, problem.lower = there + at.lower, problem.upper = there + at.upper;
-        problem.loss = there + at.loss, problem.beta = there + at.beta, problem.gram = there + at.gram;
-        problem.gain = there + at.gain, problem.candidates = reinterpret_cast<const float*>(there + at.candidates);
-        problem.candidate_count = int(of.additions.size());
-    }
-    if (const auto written = numbers.write(all.data(), used * sizeof(double)); !written) return written;
+on_device::Problem DeviceSolver::State::problem_of(const Trial& trial, const Place& at) const {
+    double* const there = numbers.as<double>();
+    on_device::Problem problem{};
+    problem.shape = shape_of(trial.lobes);
+    problem.observed = observed[trial.rows];
+    problem.log_peak_limit = log_peak_limit;
+    problem.iterations = trial.steps, problem.target = trial.target;
+    problem.doubles = scratch.as<double>() + at.scratch;
+    problem.x = there + at.x, problem.lower = there + at.lower, problem.upper = there + at.upper;
+    problem.loss = there + at.loss, problem.beta = there + at.beta, problem.gram = there + at.gram;
+    problem.gain = there + at.gain, problem.candidates = reinterpret_cast<const float*>(there + at.candidates);
+    problem.candidate_count = int(trial.additions.size());
+    return problem;
+}
+
+Result<Done> DeviceSolver::State::launch(Task task, std::span<const on_device::Problem> launched) {
     if (is_cuda) {
-        if (const auto written = problems.write(launched.data(), launched.size() * sizeof(on_device::Problem));
-            !written)
-            return written;
-        if (const std::string failure =
-                on_device::launch(task, problems.as<const on_device::Problem>(), int(launched.size()));
-            !failure.empty())
-            return while_running(failure);
-    } else {
-        std::vector<float> tile(std::size_t(on_device::k_tile * (on_device::k_most_columns + 4)));
-        for (const on_device::Problem& problem : launched)
-            (task == Task::optimise ? on_device::levenberg_marquardt : on_device::gains_of_additions)(
-                on_device::Block{}, problem, tile.data());
+        if (const auto written = problems.write(launched.data(), launched.size_bytes()); !written) return written;
+        return checked(on_device::launch(task, problems.as<const on_device::Problem>(), int(launched.size())));
     }
-    if (const auto read = numbers.read(all.data(), used * sizeof(double)); !read) return read;
-    for (std::size_t i = 0; i < trials.size(); ++i) {
-        Trial& of = trials[i];
-        const Place& at = places[i];
-        const Eigen::Index J = of.lobes.count(), N = of.lobes.shape.variates;
-        const double* const x = all.data() + at.x;
-        of.loss = all[at.loss];
-        of.beta = Eigen::Map<const Eigen::MatrixXd>(all.data() + at.beta, 3, J).transpose();
-        of.gram = Eigen::Map<const Eigen::MatrixXd>(all.data() + at.gram, J, J);
-        if (task == Task::optimise) {
-            std::copy_n(x, N, of.lobes.angle.begin());
-            std::copy_n(x + N, of.lobes.weight.size(), of.lobes.weight.begin());
-            continue;
-        }
-        of.addition.clear();
-        double best = -1;
-        for (std::size_t k = 0; k < of.additions.size(); ++k)
-            if (const double gain = all[at.gain + k * std::size_t(J + 5)]; gain > best)
-                best = gain, of.addition = of.additions[k];
-    }
+    std::vector<float> tile(on_device::k_shared);
+    const auto solve = task == Task::optimise ? on_device::levenberg_marquardt : on_device::gains_of_additions;
+    for (const on_device::Problem& problem : launched) solve(on_device::Block{}, problem, tile.data());
+    return Done{};
+}
+
+Result<Done> DeviceSolver::State::run(Task task, std::span<Trial> trials) {
+    const auto layout = laid_out(trials);
+    if (!layout) return layout.error();
+    std::vector<double> all(layout->numbers);
+    for (std::size_t i = 0; i < trials.size(); ++i) write_start(trials[i], layout->places[i], all.data());
+    if (const auto room = scratch.reserve(layout->scratch * sizeof(double)); !room) return room;
+    if (const auto written = numbers.write(all.data(), all.size() * sizeof(double)); !written) return written;
+    std::vector<on_device::Problem> launched;
+    for (std::size_t i = 0; i < trials.size(); ++i) launched.push_back(problem_of(trials[i], layout->places[i]));
+    if (const auto done = launch(task, launched); !done) return done;
+    if (const auto done = numbers.read(all.data(), all.size() * sizeof(double)); !done) return done;
+    for (std::size_t i = 0; i < trials.size(); ++i) read_results(task, all.data(), layout->places[i], trials[i]);
     return Done{};
 }
 
@@ -236,14 +257,12 @@ Result<Done> DeviceSolver::State::run(Task task, std::span<Trial> trials) {
 Result<std::size_t> DeviceSolver::State::together(std::span<const Trial> trials) const {
     std::size_t available = k_emulated_scratch;
     if (is_cuda) {
-        if (const std::string failure = on_device::free_memory(available); !failure.empty())
-            return while_running(failure);
+        if (const auto known = checked(on_device::free_memory(available)); !known) return known.error();
         available = (available + scratch.bytes()) / 2;
     }
     std::size_t count = 0, bytes = 0;
     for (; count < std::min(trials.size(), k_blocks); ++count) {
-        on_device::Memory memory{};
-        bytes += memory.lay_out(shape_of(trials[count].lobes), nullptr, nullptr) * sizeof(double);
+        bytes += on_device::Memory::doubles(shape_of(trials[count].lobes)) * sizeof(double);
         if (count > 0 && bytes > available) break;
     }
     return count;

@@ -56,7 +56,7 @@ std::string copy_to_host(void* to, const void* from, std::size_t bytes) {
     return text(cudaMemcpy(to, from, bytes, cudaMemcpyDeviceToHost));
 }
 std::string launch(Task task, const Problem* problems, int count) {
-    constexpr std::size_t shared = sizeof(float) * k_tile * (k_most_columns + 4);
+    constexpr std::size_t shared = sizeof(float) * k_shared;
     static_assert(shared <= 48 * 1024, "what every device has without asking for more");
     if (task == Task::optimise)
         optimise<<<count, k_threads, shared>>>(problems);

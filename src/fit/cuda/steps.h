@@ -16,8 +16,25 @@ struct Problem {
     double *x, *loss, *beta, *gram, *lower, *upper;  ///< in: x and bounds; out: x, loss, β (J × C), E·E (J × J)
     const float* candidates;                         ///< lobes to choose from: `candidate_count` × width
     int candidate_count;
-    double* gain;  ///< out: of each candidate
+    double* gain;  ///< out: of each candidate, the first of Shape::of_candidate() numbers
 };
+
+SRBF_DEVICE inline Memory memory_of(const Problem& problem, float* shared) {
+    Memory memory;
+    memory.lay_out(problem.shape, shared, problem.doubles);
+    return memory;
+}
+/// The loss of the problem at x.
+SRBF_DEVICE inline double loss_at(const Block& block, const Problem& problem, const Memory& memory, const double* x) {
+    return loss(block, problem.shape, problem.observed, problem.log_peak_limit, memory, x);
+}
+/// Gives out the loss of the last call of `loss_at`, with its β and Gram matrix.
+SRBF_DEVICE inline void give_loss(const Block& block, const Problem& problem, const Memory& memory, double loss) {
+    const int J = problem.shape.lobes;
+    block.each(J * k_channels, [&](int i) { problem.beta[i] = memory.beta[i]; });
+    block.each(J * J, [&](int at) { problem.gram[at] = entry(memory, problem.shape.with_data(), at / J, at % J); });
+    block.each(1, [&](int) { *problem.loss = loss; });
+}
 
 /// Factors the damped Hessian, of which the lower triangle is given, and solves for the step; in place.
 SRBF_CALLED void solve_step(const Block& block, const Memory& memory, int n) {
@@ -33,7 +50,7 @@ SRBF_CALLED void solve_step(const Block& block, const Memory& memory, int n) {
             memory.partial[at] = sum;
         });
         block.each(n - k + 1, [&](int at) {
-            const double pivot = memory.partial[0] > 1e-300 ? memory.partial[0] : 1e300;
+            const double pivot = pivot_of(memory.partial[0]);
             if (at == 0)
                 A[k * n + k] = pivot;
             else if (at < n - k)
@@ -46,174 +63,157 @@ SRBF_CALLED void solve_step(const Block& block, const Memory& memory, int n) {
     for (int i = n - 1; i > 0; --i) block.each(i, [&](int j) { x[j] -= A[i * n + j] * x[i]; });
 }
 
+/// Fixes variables at a bound if the gradient pushes them outwards, as in least_squares.h.
+SRBF_DEVICE inline void fix_at_bounds(const Block& block, const Problem& problem, const Memory& memory) {
+    const int n = problem.shape.variables();
+    block.each(n, [&](int i) {
+        const double x = memory.x[i], g = memory.gradient[i];
+        memory.partial[i] = (x <= problem.lower[i] && g > 0) || (x >= problem.upper[i] && g < 0);
+    });
+    block.each(n * n, [&](int at) {
+        if (memory.partial[at / n] != 0 || memory.partial[at % n] != 0) memory.hessian[at] = 0;
+        if (at < n && memory.partial[at] != 0) memory.gradient[at] = 0;
+    });
+}
+
+/// Bound on the step of variable i, as LobeProblem::longest_step.
+SRBF_DEVICE inline double longest_step(const Shape& shape, const double* x, int i) {
+    return i < shape.variates ? 0.5 : 0.5 * ::fabs(x[i]) + 2;
+}
+/// Makes memory.next of the step with damping μ, shortened and within the bounds. `floor` is the least scale of a
+/// variable. Returns the decrease of the loss that the Hessian predicts.
+SRBF_DEVICE inline double damped_step(const Block& block, const Problem& problem, const Memory& memory, double mu,
+                                      double floor) {
+    const int n = problem.shape.variables();
+    block.each(n * n, [&](int at) {
+        memory.damped[at] = memory.hessian[at];
+        if (at / n == at % n) memory.damped[at] += mu * greater(memory.hessian[at], floor);
+        if (at < n) memory.step[at] = -memory.gradient[at];
+    });
+    solve_step(block, memory, n);
+    block.each(n,
+               [&](int i) { memory.partial[i] = ::fabs(memory.step[i]) / longest_step(problem.shape, memory.x, i); });
+    const double shrink = block.once(*memory.number, [&] { return 1 / largest_of(memory.partial, n, 1, 1); });
+    block.each(n, [&](int i) {
+        double of_row = 0;
+        for (int k = 0; k < n; ++k) of_row += memory.hessian[i * n + k] * (shrink * memory.step[k]);
+        const double step = shrink * memory.step[i], to = memory.x[i] + step;
+        memory.partial[i] = -2 * step * memory.gradient[i] - step * of_row;
+        memory.next[i] = lesser(greater(to, problem.lower[i]), problem.upper[i]);
+    });
+    return block.once(*memory.number, [&] { return sum_of(memory.partial, n, 1); });
+}
+
 /// Minimises the loss of the problem from its x. Returns the loss; its x, β and Gram matrix are those of that loss.
 SRBF_DEVICE inline void levenberg_marquardt(const Block& block, const Problem& problem, float* shared) {
-    constexpr double k_decrease_tolerance = 1e-7;
-    Memory memory;
-    memory.lay_out(problem.shape, shared, problem.doubles);
-    const Shape& shape = problem.shape;
-    const int n = shape.variables(), J = shape.lobes;
+    // As in least_squares.h.
+    constexpr double k_decrease_tolerance = 1e-7, k_damping = 1e-3, k_most_damping = 1e10;
+    constexpr double k_least_scale = 1e-12, k_least_diagonal = 1e-300;
+    const Memory memory = memory_of(problem, shared);
+    const int n = problem.shape.variables();
     block.each(n, [&](int i) { memory.x[i] = problem.x[i]; });
-    const auto loss_at = [&](const double* x) {
-        return loss(block, shape, problem.observed, problem.log_peak_limit, memory, x);
-    };
-    double mu = 1e-3, growth = 2, least = loss_at(memory.x), decrease = 0;
-    for (int iteration = 0; iteration < problem.iterations;) {
-        linearise(block, shape, problem.observed, memory, memory.x);
-        ++iteration;
-        block.each(1, [&](int) {
-            double largest = 1e-300;
-            for (int i = 0; i < n; ++i) largest = greater(largest, memory.hessian[i * n + i]);
-            memory.number[1] = 1e-12 * largest;
-        });
-        const double floor = block.read(memory.number[1]);
-        // Variables at a bound are fixed if the gradient pushes them outwards.
-        block.each(n, [&](int i) {
-            const double x = memory.x[i], g = memory.gradient[i];
-            memory.partial[i] = (x <= problem.lower[i] && g > 0) || (x >= problem.upper[i] && g < 0);
-        });
-        block.each(n * n, [&](int at) {
-            if (memory.partial[at / n] != 0 || memory.partial[at % n] != 0) memory.hessian[at] = 0;
-        });
-        block.each(n, [&](int i) {
-            if (memory.partial[i] != 0) memory.gradient[i] = 0;
-        });
+    double mu = k_damping, growth = 2, least = loss_at(block, problem, memory, memory.x), decrease = 0;
+    for (int iteration = 1; iteration <= problem.iterations; ++iteration) {
+        linearise(block, problem.shape, problem.observed, memory, memory.x);
+        const double floor = block.once(
+            *memory.number, [&] { return k_least_scale * largest_of(memory.hessian, n, n + 1, k_least_diagonal); });
+        fix_at_bounds(block, problem, memory);
         bool lowered = false;
-        for (; mu < 1e10; mu *= growth, growth *= 2) {
-            block.each(n * n, [&](int at) {
-                memory.damped[at] = memory.hessian[at];
-                if (at / n == at % n) memory.damped[at] += mu * greater(memory.hessian[at], floor);
-                if (at < n) memory.step[at] = -memory.gradient[at];
-            });
-            solve_step(block, memory, n);
-            block.each(1, [&](int) {
-                double longest = 1;
-                for (int i = 0; i < n; ++i)
-                    longest = greater(
-                        longest, ::fabs(memory.step[i]) / (i < shape.variates ? 0.5 : 0.5 * ::fabs(memory.x[i]) + 2));
-                memory.number[2] = 1 / longest;
-            });
-            const double shrink = block.read(memory.number[2]);
-            block.each(n, [&](int i) {
-                double of_row = 0;
-                for (int k = 0; k < n; ++k) of_row += memory.hessian[i * n + k] * (shrink * memory.step[k]);
-                const double step = shrink * memory.step[i], to = memory.x[i] + step;
-                memory.partial[i] = -2 * step * memory.gradient[i] - step * of_row;
-                memory.next[i] = lesser(greater(to, problem.lower[i]), problem.upper[i]);
-            });
-            block.each(1, [&](int) {
-                double sum = 0;
-                for (int i = 0; i < n; ++i) sum += memory.partial[i];
-                memory.number[3] = sum;
-            });
-            const double predicted = block.read(memory.number[3]);
+        while (mu < k_most_damping && !lowered) {
+            const double predicted = damped_step(block, problem, memory, mu, floor);
             if (!(predicted > k_decrease_tolerance * least)) break;
-            const double at_next = loss_at(memory.next);
-            if (!(at_next < least)) continue;
-            const double gain = (least - at_next) / predicted, cubed = 2 * gain - 1;
-            mu *= greater(1.0 / 3, 1 - cubed * cubed * cubed);
+            const double at_next = loss_at(block, problem, memory, memory.next);
+            lowered = at_next < least;
+            if (!lowered) {
+                mu *= growth, growth *= 2;
+                continue;
+            }
+            const double gain = 2 * ((least - at_next) / predicted) - 1;
+            mu *= greater(1.0 / 3, 1 - gain * gain * gain);
             growth = 2;
             decrease = least - at_next;
             least = at_next;
-            lowered = true;
             block.each(n, [&](int i) { memory.x[i] = memory.next[i]; });
-            break;
         }
         if (!lowered) break;
-        const int left = problem.iterations - iteration;
-        if (iteration > 1 && least - left * decrease > problem.target) break;
+        if (iteration > 1 && least - (problem.iterations - iteration) * decrease > problem.target) break;
     }
     // After linearisations the Gram matrix is another one.
-    least = loss_at(memory.x);
+    give_loss(block, problem, memory, loss_at(block, problem, memory, memory.x));
     block.each(n, [&](int i) { problem.x[i] = memory.x[i]; });
-    block.each(J * k_channels, [&](int i) { problem.beta[i] = memory.beta[i]; });
-    block.each(J * J, [&](int at) { problem.gram[at] = entry(memory, J + k_channels, at / J, at % J); });
-    block.each(1, [&](int) { *problem.loss = least; });
 }
 
-/// How much each candidate would lower the loss at x if it were added, at least about; at x it evaluates the loss.
-SRBF_DEVICE inline void gains_of_additions(const Block& block, const Problem& problem, float* shared) {
-    Memory memory;
-    memory.lay_out(problem.shape, shared, problem.doubles);
+/// Calls item(numbers, weight, count) for each candidate and each tile of `count` rows of pairs. A row of the tile has
+/// the features, what candidates are multiplied by (lobes, residuals), and √w.
+template <typename Item>
+SRBF_DEVICE void for_candidates(const Block& block, const Problem& problem, const Memory& memory, const Item& item) {
     const Shape& shape = problem.shape;
     const Observed& of = problem.observed;
-    const int J = shape.lobes, W = shape.width(), known = J + k_channels, stride = W + known + 1;
-    const double at_x = loss(block, shape, of, problem.log_peak_limit, memory, problem.x);
-    block.each(J * k_channels, [&](int i) { problem.beta[i] = memory.beta[i]; });
-    block.each(J * J, [&](int at) { problem.gram[at] = entry(memory, known, at / J, at % J); });
-    double* const factored = memory.adapting;
-    block.each(1, [&](int) {
-        *problem.loss = at_x;
-        for (int i = 0; i < J; ++i)
-            for (int k = 0; k <= i; ++k)
-                factored[i * J + k] = entry(memory, known, i, k) * (i == k ? 1 + 1e-7 : 1.0) + (i == k ? 1e-300 : 0.0);
-        factor(factored, J, J);
-    });
-    // A row of the tile: features, lobes, residuals, √w.
-    const auto fill_tile = [&](int first, int count) {
+    const int W = shape.width();
+    for_tiles(0, of.pairs, [&](int first, int count) {
         block.each(count, [&](int r) {
             Row row;
             const int i = first + r;
             lobes_of(shape, of, memory, i, row);
-            float* const to = memory.tile + r * stride;
-            for (int k = 0; k < W; ++k) to[k] = row.s[k];
-            for (int j = 0; j < J; ++j) to[W + j] = row.lobe[j];
-            for (int c = 0; c < k_channels; ++c) to[W + J + c] = rest_of(shape, of, memory, row, i, c);
-            to[W + known] = of.root_weight[i];
+            float* to = memory.tile + r * shape.beside_candidates();
+            for (int k = 0; k < W; ++k) *to++ = row.s[k];
+            for (int j = 0; j < shape.lobes; ++j) *to++ = row.lobe[j];
+            for (int c = 0; c < k_channels; ++c) *to++ = rest_of(shape, of, memory, row, i, c);
+            *to = of.root_weight[i];
         });
-    };
-    const auto for_tiles = [&](const auto& item) {
-        for (int first = 0; first < of.pairs; first += k_tile) {
-            const int count = of.pairs - first < k_tile ? of.pairs - first : k_tile;
-            fill_tile(first, count);
-            block.each(problem.candidate_count, [&](int k) { item(k, count); });
-        }
-    };
-    const auto exponent_of = [&](int k, const float* row) {
-        const float* const weight = problem.candidates + k * W;
-        float sum = 0;
-        for (int i = 0; i < W; ++i) sum = ::fmaf(weight[i], row[i], sum);
-        return sum;
-    };
-    // The largest exponent of each candidate, then its products; both in the place of its gain and of the partial sums.
-    const int sums = known + 1;
-    block.each(problem.candidate_count, [&](int k) {
-        problem.gain[k * (sums + 1)] = -3.402823466e38;
-        for (int i = 1; i <= sums; ++i) problem.gain[k * (sums + 1) + i] = 0;
+        block.each(problem.candidate_count,
+                   [&](int k) { item(problem.gain + k * shape.of_candidate(), problem.candidates + k * W, count); });
     });
-    for_tiles([&](int k, int count) {
+}
+/// The numbers of each candidate but for its gain, in whose place is its largest exponent.
+SRBF_DEVICE inline void products_with_candidates(const Block& block, const Problem& problem, const Memory& memory) {
+    const Shape& shape = problem.shape;
+    const int W = shape.width(), known = shape.with_data(), numbers = shape.of_candidate(),
+              stride = shape.beside_candidates();
+    block.each(problem.candidate_count * numbers,
+               [&](int i) { problem.gain[i] = i % numbers == 0 ? double(k_lowest) : 0.0; });
+    for_candidates(block, problem, memory, [&](double* of_candidate, const float* weight, int count) {
         for (int r = 0; r < count; ++r) {
             const float* const row = memory.tile + r * stride;
-            if (row[W + known] > 0)
-                problem.gain[k * (sums + 1)] = greater(problem.gain[k * (sums + 1)], double(exponent_of(k, row)));
+            if (row[W + known] > 0) of_candidate[0] = greater(of_candidate[0], double(exponent(shape, weight, row)));
         }
     });
-    for_tiles([&](int k, int count) {
-        double* const of_candidate = problem.gain + k * (sums + 1);
+    for_candidates(block, problem, memory, [&](double* of_candidate, const float* weight, int count) {
         const float offset = float(of_candidate[0]);
         float sum[k_most_lobes + k_channels + 1] = {};
         for (int r = 0; r < count; ++r) {
             const float* const row = memory.tile + r * stride;
-            const float lobe = row[W + known] * exp(min(exponent_of(k, row) - offset, 0.f));
+            const float lobe = row[W + known] * exp(min(exponent(shape, weight, row) - offset, 0.f));
             for (int i = 0; i < known; ++i) sum[i] += lobe * row[W + i];
             sum[known] += lobe * lobe;
         }
-        for (int i = 0; i < sums; ++i) of_candidate[1 + i] += double(sum[i]);
+        for (int i = 0; i <= known; ++i) of_candidate[1 + i] += double(sum[i]);
     });
+}
+
+/// How much each candidate would lower the loss at x if it were added, at least about; at x it evaluates the loss.
+SRBF_DEVICE inline void gains_of_additions(const Block& block, const Problem& problem, float* shared) {
+    constexpr double k_nothing = 1e-60, k_least_across = 1e-4;  // as in LobeProblem::best_addition
+    const Memory memory = memory_of(problem, shared);
+    const Shape& shape = problem.shape;
+    const int J = shape.lobes;
+    give_loss(block, problem, memory, loss_at(block, problem, memory, problem.x));
+    block.each(1, [&](int) {
+        factor_lobes(shape, memory, shape.with_data(), 0, k_ridge_of_present, [](int) { return true; });
+    });
+    products_with_candidates(block, problem, memory);
     block.each(problem.candidate_count, [&](int k) {
-        double* const of_candidate = problem.gain + k * (sums + 1);
-        double product[k_most_lobes];
-        const double whole = of_candidate[1 + known];
-        double across = whole, gain = 0;
-        for (int j = 0; j < J; ++j) product[j] = of_candidate[1 + j];
-        solve_lower(factored, J, J, product);
-        for (int j = 0; j < J; ++j) across -= product[j] * product[j] / factored[j * J + j];
-        across = greater(across, 1e-4 * whole);
+        double* const of_candidate = problem.gain + k * shape.of_candidate();
+        double with_lobes[k_most_lobes], gain = 0;
+        for (int j = 0; j < J; ++j) with_lobes[j] = of_candidate[1 + j];
+        solve_lower(memory.factored, J, J, with_lobes);
+        const double whole = of_candidate[1 + shape.with_data()];
+        const double across = without_lobes(memory, J, whole, with_lobes, with_lobes);
         for (int c = 0; c < k_channels; ++c) {
             const double with_rest = greater(of_candidate[1 + J + c], 0.0);
             gain += with_rest * with_rest;
         }
-        of_candidate[0] = whole > 1e-60 ? gain / across : -1;
+        of_candidate[0] = whole > k_nothing ? gain / greater(across, k_least_across * whole) : -1;
     });
 }
 

@@ -123,8 +123,8 @@ TEST_P(DefaultFit, IsBoundedToTheHorizon) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
-                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 5.6, 0.087, 0.0206, 9},
-                                         Bound{"paper_white_rgb", 0.893, 0.0285, 0.0013, 1}),
+                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 5.46, 0.0905, 0.0189, 9},
+                                         Bound{"paper_white_rgb", 0.904, 0.0294, 0.0018, 1}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 /// The same number of bytes, by what is seen: better than an objective of numbers.
@@ -144,8 +144,8 @@ TEST(Fitting, LargerModelsErrNoMoreThanTheyDid) {
         FitRequest request;
         std::size_t bytes;
         double delta_e, rms;  // 1.1 times the measured values
-    } expected[] = {{{.model = PmRequest{.size = LobeCount{16}}}, 400, 4.14, 0.0492},
-                    {{.model = SuRequest{.lobes = 5}}, 107520, 3.67, 0.076}};
+    } expected[] = {{{.model = PmRequest{.size = LobeCount{16}}}, 400, 4.22, 0.0544},
+                    {{.model = SuRequest{.lobes = 5}}, 107520, 3.59, 0.0767}};
     for (const auto& of : expected) {
         const auto outcome = fit(measured, of.request);
         ASSERT_TRUE(outcome);

@@ -27,7 +27,7 @@ struct FitCommand {
                 discretise = std::string(name(SuRequest{}.discretise)),
                 interpolation = std::string(name(SuRequest{}.interpolation)), with_index, channels = "rgb", band;
     int axial = 0;  // 1: axial lobes, -1: general lobes, 0: depends on the measurement
-    bool no_scale = false, reciprocal = false, lobes_auto = false, exchange = false, resume = false;
+    bool no_scale = false, reciprocal = false, lobes_auto = false, exchange = false, resume = false, explain = false;
     double max_theta = 0;  // [degrees], 0: the objective's default
     int lobes = 0;         // 0: not given
     int variates = PmRequest{}.variates, threads = 0;
@@ -389,6 +389,8 @@ void add_fit(CommandLine& app, int& status) {
             .type_name("NAME")
             .one_of({"auto", "cpu", "cuda"})
             .capture_default_str();
+    const Option explained = sub.add_flag("--explain", command->explain,
+                                          "pm: print the terms that a fit minimises and its stages, and fit nothing");
     sub.add_option("--threads", command->threads,
                    "Number of threads; 0: all of the machine. The model does not depend on it")
         .type_name("T")
@@ -401,7 +403,7 @@ void add_fit(CommandLine& app, int& status) {
         "  srbf fit materials/*.binary -o models --resume\n"
         "  srbf fit paper_white_rgb.bsdf --target-delta-e 2\n  srbf fit krylon_blue.brdf --objective cube-root");
     const std::vector<Option> of_pm{form,         variates,       axial,  reciprocal, no_scale,
-                                    target_error, target_delta_e, budget, device},
+                                    target_error, target_delta_e, budget, device,     explained},
         of_su{discretise, directions, interpolation, neighbours, between, with_index};
     sub.callback([=, &status] {
         for (const auto& [kind, options] : {std::pair("pm", &of_pm), {"su", &of_su}})
@@ -424,6 +426,12 @@ void add_fit(CommandLine& app, int& status) {
         if (command->model == "ggx" && command->lobes > k_most_ggx_lobes) lobes.fail("of ggx 1 or 2");
         for (const Option& option : {texels, slab})
             if (option.given() && !pairs.given()) option.fail("only with --pairs");
+        if (command->explain) {
+            for (const Option& option : {target_error, target_delta_e, budget, picture, json, output, pairs})
+                if (option.given()) option.fail("not with --explain, which fits nothing");
+            fmt::print("{}", explain(command->request()));
+            return;
+        }
         if (pairs.given()) {
             if (command->inputs.size() > 1) pairs.fail("with one INPUT");
             if (!output.given()) output.fail("a folder is required with --pairs");

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -137,6 +138,10 @@ class Fitter {
 Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, const ProgressToken& progress = {});
 /// The same for a BRDF as a function.
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress = {});
+
+/// What a multivariate fit of a table by this request minimises, and in which stages, as text of several lines; empty
+/// for other models.
+std::string explain(const FitRequest& request);
 
 /// The directions of the matrix on which a model is measured: the sampled directions of a view-by-view model, otherwise
 /// the Fibonacci set of k_matrix_directions within θmax [rad].

@@ -32,8 +32,6 @@ constexpr std::size_t k_part = 4096;
 /// θv of the observed radiances [degrees], and the number of directions of each.
 constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
 constexpr int k_radiance_points = 4096;
-/// `radiance_error` of an objective of pictures.
-constexpr double k_picture_error = 0.02;
 
 /// The direction of that z and azimuth.
 Vec3d direction(double z, double phi) {
@@ -259,7 +257,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     all.radiances = observe_albedos(f, *theta_max, options.threads);
     if (traits(options.objective).of_pictures) {
         all.views = observe_views(f, *theta_max, options.threads);
-        all.radiance_error = k_picture_error;
+        all.radiance_error = k_albedo_error_with_pixels;
     }
     return all;
 }

@@ -10,9 +10,6 @@
 namespace srbf {
 namespace {
 
-/// Initial cost, relative to the loss, of exceeding a bound pair by the largest measured value.
-constexpr double k_excess_weight = 0.005;
-
 double area(const Observations& observations, std::size_t i) {
     return double(observations.wl[i].z) * double(observations.wv[i].z);
 }

@@ -3,11 +3,9 @@
 #include <vector>
 
 #include "fit/data/observations.h"
+#include "fit/objective/importances.h"
 
 namespace srbf {
-
-/// The fitted f cosθl cosθv may reach this multiple of the largest measured value (documented: twice).
-inline constexpr double k_most_excess = 1.6;
 
 /// The largest measured f cosθl cosθv.
 double largest_measured(const Observations& observations);

@@ -1,22 +1,44 @@
-// What terms of a loss cost: a row for each that multivariate and view-by-view fits share.
+// What the terms of a loss cost: their one home. Docs: docs/fitting.md, "The objective"; `srbf fit --explain` prints it.
 #pragma once
 #include <cstddef>
 
 namespace srbf {
 
-/// Relative to the loss of the pairs, Σ w |f|² or what is left of it; measured (docs/fitting.md), no theory behind it.
-/// A view has five lobes for its highlight and its body, the whole of a multivariate model eight for all views: views
-/// can afford to follow highlights, and need less weight to follow radiance.
+/// Of a term that multivariate and view-by-view fits share; measured (docs/notes), no theory behind it. A view has five
+/// lobes for its highlight and its body, the whole of a multivariate model eight for all views: views can afford to
+/// follow highlights, and need less weight to follow radiance.
 struct Importance {
     double multivariate, view;
 };
-/// Weights of highlights: of an error of 100 % of all pairs, beside an equal error by the objective's own weights.
-inline constexpr Importance k_highlights{1, 3};
-/// Radiance in pictures by single lights of all phase angles. Of a multivariate fit its present loss; of a view, which
-/// is not reweighted by its errors, an error of 100 %.
+
+// Weights of pairs: an error of 100 % of all pairs by these, relative to one by the objective's own weights.
+inline constexpr Importance k_highlights{1, 3};  ///< appearance: cube roots, for what a display clips
+inline constexpr double k_peaks = 0.03;          ///< appearance: squares; one seed of ten had a peak of its own without
+/// Cosine: cube roots, without which the body under a highlight has hardly any weight.
+inline constexpr double k_body = 5e-3;
+/// An error at all horizon pairs (beyond θmax) of the largest measured f cosθl cosθv.
+inline constexpr double k_horizon_importance = 1e-2;
+
+/// Radiance in pictures by single lights of all phase angles. Of a multivariate fit its present loss; of a view an error
+/// of 100 %.
 inline constexpr Importance k_point_lights{5, 0.3};
-/// Pixels, of the loss of the fit without them.
+/// Pixels, of the loss of the fit without them; and where there are no point lights, of scattered samples.
 inline constexpr Importance k_pixels{3.5, 4};
+inline constexpr double k_pixels_alone = 2;
+
+/// An error of this share in every albedo costs as much as the fit's loss without them: by pairs alone, and with pixels.
+inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02;
+/// But at most this: a fit that cannot follow the data gains nothing from an albedo that is right by chance.
+inline constexpr double k_most_albedo_loss = 0.004;
+/// What albedos cost more beside point lights, which are several times the loss of the pairs and see highlights most.
+inline constexpr double k_albedos_beside_point_lights = 8;
+
+/// The fitted f cosθl cosθv may reach this multiple of the largest measured value between the stages; what is promised
+/// is twice, after rounding.
+inline constexpr double k_most_excess = 1.6;
+/// Initial cost, relative to the loss, of exceeding that by the largest measured value.
+inline constexpr double k_excess_weight = 0.005;
+
 /// Intervals of the phase angle [0, π], in which energies of pictures (16) or the exposures of pixels (36, of 5°) are
 /// known.
 inline constexpr std::size_t k_energy_intervals = 16, k_exposure_intervals = 36;

@@ -15,10 +15,6 @@ namespace {
 
 constexpr double k_bright_quantile = 0.75;
 
-/// If a highlight contains nearly all of Σ w |f|², the body under it, which dominates away from the mirror direction,
-/// has almost no weight in the objective cosine; and the highlight has little weight in appearance, its peak less.
-constexpr double k_body_importance = 5e-3, k_peak_importance = 0.03;
-
 double cosine_weight(double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }
 double cube_root_weight(double f, double mean, double, double) {
     return elementary::pow(std::max(f, 0.01 * mean) / mean, -4.0 / 3);
@@ -55,7 +51,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .measure = &Measures::squared_error_ratio_cosine,
      .max_theta = 89,
      .weight = cosine_weight,
-     .further = {{{body_weight, k_body_importance}}}},
+     .further = {{{body_weight, k_body}}}},
     {.objective = Objective::log,
      .name = "log",
      .summary = "squared error of log(1 + f cos(theta_l)), weighted by cos(theta_v)",
@@ -78,7 +74,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .max_theta = 89,
      .weight = [](double f, double bright, double cos_l,
                   double cos_v) { return elementary::square(displayed_slope(f, bright, cos_l)) * cos_v; },
-     .further = {{{highlight_weight, k_highlights.multivariate}, {cosine_weight, k_peak_importance}}},
+     .further = {{{highlight_weight, k_highlights.multivariate}, {cosine_weight, k_peaks}}},
      .seen = displayed,
      .slope = displayed_slope,
      .of_pictures = true},

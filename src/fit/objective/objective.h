@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fit/data/observations.h"
+#include "fit/objective/importances.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -65,9 +66,5 @@ inline double large_error_weight(Objective objective, const Rgb& f, const Rgb& f
 
 /// Multiplies the weights of the first `count` observations by their `large_error_weight` for what is fitted.
 void weigh_large_errors(Observations& observations, std::size_t count, const Evaluate& fitted, double most);
-
-/// Σ over the horizon pairs (observations beyond θmax) if the fit were off by the largest measured f cosθl cosθv at each of
-/// them, relative to Σ w |f|².
-inline constexpr double k_horizon_importance = 1e-2;
 
 }  // namespace srbf

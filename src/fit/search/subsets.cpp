@@ -17,16 +17,6 @@ namespace {
 /// Maximum number of exceeded bound pairs that are added for each candidate.
 constexpr std::size_t k_most_added = 16;
 
-/// An error of `radiance_error` in every radiance costs as much as the fit's loss without them, but at most this: a fit
-/// that cannot follow the data does not benefit from an accidentally correct albedo.
-constexpr double k_most_radiance_loss = 0.004;
-
-/// What radiances cost more beside weights of point lights, which are several times the loss of the pairs and see highlights most.
-constexpr double k_radiances_beside_point_lights = 8;
-
-/// The pictures' share of the sum relative to that of the pairs, while there are no weights of point lights.
-constexpr double k_picture_share = 2;
-
 /// At most this many of them, uniformly spaced.
 std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {
     if (all.size() <= most) return all;
@@ -56,21 +46,21 @@ Subsets::Part Subsets::beginning_of_all(std::size_t count) const {
 
 void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit) {
     const Rows some(some_.observations), more(more_.observations);
-    std::vector<std::vector<std::size_t>> places(candidates.size());
+    std::vector<std::vector<std::size_t>> added(candidates.size());
     std::vector<double> loss(candidates.size());
     parallel_for(candidates.size(), [&](std::size_t i) {
         const Lobes& lobes = candidates[i].lobes;
-        LobeProblem seen(some, shape_of(options), false, log_peak_limit),
-            unseen(more, shape_of(options), false, log_peak_limit);
-        seen.loss(pack(lobes));
-        places[i] =
-            some_of(exceeded(all_, few_.begin, to_model(seen, lobes, options.log_scale, {}), largest_), k_most_added);
-        loss[i] = unseen.loss(pack(lobes));
+        LobeProblem known(some, shape_of(options), false, log_peak_limit),
+            further(more, shape_of(options), false, log_peak_limit);
+        known.loss(pack(lobes));
+        added[i] =
+            some_of(exceeded(all_, few_.begin, to_model(known, lobes, options.log_scale, {}), largest_), k_most_added);
+        loss[i] = further.loss(pack(lobes));
     });
     loss_ = *std::min_element(loss.begin(), loss.end());
 
     std::set<std::size_t> taken;
-    for (const auto& of_candidate : places) taken.insert(of_candidate.begin(), of_candidate.end());
+    for (const auto& of_candidate : added) taken.insert(of_candidate.begin(), of_candidate.end());
     const std::size_t fitted = all_.fitted();
     for (const std::size_t i : taken) {
         const auto append = [&](Observations& to) {
@@ -88,7 +78,7 @@ void Subsets::add_lights(const Evaluate& fitted) {
 }
 
 double Subsets::radiance_importance(bool beside_point_lights) const {
-    return (beside_point_lights ? k_radiances_beside_point_lights : 1) * std::min(loss_, k_most_radiance_loss) /
+    return (beside_point_lights ? k_albedos_beside_point_lights : 1) * std::min(loss_, k_most_albedo_loss) /
            (3 * all_.radiance_error * all_.radiance_error);
 }
 
@@ -98,7 +88,7 @@ double Subsets::picture_importance(const Candidate& candidate, const Stage& stag
     const Rows seen = rows(stage, k_negligible);
     LobeProblem problem(seen, shape_of(options), true, log_peak_limit);
     problem.loss(pack(candidate.lobes));
-    return (has_point_lights_ ? k_pixels.multivariate : k_picture_share) * loss_ /
+    return (has_point_lights_ ? k_pixels.multivariate : k_pixels_alone) * loss_ /
            std::max(problem.delta_e(), k_least_delta_e);
 }
 

@@ -1,0 +1,84 @@
+// What a multivariate fit minimises, and in which stages, as text.
+#include <fmt/format.h>
+
+#include "fit/objective/importances.h"
+#include "fit/objective/objective.h"
+#include "fit/search/schedule.h"
+#include "fitting/requests.h"
+
+namespace srbf {
+namespace {
+
+/// A row of the table of terms: what is an error, and what it costs.
+struct Term {
+    std::string name, of, weight;
+};
+
+std::vector<Term> terms_of(Objective objective) {
+    std::vector<Term> terms{{"pairs", std::string(summary(objective)), "1"}};
+    const bool of_pictures = traits(objective).of_pictures;
+    if (objective == Objective::cosine)
+        terms.push_back({"body", "cube root of f", fmt::format("{} of the pairs'", k_body)});
+    if (of_pictures) {
+        terms.push_back(
+            {"highlights", "cube root of f cos(theta_l)", fmt::format("{} of the pairs'", k_highlights.multivariate)});
+        terms.push_back({"peaks", "f cos(theta_l)", fmt::format("{} of the pairs'", k_peaks)});
+    }
+    terms.push_back({"horizon", "f cos(theta_l) cos(theta_v) beyond the largest angle",
+                     fmt::format("{} if all err by its largest value", k_horizon_importance)});
+    terms.push_back({"bounds",
+                     fmt::format("f cos(theta_l) cos(theta_v) above {} times its largest value", k_most_excess),
+                     fmt::format("{} of the loss, rising", k_excess_weight)});
+    terms.push_back({"albedos", "directional albedo at 9 angles",
+                     fmt::format("the loss, at most {}, if they err by {:g} %", k_most_albedo_loss,
+                                 100 * (of_pictures ? k_albedo_error_with_pixels : k_albedo_error))});
+    if (!of_pictures) return terms;
+    terms.push_back({"point lights", "radiance in pictures by one light, of every phase angle",
+                     fmt::format("{} times the loss; albedos {} times more", k_point_lights.multivariate,
+                                 k_albedos_beside_point_lights)});
+    terms.push_back({"pixels", "delta E ITP in pictures under 15 lights (robust: linear above 1)",
+                     fmt::format("{} times the loss", k_pixels.multivariate)});
+    return terms;
+}
+
+std::string work_of(const Stage& stage, const FitOptions& options) {
+    switch (stage.work) {
+        case Work::grow:
+            return fmt::format("{} lobes, one by one", options.lobes);
+        case Work::perturb:
+            return fmt::format("until {} lobes or variates were replaced", stage.perturbations_until(options));
+        case Work::polish:
+            return "steps; useless lobes are replaced";
+        case Work::steps:
+            return fmt::format("{} steps, ordered by delta E ITP", stage.steps);
+        case Work::finish:
+            return "steps while they pay, rounding to 16 bits, bounds";
+    }
+    return "";
+}
+
+std::string rows_of(const Stage& stage) {
+    return fmt::format("{}{}{}{}", stage.pairs > 0 ? fmt::format("{} pairs", stage.pairs) : "all pairs",
+                       stage.bounds ? ", bounds" : "", stage.albedos ? ", albedos" : "",
+                       stage.pictures ? ", point lights, pixels" : "");
+}
+
+}  // namespace
+
+std::string explain(const FitRequest& request) {
+    if (!std::holds_alternative<PmRequest>(request.model)) return "";
+    const FitOptions options = pm_options(request, true);
+    std::string text =
+        fmt::format("objective {} to {:g} degrees, {} lobes of {} variates, {} starts\n\n", name(request.objective),
+                    request.theta() / k_degree, options.lobes, options.variates, starts_of(options));
+    text += fmt::format("{:<13} {:<66} {}\n", "term", "error of", "cost");
+    for (const Term& term : terms_of(request.objective))
+        text += fmt::format("{:<13} {:<66} {}\n", term.name, term.of, term.weight);
+    text += fmt::format("\n{:<13} {:<50} {:>10}  {}\n", "stage", "rows and terms", "candidates", "work");
+    for (const Stage& stage : schedule(traits(request.objective).of_pictures))
+        text += fmt::format("{:<13} {:<50} {:>10}  {}\n", stage.name, rows_of(stage), stage.candidates(options),
+                            work_of(stage, options));
+    return text;
+}
+
+}  // namespace srbf

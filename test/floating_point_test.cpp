@@ -52,11 +52,11 @@ SRBF_WRAPPED(float, exponent,
     see(x, count);
     return largest;
 }
-SRBF_WRAPPED(void, exponentiate, "_ZN4srbf12exponentiateEPKffPfm", const float* root_weight, float offset, float* x,
-             std::size_t count) {
-    see(root_weight, count);
-    real_exponentiate(root_weight, offset, x, count);
-    see(x, count);
+SRBF_WRAPPED(void, exponentiate, "_ZN4srbf12exponentiateEPKfS1_fPfm", const float* x, const float* root_weight,
+             float offset, float* e, std::size_t count) {
+    see(x, count), see(root_weight, count);
+    real_exponentiate(x, root_weight, offset, e, count);
+    see(e, count);
 }
 SRBF_WRAPPED(double, residual,
              "_ZN4srbf8residualEPKfSt4spanIS0_Lm18446744073709551615EES2_IKS1_Lm18446744073709551615EEPfm",
@@ -77,13 +77,6 @@ SRBF_WRAPPED(void, add_products, "_ZN4srbf12add_productsESt4spanIKPKfLm184467440
     see(rows, count), see(columns, count);
     real_add_products(rows, columns, G, count);
 }
-SRBF_WRAPPED(void, exponentiate_view, "_ZN4srbf12exponentiateEPKfS1_fPf", const float* x, const float* root_weight,
-             float offset, float* e) {
-    see(x), see(root_weight);
-    real_exponentiate_view(x, root_weight, offset, e);
-    see(e);
-}
-
 namespace {
 
 Measured film() { return *load_measured((bundled_data() / "cc_ibiza_sunset_rgb.bsdf").string()); }

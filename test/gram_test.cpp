@@ -204,7 +204,7 @@ TEST_P(Gram, ExponentiateTakesTheOffsetAway) {
                 x[i] = offset + (counts ? below[i] : 100.f * float(i));  // a row of weight 0 may exceed every bound
             }
             const auto before = x;
-            exponentiate(&rows_.root_weight[block * k_block], offset, x.data(), rows_.rows_in(block));
+            exponentiate(x.data(), &rows_.root_weight[block * k_block], offset, x.data(), rows_.rows_in(block));
             for (std::size_t i = 0; i < rows_.rows_in(block); ++i) {
                 const double root = double(rows_.root_weight[block * k_block + i]);
                 const double expected = root > 0 ? root * std::exp(double(before[i]) - double(offset)) : 0;
@@ -329,7 +329,7 @@ std::vector<double> all_results(const Rows& rows) {
     further_features(rows, 0, SRBF_TERMS, features_of.data()), add(features_of);
     const float* const root_weight = &rows.root_weight[k_block];
     all.push_back(exponent(weight, pointers_to, root_weight, x.data(), rows.rows_in(1))), add(x);
-    exponentiate(root_weight, 5, x.data(), rows.rows_in(1)), add(x);
+    exponentiate(x.data(), root_weight, 5, x.data(), rows.rows_in(1)), add(x);
     all.push_back(residual(columns[0].data(), weight, pointers_to, x.data())), add(x);
     all.push_back(sum(x.data())), all.push_back(sum_of_squares(x.data()));
     std::vector<double> G(13 * 13);

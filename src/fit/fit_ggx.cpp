@@ -168,7 +168,7 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
     for (int round = 0; round < k_root_rounds && traits(observations.objective).seen; ++round) {
         const GgxModel model = all.solve(log_alpha).model;
         weighed.weight = observations.weight;
-        weigh_large_errors(weighed, weighed.fitted(), evaluator(model), k_most_root_change);
+        weigh_large_errors(weighed, evaluator(model), k_most_root_change);
         if (!progress.report("refining roughness", 0.3 + 0.7 * round / k_root_rounds)) return cancelled_error("fit");
         if (round == 0) log_alpha = scanned(sample, options.lobes);
         refine(all, log_alpha);

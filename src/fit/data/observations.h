@@ -50,7 +50,8 @@ struct Observations {
     Objective objective = Objective::raw;        ///< that the weights are of
     double typical = 0;                          ///< the value of f or f cosθl to which they are relative
     std::vector<RadianceObservation> radiances;  ///< that a fit also matches, from its first perturbation on
-    double radiance_error = k_albedo_error;  ///< an error of this share in every radiance costs as much as the loss of the pairs
+    double radiance_error =
+        k_albedo_error;  ///< an error of this share in every radiance costs as much as the loss of the pairs
     std::vector<ObservedView> views;  ///< of pictures that a fit also matches, in its last stages
     std::uint64_t masked = 0;         ///< number of sampled pairs where nothing was measured
     std::uint64_t clamped = 0;        ///< number of negative channel values at sampled pairs, set to 0

@@ -205,6 +205,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     if (!errors) return cancelled_error("observe");
     observed.interpolation = *errors;
     observed.between.wavelengths = observed.samples.wavelengths;
+    observed.between.objective = options.objective, observed.between.typical = typical;
     if (!observe_interpolated(observed, samples, largest_square(once), interpolating.part(0.5, 1)))
         return cancelled_error("observe");
     weigh_all(observed.between);

@@ -65,8 +65,8 @@ void LobeBasis::evaluate(const Eigen::VectorXd& x) {
     rows_.for_chunks(rows_.whole_chunks(), parallel_, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t block = begin; block < end; ++block)
             for (std::size_t j = 0; j < J; ++j)
-                exponentiate(&rows_.root_weight[block * k_block], float(offset_[j]), lobe(block, int(j)),
-                             rows_.rows_in(block));
+                exponentiate(lobe(block, int(j)), &rows_.root_weight[block * k_block], float(offset_[j]),
+                             lobe(block, int(j)), rows_.rows_in(block));
     });
 }
 

@@ -8,18 +8,11 @@
 #include "srbf/elementary.h"
 
 namespace srbf {
-namespace {
-
-double area(const Observations& observations, std::size_t i) {
-    return double(observations.wl[i].z) * double(observations.wv[i].z);
-}
-
-}  // namespace
 
 double largest_measured(const Observations& observations) {
     double largest = 0;
     for (std::size_t i = 0; i < observations.f.size(); ++i)
-        largest = std::max(largest, largest_of(observations.f[i]) * area(observations, i));
+        largest = std::max(largest, largest_of(observations.f[i]) * cosines(observations.wl[i], observations.wv[i]));
     return largest;
 }
 
@@ -30,12 +23,12 @@ std::vector<std::size_t> exceeded(const Observations& observations, std::size_t 
     evaluator(model)(wl.subspan(first), wv.subspan(first), f);
     std::vector<std::size_t> where;
     for (std::size_t i = first; i < wl.size(); ++i)
-        if (largest_of(f[i - first]) * area(observations, i) > k_most_excess * largest) where.push_back(i);
+        if (largest_of(f[i - first]) * cosines(wl[i], wv[i]) > k_most_excess * largest) where.push_back(i);
     return where;
 }
 
 double bound_weight(const Observations& observations, std::size_t i, double loss, double largest) {
-    return k_excess_weight * loss * elementary::square(area(observations, i) / largest);
+    return k_excess_weight * loss * elementary::square(cosines(observations.wl[i], observations.wv[i]) / largest);
 }
 
 std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss) {

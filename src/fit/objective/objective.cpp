@@ -139,12 +139,14 @@ void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::
     }
 }
 
-void weigh_large_errors(Observations& observations, std::size_t count, const Evaluate& fitted, double most) {
-    std::vector<Rgb> f(count);
-    fitted(std::span(observations.wl).first(count), std::span(observations.wv).first(count), f);
-    for (std::size_t i = 0; i < count; ++i)
-        observations.weight[i] *= large_error_weight(observations.objective, observations.f[i], f[i],
-                                                     observations.typical, double(observations.wl[i].z), most);
+void weigh_large_errors(Observations& observations, const Evaluate& fitted, double most, float least_cos) {
+    if (!traits(observations.objective).seen) return;
+    std::vector<Rgb> f(observations.fitted());
+    fitted(std::span(observations.wl).first(f.size()), std::span(observations.wv).first(f.size()), f);
+    for (std::size_t i = 0; i < f.size(); ++i)
+        if (std::min(observations.wl[i].z, observations.wv[i].z) >= least_cos)
+            observations.weight[i] *= large_error_weight(observations.objective, observations.f[i], f[i],
+                                                         observations.typical, double(observations.wl[i].z), most);
 }
 
 }  // namespace srbf

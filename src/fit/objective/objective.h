@@ -64,7 +64,8 @@ inline double large_error_weight(Objective objective, const Rgb& f, const Rgb& f
     return squares > 0 ? std::clamp(seen / squares / small, 1 / most, most) : 1;
 }
 
-/// Multiplies the weights of the first `count` observations by their `large_error_weight` for what is fitted.
-void weigh_large_errors(Observations& observations, std::size_t count, const Evaluate& fitted, double most);
+/// Multiplies the weights of the fitted observations by their `large_error_weight` for what is fitted; of those alone
+/// whose cosines are at least `least_cos`.
+void weigh_large_errors(Observations& observations, const Evaluate& fitted, double most, float least_cos = 0);
 
 }  // namespace srbf

@@ -13,7 +13,7 @@
 namespace srbf {
 namespace {
 
-constexpr int k_check_rounds = 12;
+constexpr int k_bound_rounds = 12;
 /// The last steps run in batches of ten until one lowers the loss by less than this. Most fits need two batches; a fit
 /// whose narrow lobes must match a radiance needs twenty.
 constexpr int k_last_steps = 10, k_most_tens = 26;
@@ -63,7 +63,7 @@ PmFit finish(Lobes lobes, Observations all, const Importances& importance, const
     PmFit fit;
     const bool spectral = !all.wavelengths.empty();
     if (spectral) weigh_for_spectra(all);
-    const std::size_t first_check = all.fitted();
+    const std::size_t first_bound = all.fitted();
     for (int round = 0;; ++round) {
         const Rows rows(all, {.radiance_importance = importance.radiances,
                               .spectra = spectral,
@@ -89,8 +89,8 @@ PmFit finish(Lobes lobes, Observations all, const Importances& importance, const
                 problem.loss(pack(halves));
         }
         fit.model = to_halves(to_model(problem, halves, options.log_scale, all.wavelengths), halves);
-        if (round == k_check_rounds || reporter.cancelled()) return fit;
-        if (take_exceeded(all, first_check, fit.model, fit.loss) == 0) return fit;
+        if (round == k_bound_rounds || reporter.cancelled()) return fit;
+        if (take_exceeded(all, first_bound, fit.model, fit.loss) == 0) return fit;
     }
 }
 

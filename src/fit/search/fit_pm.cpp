@@ -1,11 +1,9 @@
 #include "fit/search/fit_pm.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <memory>
 
-#include "fit/objective/objective.h"
+#include "fit/data/errors.h"
 #include "fit/objective/point_lights.h"
 #include "fit/search/finish.h"
 #include "fit/search/schedule.h"
@@ -42,28 +40,19 @@ constexpr double k_log_peak_limit = 300;
 constexpr double k_nearly_best = 0.01;
 
 Result<Done> validate(const Observations& observations, const FitOptions& options) {
-    const auto in_range = [](const char* what, int x, int least, int most) -> Result<Done> {
-        if (x >= least && x <= most) return Done{};
-        return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x), ErrorCode::argument};
-    };
-    for (const auto& result : {in_range("number of lobes", options.lobes, 1, k_most_fitted_lobes),
-                               in_range("number of variates", options.variates, 1, k_most_variates),
-                               in_range("number of starts", starts_of(options), 1, 1000),
-                               in_range("number of perturbations", perturbations_of(options), 0, 100000),
-                               in_range("number of threads", options.threads, 0, 1024)})
+    for (const auto& result : {require_range("fit", "number of lobes", options.lobes, 1, k_most_fitted_lobes),
+                               require_range("fit", "number of variates", options.variates, 1, int(k_most_variates)),
+                               require_range("fit", "number of starts", starts_of(options), 1, 1000),
+                               require_range("fit", "number of perturbations", perturbations_of(options), 0, 100000),
+                               require_range("fit", "number of threads", options.threads, 0, 1024)})
         if (!result) return result.error();
     if (!(options.finest >= 0 && options.finest < 1))
-        return Error{
-            "fit", {}, "finest width", "0 to 1 radian", fmt::format("{}", options.finest), ErrorCode::argument};
+        return argument_error("fit", "finest width", "0 to 1 radian", fmt::format("{}", options.finest));
     if (!options.log_scale && options.form != PmForm::gaussian)
-        return Error{"fit", {}, "log scale", "one, in all forms but gaussian", "none", ErrorCode::argument};
+        return argument_error("fit", "log scale", "one, in all forms but gaussian", "none");
     if (options.reciprocal && options.variates % 2 == 1)
-        return Error{"fit",
-                     {},
-                     "number of variates",
-                     "an even one, for a reciprocal model",
-                     fmt::format("{}", options.variates),
-                     ErrorCode::argument};
+        return argument_error("fit", "number of variates", "an even one, for a reciprocal model",
+                              fmt::format("{}", options.variates));
     return validate(observations, parameter_count(options));
 }
 
@@ -153,9 +142,9 @@ class Fit {
     void take_steps(const Stage& stage, const Rows& rows, Candidate& candidate) const {
         LobeProblem problem(rows, shape_of(options_), false, log_peak_limit_);
         Eigen::VectorXd x = pack(candidate.lobes);
-        candidate.loss = levenberg_marquardt(problem, x, {.max_iterations = stage.steps}).loss;
+        levenberg_marquardt(problem, x, {.max_iterations = stage.steps});
         candidate.lobes = unpack(x, candidate.lobes.shape);
-        if (stage.order == Order::delta_e) candidate.loss = problem.delta_e();
+        candidate.loss = problem.delta_e();
     }
     bool spectral() const { return !observations_.wavelengths.empty(); }
     const Observations& all() const { return with_lights_.f.empty() ? observations_ : with_lights_; }
@@ -164,9 +153,7 @@ class Fit {
     /// observations.
     void add_lights(const Stage& stage) {
         if (stage.pairs > 0) {
-            Stage pairs_alone = stage;
-            pairs_alone.pictures = false;
-            subsets_.add_lights(fitted(subsets_.rows(pairs_alone, 0)));
+            subsets_.add_lights(fitted(rows_of(stage)));  // without pixels, which have no importance yet
             importances_.pictures = subsets_.picture_importance(found.front(), stage, options_, log_peak_limit_);
             importances_.has_point_lights = !spectral() && !observations_.point_light_weight.empty();
         } else if (importances_.has_point_lights && last_) {  // cancelled, there may have been no steps
@@ -257,7 +244,7 @@ Result<std::vector<PmFit>> fit_pm(std::span<const Observations* const> observati
     for (const Observations* of : observations) {
         if (const auto valid = validate(*of, options); !valid) return valid.error();
         if (of->views.empty() == with_pictures)
-            return Error{"fit", {}, "observations", "with views, or without any", "both", ErrorCode::argument};
+            return argument_error("fit", "observations", "with views, or without any", "both");
         effort += effort_of(*of, options).all();
     }
     Reporter reporter(progress, effort);

@@ -15,6 +15,8 @@ namespace {
 
 // The short fit: its error is needed within a factor of about two.
 constexpr int k_short_starts = 4, k_short_perturbations = 10;
+/// The largest factor of a weight for an error that is not small.
+constexpr double k_most_change = 3;
 
 /// The observations of a fit in which the grid between the samples has this weight.
 Observations together(const SampleObservations& from, double weight_between, std::uint64_t seed) {
@@ -32,18 +34,6 @@ Observations together(const SampleObservations& from, double weight_between, std
     for (std::size_t i = fitted; i < samples.f.size(); ++i) add_from(samples, i, 1);
     all.bound_pairs = samples.bound_pairs;
     return all;
-}
-
-constexpr double k_most_change = 3;
-/// Of those within θmax; the others are horizon pairs.
-void weigh_large_errors(Observations& observations, const PmModel& fitted, const ObserveSamplesOptions& options,
-                        double typical) {
-    std::vector<Rgb> f(observations.fitted());
-    evaluator(fitted)(std::span(observations.wl).first(f.size()), std::span(observations.wv).first(f.size()), f);
-    for (std::size_t i = 0; i < f.size(); ++i)
-        if (std::min(observations.wl[i].z, observations.wv[i].z) >= sample_cap(options.max_theta))
-            observations.weight[i] *= large_error_weight(options.objective, observations.f[i], f[i], typical,
-                                                         double(observations.wl[i].z), k_most_change);
 }
 
 }  // namespace
@@ -70,7 +60,7 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
                                                evaluator(first->unrounded), max_theta);
     SampleObservations weighed = observations;
     for (Observations* of : {&weighed.samples, &weighed.between})
-        weigh_large_errors(*of, first->unrounded, observations.options, observations.samples.typical);
+        weigh_large_errors(*of, evaluator(first->unrounded), k_most_change, sample_cap(max_theta));
     double belief = std::min(error_of(remaining, objective) / error_of(observations.interpolation, objective), 1.0);
     if (is_root(objective)) belief *= belief;
     return fit_pm(together(weighed, std::isfinite(belief) ? belief : 1, seed), bounded, progress.part(0.3, 1));

@@ -15,13 +15,8 @@ enum class Work {
     grow,     ///< J lobes one by one, each the best of 256 random ones
     perturb,  ///< replaces the least useful lobe or variate by a random one, if that lowers the loss
     polish,   ///< steps, and replaces lobes that become useless
-    steps,    ///< steps alone
+    steps,    ///< steps alone; candidates are ordered by the mean ΔE_ITP of pixels, after the others by their loss
     finish,   ///< steps as long as they pay, bounds that are exceeded, and rounding
-};
-/// What candidates are ordered by after a stage.
-enum class Order {
-    loss,
-    delta_e,  ///< mean ΔE_ITP of the pictures' pixels
 };
 
 /// A stage of a fit, a row of the tables below.
@@ -36,7 +31,6 @@ struct Stage {
     std::size_t most = std::size_t(-1);      ///< of them
     double perturbations = 0;                ///< share of the options' number, since the first stage
     int steps = 0;                           ///< at most, of Levenberg-Marquardt
-    Order order = Order::loss;
 
     std::size_t candidates(const FitOptions& options) const {
         return std::min(std::size_t(std::max(std::lround(share * starts_of(options)), 1L)), most);
@@ -60,7 +54,7 @@ inline constexpr std::size_t all = std::size_t(-1);  ///< candidates
 /// larger: the last steps lower the loss by 1 to 4 %.
 inline constexpr Stage by_pairs[] = {
     // name      work           bounds   pairs   albedos share most          perturbations
-    //                            lights            pictures                       steps order
+    //                            lights            pictures                       steps
     {"grow",     Work::grow,     o, o,   k_few,  o, o,   1,    all},
     {"perturb",  Work::perturb,  x, o,   k_few,  x, o,   1,    all, 0.2},
     {"perturb",  Work::perturb,  x, o,   k_some, x, o,   0.5,  all, 0.5},
@@ -75,9 +69,9 @@ inline constexpr Stage with_pictures[] = {
     {"grow",     Work::grow,     o, o,   k_few,  o, o,   1,    all},
     {"perturb",  Work::perturb,  x, o,   k_few,  x, o,   1,    all, 0.12},
     {"perturb",  Work::perturb,  x, o,   k_few,  x, o,   1,    all, 0.28},
-    {"pictures", Work::steps,    x, x,   k_some, x, x,   1,    all, 0,    3, Order::delta_e},
-    {"pictures", Work::steps,    o, o,   k_some, x, x,   0.25, all, 0,    4, Order::delta_e},
-    {"pictures", Work::steps,    o, o,   k_some, x, x,   0.125, all, 0,   8, Order::delta_e},
+    {"pictures", Work::steps,    x, x,   k_some, x, x,   1,    all, 0,    3},
+    {"pictures", Work::steps,    o, o,   k_some, x, x,   0.25, all, 0,    4},
+    {"pictures", Work::steps,    o, o,   k_some, x, x,   0.125, all, 0,   8},
     {"finish",   Work::finish,   o, x,   0,      x, x,   1,    1},
 };
 // clang-format on

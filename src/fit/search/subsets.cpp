@@ -63,12 +63,9 @@ void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOp
     for (const auto& of_candidate : added) taken.insert(of_candidate.begin(), of_candidate.end());
     const std::size_t fitted = all_.fitted();
     for (const std::size_t i : taken) {
-        const auto append = [&](Observations& to) {
-            to.wl.push_back(all_.wl[i]), to.wv.push_back(all_.wv[i]), to.f.push_back(all_.f[i]);
-            to.weight.push_back(i < fitted ? all_.weight[i] : bound_weight(all_, i, loss_, largest_));
-        };
+        const double weight = i < fitted ? all_.weight[i] : bound_weight(all_, i, loss_, largest_);
         for (Part* part : {&few_, &some_, &more_})
-            if (i >= part->begin) append(part->observations);
+            if (i >= part->begin) part->observations.add(all_.wl[i], all_.wv[i], all_.f[i], weight);
     }
 }
 

@@ -46,10 +46,10 @@ float exponent(std::span<const float> weight, std::span<const float* const> s, c
     return largest.largest();
 }
 
-void exponentiate(const float* root_weight, float offset, float* x, std::size_t count) {
-    const Batch shift{double(offset)};
+void exponentiate(const float* x, const float* root_weight, float offset, float* e, std::size_t count) {
+    const Batch shift{double(offset)}, most{k_most_exponent};
     for (std::size_t i = 0; i < count; i += Batch::size())
-        Batch(Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, Batch(0.0)))).store(x + i);
+        Batch(Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, most))).store(e + i);
 }
 
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count) {
@@ -197,8 +197,8 @@ float exponent(std::span<const float> weight, std::span<const float* const> s, c
                std::size_t count) {
     return HWY_DYNAMIC_DISPATCH(exponent)(weight, s, root_weight, x, count);
 }
-void exponentiate(const float* root_weight, float offset, float* x, std::size_t count) {
-    HWY_DYNAMIC_DISPATCH(exponentiate)(root_weight, offset, x, count);
+void exponentiate(const float* x, const float* root_weight, float offset, float* e, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(exponentiate)(x, root_weight, offset, e, count);
 }
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count) {
     HWY_DYNAMIC_DISPATCH(combine)(weight, s, x, count);

@@ -13,8 +13,9 @@ namespace srbf {
 /// x = Σ_n weight[n] s[n]; returns the maximum over rows with a positive √w, or the lowest float if there are none.
 float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
                std::size_t count);
-/// x ← √w exp(x − offset), for x ≤ offset. Rows of weight 0 may exceed `offset`; they become 0.
-void exponentiate(const float* root_weight, float offset, float* x, std::size_t count);
+inline constexpr double k_most_exponent = 20;
+/// e = √w exp(x − offset), for x − offset ≤ k_most_exponent; rows of weight 0 may exceed it and become 0. x may be e.
+void exponentiate(const float* x, const float* root_weight, float offset, float* e, std::size_t count = k_block);
 /// x = Σ_n weight[n] s[n].
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count = k_block);
 /// x = factor Σ_n weight[n] s[n].

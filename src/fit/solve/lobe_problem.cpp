@@ -278,7 +278,7 @@ Eigen::MatrixXd LobeProblem::products_with_candidates(std::span<const std::vecto
         }
         double sum = 0;
         for (std::size_t block = 0; block < blocks; ++block) {
-            exponentiate(&rows_.root_weight[block * k_block], offset, of(k, block), rows_.rows_in(block));
+            exponentiate(of(k, block), &rows_.root_weight[block * k_block], offset, of(k, block), rows_.rows_in(block));
             sum += sum_of_squares(of(k, block), rows_.rows_in(block));
         }
         squares[Eigen::Index(k)] = sum;

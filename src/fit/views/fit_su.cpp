@@ -5,6 +5,7 @@
 #include <optional>
 #include <random>
 
+#include "fit/data/errors.h"
 #include "fit/fits.h"
 #include "fit/objective/objective.h"
 #include "fit/views/fit_view.h"
@@ -26,16 +27,13 @@ constexpr double k_better = 0.97, k_much_worse = 4, k_exact_loss = 1e-9;
 constexpr double k_work_of_passes = 0.3, k_work_of_track = 6;
 
 Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
-    const auto in_range = [](const char* what, double x, double least, double most) -> Result<Done> {
-        if (x >= least && x <= most) return Done{};
-        return Error{"fit", {}, what, fmt::format("{} to {}", least, most), fmt::format("{}", x), ErrorCode::argument};
-    };
+    const auto in_range = require_range<double>;
     const std::size_t n = matrix.direction.size();
-    for (const auto& result : {in_range("number of lobes", options.lobes, 1, k_most_view_lobes),
-                               in_range("number of neighbours", options.neighbours, 1, k_most_neighbours),
-                               in_range("number of threads", options.threads, 0, 1024),
-                               in_range("max_theta", theta_max / k_degree, 1 - 1e-9, 89.9 + 1e-9),
-                               in_range("number of directions", double(n), k_least_views, k_most_views)})
+    for (const auto& result : {in_range("fit", "number of lobes", options.lobes, 1, k_most_view_lobes),
+                               in_range("fit", "number of neighbours", options.neighbours, 1, k_most_neighbours),
+                               in_range("fit", "number of threads", options.threads, 0, 1024),
+                               in_range("fit", "max_theta", theta_max / k_degree, 1 - 1e-9, 89.9 + 1e-9),
+                               in_range("fit", "number of directions", double(n), k_least_views, k_most_views)})
         if (!result) return result.error();
     if (matrix.f.size() != n * n || matrix.between.size() % n != 0)
         return Error{"fit", {}, "matrix", "values of all pairs of directions", "another number"};

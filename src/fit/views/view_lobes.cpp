@@ -35,12 +35,6 @@ float view_exponents(const DirectionRows& rows, std::size_t block, const MovingL
     return largest.largest();
 }
 
-void exponentiate_view(const float* x, const float* root_weight, float offset, float* e) {
-    const Batch shift{double(offset)}, most{k_most_exponent};
-    for (std::size_t i = 0; i < k_block; i += Batch::size())
-        (Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, most))).store(e + i);
-}
-
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
             float* by_first, float* by_second, float* by_log_bandwidth, float* by_shape) {
     const bool is_narrowed = std::signbit(lobe.shape);
@@ -74,15 +68,11 @@ HWY_AFTER_NAMESPACE();
 namespace srbf {
 
 HWY_EXPORT(view_exponents);
-HWY_EXPORT(exponentiate_view);
 HWY_EXPORT(derive);
 
 float exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* root_weight,
                 float* x) {
     return HWY_DYNAMIC_DISPATCH(view_exponents)(rows, block, lobe, root_weight, x);
-}
-void exponentiate(const float* x, const float* root_weight, float offset, float* e) {
-    HWY_DYNAMIC_DISPATCH(exponentiate_view)(x, root_weight, offset, e);
 }
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
             float* by_first, float* by_second, float* by_log_bandwidth, float* by_shape) {

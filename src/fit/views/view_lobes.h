@@ -32,11 +32,8 @@ struct MovingLobe {
 /// x = `shaped_exponent`; returns the largest of the rows with a positive weight, the lowest float where there is none.
 float exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* root_weight,
                 float* x);
-inline constexpr double k_most_exponent = 20;
-/// e = √w exp(x − offset), for x − offset ≤ k_most_exponent; rows of weight 0 may exceed it and become 0.
-void exponentiate(const float* x, const float* root_weight, float offset, float* e);
 /// The derivatives of √w G by the shifts along the tangents, by log λ and, unless `by_shape` is null, by the shape, `e`
-/// and `x` as above, with d = w − ξ: λ (d·along_k + α (d·t) (t·along_k)) e, (x + τ (1/w_z − 1)) e, and (1 − 1/w_z) e of
+/// and `x` as of `exponents` and `exponentiate`, with d = w − ξ: λ (d·along_k + α (d·t) (t·along_k)) e, (x + τ (1/w_z − 1)) e, and (1 − 1/w_z) e of
 /// a shape from 0 up, ½ λ (d·t)² e of one from −0 down.
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
             float* by_first, float* by_second, float* by_log_bandwidth, float* by_shape);

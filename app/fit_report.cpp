@@ -85,6 +85,27 @@ void print_path(const FitRequest& request, const FitOutcome& outcome) {
     }
 }
 
+/// Whether the table was smoothed to its noise before the fit.
+bool is_smoothed(const FitOutcome& outcome) { return outcome.against_smoothed.has_value(); }
+
+/// How far the measurement determines a fit: what is negative, its noise, and how it differs from itself.
+void print_repeatability(const FitOutcome& outcome) {
+    if (outcome.clamped > 0)
+        fmt::print("  negative  {} values, {}\n", grouped(outcome.clamped),
+                   is_smoothed(outcome) ? "fitted as noise about their mean" : "set to 0");
+    if (is_smoothed(outcome)) {
+        fmt::print(
+            "  noise     {:.0f} % of dark values; ΔE_ITP {:.3g} (worst {:.3g}) against the measurement smoothed\n",
+            100 * outcome.noise->share(), outcome.against_smoothed->mean.delta_e,
+            outcome.against_smoothed->worst_delta_e);
+        if (outcome.clamped == 0)
+            fmt::print("            none of it is below 0: its maker cut it off, which makes dark values brighter\n");
+    }
+    if (outcome.exchanged)
+        fmt::print("  repeats   within ΔE_ITP {:.3g} (worst {:.3g}) where light and viewer are exchanged\n",
+                   outcome.exchanged->mean.delta_e, outcome.exchanged->worst_delta_e);
+}
+
 /// An angle [rad] in degrees, rounded to what was given.
 double degrees(double angle) { return std::round(angle / k_degree * 1e9) / 1e9; }
 
@@ -120,6 +141,9 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     if (std::holds_alternative<SuModel>(outcome.model.model)) json["empty_directions"] = outcome.empty_directions;
     add_measures(json, *outcome.errors, "");
     add_measures(json, *outcome.unrounded_errors, "unrounded_");
+    if (outcome.noise) json["noise"] = outcome.noise->share();
+    if (outcome.exchanged) json["exchanged_pictures"] = json_of(*outcome.exchanged);
+    if (is_smoothed(outcome)) json["smoothed_pictures"] = json_of(*outcome.against_smoothed);
     if (outcome.samples) {
         json["samples"] = *outcome.samples;
         json["folds"] = k_folds;
@@ -155,7 +179,7 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     if (auxiliary > 0) fmt::print("  run time  {} bytes of index texture and direction table\n", grouped(auxiliary));
     if (outcome.empty_directions > 0) fmt::print("  empty     {} directions without data\n", outcome.empty_directions);
     if (outcome.masked > 0) fmt::print("  masked    {} samples that were not measured\n", grouped(outcome.masked));
-    if (outcome.clamped > 0) fmt::print("  clamped   {} negative values, set to 0\n", grouped(outcome.clamped));
+    print_repeatability(outcome);
     fmt::print("\n");
     print_measures({{"as stored", &*outcome.errors}, {"before rounding", &*outcome.unrounded_errors}});
     if (outcome.samples) {

@@ -57,21 +57,25 @@ void add_measures(Json& json, const Measures& measures, std::string_view prefix)
     for (const MeasureName& m : k_measures) json[fmt::format("{}{}", prefix, m.name)] = measures.*m.member;
 }
 
-void add_measures(Json& json, const Comparison& comparison, std::string_view prefix) {
-    add_measures(json, comparison.matrix, prefix);
-    for (const MeasureName& m : k_measures)
-        json[fmt::format("{}heldout_{}", prefix, m.name)] = comparison.heldout.*m.member;
-    json[fmt::format("{}albedo_error", prefix)] = comparison.albedo_error;
+Json json_of(const Appearance& appearance) {
     const auto errors = [](const PictureErrors& of) {
         Json named;
         for (const PictureErrorName& e : k_picture_errors) named[e.name] = of.*e.member;
         return named;
     };
-    Json pictures = errors(comparison.appearance.mean);
-    pictures["worst_delta_e_itp"] = comparison.appearance.worst_delta_e;
-    for (std::size_t k = 0; k < comparison.appearance.lighting.size(); ++k)
-        pictures["lightings"][standard_lightings()[k].name] = errors(comparison.appearance.lighting[k]);
-    json[fmt::format("{}pictures", prefix)] = std::move(pictures);
+    Json pictures = errors(appearance.mean);
+    pictures["worst_delta_e_itp"] = appearance.worst_delta_e;
+    for (std::size_t k = 0; k < appearance.lighting.size(); ++k)
+        pictures["lightings"][standard_lightings()[k].name] = errors(appearance.lighting[k]);
+    return pictures;
+}
+
+void add_measures(Json& json, const Comparison& comparison, std::string_view prefix) {
+    add_measures(json, comparison.matrix, prefix);
+    for (const MeasureName& m : k_measures)
+        json[fmt::format("{}heldout_{}", prefix, m.name)] = comparison.heldout.*m.member;
+    json[fmt::format("{}albedo_error", prefix)] = comparison.albedo_error;
+    json[fmt::format("{}pictures", prefix)] = json_of(comparison.appearance);
 }
 
 void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons) {

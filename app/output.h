@@ -25,6 +25,8 @@ std::string text(const MeasureName& name, const Measures& measures);
 /// them.
 void add_measures(Json& json, const Measures& measures, std::string_view prefix);
 void add_measures(Json& json, const Comparison& comparison, std::string_view prefix);
+/// Errors of pictures: their means and worst, and those under each lighting.
+Json json_of(const Appearance& appearance);
 
 /// A table of measures with a column for each set of each comparison.
 void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons);

@@ -82,6 +82,17 @@ inline bool is_by_pictures(const FitRequest& request) {
     return goal && std::holds_alternative<TargetDeltaE>(*goal);
 }
 
+/// Noise of a measurement in the darker half of all pairs of directions.
+struct Noise {
+    Rgb deviation{};  ///< standard deviation [1/sr]
+    Rgb level{};      ///< median value [1/sr]
+    /// The deviation relative to the value, by means over the channels; 0 where the value is not above 0.
+    double share() const {
+        const auto sum = [](const Rgb& x) { return double(x.r) + double(x.g) + double(x.b); };
+        return sum(level) > 0 ? sum(deviation) / sum(level) : 0;
+    }
+};
+
 /// A fitted model with its errors and statistics.
 struct FitOutcome {
     Model model;  ///< as stored; its provenance has objective, max_theta, seed, and the errors once they are measured
@@ -90,7 +101,8 @@ struct FitOutcome {
     double max_theta = 0;            ///< [rad]
     double fit_seconds = 0;          ///< without the measurement of errors, which includes cross-validation
     std::uint64_t masked = 0;        ///< number of evaluated pairs where nothing was measured
-    std::uint64_t clamped = 0;       ///< number of negative channel values among them, set to 0
+    std::uint64_t clamped = 0;       ///< number of negative channel values among them; set to 0 unless they are noise
+    std::optional<Noise> noise;      ///< of a table; above 30 % the fit takes negative values for noise about a mean
     std::uint64_t raw_bytes =
         0;                     ///< of f in floats at all pairs of 1536 (SU: the sampled) directions, or at the samples
     int empty_directions = 0;  ///< SU: number of sampled directions without data
@@ -103,6 +115,10 @@ struct FitOutcome {
     /// `matrix` covers the samples themselves, `heldout` is the 5-fold cross-validated error, and albedo and
     /// pictures are compared with the completed samples (fit_samples.h).
     std::optional<Comparison> errors, unrounded_errors;
+    /// What is seen if light and viewer of the measurement are exchanged, which a reciprocal one would not show; none:
+    /// it is reciprocal.
+    std::optional<Appearance> exchanged;
+    std::optional<Appearance> against_smoothed;  ///< pictures of `model` against a noisy measurement smoothed
 };
 
 /// Fits one BRDF repeatedly. It keeps the observations, so that later fits start at once. Not thread-safe. Errors of

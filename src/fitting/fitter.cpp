@@ -10,6 +10,7 @@
 #include "fit/objective/objective.h"
 #include "fitting/choose.h"
 #include "fitting/cross_validated_fits.h"
+#include "fitting/noise.h"
 #include "fitting/requests.h"
 #include "floating_point.h"
 #include "srbf/directions.h"
@@ -30,7 +31,8 @@ struct Draft {
 constexpr Draft k_draft[Fitter::k_drafts] = {{4096, 3, 0}, {16384, 4, 8}};
 
 /// Approximate shares of the time of a fit until something is observed or fitted.
-constexpr double k_observed = 0.1, k_samples_observed = 0.05, k_drafts_observed = 0.3, k_fitted = 0.75;
+constexpr double k_smoothed = 0.5, k_observed = 0.1, k_samples_observed = 0.05, k_drafts_observed = 0.3,
+                 k_fitted = 0.75;
 /// The same of measuring the errors.
 constexpr double k_matrix_measured = 0.75, k_heldout_measured = 0.9, k_albedo_measured = 0.95;
 
@@ -157,14 +159,21 @@ class Fitter::Work {
         outcome.errors = {matrix[0], heldout[0], 0};
         outcome.unrounded_errors = {matrix[1], heldout[1], 0};
     }
-    static void measure_appearance(FitOutcome& outcome, const Evaluate& reference, const FitRequest& request,
-                                   const ProgressToken& progress) {
-        const Evaluate others[] = {evaluator(outcome.model), evaluator(outcome.unrounded)};
-        const auto albedo = albedo_errors(reference, others, {request.theta(), request.threads, progress});
+    void measure_appearance(FitOutcome& outcome, const Evaluate& reference, const FitRequest& request,
+                            const ProgressToken& progress) const {
+        const Evaluate exchanged = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+            reference(wv, wl, f);
+        };
+        const Evaluate others[] = {evaluator(outcome.model), evaluator(outcome.unrounded), exchanged};
+        const auto albedo =
+            albedo_errors(reference, std::span(others).first(2), {request.theta(), request.threads, progress});
         const auto appearance =
             compare_pictures(reference, others, request.threads, progress.part(k_albedo_measured, 1));
         outcome.errors->albedo_error = albedo[0], outcome.errors->appearance = appearance[0];
         outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
+        if (!samples() && appearance[2].mean.delta_e > 0) outcome.exchanged = appearance[2];
+        if (smoothed_ && !request.spectral)
+            outcome.against_smoothed = compare_pictures(smoothed_, {others, 1}, request.threads)[0];
     }
     /// Writes the main errors into the model's provenance.
     static void record(const Comparison& errors, Model& model) {
@@ -187,6 +196,7 @@ class Fitter::Work {
         if (!outcome) return outcome;
         outcome->fit_seconds = seconds_since(start);
         outcome->max_theta = request.theta();
+        outcome->noise = noise_;
         outcome->model.provenance = {{"generator", "srbf " SRBF_VERSION},
                                      {"objective", std::string(name(request.objective))},
                                      {"max_theta", fmt::format("{:.6g}", request.theta() / k_degree)},
@@ -215,7 +225,8 @@ class Fitter::Work {
                                 {.objective = request.objective,
                                  .max_theta = request.theta(),
                                  .seed = request.seed,
-                                 .threads = request.threads},
+                                 .threads = request.threads,
+                                 .smoothed = request.spectral ? nullptr : smoothed_},
                                 progress);
             if (made && request.spectral) observe_spectra(*made, signed_spectra(*measured_));
             return made;
@@ -225,12 +236,24 @@ class Fitter::Work {
         return observed_once(sample_observations_, request,
                              [&] { return observe(*samples(), observe_options(request), progress); });
     }
-    bool axial(const FitRequest& request) {
-        const PmRequest& pm = std::get<PmRequest>(request.model);
-        if (pm.axial) return *pm.axial;
+    /// Determines the noise of the table, and smooths it if it is noisy. Returns what is left of the progress.
+    Result<ProgressToken> smooth(const FitRequest& request, const ProgressToken& progress) {
+        if (!noise_) noise_ = noise_of(signed_);
+        if (!is_noisy(*noise_) || smoothed_ || request.spectral) return progress;
+        auto made = smoothed(signed_, *noise_, is_axial(request), request.threads, progress.part(0, k_smoothed));
+        if (!made) return made.error();
+        smoothed_ = *std::move(made);
+        return progress.part(k_smoothed, 1);
+    }
+    bool is_axial(const FitRequest& request) {
         const auto [at, is_new] = isotropic_.try_emplace(request.theta());
         if (is_new) at->second = is_isotropic(clamped_, request.theta());
         return at->second;
+    }
+    bool axial(const FitRequest& request) {
+        const PmRequest& pm = std::get<PmRequest>(request.model);
+        if (pm.axial) return *pm.axial;
+        return is_axial(request);
     }
 
     Result<FitOutcome> fit_to(const ScatteredSamples& samples, const FitRequest& request,
@@ -243,11 +266,14 @@ class Fitter::Work {
     }
 
     Result<FitOutcome> fit_table(const FitRequest& request, const ProgressToken& progress) {
-        if (std::holds_alternative<SuRequest>(request.model)) return fit_su(signed_, request, progress);
-        const auto found = observed(request, progress.part(0, k_observed));
+        const auto quiet = smooth(request, progress);
+        if (!quiet) return quiet.error();
+        if (std::holds_alternative<SuRequest>(request.model))
+            return fit_su(smoothed_ ? smoothed_ : signed_, request, *quiet);
+        const auto found = observed(request, quiet->part(0, k_observed));
         if (!found) return found.error();
         const Observations& observations = **found;
-        const ProgressToken fitting = progress.part(k_observed, 1);
+        const ProgressToken fitting = quiet->part(k_observed, 1);
         auto outcome = std::holds_alternative<GgxRequest>(request.model)
                            ? fit_ggx(observations, request, fitting)
                            : fit_pm_to_table(observations, request, fitting);
@@ -322,11 +348,13 @@ class Fitter::Work {
         return draft_of_samples(samples, **observations, request, in_short, progress.part(k_drafts_observed, 1));
     }
     Result<FitOutcome> draft_table(const FitRequest& request, const Draft& draft, const ProgressToken& progress) {
-        const auto observations = observed(request, progress.part(0, k_drafts_observed));
+        const auto quiet = smooth(request, progress);
+        if (!quiet) return quiet.error();
+        const auto observations = observed(request, quiet->part(0, k_drafts_observed));
         if (!observations) return observations.error();
         FitOptions options = pm_options(request, axial(request));
         options.starts = draft.starts, options.perturbations = draft.perturbations;
-        auto fitted = fit_pm(beginning(**observations, draft.pairs), options, progress.part(k_drafts_observed, 1));
+        auto fitted = fit_pm(beginning(**observations, draft.pairs), options, quiet->part(k_drafts_observed, 1));
         if (!fitted) return fitted.error();
         FitOutcome outcome = outcome_of(*std::move(fitted));
         outcome.masked = (*observations)->masked, outcome.clamped = (*observations)->clamped;
@@ -336,6 +364,8 @@ class Fitter::Work {
 
     const Measured* measured_ = nullptr;
     Evaluate signed_, clamped_;
+    std::optional<Noise> noise_;   // of a table that was fitted
+    Evaluate smoothed_ = nullptr;  // if it is noisy
     std::map<Key, Observations> observations_;
     std::map<Key, SampleObservations> sample_observations_;
     std::map<double, bool> isotropic_;  // by θmax

@@ -87,6 +87,8 @@ struct ObserveOptions {
     std::size_t count = 65536;  ///< maximum number of pairs, 1024..2^24; an eighth of them are horizon pairs
     std::uint64_t seed = 0;
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    /// The measurement smoothed to its noise, see `smoothed`; null: the measurement itself.
+    Evaluate smoothed = nullptr;
 };
 
 /// θmax, or where it is 0 the objective's default. Errors: not within 1° to `k_horizon_theta`.

@@ -122,7 +122,7 @@ Observations measured(const Evaluate& f, std::size_t count, int threads, const D
                 ++kept.masked;
                 continue;
             }
-            kept.clamped += std::uint64_t(clamp_negative(values[i]));
+            for (int c = 0; c < 3; ++c) kept.clamped += values[i][c] < 0;
             kept.add(wl[i], wv[i], values[i], weight[i]);
         }
     });
@@ -134,10 +134,24 @@ Observations measured(const Evaluate& f, std::size_t count, int threads, const D
     return all;
 }
 
+/// The smoothed values, those below 0 set to 0. Adds to f what these lacked: noise about a value above 0 keeps its mean.
+std::vector<Rgb> raise(std::span<Rgb> f, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
+                       const Evaluate& smoothed) {
+    std::vector<Rgb> level(f.begin(), f.end());
+    if (smoothed) smoothed(wl, wv, level);
+    for (std::size_t i = 0; i < level.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            f[i][c] -= std::min(level[i][c], 0.f);
+            level[i][c] = std::max(level[i][c], 0.f);
+        }
+    return level;
+}
+
 /// What was measured at the pairs of each kind; of the pool, observations are chosen.
 struct MeasuredPairs {
     std::size_t count;  ///< of observations to choose
     Observations pool, horizon, bound;
+    std::vector<Rgb> level;  ///< of the pool, smoothed: what weights are made of
 };
 Result<MeasuredPairs> measured_pairs(const Evaluate& f, double theta_max, const ObserveOptions& options,
                                      const ProgressToken& progress) {
@@ -151,32 +165,42 @@ Result<MeasuredPairs> measured_pairs(const Evaluate& f, double theta_max, const 
         return measured(
             f, number, options.threads, [&](std::size_t i) { return (draws.*kind)(i); }, reporter);
     };
-    MeasuredPairs all{count, drawn(pool_count, &PairDraws::fitted), drawn(2 * horizon_count, &PairDraws::horizon),
-                      drawn(draws.bound_pairs(), &PairDraws::bound)};
+    MeasuredPairs all{count,
+                      drawn(pool_count, &PairDraws::fitted),
+                      drawn(2 * horizon_count, &PairDraws::horizon),
+                      drawn(draws.bound_pairs(), &PairDraws::bound),
+                      {}};
     if (reporter.cancelled()) return cancelled_error("observe");
+    const auto raised = [&](Observations& of) { return raise(of.f, of.wl, of.wv, options.smoothed); };
+    all.level = raised(all.pool);
+    raised(all.horizon);
+    all.bound.f = raised(all.bound);  // a bound is exceeded by values, not by their noise
     return all;
 }
 
 /// Pairs chosen of the pool.
 struct ChosenPairs {
-    Observations pairs;               ///< with Σ w |f|² = 1
+    Observations pairs;  ///< with Σ w |f|² = 1
+    std::vector<Rgb> level;
     std::vector<double> solid_angle;  ///< that each stands for [sr²]
 };
 /// Chooses about `count` of the pairs, in order: half by their share of Σ w |f|², half uniformly. Sums over the chosen
 /// pairs, their weights divided by the expected number of times that they are chosen, are unbiased; pairs that are
 /// chosen several times are merged.
-ChosenPairs chosen_pairs(const Observations& pool, std::span<const double> weight, std::size_t count) {
-    const double energy = energy_of(pool.f, weight), size = double(pool.f.size());
+ChosenPairs chosen_pairs(const Observations& pool, std::span<const Rgb> level, std::span<const double> weight,
+                         std::size_t count) {
+    const double energy = energy_of(level, weight), size = double(pool.f.size());
     ChosenPairs chosen;
     double sum = 0.5;  // so that the number of chosen pairs is rounded to nearest
     for (std::size_t i = 0; i < pool.f.size(); ++i) {
-        const double by_energy = weight[i] * square_of(pool.f[i]) / energy, alike = 1 / size;
+        const double by_energy = weight[i] * square_of(level[i]) / energy, alike = 1 / size;
         const double expected = double(count) * (k_by_energy * by_energy + (1 - k_by_energy) * alike);
         const double number = std::floor(sum + expected) - std::floor(sum);
         sum += expected;
         if (!(number > 0)) continue;
         const double times = number / expected;
         chosen.pairs.add(pool.wl[i], pool.wv[i], pool.f[i], weight[i] * times);
+        chosen.level.push_back(level[i]);
         chosen.solid_angle.push_back(pool.weight[i] * times / size);
     }
     chosen.pairs.normalise();
@@ -185,39 +209,41 @@ ChosenPairs chosen_pairs(const Observations& pool, std::span<const double> weigh
 
 /// Adds pairs chosen of the pool and a horizon pair after every seventh, with their weights.
 void add_fitted(Observations& to, const MeasuredPairs& measured, const ObserveOptions& options) {
-    const auto& [count, pool, horizon, bound] = measured;
+    const auto& [count, pool, horizon, bound, level] = measured;
     std::vector<double> weight = pool.weight;
-    weigh(options.objective, to.typical, pool.wl, pool.wv, pool.f, weight, options.threads);
-    const auto [chosen, solid_angle] = chosen_pairs(pool, weight, count);
+    weigh(options.objective, to.typical, pool.wl, pool.wv, level, weight, options.threads);
+    const auto [chosen, chosen_level, solid_angle] = chosen_pairs(pool, level, weight, count);
     const std::size_t horizon_count = std::min(horizon.f.size(), chosen.f.size() / k_pairs_a_horizon_pair);
     const double largest = std::max({largest_square(pool), largest_square(horizon), largest_square(bound)});
     std::vector<double> angle;
+    std::vector<Rgb> seen;
     for (std::size_t k = 0; k < chosen.f.size(); ++k) {
         to.add(chosen.wl[k], chosen.wv[k], chosen.f[k], chosen.weight[k]);
-        angle.push_back(solid_angle[k]);
+        angle.push_back(solid_angle[k]), seen.push_back(chosen_level[k]);
         const std::size_t h = k / k_pairs_a_horizon_pair;
         if (k % k_pairs_a_horizon_pair + 1 < k_pairs_a_horizon_pair || h >= horizon_count) continue;
         to.add(horizon.wl[h], horizon.wv[h], horizon.f[h],
                horizon_weight(horizon.wl[h], horizon.wv[h], k_horizon_importance, horizon_count, largest));
-        angle.push_back(0);
+        angle.push_back(0), seen.push_back(horizon.f[h]);
     }
-    if (traits(options.objective).of_pictures) to.point_light_weight = point_light_weights(to.wl, to.wv, to.f, angle);
+    if (traits(options.objective).of_pictures) to.point_light_weight = point_light_weights(to.wl, to.wv, seen, angle);
 }
 
-std::vector<RadianceObservation> observe_albedos(const Evaluate& f, double theta_max, int threads) {
+std::vector<RadianceObservation> observe_albedos(const Evaluate& f, const ObserveOptions& options, double theta_max) {
     std::vector<double> angles;
     for (const double theta : k_albedo_angles)
         if (!(theta * k_degree > theta_max)) angles.push_back(theta * k_degree);
     std::vector<RadianceObservation> all(angles.size());
-    parallel_for(all.size(), threads, [&](std::size_t k) {
+    parallel_for(all.size(), options.threads, [&](std::size_t k) {
         // Any azimuth is sufficient for isotropic data; the azimuths are spread for other data.
         const Vec3d wv = spherical(angles[k], k_golden_angle * double(k));
         Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_radiance_points);
         std::vector<Rgb> values = values_towards(f, points.w, to_float(wv));
+        raise(values, points.w, std::vector<Vec3f>(values.size(), to_float(wv)), options.smoothed);
         for (std::size_t i = 0; i < values.size(); ++i) {
             const bool valid = is_finite(values[i]);
             points.weight[i] *= valid ? double(points.w[i].z) : 0;
-            values[i] = valid ? non_negative(values[i]) : Rgb{};
+            if (!valid) values[i] = {};
         }
         all[k] = {to_float(wv), std::move(points.w), std::move(values), std::move(points.weight), {}};
     });
@@ -242,21 +268,21 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
         return valid.error();
     const auto measured = measured_pairs(f, *theta_max, options, progress);
     if (!measured) return measured.error();
-    const auto& [count, pool, horizon, bound] = *measured;
+    const auto& [count, pool, horizon, bound, level] = *measured;
     if (pool.f.size() + horizon.f.size() == 0) return no_data_error("observe", "pairs with a measurement");
 
     Observations all;
     all.masked = pool.masked + horizon.masked + bound.masked;
     all.clamped = pool.clamped + horizon.clamped + bound.clamped;
     all.objective = options.objective;
-    all.typical = typical_value(options.objective, pool.wl, pool.wv, pool.f, pool.weight);
+    all.typical = typical_value(options.objective, pool.wl, pool.wv, level, pool.weight);
     if (!(all.typical > 0)) return no_data_error("observe", "values", "some above 0");
     add_fitted(all, *measured, options);
     all.append(bound);
     all.bound_pairs = bound.f.size();
-    all.radiances = observe_albedos(f, *theta_max, options.threads);
+    all.radiances = observe_albedos(f, options, *theta_max);
     if (traits(options.objective).of_pictures) {
-        all.views = observe_views(f, *theta_max, options.threads);
+        all.views = observe_views(options.smoothed ? options.smoothed : f, *theta_max, options.threads);
         all.radiance_error = k_albedo_error_with_pixels;
     }
     return all;

@@ -1,0 +1,137 @@
+#include "fitting/noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/data/observations.h"
+#include "fit/data/pairs.h"
+#include "fit/fits.h"
+#include "srbf/elementary.h"
+#include "srbf/model.h"
+
+namespace srbf {
+namespace {
+
+/// More than the distance of most tables' nodes, so that their noise differs.
+constexpr double k_noise_step = 3 * k_degree;
+/// Both directions of a pair, and the light's when it is turned.
+constexpr double k_noise_theta = 80 * k_degree;
+constexpr std::size_t k_noise_pairs = 8192;
+/// Of a normal distribution: the median of |x| in standard deviations; and the variance of x0 − (x1 + x2) / 2.
+constexpr double k_median_of_normal = 0.6745, k_variance_of_difference = 1.5;
+/// Noise of a tenth of dark values changes a fit less than another seed does; noise of all of them doubles its error.
+constexpr double k_noisy = 0.3;
+/// A value within so many deviations of the fitted one differs by noise.
+constexpr float k_noise_limit = 3;
+/// Values of less than so many deviations get similar weights before anything is fitted.
+constexpr float k_alike = 5;
+constexpr int k_rounds = 3;
+/// Of the short fits, by pairs alone.
+constexpr int k_short_starts = 4, k_short_perturbations = 20;
+
+double median(std::vector<double> x) {
+    const auto middle = x.begin() + std::ptrdiff_t(x.size() / 2);
+    std::ranges::nth_element(x, middle);
+    return *middle;
+}
+
+/// The direction turned by an angle towards the tangent of that azimuth.
+Vec3f turned(Vec3f w, double azimuth, double angle) {
+    const Vec3d z = to_double(w);
+    const Frame frame = frame_about(z, std::abs(z.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0});
+    const Vec3d across = elementary::cos(azimuth) * frame.x + elementary::sin(azimuth) * frame.y;
+    return to_float(elementary::cos(angle) * z + elementary::sin(angle) * across);
+}
+
+/// Triples of pairs: one, and those with its light turned to either side.
+std::vector<DirectionPair> triples() {
+    const MirrorMixture cap(k_noise_theta);
+    std::mt19937_64 random(0);
+    RSequence<6> points = random_sequence(random);
+    std::vector<DirectionPair> all;
+    while (all.size() < 3 * k_noise_pairs) {
+        const auto pair = pair_within(cap, points.next());
+        if (!pair) continue;
+        const double azimuth = k_golden_angle * double(all.size());
+        const Vec3f one = turned(pair->wl, azimuth, k_noise_step), other = turned(pair->wl, azimuth, -k_noise_step);
+        if (cap.contains(to_double(one)) && cap.contains(to_double(other)))
+            all.insert(all.end(), {*pair, {one, pair->wv}, {other, pair->wv}});
+    }
+    return all;
+}
+
+/// Values of at least √(f² + (k_alike σ)²), by which weights hardly depend on the noise of dark values.
+Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
+    return [f, deviation](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+        f(wl, wv, values);
+        for (Rgb& value : values)
+            for (int c = 0; c < 3; ++c) {
+                const float least = k_alike * deviation[c];
+                value[c] = std::sqrt(value[c] * value[c] + least * least);
+            }
+    };
+}
+
+Evaluate without_noise(const Evaluate& f, PmModel fitted, const Rgb& deviation) {
+    return [f, fitted = std::move(fitted), deviation](std::span<const Vec3f> wl, std::span<const Vec3f> wv,
+                                                      std::span<Rgb> values) {
+        std::vector<Rgb> expected(values.size());
+        f(wl, wv, values);
+        evaluator(fitted)(wl, wv, expected);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            for (int c = 0; c < 3; ++c) {
+                const float most = k_noise_limit * deviation[c];
+                values[i][c] -= std::clamp(values[i][c] - expected[i][c], -most, most);  // NaN remains
+            }
+    };
+}
+
+}  // namespace
+
+Noise noise_of(const Evaluate& f) {
+    const std::vector<DirectionPair> pairs = triples();
+    std::vector<Vec3f> wl, wv;
+    for (const DirectionPair& pair : pairs) wl.push_back(pair.wl), wv.push_back(pair.wv);
+    std::vector<Rgb> values(wl.size());
+    f(wl, wv, values);
+    Noise noise;
+    for (int c = 0; c < 3; ++c) {
+        std::vector<std::pair<double, double>> means;  // with their second differences; of noise both are independent
+        for (std::size_t i = 0; i < values.size(); i += 3) {
+            const double x = double(values[i][c]), beside = double(values[i + 1][c]) + double(values[i + 2][c]);
+            if (std::isfinite(x + beside)) means.emplace_back((x + beside) / 3, std::abs(x - beside / 2));
+        }
+        if (means.empty()) continue;
+        std::ranges::sort(means);
+        noise.level[c] = float(means[means.size() / 4].first);
+        means.resize((means.size() + 1) / 2);
+        std::vector<double> differences;
+        for (const auto& [mean, difference] : means) differences.push_back(difference);
+        noise.deviation[c] =
+            float(median(std::move(differences)) / (k_median_of_normal * std::sqrt(k_variance_of_difference)));
+    }
+    return noise;
+}
+
+bool is_noisy(const Noise& noise) { return noise.share() > k_noisy; }
+
+Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
+                          const ProgressToken& progress) {
+    Evaluate smooth = above_noise(f, noise.deviation);
+    for (int round = 0; round < k_rounds; ++round) {
+        const auto part = [&](double begin, double end) {
+            return progress.part((round + begin) / k_rounds, (round + end) / k_rounds);
+        };
+        const auto observed = observe(f, {.threads = threads, .smoothed = smooth}, part(0, 0.3));
+        if (!observed) return observed.error();
+        FitOptions options;
+        options.axial = axial, options.threads = threads;
+        options.starts = k_short_starts, options.perturbations = k_short_perturbations;
+        const auto fitted = fit_pm(beginning(*observed, observed->fitted()), options, part(0.3, 1));
+        if (!fitted) return fitted.error();
+        smooth = without_noise(f, fitted->model, noise.deviation);
+    }
+    return smooth;
+}
+
+}  // namespace srbf

@@ -30,13 +30,17 @@ Bounds bounds(const Mesh& mesh);
 /// Vertex normals: the sum of the adjacent triangles' normals weighted by area, normalised; (0, 0, 1) if that is zero.
 std::vector<Vec3f> area_weighted_normals(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
 
+/// Coordinates of a mesh that is read are at most this far from 0, and its bounds at least this wide along an axis: what
+/// is computed of it, powers up to the fourth of 100 times its size, are floats.
+inline constexpr float k_furthest_vertex = 1e7f, k_least_extent = 1e-7f;
+
 // Both readers give a mesh without normals `area_weighted_normals`, and invert its orientation if its triangles enclose
 // a negative volume. Normals of length 0 are replaced in the same way; others are normalised.
 
 /// Reads the bytes of a `.ply` (Stanford polygon file), ascii or binary of either byte order: an element `vertex` with
 /// x, y, z and, if all three exist, nx, ny, nz; an element `face` with a list `vertex_indices` (or `vertex_index`),
 /// whose polygons become triangle fans. Other elements and properties are skipped. Errors: another format; no faces;
-/// numbers that are not finite; indices out of range; a truncated file; counts that its size cannot hold, detected
+/// numbers that are not finite; positions or an extent beyond the bounds above; indices out of range; a truncated file; counts that its size cannot hold, detected
 /// before any allocation. `file_name` appears in errors only.
 Result<Mesh> read_ply(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads the bytes of a Wavefront `.obj`: `v`, `vn` and `f` in the forms v, v/vt, v//vn, v/vt/vn, with indices from 1

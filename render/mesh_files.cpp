@@ -34,10 +34,32 @@ double signed_volume(const Mesh& mesh) {
     return six / 6;
 }
 
+/// Errors: coordinates or an extent that a scene cannot have (mesh.h).
+Result<Done> check_size(const Mesh& mesh, const std::string& file_name) {
+    const Bounds box = bounds(mesh);
+    const auto& [x0, y0, z0] = box.least;
+    const auto& [x1, y1, z1] = box.most;
+    const float furthest = std::max({-x0, -y0, -z0, x1, y1, z1}), extent = std::max({x1 - x0, y1 - y0, z1 - z0});
+    if (furthest > k_furthest_vertex)
+        return Error{file_name,
+                     {},
+                     "coordinates of the mesh",
+                     fmt::format("at most {:g} from 0", k_furthest_vertex),
+                     fmt::format("{:g}", furthest)};
+    if (extent < k_least_extent)
+        return Error{file_name,
+                     {},
+                     "extent of the mesh",
+                     fmt::format("at least {:g}", k_least_extent),
+                     fmt::format("{:g}", extent)};
+    return Done{};
+}
+
 /// `mesh` with unit normals: its own where they exist, otherwise from its triangles. A surface without normals may be
 /// inside out: its orientation is inverted if it encloses a negative volume.
 Result<Mesh> finished(Mesh mesh, const std::string& file_name) {
     if (mesh.triangles.empty()) return Error{file_name, {}, "faces of the mesh", "one at least", "none"};
+    if (const auto fits = check_size(mesh, file_name); !fits) return fits.error();
     if (mesh.normals.empty() && signed_volume(mesh) < 0)
         for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
     const std::vector<Vec3f> made = area_weighted_normals(mesh.positions, mesh.triangles);

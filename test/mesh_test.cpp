@@ -1,6 +1,8 @@
 // Meshes: the built-in ones are closed surfaces, files give back what they hold, bad ones an error.
 #include "render/mesh.h"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <functional>
 #include <map>
@@ -219,6 +221,18 @@ TEST(Obj, BadOnesAreErrors) {
     EXPECT_NE(error_of(file, "-4//-1", "x").find("found 'x'"), std::string::npos);
     EXPECT_EQ(error_of("v 0 0 0\nf 1 1\n"), "f: faces of the mesh: expected one at least, found none");
     EXPECT_EQ(error_of(""), "f: faces of the mesh: expected one at least, found none");
+}
+
+/// A triangle with sides of that length.
+std::string triangle(const char* length) { return fmt::format("v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nf 1 2 3\n", length); }
+
+TEST(Obj, SizesThatNoSceneHasAreErrors) {
+    for (const char* length : {"1e7", "-1e7", "1e-7"}) EXPECT_EQ(error_of(triangle(length)), "none") << length;
+    for (const char* length : {"1.1e7", "-1.1e7", "1e18", "3.4e38"})
+        EXPECT_NE(error_of(triangle(length)).find("coordinates of the mesh: expected at most 1e+07"),
+                  std::string::npos);
+    for (const char* length : {"9e-8", "1e-38", "0"})
+        EXPECT_NE(error_of(triangle(length)).find("extent of the mesh: expected at least 1e-07"), std::string::npos);
 }
 
 TEST(Mesh, IsLoadedByItsNameOrItsFile) {

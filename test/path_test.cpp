@@ -316,6 +316,23 @@ TEST(Path, RaysFindWhatIsNearest) {
     EXPECT_GT(hits, 100);
 }
 
+/// Of the sizes that a mesh may have when it is read.
+TEST(Path, SceneOfAnySizeIsOnePicture) {
+    std::vector<Image> pictures;
+    for (const float scale : {1.f, 0x1p-23f, 0x1p22f}) {
+        Mesh mesh = ball(24);
+        for (Vec3f& p : mesh.positions) p = scale * p;
+        const Scene of = scene_of(mesh, {}, 1);
+        const Mesh floor = ground_below(of.mesh, of.camera.up);
+        const PathScene scene{
+            {{&of.mesh, 0}, {&floor, 0}}, {diffuse({0.5f, 0.5f, 0.5f})}, of.camera, of.lights, {}, &even_light()};
+        pictures.push_back(render_paths(scene, small(16)).rendering.radiance);
+    }
+    for (const Image& picture : pictures)
+        for (std::size_t i = 0; i < picture.pixels.size(); ++i)
+            EXPECT_TRUE(near(picture.pixels[i].g, pictures[0].pixels[i].g, 0.1)) << i;
+}
+
 TEST(Path, GroundIsBelow) {
     const Mesh ground = ground_below(ball_mesh(), {0, 1, 0}, 3);
     for (const Vec3f& p : ground.positions) EXPECT_TRUE(near(double(p.y), -1, 1e-6));

@@ -13,8 +13,12 @@
 
 namespace srbf {
 
-/// Exit statuses of the program.
+/// Exit statuses of the program. What is wrong with the command line whatever files hold is wrong usage; what files,
+/// folders or the machine have that it does not expect is an error of input. With several inputs the others are done.
 enum Status { k_done = 0, k_input_error = 1, k_usage = 2 };
+
+/// The program, from its command line to its exit status.
+int run_program(int argc, char** argv);
 
 inline constexpr int k_most_threads = 1024;
 
@@ -40,7 +44,7 @@ inline Check png_name() {
 }
 
 /// Options for the mesh of pictures and its upward axis.
-void add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up);
+std::vector<Option> add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up);
 /// The latter alone.
 Option add_up_option(const Subcommand& sub, std::string& up, const std::string& about);
 
@@ -57,5 +61,7 @@ void add_export(CommandLine& app, int& status);
 void add_report(CommandLine& app, int& status);
 /// The manual page and the completions of shells; after the others, which they tell of.
 void add_manual(CommandLine& app, int& status);
+/// All of them.
+void add_subcommands(CommandLine& app, int& status);
 
 }  // namespace srbf

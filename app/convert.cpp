@@ -16,7 +16,7 @@ struct ConvertCommand {
     std::string input, output;
     int directions = 64, threads = 0;
     double max_theta = 89;  // [degrees], for CSV
-    bool exchange = false, rgb_alone = false;
+    bool exchange = false, rgb_alone = false, chooses_directions = false;
 
     int run() const;
     Result<std::vector<std::byte>> converted(const Subject& subject) const;
@@ -32,8 +32,14 @@ std::string description_of(const Subject& subject) {
 Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject) const {
     const auto* measured = std::get_if<Measured>(&subject.content);
     const TableFormatRow& format = *table_format(output);
+    if (chooses_directions && measured && std::holds_alternative<ScatteredSamples>(measured->table))
+        return Error{input,
+                     {},
+                     "input",
+                     "a table or a model for --directions and --max-theta",
+                     "samples, which are written as they are"};
     // A file that already has the format is copied unchanged, after it was read successfully.
-    if (measured && measured->format == format.name && !exchange) return read_file(input);
+    if (measured && measured->format == format.name && !exchange && !rgb_alone) return read_file(input);
     auto bytes = table_file(subject.content, format.format,
                             {description_of(subject), directions, max_theta * k_degree, !rgb_alone, threads});
     if (bytes) return bytes;
@@ -69,29 +75,39 @@ void add_convert(CommandLine& app, int& status) {
                        ? fmt::format("expected a name that ends in .binary, .bsdf, .mbsdf or .csv, found {}", name)
                        : "";
         });
-    sub.add_option("--directions", command->directions,
-                   "CSV of tables and models: all pairs of this many directions, 1 to 1536")
-        .type_name("N")
-        .check(within(1, 1536))
-        .capture_default_str();
-    sub.add_option("--max-theta", command->max_theta,
-                   "CSV of tables and models: largest angle from the normal, 1 to 90 degrees")
-        .type_name("DEG")
-        .check(within(1.0, 90.0))
-        .capture_default_str();
-    sub.add_flag("--rgb-alone", command->rgb_alone,
-                 "RGL: colours without the spectra of the same material, as Mitsuba 3 needs them in its\n"
-                 "RGB variants; its spectral variants and pbrt-v4 need the spectra");
+    const Option directions = sub.add_option("--directions", command->directions,
+                                             "CSV of tables and models: all pairs of this many directions, 1 to 1536")
+                                  .type_name("N")
+                                  .check(within(1, 1536))
+                                  .capture_default_str();
+    const Option max_theta = sub.add_option("--max-theta", command->max_theta,
+                                            "CSV of tables and models: largest angle from the normal, 1 to 90 degrees")
+                                 .type_name("DEG")
+                                 .check(within(1.0, 90.0))
+                                 .capture_default_str();
+    const Option rgb_alone =
+        sub.add_flag("--rgb-alone", command->rgb_alone,
+                     "RGL: colours without the spectra of the same material, as Mitsuba 3 needs them in its\n"
+                     "RGB variants; its spectral variants and pbrt-v4 need the spectra");
     sub.add_flag("--exchange", command->exchange, "Exchange light and viewer");
-    sub.add_option("--threads", command->threads,
-                   "Number of threads; 0: all of the machine. The output does not depend on it")
-        .type_name("T")
-        .check(within(0, k_most_threads))
-        .capture_default_str();
+    const Option threads =
+        sub.add_option("--threads", command->threads,
+                       "All but CSV: number of threads; 0: all of the machine. The output does not depend on it")
+            .type_name("T")
+            .check(within(0, k_most_threads))
+            .capture_default_str();
     sub.footer(
-        "A file that already has the format is copied byte for byte.\n\n"
+        "A file that already has the format is copied byte for byte, unless --exchange or --rgb-alone is given.\n\n"
         "Examples:\n  srbf convert nickel.binary -o nickel.bsdf\n  srbf convert paper_white_rgb.srbf -o paper.binary");
-    sub.callback([command, &status] { status = command->run(); });
+    const auto writes = [command](TableFormat format) { return table_format(command->output)->format == format; };
+    sub.callback(
+        [command, directions, max_theta, &status] {
+            command->chooses_directions = directions.given() || max_theta.given();
+            status = command->run();
+        },
+        {{{directions, max_theta}, "only with an output .csv", [=] { return writes(TableFormat::csv); }},
+         {{rgb_alone}, "only with an output .bsdf", [=] { return writes(TableFormat::rgl); }},
+         {{threads}, "not with an output .csv", [=] { return !writes(TableFormat::csv); }}});
 }
 
 }  // namespace srbf

@@ -269,12 +269,11 @@ void add_export(CommandLine& app, int& status) {
     sub.footer(
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
         "  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
-    sub.callback([command, with, reference, mesh, up, &status] {
-        if ((command->to == "html" || command->to == "three") && with.given()) with.fail("is for source code");
-        for (const Option& of_page : {reference, mesh, up})
-            if (command->to != "html" && of_page.given()) of_page.fail("is for --to html");
-        status = command->run();
-    });
+    const auto is_page = [command] { return command->to == "html"; };
+    sub.callback([command, &status] { status = command->run(); },
+                 {{{with}, "is for source code", [=] { return !is_page() && command->to != "three"; }},
+                  {{reference, mesh, up}, "is for --to html", is_page},
+                  {{up}, "only with --mesh", [command] { return !command->mesh.empty(); }}});
 }
 
 }  // namespace srbf

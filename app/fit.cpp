@@ -18,7 +18,9 @@ namespace {
 
 /// The parsed command line.
 struct FitCommand {
-    std::vector<std::string> inputs;
+    int run() const;
+
+    std::vector<std::string> inputs, given;
     std::string output, preview, json;
     std::string pairs;  // of texels; empty: none
     std::size_t first = 0, last = 0, slab = TexelFits{}.slab;
@@ -66,22 +68,24 @@ struct FitCommand {
         if (model == "ggx") request.model = GgxRequest{std::max(lobes, 1)};
         request.objective = *objective_named(objective);
         if (max_theta > 0) request.max_theta = max_theta * k_degree;
-        request.spectral = channels == "spectral";
+        request.spectral = is_spectral();
         request.seed = seed, request.threads = threads;
         request.device = device == "cuda" ? Device::cuda : device == "cpu" ? Device::cpu : Device::automatic;
         return request;
     }
-    /// Several inputs go into a folder, and one does if the output is a folder, as with `cp`.
-    bool into_folder() const {
+    bool is_spectral() const { return channels == "spectral"; }
+    bool output_is_folder() const {
         std::error_code ignored;
-        return inputs.size() > 1 || resume || output.ends_with('/') || std::filesystem::is_directory(output, ignored);
+        return output.ends_with('/') || std::filesystem::is_directory(output, ignored);
     }
+    /// Texels and several inputs go into a folder, and one does if the output is a folder, as with `cp`.
+    bool into_folder() const { return inputs.size() > 1 || resume || !pairs.empty() || output_is_folder(); }
     FileFit file_fit() const {
         const std::string beside = std::filesystem::path(inputs[0]).stem().string() + ".srbf";
-        return {inputs[0], output.empty() ? beside : output, preview, json, request(), exchange, band};
+        return {inputs[0], output.empty() ? beside : output, preview, json, request(), exchange, band, given};
     }
     FolderFit folder_fit() const {
-        return {inputs, output, {{}, {}, {}, {}, request(), exchange, band}, options_text(), resume};
+        return {inputs, output, {{}, {}, {}, {}, request(), exchange, band, given}, options_text(), resume};
     }
     TexelFits texel_fits() const {
         TexelFits fit{inputs[0], pairs, output, request(), first, last, slab, axial < 0, options_text(), resume};
@@ -119,7 +123,7 @@ Result<Done> write(const FileFit& fit, const Measured& measured, const FitOutcom
     return Done{};
 }
 
-int run(FileFit fit) {
+int fit_file(FileFit fit) {
     const auto measured = load_measured(fit);
     if (!measured) return complain(measured.error());
     const auto writable = check_outputs({fit.input}, {fit.output, fit.preview, fit.json == "-" ? "" : fit.json});
@@ -183,6 +187,49 @@ Check lobes_or_auto() {
     return [](std::string& text) { return text == "auto" ? "" : within(1, k_most_fitted_lobes)(text); };
 }
 
+int FitCommand::run() const {
+    if (explain) {
+        fmt::print("{}", srbf::explain(request()));
+        return k_done;
+    }
+    if (!pairs.empty()) return fit_texels(texel_fits());
+    return into_folder() ? fit_files(folder_fit()) : fit_file(file_fit());
+}
+
+/// Which measurements an option is read for. The table of `add_fit` is of what depends on the command line alone.
+struct ReadFor {
+    std::vector<std::string_view> options;
+    bool are_read;
+    std::string_view expected, found;
+};
+
+/// An error if an option was given that the fit of such a measurement does not read.
+Result<Done> check_read(const Measured& measured, const FileFit& fit) {
+    const auto* bsdf = std::get_if<BsdfTable>(&measured.table);
+    const bool of_patches = bsdf && std::ranges::any_of(bsdf->band().part, [](const auto& part) {
+                                return part && std::holds_alternative<KlemsTable>(part->table);
+                            });
+    const auto* pm = std::get_if<PmRequest>(&fit.request.model);
+    const bool of_views = std::holds_alternative<SuRequest>(fit.request.model);
+    const bool tries_kinds =
+        goal_of(fit.request) && pm->log_scale && !std::holds_alternative<ScatteredSamples>(measured.table);
+    const ReadFor rows[] = {
+        {{"--form", "--variates"}, !tries_kinds, "samples", "a table, of which all forms and variates are tried"},
+        {{"--variates"},
+         !(of_patches && pm && !pm->size),
+         "a number of lobes too",
+         "none, so that sizes of patches are tried"},
+        {{"--target-error", "--target-delta-e", "--budget"}, !of_patches, "a table or samples", "patches"},
+        {{"--objective", "--max-theta"}, !of_patches || of_views, "a table or samples", "patches"},
+        {{"--channels"}, !(of_patches && fit.request.spectral), "rgb", "spectral, of patches"},
+    };
+    for (const ReadFor& row : rows)
+        for (const std::string_view option : row.options)
+            if (!row.are_read && std::ranges::count(fit.given, option) > 0)
+                return Error{fit.input, {}, std::string(option), std::string(row.expected), std::string(row.found)};
+    return Done{};
+}
+
 }  // namespace
 
 Result<Measured> load_measured(FileFit& fit) {
@@ -194,6 +241,7 @@ Result<Measured> load_measured(FileFit& fit) {
     if (fit.exchange) exchange(*measured);
     if (!fit.band.empty())
         if (const auto chosen = choose_band(*measured, fit.band); !chosen) return chosen.error();
+    if (const auto read = check_read(*measured, fit); !read) return read.error();
     fit.load_seconds = loading.seconds();
     return std::move(*measured);
 }
@@ -224,7 +272,7 @@ void add_fit(CommandLine& app, int& status) {
                        "The model; default: INPUT's stem + .srbf in the working directory. Or a folder, for STEM.srbf\n"
                        "and the report STEM.json of each INPUT")
             .type_name("FILE|DIR");
-    sub.add_flag(
+    const Option resume = sub.add_flag(
         "--resume", [command] { command->resume = true; },
         "Keep the models of the folder that were made of the same file by the same options and version");
     sub.add_option("--model", command->model,
@@ -276,9 +324,10 @@ void add_fit(CommandLine& app, int& status) {
     const Option no_scale =
         sub.add_flag("--no-scale", command->no_scale,
                      "Store no log scales: bounds the coefficients in the fit.\nSaves 2 J bytes; larger errors");
-    sub.add_flag("--exchange", command->exchange,
-                 "Exchange light and viewer of the measurement, as renderers do that take the first\n"
-                 "direction of an RGL file for the viewer");
+    const Option exchanged =
+        sub.add_flag("--exchange", command->exchange,
+                     "Exchange light and viewer of the measurement, as renderers do that take the first\n"
+                     "direction of an RGL file for the viewer");
     sub.add_option("--objective", command->objective, "What the fit minimises:" + summaries_of_objectives())
         .type_name("NAME")
         .one_of(names_of_objectives())
@@ -325,9 +374,10 @@ void add_fit(CommandLine& app, int& status) {
                                              "su: store an index texture, the samples nearest to each direction")
                                   .type_name("cube|parabolic")
                                   .one_of({"cube", "parabolic"});
-    sub.add_option("--band", command->band,
-                   "Of BSDF XML: the band of wavelengths, Visible or Solar; default: Visible, or the first")
-        .type_name("NAME");
+    const Option band =
+        sub.add_option("--band", command->band,
+                       "Of BSDF XML: the band of wavelengths, Visible or Solar; default: Visible, or the first")
+            .type_name("NAME");
     const Option channels =
         sub.add_option("--channels", command->channels,
                        "rgb: colours; spectral: lobes with a coefficient for each wavelength of the measurement")
@@ -378,10 +428,10 @@ void add_fit(CommandLine& app, int& status) {
             .type_name("T")
             .check(within(std::size_t(1), k_most_texels_of_a_slab))
             .capture_default_str();
-    sub.add_option("--seed", command->seed, "Seed of the random numbers")
-        .type_name("SEED")
-        .check(within(std::uint64_t(0), std::numeric_limits<std::uint64_t>::max()))
-        .capture_default_str();
+    const Option seed = sub.add_option("--seed", command->seed, "Seed of the random numbers")
+                            .type_name("SEED")
+                            .check(within(std::uint64_t(0), std::numeric_limits<std::uint64_t>::max()))
+                            .capture_default_str();
     const Option device =
         sub.add_option("--device", command->device,
                        "pm: what searches for lobes: the processor, which auto is too, or CUDA, which has\n"
@@ -391,65 +441,79 @@ void add_fit(CommandLine& app, int& status) {
             .capture_default_str();
     const Option explained = sub.add_flag("--explain", command->explain,
                                           "pm: print the terms that a fit minimises and its stages, and fit nothing");
-    sub.add_option("--threads", command->threads,
-                   "Number of threads; 0: all of the machine. The model does not depend on it")
-        .type_name("T")
-        .check(within(0, k_most_threads))
-        .capture_default_str();
+    const Option threads = sub.add_option("--threads", command->threads,
+                                          "Number of threads; 0: all of the machine. The model does not depend on it")
+                               .type_name("T")
+                               .check(within(0, k_most_threads))
+                               .capture_default_str();
     sub.footer(
         "Examples:\n  srbf fit paper_white_rgb.bsdf\n"
         "  srbf fit nickel.binary --lobes 6 --variates 3 --objective raw --preview nickel.png --json -\n"
         "  srbf fit paper_white_rgb.bsdf --model su --lobes 5 --with-index cube\n"
         "  srbf fit materials/*.binary -o models --resume\n"
         "  srbf fit paper_white_rgb.bsdf --target-delta-e 2\n  srbf fit krylon_blue.brdf --objective cube-root");
-    const std::vector<Option> of_pm{form,         variates,       axial,  reciprocal, no_scale,
-                                    target_error, target_delta_e, budget, device,     explained},
-        of_su{discretise, directions, interpolation, neighbours, between, with_index};
-    sub.callback([=, &status] {
-        for (const auto& [kind, options] : {std::pair("pm", &of_pm), {"su", &of_su}})
-            for (const Option& option : *options)
-                if (option.given() && command->model != kind) option.fail(fmt::format("only with --model {}", kind));
-        if (command->no_scale && form_named(command->form) != PmForm::gaussian)
-            no_scale.fail("only with --form gaussian; other forms always store log scales");
-        const std::vector<Option> goals{target_error, target_delta_e, budget};
-        for (std::size_t k = 0; k < goals.size(); ++k)
-            for (std::size_t i = 0; i < k; ++i)
-                if (goals[i].given() && goals[k].given()) goals[k].fail("not together with another goal of the size");
-        const bool spectral = command->channels == "spectral";
-        if (spectral && command->model != "pm") channels.fail("spectral only with --model pm");
-        for (const Option& option : goals)
-            if (option.given() && spectral) option.fail("only with --channels rgb");
-        for (const Option& option : goals)
-            if (option.given() && lobes.given() && !command->lobes_auto)
-                option.fail("chooses the number of lobes; not together with --lobes");
-        if (command->lobes_auto && command->model != "pm") lobes.fail("auto only with --model pm");
-        if (command->model == "ggx" && command->lobes > k_most_ggx_lobes) lobes.fail("of ggx 1 or 2");
-        for (const Option& option : {texels, slab})
-            if (option.given() && !pairs.given()) option.fail("only with --pairs");
-        if (command->explain) {
-            for (const Option& option : {target_error, target_delta_e, budget, picture, json, output, pairs})
-                if (option.given()) option.fail("not with --explain, which fits nothing");
-            fmt::print("{}", explain(command->request()));
-            return;
-        }
-        if (pairs.given()) {
-            if (command->inputs.size() > 1) pairs.fail("with one INPUT");
-            if (!output.given()) output.fail("a folder is required with --pairs");
-            if (command->model != "pm" || spectral || command->lobes_auto) pairs.fail("only a number of lobes of pm");
-            for (const Option& option : {target_error, target_delta_e, budget, picture, json})
-                if (option.given()) option.fail("not with --pairs");
-            status = fit_texels(command->texel_fits());
-            return;
-        }
-        if (!command->into_folder()) {
-            status = run(command->file_fit());
-            return;
-        }
-        if (!output.given()) output.fail("a folder is required for several inputs and --resume");
-        for (const Option& option : {picture, json})
-            if (option.given()) option.fail("not with a folder, which has a report of each fit");
-        status = fit_files(command->folder_fit());
-    });
+    const auto one_goal = [goals = std::vector{target_error, target_delta_e, budget}] {
+        return std::ranges::count_if(goals, &Option::given) <= 1;
+    };
+    sub.callback(
+        [=, &status] {
+            if (command->into_folder() && !output.given())
+                output.fail("a folder is required for several inputs, --resume and --pairs");
+            command->given = sub.given();
+            status = command->run();
+        },
+        {
+            {{form, variates, axial, reciprocal, no_scale, target_error, target_delta_e, budget, device, explained},
+             "only with --model pm",
+             [=] { return command->model == "pm"; }},
+            {{discretise, directions, interpolation, neighbours, between, with_index},
+             "only with --model su",
+             [=] { return command->model == "su"; }},
+            {{neighbours},
+             "only with --interpolation plain or --with-index",
+             [=] { return command->interpolation == "plain" || with_index.given(); }},
+            {{no_scale},
+             "only with --form gaussian; other forms always store log scales",
+             [=] { return form_named(command->form) == PmForm::gaussian; }},
+            {{variates},
+             "an even number with --reciprocal",
+             [=] { return !command->reciprocal || command->variates % 2 == 0; }},
+            {{target_error, target_delta_e, budget}, "not together with another goal of the size", one_goal},
+            {{channels},
+             "spectral only with --model pm",
+             [=] { return !command->is_spectral() || command->model == "pm"; }},
+            {{target_error, target_delta_e, budget},
+             "only with --channels rgb",
+             [=] { return !command->is_spectral(); }},
+            {{target_error, target_delta_e, budget},
+             "chooses the number of lobes; not together with --lobes",
+             [=] { return !lobes.given(); }},
+            {{lobes}, "auto only with --model pm", [=] { return !command->lobes_auto || command->model == "pm"; }},
+            {{lobes}, "of ggx 1 or 2", [=] { return command->model != "ggx" || command->lobes <= k_most_ggx_lobes; }},
+            {{form,   axial, reciprocal, no_scale, target_error, target_delta_e, budget,   picture, json, output,
+              resume, pairs, texels,     slab,     exchanged,    band,           channels, device,  seed, threads},
+             "not with --explain, which fits nothing",
+             [=] { return !command->explain; }},
+            {{lobes},
+             "a number with --explain and --pairs",
+             [=] { return !command->lobes_auto || !(command->explain || pairs.given()); }},
+            {{texels, slab}, "only with --pairs", [=] { return pairs.given(); }},
+            {{pairs}, "with one INPUT", [=] { return command->inputs.size() == 1; }},
+            {{pairs},
+             "only with --model pm in colours",
+             [=] { return command->model == "pm" && !command->is_spectral(); }},
+            {{target_error, target_delta_e, budget, exchanged, band},
+             "not with --pairs",
+             [=] { return !pairs.given(); }},
+            {{picture, json},
+             "not with a folder, which has a report of each fit",
+             [=] { return !command->into_folder(); }},
+            {{output},
+             "a folder, for several inputs, --resume and --pairs, not the name of a model",
+             [=] {
+                 return !command->into_folder() || command->output_is_folder() || !command->output.ends_with(".srbf");
+             }},
+        });
 }
 
 }  // namespace srbf

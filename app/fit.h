@@ -14,8 +14,9 @@ struct FileFit {
     std::string input, output;
     std::string preview, json;  // empty: none
     FitRequest request;
-    bool exchange = false;  // light and viewer of the measurement
-    std::string band = {};  // of a measurement of both sides; empty: the default
+    bool exchange = false;                // light and viewer of the measurement
+    std::string band = {};                // of a measurement of both sides; empty: the default
+    std::vector<std::string> given = {};  // the options of the command line
     double load_seconds = 0;
 };
 

@@ -29,6 +29,25 @@ OptionHelp help_of(CLI::Option& option) {
     return help;
 }
 
+/// Refuses empty arguments, and the names of options in their place.
+void refuse_missing(const CLI::App& sub) {
+    const auto is_option = [&](const std::string& text) {
+        return text.starts_with('-') && sub.get_option_no_throw(text.substr(0, text.find('='))) != nullptr;
+    };
+    for (const CLI::Option* option : sub.get_options())
+        for (const std::string& text : option->results()) {
+            if (text.empty()) throw CLI::ValidationError(option->get_name(), "expected a text, found an empty one");
+            if (is_option(text))
+                throw CLI::ValidationError(option->get_name(), "expected a text, found the option " + text);
+        }
+}
+
+void refuse_unread(const std::vector<Reading>& readings) {
+    for (const Reading& of : readings)
+        for (const Option& option : of.options)
+            if (option.given() && !of.are_read()) option.fail(of.where);
+}
+
 }  // namespace
 
 Check one_of(const std::vector<std::string>& names) {
@@ -79,14 +98,26 @@ Option Subcommand::add_flag(const std::string& names, bool& to, const std::strin
 Option Subcommand::add_flag(const std::string& names, int& to, const std::string& about) const {
     // With a variable in place of a function, CLI11 from 2.2 on counts a flag as given where it is not.
     const auto take = [&to](std::int64_t value) { to = int(value); };
-    return Option(app_->add_flag_function(names, take, about));
+    return Option(app_->add_flag_function(names, take, about)->multi_option_policy(CLI::MultiOptionPolicy::Throw));
 }
 Option Subcommand::add_flag(const std::string& names, std::function<void()> when_given,
                             const std::string& about) const {
     return Option(app_->add_flag_callback(names, std::move(when_given), about));
 }
+std::vector<std::string> Subcommand::given() const {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app_->get_options())
+        if (option->count() > 0) names.push_back(option->get_name());
+    return names;
+}
 void Subcommand::footer(const std::string& text) const { app_->footer(text); }
-void Subcommand::callback(std::function<void()> run) const { app_->callback(std::move(run)); }
+void Subcommand::callback(std::function<void()> run, std::vector<Reading> readings) const {
+    app_->callback([app = app_, run = std::move(run), readings = std::move(readings)] {
+        refuse_missing(*app);
+        refuse_unread(readings);
+        run();
+    });
+}
 
 CommandLine::CommandLine(const std::string& name, const std::string& version, const std::string& about,
                          const std::string& footer)
@@ -122,7 +153,11 @@ std::optional<std::string> CommandLine::parse(int argc, char** argv) {
         // CLI11 reports missing options before unknown ones.
         const auto unknown = app_->remaining(true);
         const bool is_missing = error.get_exit_code() == int(CLI::ExitCodes::RequiredError);
-        return is_missing && !unknown.empty() ? "no such subcommand or option: " + unknown[0] : error.what();
+        const auto chosen = app_->get_subcommands();
+        return fmt::format(
+            "{} (see srbf{} --help)",
+            is_missing && !unknown.empty() ? "no such subcommand or option: " + unknown[0] : error.what(),
+            chosen.empty() ? "" : " " + chosen[0]->get_name());
     }
     return std::nullopt;
 }

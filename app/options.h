@@ -44,6 +44,14 @@ class Option {
     CLI::Option* option_;
 };
 
+/// A row of a subcommand's table of what its modes read. To give one of `options` where `are_read()` is false is a
+/// usage error that says `where` they are read, as in "only with --pairs". It is asked once all options are read.
+struct Reading {
+    std::vector<Option> options;
+    std::string where;
+    std::function<bool()> are_read;
+};
+
 class Subcommand {
   public:
     explicit Subcommand(CLI::App* app) : app_(app) {}
@@ -63,9 +71,13 @@ class Subcommand {
     Option add_flag(const std::string& names, int& to, const std::string& about) const;
     Option add_flag(const std::string& names, std::function<void()> when_given, const std::string& about) const;
 
+    /// The options of the command line, by their longest names.
+    std::vector<std::string> given() const;
+
     void footer(const std::string& text) const;
-    /// The action of the subcommand, once all its options are read.
-    void callback(std::function<void()> run) const;
+    /// The action of the subcommand, once all its options are read. Before it are refused empty arguments, names of
+    /// options in their place, and options that the chosen mode does not read.
+    void callback(std::function<void()> run, std::vector<Reading> readings = {}) const;
 
   private:
     CLI::App* app_;

@@ -42,42 +42,59 @@ PreparedBsdf prepared(const Subject& subject, int threads) {
     return std::visit([&](const auto& content) { return prepare_bsdf(content, options); }, subject.content);
 }
 
-void PathCommand::add_options(const Subcommand& sub) {
+std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
+                                              std::function<bool()> is_path) {
     sub.add_option("--env", environment,
                    "Environment map, a .hdr or .exr file, or studio (default of path) or none (default of raster)")
         .type_name("FILE");
-    sub.add_option("--lights", lights,
-                   "Further lights: three (directional; default without environment), behind (one behind the object,\n"
-                   "for what light passes through), softbox (path: a square) or none")
-        .type_name("NAME")
-        .one_of({"none", "three", "behind", "softbox"});
+    const Option of_lights =
+        sub.add_option("--lights", lights,
+                       "Further lights: three (directional; default without environment), behind (one behind the "
+                       "object,\nfor what light passes through), softbox (path: a square) or none")
+            .type_name("NAME")
+            .one_of({"none", "three", "behind", "softbox"});
     sub.add_option("--spp", samples,
                    "Samples per pixel, 1 to 1048576: paths, or of raster (64; 4 without environment) directions")
         .type_name("S")
         .check(within(1, 1 << 20));
-    sub.add_option("--bounces", bounces, "path: maximum number of bounces, 1 to 1000")
-        .type_name("N")
-        .check(within(1, 1000))
-        .capture_default_str();
-    sub.add_option("--draw", draw, "path: sample directions by the brdf or, for comparison, by the cosine")
-        .type_name("BY")
-        .one_of({"brdf", "cosine"})
-        .capture_default_str();
-    sub.add_option("--scene", scene_name,
-                   "path: object: the mesh; room: a room lit through a shade of the material, which is as large as its "
-                   "window")
-        .type_name("NAME")
-        .one_of({"object", "room"})
-        .capture_default_str();
-    sub.add_flag("--no-ground", no_ground, "path: omit the ground below the mesh");
-    sub.add_flag("--no-occlusion", no_occlusion,
-                 "path: let all light reach every point, in one bounce, as the renderer raster does");
-    sub.add_option("--seed", seed, "path: seed of the random numbers").type_name("N").capture_default_str();
-    sub.add_option("--threads", threads,
-                   "path: number of threads; 0: all of the machine. The picture does not depend on it")
-        .type_name("T")
-        .check(within(0, k_most_threads))
-        .capture_default_str();
+    const Option most_bounces = sub.add_option("--bounces", bounces, "path: maximum number of bounces, 1 to 1000")
+                                    .type_name("N")
+                                    .check(within(1, 1000))
+                                    .capture_default_str();
+    const Option drawn =
+        sub.add_option("--draw", draw, "path: sample directions by the brdf or, for comparison, by the cosine")
+            .type_name("BY")
+            .one_of({"brdf", "cosine"})
+            .capture_default_str();
+    const Option scene =
+        sub.add_option("--scene", scene_name,
+                       "path: object: the mesh; room: a room lit through a shade of the material, which is as large as "
+                       "its window")
+            .type_name("NAME")
+            .one_of({"object", "room"})
+            .capture_default_str();
+    const Option without_ground = sub.add_flag("--no-ground", no_ground, "path: omit the ground below the mesh");
+    const Option without_occlusion =
+        sub.add_flag("--no-occlusion", no_occlusion,
+                     "path: let all light reach every point, in one bounce, as the renderer raster does");
+    const Option of_seed =
+        sub.add_option("--seed", seed, "path: seed of the random numbers").type_name("N").capture_default_str();
+    const Option of_threads =
+        sub.add_option("--threads", threads,
+                       "path: number of threads; 0: all of the machine. The picture does not depend on it")
+            .type_name("T")
+            .check(within(0, k_most_threads))
+            .capture_default_str();
+    std::vector<Option> of_object = about_mesh;
+    of_object.push_back(without_ground);
+    return {
+        {{most_bounces, drawn, scene, without_ground, without_occlusion, of_seed, of_threads},
+         "only with --renderer path",
+         is_path},
+        {{of_lights}, "softbox only with --renderer path", [=, this] { return is_path() || lights != "softbox"; }},
+        {{most_bounces}, "not with --no-occlusion, in one bounce", [this] { return !no_occlusion; }},
+        {of_object, "only with --scene object", [this] { return scene_name == "object"; }},
+    };
 }
 
 Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::span<const Subject> subjects, int width,

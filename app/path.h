@@ -19,7 +19,9 @@ struct PathCommand {
     std::uint64_t seed = 0;
     bool no_ground = false, no_occlusion = false;
 
-    void add_options(const Subcommand& sub);
+    /// Returns what is read of them, and of `about_mesh`; `is_path()`: by the path tracer, otherwise by raster.
+    std::vector<Reading> add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
+                                     std::function<bool()> is_path);
     /// Renders the scene with each of the subjects under the lights of `lights`. `progress` receives the completed
     /// share of the whole.
     Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Subject> subjects, int width,

@@ -60,8 +60,6 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Subje
     const PathCommand& asked = options.path;
     const auto environment = load_light(asked.environment.empty() ? "none" : asked.environment);
     if (!environment) return environment.error();
-    if (asked.lights == "softbox")
-        return Error{"--lights", {}, "lights of the renderer raster", "three, behind or none", "softbox"};
     RasterLight light;
     ProgressLine line;
     if (*environment) {
@@ -244,11 +242,12 @@ Check size_in_pixels(int& width, int& height) {
 
 }  // namespace
 
-void add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up) {
-    sub.add_option("--mesh", mesh, fmt::format("A .ply or .obj file, or {}", fmt::join(k_built_in_meshes, " or ")))
-        .type_name("FILE")
-        .capture_default_str();
-    add_up_option(sub, up, "Axis of the mesh that points upwards, y or z");
+std::vector<Option> add_mesh_options(const Subcommand& sub, std::string& mesh, std::string& up) {
+    const Option file =
+        sub.add_option("--mesh", mesh, fmt::format("A .ply or .obj file, or {}", fmt::join(k_built_in_meshes, " or ")))
+            .type_name("FILE")
+            .capture_default_str();
+    return {file, add_up_option(sub, up, "Axis of the mesh that points upwards, y or z")};
 }
 Option add_up_option(const Subcommand& sub, std::string& up, const std::string& about) {
     return sub.add_option("--up", up, about).type_name("AXIS").one_of({"y", "z"}).capture_default_str();
@@ -265,7 +264,7 @@ void add_render(CommandLine& app, int& status) {
         .type_name("NAME")
         .one_of(names)
         .capture_default_str();
-    add_mesh_options(sub, command->mesh, command->up);
+    const std::vector<Option> about_mesh = add_mesh_options(sub, command->mesh, command->up);
     sub.add_option("--size", "Size of each picture in pixels (640x480)")
         .type_name("WxH")
         .check(size_in_pixels(command->width, command->height));
@@ -277,18 +276,23 @@ void add_render(CommandLine& app, int& status) {
             if (ending == ".png" || ending == ".exr") return {};
             return fmt::format("expected a name that ends in .png or .exr, found {}", name);
         });
-    sub.add_flag("--aov", command->aov,
-                 "path: also write normal, albedo and depth: as channels of an .exr, or as further pictures");
+    const Option aov =
+        sub.add_flag("--aov", command->aov,
+                     "path: also write normal, albedo and depth: as channels of an .exr, or as further pictures");
     sub.add_option("--compare", command->compare,
                    "Print PSNR, SSIM and FLIP against this reference, a BRDF to render or an .exr, and write "
                    "OUTPUT.difference.png")
         .type_name("REF");
-    sub.add_option("--json", command->json, "Write the results of --compare; - is standard output").type_name("FILE");
-    command->path.add_options(sub);
+    const Option json = sub.add_option("--json", command->json, "Write the results of --compare; - is standard output")
+                            .type_name("FILE");
+    const auto is_path = [command] { return command->renderer == "path"; };
+    std::vector<Reading> readings = command->path.add_options(sub, about_mesh, is_path);
+    readings.push_back({{aov}, "only with --renderer path", is_path});
+    readings.push_back({{json}, "only with --compare", [command] { return !command->compare.empty(); }});
     sub.footer(
         "Examples:\n  srbf render paper_white_rgb.bsdf paper_white_rgb.srbf -o paper.png\n"
         "  srbf render film.srbf --compare film.bsdf --env lobby.hdr --mesh bunny.ply --spp 256 -o film.exr");
-    sub.callback([command, &status] { status = command->run(); });
+    sub.callback([command, &status] { status = command->run(); }, std::move(readings));
 }
 
 }  // namespace srbf

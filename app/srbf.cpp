@@ -10,6 +10,7 @@
 #include "app/commands.h"
 #include "app/output.h"
 
+namespace srbf {
 namespace {
 
 /// Limits vectors to the instruction set that the environment variable SRBF_INSTRUCTIONS names, as Highway calls it, or
@@ -33,42 +34,49 @@ std::optional<std::string> limit_instructions() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-    srbf::CommandLine app(
+void add_subcommands(CommandLine& app, int& status) {
+    add_fit(app, status);
+    add_info(app, status);
+    add_eval(app, status);
+    add_compare(app, status);
+    add_convert(app, status);
+    add_render(app, status);
+    add_view(app, status);
+    add_export(app, status);
+    add_report(app, status);
+    add_manual(app, status);
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine app(
         "srbf", "srbf " SRBF_VERSION " (" SRBF_DATE ")",
         "srbf: measured BRDFs as a few spherical radial basis functions.\n"
         "Reads measurements (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML), fits models to them\n"
         "and reports the errors; evaluates, compares, converts, renders and exports BRDFs.",
         "Example:\n  srbf fit paper_white_rgb.bsdf --preview paper.png\n\n"
-        "Exit status: 0 success, 1 an error of input or output (reported in one line), 2 wrong usage.");
+        "Exit status: 0 done; 2 wrong usage, which is so whatever files hold; 1 any other error, of a file, a folder\n"
+        "or the machine. An error is one line. Of several inputs the others are done.");
 
     if (const auto wrong = limit_instructions()) {
-        srbf::complain({{}, {}, *wrong, {}, {}});
-        return srbf::k_usage;
+        complain({{}, {}, *wrong, {}, {}});
+        return k_usage;
     }
-    int status = srbf::k_done;
-    srbf::add_fit(app, status);
-    srbf::add_info(app, status);
-    srbf::add_eval(app, status);
-    srbf::add_compare(app, status);
-    srbf::add_convert(app, status);
-    srbf::add_render(app, status);
-    srbf::add_view(app, status);
-    srbf::add_export(app, status);
-    srbf::add_report(app, status);
-    srbf::add_manual(app, status);
+    int status = k_done;
+    add_subcommands(app, status);
     try {
         if (const auto wrong = app.parse(argc, argv)) {
-            srbf::complain({{}, {}, *wrong + " (see srbf --help)", {}, {}});
-            return srbf::k_usage;
+            complain({{}, {}, *wrong, {}, {}});
+            return k_usage;
         }
     } catch (const std::bad_alloc&) {
-        return srbf::complain({{}, {}, "out of memory", {}, {}});
+        return complain({{}, {}, "out of memory", {}, {}});
     } catch (const std::system_error& error) {  // from fmt, if standard output fails
-        return srbf::complain({"standard output", {}, "cannot be written", {}, error.code().message()});
+        return complain({"standard output", {}, "cannot be written", {}, error.code().message()});
     }
     // A full disk may be reported for standard output only now.
-    const auto flushed = srbf::flush_standard_output();
-    if (!flushed && status == srbf::k_done) return srbf::complain(flushed.error());
+    const auto flushed = flush_standard_output();
+    if (!flushed && status == k_done) return complain(flushed.error());
     return status;
 }
+
+}  // namespace srbf

@@ -11,6 +11,7 @@
 
 #include "render/environment.h"
 #include "render/mesh.h"
+#include "render/path.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/measured.h"
@@ -144,6 +145,23 @@ inline void check_mesh(const Result<Mesh>& mesh) {
     for (const Vec3f& n : mesh->normals) require(std::abs(dot(n, n) - 1) < 1e-5f, "unit normals");
 }
 
+/// Meshes with more triangles take long.
+inline constexpr std::size_t k_most_pictured = 1 << 14;
+
+/// Pictures of a mesh are finite.
+inline void check_picture(const Result<Mesh>& mesh) {
+    check_mesh(mesh);
+    if (!mesh || mesh->triangles.size() > k_most_pictured) return;
+    const Scene scene = scene_of(*mesh, {}, 1);
+    const Mesh floor = ground_below(*mesh, scene.camera.up);
+    static const std::vector<PreparedBsdf> materials{diffuse({0.5f, 0.5f, 0.5f})};
+    const PathScene paths{{{&*mesh, 0}, {&floor, 0}}, materials, scene.camera, scene.lights, {}, nullptr};
+    const PathPicture picture =
+        render_paths(paths, {.width = 4, .height = 4, .samples = 1, .threads = 1, .progress = {}});
+    for (const Rgb& c : picture.rendering.radiance.pixels) require(is_finite(c), "a picture of finite radiance");
+    for (const float depth : picture.first.depth) require(std::isfinite(depth), "of finite depth");
+}
+
 /// An environment has finite radiance, and samples unit vectors.
 inline void check_environment(const Result<Environment>& environment) {
     if (!environment) return check_error(environment.error());
@@ -154,7 +172,9 @@ inline void check_environment(const Result<Environment>& environment) {
         const float u1 = float(uniform(random)), u2 = float(uniform(random));
         const Vec3f w = environment->sample(u1, u2);
         require(std::abs(dot(w, w) - 1) < 1e-4f, "a direction");
-        require(environment->at(w).pdf >= 0, "a density");
+        const auto light = environment->at(w);
+        require(light.pdf >= 0 && std::isfinite(light.pdf), "a density");
+        require(is_finite(light.radiance), "finite between texels, too");
     }
 }
 
@@ -175,8 +195,8 @@ inline const NamedTarget k_targets[] = {
     {"csv", [](auto bytes) { check_measured(read_csv(bytes, "f")); }},
     {"measured", [](auto bytes) { check_answers(read_measured(bytes, "f")); }},
     {"model", check_model},
-    {"ply", [](auto bytes) { check_mesh(read_ply(bytes, "f")); }},
-    {"obj", [](auto bytes) { check_mesh(read_obj(bytes, "f")); }},
+    {"ply", [](auto bytes) { check_picture(read_ply(bytes, "f")); }},
+    {"obj", [](auto bytes) { check_picture(read_obj(bytes, "f")); }},
     {"environment", [](auto bytes) { check_environment(read_environment(bytes, "f")); }},
 };
 

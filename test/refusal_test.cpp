@@ -81,6 +81,48 @@ TEST_F(CommandLine, usage_errors_of_choices) {
     expect_failure(2, {"fit", k_paper, "--no-scale"}, "only with --form gaussian");
     expect_failure(2, {"fit", k_paper, "--model", "su", "--budget", "100"}, "only with --model pm");
     expect_failure(2, {"fit", k_paper, "--lobes", "many"}, "expected 1 to 64, found many");
+    expect_failure(2, {"fit", k_paper, "--reciprocal", "--variates", "3"}, "--variates: an even number");
+    expect_failure(2, {"fit", k_paper, "--axial", "--no-axial"}, "--axial");
+    expect_failure(2, {"fit", k_paper, "--resume", "-o", "x.srbf"}, "not the name of a model");
+    expect_failure(2, {"fit", k_paper, k_paper, "-o", "x.srbf"}, "not the name of a model");
+}
+
+TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
+    write(folder / "m.binary", small_merl());
+    const Arguments raster{"render", "m.binary", "-o", "x.png", "--size", "8x8", "--renderer", "raster"};
+    for (const Arguments& of_path : {Arguments{"--aov"},
+                                     {"--bounces", "2"},
+                                     {"--scene", "room"},
+                                     {"--seed", "1"},
+                                     {"--draw", "cosine"},
+                                     {"--no-ground"},
+                                     {"--no-occlusion"},
+                                     {"--threads", "1"},
+                                     {"--lights", "softbox"}})
+        expect_failure(2, raster + of_path, "only with --renderer path (see srbf render --help)");
+    expect_failure(2, {"render", "m.binary", "-o", "x.png", "--json", "r.json"}, "--json: only with --compare");
+    expect_failure(2, {"render", "m.binary", "-o", "x.png", "--scene", "room", "--mesh", "knot"}, "--scene object");
+    expect_failure(2, {"convert", "m.binary", "-o", "x.csv", "--rgb-alone"}, "--rgb-alone: only with an output .bsdf");
+    expect_failure(2, {"convert", "m.binary", "-o", "x.mbsdf", "--directions", "9"}, "only with an output .csv");
+    expect_failure(2, {"export", "m.srbf", "--to", "html", "-o", "x.html", "--up", "z"}, "--up: only with --mesh");
+    expect_failure(2, {"report", "m.binary", "-o", "d", "--label", "n=stand-in"}, "--label");
+    expect_failure(2, {"fit", "m.binary", "--explain", "--seed", "1"}, "--seed: not with --explain");
+    expect_failure(1, {"fit", "m.binary", "--budget", "100", "--variates", "2"}, "m.binary: --variates");
+    for (const Arguments& empty : {Arguments{"fit", "m.binary", "-o", ""},
+                                   {"info", ""},
+                                   {"report", "", "-o", "d"},
+                                   {"render", "m.binary", "-o", "x.png", "--env", ""}})
+        expect_failure(2, empty, "found an empty one");
+    expect_failure(2, {"report", "m.binary", "-o", "-h"}, "--output: expected a text, found the option -h");
+}
+
+TEST_F(CommandLine, usage_errors_name_the_help_of_their_subcommand) {
+    for (const auto& [arguments, help] : {std::pair(Arguments{}, "srbf --help"),
+                                          {{"bogus"}, "srbf --help"},
+                                          {{"fit"}, "srbf fit --help"},
+                                          {{"render", "--bogus"}, "srbf render --help"},
+                                          {{"compare", "a"}, "srbf compare --help"}})
+        expect_failure(2, arguments, fmt::format("(see {})", help));
 }
 
 TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
@@ -144,6 +186,9 @@ TEST_F(CommandLine, render_refuses) {
     expect_failure(1, with_mesh("nan.obj"), "nan.obj: line 1: v: expected three numbers");
     expect_failure(1, with_mesh("range.ply"), "range.ply: vertex index of a face: expected below 1, found 1");
     expect_failure(1, with_mesh("missing.ply"), "missing.ply");
+    write(folder / "huge.obj", "v 0 0 0\nv 1e18 0 0\nv 0 1e18 0\nf 1 2 3\n");
+    expect_failure(1, {"render", "m.binary", "-o", "x.png", "--mesh", "huge.obj"},
+                   "huge.obj: coordinates of the mesh: expected at most 1e+07 from 0, found 1e+18");
     expect_failure(1, {"render", "missing", "-o", "x.png"}, "missing");
     expect_failure(1, {"render", "m.binary", "-o", "no/folder.png"}, "a folder that exists");
     for (const char* size : {"0x0", "640x0", "640", "-1x5", "640x480x2", "9000x1", "x", "1e2x5"})

@@ -27,6 +27,7 @@ struct ReportCommand {
     int threads = 0, jobs = 0;
 
     int run() const;
+    bool labels_are_of_files() const;
 };
 
 /// The last stages of a fit use four candidates and then one at a time, so that more than four threads are mostly idle.
@@ -62,6 +63,19 @@ void study_all(std::vector<Reported>& materials, const std::vector<std::string>&
     }
 }
 
+/// The names by which a label may call a file.
+std::array<std::string, 3> names_of(const std::string& file) {
+    return {fs::path(file).stem().string(), fs::path(file).filename().string(), file};
+}
+
+bool ReportCommand::labels_are_of_files() const {
+    return std::ranges::all_of(labels, [&](const std::string& label) {
+        return std::ranges::any_of(files, [name = label.substr(0, label.find('='))](const std::string& file) {
+            return std::ranges::count(names_of(file), name) > 0;
+        });
+    });
+}
+
 /// The materials by name, with the folder of each; reports those that cannot be read.
 std::vector<Reported> materials_of(const ReportCommand& command, const StudyOptions& options,
                                    std::vector<std::string>& folders) {
@@ -76,7 +90,7 @@ std::vector<Reported> materials_of(const ReportCommand& command, const StudyOpti
         const std::string stem = fs::path(file).stem().string();
         const int same = ++count[stem];
         of.name = same > 1 ? fmt::format("{} ({})", stem, same) : stem;
-        for (const std::string& key : {stem, fs::path(file).filename().string(), file})
+        for (const std::string& key : names_of(file))
             if (const auto label = label_of.find(key); label != label_of.end()) of.label = label->second;
         const auto name = study_name(file, options);
         std::string folder = name ? (fs::path(command.folder) / *name).string() : "";
@@ -161,14 +175,15 @@ void add_report(CommandLine& app, int& status) {
            "--least", [command] { command->sweep = Sweep::least; }, "")
         .hidden();
     add_mesh_options(sub, command->mesh, command->up);
-    sub.add_option("--label", command->labels,
-                   "Text beside a material's name, for example nickel=stand-in; may be repeated")
-        .type_name("NAME=TEXT")
-        .one_at_a_time()  // what follows the text is a file
-        .check([](std::string& text) -> std::string {
-            const auto at = text.find('=');
-            return at == 0 || at == text.npos ? fmt::format("expected NAME=TEXT, found {}", text) : "";
-        });
+    const Option labels =
+        sub.add_option("--label", command->labels,
+                       "Text beside a material's name, for example nickel=stand-in; may be repeated")
+            .type_name("NAME=TEXT")
+            .one_at_a_time()  // what follows the text is a file
+            .check([](std::string& text) -> std::string {
+                const auto at = text.find('=');
+                return at == 0 || at == text.npos ? fmt::format("expected NAME=TEXT, found {}", text) : "";
+            });
     sub.add_option("--note", command->note, "Text at the top of the page").type_name("TEXT");
     sub.add_option("--threads", command->threads, "Total number of threads; 0: all of the machine")
         .type_name("T")
@@ -180,7 +195,8 @@ void add_report(CommandLine& app, int& status) {
         .check(within(0, k_most_threads))
         .capture_default_str();
     sub.footer("Example:\n  srbf report materials/*.binary -o report --quick");
-    sub.callback([command, &status] { status = command->run(); });
+    sub.callback([command, &status] { status = command->run(); },
+                 {{{labels}, "each with the name of a FILE", [command] { return command->labels_are_of_files(); }}});
 }
 
 }  // namespace srbf

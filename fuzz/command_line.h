@@ -1,0 +1,225 @@
+// Command lines of a grammar: the subcommands and options that --help tells of, with arguments of the kinds that they
+// take and others.
+#pragma once
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "app/commands.h"
+#include "targets.h"
+
+namespace srbf {
+
+/// A small file of each kind, bad ones among them, and what stands on standard error.
+class CommandFolder {
+  public:
+    CommandFolder() {
+        std::string pattern = (std::filesystem::temp_directory_path() / "srbf-lines-XXXXXX").string();
+        require(::mkdtemp(pattern.data()) != nullptr, "a folder for files");
+        path_ = pattern;
+        std::filesystem::create_directory(path_ / "f");
+        const std::string header = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", direction = "0,0.6,0.8,0,0,1";
+        add("p.csv", header + "\n" + direction + "\n");
+        add("s.csv", header + ",value\n" + direction + ",1\n");
+        add("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        add("e.hdr", "#?RADIANCE\n\n-Y 1 +X 2\n\x80\x40\x40\x81\x20\x40\x80\x80");
+        add("empty", "");
+        add("text", "nothing that is known\n");
+        PmModel pm;
+        pm.lobes = pm.variates = 1, pm.axial = true;
+        pm.coefficient = {{0.3f, 0.2f, 0.1f}}, pm.centre = {{0, 0, 1}}, pm.bandwidth = {8};
+        pm.parameterization = {{1, 1}}, pm.log_scale = {0}, pm.exponent.resize(std::size_t(features(pm.form)));
+        add("m.srbf", text_of(write_model({pm, {}})));
+        add("g.srbf", text_of(write_model({GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.5f, 0.5f}, 1}}}, {}})));
+        const std::string head = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 3), }\n";
+        add("t.npy", "\x93NUMPY" + std::string("\1\0", 2) + char(head.size()) + '\0' + head + std::string(12, '\0'));
+    }
+    ~CommandFolder() { std::filesystem::remove_all(path_); }
+
+    const std::filesystem::path& path() const { return path_; }
+    /// Names that are not among the files at first.
+    std::vector<std::string> outputs() const {
+        std::vector<std::string> names;
+        for (const auto& entry : std::filesystem::directory_iterator(path_))
+            if (const std::string name = entry.path().filename().string(); !files_.contains(name) && name != "f")
+                names.push_back(name);
+        return names;
+    }
+    /// Files change only if a line names them once, for output.
+    void check_inputs(const std::vector<std::string>& words) const {
+        for (const auto& [name, text] : files_) {
+            const auto file = path_ / name;
+            if (read(file) == text) continue;
+            require(std::ranges::count(words, name) == 1, "inputs are left as they are");
+            std::ofstream(file, std::ios::binary) << text;
+        }
+    }
+    void remove_outputs() const {
+        for (const std::string& name : outputs()) std::filesystem::remove_all(path_ / name);
+        for (const auto& entry : std::filesystem::directory_iterator(path_ / "f"))
+            std::filesystem::remove_all(entry.path());
+    }
+
+    static std::string read(const std::filesystem::path& path) {
+        std::ifstream in(path, std::ios::binary);
+        return {std::istreambuf_iterator<char>(in), {}};
+    }
+
+  private:
+    void add(const std::string& name, const std::string& text) {
+        std::ofstream(path_ / name, std::ios::binary) << text;
+        files_[name] = text;
+    }
+    static std::string text_of(const std::vector<std::byte>& bytes) {
+        return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    }
+
+    std::filesystem::path path_;
+    std::map<std::string, std::string> files_;
+};
+
+/// Makes words of bytes.
+class Grammar {
+  public:
+    Grammar() {
+        int status = 0;
+        CommandLine app("srbf", "", "", "");
+        add_subcommands(app, status);
+        help_ = app.help();
+    }
+
+    std::vector<std::string> line(std::span<const std::byte> bytes) const {
+        bytes_ = bytes;
+        const std::size_t which = next(help_.subcommands.size() + 1);
+        if (which == help_.subcommands.size()) return {"srbf", text()};
+        const SubcommandHelp& sub = help_.subcommands[which];
+        std::vector<std::string> words{"srbf", sub.name};
+        // What is required is mostly there, and pictures are small.
+        if (sub.name == "render" && next(16) > 0) words.insert(words.end(), {"--size", "3x2", "--spp", "1"});
+        for (const OptionHelp& option : sub.options) {
+            const bool is_output = option.names.back() == "--output" && sub.name != "fit";
+            if ((option.positional || is_output || option.names.back() == "--to") && next(16) > 0) add(words, option);
+        }
+        for (std::size_t left = next(k_most_options); left > 0; --left) {
+            const OptionHelp& option = sub.options[next(sub.options.size())];
+            const bool is_given = std::ranges::count(words, option.names.back()) > 0;
+            if (!is_given || next(16) == 1) add(words, option);
+        }
+        return words;
+    }
+
+  private:
+    static constexpr std::size_t k_most_options = 5;
+
+    std::size_t next(std::size_t count) const {
+        if (bytes_.empty()) return 0;
+        const auto byte = std::to_integer<std::size_t>(bytes_[0]);
+        bytes_ = bytes_.subspan(1);
+        return byte % count;
+    }
+    template <std::size_t n> std::string one_of(const std::array<const char*, n>& all) const { return all[next(n)]; }
+
+    void add(std::vector<std::string>& words, const OptionHelp& option) const {
+        if (!option.positional) words.push_back(next(16) == 1 ? option.names[0] : option.names.back());
+        if (!option.flag || next(32) == 1) words.push_back(argument(option));
+    }
+    std::string argument(const OptionHelp& option) const {
+        if (next(16) == 1) return text();
+        if (!option.choices.empty()) return option.choices[next(option.choices.size())];
+        if (option.names.back() == "--output" || option.names.back() == "--json" || option.names.back() == "--preview")
+            return output();
+        const bool is_file = option.positional || option.type.starts_with("FILE") || option.type.starts_with("REF") ||
+                             option.type.starts_with("MEASURED") || option.type.starts_with("P.csv");
+        return is_file ? input() : number();
+    }
+    std::string input() const {
+        return one_of(std::array{"m.srbf", "g.srbf", "p.csv", "s.csv", "m.obj", "e.hdr", "empty", "text", "t.npy",
+                                 "missing", "f", "m.srbf", "m.srbf"});
+    }
+    std::string output() const {
+        return one_of(std::array{"x.png", "x.exr", "x.srbf", "x.csv", "x.binary", "x.bsdf", "x.mbsdf", "x.html", "x",
+                                 "f", "f/", "f/x.png", "no/x.png", "m.srbf", "/dev/full"});
+    }
+    std::string number() const {
+        return one_of(std::array{"1", "2", "0", "8", "30", "0.5", "auto", "-1", "nan", "4x3", "0x1", "0:1", "1:0", "12",
+                                 "m=label", "=", "1e9", "99999999999999999999"});
+    }
+    std::string text() const {
+        return one_of(std::array{"", "-", "--", "x", "a\nb", "--bogus", "-h", "--version", "\xff\x1b[2J", "/dev/null",
+                                 "-o", "=", "--seed=1", "none", "studio", "knot"});
+    }
+
+    Help help_;
+    mutable std::span<const std::byte> bytes_;
+};
+
+/// Standard output goes nowhere, and standard error to a file, while it lives.
+class Captured {
+  public:
+    explicit Captured(const std::string& file)
+        : file_(file), out_(replaced(1, "/dev/null")), error_(replaced(2, file.c_str())) {}
+    /// Returns what stood on standard error.
+    std::string end() const {
+        std::fflush(stdout), std::fflush(stderr);
+        ::dup2(out_, 1), ::dup2(error_, 2);
+        ::close(out_), ::close(error_);
+        return CommandFolder::read(file_);
+    }
+
+  private:
+    static int replaced(int number, const char* path) {
+        const int kept = ::dup(number), file = ::open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+        ::dup2(file, number);
+        ::close(file);
+        return kept;
+    }
+    std::string file_;
+    int out_, error_;
+};
+
+/// A command line ends with exit status 0, 1 or 2. An error is one line, of several inputs one for each; wrong usage
+/// writes no file and names the help. Inputs are left as they are. Returns the status.
+inline int check_command_line(std::span<const std::byte> bytes) {
+    static const CommandFolder folder;
+    static const Grammar grammar;
+    std::vector<std::string> words = grammar.line(bytes);
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+
+    const auto from = std::filesystem::current_path();
+    std::filesystem::current_path(folder.path());
+    Captured captured("x.err");
+    const int status = run_program(int(words.size()), argv.data());
+    const std::string error = captured.end();
+    std::filesystem::remove("x.err");
+    std::filesystem::current_path(from);
+    if (std::getenv("SRBF_FUZZ_SHOW")) fmt::print(stderr, "{}\n  {} {}\n", fmt::join(words, " "), status, error);
+    const auto demand = [&](bool holds, const char* promise) {
+        if (!holds) fmt::print(stderr, "{}\nstatus {}: {}\n", fmt::join(words, " "), status, error);
+        require(holds, promise);
+    };
+    demand(status >= k_done && status <= k_usage, "a status of 0, 1 or 2");
+    demand(status == k_done || !error.empty(), "an error is said");
+    std::istringstream lines(error);
+    int count = 0;
+    for (std::string line; std::getline(lines, line); ++count) {
+        demand(line.starts_with("srbf: "), "a message begins with the program's name");
+        demand(std::ranges::none_of(line, [](unsigned char c) { return c < 0x20 || c == 0x7f; }),
+               "no control characters");
+    }
+    if (status == k_usage) {
+        demand(count == 1 && error.ends_with("--help)\n"), "wrong usage is one line that names the help");
+        demand(folder.outputs().empty(), "wrong usage writes nothing");
+    }
+    folder.check_inputs(words);
+    folder.remove_outputs();
+    return status;
+}
+
+}  // namespace srbf

@@ -1,0 +1,204 @@
+// Every option of every subcommand changes what is written, or is refused: none is accepted that the chosen mode does
+// not read.
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "command.h"
+#include "models.h"
+
+namespace srbf::options_test {
+namespace {
+
+const std::string k_fit = "--lobes 1 --variates 1 --objective raw --seed 3";
+/// Modes of subcommands: a name, and arguments to which each option is added.
+const std::pair<const char*, std::string> k_modes[] = {
+    {"a table", "fit m.binary -o o.srbf " + k_fit},
+    {"a goal", "fit m.binary -o o.srbf --objective raw --budget 14"},
+    {"view by view", "fit m.binary -o o.srbf --model su --directions 8 --lobes 1 --objective raw"},
+    {"ggx", "fit m.binary -o o.srbf --model ggx --objective raw"},
+    {"a folder", "fit m.binary -o d/ " + k_fit},
+    {"texels", "fit t.npy --pairs p.csv -o d " + k_fit},
+    {"explained", "fit m.binary --explain"},
+    {"eval", "eval m.srbf --pairs p.csv"},
+    {"compare", "compare m.binary m.srbf"},
+    {"to MERL", "convert m.srbf -o o.binary"},
+    {"to RGL", "convert m.srbf -o o.bsdf"},
+    {"to CSV", "convert m.srbf -o o.csv"},
+    {"samples to CSV", "convert s.csv -o o.csv"},
+    {"RGL to RGL", "convert r.bsdf -o o.bsdf"},
+    {"paths", "render m.srbf -o o.exr --size 9x8 --spp 2"},
+    {"a room", "render b.srbf -o o.exr --size 9x8 --spp 2 --scene room"},
+    {"without occlusion", "render m.srbf -o o.exr --size 9x8 --spp 2 --no-occlusion"},
+    {"raster", "render m.srbf -o o.exr --size 9x8 --renderer raster"},
+    {"raster, environment", "render m.srbf -o o.exr --size 9x8 --renderer raster --env studio --spp 1"},
+    {"code", "export m.srbf --to glsl -o o.glsl"},
+    {"three.js", "export m.srbf --to three -o o.js"},
+    {"page", "export m.srbf --to html -o o.html"},
+    {"page, mesh", "export m.srbf --to html -o o.html --mesh m.obj"},
+    {"manual", "manual"},
+};
+
+/// An argument for each option, other than its default. Every option must be here.
+const std::map<std::string, std::string> k_argument{
+    {"--output", "x.srbf"},
+    {"--resume", ""},
+    {"--model", "ggx"},
+    {"--form", "gaussian"},
+    {"--lobes", "2"},
+    {"--variates", "2"},
+    {"--axial", ""},
+    {"--no-axial", ""},
+    {"--reciprocal", ""},
+    {"--no-scale", ""},
+    {"--exchange", ""},
+    {"--objective", "cosine"},
+    {"--max-theta", "70"},
+    {"--discretise", "light"},
+    {"--directions", "9"},
+    {"--interpolation", "plain"},
+    {"--neighbours", "2"},
+    {"--between", "1"},
+    {"--with-index", "cube"},
+    {"--band", "Solar"},
+    {"--channels", "spectral"},
+    {"--target-error", "0.9"},
+    {"--target-delta-e", "50"},
+    {"--budget", "12"},
+    {"--preview", "x.png"},
+    {"--json", "x.json"},
+    {"--pairs", "p.csv"},
+    {"--texels", "0:1"},
+    {"--slab", "1"},
+    {"--seed", "1"},
+    {"--device", "cuda"},
+    {"--explain", ""},
+    {"--threads", "1"},
+    {"--rgb-alone", ""},
+    {"--renderer", "raster"},
+    {"--mesh", "knot"},
+    {"--up", "z"},
+    {"--size", "8x8"},
+    {"--aov", ""},
+    {"--compare", "m.binary"},
+    {"--env", "e.hdr"},
+    {"--lights", "behind"},
+    {"--spp", "1"},
+    {"--bounces", "1"},
+    {"--draw", "cosine"},
+    {"--scene", "room"},
+    {"--no-ground", ""},
+    {"--no-occlusion", ""},
+    {"--to", "hlsl"},
+    {"--with", "sampling"},
+    {"--reference", "m.binary"},
+    {"--for", "zsh"},
+};
+/// What promises not to change what is written, and the default of what is isotropic.
+const std::set<std::string> k_changes_nothing{"--threads", "--resume", "--axial"};
+/// What is read and changes nothing here: axial lobes take fewer bytes; tables of MERL's layout are reciprocal; the light
+/// is outside the room, on another side than its window.
+const std::set<std::pair<std::string, std::string>> k_reads_all_the_same{
+    {"a goal", "--no-axial"}, {"to MERL", "--exchange"}, {"a room", "--lights"}};
+
+Arguments words(const std::string& text) {
+    std::istringstream in(text);
+    return {std::istream_iterator<std::string>(in), {}};
+}
+
+class Options : public CommandLine {
+  protected:
+    void SetUp() override {
+        write(folder / "m.binary", small_merl());
+        std::mt19937_64 random(1);
+        ASSERT_TRUE(
+            save_model({random_model(random, {.axial = false, .most_bandwidth = 20}), {}}, folder / "m.srbf").ok());
+        ASSERT_TRUE(save_model({full_bsdf(), {}}, folder / "b.srbf").ok());
+        std::string samples = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n", pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n";
+        std::vector<float> texels;
+        for (int i = 0; i < 60; ++i) {
+            const Vec3d wl = random_direction(random), wv = random_direction(random);
+            const std::string pair =
+                fmt::format("{},{},{},{},{},{}", wl.x, wl.y, std::abs(wl.z) + 1e-3, wv.x, wv.y, std::abs(wv.z) + 1e-3);
+            samples += fmt::format("{},{},0.3,0.2\n", pair, 0.3 + 0.1 * wl.z * wv.z);
+            pairs += pair + "\n";
+        }
+        for (int i = 0; i < 2 * 60 * 3; ++i) texels.push_back(float(0.2 + 0.1 * uniform(random)));
+        write(folder / "s.csv", samples);
+        write(folder / "p.csv", pairs);
+        const std::string head = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 60, 3), }\n";
+        write(folder / "t.npy", "\x93NUMPY" + std::string("\1\0", 2) + char(head.size()) + '\0' + head +
+                                    std::string(reinterpret_cast<const char*>(texels.data()), 4 * texels.size()));
+        write(folder / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 2 3\nf 1 2 4\n");
+        write(folder / "e.hdr", fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n{}",
+                                            std::string("\x80\x40\x40\x81\x20\x40\x80\x80", 8)));
+        ASSERT_EQ(run(folder, {"convert", "m.srbf", "-o", "r.bsdf"}).status, 0);
+        inputs = folder.files();
+    }
+
+    /// What a run says and writes, of fits without their reports, which hold durations.
+    struct Written {
+        int status;
+        std::string out, err;
+        std::map<std::string, std::string> files;
+        bool operator==(const Written&) const = default;
+    };
+    Written written(const Arguments& arguments) {
+        ProgramRun done = run(folder, arguments);
+        const bool is_timed = arguments[0] == "fit" && std::ranges::count(arguments, "--explain") == 0;
+        Written all{done.status, is_timed ? "" : done.out, done.err, {}};
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path)) {
+            const std::string name = entry.path().lexically_relative(folder.path).string();
+            if (inputs.contains(name) || !entry.is_regular_file()) continue;
+            all.files[name] = name.ends_with(".json") ? "" : contents(entry.path());
+        }
+        for (const auto& entry : std::filesystem::directory_iterator(folder.path))
+            if (!inputs.contains(entry.path().filename().string())) std::filesystem::remove_all(entry.path());
+        return all;
+    }
+
+    /// The long names of all options by subcommand, as the completion for bash lists them.
+    std::map<std::string, Arguments> options() const {
+        std::map<std::string, Arguments> all;
+        std::istringstream lines(run(folder, {"manual", "--for", "bash"}).out);
+        for (std::string line; std::getline(lines, line);) {
+            const auto at = line.find(":*:-*) words='");
+            if (at == line.npos) continue;
+            for (const std::string& word : words(line.substr(at + 14, line.rfind('\'') - at - 14)))
+                if (word.starts_with("--") && word != "--help") all[words(line.substr(0, at))[0]].push_back(word);
+        }
+        return all;
+    }
+
+    std::map<std::string, std::string> inputs;
+};
+
+TEST_F(Options, are_read_or_refused) {
+    const auto all = options();
+    ASSERT_GE(all.at("fit").size(), 30u);
+    for (const auto& [name, text] : k_modes) {
+        const Arguments base = words(text);
+        const Written without = written(base);
+        if (without.status != 0) {
+            EXPECT_NE(text.find("raster"), text.npos) << text << '\n' << without.err;  // where there is no OpenGL
+            continue;
+        }
+        for (const std::string& option : all.contains(base[0]) ? all.at(base[0]) : Arguments{}) {
+            const auto argument = k_argument.find(option);
+            ASSERT_NE(argument, k_argument.end()) << option << " is to be tried";
+            const bool is_given =
+                std::ranges::count(base, option) > 0 || (option == "--output" && text.find("-o") != text.npos);
+            if (is_given || k_changes_nothing.contains(option) || k_reads_all_the_same.contains({name, option}))
+                continue;
+            const Written with = written(base + Arguments{option} + words(argument->second));
+            EXPECT_GE(with.status, 0) << text << ' ' << option;
+            EXPECT_FALSE(with == without) << name << ": " << text << ": " << option << " is accepted and not read";
+            if (with.status == 0) continue;
+            EXPECT_EQ(with.files.size(), 0u) << text << ' ' << option;
+            EXPECT_TRUE(with.err.starts_with("srbf: ") && with.err.find('\n') + 1 == with.err.size()) << with.err;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace srbf::options_test

@@ -100,7 +100,7 @@ class Grammar {
         const SubcommandHelp& sub = help_.subcommands[which];
         std::vector<std::string> words{"srbf", sub.name};
         // What is required is mostly there, and pictures are small.
-        if (sub.name == "render" && next(16) > 0) words.insert(words.end(), {"--size", "3x2", "--spp", "1"});
+        if (sub.name == "render") words.insert(words.end(), {"--size", "3x2", "--spp", "1"});
         for (const OptionHelp& option : sub.options) {
             const bool is_output = option.names.back() == "--output" && sub.name != "fit";
             if ((option.positional || is_output || option.names.back() == "--to") && next(16) > 0) add(words, option);

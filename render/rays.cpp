@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -42,28 +43,39 @@ void occlude(RTCScene scene, RTCRay& ray) {
 
 }  // namespace
 
+namespace {
+
+/// Embree returns null where memory does not suffice.
+template <typename T> T* made(T* of) {
+    if (of == nullptr) throw std::bad_alloc();
+    return of;
+}
+
+}  // namespace
+
 Rays::Rays(const std::vector<const Mesh*>& meshes) {
     // One thread: the tree of such a mesh is built quickly and independently of the machine.
-    device_ = {rtcNewDevice("threads=1,set_affinity=0"),
+    device_ = {made(rtcNewDevice("threads=1,set_affinity=0")),
                [](void* device) { rtcReleaseDevice(static_cast<RTCDevice>(device)); }};
     const auto device = static_cast<RTCDevice>(device_.get());
-    scene_ = {rtcNewScene(device), [](void* scene) { rtcReleaseScene(static_cast<RTCScene>(scene)); }};
+    scene_ = {made(rtcNewScene(device)), [](void* scene) { rtcReleaseScene(static_cast<RTCScene>(scene)); }};
     rtcSetSceneFlags(scene_of(scene_), RTC_SCENE_FLAG_ROBUST);
     for (unsigned i = 0; i < meshes.size(); ++i) {
         const Mesh& mesh = *meshes[i];
-        const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        const RTCGeometry geometry = made(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
         // Embree reads 16 bytes for a vertex of 12, so the vertices are copied into its own padded buffer.
-        auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(
-            geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.positions.size()));
+        auto* vertices = static_cast<Vec3f*>(made(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.positions.size())));
         std::copy(mesh.positions.begin(), mesh.positions.end(), vertices);
-        auto* triangles = static_cast<Triangle*>(rtcSetNewGeometryBuffer(
-            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), mesh.triangles.size()));
+        auto* triangles = static_cast<Triangle*>(made(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), mesh.triangles.size())));
         std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles);
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(scene_of(scene_), geometry, i);
         rtcReleaseGeometry(geometry);
     }
     rtcCommitScene(scene_of(scene_));
+    if (rtcGetDeviceError(device) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
 }
 
 std::optional<Hit> Rays::closest(Vec3f origin, Vec3f direction) const {

@@ -269,8 +269,8 @@ TEST_F(OfModel, convert_evaluates_whole_tables) {
 TEST_F(OfModel, mbsdf_files_are_read_with_their_transmission) {
     write(folder / "t.mbsdf", text_of(grey_mbsdf()));
     write(folder / "r.mbsdf", text_of(small_mbsdf()));
-    for (const std::string output : {"o.csv", "copy.mbsdf"}) {
-        const ProgramRun made = run(folder, {"convert", "t.mbsdf", "-o", output, "--directions", "3"});
+    for (const Arguments& output : {Arguments{"o.csv", "--directions", "3"}, {"copy.mbsdf"}}) {
+        const ProgramRun made = run(folder, Arguments{"convert", "t.mbsdf", "-o"} + output);
         EXPECT_EQ(made.status, 0);
         EXPECT_EQ(made.err, "");
     }

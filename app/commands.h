@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/options.h"
+#include "srbf/fit_options.h"
 
 namespace srbf {
 
@@ -19,8 +20,6 @@ enum Status { k_done = 0, k_input_error = 1, k_usage = 2 };
 
 /// The program, from its command line to its exit status.
 int run_program(int argc, char** argv);
-
-inline constexpr int k_most_threads = 1024;
 
 /// A number of type T within [least, most]; not a NaN.
 template <typename T> Check within(T least, T most) {
@@ -32,6 +31,9 @@ template <typename T> Check within(T least, T most) {
         return fmt::format("expected {} to {}, found {}", least, most, text);
     };
 }
+
+/// The range of an option of fits.
+template <typename T> Check within(const FitOptionRow& row) { return within(T(row.least), T(row.most)); }
 
 /// Accepts "x.png", "x.PNG" and names without an extension, such as that of a pipe.
 inline Check png_name() {

@@ -184,7 +184,7 @@ Check texel_range() {
 
 /// A number of lobes, or "auto".
 Check lobes_or_auto() {
-    return [](std::string& text) { return text == "auto" ? "" : within(1, k_most_fitted_lobes)(text); };
+    return [](std::string& text) { return text == "auto" ? "" : within<int>(fit_option("lobes"))(text); };
 }
 
 int FitCommand::run() const {
@@ -254,7 +254,7 @@ Result<FitOutcome> fit_measured(const Measured& measured, const FileFit& fit, co
         return error;
     }
     outcome->model.provenance["source"] = std::filesystem::path(fit.input).filename().string();
-    if (fit.exchange) outcome->model.provenance["exchanged"] = "light and viewer of the source";
+    if (fit.exchange) outcome->model.provenance["exchanged"] = k_exchanged;
     return outcome;
 }
 
@@ -313,7 +313,7 @@ void add_fit(CommandLine& app, int& status) {
         sub.add_option("--variates", command->variates,
                        fmt::format("Number of variates, the factors of a lobe, 1 to {}", k_most_variates))
             .type_name("N")
-            .check(within(1, k_most_variates))
+            .check(within<int>(fit_option("variates")))
             .capture_default_str();
     const Option axial = sub.add_flag("--axial{1},--no-axial{-1}", command->axial,
                                       "Centres only at +z or -z; or general centres, which take 4 J N more bytes.\n"
@@ -337,7 +337,7 @@ void add_fit(CommandLine& app, int& status) {
            fmt::format("Largest angle from the normal in the fit and in all errors,\n1 to 89.9 degrees; default: {}",
                        fmt::join(default_angles(), ", ")))
         .type_name("DEG")
-        .check(within(1.0, 89.9));
+        .check(within<double>(fit_option("max_theta")));
     const Option discretise = sub.add_option("--discretise", command->discretise,
                                              "su: the sampled direction; lobes are functions of the other one")
                                   .type_name("view|light")
@@ -389,17 +389,17 @@ void add_fit(CommandLine& app, int& status) {
                        "pm: the smallest model of all forms and sizes with at most this held-out error,\n"
                        "by the objective's own measure, as a ratio: 0.005 is half a per cent")
             .type_name("E")
-            .check(within(1e-6, 1.0));
+            .check(within<double>(fit_option("target_error")));
     const Option target_delta_e =
         sub.add_option("--target-delta-e", command->target_delta_e,
                        "pm: the smallest model of all forms and sizes that looks the same: mean Delta E (ITP)\n"
                        "of pictures of a sphere, where 1 is just noticeable")
             .type_name("E")
-            .check(within(0.01, k_most_delta_e));
+            .check(within<double>(fit_option("target_delta_e")));
     const Option budget = sub.add_option("--budget", command->budget,
                                          "pm: the best model of all forms and sizes with at most this many bytes")
                               .type_name("BYTES")
-                              .check(within(std::size_t(12), k_most_chosen_bytes));
+                              .check(within<std::size_t>(fit_option("budget")));
     const Option picture = sub.add_option("--preview", command->preview,
                                           "Write a picture of the measurement, the fit and 10 x their difference")
                                .type_name("FILE.png")
@@ -444,7 +444,7 @@ void add_fit(CommandLine& app, int& status) {
     const Option threads = sub.add_option("--threads", command->threads,
                                           "Number of threads; 0: all of the machine. The model does not depend on it")
                                .type_name("T")
-                               .check(within(0, k_most_threads))
+                               .check(within<int>(fit_option("threads")))
                                .capture_default_str();
     sub.footer(
         "Examples:\n  srbf fit paper_white_rgb.bsdf\n"

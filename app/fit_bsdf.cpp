@@ -99,7 +99,7 @@ Result<BsdfOutcome> fit_sides(const Measured& measured, const FileFit& fit, cons
     provenance["source"] = std::filesystem::path(fit.input).filename().string();
     provenance["seed"] = fmt::format("{}", fit.request.seed);
     if (const auto& band = std::get<BsdfTable>(measured.table).band().name; !band.empty()) provenance["band"] = band;
-    if (fit.exchange) provenance["exchanged"] = "light and viewer of the source";
+    if (fit.exchange) provenance["exchanged"] = k_exchanged;
     for (const PartFit& part : outcome->parts)
         provenance[fmt::format("error_ratio_of_{}", name(part.part))] = fmt::format("{:.4g}", part.squared_error_ratio);
     return outcome;

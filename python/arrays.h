@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "background.h"
 #include "parallel.h"
 #include "srbf/colour.h"
 #include "srbf/result.h"
@@ -66,12 +67,22 @@ inline void require_unit(const Array& directions, const char* argument) {
     }
 }
 
-/// Calls body(first, count) for parts of n rows, on all threads if there are many.
+/// Calls body(first, count) for parts of n rows, on all threads if there are many. Ctrl-C ends it where there are more
+/// than some tens of milliseconds take.
 template <typename Body> void in_parts(std::size_t n, const Body& body) {
-    constexpr std::size_t part = 1 << 14;
+    constexpr std::size_t part = 1 << 14, many = 1 << 20;
+    const auto run = [&](const ProgressToken& token) {
+        parallel_for_parts(n, part, n > part ? 0 : 1, [&](std::size_t begin, std::size_t end) {
+            if (!token.cancelled()) body(begin, end - begin);
+        });
+        return Done{};
+    };
+    if (n > many) {
+        in_background(py::none(), run);
+        return;
+    }
     const py::gil_scoped_release released;
-    parallel_for_parts(n, part, n > part ? 0 : 1,
-                       [&](std::size_t begin, std::size_t end) { body(begin, end - begin); });
+    run({});
 }
 
 }  // namespace srbf

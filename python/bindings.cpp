@@ -4,21 +4,22 @@
 #include <pybind11/stl.h>
 
 #include "fits.h"
+#include "parameters.h"
 #include "srbf/convert.h"
+#include "srbf/fit_options.h"
 #include "srbf/pictures.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {
 namespace {
 
-Array render(const Held& brdf, const std::string& lighting, int size) {
-    const auto all = standard_lightings();
-    const auto found = std::ranges::find(all, std::string_view(lighting), &Lighting::name);
-    if (found == all.end()) throw py::value_error("lighting: expected one of srbf.lightings(), found " + lighting);
-    if (size < 1 || size > 4096) throw py::value_error("size: expected 1 to 4096");
+Array render(const Held& brdf, const std::string& lighting, int size, bool is_sketch) {
+    constexpr int k_sketched_points = 48;
+    const auto found = std::ranges::find(standard_lightings(), std::string_view(lighting), &Lighting::name);
     const Evaluate of[] = {brdf.evaluate()};
     const auto pictures = in_background(py::none(), [&](const ProgressToken& token) {
-        return sphere_pictures(of, std::span(&*found, 1), size, 0, token);
+        return sphere_pictures(of, std::span(&*found, 1), size, 0, token,
+                               is_sketch ? k_sketched_points : k_mirror_points);
     });
     return array_of(floats(pictures[0][0].pixels), {size, size, 3});
 }
@@ -26,10 +27,11 @@ Array render(const Held& brdf, const std::string& lighting, int size) {
 void convert(const Held& brdf, const std::string& path, bool spectra, int threads) {
     const TableFormatRow* row = table_format(path);
     if (!row) throw py::value_error("path: expected a name that ends in .binary, .bsdf, .mbsdf or .csv, found " + path);
-    const auto bytes = required(in_background(py::none(), [&](const ProgressToken&) {
-        return table_file(brdf.content(), row->format, {.spectra = spectra, .threads = threads});
+    required(in_background(py::none(), [&](const ProgressToken& token) -> Result<Done> {
+        const auto bytes = table_file(brdf.content(), row->format, {.spectra = spectra, .threads = threads});
+        if (!bytes) return bytes.error();
+        return token.cancelled() ? Result<Done>(Done{}) : write_file(path, *bytes);
     }));
-    required(write_file(path, bytes));
 }
 
 /// The names of a table's rows.
@@ -48,7 +50,7 @@ std::string code(const std::vector<Held>& models, const std::vector<std::string>
         if (to == name)
             return required(
                 shading_code(named, prefix, {.language = language, .sampling = sampling, .albedo = albedo}));
-    throw py::value_error("to: expected three or one of srbf.code_languages(), found " + to);
+    return {};
 }
 
 }  // namespace
@@ -62,7 +64,17 @@ PYBIND11_MODULE(_srbf, module) {
         .def("sample", &sampled)
         .def("density", &density)
         .def("reflected", &reflected)
+        .def("value_at",
+             [](const Held& brdf, float lx, float ly, float lz, float vx, float vy, float vz) {
+                 return value_at(brdf, {lx, ly, lz}, {vx, vy, vz});
+             })
+        .def("drawn_at",
+             [](const Held& brdf, float vx, float vy, float vz, float u, float v, float selector) {
+                 return drawn_at(brdf, {vx, vy, vz}, {u, v, selector});
+             })
         .def("parameters", &parameters)
+        .def("pickled", &pickled)
+        .def("numbers", &numbers)
         .def("is_model", [](const Held& brdf) { return brdf.model() != nullptr; })
         .def("isotropic", &Held::isotropic)
         .def("wavelengths",
@@ -70,12 +82,8 @@ PYBIND11_MODULE(_srbf, module) {
                  const auto of = brdf.model() ? wavelengths(*brdf.model()) : wavelengths(*brdf.measured());
                  return array_of(of, {py::ssize_t(of.size())});
              })
-        .def("exchanged",
-             [](const Held& brdf) {
-                 AnyBrdf content = brdf.content();
-                 std::visit([](auto& of) { exchange(of); }, content);
-                 return Held(std::move(content));
-             })
+        .def("exchanged", &Held::exchanged, py::call_guard<py::gil_scoped_release>())
+        .def("is_exchanged", &Held::is_exchanged)
         .def("kind",
              [](const Held& brdf) {
                  constexpr std::array<const char*, 4> names{"pm", "su", "ggx", "bsdf"};
@@ -89,11 +97,7 @@ PYBIND11_MODULE(_srbf, module) {
                  return brdf.model() ? brdf.model()->provenance : std::map<std::string, std::string>{};
              })
         .def("save",
-             [](const Held& brdf, const std::string& path) { required(save_model(brdf.require_model(), path)); })
-        .def("to_bytes", [](const Held& brdf) {
-            const auto bytes = write_model(brdf.require_model());
-            return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-        });
+             [](const Held& brdf, const std::string& path) { required(save_model(brdf.require_model(), path)); });
     py::class_<Request>(module, "Request")
         .def(py::init())
         .def_readwrite("model", &Request::model)
@@ -112,13 +116,9 @@ PYBIND11_MODULE(_srbf, module) {
         .def_readwrite("seed", &Request::seed)
         .def_readwrite("threads", &Request::threads);
     module.def("load", &loaded);
-    module.def("from_bytes", [](const py::bytes& bytes) {
-        const std::string text = bytes;
-        return Held(required(read_model(as_bytes(text), "bytes")));
-    });
-    module.def("from_arrays", [](const Array& wl, const Array& wv, const Array& f, bool isotropic) {
-        return Held(samples_of(wl, wv, f, isotropic));
-    });
+    module.def("unpickled", &unpickled);
+    module.def("model_of", &model_of);
+    module.def("from_arrays", &samples_of);
     module.def("fit", &fit_brdf);
     module.def("fit_function", &fit_function);
     module.def("fit_batch", &fit_texels);
@@ -129,7 +129,19 @@ PYBIND11_MODULE(_srbf, module) {
     module.def("code", &code);
     module.def("python_code", [](const Held& brdf) { return required(python_code(brdf.require_model())); });
     module.def("identifier", [](const std::string& text) { return identifier(text); });
+    module.def("fit_options", [] {
+        std::vector<std::tuple<std::string, std::string, double, double, bool>> rows;
+        for (const FitOptionRow& row : k_fit_options)
+            rows.emplace_back(row.name, row.model, row.least, row.most, row.is_whole);
+        return rows;
+    });
     module.def("lightings", [] { return names_of(standard_lightings()); });
+    module.def("terms_of_forms", [] {
+        std::map<std::string, std::size_t> terms;
+        for (const FormRow& row : k_form_rows) terms[std::string(row.name)] = row.terms;
+        return terms;
+    });
+    module.def("view_directions", [](int n) { return array_of(floats(fibonacci_directions(n, k_pi / 2)), {n, 3}); });
     module.def("forms", [] { return names_of(k_form_rows); });
     module.def("code_languages", [] { return names_of(k_code_languages); });
     module.def("objectives", [] {

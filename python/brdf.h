@@ -1,12 +1,13 @@
 // A BRDF, or BSDF, as Python holds it: what srbf.Brdf calls, and where one comes from.
 #pragma once
+#include <array>
 #include <limits>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <variant>
 
+#include "archive.h"
 #include "arrays.h"
 #include "srbf/file.h"
 #include "srbf/load.h"
@@ -17,7 +18,8 @@ namespace srbf {
 /// A measurement or a model, with what sampling needs made when it is first asked for.
 class Held {
   public:
-    explicit Held(AnyBrdf content) : content_(std::make_shared<const AnyBrdf>(std::move(content))) {}
+    explicit Held(AnyBrdf content, bool exchanged = false)
+        : content_(std::make_shared<const AnyBrdf>(std::move(content))), exchanged_(exchanged) {}
 
     const AnyBrdf& content() const { return *content_; }
     const Model* model() const { return std::get_if<Model>(content_.get()); }
@@ -25,6 +27,13 @@ class Held {
     const Model& require_model() const {
         if (!model()) raise({"srbf", {}, "brdf", "a model", "a measurement", ErrorCode::wrong_kind});
         return *model();
+    }
+    /// Whether light and viewer are those of the file, or of the data of a model, exchanged.
+    bool is_exchanged() const { return model() ? model()->provenance.contains("exchanged") : exchanged_; }
+    Held exchanged() const {
+        AnyBrdf content = *content_;
+        std::visit([](auto& of) { exchange(of); }, content);
+        return Held(std::move(content), !exchanged_);
     }
     bool isotropic() const {
         return std::visit([](const auto& of) { return is_isotropic(of); }, *content_);
@@ -57,6 +66,7 @@ class Held {
 
   private:
     std::shared_ptr<const AnyBrdf> content_;
+    bool exchanged_;
     std::shared_ptr<std::once_flag> once_ = std::make_shared<std::once_flag>();
     std::shared_ptr<std::optional<PreparedBrdf>> prepared_ = std::make_shared<std::optional<PreparedBrdf>>();
     std::shared_ptr<std::optional<PreparedBsdf>> sides_ = std::make_shared<std::optional<PreparedBsdf>>();
@@ -153,80 +163,58 @@ inline Array reflected(const Held& brdf, const Array& cosine) {
     return albedos;
 }
 
-inline py::dict parameters(const Held& brdf) {
-    using Shape = std::vector<py::ssize_t>;
-    py::dict of;
-    const auto add = [&](const char* name, std::span<const float> numbers, Shape shape) {
-        of[name] = array_of(numbers, std::move(shape));
-    };
-    const auto& model = brdf.require_model().model;
-    if (const auto* bsdf = std::get_if<BsdfModel>(&model)) {
-        for (std::size_t p = 0; p < k_parts; ++p)
-            if (bsdf->part[p]) of[py::str(std::string(k_part_names[p]))] = parameters(Held(*bsdf->part[p]));
-        for (std::size_t b = 0; b < bsdf->beam.size(); ++b) {
-            const Beam& beam = bsdf->beam[b];
-            if (beam.empty()) continue;
-            const std::string beam_name = "beam_" + std::string(k_beam_names[b]);
-            const auto n = py::ssize_t(beam.theta.size());
-            add((beam_name + "_angle").c_str(), beam.theta, {n});
-            add((beam_name + "_share").c_str(), floats(beam.share), {n, 3});
-        }
-    } else if (const auto* pm = std::get_if<PmModel>(&model)) {
-        const py::ssize_t J = pm->lobes, N = pm->variates, F = features(pm->form);
-        of["form"] = std::string(name(pm->form));
-        of["axial"] = pm->axial;
-        add("coefficient", floats(pm->coefficient), {J, 3});
-        add("log_scale", pm->log_scale, {J});
-        add("centre", floats(pm->centre), {J, N, 3});
-        add("bandwidth", pm->bandwidth, {J, N});
-        add("parameterization", floats(pm->parameterization), {N, 2});
-        add("exponent", pm->exponent, {J, F});
-        if (!pm->wavelength.empty()) {
-            add("wavelength", pm->wavelength, {py::ssize_t(pm->wavelength.size())});
-            add("spectrum", pm->spectrum, {J, py::ssize_t(pm->wavelength.size())});
-        }
-    } else if (const auto* su = std::get_if<SuModel>(&model)) {
-        const py::ssize_t J = su->lobes, n = py::ssize_t(su->direction.size());
-        of["interpolation"] = std::string(name(su->interpolation));
-        of["discretise"] = std::string(name(su->discretise));
-        add("direction", floats(su->direction), {n, 3});
-        add("coefficient", floats(su->coefficient), {n, J, 3});
-        add("centre", floats(su->centre), {n, J, 3});
-        add("bandwidth", su->bandwidth, {n, J});
-        if (!su->shape.empty()) add("shape", su->shape, {n, J});
-    } else if (const auto* ggx = std::get_if<GgxModel>(&model)) {
-        std::vector<float> roughness, f0, f90;
-        for (const GgxModel::Lobe& lobe : ggx->lobes) {
-            roughness.push_back(lobe.roughness), f90.push_back(lobe.f90);
-            f0.insert(f0.end(), {lobe.f0.r, lobe.f0.g, lobe.f0.b});
-        }
-        const auto L = py::ssize_t(ggx->lobes.size());
-        add("diffuse", floats(std::vector{ggx->diffuse}), {3});
-        add("roughness", roughness, {L});
-        add("f0", f0, {L, 3});
-        add("f90", f90, {L});
-    }
-    return of;
+/// The value at one pair of directions and the density of `sample`: R, G, B, 1/sr.
+inline std::array<float, 4> value_at(const Held& brdf, const Vec3f& wl, const Vec3f& wv) {
+    const Rgb f = value(brdf.prepared(), wl, wv);
+    return {f.r, f.g, f.b, pdf(brdf.prepared(), wl, wv)};
+}
+/// One draw: direction, weight, density.
+inline std::array<float, 7> drawn_at(const Held& brdf, const Vec3f& wv, const Vec3f& u) {
+    const LightSample drawn = sample(brdf.prepared(), wv, {u.x, u.y}, u.z);
+    return {drawn.wl.x, drawn.wl.y, drawn.wl.z, drawn.weight.r, drawn.weight.g, drawn.weight.b, drawn.pdf};
 }
 
-inline Measured samples_of(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
+inline Held samples_of(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
     ScatteredSamples samples;
     samples.isotropic = isotropic;
     const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
     const auto values = span_of<Rgb>(f);
-    for (std::size_t i = 0; i < l.size(); ++i) {
-        if (!is_finite(values[i]) || !above_horizon(l[i], v[i])) {
-            ++samples.masked;
-            continue;
+    {
+        const py::gil_scoped_release released;
+        for (std::size_t i = 0; i < l.size(); ++i) {
+            if (!is_finite(values[i]) || !above_horizon(l[i], v[i])) {
+                ++samples.masked;
+                continue;
+            }
+            samples.wl.push_back(l[i]), samples.wv.push_back(v[i]), samples.colour.push_back(values[i]);
         }
-        samples.wl.push_back(l[i]), samples.wv.push_back(v[i]), samples.colour.push_back(values[i]);
+        if (!samples.wl.empty()) make_index(samples);
     }
     if (samples.wl.empty()) raise({"arrays", {}, "samples", "some above the horizon", "none", ErrorCode::no_data});
-    make_index(samples);
     const std::uint64_t bytes = 36 * std::uint64_t(l.size());
-    return {"arrays", "arrays", bytes, std::move(samples)};
+    return Held(Measured{"arrays", "arrays", bytes, std::move(samples)});
+}
+
+inline py::bytes pickled(const Held& brdf) {
+    Writer writer;
+    writer(brdf.content());
+    return writer.bytes;
+}
+inline Held unpickled(const py::bytes& bytes, bool exchanged) {
+    const auto text = std::string_view(bytes);
+    const py::gil_scoped_release released;
+    return Held(Reader{text}.next<AnyBrdf>(), exchanged);
+}
+/// What determines the values: `pickled` without where they come from.
+inline py::bytes numbers(const Held& brdf) {
+    Writer writer;
+    if (brdf.model())
+        writer(brdf.model()->model);
+    else
+        writer(brdf.measured()->exchanged), writer(brdf.measured()->table);
+    return writer.bytes;
 }
 
 inline py::list load_stack(const std::string& path) {

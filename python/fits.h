@@ -13,7 +13,7 @@
 
 namespace srbf {
 
-/// What Python asks for: empty or no value is the library's default.
+/// What Python asks for, within its ranges: empty or no value is the library's default.
 struct Request {
     std::string model = "pm", form, objective, channels = "rgb";
     std::optional<int> lobes, variates;
@@ -24,35 +24,24 @@ struct Request {
     std::uint64_t seed = 0;
     int threads = 0;
 
+    PmRequest pm() const {
+        PmRequest pm;
+        if (!form.empty()) pm.form = form_named(form).value();
+        if (variates) pm.variates = *variates;
+        if (lobes) pm.size = LobeCount{*lobes};
+        if (automatic) pm.size = AutomaticLobes{};
+        if (budget) pm.size = ByteBudget{*budget};
+        if (target_error) pm.size = TargetError{*target_error};
+        if (target_delta_e) pm.size = TargetDeltaE{*target_delta_e};
+        pm.axial = axial, pm.reciprocal = reciprocal;
+        return pm;
+    }
     FitRequest fit_request() const {
         FitRequest request;
-        if (model == "pm") {
-            PmRequest pm;
-            const auto named = form_named(form);
-            if (!form.empty() && !named) throw py::value_error("form: expected one of srbf.forms(), found " + form);
-            if (named) pm.form = *named;
-            if (variates) pm.variates = *variates;
-            if (lobes) pm.size = LobeCount{*lobes};
-            if (automatic) pm.size = AutomaticLobes{};
-            if (budget) pm.size = ByteBudget{*budget};
-            if (target_error) pm.size = TargetError{*target_error};
-            if (target_delta_e) pm.size = TargetDeltaE{*target_delta_e};
-            pm.axial = axial, pm.reciprocal = reciprocal;
-            request.model = pm;
-        } else if (model == "su") {
-            SuRequest su;
-            if (lobes) su.lobes = *lobes;
-            request.model = su;
-        } else if (model == "ggx") {
-            request.model = GgxRequest{lobes.value_or(GgxRequest{}.lobes)};
-        } else {
-            throw py::value_error("model: expected pm, su or ggx, found " + model);
-        }
-        if (!objective.empty()) {
-            const auto named = objective_named(objective);
-            if (!named) throw py::value_error("objective: expected one of srbf.objectives(), found " + objective);
-            request.objective = *named;
-        }
+        if (model == "pm") request.model = pm();
+        if (model == "su") request.model = SuRequest{.lobes = lobes.value_or(SuRequest{}.lobes)};
+        if (model == "ggx") request.model = GgxRequest{lobes.value_or(GgxRequest{}.lobes)};
+        if (!objective.empty()) request.objective = objective_named(objective).value();
         if (max_theta) request.max_theta = *max_theta * k_degree;
         request.spectral = channels == "spectral";
         request.seed = seed, request.threads = threads;
@@ -91,13 +80,18 @@ inline py::dict outcome_of(FitOutcome outcome) {
     return of;
 }
 
+inline void name_source(Model& model, const Held& brdf) {
+    model.provenance["source"] = brdf.measured()->source;
+    if (brdf.is_exchanged()) model.provenance["exchanged"] = k_exchanged;
+}
+
 inline py::dict fit_brdf(const Held& brdf, const Request& asked, const py::object& progress) {
     if (!brdf.measured()) raise({"srbf.fit", {}, "input", "a measurement", "a model", ErrorCode::wrong_kind});
     const FitRequest request = asked.fit_request();
     if (is_two_sided(brdf.content())) {
         BsdfOutcome outcome = required(in_background(
             progress, [&](const ProgressToken& token) { return fit_bsdf(*brdf.measured(), request, token); }));
-        outcome.model.provenance["source"] = brdf.measured()->source;
+        name_source(outcome.model, brdf);
         py::dict of, errors;
         for (const PartFit& part : outcome.parts)
             errors[py::str(std::string(name(part.part)))] = part.squared_error_ratio;
@@ -110,7 +104,7 @@ inline py::dict fit_brdf(const Held& brdf, const Request& asked, const py::objec
     }
     FitOutcome outcome = required(
         in_background(progress, [&](const ProgressToken& token) { return fit(*brdf.measured(), request, token); }));
-    outcome.model.provenance["source"] = brdf.measured()->source;
+    name_source(outcome.model, brdf);
     return outcome_of(std::move(outcome));
 }
 

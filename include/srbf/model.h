@@ -4,6 +4,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -79,8 +80,10 @@ Evaluate evaluator(const Model& model);
 
 /// Whether f_r depends only on the difference of the azimuths by construction: not with general lobes.
 bool is_isotropic(const Model& model);
-/// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument.
+/// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument. The provenance of a model of
+/// exchanged data has `k_exchanged` as "exchanged".
 void exchange(Model& model);
+inline constexpr std::string_view k_exchanged = "light and viewer of the source";
 
 /// The wavelengths [nm] of a spectral model; otherwise empty.
 std::span<const float> wavelengths(const Model& model);

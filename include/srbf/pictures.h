@@ -32,13 +32,15 @@ Rgb radiance(const Lighting& lighting, Vec3d w);
 std::span<const Lighting> standard_lightings();
 
 inline constexpr int k_sphere_pixels = 64;
+inline constexpr int k_mirror_points = 384;
 /// The radiance of a sphere seen from far away by direct light alone, at the centres of `size` × `size` pixels of which
-/// it touches the border; 0 outside of it. The same directions for every BRDF: points of `MirrorMixture` and points on
+/// it touches the border; 0 outside of it. The same directions for every BRDF: points of `MirrorMixture`, and points on
 /// the sources, weighted by their common density (balance heuristic of Veach 1997), without random numbers. Pairs at
 /// which one of the BRDFs is not measured count as black for all of them: [lighting][BRDF].
 std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs, std::span<const Lighting> lightings,
                                                 int size = k_sphere_pixels, int threads = 0,
-                                                const ProgressToken& progress = {});
+                                                const ProgressToken& progress = {},
+                                                int mirror_points = k_mirror_points);
 /// Whether pixel (x, y) of such a picture shows the sphere.
 bool shows_sphere(int size, int x, int y);
 

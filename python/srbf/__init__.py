@@ -9,14 +9,16 @@ from __future__ import annotations
 import dataclasses
 import os
 import struct
-import sys
 import zlib
-from typing import Any, Callable, Optional, Sequence, Union
+from typing import Any, Callable, Literal, Mapping, Optional, Sequence, TypeVar, Union
 
 import numpy as np
+import numpy.typing as npt
 
 __all__ = ["Brdf", "Error", "Fit", "Measurement", "Model", "code", "code_languages", "convert", "errors", "fit", "fit_batch", "forms",
-           "from_arrays", "lightings", "load", "load_texels", "objectives", "render"]
+           "from_arrays", "lightings", "load", "load_measurement", "load_model", "load_texels", "objectives", "png", "render"]
+
+Array = npt.NDArray[np.float32]
 
 
 class Error(ValueError):
@@ -34,6 +36,8 @@ class Error(ValueError):
 
 
 from . import _srbf  # noqa: E402  (it raises Error)
+from . import _options, _parameters  # noqa: E402
+from ._options import Channels, Form, Kind, Language, Lighting, Objective, Path, Progress  # noqa: E402
 
 if int(np.__version__.split(".")[0]) >= 2 and not _srbf.knows_numpy_2:
     raise ImportError(f"srbf was built with a pybind11 before 2.12, which NumPy {np.__version__} does not fit; build it with `pip install .`")
@@ -41,7 +45,7 @@ if int(np.__version__.split(".")[0]) >= 2 and not _srbf.knows_numpy_2:
 __version__: str = _srbf.version
 
 
-def _numbers(array: Any, name: str, last: Optional[int] = 3) -> np.ndarray:
+def _numbers(array: npt.ArrayLike, name: str, last: Optional[int] = 3) -> Array:
     """`array` as float32, with that many numbers along its last axis."""
     array = np.asarray(array)
     if array.dtype.kind not in "fiub":
@@ -51,7 +55,7 @@ def _numbers(array: Any, name: str, last: Optional[int] = 3) -> np.ndarray:
     return array.astype(np.float32, copy=False)
 
 
-def _rows(arrays: Sequence[np.ndarray], names: Sequence[str]) -> tuple[tuple[int, ...], list[np.ndarray]]:
+def _rows(arrays: Sequence[Array], names: Sequence[str]) -> tuple[tuple[int, ...], list[Array]]:
     """The common leading shape of arrays [..., 3], and the arrays as contiguous rows [n, 3]."""
     try:
         shape = np.broadcast_shapes(*(array.shape[:-1] for array in arrays))
@@ -62,46 +66,68 @@ def _rows(arrays: Sequence[np.ndarray], names: Sequence[str]) -> tuple[tuple[int
                    for array in arrays]
 
 
-def _pairs(wl: Any, wv: Any) -> tuple[tuple[int, ...], list[np.ndarray]]:
+def _pairs(wl: npt.ArrayLike, wv: npt.ArrayLike) -> tuple[tuple[int, ...], list[Array]]:
     return _rows((_numbers(wl, "wl"), _numbers(wv, "wv")), ("wl", "wv"))
+
+
+_AnyBrdf = TypeVar("_AnyBrdf", bound="Brdf")
 
 
 class Brdf:
     """A measurement or a model. Thread-safe; the interpreter's lock is released while it computes."""
 
-    def __init__(self, held: "_srbf.Brdf"):
+    def __init__(self, held: _srbf.Brdf):
         self._held = held
 
-    def eval(self, wl: Any, wv: Any) -> np.ndarray:
+    def __eq__(self, other: object) -> bool:
+        """Whether it is of the same kind with the same numbers; file names and provenance do not count."""
+        if type(other) is not type(self):
+            return NotImplemented
+        return self._held.numbers() == other._held.numbers()
+
+    def __hash__(self) -> int:
+        return hash(self._held.numbers())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        data = self._held.pickled()
+        return _unpickled, (__version__, data, zlib.crc32(data), self._held.is_exchanged())
+
+    def eval(self, wl: npt.ArrayLike, wv: npt.ArrayLike) -> Array:
         """f_r [1/sr] of shape [..., 3]: 0 where a direction is below the horizon, NaN where nothing was measured."""
         shape, rows = _pairs(wl, wv)
         return self._held.evaluate(*rows).reshape(shape + (3,))
 
-    def eval_spectral(self, wl: Any, wv: Any) -> np.ndarray:
+    def eval_spectral(self, wl: npt.ArrayLike, wv: npt.ArrayLike) -> Array:
         """f_r [1/sr] at `wavelengths` [..., C]; of a BRDF without wavelengths R, G, B."""
         shape, rows = _pairs(wl, wv)
         return self._held.evaluate_channels(*rows).reshape(shape + (-1,))
 
-    def sample(self, wv: Any, u: Any = None, rng: Optional[np.random.Generator] = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def sample(self, wv: npt.ArrayLike, u: Optional[npt.ArrayLike] = None,
+               rng: Optional[np.random.Generator] = None) -> tuple[Array, Array, Array]:
         """Importance-samples the light: directions [..., 3], weights f_r cos(theta_l) / pdf [..., 3] and densities [...].
 
         `u` [..., 3] are numbers uniform in [0, 1): a point of the square and the choice of a lobe; without them `rng` draws. A draw
         without a direction is (0, 0, -1), with density and weight 0.
         """
-        wv = _numbers(wv, "wv")
-        u = (rng or np.random.default_rng()).random(wv.shape, np.float32) if u is None else _numbers(u, "u")
-        shape, (rows, numbers) = _rows((wv, u), ("wv", "u"))
-        if not ((numbers >= 0) & (numbers < 1)).all():
+        views = _numbers(wv, "wv")
+        if u is None:
+            u = (rng or np.random.default_rng()).random(views.shape, np.float32)
+        given = np.asarray(u)
+        uniform = _numbers(given, "u")
+        if not ((given >= 0) & (given < 1)).all():
             raise ValueError("u: expected numbers in [0, 1)")
+        if given.dtype != np.float32:
+            uniform = np.minimum(uniform, np.nextafter(np.float32(1), np.float32(0)))  # a number just below 1 may have become 1
+        shape, (rows, numbers) = _rows((views, uniform), ("wv", "u"))
         wl, weight, density = self._held.sample(rows, numbers)
         return wl.reshape(shape + (3,)), weight.reshape(shape + (3,)), density.reshape(shape)
 
-    def pdf(self, wl: Any, wv: Any) -> np.ndarray:
+    def pdf(self, wl: npt.ArrayLike, wv: npt.ArrayLike) -> Array:
         """The density of `sample` [1/sr], of shape [...]; 0 below the horizon."""
         shape, rows = _pairs(wl, wv)
         return self._held.density(*rows).reshape(shape)
 
-    def albedo(self, cos_v: Any) -> np.ndarray:
+    def albedo(self, cos_v: npt.ArrayLike) -> Array:
         """Directional albedo [..., 3] of views at the cosines `cos_v` [...] in (0, 1], in the mean over azimuths; within 1 % or 0.002 for
         smooth and glossy BRDFs."""
         cosine = _numbers(cos_v, "cos_v", None)
@@ -109,9 +135,14 @@ class Brdf:
             raise ValueError("cos_v: expected cosines in (0, 1]")
         return self._held.reflected(np.ascontiguousarray(cosine).reshape(-1)).reshape(cosine.shape + (3,))
 
-    def exchanged(self) -> Any:
+    def exchanged(self: _AnyBrdf) -> _AnyBrdf:
         """The BRDF with light and viewer exchanged."""
-        return _brdf(self._held.exchanged())
+        return type(self)(self._held.exchanged())
+
+    @property
+    def is_exchanged(self) -> bool:
+        """Whether light and viewer are those of its file, or of the data that a model was fitted to, exchanged."""
+        return self._held.is_exchanged()
 
     @property
     def isotropic(self) -> bool:
@@ -119,7 +150,7 @@ class Brdf:
         return self._held.isotropic()
 
     @property
-    def wavelengths(self) -> np.ndarray:
+    def wavelengths(self) -> Array:
         """[nm], of a spectral BRDF; otherwise empty."""
         return self._held.wavelengths()
 
@@ -129,9 +160,8 @@ class Brdf:
         return self._held.nbytes()
 
     def _repr_png_(self) -> bytes:
-        picture = render(self, size=200)
-        exposure = 0.75 / max(float(np.percentile(picture.max(axis=-1), 90)), 1e-9)
-        return _png(picture * exposure)
+        picture = _srbf.render(self._held, "studio", 160, True)
+        return png(picture * (0.75 / max(float(np.percentile(picture.max(axis=-1), 90)), 1e-9)))
 
 
 class Measurement(Brdf):
@@ -148,20 +178,32 @@ class Measurement(Brdf):
         return self._held.source()
 
     def __repr__(self) -> str:
-        return f"<srbf.Measurement {self.source!r}, {self.format}, {self.nbytes:,} bytes>"
+        return f"<srbf.Measurement {self.source!r}, {self.format}, {self.nbytes:,} bytes{', exchanged' * self.is_exchanged}>"
 
 
 class Model(Brdf):
     """A fitted BRDF."""
 
+    @classmethod
+    def from_parameters(cls, parameters: Mapping[str, Any], provenance: Optional[Mapping[str, str]] = None) -> "Model":
+        """The model of these numbers, named as in `parameters`, whose inverse it is. They are rounded to the 16-bit floats of the model
+        file. Of a multivariate model `log_scale`, `centre`, `exponent`, `form` and `axial` may be left out (0, +z, none, and what
+        follows from the arrays). Raises ValueError, of a number out of its range Error."""
+        return cls(_parameters.held_of(parameters, provenance or {}))
+
+    def replace(self, **parameters: Any) -> "Model":
+        """The model with some of its numbers replaced, rounded as in `from_parameters`."""
+        return Model.from_parameters({**self.parameters, **parameters}, self.provenance)
+
     @property
     def kind(self) -> str:
-        """"pm" (parameterized multivariate), "su" (view by view) or "ggx" (Lambert and GGX)."""
+        """"pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX) or "bsdf" (both sides)."""
         return self._held.kind()
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """The numbers of the formula as arrays, by the names of the model file (docs/formats.md); centres as unit vectors."""
+        """The numbers of the formula as arrays, by the names of the model file (docs/formats.md); centres as unit vectors. Of a BSDF those
+        of each part."""
         return self._held.parameters()
 
     @property
@@ -169,19 +211,20 @@ class Model(Brdf):
         """Source, options and errors of the fit."""
         return self._held.provenance()
 
-    def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
+    def save(self, path: Path) -> None:
         """Writes the model file."""
         self._held.save(os.fspath(path))
 
     def __repr__(self) -> str:
-        return f"<srbf.Model {self.kind}, {self.nbytes:,} bytes>"
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickled, (self._held.to_bytes(),)
+        return f"<srbf.Model {self.kind}, {self.nbytes:,} bytes{', exchanged' * self.is_exchanged}>"
 
 
-def _unpickled(data: bytes) -> Model:
-    return Model(_srbf.from_bytes(data))
+def _unpickled(version: str, data: bytes, checksum: int, exchanged: bool) -> Brdf:
+    if version != __version__:
+        raise ValueError(f"pickled BRDF: expected one of srbf {__version__}, found {version}; files keep models for other versions")
+    if zlib.crc32(data) != checksum:
+        raise ValueError("pickled BRDF: it is damaged")
+    return _brdf(_srbf.unpickled(data, exchanged))
 
 
 @dataclasses.dataclass
@@ -204,35 +247,53 @@ class Fit:
         return self.model._repr_png_()
 
 
-def _brdf(held: "_srbf.Brdf") -> Union[Model, Measurement]:
+def _brdf(held: _srbf.Brdf) -> Union[Model, Measurement]:
     return Model(held) if held.is_model() else Measurement(held)
 
 
-def load(path: Union[str, "os.PathLike[str]"]) -> Union[Model, Measurement]:
+def load(path: Path) -> Union[Model, Measurement]:
     """Reads a measurement (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML) or a model, recognised by its
     content. Raises Error."""
     return _brdf(_srbf.load(os.fspath(path)))
 
 
-def from_arrays(wl: Any, wv: Any, f: Any, isotropic: bool = True) -> Measurement:
+def load_measurement(path: Path) -> Measurement:
+    """`load` of a measurement. Raises Error for a model too."""
+    brdf = load(path)
+    if isinstance(brdf, Measurement):
+        return brdf
+    raise _wrong_kind(path, "a measurement", "a model")
+
+
+def load_model(path: Path) -> Model:
+    """`load` of a model. Raises Error for a measurement too."""
+    brdf = load(path)
+    if isinstance(brdf, Model):
+        return brdf
+    raise _wrong_kind(path, "a model", "a measurement")
+
+
+def _wrong_kind(path: Path, expected: str, found: str) -> Error:
+    return Error(f"{path}: input: expected {expected}, found {found}", str(path), None, "input", expected, found, "wrong kind")
+
+
+def from_arrays(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, isotropic: bool = True) -> Measurement:
     """Samples at pairs of directions [..., 3] as a measurement, f [..., 3] or, for grey ones, [...]. Samples that are not finite or
     below the horizon are dropped."""
-    wl, wv = _numbers(wl, "wl"), _numbers(wv, "wv")
-    f = np.asarray(f)
-    if f.ndim == 0 or f.shape[-1] != 3 or f.ndim < max(wl.ndim, wv.ndim):
-        f = np.repeat(f[..., None], 3, axis=-1)
-    _, rows = _rows((wl, wv, _numbers(f, "f")), ("wl", "wv", "f"))
-    return Measurement(_srbf.from_arrays(*rows, isotropic))
-
-
-Progress = Union[bool, Callable[[str, float], Optional[bool]]]
+    lights, views, values = _numbers(wl, "wl"), _numbers(wv, "wv"), np.asarray(f)
+    if values.ndim == 0 or values.shape[-1] != 3 or values.ndim < max(lights.ndim, views.ndim):
+        values = np.repeat(values[..., None], 3, axis=-1)
+    _, rows = _rows((lights, views, _numbers(values, "f")), ("wl", "wv", "f"))
+    return Measurement(_srbf.from_arrays(rows[0], rows[1], rows[2], _options.flag("isotropic", isotropic)))
 
 
 class _Shown:
     """Progress as the caller wants it: a callback, or a bar of tqdm where it is installed."""
 
     def __init__(self, progress: Progress):
-        self.bar, self.callback = None, progress if callable(progress) else None
+        _options.check_progress(progress)
+        self.bar: Any = None
+        self.callback = progress if callable(progress) else None
         if progress is True:
             try:
                 from tqdm.auto import tqdm
@@ -248,32 +309,21 @@ class _Shown:
     def __enter__(self) -> Optional[Callable[[str, float], Optional[bool]]]:
         return self.callback
 
-    def __exit__(self, *_: Any) -> None:
+    def __exit__(self, *_: object) -> None:
         if self.bar is not None:
             self.bar.close()
-
-
-def _request(lobes: Union[int, str, None], **options: Any) -> "_srbf.Request":
-    request = _srbf.Request()
-    if lobes == "auto":
-        request.automatic = True
-    elif lobes is not None:
-        request.lobes = lobes
-    for name, value in options.items():
-        if value is not None:
-            setattr(request, name, value)
-    return request
 
 
 def _fit_of(outcome: dict[str, Any]) -> Fit:
     return Fit(Model(outcome["model"]), outcome["errors"], outcome["seconds"], outcome["stop_reason"], outcome["reached"])
 
 
-def fit(brdf: Union[Measurement, str, "os.PathLike[str]", Callable[[np.ndarray, np.ndarray], Any]], *, model: str = "pm",
-        lobes: Union[int, str, None] = None, variates: Optional[int] = None, form: Optional[str] = None, budget: Optional[int] = None,
-        target_error: Optional[float] = None, target_delta_e: Optional[float] = None, objective: Optional[str] = None,
-        max_theta: Optional[float] = None, axial: Optional[bool] = None, reciprocal: bool = False, channels: str = "rgb", seed: int = 0,
-        threads: int = 0, progress: Progress = False) -> Fit:
+def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]], *, model: Kind = "pm",
+        lobes: Union[int, Literal["auto"], None] = None, variates: Optional[int] = None, form: Optional[Form] = None,
+        budget: Optional[int] = None, target_error: Optional[float] = None, target_delta_e: Optional[float] = None,
+        objective: Optional[Objective] = None, max_theta: Optional[float] = None, axial: Optional[bool] = None,
+        reciprocal: Optional[bool] = None, channels: Channels = "rgb", seed: int = 0, threads: int = 0,
+        progress: Progress = False) -> Fit:
     """Fits a measurement, a file of one, or a function f(wl, wv) of arrays [n, 3] that returns f_r as [n, 3] or [n, 1].
 
     The options are those of `srbf fit`: `model` "pm", "su" or "ggx"; `lobes` a number or "auto", or instead of it the size by `budget`
@@ -282,37 +332,41 @@ def fit(brdf: Union[Measurement, str, "os.PathLike[str]", Callable[[np.ndarray, 
 
     `progress`: True for a bar of tqdm, or a function of (stage, fraction) that may return False to cancel. Ctrl-C cancels.
     """
-    given = [name for name, value in (("budget", budget), ("target_error", target_error), ("target_delta_e", target_delta_e)) if value is not None]
-    if len(given) + (lobes is not None) > 1:
-        raise ValueError(f"expected one of lobes, budget, target_error and target_delta_e, found {len(given) + (lobes is not None)}")
-    request = _request(lobes, model=model, variates=variates, form=form, budget=budget, target_error=target_error,
-                       target_delta_e=target_delta_e, objective=objective, max_theta=max_theta, axial=axial, reciprocal=reciprocal,
-                       channels=channels, seed=seed, threads=threads)
-    if isinstance(brdf, (str, os.PathLike)):
-        brdf = load(brdf)  # type: ignore[assignment]
+    sizes = {"lobes": lobes, "budget": budget, "target_error": target_error, "target_delta_e": target_delta_e}
+    given = [name for name, value in sizes.items() if value is not None]
+    if len(given) > 1:
+        raise ValueError(f"expected one of {', '.join(sizes)}, found {' and '.join(given)}")
+    request = _options.request(model, lobes=lobes, variates=variates, form=form, budget=budget, target_error=target_error,
+                               target_delta_e=target_delta_e, objective=objective, max_theta=max_theta, axial=axial,
+                               reciprocal=reciprocal, channels=channels, seed=seed, threads=threads)
     with _Shown(progress) as callback:
-        if isinstance(brdf, Brdf):
-            return _fit_of(_srbf.fit(brdf._held, request, callback))
-        if not callable(brdf):
+        measured = load_measurement(brdf) if isinstance(brdf, (str, os.PathLike)) else brdf
+        if isinstance(measured, Brdf):
+            return _fit_of(_srbf.fit(measured._held, request, callback))
+        if not callable(measured):
             raise TypeError(f"brdf: expected a measurement, a path or a function, found {type(brdf).__name__}")
-        return _fit_of(_srbf.fit_function(brdf, request, callback))
+        return _fit_of(_srbf.fit_function(measured, request, callback))
 
 
-def fit_batch(wl: Any, wv: Any, f: Any, *, lobes: int = 4, isotropic: bool = True, objective: Optional[str] = None,
-              seed: int = 0, threads: int = 0, progress: Progress = False, **options: Any) -> list[Fit]:
+def fit_batch(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, *, lobes: int = 4, variates: Optional[int] = None,
+              form: Optional[Form] = None, axial: Optional[bool] = None, reciprocal: Optional[bool] = None, isotropic: bool = True,
+              objective: Optional[Objective] = None, max_theta: Optional[float] = None, seed: int = 0, threads: int = 0,
+              progress: Progress = False) -> list[Fit]:
     """Fits T materials or texels measured at the same M pairs: wl, wv [M, 3], f [T, M, 3], NaN where nothing was measured. Each takes one
     thread, and a shorter search than `fit`; its errors are those at its own values. A texel that cannot be fitted, a black one, say, has
-    a model of coefficients 0, errors None and `reached` False. Options besides: variates, form, axial, reciprocal, max_theta."""
-    wl, wv, f = _numbers(wl, "wl"), _numbers(wv, "wv"), _numbers(f, "f")
-    if wl.ndim != 2 or wv.shape != wl.shape or f.ndim != 3 or f.shape[1:] != wl.shape:
-        raise ValueError(f"expected wl [M, 3], wv [M, 3], f [T, M, 3], found {list(wl.shape)}, {list(wv.shape)}, {list(f.shape)}")
-    request = _request(lobes, objective=objective, seed=seed, threads=threads, **options)
+    a model of coefficients 0, errors None and `reached` False. The options are those of `fit`."""
+    lights, views, values = _numbers(wl, "wl"), _numbers(wv, "wv"), _numbers(f, "f")
+    if lights.ndim != 2 or views.shape != lights.shape or values.ndim != 3 or values.shape[1:] != lights.shape:
+        raise ValueError(f"expected wl [M, 3], wv [M, 3], f [T, M, 3], found {list(lights.shape)}, {list(views.shape)}, {list(values.shape)}")
+    request = _options.request("pm", lobes=_options.option("lobes", lobes), variates=variates, form=form, axial=axial,
+                               reciprocal=reciprocal, objective=objective, max_theta=max_theta, channels="rgb", seed=seed, threads=threads)
+    is_isotropic = _options.flag("isotropic", isotropic)
     with _Shown(progress) as callback:
-        rows = (np.ascontiguousarray(array) for array in (wl, wv, f))
-        return [_fit_of(outcome) for outcome in _srbf.fit_batch(*rows, request, isotropic, callback)]
+        rows = [np.ascontiguousarray(array) for array in (lights, views, values)]
+        return [_fit_of(outcome) for outcome in _srbf.fit_batch(rows[0], rows[1], rows[2], request, is_isotropic, callback)]
 
 
-def load_texels(path: Union[str, "os.PathLike[str]"]) -> list[Fit]:
+def load_texels(path: Path) -> list[Fit]:
     """The fits of one slab of texels, a file that `srbf fit --pairs` wrote. Their errors hold one number, "error", by the objective's
     measure; a texel that could not be fitted has errors None and `reached` False."""
     return [Fit(Model(held), {"error": error} if state == 0 else None, 0.0, None, state == 0)
@@ -322,9 +376,8 @@ def load_texels(path: Union[str, "os.PathLike[str]"]) -> list[Fit]:
 def errors(reference: Brdf, other: Brdf, *, max_theta: float = 80, threads: int = 0) -> dict[str, Any]:
     """The measures of docs/accuracy.md of `other` against `reference`, both directions within `max_theta` [degrees] of the normal, as
     `srbf compare --json` names them."""
-    if not 0 < max_theta < 90:
-        raise ValueError(f"max_theta: expected (0, 90) degrees, found {max_theta}")
-    return _srbf.errors(reference._held, other._held, max_theta, threads)
+    theta, count = _options.option("max_theta", max_theta), _options.option("threads", threads)
+    return _srbf.errors(reference._held, other._held, theta, count)
 
 
 def forms() -> list[str]:
@@ -347,29 +400,34 @@ def lightings() -> list[str]:
     return _srbf.lightings()
 
 
-def render(brdf: Brdf, lighting: str = "studio", size: int = 256) -> np.ndarray:
+def render(brdf: Brdf, lighting: Lighting = "studio", size: int = 256) -> Array:
     """Linear radiance [size, size, 3] of a sphere by direct light, seen from far away; 0 beside it. Without noise."""
-    return _srbf.render(brdf._held, lighting, size)
+    return _srbf.render(brdf._held, _options.one_of("lighting", lighting, lightings()), _options.whole("size", size, 1, 4096), False)
 
 
-def convert(brdf: Brdf, path: Union[str, "os.PathLike[str]"], *, spectra: bool = True, threads: int = 0) -> None:
+def convert(brdf: Brdf, path: Path, *, spectra: bool = True, threads: int = 0) -> None:
     """Writes the BRDF as a table: MERL (.binary), RGL (.bsdf), MDL (.mbsdf) or samples (.csv), by the ending of `path`. RGL files have
     spectra of the same material beside the colours unless `spectra` is False, as Mitsuba's RGB variants need it."""
-    _srbf.convert(brdf._held, os.fspath(path), spectra, threads)
+    _srbf.convert(brdf._held, os.fspath(path), _options.flag("spectra", spectra), _options.option("threads", threads))
 
 
-def code(models: Union[Model, dict[str, Model]], to: str, *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:
+def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, Literal["three"]], *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:
     """Source code that stands alone, `to` one of `code_languages()` or "three", as `srbf export` writes it. Of one model with
     functions `name`_brdf and so on (of a BSDF `name`_bsdf and `name`_beam), or of several by their names; `name` then begins the names of
     what they share."""
-    named = models if isinstance(models, dict) else {name: models}
-    prefix = _srbf.identifier(name)
-    return _srbf.code([model._held for model in named.values()], list(named), to, prefix, sampling, albedo)
+    named = {name: models} if isinstance(models, Model) else models
+    language = _options.one_of("to", to, ["three", *code_languages()])
+    return _srbf.code([model._held for model in named.values()], list(named), language, _srbf.identifier(name),
+                      _options.flag("sampling", sampling), _options.flag("albedo", albedo))
 
 
-def _png(picture: np.ndarray) -> bytes:
-    """Linear values in [0, 1] as a PNG file."""
-    shown = np.clip(picture, 0, 1)
+def png(picture: npt.ArrayLike) -> bytes:
+    """Linear values [height, width, 3] as a PNG file in sRGB; what is outside of [0, 1] is clipped. A picture of `render` must be
+    multiplied by an exposure before."""
+    linear = _numbers(picture, "picture")
+    if linear.ndim != 3 or linear.size == 0:
+        raise ValueError(f"picture: expected shape [height, width, 3], found {list(linear.shape)}")
+    shown = np.clip(np.nan_to_num(linear), 0, 1)
     encoded = np.where(shown <= 0.0031308, 12.92 * shown, 1.055 * shown ** (1 / 2.4) - 0.055)
     pixels = (255 * encoded + 0.5).astype(np.uint8)
     height, width = pixels.shape[:2]

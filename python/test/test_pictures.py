@@ -1,6 +1,5 @@
 """The errors of pictures against the implementations of others, where these are installed (`pip install flip-evaluator colour-science`):
 ꟻLIP by its authors, ΔE_ITP by colour-science."""
-import os
 import pathlib
 
 import numpy as np
@@ -9,7 +8,7 @@ import srbf
 
 flip_evaluator = pytest.importorskip("flip_evaluator")
 colour = pytest.importorskip("colour")
-DATA = pathlib.Path(os.environ["SRBF_SOURCE_DIR"]) / "data"
+DATA = pathlib.Path(__file__).parents[2] / "data"
 SIZE = 64
 
 

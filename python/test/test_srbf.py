@@ -1,7 +1,8 @@
-"""The package on the bundled measurements. The environment variable SRBF_SOURCE_DIR names the project's folder."""
+"""The package on the bundled measurements."""
 import os
 import pathlib
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 import srbf
 
-DATA = pathlib.Path(os.environ["SRBF_SOURCE_DIR"]) / "data"
+DATA = pathlib.Path(__file__).parents[2] / "data"
 PAPER, FILM = DATA / "paper_white_rgb.bsdf", DATA / "cc_ibiza_sunset_rgb.bsdf"
 
 
@@ -210,6 +211,230 @@ def test_other_threads_run_meanwhile(paper):
     assert len(steps) > 10
 
 
+def test_numbers_just_below_one_are_uniform(facets):
+    u = np.full((4, 3), np.nextafter(1.0, 0))
+    wv = np.broadcast_to(np.float32([0, 0, 1]), (4, 3))
+    largest = np.full((4, 3), np.nextafter(np.float32(1), np.float32(0)))
+    for ours, expected in zip(facets.sample(wv, u), facets.sample(wv, largest)):
+        np.testing.assert_array_equal(ours, expected)
+    for wrong in (1.0, -0.1, np.nan):
+        with pytest.raises(ValueError, match="^u: "):
+            facets.sample(wv, np.full((4, 3), wrong))
+
+
+class NotRead(srbf.Measurement):
+    """A measurement that must not be looked at."""
+
+    def __init__(self):
+        pass
+
+    @property
+    def _held(self):
+        raise AssertionError("the measurement was read before the options")
+
+
+@pytest.mark.parametrize("name, value, options", [
+    ("model", "mlp", {}), ("model", None, {}), ("channels", "bogus", {}), ("channels", "spectral", {"model": "ggx"}),
+    ("max_theta", 0, {}), ("max_theta", 90, {}), ("max_theta", np.nan, {}), ("max_theta", "80", {}), ("progress", 5, {}),
+    ("progress", "yes", {}), ("lobes", "many", {}), ("lobes", 0, {}), ("lobes", 65, {}), ("lobes", 2.5, {}), ("lobes", True, {}),
+    ("lobes", 3, {"model": "ggx"}), ("lobes", "auto", {"model": "su"}), ("lobes", 65, {"model": "su"}), ("seed", -1, {}),
+    ("seed", 2**64, {}), ("seed", 1.5, {}), ("threads", -1, {}), ("threads", 1025, {}), ("variates", 0, {}), ("variates", 9, {}),
+    ("form", "round", {}), ("objective", "best", {}), ("budget", 5, {}), ("target_error", 0, {}), ("target_error", 2, {}),
+    ("target_delta_e", -1, {}), ("axial", "no", {}), ("reciprocal", 1, {}),
+    *((option, value, {"model": kind}) for kind in ("su", "ggx") for option, value in (
+        ("variates", 2), ("form", "horizon"), ("axial", True), ("reciprocal", True), ("budget", 100), ("target_error", 0.1),
+        ("target_delta_e", 2.0))),
+])
+def test_options_are_refused_by_name_at_once(name, value, options):
+    with pytest.raises(ValueError, match=f"^{name}: .*(found|missing)"):
+        srbf.fit(NotRead(), **{name: value}, **options)
+
+
+def test_sizes_exclude_each_other(paper):
+    with pytest.raises(ValueError, match="lobes, budget, target_error, target_delta_e, found lobes and budget"):
+        srbf.fit(paper, lobes=3, budget=100)
+
+
+def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path):
+    wl = directions(9)
+    for name, wrong in (("max_theta", lambda: srbf.errors(paper, facets, max_theta=0)), ("threads", lambda: srbf.errors(paper, facets, threads=-1)),
+                        ("lighting", lambda: srbf.render(paper, "dark")), ("size", lambda: srbf.render(paper, size=2.5)),
+                        ("to", lambda: srbf.code(facets, "cobol")), ("threads", lambda: srbf.convert(paper, tmp_path / "a.csv", threads=-1)),
+                        ("isotropic", lambda: srbf.from_arrays(wl, wl, wl, isotropic="no")),
+                        ("lobes", lambda: srbf.fit_batch(wl, wl, wl[None], lobes="auto")), ("progress", lambda: srbf.fit_batch(wl, wl, wl[None], progress=1)),
+                        ("picture", lambda: srbf.png(np.zeros((4, 4)))), ("picture", lambda: srbf.png(np.zeros((4, 3))))):
+        with pytest.raises(ValueError, match=f"^{name}: "):
+            wrong()
+    with pytest.raises(TypeError, match="budget"):
+        srbf.fit_batch(wl, wl, wl[None], budget=100)
+
+
+def test_literals_are_the_librarys_names():
+    from typing import get_args
+    from srbf import _options
+    for literal, names in ((_options.Form, srbf.forms()), (_options.Objective, srbf.objectives()), (_options.Lighting, srbf.lightings()),
+                           (_options.Language, srbf.code_languages())):
+        assert list(get_args(literal)) == names
+
+
+@pytest.fixture(scope="module")
+def both_sides(tmp_path_factory):
+    path = tmp_path_factory.mktemp("both") / "both.csv"
+    wl, wv = directions(400), directions(400, seed=1)
+    sides = np.random.default_rng(2).choice([-1, 1], (2, 400))
+    wl[:, 2] *= sides[0]
+    wv[:, 2] *= sides[1]
+    rows = [",".join(map(str, (*l, *v, 0.1 + 0.05 * (l[2] * v[2] > 0)))) for l, v in zip(wl, wv)]
+    path.write_text("\n".join(["# both sides", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value", *rows]) + "\n")
+    return srbf.load_measurement(path)
+
+
+def as_lists(parameters):
+    return {name: as_lists(of) if isinstance(of, dict) else np.asarray(of).tolist() for name, of in parameters.items()}
+
+
+def test_models_are_made_of_their_parameters(model):
+    again = srbf.Model.from_parameters(model.parameters, model.provenance)
+    assert again == model and hash(again) == hash(model) and again.provenance == model.provenance
+    assert as_lists(again.parameters) == as_lists(model.parameters)
+    assert srbf.Model.from_parameters(as_lists(model.parameters)) == model  # numbers of any type
+    other = model.replace(coefficient=2 * model.parameters["coefficient"]) if model.kind != "ggx" else model.replace(diffuse=[0.1, 0.2, 0.3])
+    assert other != model and other != again and model != 5
+    assert other.provenance == model.provenance
+
+
+def test_models_of_both_sides_are_made_of_their_parameters(model, facets):
+    both = srbf.Model.from_parameters({"reflection_front": model.parameters, "transmission_back": facets.parameters,
+                                       "beam_transmission_angle": [0, 1], "beam_transmission_share": [[0.5] * 3, [0.25] * 3]})
+    with pytest.raises(ValueError, match="^beam_transmission_share: missing"):
+        srbf.Model.from_parameters({"reflection_front": facets.parameters, "beam_transmission_angle": [0, 1]})
+    assert both.kind == "bsdf" and srbf.Model.from_parameters(both.parameters) == both
+    assert pickle.loads(pickle.dumps(both)) == both
+
+
+def test_a_model_is_made_of_few_arrays():
+    lobe = srbf.Model.from_parameters({"bandwidth": [[8.0]], "parameterization": [[1, 1]], "coefficient": [[0.5, 0.25, 0.125]]})
+    np.testing.assert_allclose(lobe.eval([0, 0, 1], [0, 0, 1]), [0.5, 0.25, 0.125])
+    tilted = lobe.replace(centre=[[[0.6, 0, 0.8]]], axial=False, exponent=np.zeros((1, 4)), form="extended")
+    assert not tilted.isotropic and tilted.parameters["form"] == "extended"
+    for name, changes in (("bandwidth", {"bandwidth": [8.0]}), ("coefficient", {"coefficient": [[1, 2]]}), ("coefficient", {"coefficient": [[1, 2, np.inf]]}),
+                          ("log_scale", {"log_scale": [0, 0]}), ("centre", {"centre": [[[0, 0, 2]]]}), ("centre", {"centre": [[[0.6, 0, 0.8]]]}),
+                          ("exponent", {"exponent": [[1, 2]]}), ("form", {"form": "horizon"}), ("colour", {"colour": 1}), ("axial", {"axial": 1}),
+                          (".*coefficient", {"coefficient": [[-1, 0, 0]]}), (".*parameterization", {"parameterization": [[0, 0]]})):
+        with pytest.raises(ValueError, match=f"^{name}"):
+            lobe.replace(**changes)
+    with pytest.raises(ValueError, match="^bandwidth: missing"):
+        srbf.Model.from_parameters({"parameterization": [[1, 1]], "coefficient": [[1, 1, 1]]})
+
+
+def test_measurements_are_pickled_and_compared(paper, both_sides, facets, tmp_path):
+    wl, wv = directions(60), directions(60, seed=1)
+    samples = srbf.from_arrays(wl, wv, np.linspace(0.1, 0.2, 60))
+    tables = [paper, both_sides, samples, samples.exchanged(), paper.exchanged()]
+    for ending in ("binary", "mbsdf", "csv"):
+        srbf.convert(facets, tmp_path / f"m.{ending}")
+        tables.append(srbf.load(tmp_path / f"m.{ending}"))
+    for i, table in enumerate(tables):
+        copy = pickle.loads(pickle.dumps(table))
+        assert copy == table and hash(copy) == hash(table) and repr(copy) == repr(table)
+        np.testing.assert_array_equal(copy.eval(wl, wv), table.eval(wl, wv))
+        assert all(table != other for other in tables[:i])
+    assert srbf.load(PAPER) == paper and paper.exchanged().exchanged() == paper
+    state = list(paper.__reduce__()[1])
+    for wrong in (["0.0"] + state[1:], [state[0], state[1][:-1]] + state[2:], [state[0], b""] + state[2:]):
+        with pytest.raises(ValueError, match="pickled BRDF"):
+            srbf._unpickled(*wrong)
+    for length in range(0, len(state[1]), 9973):
+        with pytest.raises(ValueError, match="pickled BRDF"):
+            srbf._srbf.unpickled(state[1][:length], False)
+
+
+def test_what_is_exchanged_says_so(paper, facets):
+    assert "exchanged" not in repr(paper) + repr(facets) and not paper.is_exchanged
+    samples = srbf.from_arrays(directions(60), directions(60, seed=1), np.full(60, 0.1))
+    for brdf in (paper, facets, samples):
+        assert brdf.exchanged().is_exchanged and repr(brdf.exchanged()).endswith(", exchanged>")
+        assert not brdf.exchanged().exchanged().is_exchanged
+    model = srbf.fit(paper.exchanged(), model="ggx", lobes=1, objective="raw").model
+    assert model.provenance["exchanged"] == "light and viewer of the source" and model.is_exchanged
+    assert facets.exchanged().provenance["exchanged"] == model.provenance["exchanged"]
+
+
+def test_files_of_the_other_kind_are_refused(paper, facets, tmp_path):
+    facets.save(tmp_path / "m.srbf")
+    assert srbf.load_model(tmp_path / "m.srbf") == facets and srbf.load_measurement(PAPER) == paper
+    for load, path in ((srbf.load_model, PAPER), (srbf.load_measurement, tmp_path / "m.srbf")):
+        with pytest.raises(srbf.Error, match="input: expected a (measurement|model), found a (measurement|model)") as caught:
+            load(path)
+        assert caught.value.code == "wrong kind" and caught.value.file == str(path)
+
+
+def longest_pause(work):
+    """The longest time for which another thread did not run [s]."""
+    pauses, done = [0.0], threading.Event()
+
+    def watch():
+        last = time.perf_counter()
+        while not done.is_set():
+            time.sleep(0.001)
+            now = time.perf_counter()
+            pauses.append(now - last)
+            last = now
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    work()
+    done.set()
+    thread.join()
+    return max(pauses)
+
+
+def test_other_threads_run_while_arrays_are_indexed_and_tables_written(facets, tmp_path):
+    wl, wv = directions(400_000), directions(400_000, seed=1)
+    f = np.full((400_000, 3), 0.1, np.float32)
+    start = time.perf_counter()
+    pause = longest_pause(lambda: srbf.from_arrays(wl, wv, f))
+    assert pause < 0.25 * (time.perf_counter() - start) + 0.1
+    start = time.perf_counter()
+    pause = longest_pause(lambda: srbf.convert(facets, tmp_path / "m.bsdf"))
+    assert pause < 0.25 * (time.perf_counter() - start) + 0.1
+
+
+@pytest.mark.parametrize("work", ["srbf.render(paper, size=4096)", "paper.eval(w, w)", "paper.sample(w)"])
+def test_an_interrupt_ends_long_calls(work):
+    script = (f"import signal, srbf, numpy as np\nsignal.signal(signal.SIGINT, signal.default_int_handler)\npaper = srbf.load({str(PAPER)!r})\n"
+              "w = np.broadcast_to(np.float32([0, 0.6, 0.8]), (20_000_000, 3))\npaper.sample(w[0])\nprint('now', flush=True)\n"
+              f"try:\n    {work}\nexcept KeyboardInterrupt:\n    print('interrupted')")
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "now\n"
+        time.sleep(0.3)
+        sent = time.perf_counter()
+        process.send_signal(signal.SIGINT)
+        assert process.communicate(timeout=60)[0] == "interrupted\n"
+        assert time.perf_counter() - sent < 3 and process.returncode == 0
+
+
+def test_a_picture_is_shown_quickly(paper, facets):
+    seconds = []
+    for brdf in (paper, facets):
+        start = time.perf_counter()
+        shown = brdf._repr_png_()
+        seconds.append(time.perf_counter() - start)
+        assert shown == srbf.png(np.zeros((1, 1, 3)))[:8] + shown[8:]
+    start = time.perf_counter()
+    srbf.render(paper, size=200)
+    assert min(seconds) < 0.5 * (time.perf_counter() - start)  # what it took before: a sixth
+
+
+def test_png_is_srgb():
+    import struct
+    import zlib
+    data = srbf.png([[[0, 0.5, 1], [2, -1, np.nan]]])
+    at = data.index(b"IDAT")
+    length = struct.unpack(">I", data[at - 4:at])[0]
+    assert list(zlib.decompress(data[at + 4:at + 4 + length])) == [0, 0, 188, 255, 255, 0, 0]
+
+
 def test_pictures_and_code(paper, facets):
     picture = srbf.render(paper, "lamp", 64)
     assert picture.shape == (64, 64, 3) and picture[0, 0].max() == 0 and picture.max() > 0
@@ -255,21 +480,61 @@ def test_wrong_input(paper, facets, tmp_path):
     assert not (tmp_path / "no").exists() and not (tmp_path / "x.png").exists()
 
 
-def test_the_notebook_runs(monkeypatch):
-    """Its code, in order; the pictures' cells need IPython only to show them."""
+def run(notebook, monkeypatch, folder):
+    """The names after its code, in order, in a folder beside a copy of data/; IPython only shows pictures."""
     import json
     import types
-    notebook = json.loads((DATA.parent / "examples" / "first_steps.ipynb").read_text())
-    monkeypatch.chdir(DATA.parent / "examples")
+    cells = json.loads((DATA.parent / "examples" / notebook).read_text())["cells"]
+    (folder / "data").symlink_to(DATA)
+    (folder / "examples").mkdir()
+    monkeypatch.chdir(folder / "examples")
     monkeypatch.setitem(sys.modules, "IPython", types.ModuleType("IPython"))
     display = types.ModuleType("IPython.display")
     display.Image = bytes
     monkeypatch.setitem(sys.modules, "IPython.display", display)
     names = {}
-    for cell in notebook["cells"]:
+    for cell in cells:
         if cell["cell_type"] == "code":
             exec("".join(cell["source"]), names)
-    assert names["fit"].model.nbytes == 208
+    return names
+
+
+def test_the_notebook_runs(monkeypatch, tmp_path):
+    assert run("first_steps.ipynb", monkeypatch, tmp_path)["fit"].model.nbytes == 208
+
+
+def python_of(page):
+    """The Python of a page of documentation."""
+    return re.findall(r"```python\n(.*?)```", (DATA.parent / page).read_text().replace("\n  ", "\n"), re.DOTALL)
+
+
+def test_the_first_examples_run_as_they_stand(monkeypatch, tmp_path):
+    (tmp_path / "data").symlink_to(DATA)
+    monkeypatch.chdir(tmp_path)
+    for page in ("README.md", "docs/python.md"):
+        exec(python_of(page)[0], {})
+        assert (tmp_path / "film.srbf").exists()
+        (tmp_path / "film.srbf").unlink()
+
+
+def test_the_package_and_the_documentation_are_typed(tmp_path):
+    pytest.importorskip("mypy", reason="needs mypy")
+    settings = str(DATA.parent / "pyproject.toml")
+    package = pathlib.Path(srbf.__file__).parent
+    code = [text for page in ("README.md", "docs/python.md") for text in python_of(page)]
+    assert len(code) >= 3
+    for i, text in enumerate(code):
+        (tmp_path / f"page_{i}.py").write_text(text)
+    pages = sorted(map(str, tmp_path.glob("page_*.py")))
+    environment = {**os.environ, "MYPYPATH": str(package.parent), "PYTHONPATH": str(package.parent), "MYPY_CACHE_DIR": str(tmp_path / "cache")}
+    check = [sys.executable, "-m", "mypy", "--strict", "--config-file", settings, *pages]
+    done = subprocess.run(check, env=environment, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    allowed = tmp_path / "allowed"
+    allowed.write_text("srbf._srbf.Brdf\nsrbf._srbf.Request\nsrbf._srbf.Brdf.__init__\n")  # classes of pybind11 have their own metaclass
+    check = [sys.executable, "-m", "mypy.stubtest", "srbf._srbf", "--mypy-config-file", settings, "--allowlist", str(allowed)]
+    done = subprocess.run(check, env=environment, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_both_sides(tmp_path):

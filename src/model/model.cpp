@@ -257,6 +257,7 @@ void exchange(Model& model) {
         }
         std::swap(bsdf->part[std::size_t(Part::transmission_front)], bsdf->part[std::size_t(Part::transmission_back)]);
     }
+    if (model.provenance.erase("exchanged") == 0) model.provenance["exchanged"] = k_exchanged;
 }
 
 std::span<const float> wavelengths(const Model& model) {

@@ -13,7 +13,7 @@
 namespace srbf {
 namespace {
 
-constexpr int k_mirror_points = 384, k_source_points = 32;
+constexpr int k_source_points = 32, k_most_shared = 256;
 
 /// Squared distance from the sphere's centre, in units of (radius / size)²: an integer, on which θv depends alone.
 int squared_distance(int size, int x, int y) {
@@ -144,37 +144,43 @@ std::vector<Rgb> radiances(const Pixel& pixel, std::span<const Rgb> f, std::span
 bool shows_sphere(int size, int x, int y) { return squared_distance(size, x, y) < size * size; }
 
 std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs, std::span<const Lighting> lightings,
-                                                int size, int threads, const ProgressToken& progress) {
+                                                int size, int threads, const ProgressToken& progress,
+                                                int mirror_points) {
     const FlushSubnormals mode;
     const MirrorMixture mixture(k_pi / 2);
     const auto cos_view = [&](int squares) { return std::sqrt(1 - double(squares) / (double(size) * double(size))); };
 
-    std::map<int, Quadrature> mirror_points;
-    for (int y = 0; y < size; ++y)
-        for (int x = 0; x < size; ++x)
-            if (shows_sphere(size, x, y)) mirror_points[squared_distance(size, x, y)];
-    std::vector<std::pair<const int, Quadrature>*> each;
-    for (auto& entry : mirror_points) each.push_back(&entry);
-    parallel_for(each.size(), threads, [&](std::size_t i) {
-        auto& [squares, points] = *each[i];
+    const auto points_of = [&](int squares) {
         const double z = cos_view(squares);
-        const Vec3d v{std::sqrt(1 - z * z), 0, z};
-        points = mixture.quadrature(v, k_mirror_points);
+        return mixture.quadrature({std::sqrt(1 - z * z), 0, z}, mirror_points);
+    };
+    std::map<int, Quadrature> mirrored;  // of a small picture: about eight pixels share points, which take 8 KB
+    std::vector<std::pair<const int, Quadrature>*> each;
+    if (size <= k_most_shared)
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x)
+                if (shows_sphere(size, x, y)) mirrored[squared_distance(size, x, y)];
+    for (auto& entry : mirrored) each.push_back(&entry);
+    parallel_for(each.size(), threads, [&](std::size_t i) {
+        if (!progress.cancelled()) each[i]->second = points_of(each[i]->first);
     });
 
     const std::vector<Discs> discs(lightings.begin(), lightings.end());
     std::vector<std::vector<Image>> images(lightings.size(), std::vector<Image>(brdfs.size(), Image(size, size)));
+    if (progress.cancelled()) return images;
     Reporter reporter(progress, double(size));
     parallel_for(std::size_t(size), threads, [&](std::size_t row) {
         if (!reporter.advance("comparing pictures", 1)) return;
         const int y = int(row);
         std::vector<std::vector<Rgb>> f(brdfs.size());
         for (int x = 0; x < size; ++x) {
-            if (!shows_sphere(size, x, y)) continue;
+            if (!shows_sphere(size, x, y) || progress.cancelled()) continue;
             const int squares = squared_distance(size, x, y);
             const Vec3d normal{(2 * x + 1 - size) / double(size), (size - 2 * y - 1) / double(size), cos_view(squares)};
+            const auto shared = mirrored.find(squares);
             const Pixel pixel =
-                pixel_of(frame_about(normal, {0, 1, 0}), mirror_points.at(squares), mixture, lightings, discs);
+                pixel_of(frame_about(normal, {0, 1, 0}), shared != mirrored.end() ? shared->second : points_of(squares),
+                         mixture, lightings, discs);
             const std::vector<Vec3f> wv(pixel.wl.size(), pixel.wv);
             std::vector<char> measured(wv.size(), true);
             for (std::size_t b = 0; b < brdfs.size(); ++b) {

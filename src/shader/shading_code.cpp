@@ -163,16 +163,33 @@ std::string brdf_of(const SuModel& model) {
     return brdf_function(fmt::format("    return su_rotated_value(su, {});\n", directions));
 }
 std::string brdf_of(const PmModel&) { return brdf_function("    return pm_value(pm, wl, wv);\n"); }
-std::string brdf_of(const GgxModel& model) {
+/// `number(x)` is the text of one of its numbers, in the order of `diffuse`, and of each lobe `roughness`, `f0`, `f90`.
+template <typename Number> std::string brdf_of(const GgxModel& model, const Number& number) {
+    const auto colour = [&](const Rgb& of) {
+        const std::string r = number(of.r), g = number(of.g), b = number(of.b);
+        return fmt::format("Vec3({}, {}, {})", r, g, b);
+    };
     constexpr std::array<const char*, k_most_ggx_lobes> names{"first", "second"};
-    std::string text, sum = "Real(2.0 / SRBF_TWO_PI) * " + vector(model.diffuse);
+    std::string text, sum = "Real(2.0 / SRBF_TWO_PI) * " + colour(model.diffuse);
     for (std::size_t i = 0; i < model.lobes.size(); ++i) {
         const GgxModel::Lobe& lobe = model.lobes[i];
+        const std::string roughness = number(lobe.roughness), f0 = colour(lobe.f0), f90 = number(lobe.f90);
         text += fmt::format("    GgxLobe {0};\n    {0}.roughness = {1};\n    {0}.f0 = {2};\n    {0}.f90 = {3};\n",
-                            names[i], real(lobe.roughness), vector(lobe.f0), real(lobe.f90));
+                            names[i], roughness, f0, f90);
         sum += fmt::format(" + ggx_lobe_value({}, wl, wv)", names[i]);
     }
     return brdf_function(text + "    return " + sum + ";\n");
+}
+std::string brdf_of(const GgxModel& model) { return brdf_of(model, real); }
+/// The same with its numbers in a table.
+std::string brdf_of(const GgxModel& model, Program& program) {
+    Table facets{"Diffuse colour, and of each lobe roughness, F0 (R, G, B), F90.", "facets", {}};
+    std::string text = brdf_of(model, [&](float x) {
+        facets.numbers.push_back(x);
+        return fmt::format("facets[{}]", facets.numbers.size() - 1);
+    });
+    program.tables.push_back(std::move(facets));
+    return text;
 }
 
 /// What mixture.glsl requires, to be parsed before it.
@@ -216,7 +233,8 @@ Names entries(const CodeOptions& options) {
     return names;
 }
 
-Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots) {
+Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
+                   bool numbers_in_tables = false) {
     Program program;
     std::string accessors, brdf;
     int variates = 1, terms = 1;
@@ -230,7 +248,8 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
         brdf = brdf_of(*su);
     } else {
         accessors = k_no_pm + k_no_su;
-        brdf = brdf_of(std::get<GgxModel>(model.model));
+        const auto& ggx = std::get<GgxModel>(model.model);
+        brdf = numbers_in_tables ? brdf_of(ggx, program) : brdf_of(ggx);
     }
     std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(variates)},
                                                {"SRBF_TERMS", std::to_string(terms)},
@@ -415,7 +434,7 @@ Result<std::string> python_code(const Model& model, int threads) {
     if (std::holds_alternative<SuModel>(model.model) || std::holds_alternative<BsdfModel>(model.model))
         return Error{"python code", {}, "model", "multivariate, or Lambert and GGX", "another", ErrorCode::argument};
     const Program program = program_of(model, {.sampling = true, .threads = threads},
-                                       {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"});
+                                       {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, true);
     std::string text;
     for (const Table& table : program.tables) text += syntax::python_text(table);
     for (const syntax::Function& function : program.functions) text += "\n\n" + syntax::python_text(function, program);

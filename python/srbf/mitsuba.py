@@ -2,23 +2,28 @@
 
     mitsuba.load_dict({"type": "srbf", "filename": "film.srbf"})
 
-or {"type": "srbf", "model": "name"} for a model given to `register(name, model)`. Multivariate models and Lambert and GGX, by the
-library's own formulas printed for Dr.Jit; sampling and its density too. Mitsuba's `wi` points to the camera and `wo` to the light in
-paths from the camera: they are the viewer and the light here.
+or {"type": "srbf", "model": "name"} for a model given to `register(name, model)`. Multivariate models and Lambert and GGX. Their numbers
+are parameters of `mitsuba.traverse`, by the names of `Model.parameters`. Vectorised variants have the library's own formulas, printed
+for Dr.Jit and differentiable; scalar ones call the library. Mitsuba's `wi` points to the camera and `wo` to the light in paths from the
+camera: they are the viewer and the light here.
 """
 from __future__ import annotations
 
 import types
-from typing import Any
+import warnings
+from typing import Any, Callable
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 import srbf
 from srbf import _srbf
 
 _LOBES = 16
+_OLDEST_LLVM = 16
 _models: dict[str, srbf.Model] = {}
+_warned = False
 
 
 def register(name: str, model: srbf.Model) -> None:
@@ -26,86 +31,194 @@ def register(name: str, model: srbf.Model) -> None:
     _models[name] = model
 
 
-def _functions(model: srbf.Model) -> types.SimpleNamespace:
-    """The model's functions over numbers or arrays of the current variant."""
-    is_scalar = mi.variant().startswith("scalar")
+def _warn_of_direction(model: srbf.Model) -> None:
+    """Once, of a model that looks different from its measurement in Mitsuba's `measured`."""
+    global _warned
+    source = model.provenance.get("source", "")
+    if _warned or model.is_exchanged or not source.endswith(".bsdf"):
+        return
+    angles = np.linspace(0.1, 1.3, 12)
+    wl = np.stack([np.sin(angles), 0 * angles, np.cos(angles)], -1)[:, None]
+    wv = wl.swapaxes(0, 1) * [-1, 1, 1]
+    there, back = model.eval(wl, wv), model.eval(wv, wl)
+    if np.abs(there - back).max() < 0.01 * there.max():
+        return
+    _warned = True
+    warnings.warn(f"srbf: {model!r} is fitted to {source} as it is, whose light is the viewer of Mitsuba's own \"measured\". To see the "
+                  "same, fit srbf.load_measurement(path).exchanged(), or srbf fit --exchange (docs/python.md)", stacklevel=4)
+
+
+def _llvm_version() -> tuple[int, ...]:
+    return tuple(dr.detail.llvm_version())
+
+
+def _require_variant() -> None:
+    variant = mi.variant() or ""
+    if not mi.is_rgb:
+        raise RuntimeError(f"srbf: expected an RGB variant of Mitsuba, found {variant}")
+    if variant.startswith("llvm") and _llvm_version()[0] < _OLDEST_LLVM:
+        raise RuntimeError(f"srbf: expected LLVM {_OLDEST_LLVM} or later, found {'.'.join(map(str, _llvm_version()))}; DRJIT_LIBLLVM_PATH "
+                           "names the library that Dr.Jit loads")
+
+
+def _parameters(model: srbf.Model) -> dict[str, Any]:
+    """The numbers that can change, as tensors of the current variant."""
+    names = ["diffuse", "roughness", "f0", "f90"] if model.kind == "ggx" else \
+            ["coefficient", "log_scale", "bandwidth", "parameterization", "exponent"] + ["centre"] * (not model.parameters["axial"])
+    of = {name: model.parameters[name] for name in names}
+    return {name: mi.TensorXf(numbers) for name, numbers in of.items() if numbers.size > 0}
+
+
+def _rows(model: srbf.Model) -> dict[str, list[tuple[str, int, int]]]:
+    """Where the numbers of a printed table are: parameter, index and sign."""
+    of = model.parameters
+    if model.kind == "ggx":
+        facets = [("diffuse", c, 1) for c in range(3)]
+        for i in range(len(of["roughness"])):
+            facets += [("roughness", i, 1), *(("f0", 3 * i + c, 1) for c in range(3)), ("f90", i, 1)]
+        return {"facets": facets}
+    lobes: list[tuple[str, int, int]] = []
+    J, N = of["bandwidth"].shape
+    F = of["exponent"].shape[1]
+    for j in range(J):
+        lobes += [("coefficient", 3 * j + c, 1) for c in range(3)] + [("log_scale", j, 1)]
+        for n in range(j * N, (j + 1) * N):
+            if of["axial"]:
+                lobes.append(("bandwidth", n, -1 if of["centre"].reshape(-1, 3)[n, 2] < 0 else 1))
+            else:
+                lobes += [("centre", 3 * n + c, 1) for c in range(3)] + [("bandwidth", n, 1)]
+        lobes += [("exponent", F * j + k, 1) for k in range(F)]
+    return {"lobes": lobes, "variates": [("parameterization", i, 1) for i in range(2 * N)]}
+
+
+def _functions(model: srbf.Model, parameters: dict[str, Any]) -> types.SimpleNamespace:
+    """The model's functions over arrays of the current variant; they read `parameters` when they are called."""
+
+    def at(table: Any, i: Any) -> Any:
+        if not isinstance(table, list):
+            return dr.gather(mi.Float, table, mi.UInt32(i))
+        name, index, sign = table[i]
+        number = dr.gather(mi.Float, parameters[name].array, mi.UInt32(index))
+        return number if sign > 0 else -number
 
     def select(condition: Any, a: Any, b: Any) -> Any:
         if isinstance(condition, bool):
             return a if condition else b
         return dr.select(condition, a, b)
 
-    def at(table: Any, i: Any) -> Any:
-        return table[0][i] if isinstance(i, int) else dr.gather(mi.Float, table[1], i)
-
-    def minimum(a: Any, b: Any) -> Any:
-        return select(a < b, a, b)  # old versions of LLVM have no instruction for it
-
-    def maximum(a: Any, b: Any) -> Any:
-        return select(a > b, a, b)
-
     names: dict[str, Any] = {
         "exp": dr.exp, "exp2": dr.exp2, "log": dr.log, "sqrt": dr.sqrt, "inversesqrt": dr.rsqrt, "cos": dr.cos, "sin": dr.sin,
-        "abs": abs, "minimum": minimum, "maximum": maximum, "dot": dr.dot, "Vec3": mi.Vector3f, "Real": mi.Float,
-        "whole": int if is_scalar else mi.Int32, "select": select, "at": at, "Structure": types.SimpleNamespace,
-        "table": lambda numbers: (numbers, None if is_scalar else mi.Float(numbers)),
+        "abs": abs, "minimum": lambda a, b: select(a < b, a, b), "maximum": lambda a, b: select(a > b, a, b), "dot": dr.dot,
+        "Vec3": mi.Vector3f, "Real": mi.Float, "whole": mi.Int32, "select": select, "at": at, "Structure": types.SimpleNamespace,
+        "table": mi.Float,
     }
     exec(_srbf.python_code(model._held), names)
+    names.update(_rows(model))
     return types.SimpleNamespace(**{name: names[name] for name in ("brdf", "chosen_lobe", "sample_of_lobe", "light_pdf")})
 
 
-def _register_plugin() -> None:
+def _model_of(props: Any) -> srbf.Model:
+    if "filename" in props:
+        model = srbf.load(str(mi.file_resolver().resolve(props["filename"])))
+    elif props["model"] in _models:
+        return _models[props["model"]]
+    else:
+        raise RuntimeError(f"srbf: expected a model named by srbf.mitsuba.register, found \"{props['model']}\"")
+    if not isinstance(model, srbf.Model):
+        raise RuntimeError(f"srbf: expected a model, found {model!r} (see srbf.fit)")
+    return model
+
+
+def _plugin() -> Any:
     """For the current variant, which mi.BSDF and all types of numbers depend on."""
 
     class ModelBSDF(mi.BSDF):
-        def __init__(self, props: mi.Properties):
+        def __init__(self, props: Any):
             mi.BSDF.__init__(self, props)
-            if not mi.is_rgb:
-                raise RuntimeError(f"srbf: expected an RGB variant of Mitsuba, found {mi.variant()}")
-            if "filename" in props:
-                resolver = mi.file_resolver()
-                self.model = srbf.load(str(resolver.resolve(props["filename"])))
-            else:
-                self.model = _models[props["model"]]
-            if not isinstance(self.model, srbf.Model):
-                raise RuntimeError(f"srbf: expected a model, found {self.model!r} (see srbf.fit)")
-            self.f = _functions(self.model)
+            _require_variant()
+            self._fitted = _model_of(props)
+            _warn_of_direction(self._fitted)
+            self.parameters = _parameters(self._fitted)
+            self._changed = False
             flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide
-            if not self.model.isotropic:
+            if not self._fitted.isotropic:
                 flags |= mi.BSDFFlags.Anisotropic
             self.m_flags = flags
             self.m_components = [flags]
 
-        def _value(self, si: Any, wo: Any) -> Any:
-            f = self.f.brdf(mi.Vector3f(wo), mi.Vector3f(si.wi))
-            cosine = dr.select(wo.z > 0, wo.z, 0)
-            return mi.Color3f(f.x * cosine, f.y * cosine, f.z * cosine)
+        @property
+        def model(self) -> srbf.Model:
+            """The model of the present parameters, rounded to 16-bit floats."""
+            if self._changed:
+                numbers = {name: np.array(tensor) for name, tensor in self.parameters.items()}
+                if "centre" in numbers:
+                    numbers["centre"] /= np.linalg.norm(numbers["centre"], axis=-1, keepdims=True)
+                self._fitted, self._changed = self._fitted.replace(**numbers), False
+            return self._fitted
+
+        def traverse(self, callback: Any) -> None:
+            for name, tensor in self.parameters.items():
+                callback.put(name, tensor, mi.ParamFlags.Differentiable)
+
+        def parameters_changed(self, keys: Any) -> None:
+            self._changed = True
 
         def _asked(self, ctx: Any) -> bool:
-            return ctx.is_enabled(mi.BSDFFlags.GlossyReflection, 0)
+            return bool(ctx.is_enabled(mi.BSDFFlags.GlossyReflection, 0))
+
+        def _drawn(self, wo: Any, pdf: Any) -> Any:
+            sample = mi.BSDFSample3f()
+            sample.wo, sample.pdf = wo, pdf
+            sample.eta = 1.0
+            sample.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
+            sample.sampled_component = mi.UInt32(0)
+            return sample
+
+        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def to_string(self) -> str:
+            return f"ModelBSDF[{self._fitted!r}]"
+
+    class CompiledBSDF(ModelBSDF):
+        """By the library, one pair of directions at a time."""
+
+        def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:
+            if not (active and self._asked(ctx)):
+                return self._drawn(mi.Vector3f(0, 0, -1), 0.0), mi.Color3f(0)
+            x, y, z, r, g, b, pdf = self.model._held.drawn_at(si.wi[0], si.wi[1], si.wi[2], sample2[0], sample2[1], sample1)
+            return self._drawn(mi.Vector3f(x, y, z), pdf), mi.Color3f(r, g, b)
+
+        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            if not (active and self._asked(ctx)):
+                return mi.Color3f(0), 0.0
+            r, g, b, pdf = self.model._held.value_at(wo[0], wo[1], wo[2], si.wi[0], si.wi[1], si.wi[2])
+            return max(wo[2], 0.0) * mi.Color3f(r, g, b), pdf
+
+        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+    class ArrayBSDF(ModelBSDF):
+        """By the printed formulas, on arrays. Samples keep the weights of the model that was loaded: any parameters have their density."""
+
+        def __init__(self, props: Any):
+            super().__init__(props)
+            self.f = _functions(self._fitted, self.parameters)
+
+        def _value(self, si: Any, wo: Any) -> Any:
+            f = self.f.brdf(mi.Vector3f(wo), mi.Vector3f(si.wi))
+            return dr.select(wo.z > 0, wo.z, 0) * mi.Color3f(f.x, f.y, f.z)
 
         def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:
             wv = mi.Vector3f(si.wi)
             chosen = self.f.chosen_lobe(wv, sample1)
-            if isinstance(chosen, int):
-                wo = self.f.sample_of_lobe(chosen, wv, sample2.x, sample2.y)
-            else:
-                wo = mi.Vector3f(0)
-                for k in range(_LOBES):
-                    wo = dr.select(chosen == k, self.f.sample_of_lobe(k, wv, sample2.x, sample2.y), wo)
-            sample = mi.BSDFSample3f()
-            sample.wo = wo
-            sample.eta = 1
-            sample.sampled_type = +mi.BSDFFlags.GlossyReflection
-            sample.sampled_component = 0
-            sample.pdf = self.f.light_pdf(wo, wv)
-            valid = (sample.pdf > 0) & active & self._asked(ctx)
-            if not valid if isinstance(valid, bool) else False:
-                sample.pdf = 0
-                return sample, mi.Color3f(0)
-            value = self._value(si, wo) / dr.select(sample.pdf > 1e-20, sample.pdf, 1e-20)
-            sample.pdf = dr.select(valid, sample.pdf, 0)
-            return sample, dr.select(valid, value, mi.Color3f(0))
+            wo = mi.Vector3f(0)
+            for k in range(_LOBES):
+                wo = dr.select(chosen == k, self.f.sample_of_lobe(k, wv, sample2.x, sample2.y), wo)
+            pdf = self.f.light_pdf(wo, wv)
+            valid = (pdf > 0) & active & self._asked(ctx)
+            weight = self._value(si, wo) / dr.select(pdf > 1e-20, pdf, 1e-20)
+            return self._drawn(wo, dr.select(valid, pdf, 0)), dr.select(valid, weight, mi.Color3f(0))
 
         def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
             return dr.select(active & self._asked(ctx), self._value(si, wo), mi.Color3f(0))
@@ -116,19 +229,13 @@ def _register_plugin() -> None:
         def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
             return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
 
-        def traverse(self, callback: Any) -> None:
-            pass
-
-        def to_string(self) -> str:
-            return f"ModelBSDF[{self.model!r}]"
-
-    mi.register_bsdf("srbf", ModelBSDF)
+    return CompiledBSDF if (mi.variant() or "").startswith("scalar") else ArrayBSDF
 
 
 def _on_variant(_old: Any = None, _new: Any = None) -> None:
-    _register_plugin()
+    mi.register_bsdf("srbf", _plugin())
 
 
 if mi.variant() is not None:
-    _register_plugin()
+    _on_variant()
 mi.detail.add_variant_callback(_on_variant)

@@ -1,5 +1,4 @@
 """The BSDF for Mitsuba 3, where it is installed (`pip install mitsuba`); its vectorised variants need LLVM 16 or later."""
-import os
 import pathlib
 
 import numpy as np
@@ -7,7 +6,7 @@ import pytest
 import srbf
 
 mi = pytest.importorskip("mitsuba")
-DATA = pathlib.Path(os.environ["SRBF_SOURCE_DIR"]) / "data"
+DATA = pathlib.Path(__file__).parents[2] / "data"
 
 
 def directions(n, seed, least=0.05):
@@ -99,3 +98,125 @@ def test_a_sphere_is_rendered(variant, tmp_path):
 def test_what_is_no_model_is_refused(variant):
     with pytest.raises(Exception, match="expected a model"):
         mi.load_dict({"type": "srbf", "filename": str(DATA / "paper_white_rgb.bsdf")})
+
+
+NUMBERS = {"film": ("coefficient", "log_scale", "bandwidth", "parameterization", "exponent"),
+           "gaussian": ("coefficient", "log_scale", "bandwidth", "parameterization"),
+           "general": ("coefficient", "log_scale", "bandwidth", "parameterization", "exponent", "centre"),
+           "ggx": ("diffuse", "roughness", "f0", "f90")}
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_the_numbers_are_parameters(variant, name):
+    model = all_models()[name]
+    bsdf = mi.load_dict({"type": "srbf", "model": name})
+    parameters = mi.traverse(bsdf)
+    assert set(parameters.keys()) == set(NUMBERS[name])
+    for key in NUMBERS[name]:
+        np.testing.assert_array_equal(np.array(parameters[key]), model.parameters[key])
+    assert bsdf.model == model
+    context, si = mi.BSDFContext(), mi.SurfaceInteraction3f()
+    wi, wo = np.float32([0, 0.6, 0.8]), np.float32([0.1, -0.5, 0.8])
+    wo /= np.linalg.norm(wo)
+    si.wi = mi.Vector3f(wi)
+    before = np.array(bsdf.eval(context, si, mi.Vector3f(wo))).ravel()
+    brightness = "f0" if name == "ggx" else "coefficient"
+    for key in (brightness, "diffuse") if name == "ggx" else (brightness, ):
+        parameters[key] = mi.TensorXf(2 * np.array(parameters[key]))
+    parameters.update()
+    if name == "ggx":
+        parameters["f90"] = mi.TensorXf(2 * np.array(parameters["f90"]))
+        parameters.update()
+    np.testing.assert_allclose(np.array(bsdf.eval(context, si, mi.Vector3f(wo))).ravel(), 2 * before, rtol=1e-3)
+    np.testing.assert_array_equal(bsdf.model.parameters[brightness], 2 * model.parameters[brightness])
+    np.testing.assert_allclose(bsdf.model.eval(wo, wi) * wo[2], 2 * before, rtol=1e-3)
+    assert all_models()[name] == model
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_values_are_differentiable(variant, name):
+    if variant.startswith("scalar"):
+        pytest.skip("it needs a differentiable variant")
+    import drjit as dr
+    bsdf = mi.load_dict({"type": "srbf", "model": name})
+    parameters = mi.traverse(bsdf)
+    context, si = mi.BSDFContext(), mi.SurfaceInteraction3f()
+    si.wi, wo = mi.Vector3f(directions(500, 3, 0.3).T), mi.Vector3f(directions(500, 4, 0.3).T)
+
+    def mean(factor, key, start):
+        parameters[key] = mi.TensorXf(mi.Float(start.ravel()) + factor * mi.Float(np.abs(start).ravel()), start.shape)
+        parameters.update()
+        return dr.mean(dr.ravel(bsdf.eval(context, si, wo)))
+
+    for key in NUMBERS[name]:
+        start = np.array(parameters[key])
+        factor = mi.Float(0)
+        dr.enable_grad(factor)
+        dr.backward(mean(factor, key, start))
+        step = 1e-3 / max(1.0, np.abs(start).max())
+        difference = (mean(step, key, start)[0] - mean(-step, key, start)[0]) / (2 * step)
+        mean(0.0, key, start)
+        assert np.isfinite(dr.grad(factor)[0])
+        assert dr.grad(factor)[0] == pytest.approx(difference, rel=0.05, abs=2e-3), key
+
+
+def test_what_is_not_exchanged_warns_once(variant, monkeypatch, recwarn):
+    import srbf.mitsuba
+    monkeypatch.setattr(srbf.mitsuba, "_warned", False)
+    exchanged = all_models()["film"].exchanged()
+    srbf.mitsuba.register("exchanged", exchanged)
+    for name in ("exchanged", "ggx"):  # and one that is reciprocal
+        mi.load_dict({"type": "srbf", "model": name})
+    assert not recwarn.list
+    for _ in range(2):
+        mi.load_dict({"type": "srbf", "model": "film"})
+    assert len(recwarn.list) == 1 and "exchanged()" in str(recwarn.list[0].message)
+
+
+def test_an_old_llvm_is_named(variant, monkeypatch):
+    if variant.startswith("scalar"):
+        pytest.skip("it needs none")
+    import srbf.mitsuba
+    monkeypatch.setattr(srbf.mitsuba, "_llvm_version", lambda: (15, 0, 6))
+    with pytest.raises(Exception, match="expected LLVM 16 or later, found 15.0.6"):
+        mi.load_dict({"type": "srbf", "model": "film"})
+
+
+def test_unknown_names_are_refused(variant):
+    with pytest.raises(Exception, match="register, found \"nobody\""):
+        mi.load_dict({"type": "srbf", "model": "nobody"})
+
+
+def test_scalar_variants_are_compiled(variant):
+    if not variant.startswith("scalar"):
+        pytest.skip("of scalar variants")
+    import time
+    context, si = mi.BSDFContext(), mi.SurfaceInteraction3f()
+    si.wi, wo = [0, 0.6, 0.8], mi.Vector3f(0, -0.6, 0.8)
+    bsdf = mi.load_dict({"type": "srbf", "model": "film"})
+    bsdf.eval(context, si, wo)
+    start = time.perf_counter()
+    for _ in range(1000):
+        bsdf.eval_pdf(context, si, wo)
+    assert time.perf_counter() - start < 0.2  # 20 us a call; by the printed formulas it took a millisecond
+
+
+def test_the_code_of_the_page_runs(variant, monkeypatch, tmp_path):
+    if variant.startswith("scalar"):
+        pytest.skip("it chooses its variant")
+    from test_srbf import python_of
+    (tmp_path / "data").symlink_to(DATA)
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec("\n".join(python_of("docs/python.md")), names)
+    assert names["refined"].is_exchanged and set(names["optimiser"].keys()) <= set(names["parameters"].keys())
+
+
+def test_the_notebook_recovers_the_numbers(variant, monkeypatch, tmp_path):
+    if variant.startswith("scalar"):
+        pytest.skip("it chooses its variant")
+    from test_srbf import run
+    names = run("refine_in_mitsuba.ipynb", monkeypatch, tmp_path)
+    np.testing.assert_allclose(np.array(names["optimiser"]["tint"]).ravel(), names["tint"], rtol=0.1)
+    np.testing.assert_allclose(np.array(names["optimiser"]["sharpness"]), names["sharpness"], rtol=0.05)
+    assert (tmp_path / "examples" / "refined.srbf").exists()

@@ -521,10 +521,8 @@ def test_the_package_and_the_documentation_are_typed(tmp_path):
     pytest.importorskip("mypy", reason="needs mypy")
     settings = str(DATA.parent / "pyproject.toml")
     package = pathlib.Path(srbf.__file__).parent
-    code = [text for page in ("README.md", "docs/python.md") for text in python_of(page)]
-    assert len(code) >= 3
-    for i, text in enumerate(code):
-        (tmp_path / f"page_{i}.py").write_text(text)
+    for i, page in enumerate(("README.md", "docs/python.md")):
+        (tmp_path / f"page_{i}.py").write_text("\n".join(python_of(page)))
     pages = sorted(map(str, tmp_path.glob("page_*.py")))
     environment = {**os.environ, "MYPYPATH": str(package.parent), "PYTHONPATH": str(package.parent), "MYPY_CACHE_DIR": str(tmp_path / "cache")}
     check = [sys.executable, "-m", "mypy", "--strict", "--config-file", settings, *pages]

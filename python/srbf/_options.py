@@ -51,8 +51,8 @@ def flag(name: str, value: Any) -> bool:
     return bool(value)
 
 
-def option(name: str, value: Any, model: str = "pm") -> Any:
-    """The value of an option of the table, of models of that kind."""
+def option(name: str, value: Any, model: str = "pm", or_else: str = "") -> Any:
+    """The value of an option of the table, of models of that kind; `or_else` is what else is taken, for the message."""
     kinds = [kind for option, kind in _RANGES if option == name]
     if "" not in kinds and model not in kinds:
         raise ValueError(f'{name}: only with model="{kinds[0]}", found model="{model}"')
@@ -61,7 +61,7 @@ def option(name: str, value: Any, model: str = "pm") -> Any:
         return one_of(name, value, _srbf.forms()) if name == "form" else flag(name, value)
     if not is_whole:
         return number(name, value, least, most)
-    return whole(name, value, int(least), int(most), ' or "auto"' if (name, model) == ("lobes", "pm") else "")
+    return whole(name, value, int(least), int(most), or_else)
 
 
 def check_progress(value: Any) -> None:
@@ -82,7 +82,7 @@ def request(model: str, *, lobes: Any, objective: Optional[str], channels: str, 
     if isinstance(lobes, str) and lobes == "auto" and model == "pm":
         made.automatic = True
     elif lobes is not None:
-        made.lobes = option("lobes", lobes, model)
+        made.lobes = option("lobes", lobes, model, ' or "auto"' if model == "pm" else "")
     for name, value in options.items():
         if value is not None:
             setattr(made, name, option(name, value, model))

@@ -8,7 +8,7 @@
 #include "srbf/model.h"
 #include "srbf/su.h"
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 inline constexpr int k_most_threads = 1024;
 

@@ -134,6 +134,16 @@ inline void check_model(std::span<const std::byte> bytes) {
     require(again.ok() && write_model(*again) == written, "write(read(written)) = written");
 }
 
+/// The same of a stack; each of its models keeps the contract.
+inline void check_stack(std::span<const std::byte> bytes) {
+    const auto stack = read_stack(bytes, "f");
+    if (!stack) return check_error(stack.error());
+    const auto written = write_stack(*stack);
+    const auto again = read_stack(written, "f");
+    require(again.ok() && write_stack(*again) == written, "write(read(written)) = written");
+    check_answers(Result<Model>(Model{stack->models.front(), {}}));
+}
+
 /// A mesh has triangles of its own vertices, finite positions and unit normals.
 inline void check_mesh(const Result<Mesh>& mesh) {
     if (!mesh) return check_error(mesh.error());
@@ -195,6 +205,7 @@ inline const NamedTarget k_targets[] = {
     {"csv", [](auto bytes) { check_measured(read_csv(bytes, "f")); }},
     {"measured", [](auto bytes) { check_answers(read_measured(bytes, "f")); }},
     {"model", check_model},
+    {"stack", check_stack},
     {"ply", [](auto bytes) { check_picture(read_ply(bytes, "f")); }},
     {"obj", [](auto bytes) { check_picture(read_obj(bytes, "f")); }},
     {"environment", [](auto bytes) { check_environment(read_environment(bytes, "f")); }},

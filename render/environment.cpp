@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "render/exr.h"
 #include "srbf/file.h"
@@ -235,29 +234,27 @@ Result<Environment> read_environment(std::span<const std::byte> bytes, const std
     return Environment(*std::move(image));
 }
 
+namespace {
+
+/// The size that a file may have that begins like this, as far as it tells; the beginning alone is enough to refuse it.
+std::uint64_t most_bytes_of(std::span<const std::byte> head) {
+    if (is_exr(head)) return check_exr_header(head, k_largest_file, {}).ok() ? k_largest_file : head.size();
+    const auto header = read_header(head, {});
+    if (!header) return head.size();
+    // Runs of one texel take two bytes for each of the four channels.
+    return header->texels + std::uint64_t(header->height) * (8 * std::uint64_t(header->width) + 4);
+}
+
+}  // namespace
+
 Result<Environment> load_environment(const std::string& name) {
     if (name == k_built_in_environment)
         return read_environment(std::span(srbf_studio_begin, srbf_studio_end), "studio.hdr");
-    // A picture that is too large is refused by the beginning of its file.
-    std::size_t most = k_largest_file;
-    if (std::filesystem::is_regular_file(name)) {
-        const auto start = read_part(name, 0, 1 << 17);
-        if (!start) return start.error();
-        if (is_exr(*start)) {
-            if (const auto fits = check_exr_size(*start, name); !fits) return fits.error();
-        } else {
-            const auto header = read_header(*start, name);
-            if (!header) return header.error();
-            // Runs of one texel take two bytes for each of the four channels.
-            most = header->texels + std::size_t(header->height) * (8 * std::size_t(header->width) + 4);
-        }
-        const auto bytes = read_part(name, 0, std::min(most, std::size_t(std::filesystem::file_size(name))));
+    return within_memory(name, [&]() -> Result<Environment> {
+        const auto bytes = read_file(name, most_bytes_of);
         if (!bytes) return bytes.error();
         return read_environment(*bytes, name);
-    }
-    const auto bytes = read_file(name);
-    if (!bytes) return bytes.error();
-    return read_environment(*bytes, name);
+    });
 }
 
 }  // namespace srbf

@@ -11,9 +11,11 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
+#include <optional>
 #include <stdexcept>
 
 #include "srbf/file.h"
+#include "srbf/text.h"
 
 namespace srbf {
 namespace {
@@ -94,6 +96,8 @@ Result<Done> write_exr(int width, int height, std::span<const Channel> channels,
         Imf::OutputFile file(sink, header);
         file.setFrameBuffer(frame);
         file.writePixels(height);
+    } catch (const std::bad_alloc&) {
+        throw;
     } catch (const std::exception& error) {
         return Error{path, {}, "cannot be written as EXR", {}, said(error)};
     }
@@ -105,22 +109,88 @@ bool is_exr(std::span<const std::byte> bytes) {
     return bytes.size() >= 4 && std::memcmp(bytes.data(), magic.data(), 4) == 0;
 }
 
-Result<Done> check_exr_size(std::span<const std::byte> start, const std::string& file_name) {
-    // The attribute's name, type and size, then the first and last column and row.
-    constexpr std::string_view attribute("dataWindow\0box2i\0\x10\0\0\0", 21);
-    const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
-    const std::size_t at = text.find(attribute);
-    std::array<std::int32_t, 4> window;
-    if (at == text.npos || text.size() - at < attribute.size() + sizeof window) return Done{};
-    std::memcpy(window.data(), text.data() + at + attribute.size(), sizeof window);
-    const std::int64_t width = std::int64_t(window[2]) - window[0] + 1,
-                       height = std::int64_t(window[3]) - window[1] + 1;
-    if (width >= 1 && height >= 1 && width <= k_most_texels / height) return Done{};
-    return Error{file_name, at, "dataWindow", fmt::format("1 to {} pixels", k_most_texels),
-                 fmt::format("{} x {}", width, height)};
+namespace {
+
+/// An attribute of a header: its value lies at `at` in the file.
+struct Attribute {
+    std::string_view name, type, value;
+    std::size_t at;
+};
+
+/// The attributes of the first part; none where the text ends first. Sets `end` to where they end.
+std::optional<std::vector<Attribute>> attributes(std::string_view text, std::size_t& end) {
+    constexpr std::size_t k_before = 8;  // the mark, and version and flags
+    std::vector<Attribute> all;
+    std::size_t at = k_before;
+    const auto word = [&]() -> std::optional<std::string_view> {
+        const std::size_t zero = text.find('\0', at);
+        if (zero == text.npos) return {};
+        const std::string_view found = text.substr(at, zero - at);
+        at = zero + 1;
+        return found;
+    };
+    for (;;) {
+        const auto name = word();
+        if (!name) return {};
+        end = at;
+        if (name->empty()) return all;
+        const auto type = word();
+        std::int32_t size;
+        if (!type || text.size() - at < sizeof size) return {};
+        std::memcpy(&size, text.data() + at, sizeof size);
+        at += sizeof size;
+        if (size < 0 || std::size_t(size) > text.size() - at) return {};
+        all.push_back({*name, *type, text.substr(at, std::size_t(size)), at});
+        at += std::size_t(size);
+    }
+}
+
+/// The numbers of an attribute, if it has that many bytes.
+template <typename T, std::size_t N>
+std::optional<std::array<T, N>> numbers(const std::vector<Attribute>& all, std::string_view name) {
+    const auto of = std::ranges::find(all, name, &Attribute::name);
+    std::array<T, N> numbers;
+    if (of == all.end() || of->value.size() < sizeof numbers) return {};
+    std::memcpy(numbers.data(), of->value.data(), sizeof numbers);
+    return numbers;
+}
+
+/// The rows and columns of a block of pixels, as the file compresses them.
+std::array<std::int64_t, 2> block_of(const std::vector<Attribute>& all) {
+    if (const auto tile = numbers<std::uint32_t, 2>(all, "tiles"))
+        return {std::max<std::int64_t>((*tile)[1], 1), std::max<std::int64_t>((*tile)[0], 1)};
+    constexpr std::array<std::int64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};  // by the kind of compression
+    const auto kind = numbers<std::uint8_t, 1>(all, "compression");
+    return {kind && (*kind)[0] < rows.size() ? rows[(*kind)[0]] : 1, std::int64_t(1) << 32};
+}
+
+}  // namespace
+
+Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t size, const std::string& file_name) {
+    constexpr std::size_t k_most_header = k_head_bytes;
+    const auto text = as_text(start.first(std::min(start.size(), k_most_header)));
+    std::size_t end = 0;
+    const auto all = attributes(text, end);
+    if (!all && start.size() < k_most_header) return Done{};
+    if (!all) return Error{file_name, end, "header", fmt::format("at most {} bytes", k_most_header), "more"};
+    const auto window = numbers<std::int32_t, 4>(*all, "dataWindow");
+    if (!window) return Done{};
+    const std::size_t at = std::ranges::find(*all, "dataWindow", &Attribute::name)->at;
+    const std::int64_t width = std::int64_t((*window)[2]) - (*window)[0] + 1,
+                       height = std::int64_t((*window)[3]) - (*window)[1] + 1;
+    if (width < 1 || height < 1 || width > k_most_texels / height)
+        return Error{file_name, at, "dataWindow", fmt::format("1 to {} pixels", k_most_texels),
+                     fmt::format("{} x {}", width, height)};
+    // The file has the offset of each block, in 8 bytes.
+    const auto [rows, columns] = block_of(*all);
+    const std::int64_t blocks = ((height - 1) / rows + 1) * ((width - 1) / columns + 1);
+    if (std::uint64_t(blocks) <= size / 8) return Done{};
+    return Error{file_name, at, "dataWindow", fmt::format("at most {} blocks of pixels", size / 8),
+                 fmt::format("{}", blocks)};
 }
 
 Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file_name) {
+    if (const auto sized = check_exr_header(bytes, bytes.size(), file_name); !sized) return sized.error();
     try {
         Source stream(bytes);
         Imf::InputFile file(stream, 1);
@@ -144,6 +214,8 @@ Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file
         file.setFrameBuffer(frame);
         file.readPixels(window.min.y, window.max.y);
         return image;
+    } catch (const std::bad_alloc&) {
+        throw;
     } catch (const std::exception& error) {
         return Error{file_name, {}, "OpenEXR file", "whole", said(error)};
     }

@@ -23,8 +23,10 @@ Result<Done> write_exr(int width, int height, std::span<const Channel> channels,
 /// Reads the channels R, G and B of an EXR file. Errors: not an EXR file, other channels, damaged, more than
 /// `k_most_texels` pixels. `file_name` appears in errors only.
 Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file_name);
-/// An error where the header, with which a file starts, tells of more than `k_most_texels` pixels.
-Result<Done> check_exr_size(std::span<const std::byte> start, const std::string& file_name);
+/// Looks at a header before the library, which allocates what it tells. `start`: the beginning of a file of `size`
+/// bytes. Errors: a header longer than 1 MB, more than `k_most_texels` pixels, more blocks of them than a file of that
+/// size has. A damaged header is left to the library.
+Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t size, const std::string& file_name);
 inline constexpr std::int64_t k_most_texels = std::int64_t(1) << 26;
 bool is_exr(std::span<const std::byte> bytes);
 

@@ -144,7 +144,7 @@ void append(void* context, void* data, int size) {
 
 }  // namespace
 
-Result<Done> write_png(const Image8& image, const std::string& path) {
+Result<std::vector<std::byte>> png(const Image8& image, const std::string& path) {
     assert(image.pixels.size() == std::size_t(image.width) * std::size_t(image.height));
     constexpr std::int64_t largest = std::int64_t(1) << 29;  // stb counts bytes in an int and doubles its buffers
     if (image.pixels.empty() || (3 * std::int64_t(image.width) + 1) * image.height > largest)
@@ -156,7 +156,13 @@ Result<Done> write_png(const Image8& image, const std::string& path) {
     std::vector<std::byte> bytes;
     if (stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, image.pixels.data(), 3 * image.width) == 0)
         return Error{path, {}, "cannot be written", "memory for a PNG", ""};
-    return write_file(path, bytes);
+    return bytes;
+}
+
+Result<Done> write_png(const Image8& image, const std::string& path) {
+    const auto bytes = png(image, path);
+    if (!bytes) return bytes.error();
+    return write_file(path, *bytes);
 }
 
 std::vector<std::byte> jpeg(const Image8& image, int quality) {

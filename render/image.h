@@ -58,7 +58,9 @@ int text_width(std::string_view text);
 /// largest size that fits. There are as many captions as images, at least one.
 Image8 side_by_side(std::span<const Image8> images, std::span<const std::string> captions);
 
-/// Writes a PNG of 8-bit RGB. Errors: an empty image, or more than 2²⁹ bytes; those of write_file.
+/// The bytes of a PNG of 8-bit RGB. Errors: an empty image, or more than 2²⁹ bytes.
+Result<std::vector<std::byte>> png(const Image8& image, const std::string& path);
+/// The same, written. Errors: those of write_file, too.
 Result<Done> write_png(const Image8& image, const std::string& path);
 /// The image as a JPEG of `quality` 1..100, reduced to at most k_largest_jpeg pixels per side, for pages.
 std::vector<std::byte> jpeg(const Image8& image, int quality);

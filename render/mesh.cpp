@@ -31,19 +31,34 @@ std::vector<Vec3f> area_weighted_normals(std::span<const Vec3f> positions, std::
     return normals;
 }
 
+namespace {
+
+bool is_ply(std::span<const std::byte> bytes) {
+    return bytes.size() >= 3 && bytes[0] == std::byte('p') && bytes[1] == std::byte('l') && bytes[2] == std::byte('y');
+}
+
+/// The size that a file may have that begins like this: `.obj` is text, which has no zero.
+std::uint64_t most_bytes_of(std::span<const std::byte> head) {
+    const auto first = head.first(4096);
+    const bool is_mesh = is_ply(head) || std::ranges::find(first, std::byte(0)) == first.end();
+    return is_mesh ? k_largest_file : std::uint64_t(head.size());
+}
+
+}  // namespace
+
 Result<Mesh> read_mesh(std::span<const std::byte> bytes, const std::string& file_name) {
-    const bool is_ply =
-        bytes.size() >= 3 && bytes[0] == std::byte('p') && bytes[1] == std::byte('l') && bytes[2] == std::byte('y');
-    return is_ply ? read_ply(bytes, file_name) : read_obj(bytes, file_name);
+    return is_ply(bytes) ? read_ply(bytes, file_name) : read_obj(bytes, file_name);
 }
 
 Result<Mesh> load_mesh(const std::string& name) {
     if (name == k_built_in_meshes[0]) return sphere();
     if (name == k_built_in_meshes[1]) return knot();
     if (name == k_built_in_meshes[2]) return ball();
-    const auto bytes = read_file(name);
-    if (!bytes) return bytes.error();
-    return read_mesh(*bytes, name);
+    return within_memory(name, [&]() -> Result<Mesh> {
+        const auto bytes = read_file(name, most_bytes_of);
+        if (!bytes) return bytes.error();
+        return read_mesh(*bytes, name);
+    });
 }
 
 namespace {

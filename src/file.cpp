@@ -11,6 +11,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "srbf/file_reader.h"
+#include "srbf/text.h"
+
 namespace srbf {
 
 namespace {
@@ -19,19 +22,32 @@ namespace {
 class Descriptor {
   public:
     explicit Descriptor(int number) : number_(number) {}
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
+    Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+    Descriptor& operator=(Descriptor&&) = delete;
     ~Descriptor() { (void)close(); }
 
     int number() const { return number_; }
-    /// Closes; returns 0 or errno. A full disk may be reported only here.
-    int close() { return number_ < 0 || ::close(std::exchange(number_, -1)) == 0 ? 0 : errno; }
+    /// Closes; returns 0 or errno. A full disk may be reported only here. Interrupted, it is closed all the same.
+    int close() { return number_ < 0 || ::close(std::exchange(number_, -1)) == 0 || errno == EINTR ? 0 : errno; }
 
   private:
     int number_;
 };
 
+/// The result of a system call, which is repeated as long as signals interrupt it.
+template <typename Call> auto uninterrupted(const Call& call) {
+    for (;;)
+        if (const auto result = call(); result >= 0 || errno != EINTR) return result;
+}
+
+int open_file(const std::string& path, int flags, mode_t mode = 0) {
+    return uninterrupted([&] { return ::open(path.c_str(), flags | O_CLOEXEC, mode); });
+}
+
 std::string reason(int code) { return std::generic_category().message(code); }
+
+/// Of a step that returned 0 or errno; empty for 0.
+std::string reason_of(int code) { return code == 0 ? "" : reason(code); }
 
 Error cannot_read(const std::string& path, std::string found) {
     return {path, {}, "cannot be read", "a readable file", std::move(found), ErrorCode::unreadable};
@@ -40,63 +56,163 @@ Error cannot_write(const std::string& path, std::string found) {
     return {path, {}, "cannot be written", "a writable file", std::move(found), ErrorCode::unreadable};
 }
 
-/// Writes all of `bytes` and closes; returns 0 or errno.
-int write_all(Descriptor& file, std::span<const std::byte> bytes) {
+/// Waits until the disk has what was written; returns 0 or errno. Folders of some file systems cannot be waited for.
+int synchronise(const Descriptor& file) {
+    const int failed = uninterrupted([&] { return ::fsync(file.number()); });
+    return failed == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
+}
+
+/// Writes all of `bytes`, waits until the disk has them if asked to, and closes; returns 0 or errno.
+int write_all(Descriptor& file, std::span<const std::byte> bytes, bool lasting) {
     while (!bytes.empty()) {
-        const ssize_t written = ::write(file.number(), bytes.data(), bytes.size());
-        if (written < 0 && errno == EINTR) continue;
+        const ssize_t written = uninterrupted([&] { return ::write(file.number(), bytes.data(), bytes.size()); });
         if (written < 0) return errno;
         bytes = bytes.subspan(std::size_t(written));
     }
+    if (const int code = lasting ? synchronise(file) : 0) return code;
     return file.close();
+}
+
+std::string folder_of(const std::string& path) {
+    const std::string folder = std::filesystem::path(path).parent_path().string();
+    return folder.empty() ? "." : folder;
+}
+
+/// Waits until the disk has the names in the folder of `path`; returns 0 or errno.
+int synchronise_folder_of(const std::string& path) {
+    const Descriptor folder(open_file(folder_of(path), O_RDONLY | O_DIRECTORY));
+    if (folder.number() < 0) return errno == EACCES ? 0 : errno;  // one that may be written but not listed
+    return synchronise(folder);
 }
 
 /// A new file next to `target` with a unique name.
 Descriptor create_beside(const std::string& target, mode_t mode, std::string& name) {
     for (int attempt = 0;; ++attempt) {
-        const auto folder = std::filesystem::path(target).parent_path();
-        name = (folder / fmt::format(".srbf-{}-{}.tmp", ::getpid(), attempt)).string();
-        const int number = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+        name = (std::filesystem::path(target).parent_path() / fmt::format(".srbf-{}-{}.tmp", ::getpid(), attempt))
+                   .string();
+        const int number = open_file(name, O_WRONLY | O_CREAT | O_EXCL, mode);
         if (number >= 0 || errno != EEXIST) return Descriptor(number);
     }
 }
 
-}  // namespace
+/// The file that `path` names: follows a link, which a rename would otherwise replace.
+std::string target_of(const std::string& path) {
+    std::error_code unresolved;
+    if (!std::filesystem::is_symlink(path, unresolved)) return path;
+    const std::filesystem::path link(path);
+    const bool leads_somewhere = std::filesystem::exists(link, unresolved);
+    const std::string target = (leads_somewhere ? std::filesystem::canonical(link, unresolved)
+                                                : link.parent_path() / std::filesystem::read_symlink(link, unresolved))
+                                   .string();
+    return unresolved || target.empty() ? path : target;
+}
 
-Result<std::vector<std::byte>> read_file(const std::string& path) {
-    Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    if (file.number() < 0) return cannot_read(path, reason(errno));
+/// A file written beside its target, which it replaces when asked to; deleted if it never is.
+class Replacement {
+  public:
+    static Result<Replacement> write(const std::string& path, std::span<const std::byte> bytes) {
+        Replacement of(path);
+        if (const std::string failed = of.write(bytes); !failed.empty()) return cannot_write(path, failed);
+        return of;
+    }
+    Replacement(Replacement&& other) noexcept
+        : path_(std::move(other.path_)),
+          target_(std::move(other.target_)),
+          temporary_(std::exchange(other.temporary_, {})) {}
+    Replacement& operator=(Replacement&&) = delete;
+    ~Replacement() {
+        if (!temporary_.empty()) ::unlink(temporary_.c_str());
+    }
+
+    Result<Done> publish() {
+        if (temporary_.empty()) return Done{};  // a device
+        if (std::rename(temporary_.c_str(), target_.c_str()) != 0) return cannot_write(path_, reason(errno));
+        temporary_.clear();
+        return Done{};
+    }
+    /// Waits until the disk has the new name.
+    Result<Done> settle() const {
+        if (target_.empty()) return Done{};
+        if (const int code = synchronise_folder_of(target_)) return cannot_write(path_, reason(code));
+        return Done{};
+    }
+
+  private:
+    explicit Replacement(const std::string& path) : path_(path) {}
+
+    /// Returns why it failed, or an empty string.
+    std::string write(std::span<const std::byte> bytes) {
+        struct stat status;
+        const bool exists = ::stat(path_.c_str(), &status) == 0;
+        if (exists && S_ISDIR(status.st_mode)) return "a folder";
+        if (exists && !S_ISREG(status.st_mode)) {  // a device or a pipe is written directly
+            Descriptor file(open_file(path_, O_WRONLY));
+            if (file.number() < 0) return reason(errno);
+            return reason_of(write_all(file, bytes, false));
+        }
+        target_ = target_of(path_);
+        std::string name;
+        Descriptor file = create_beside(target_, exists ? status.st_mode & 0777 : 0666, name);
+        if (file.number() < 0) return reason(errno);
+        temporary_ = std::move(name);
+        return reason_of(write_all(file, bytes, true));
+    }
+
+    std::string path_, target_, temporary_;
+};
+
+/// The bytes of an open file, to its end or one byte beyond `most`.
+Result<std::vector<std::byte>> read_open(const Descriptor& file, const std::string& path, const MostBytes& most) {
     struct stat status;
     if (::fstat(file.number(), &status) != 0) return cannot_read(path, reason(errno));
     if (S_ISDIR(status.st_mode)) return cannot_read(path, "a folder");
     const auto too_large = [&path] { return cannot_read(path, fmt::format("more than {} bytes", k_largest_file)); };
     const std::uint64_t size = S_ISREG(status.st_mode) ? std::uint64_t(status.st_size) : 0;
-    if (size > k_largest_file) return too_large();
+    if (size > k_largest_file && !most) return too_large();
 
-    // One byte more than the file size, so that the end is detected without growing; a pipe has no size in advance, and
-    // the buffer grows.
-    std::vector<std::byte> bytes(size > 0 ? size + 1 : 1 << 16);
+    // One byte more than expected, so that the end is detected without growing; a pipe has no size in advance, and the
+    // buffer grows.
+    const auto expected = [&](std::uint64_t limit) { return std::size_t(std::min(size, limit) + 1); };
+    std::uint64_t limit = most ? k_head_bytes : k_largest_file;
+    std::vector<std::byte> bytes(size > 0 ? expected(limit) : 1 << 16);
+    bool all_of_head = !most;
     for (std::size_t filled = 0;;) {
-        const ssize_t count = ::read(file.number(), bytes.data() + filled, bytes.size() - filled);
-        if (count < 0 && errno == EINTR) continue;
+        const ssize_t count =
+            uninterrupted([&] { return ::read(file.number(), bytes.data() + filled, bytes.size() - filled); });
         if (count < 0) return cannot_read(path, reason(errno));
         filled += std::size_t(count);
+        if (!all_of_head && filled >= k_head_bytes) {
+            all_of_head = true;
+            limit = std::min(most(std::span(bytes).first(k_head_bytes)), k_largest_file);
+            if (limit == k_largest_file && size > limit) return too_large();
+            if (filled <= limit && size > filled) bytes.resize(std::max(filled, expected(limit)));
+        }
         if (filled > k_largest_file) return too_large();
-        if (count == 0) {
+        if (count == 0 || (all_of_head && filled > limit)) {
             bytes.resize(filled);
             return bytes;
         }
-        if (filled == bytes.size()) bytes.resize(std::min<std::size_t>(2 * filled, k_largest_file + 1));
+        if (filled == bytes.size()) bytes.resize(std::size_t(std::min(2 * std::uint64_t(filled), limit + 1)));
     }
 }
 
+}  // namespace
+
+Result<std::vector<std::byte>> read_file(const std::string& path, const MostBytes& most) {
+    return within_memory(path, [&]() -> Result<std::vector<std::byte>> {
+        const Descriptor file(open_file(path, O_RDONLY));
+        if (file.number() < 0) return cannot_read(path, reason(errno));
+        return read_open(file, path, most);
+    });
+}
+
 Result<std::vector<std::byte>> read_part(const std::string& path, std::uint64_t offset, std::size_t most) {
-    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    const Descriptor file(open_file(path, O_RDONLY));
     if (file.number() < 0) return cannot_read(path, reason(errno));
     std::vector<std::byte> bytes(most);
     for (std::size_t filled = 0;;) {
-        const ssize_t count = ::pread(file.number(), bytes.data() + filled, most - filled, off_t(offset + filled));
-        if (count < 0 && errno == EINTR) continue;
+        const ssize_t count = uninterrupted(
+            [&] { return ::pread(file.number(), bytes.data() + filled, most - filled, off_t(offset + filled)); });
         if (count < 0) return cannot_read(path, errno == EISDIR ? "a folder" : reason(errno));
         filled += std::size_t(count);
         if (count > 0 && filled < most) continue;
@@ -105,37 +221,84 @@ Result<std::vector<std::byte>> read_part(const std::string& path, std::uint64_t 
     }
 }
 
+Result<FileReader> FileReader::open(const std::string& path) {
+    const int descriptor = open_file(path, O_RDONLY);
+    if (descriptor < 0) return cannot_read(path, reason(errno));
+    return FileReader(path, descriptor);
+}
+
+FileReader::FileReader(FileReader&& other) noexcept
+    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+FileReader::~FileReader() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Result<std::size_t> FileReader::read(std::span<std::byte> bytes) {
+    std::size_t filled = 0;
+    while (filled < bytes.size()) {
+        const ssize_t count =
+            uninterrupted([&] { return ::read(descriptor_, bytes.data() + filled, bytes.size() - filled); });
+        if (count < 0) return cannot_read(path_, errno == EISDIR ? "a folder" : reason(errno));
+        if (count == 0) break;
+        filled += std::size_t(count);
+    }
+    return filled;
+}
+
+Result<std::optional<std::string_view>> FileLines::next() {
+    for (;;) {
+        if (const auto line = lines_.next()) return line;
+        if (at_end_) return std::optional<std::string_view>();
+        if (const auto read = read_block(); !read) return read.error();
+    }
+}
+
+Result<Done> FileLines::read_block() {
+    constexpr std::size_t k_block = std::size_t(1) << 20;
+    before_ += lines_.number();
+    lines_ = Lines({});
+    std::vector<std::byte> block(block_.begin() + std::ptrdiff_t(whole_), block_.end());  // a line that is not whole
+    const std::size_t begun = block.size();
+    block.resize(k_block);
+    const auto count = file_.read(std::span(block).subspan(begun));
+    if (!count) return count.error();
+    block.resize(begun + *count);
+    at_end_ = block.size() < k_block;
+    const auto end = std::find(block.rbegin(), block.rend(), std::byte('\n'));
+    whole_ = at_end_ ? block.size() : std::size_t(block.rend() - end);
+    if (whole_ == 0 && !at_end_)
+        return at_line(file_.path(), number() + 1, "length", fmt::format("less than {} bytes", k_block), "more");
+    block_ = std::move(block);
+    lines_ = Lines(as_text(std::span(block_).first(whole_)));
+    return Done{};
+}
+
 Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes) {
-    // Follows a link; the rename would otherwise replace the link instead of its target.
-    std::error_code unresolved;
-    std::string target = path;
-    if (std::filesystem::is_symlink(path, unresolved)) {
-        const std::filesystem::path link(path);
-        const bool leads_somewhere = std::filesystem::exists(link, unresolved);
-        target = (leads_somewhere ? std::filesystem::canonical(link, unresolved)
-                                  : link.parent_path() / std::filesystem::read_symlink(link, unresolved))
-                     .string();
-    }
-    if (unresolved || target.empty()) target = path;
+    auto file = Replacement::write(path, bytes);
+    if (!file) return file.error();
+    if (const auto published = file->publish(); !published) return published;
+    return file->settle();
+}
 
-    struct stat status;
-    const bool exists = ::stat(path.c_str(), &status) == 0;
-    if (exists && S_ISDIR(status.st_mode)) return cannot_write(path, "a folder");
-    if (exists && !S_ISREG(status.st_mode)) {  // a device or a pipe is written directly
-        Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-        if (file.number() < 0) return cannot_write(path, reason(errno));
-        if (const int code = write_all(file, bytes)) return cannot_write(path, reason(code));
-        return Done{};
+Result<Done> write_files(std::span<const NewFile> files) {
+    std::vector<Replacement> written;
+    for (const NewFile& of : files) {
+        auto file = Replacement::write(of.path, of.bytes);
+        if (!file) return file.error();
+        written.push_back(*std::move(file));
     }
+    for (Replacement& file : written)
+        if (const auto published = file.publish(); !published) return published;
+    for (const Replacement& file : written)
+        if (const auto settled = file.settle(); !settled) return settled;
+    return Done{};
+}
 
-    std::string temporary;
-    Descriptor file = create_beside(target, exists ? status.st_mode & 0777 : 0666, temporary);
-    if (file.number() < 0) return cannot_write(path, reason(errno));
-    int code = write_all(file, bytes);
-    if (code == 0 && std::rename(temporary.c_str(), target.c_str()) != 0) code = errno;
-    if (code == 0) return Done{};
-    ::unlink(temporary.c_str());
-    return cannot_write(path, reason(code));
+Result<Done> rename_path(const std::string& from, const std::string& to) {
+    if (std::rename(from.c_str(), to.c_str()) != 0) return cannot_write(to, reason(errno));
+    if (const int code = synchronise_folder_of(to)) return cannot_write(to, reason(code));
+    return Done{};
 }
 
 }  // namespace srbf

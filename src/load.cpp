@@ -1,21 +1,49 @@
 #include "srbf/load.h"
 
+#include <filesystem>
+
+#include "measured/bytes.h"
+#include "model/texel.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
+#include "srbf/text.h"
 
 namespace srbf {
 
+namespace {
+
+/// The stack and the texel that "FILE#T" names.
+struct TexelName {
+    std::string file;
+    std::uint64_t texel;
+};
+std::optional<TexelName> texel_named(const std::string& path) {
+    const auto sign = path.rfind('#');
+    std::error_code none;
+    if (sign == path.npos || std::filesystem::exists(path, none)) return {};
+    const auto texel = to_number<std::uint64_t>(std::string_view(path).substr(sign + 1));
+    if (!texel) return {};
+    return TexelName{path.substr(0, sign), *texel};
+}
+
+Result<AnyBrdf> any(Result<Model> model) {
+    if (!model) return model.error();
+    return AnyBrdf(*std::move(model));
+}
+
+}  // namespace
+
 Result<AnyBrdf> load_brdf(const std::string& path) {
-    auto bytes = read_file(path);
-    if (!bytes) return bytes.error();
-    if (is_safetensors(*bytes)) {
-        auto model = read_model(*bytes, path);
-        if (!model) return model.error();
-        return AnyBrdf(*std::move(model));
-    }
-    auto measured = read_measured(*std::move(bytes), path);
-    if (!measured) return measured.error();
-    return AnyBrdf(*std::move(measured));
+    return within_memory(path, [&]() -> Result<AnyBrdf> {
+        const auto of_stack = texel_named(path);
+        auto bytes = read_file(of_stack ? of_stack->file : path, most_bytes_of);
+        if (!bytes) return bytes.error();
+        if (of_stack) return any(read_texel(*bytes, of_stack->texel, path));
+        if (is_safetensors(*bytes)) return any(read_model(*bytes, path));
+        auto measured = read_measured(*std::move(bytes), path);
+        if (!measured) return measured.error();
+        return AnyBrdf(*std::move(measured));
+    });
 }
 
 bool is_two_sided(const AnyBrdf& brdf) {

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "srbf/printable.h"
+
 namespace srbf {
 
 std::string message(const Error& error) {
@@ -20,10 +22,7 @@ std::string message(const Error& error) {
     if (!error.expected.empty()) contrast = "expected " + error.expected;
     if (!error.found.empty()) contrast += (contrast.empty() ? "found " : ", found ") + error.found;
     append(contrast);
-    // File names and contents may contain any byte, but a message is a single line.
-    for (char& c : line)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    return line;
+    return printable(std::move(line));  // file names and contents may contain any byte
 }
 
 std::string_view name(ErrorCode code) {

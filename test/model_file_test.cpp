@@ -144,6 +144,17 @@ TEST(ModelFile, HeadersThatAreNone) {
     EXPECT_NE(error_of(container("{}")), "");
 }
 
+TEST(ModelFile, LongHeadersAreErrors) {
+    const std::string header = File().header.dump(), most(1 << 20, ' ');
+    EXPECT_EQ(error_of(container(header + most.substr(header.size()), File().data)), "");
+    EXPECT_TRUE(names(error_of(container(header + most, File().data)), "header length: expected at most 1048576"));
+    std::mt19937_64 random(1);
+    const Model long_winded{random_model(random, {}), {{"note", most}}};
+    const auto saved = save_model(long_winded, "/dev/null");
+    ASSERT_FALSE(saved.ok());
+    EXPECT_TRUE(names(message(saved.error()), "header length"));
+}
+
 TEST(ModelFile, DeepNestingIsAnError) {
     const std::string open(100000, '['), close(100000, ']');
     EXPECT_NE(error_of(container(open)), "");
@@ -153,11 +164,15 @@ TEST(ModelFile, DeepNestingIsAnError) {
         const std::string entry = "{\"dtype\":" + dtype + ",\"shape\":" + shape + ",\"data_offsets\":" + offsets + "}";
         return error_of(container("{\"bandwidth\":" + entry + "}", {0x3c00}));
     };
-    EXPECT_TRUE(names(with(open + close, "[1]", "[0,2]"), "dtype"));
-    EXPECT_TRUE(names(with("\"F16\"", open + close, "[0,2]"), "shape"));
-    EXPECT_TRUE(names(with("\"F16\"", "[1]", open + close), "data_offsets"));
-    EXPECT_TRUE(names(error_of(container("{\"__metadata__\":" + open + close + "}")), "metadata"));
-    EXPECT_TRUE(names(error_of(container("{\"__metadata__\":{\"a\":" + open + close + "}}")), "metadata"));
+    const std::string deep = "header: expected at most 3 levels of JSON";
+    EXPECT_TRUE(names(with(open + close, "[1]", "[0,2]"), deep));
+    EXPECT_TRUE(names(with("\"F16\"", open + close, "[0,2]"), deep));
+    EXPECT_TRUE(names(with("\"F16\"", "[1]", open + close), deep));
+    EXPECT_TRUE(names(error_of(container("{\"__metadata__\":" + open + close + "}")), deep));
+    EXPECT_TRUE(names(error_of(container("{\"__metadata__\":{\"a\":" + open + close + "}}")), deep));
+    // As deep as it may be, and one level more.
+    EXPECT_TRUE(names(with("\"F16\"", "[[]]", "[0,2]"), "shape"));
+    EXPECT_TRUE(names(with("\"F16\"", "[[1]]", "[0,2]"), deep));
 }
 
 TEST(ModelFile, LongNamesAreCutInMessages) {

@@ -1,6 +1,8 @@
 // Reading and writing of whole files: level 1.
 #pragma once
 #include <cstddef>
+#include <functional>
+#include <new>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,17 +11,47 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// The bytes of the file at `path`. Errors: the file is missing, a folder, unreadable, or larger than `k_largest_file`.
-Result<std::vector<std::byte>> read_file(const std::string& path);
 inline constexpr std::uint64_t k_largest_file = std::uint64_t(1) << 34;
+/// So much of a file tells its format.
+inline constexpr std::size_t k_head_bytes = std::size_t(1) << 20;
+
+/// The size that a file may have that begins with `head`, its first `k_head_bytes`.
+using MostBytes = std::function<std::uint64_t(std::span<const std::byte> head)>;
+
+/// The bytes of the file at `path`; of one that is larger than `most` allows, the beginning alone, so that input of no
+/// known format is not read to its end. Errors: the file is missing, a folder, unreadable, or larger than
+/// `k_largest_file`; there is not enough memory for it.
+Result<std::vector<std::byte>> read_file(const std::string& path, const MostBytes& most = {});
 
 /// Bytes `offset`, `offset` + 1, … of the file at `path`: `most` of them, or fewer where it ends. Errors: those of
 /// `read_file`.
 Result<std::vector<std::byte>> read_part(const std::string& path, std::uint64_t offset, std::size_t most);
 
-/// Writes `bytes` to a temporary file next to `path` and renames it, so that `path` holds either its previous content
-/// or all of `bytes`. Errors: the folder is missing or cannot be written, `path` is a folder, the disk is full.
+/// What read() returns, or an error that names the file where memory runs out.
+template <typename Read> auto within_memory(const std::string& path, const Read& read) -> decltype(read()) {
+    try {
+        return read();
+    } catch (const std::bad_alloc&) {
+        return Error{path, {}, "out of memory", {}, {}, ErrorCode::unreadable};
+    }
+}
+
+/// Writes `bytes` to a temporary file next to `path`, waits until the disk has them and renames it, so that `path`
+/// holds either its previous content or all of `bytes`, after a loss of power too. Errors: the folder is missing or
+/// cannot be written, `path` is a folder, the disk is full.
 Result<Done> write_file(const std::string& path, std::span<const std::byte> bytes);
+
+/// Content for a file.
+struct NewFile {
+    std::string path;
+    std::vector<std::byte> bytes;
+};
+/// Writes all of them, and renames them in this order once all are written: an error before that leaves the previous
+/// content of each. Devices and pipes are written directly.
+Result<Done> write_files(std::span<const NewFile> files);
+
+/// Renames a file or a folder, and waits until the disk has the new name.
+Result<Done> rename_path(const std::string& from, const std::string& to);
 
 /// Whether the bytes begin like a safetensors container, the format of fitted models: the length of a header, then its
 /// brace.

@@ -19,7 +19,8 @@ using AnyBrdf = std::variant<Measured, Model>;
 bool is_two_sided(const AnyBrdf& brdf);
 /// Whether a part of it is known, or answered by its counterpart; of a BRDF the front reflection alone.
 bool has_part(const AnyBrdf& brdf, Part part);
-/// Reads a measurement or a model, recognised by its content. Errors: those of load_measured and load_model.
+/// Reads a measurement or a model, recognised by its content. "FILE#T" is texel T of a stack of models (model.h), unless
+/// there is a file of that name. Errors: those of load_measured and load_model.
 Result<AnyBrdf> load_brdf(const std::string& path);
 
 /// The formats of tables that can be written (convert.h).

@@ -130,7 +130,7 @@ PmModel rounded(const PmModel& model);
 /// `beam.NAME.share` [n,3].
 std::vector<std::byte> write_model(const Model& model);
 /// Errors: not a model file; tensors that are missing, of another type or shape, overlapping or with gaps between them;
-/// numbers that are not finite or out of range; `wrong_kind`: a measurement. `file_name` appears in errors only.
+/// numbers that are not finite or out of range; `wrong_kind`: a measurement, a stack. `file_name` appears in errors only.
 Result<Model> read_model(std::span<const std::byte> bytes, const std::string& file_name);
 
 Result<Done> save_model(const Model& model, const std::string& path);

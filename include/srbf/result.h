@@ -12,7 +12,7 @@ namespace [[gnu::visibility("default")]] srbf {
 /// The kind of an error, for programs that react to it.
 enum class ErrorCode {
     malformed,   ///< the content of a file or an array violates its format
-    unreadable,  ///< a file cannot be read or written: missing, no permission, disk full
+    unreadable,  ///< a file cannot be read or written: missing, no permission, disk full, no memory for it
     wrong_kind,  ///< a fitted model where a measurement is expected, or the reverse
     argument,    ///< an option is out of its range, or two exclude each other
     no_data,     ///< nothing to fit: no value was measured, or all of them are 0

@@ -17,6 +17,8 @@ namespace {
 
 constexpr std::string_view k_family = "NVIDIA ARC MBSDF V";  // of any version
 
+constexpr std::size_t k_most_entries = 1024;  // of the header
+
 /// A position in a file.
 struct Cursor {
     std::string_view text;
@@ -155,6 +157,9 @@ Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& 
         if (*line == k_mbsdf_reflection || *line == k_mbsdf_data) break;
         if (*line == k_mbsdf_transmission)
             return file.error(begin, "MBSDF file", "a block of reflection", "transmission alone");
+        if (table.metadata.size() == k_most_entries)
+            return file.error(begin, "MBSDF header", fmt::format("at most {} lines key=\"value\"", k_most_entries),
+                              "more");
         auto entry = parse_entry(file, *line, begin);
         if (!entry) return entry.error();
         table.metadata.push_back(*std::move(entry));

@@ -17,7 +17,7 @@ namespace {
 /// The first bytes as "01 02 0a ..", for readers of the error who know the format.
 std::string opening(std::span<const std::byte> bytes) {
     if (bytes.empty()) return "an empty file";
-    std::string text = fmt::format("{} bytes that begin with", bytes.size());
+    std::string text = "bytes that begin with";  // there may be more than were read
     for (const std::byte b : bytes.first(std::min<std::size_t>(bytes.size(), 12)))
         text += fmt::format(" {:02x}", std::to_integer<unsigned>(b));
     return text;
@@ -27,6 +27,10 @@ template <typename Table>
 Result<Measured> labelled(Result<Table> table, const std::string& file_name, std::string format, std::size_t bytes) {
     if (!table) return table.error();
     return Measured{file_name, std::move(format), bytes, *std::move(table)};
+}
+
+bool is_known_text(std::string_view text) {
+    return is_alta(text) || is_astm(text) || is_xml(text) || is_csv(text) || is_cornell(text);
 }
 
 /// Reads a measurement of any format, without the index of samples.
@@ -68,6 +72,12 @@ Result<Measured> indexed(Result<Measured> measured) {
 
 }  // namespace
 
+std::uint64_t most_bytes_of(std::span<const std::byte> head) {
+    if (is_rgl(head) || is_mbsdf(head) || is_safetensors(head)) return k_largest_file;
+    if (is_text(head) && is_known_text(as_text(head))) return k_largest_file;
+    return std::max(merl_bytes(head), utia_bytes());
+}
+
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name) {
     return indexed(read_unindexed(bytes, file_name));
 }
@@ -79,9 +89,11 @@ Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string
 }
 
 Result<Measured> load_measured(const std::string& path) {
-    auto bytes = read_file(path);
-    if (!bytes) return bytes.error();
-    return read_measured(*std::move(bytes), path);
+    return within_memory(path, [&]() -> Result<Measured> {
+        auto bytes = read_file(path, most_bytes_of);
+        if (!bytes) return bytes.error();
+        return read_measured(*std::move(bytes), path);
+    });
 }
 
 bool is_isotropic(const Measured& measured) {

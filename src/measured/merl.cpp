@@ -70,6 +70,11 @@ bool is_merl(std::span<const std::byte> bytes) {
     return n == Dimensions{90, 90, 180} || (in_range(n) && file_size(n) == bytes.size());
 }
 
+std::uint64_t merl_bytes(std::span<const std::byte> head) {
+    const bool has_header = head.size() >= k_header && in_range(dimensions(head));
+    return has_header ? file_size(dimensions(head)) : 0;
+}
+
 Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string& file_name) {
     if (bytes.size() < k_header)
         return Error{file_name, bytes.size(), "MERL header", "3 dimensions in 12 bytes", "the end of the file"};

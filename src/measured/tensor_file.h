@@ -19,6 +19,9 @@
 namespace srbf {
 
 inline constexpr std::string_view k_tensor_magic("tensor_file\0", 12);
+/// Limits far above those of any measurement: what may be long are a field's numbers.
+inline constexpr std::uint32_t k_most_tensor_fields = 1024;
+inline constexpr std::uint16_t k_most_tensor_extents = 8;
 
 /// Element types with their codes in the file.
 enum class TensorType : std::uint8_t { u8 = 1, i8, u16, i16, u32, i32, u64, i64, f16, f32, f64 };
@@ -38,7 +41,6 @@ using TensorFile = std::map<std::string, TensorField, std::less<>>;
 
 /// "8 x 32 x 32 of f32"
 inline std::string describe(TensorType type, std::span<const std::uint64_t> shape) {
-    if (shape.size() > 8) return fmt::format("rank {}", shape.size());
     return fmt::format("{} of {}", fmt::join(shape, " x "), k_tensor_type_names[std::size_t(type)]);
 }
 
@@ -89,6 +91,10 @@ inline Result<std::pair<std::string, TensorField>> parse_tensor_field(ByteReader
     if (*type == 0 || *type >= k_tensor_type_bytes.size())
         return Error{file_name, begin, "type of tensor field " + shown, "between 1 and 11", fmt::format("{}", *type)};
 
+    if (*rank > k_most_tensor_extents)
+        return Error{file_name, begin, "rank of tensor field " + shown,
+                     fmt::format("at most {}", k_most_tensor_extents), fmt::format("{}", *rank)};
+
     TensorField field{TensorType(*type), *offset, {}, {}};
     for (int i = 0; i < *rank; ++i) {
         const auto extent = reader.take<std::uint64_t>();
@@ -113,6 +119,10 @@ inline Result<TensorFile> parse_tensor_file(std::span<const std::byte> bytes, co
     if (!count) return Error{file_name, bytes.size(), "tensor file header", "18 bytes", "the end of the file"};
     if (*major != 1 || *minor != 0)
         return Error{file_name, 12, "version of the tensor file", "1.0", fmt::format("{}.{}", *major, *minor)};
+
+    if (*count > k_most_tensor_fields)
+        return Error{file_name, 14, "number of tensor fields", fmt::format("at most {}", k_most_tensor_fields),
+                     fmt::format("{}", *count)};
 
     TensorFile file;
     for (std::uint32_t i = 0; i < *count; ++i) {

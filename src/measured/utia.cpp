@@ -34,7 +34,8 @@ Corners corners(Vec3f w) {
 
 }  // namespace
 
-bool is_utia(std::span<const std::byte> bytes) { return bytes.size() == k_bytes; }
+std::uint64_t utia_bytes() { return k_bytes; }
+bool is_utia(std::span<const std::byte> bytes) { return bytes.size() == utia_bytes(); }
 
 Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name) {
     if (bytes.size() != k_bytes)

@@ -10,6 +10,7 @@
 #include "model/ggx_file.h"
 #include "model/safetensors.h"
 #include "model/su_file.h"
+#include "model/texel.h"
 #include "srbf/colour.h"
 #include "srbf/file.h"
 #include "srbf/half.h"
@@ -388,6 +389,13 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
         return Error{file_name, 8, "metadata 'srbf'", std::string(k_version),
                      version == content->metadata.end() ? "none" : fmt::format("{:.40}", version->second)};
     content->metadata.erase(version);
+    if (const auto kind = content->metadata.find("model"); kind != content->metadata.end() && kind->second == k_stack)
+        return Error{file_name,
+                     {},
+                     "input",
+                     "a model",
+                     fmt::format("a stack of them, which {0}#0, {0}#1, .. name", file_name),
+                     ErrorCode::wrong_kind};
     return model_of(*std::move(content), true, file_name);
 }
 
@@ -415,8 +423,31 @@ std::vector<std::byte> write_stack(const ModelStack& stack) {
     return write_safetensors(content);
 }
 
-Result<ModelStack> read_stack(std::span<const std::byte> bytes, const std::string& file_name) {
-    const FlushSubnormals mode;
+namespace {
+
+/// The content of a stack's file, of which every tensor has T entries.
+struct StackContent {
+    std::map<std::string, Tensor16> tensors;  ///< of the models
+    std::vector<std::uint16_t> state;
+    std::vector<float> error;
+    PmForm form;
+    bool axial;
+    std::map<std::string, std::string> provenance;
+    std::string file_name;
+
+    Result<PmModel> model(std::size_t texel) const {
+        std::map<std::string, Tensor16> of;
+        for (const auto& [name, tensor] : tensors) {
+            const std::size_t count = tensor.data.size() / state.size();
+            const auto begin = tensor.data.begin() + std::ptrdiff_t(count * texel);
+            of[name] = {
+                tensor.type, {tensor.shape.begin() + 1, tensor.shape.end()}, {begin, begin + std::ptrdiff_t(count)}};
+        }
+        return decode(of, form, axial, {}, file_name);
+    }
+};
+
+Result<StackContent> read_stack_content(std::span<const std::byte> bytes, const std::string& file_name) {
     Result<Safetensors> content = read_safetensors(bytes, file_name);
     if (!content) return content.error();
     std::optional<Error> error;
@@ -445,31 +476,57 @@ Result<ModelStack> read_stack(std::span<const std::byte> bytes, const std::strin
                          fmt::format("tensor '{:.80}': shape", name),
                          fmt::format("[{}, ..]", T),
                          shape_text(tensor.shape)};
-    ModelStack stack;
-    stack.state = own["aux.state"].data;
+    StackContent stack{std::move(tensors), own["aux.state"].data,        {},       *form_named(form),
+                       axial == "true",    std::move(content->metadata), file_name};
     for (const std::uint16_t half : own["aux.error"].data) stack.error.push_back(from_half(half));
-    for (std::uint64_t t = 0; t < T; ++t) {
-        std::map<std::string, Tensor16> of;
-        for (const auto& [name, tensor] : tensors) {
-            const auto count = std::ptrdiff_t(tensor.data.size() / T), begin = count * std::ptrdiff_t(t);
-            of[name] = {tensor.type,
-                        {tensor.shape.begin() + 1, tensor.shape.end()},
-                        {tensor.data.begin() + begin, tensor.data.begin() + begin + count}};
-        }
-        auto model = decode(of, *form_named(form), axial == "true", {}, file_name);
-        if (!model) return model.error();
-        stack.models.push_back(*std::move(model));
-    }
-    stack.provenance = std::move(content->metadata);
     return stack;
 }
 
-Result<Done> save_model(const Model& model, const std::string& path) { return write_file(path, write_model(model)); }
+}  // namespace
+
+Result<ModelStack> read_stack(std::span<const std::byte> bytes, const std::string& file_name) {
+    const FlushSubnormals mode;
+    auto content = read_stack_content(bytes, file_name);
+    if (!content) return content.error();
+    ModelStack stack{{}, content->error, content->state, content->provenance};
+    for (std::size_t t = 0; t < content->state.size(); ++t) {
+        auto model = content->model(t);
+        if (!model) return model.error();
+        stack.models.push_back(*std::move(model));
+    }
+    return stack;
+}
+
+Result<Model> read_texel(std::span<const std::byte> bytes, std::uint64_t texel, const std::string& file_name) {
+    const FlushSubnormals mode;
+    auto content = read_stack_content(bytes, file_name);
+    if (!content) return content.error();
+    const std::size_t count = content->state.size();
+    if (texel >= count)
+        return Error{file_name,          {}, "texel", fmt::format("0 to {}", count - 1), fmt::format("{}", texel),
+                     ErrorCode::argument};
+    auto model = content->model(texel);
+    if (!model) return model.error();
+    auto& provenance = content->provenance;
+    provenance["texel"] = fmt::format("{} of {}", texel, count);
+    provenance["texel_state"] = fmt::format("{}", content->state[texel]);
+    provenance["texel_error"] = fmt::format("{:.4g}", content->error[texel]);
+    return Model{*std::move(model), std::move(provenance)};
+}
+
+Result<Done> save_model(const Model& model, const std::string& path) {
+    const std::vector<std::byte> bytes = write_model(model);
+    if (const auto readable = header_length(bytes, path); !readable) return readable.error();  // long provenance
+    return write_file(path, bytes);
+}
 
 Result<Model> load_model(const std::string& path) {
-    const auto bytes = read_file(path);
-    if (!bytes) return bytes.error();
-    return read_model(*bytes, path);
+    return within_memory(path, [&]() -> Result<Model> {
+        const auto bytes = read_file(
+            path, [](auto head) { return is_safetensors(head) ? k_largest_file : std::uint64_t(head.size()); });
+        if (!bytes) return bytes.error();
+        return read_model(*bytes, path);
+    });
 }
 
 }  // namespace srbf

@@ -17,6 +17,9 @@ namespace {
 using Json = nlohmann::json;
 constexpr std::uint64_t k_length_bytes = 8;
 constexpr std::size_t k_most_tensors = 64;
+/// Of a header: what may be long is a tensor. A tree of JSON takes up to forty times its text.
+constexpr std::uint64_t k_most_header_bytes = std::uint64_t(1) << 20;
+constexpr int k_deepest = 3;  ///< the numbers of a shape
 
 std::uint64_t little_endian_64(std::span<const std::byte> bytes) {
     std::uint64_t x = 0;
@@ -52,20 +55,15 @@ std::optional<std::vector<std::uint64_t>> shape_within(const Json& json, std::ui
 
 constexpr const char* name_of(Type16 type) { return type == Type16::half ? "F16" : "U16"; }
 
-/// The length of the header, from the first bytes of a file.
-Result<std::uint64_t> header_length(std::span<const std::byte> bytes, const std::string& file_name) {
-    if (bytes.size() < k_length_bytes)
-        return Error{file_name, 0, "header length", "8 bytes", fmt::format("{} bytes", bytes.size())};
-    if (as_text(bytes).starts_with("tensor_file"))
-        return Error{
-            file_name, {}, "input", "a fitted model", "a measurement (RGL tensor file)", ErrorCode::wrong_kind};
-    const std::uint64_t length = little_endian_64(bytes), most = bytes.size() - k_length_bytes;
-    if (length <= most) return length;
-    return Error{file_name, 0, "header length", fmt::format("at most {}", most), fmt::format("{}", length)};
-}
-
 Result<Json> parsed_header(std::string_view text, const std::string& file_name) {
-    Json header = Json::parse(text.begin(), text.end(), nullptr, false);
+    bool too_deep = false;
+    const auto is_shallow = [&](int depth, Json::parse_event_t, const Json&) {
+        too_deep = too_deep || depth > k_deepest;
+        return !too_deep;
+    };
+    Json header = Json::parse(text.begin(), text.end(), is_shallow, false);
+    if (too_deep)
+        return Error{file_name, k_length_bytes, "header", fmt::format("at most {} levels of JSON", k_deepest), "more"};
     if (!header.is_object()) return Error{file_name, k_length_bytes, "header", "a JSON object", "something else"};
     if (header.size() > k_most_tensors)
         return Error{file_name, k_length_bytes, "number of tensors", fmt::format("at most {}", k_most_tensors),
@@ -142,6 +140,18 @@ Result<Done> check_covered(std::vector<Range> ranges, std::uint64_t size, std::u
 }
 
 }  // namespace
+
+Result<std::uint64_t> header_length(std::span<const std::byte> bytes, const std::string& file_name) {
+    if (bytes.size() < k_length_bytes)
+        return Error{file_name, 0, "header length", "8 bytes", fmt::format("{} bytes", bytes.size())};
+    if (as_text(bytes).starts_with("tensor_file"))
+        return Error{
+            file_name, {}, "input", "a fitted model", "a measurement (RGL tensor file)", ErrorCode::wrong_kind};
+    const std::uint64_t length = little_endian_64(bytes),
+                        most = std::min<std::uint64_t>(bytes.size() - k_length_bytes, k_most_header_bytes);
+    if (length <= most) return length;
+    return Error{file_name, 0, "header length", fmt::format("at most {}", most), fmt::format("{}", length)};
+}
 
 std::string shape_text(const std::vector<std::uint64_t>& shape) { return fmt::format("[{}]", fmt::join(shape, ", ")); }
 

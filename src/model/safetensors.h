@@ -48,6 +48,9 @@ struct Safetensors {
 /// multiple of 8.
 std::vector<std::byte> write_safetensors(const Safetensors& content);
 
+/// The length of the header, by the first bytes of a file. Errors: it is longer than the file or than 1 MB.
+Result<std::uint64_t> header_length(std::span<const std::byte> bytes, const std::string& file_name);
+
 /// Checks every size before it allocates: tensors must be F16 or U16, their offsets must match their shapes and cover
 /// the data without overlaps, gaps or a remainder.
 Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std::string& file_name);

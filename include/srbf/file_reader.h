@@ -1,0 +1,55 @@
+// Reading of a file piece by piece: level 1.
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "srbf/result.h"
+#include "srbf/text.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// An open file.
+class FileReader {
+  public:
+    /// Errors: those of `read_file`.
+    static Result<FileReader> open(const std::string& path);
+    FileReader(FileReader&& other) noexcept;
+    FileReader& operator=(FileReader&&) = delete;
+    ~FileReader();
+
+    const std::string& path() const { return path_; }
+    /// Further bytes of the file: fills `bytes`, or a part of it where the file ends; returns their number.
+    Result<std::size_t> read(std::span<std::byte> bytes);
+
+  private:
+    FileReader(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
+    std::string path_;
+    int descriptor_;
+};
+
+/// The lines of a file as `Lines` gives them, with a block of the file in memory. A line that is longer than a block is
+/// an error.
+class FileLines {
+  public:
+    explicit FileLines(FileReader file) : file_(std::move(file)), lines_({}) {}
+    /// The next line that is not empty, valid until the next call; none at the end.
+    Result<std::optional<std::string_view>> next();
+    /// Number of the last line that was returned, counted from 1.
+    std::uint64_t number() const { return before_ + lines_.number(); }
+
+  private:
+    Result<Done> read_block();
+
+    FileReader file_;
+    std::vector<std::byte> block_;
+    std::size_t whole_ = 0;     ///< bytes of the block's whole lines
+    std::uint64_t before_ = 0;  ///< lines before the block
+    bool at_end_ = false;
+    Lines lines_;
+};
+
+}  // namespace srbf

@@ -1,0 +1,81 @@
+// Each allocation of each reader fails in turn: the reader gives up, and nothing leaks or is freed twice, which
+// sanitizers see. This program has its own operator new.
+#include <new>
+
+#include "../fuzz/targets.h"
+#include "properties.h"
+#include "srbf/file.h"
+#include "srbf/load.h"
+#include "temporary_folder.h"
+
+namespace {
+
+std::size_t allocations = 0, fails_at = std::size_t(-1);
+
+void* allocated(std::size_t size, std::size_t to) {
+    if (allocations++ == fails_at) throw std::bad_alloc();
+    void* const at = to > alignof(std::max_align_t) ? std::aligned_alloc(to, (size + to - 1) / to * to)
+                                                    : std::malloc(size > 0 ? size : 1);
+    if (!at) throw std::bad_alloc();
+    return at;
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) { return allocated(size, 1); }
+void* operator new(std::size_t size, std::align_val_t to) { return allocated(size, std::size_t(to)); }
+void operator delete(void* at) noexcept { std::free(at); }
+void operator delete(void* at, std::size_t) noexcept { std::free(at); }
+void operator delete(void* at, std::align_val_t) noexcept { std::free(at); }
+void operator delete(void* at, std::size_t, std::align_val_t) noexcept { std::free(at); }
+
+namespace srbf::allocations_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Runs `action` with its allocation number `at` failing; whether it has that many.
+template <typename Action> bool fails(std::size_t at, const Action& action) {
+    allocations = 0, fails_at = at;
+    action();
+    fails_at = std::size_t(-1);
+    return allocations > at;
+}
+
+fs::path corpus() { return fs::path(SRBF_SOURCE_DIR) / "fuzz" / "corpus"; }
+
+TEST(Allocations, ThatFailEndAReader) {
+    for (const NamedTarget& target : k_targets) {
+        // The destructor of nlohmann's trees allocates, and cannot throw: without memory for that it ends the program.
+        if (target.name == "model" || target.name == "stack") continue;
+        for (const auto& entry : fs::directory_iterator(corpus() / std::string(target.name))) {
+            const std::string bytes = contents(entry.path());
+            const auto read = [&] {
+                try {
+                    target.check(std::as_bytes(std::span(bytes)));
+                } catch (const std::bad_alloc&) {
+                }
+            };
+            for (std::size_t at = 0; at < 3000 && fails(at, read); ++at) continue;
+        }
+    }
+}
+
+TEST(Allocations, ThatFailAreErrorsThatNameTheFile) {
+    for (const char* name : {"measured/rgl_simple", "measured/csv_vectors", "measured/merl_small", "bsdf_xml/rows"}) {
+        const std::string path = (corpus() / name).string();
+        int errors = 0;
+        const auto load = [&] {
+            const auto loaded = load_brdf(path);
+            if (loaded) return;
+            EXPECT_EQ(loaded.error().source, path);
+            EXPECT_EQ(loaded.error().what, "out of memory");
+            ++errors;
+        };
+        for (std::size_t at = 0; fails(at, load); ++at) continue;
+        EXPECT_GE(errors, 3) << name;
+    }
+}
+
+}  // namespace
+}  // namespace srbf::allocations_test

@@ -1,0 +1,134 @@
+// Model files of each version stay readable: test/models/VERSION/ has a file of each kind, written when its version was
+// current, and its values then. To add a kind: SRBF_WRITE_MODELS=1 writes those that are missing. A file that is there is
+// never written again.
+#include <fmt/format.h>
+
+#include "models.h"
+#include "srbf/file.h"
+#include "srbf/load.h"
+#include "srbf/text.h"
+#include "su_models.h"
+#include "temporary_folder.h"
+
+namespace srbf::versions_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path k_folder = fs::path(SRBF_SOURCE_DIR) / "test" / "models";
+const std::string k_current = "1";
+
+/// A model of each kind that the program writes today.
+std::map<std::string, Model> models_of_today() {
+    std::map<std::string, Model> all;
+    std::mt19937_64 random(44);
+    for (const PmForm form : k_forms)
+        for (const bool axial : {true, false})
+            for (const bool log_scale : {false, true})
+                all[fmt::format("pm_{}_{}{}", name(form), axial ? "axial" : "general", log_scale ? "_scaled" : "")] = {
+                    random_model(random, {.axial = axial, .log_scale = log_scale, .lobes = 3, .form = form}),
+                    {{"source", "made up"}, {"max_theta", "80"}}};
+    all["pm_spectral"] = {spectral_model(random, {.lobes = 2}, 5), {}};
+    SuModel su = random_su(random, 8, 2, true);
+    all["su"] = {su, {}};
+    su.index = index_texture(su, DirectionMap::cube, 2);
+    all["su_cube"] = {su, {}};
+    su.index = index_texture(su, DirectionMap::parabolic, 2);
+    su.interpolation = SuInterpolation::plain, su.neighbours = 3, su.discretise = Discretise::light, su.shape.clear();
+    all["su_parabolic_plain_light"] = {su, {}};
+    all["ggx_one"] = {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.4f, {0.5f, 0.3f, 0.1f}, 1}}}, {}};
+    all["ggx_two"] = {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.4f, {0.5f, 0.3f, 0.1f}, 1}, {0.1f, {0.2f, 0.2f, 0.2f}, 0.5f}}},
+                      {}};
+    all["bsdf"] = {full_bsdf(), {}};
+    return all;
+}
+
+ModelStack stack_of_today() {
+    std::mt19937_64 random(45);
+    ModelStack stack{{}, {0.25f, 0.5f}, {0, 0}, {{"first", "1024"}}};
+    for (int t = 0; t < 2; ++t) stack.models.push_back(random_model(random, {.lobes = 2, .variates = 2}));
+    return stack;
+}
+
+/// Values at a few pairs of directions, on both sides.
+std::vector<Rgb> values_of(const AnyBrdf& brdf) {
+    std::mt19937_64 random(1);
+    std::vector<Rgb> values;
+    for (int i = 0; i < 12; ++i) {
+        const double lowest = i < 8 ? 0.05 : -1;
+        const Vec3f wl = to_float(random_direction(random, lowest));
+        const Vec3f wv = i % 2 ? to_float(random_direction(random, lowest)) : mirror(wl);
+        values.push_back(std::visit([&](const auto& of) { return value(of, wl, wv); }, brdf));
+    }
+    return values;
+}
+
+std::string csv_of(const std::vector<Rgb>& values) {
+    std::string csv = "r,g,b\n";
+    for (const Rgb& f : values) csv += fmt::format("{:.9g},{:.9g},{:.9g}\n", f.r, f.g, f.b);
+    return csv;
+}
+
+std::vector<Rgb> values_in(const fs::path& csv) {
+    const std::string text = contents(csv);
+    std::vector<Rgb> values;
+    std::vector<std::string_view> fields;
+    for (Lines lines(text); auto line = lines.next();) {
+        split_fields(*line, fields);
+        if (lines.number() > 1 && fields.size() == 3)
+            values.push_back({to_number<float>(fields[0]).value_or(-1), to_number<float>(fields[1]).value_or(-1),
+                              to_number<float>(fields[2]).value_or(-1)});
+    }
+    return values;
+}
+
+/// Writes the files of today that are missing.
+void write_missing() {
+    const fs::path folder = k_folder / k_current;
+    fs::create_directories(folder);
+    const auto add = [&](const std::string& name, const std::vector<std::byte>& bytes) {
+        const fs::path file = folder / (name + ".srbf");
+        if (fs::exists(file)) return;
+        ASSERT_TRUE(write_file(file.string(), bytes).ok());
+        const auto loaded = load_brdf(file.string() + (name == "stack" ? "#1" : ""));
+        ASSERT_TRUE(loaded.ok()) << message(loaded.error());
+        write(folder / (name + ".csv"), csv_of(values_of(*loaded)));
+    };
+    for (const auto& [name, model] : models_of_today()) add(name, write_model(model));
+    add("stack", write_stack(stack_of_today()));
+}
+
+TEST(Versions, FilesOfEachAreReadAndMeanTheSame) {
+    if (std::getenv("SRBF_WRITE_MODELS")) write_missing();
+    int files = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(k_folder)) {
+        if (entry.path().extension() != ".srbf") continue;
+        SCOPED_TRACE(entry.path().string());
+        ++files;
+        const bool is_stack = entry.path().stem() == "stack";
+        const auto loaded = load_brdf(entry.path().string() + (is_stack ? "#1" : ""));
+        ASSERT_TRUE(loaded.ok()) << message(loaded.error());
+        const auto expected = values_in(fs::path(entry.path()).replace_extension(".csv")), found = values_of(*loaded);
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t i = 0; i < found.size(); ++i)
+            for (int c = 0; c < 3; ++c)
+                EXPECT_TRUE(near(found[i][c], expected[i][c], 1e-4 * expected[i][c] + 1e-7)) << i;
+        if (entry.path().parent_path().filename() != k_current) continue;
+        const auto bytes = *read_file(entry.path().string());
+        EXPECT_EQ(is_stack ? write_stack(*read_stack(bytes, "")) : write_model(std::get<Model>(*loaded)), bytes);
+    }
+    EXPECT_GE(files, 20);
+}
+
+/// A kind of which no file is kept could change its meaning unseen.
+TEST(Versions, AFileOfEachKindIsKept) {
+    for (const auto& [name, model] : models_of_today())
+        EXPECT_TRUE(fs::exists(k_folder / k_current / (name + ".srbf"))) << name;
+    EXPECT_TRUE(fs::exists(k_folder / k_current / "stack.srbf"));
+    const auto bytes = write_model(models_of_today().begin()->second);
+    const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    EXPECT_NE(text.find("\"srbf\":\"" + k_current + "\""), text.npos) << "a new version needs a folder of files";
+}
+
+}  // namespace
+}  // namespace srbf::versions_test

@@ -19,11 +19,17 @@ struct CompareCommand {
     int of_both_sides(const Subject& a, const Subject& b, double theta) const;
 };
 
+/// The names of the parts that are known.
+std::string parts_text(const Subject& subject) {
+    std::vector<std::string_view> names;
+    for (std::size_t p = 0; p < k_parts; ++p)
+        if (has_part(subject.content, Part(p))) names.push_back(name(Part(p)));
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
 /// The same measures for each part that both have. Unscattered light is not a part of f, and of no measure.
 int CompareCommand::of_both_sides(const Subject& a, const Subject& b, double theta) const {
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
-    if (json != "-")
-        fmt::print("{} against {}, directions within {:g}° of the normal, without beams\n", other, reference, theta);
     bool any = false;
     for (std::size_t p = 0; p < k_parts; ++p) {
         const Part part = Part(p);
@@ -32,6 +38,9 @@ int CompareCommand::of_both_sides(const Subject& a, const Subject& b, double the
         const Comparison comparison = compare(part_of(evaluator(a), part), others, {theta * k_degree, threads},
                                               fibonacci_directions(k_matrix_directions, theta * k_degree))[0];
         if (comparison.matrix.pairs == 0 || comparison.heldout.pairs == 0) continue;
+        if (!any && json != "-")
+            fmt::print("{} against {}, directions within {:g}° of the normal, without beams\n", other, reference,
+                       theta);
         any = true;
         Json of;
         add_measures(of, comparison, "");
@@ -40,7 +49,12 @@ int CompareCommand::of_both_sides(const Subject& a, const Subject& b, double the
         fmt::print("\n{}\n", name(part));
         print_measures({{"", &comparison}});
     }
-    if (!any) return complain({reference, {}, "parts", "some that both have", "none"});
+    if (!any)
+        return complain({fmt::format("{} and {}", reference, other),
+                         {},
+                         "parts",
+                         "one that both have",
+                         fmt::format("{}, and {}", parts_text(a), parts_text(b))});
     if (!json.empty())
         if (const auto written = write_json(report, json); !written) return complain(written.error());
     return k_done;
@@ -64,7 +78,11 @@ int CompareCommand::run() const {
     const Comparison comparison = compare(evaluator(*a), others, {theta * k_degree, threads}, directions)[0];
 
     if (comparison.matrix.pairs == 0 || comparison.heldout.pairs == 0)
-        return complain({reference, {}, "compared pairs of directions", "some that both hold", "none"});
+        return complain({fmt::format("{} and {}", reference, other),
+                         {},
+                         "compared pairs of directions",
+                         "some that both hold",
+                         "none"});
 
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
     add_measures(report, comparison, "");

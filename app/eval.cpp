@@ -8,11 +8,33 @@
 #include "app/commands.h"
 #include "app/load.h"
 #include "app/pairs.h"
-#include "srbf/file.h"
-#include "srbf/text.h"
 
 namespace srbf {
 namespace {
+
+/// Pairs at a time: their values are printed before the next ones are read.
+constexpr std::size_t k_block = 1 << 16;
+
+std::string header_of(const Channels& brdf) {
+    std::string header = fmt::format("{}", fmt::join(k_pair_columns, ","));
+    if (brdf.wavelengths.empty()) header += ",r,g,b";
+    for (const float nm : brdf.wavelengths) header += fmt::format(",{}nm", nm);
+    return header + '\n';
+}
+
+/// The rows of pairs and their values.
+std::string rows_of(const Channels& brdf, const Pairs& pairs) {
+    const std::size_t C = brdf.count();
+    std::vector<float> f(C * pairs.wl.size());
+    brdf.evaluate(pairs.wl, pairs.wv, f);
+    std::string rows;
+    for (std::size_t i = 0; i < pairs.wl.size(); ++i) {
+        rows += fmt::format("{}", fmt::join(pairs.text[i], ","));
+        for (std::size_t c = 0; c < C; ++c) rows += fmt::format(",{:.9g}", f[i * C + c]);
+        rows += '\n';
+    }
+    return rows;
+}
 
 int run(const std::string& file, const std::string& pairs_file, const std::string& asked, bool exchanged) {
     auto subject = load(file);
@@ -20,27 +42,20 @@ int run(const std::string& file, const std::string& pairs_file, const std::strin
     if (exchanged) std::visit([](auto& of) { exchange(of); }, subject->content);
     if (asked == "spectral" && wavelengths(*subject).empty())
         return complain({file, {}, "spectral channels", "a measurement or a model at wavelengths", "one of colours"});
-    const auto bytes = read_file(pairs_file);
-    if (!bytes) return complain(bytes.error());
-    const auto pairs = read_pairs(as_text(*bytes), pairs_file);
-    if (!pairs) return complain(pairs.error());
-
     const bool spectral = asked == "spectral" || (asked.empty() && subject->is_model());
     const Channels brdf = spectral ? channels(*subject) : rgb_channels(evaluator(*subject));
-    const std::size_t C = brdf.count();
-    std::vector<float> f(C * pairs->wl.size());
-    brdf.evaluate(pairs->wl, pairs->wv, f);
-    std::string out = fmt::format("{}", fmt::join(k_pair_columns, ","));
-    if (brdf.wavelengths.empty()) out += ",r,g,b";
-    for (const float nm : brdf.wavelengths) out += fmt::format(",{}nm", nm);
-    out += '\n';
-    for (std::size_t i = 0; i < pairs->wl.size(); ++i) {
-        out += fmt::format("{}", fmt::join(pairs->text[i], ","));
-        for (std::size_t c = 0; c < C; ++c) out += fmt::format(",{:.9g}", f[i * C + c]);
-        out += '\n';
+
+    auto reader = PairReader::open(pairs_file);
+    if (!reader) return complain(reader.error());
+    bool has_header = false;
+    for (;;) {
+        const auto pairs = reader->next(k_block);
+        if (!pairs) return complain(pairs.error());
+        if (!has_header) fmt::print("{}", header_of(brdf));
+        has_header = true;
+        if (pairs->wl.empty()) return k_done;
+        fmt::print("{}", rows_of(brdf, *pairs));
     }
-    fmt::print("{}", out);
-    return k_done;
 }
 
 }  // namespace

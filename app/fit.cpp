@@ -10,6 +10,7 @@
 #include "app/fit.h"
 #include "render/preview.h"
 #include "srbf/directions.h"
+#include "srbf/file.h"
 #include "srbf/fit_batch.h"
 #include "srbf/text.h"
 
@@ -102,27 +103,6 @@ struct FitCommand {
     }
 };
 
-/// Output to standard output, a device or a pipe comes first, so that no file is left behind if it fails.
-Result<Done> write(const FileFit& fit, const Measured& measured, const FitOutcome& outcome, const Image8& picture) {
-    struct Output {
-        std::string path;
-        std::function<Result<Done>()> write;
-    };
-    std::vector<Output> outputs;
-    outputs.push_back({fit.output, [&] { return save_model(outcome.model, fit.output); }});
-    if (!fit.preview.empty()) outputs.push_back({fit.preview, [&] { return write_png(picture, fit.preview); }});
-    if (!fit.json.empty())
-        outputs.push_back({fit.json, [&] { return write_json(report_of(fit, measured, outcome), fit.json); }});
-    if (fit.json != "-") outputs.push_back({"-", [&] { return print_report(fit, measured, outcome); }});
-    std::stable_partition(outputs.begin(), outputs.end(), [](const Output& one) {
-        std::error_code ignored;
-        return one.path == "-" || std::filesystem::is_other(one.path, ignored);
-    });
-    for (const Output& one : outputs)
-        if (const auto written = one.write(); !written) return written.error();
-    return Done{};
-}
-
 int fit_file(FileFit fit) {
     const auto measured = load_measured(fit);
     if (!measured) return complain(measured.error());
@@ -144,7 +124,8 @@ int fit_file(FileFit fit) {
         picture = preview(evaluator(*measured), evaluator(outcome->model), options);
     }
     line.clear();
-    const auto written = write(fit, *measured, *outcome, picture);
+    const auto written = write_fit(fit, outcome->model, picture, report_of(fit, *measured, *outcome),
+                                   [&] { return print_report(fit, *measured, *outcome); });
     return written ? k_done : complain(written.error());
 }
 
@@ -246,8 +227,21 @@ Result<Measured> load_measured(FileFit& fit) {
     return std::move(*measured);
 }
 
+Result<Done> write_fit(const FileFit& fit, const Model& model, const Image8& picture, const Json& report,
+                       const std::function<Result<Done>()>& print) {
+    std::vector<NewFile> files{{fit.output, write_model(model)}};
+    if (!fit.preview.empty()) {
+        auto bytes = png(picture, fit.preview);
+        if (!bytes) return bytes.error();
+        files.push_back({fit.preview, *std::move(bytes)});
+    }
+    if (!fit.json.empty() && fit.json != "-") files.push_back({fit.json, json_bytes(report)});
+    if (const auto printed = fit.json == "-" ? write_json(report, "-") : print(); !printed) return printed;
+    return write_files(files);
+}
+
 Result<FitOutcome> fit_measured(const Measured& measured, const FileFit& fit, const ProgressToken& progress) {
-    auto outcome = srbf::fit(measured, fit.request, progress);
+    auto outcome = within_memory(fit.input, [&] { return srbf::fit(measured, fit.request, progress); });
     if (!outcome) {
         Error error = outcome.error();
         error.source = fit.input;

@@ -1,9 +1,11 @@
 // Input, output and messages of `srbf fit`. The fit itself is in srbf/fitting.h.
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "app/output.h"
+#include "render/image.h"
 #include "srbf/fit_bsdf.h"
 #include "srbf/fitting.h"
 
@@ -33,6 +35,10 @@ Result<Measured> load_measured(FileFit& fit);
 /// Fits and measures the errors; the model's provenance names the source.
 Result<FitOutcome> fit_measured(const Measured& measured, const FileFit& fit, const ProgressToken& progress);
 
+/// Writes the model, the picture and the report, all of them or none; before that prints what `print` does, or the report
+/// itself if it goes to standard output.
+Result<Done> write_fit(const FileFit& fit, const Model& model, const Image8& picture, const Json& report,
+                       const std::function<Result<Done>()>& print);
 Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& outcome);
 Result<Done> print_report(const FileFit& fit, const Measured& measured, const FitOutcome& outcome);
 

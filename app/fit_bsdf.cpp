@@ -10,6 +10,8 @@
 #include "app/fit.h"
 #include "render/preview.h"
 #include "srbf/directions.h"
+#include "srbf/file.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 
@@ -21,6 +23,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
               {"version", SRBF_VERSION},
               {"model", "bsdf"},
               {"band", std::get<BsdfTable>(measured.table).band().name},
+              {k_model_hash, model_hash(write_model(outcome.model))},
               {"payload_bytes", payload_bytes(outcome.model)},
               {"auxiliary_bytes", auxiliary_bytes(outcome.model)},
               {"fit_seconds", outcome.fit_seconds},
@@ -59,7 +62,7 @@ std::string sums_text(const std::vector<Hemispherical>& sums) {
 Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome) {
     const auto& table = std::get<BsdfTable>(measured.table);
     fmt::print("{}  ({}, {} bytes{})\n", fit.input, measured.format, grouped(measured.bytes),
-               table.band().name.empty() ? "" : ", " + table.band().name);
+               table.band().name.empty() ? "" : ", " + printable(table.band().name));
     fmt::print("  stored    {} bytes, fitted in {:.2f} s\n\n", grouped(payload_bytes(outcome.model)),
                outcome.fit_seconds);
     fmt::print("  {:<20} {:>7} {:>12}   {}\n", "", "", "squared", "directional-hemispherical");
@@ -88,7 +91,7 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
 }  // namespace
 
 Result<BsdfOutcome> fit_sides(const Measured& measured, const FileFit& fit, const ProgressToken& progress) {
-    auto outcome = fit_bsdf(measured, fit.request, progress);
+    auto outcome = within_memory(fit.input, [&] { return fit_bsdf(measured, fit.request, progress); });
     if (!outcome) {
         Error error = outcome.error();
         error.source = fit.input;
@@ -111,20 +114,16 @@ int fit_both_sides(const FileFit& fit, const Measured& measured) {
         fit_sides(measured, fit, [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
     line.clear();
     if (!outcome) return complain(outcome.error());
+    Image8 picture;
     if (!fit.preview.empty()) {
         PreviewOptions options;
         options.threads = fit.request.threads;
         options.captions[1] = fmt::format("fit, {} bytes", payload_bytes(outcome->model));
-        const Image8 picture = preview(evaluator(measured), evaluator(outcome->model), options);
-        if (const auto written = write_png(picture, fit.preview); !written) return complain(written.error());
+        picture = preview(evaluator(measured), evaluator(outcome->model), options);
     }
-    if (const auto written = save_model(outcome->model, fit.output); !written) return complain(written.error());
-    if (!fit.json.empty())
-        if (const auto written = write_json(report_of(fit, measured, *outcome), fit.json); !written)
-            return complain(written.error());
-    if (fit.json == "-") return k_done;
-    const auto printed = print(fit, measured, *outcome);
-    return printed ? k_done : complain(printed.error());
+    const auto written = write_fit(fit, outcome->model, picture, report_of(fit, measured, *outcome),
+                                   [&] { return print(fit, measured, *outcome); });
+    return written ? k_done : complain(written.error());
 }
 
 }  // namespace srbf

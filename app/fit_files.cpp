@@ -11,6 +11,7 @@
 
 #include "app/commands.h"
 #include "app/fit.h"
+#include "app/hash.h"
 #include "app/jobs.h"
 #include "srbf/file.h"
 
@@ -62,8 +63,8 @@ struct FileOfMany {
     std::string error;  ///< of a failure
 };
 
-/// Fits one file, or finds that it is done: its report is written last, and its key covers the file's content, the
-/// options and the program's version.
+/// Fits one file, or finds that it is done: its report is that of the model, and the report's key covers the file's
+/// content, the options and the program's version.
 Result<State> fit_one(FileOfMany& of, const FolderFit& all, const ProgressToken& progress) {
     Hash hash;
     if (const auto bytes = read_file(of.fit.input))
@@ -75,18 +76,16 @@ Result<State> fit_one(FileOfMany& of, const FolderFit& all, const ProgressToken&
     if (all.resume)
         if (const auto report = read_json(of.fit.json))
             if (const auto line = line_of(*report); line && report->value("key", Json()) == key)
-                if (load_model(of.fit.output).ok()) return of.line = *line, State::kept;
+                if (is_report_of(*report, of.fit.output)) return of.line = *line, State::kept;
 
     const auto measured = load_measured(of.fit);
     if (!measured) return measured.error();
     const auto keep = [&](const auto& outcome) -> Result<State> {
         if (!outcome) return outcome.error();
-        std::error_code none;
-        fs::remove(of.fit.json, none);  // that of another model
-        if (const auto saved = save_model(outcome->model, of.fit.output); !saved) return saved.error();
         Json report = report_of(of.fit, *measured, *outcome);
         report["key"] = key;
-        if (const auto written = write_json(report, of.fit.json); !written) return written.error();
+        const NewFile files[] = {{of.fit.output, write_model(outcome->model)}, {of.fit.json, json_bytes(report)}};
+        if (const auto written = write_files(files); !written) return written.error();
         of.line = line_of(report).value_or(Line{});
         return State::fitted;
     };
@@ -165,11 +164,12 @@ int fit_files(const FolderFit& all) {
     in_jobs(materials.size(), jobs, [&](std::size_t i) {
         FileOfMany of = materials[i];
         if (of.state == State::waiting) {
-            const auto done = fit_one(of, all, [&](const Progress& now) {
+            const auto show = [&](const Progress& now) {
                 board.show(i, fmt::format("{} of {}, {}: {}", i + 1, materials.size(), of.name, now.stage),
                            now.fraction);
                 return true;
-            });
+            };
+            const auto done = within_memory(of.fit.input, [&] { return fit_one(of, all, show); });
             of.state = done ? *done : State::failed;
             if (!done) of.error = message(done.error());
         }

@@ -128,6 +128,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         {"objective", name(request.objective)},
         {"max_theta", degrees(outcome.max_theta)},
         {"raw_bytes", outcome.raw_bytes},
+        {k_model_hash, model_hash(write_model(outcome.model))},
         {"payload_bytes", payload_bytes(outcome.model)},
         {"auxiliary_bytes", auxiliary_bytes(outcome.model)},
         {"fit_seconds", outcome.fit_seconds},

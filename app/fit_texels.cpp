@@ -7,7 +7,7 @@
 
 #include "app/commands.h"
 #include "app/fit.h"
-#include "app/jobs.h"
+#include "app/hash.h"
 #include "app/pairs.h"
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
@@ -126,7 +126,8 @@ int fit_texels(const TexelFits& fit) {
         return read;
     };
     stream.is_done = [&](std::size_t first, std::size_t count) {
-        if (!fit.resume || !fs::exists(name_of(first))) return false;
+        std::error_code none;
+        if (!fit.resume || !fs::exists(name_of(first), none)) return false;
         std::vector<Rgb> f(count * pairs->wl.size());
         if (!texels->read(first, f)) return false;
         const auto stack = done_before(name_of(first), key_of(f), count);

@@ -9,12 +9,22 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "srbf/directions.h"
+#include "srbf/file.h"
+#include "srbf/fit_batch.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
 
+/// What a file says, in one line.
+std::string shown(std::string text) {
+    std::ranges::replace_if(
+        text, [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
+    return printable(std::move(text));
+}
+
 void add_row(std::string& text, std::string_view name, const std::string& what) {
-    fmt::format_to(std::back_inserter(text), "  {:<18}{}\n", name, what);
+    fmt::format_to(std::back_inserter(text), "  {:<18}{}\n", shown(std::string(name)), shown(what));
 }
 void print_row(std::string_view name, const std::string& what) {
     std::string text;
@@ -79,10 +89,7 @@ void print_table(const UtiaTable& table) {
 }
 
 void print_table(const MbsdfTable& table) {
-    for (auto [key, text] : table.metadata) {
-        std::ranges::replace(text, '\n', ' ');
-        print_row(key, text);
-    }
+    for (const auto& [key, text] : table.metadata) print_row(key, text);
     print_row("dimensions",
               fmt::format("{0} θl × {0} θv × {1} φ, {2}", table.polar, table.azimuths, table.grey ? "grey" : "RGB"));
     print_row("masked entries", fmt::format("{} of {}", grouped(table.masked), grouped(table.cells.size())));
@@ -322,8 +329,35 @@ void print_sides(const Subject& subject) {
     }
 }
 
+/// A stack of models as a whole.
+int describe_stack(const std::string& file) {
+    const auto bytes = read_file(file);
+    if (!bytes) return complain(bytes.error());
+    const auto stack = read_stack(*bytes, file);
+    if (!stack) return complain(stack.error());
+    const auto count = [&](TexelState state) {
+        return grouped(std::uint64_t(std::ranges::count(stack->state, std::uint16_t(state))));
+    };
+    const PmModel& first = stack->models.front();
+    fmt::print("{}\n", file);
+    print_row("stack",
+              fmt::format("{} multivariate models, {} fitted, {} black, {} failed", grouped(stack->models.size()),
+                          count(TexelState::fitted), count(TexelState::black), count(TexelState::failed)));
+    print_row("each", fmt::format("form {}, {} centres, {} lobes × {} variates", name(first.form),
+                                  first.axial ? "axial" : "general", first.lobes, first.variates));
+    Range error;
+    for (std::size_t i = 0; i < stack->error.size(); ++i)
+        if (stack->state[i] == std::uint16_t(TexelState::fitted)) error.add(stack->error[i]);
+    print_row("error", error.text());
+    print_row("one of them", fmt::format("{0}#0 to {0}#{1}", file, stack->models.size() - 1));
+    fmt::print("\n");
+    for (const auto& [key, text] : stack->provenance) fmt::print("  {:<36}{}\n", shown(key), shown(text));
+    return k_done;
+}
+
 int run(const std::string& file) {
     const auto subject = load(file);
+    if (!subject && subject.error().code == ErrorCode::wrong_kind) return describe_stack(file);
     if (!subject) return complain(subject.error());
     fmt::print("{}\n", file);
     if (const auto* measured = std::get_if<Measured>(&subject->content)) {
@@ -333,7 +367,7 @@ int run(const std::string& file) {
         const auto& model = std::get<Model>(subject->content);
         fmt::print("{}", parameters_text(model));
         if (!model.provenance.empty()) fmt::print("\n");
-        for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", key, text);
+        for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", shown(key), shown(text));
     }
     is_two_sided(subject->content) ? print_sides(*subject) : print_behaviour(*subject);
     return k_done;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
+#include <system_error>
 #include <thread>
 
 namespace srbf {
@@ -18,13 +20,26 @@ int jobs_within_memory(std::uint64_t most) {
 
 void in_jobs(std::size_t count, int jobs, const std::function<void(std::size_t)>& work) {
     std::atomic<std::size_t> next = 0;
+    std::mutex one_at_a_time;
+    std::exception_ptr failure;
     const auto take = [&] {
-        for (std::size_t i; (i = next++) < count;) work(i);
+        try {
+            for (std::size_t i; (i = next++) < count;) work(i);
+        } catch (...) {
+            const std::scoped_lock lock(one_at_a_time);
+            failure = std::current_exception();
+            next = count;
+        }
     };
-    std::vector<std::thread> workers;
-    for (int i = 1; i < jobs; ++i) workers.emplace_back(take);
+    std::vector<std::jthread> workers;
+    try {
+        workers.reserve(std::size_t(jobs));
+        for (int i = 1; i < jobs; ++i) workers.emplace_back(take);
+    } catch (const std::system_error&) {  // no more threads: those that run do the work
+    }
     take();
-    for (std::thread& worker : workers) worker.join();
+    workers.clear();
+    if (failure) std::rethrow_exception(failure);
 }
 
 void Board::show(std::size_t i, const std::string& what, double fraction) {
@@ -39,7 +54,5 @@ void Board::print(const std::function<void()>& print) {
     line_.clear();
     print();
 }
-
-std::string Hash::text() const { return fmt::format("{:016x}", state_); }
 
 }  // namespace srbf

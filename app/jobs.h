@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -31,18 +30,6 @@ class Board {
     std::vector<double> fraction_;
     double sum_ = 0;
     ProgressLine& line_;
-};
-
-/// FNV-1a, 64 bits.
-class Hash {
-  public:
-    void add(std::span<const std::byte> bytes) {
-        for (const std::byte byte : bytes) state_ = (state_ ^ std::uint64_t(byte)) * 0x100000001b3;
-    }
-    std::string text() const;
-
-  private:
-    std::uint64_t state_ = 0xcbf29ce484222325;
 };
 
 }  // namespace srbf

@@ -9,7 +9,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "app/hash.h"
 #include "srbf/file.h"
+#include "srbf/text.h"
 
 namespace srbf {
 namespace {
@@ -109,20 +111,47 @@ void print_measures(const std::vector<std::pair<std::string, const Comparison*>>
     }
 }
 
-Result<Done> write_json(const Json& json, const std::string& path) {
+std::vector<std::byte> json_bytes(const Json& json) {
     const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-    if (path != "-") return write_file(path, as_bytes(text));
-    fmt::print("{}", text);
+    const auto bytes = as_bytes(text);
+    return {bytes.begin(), bytes.end()};
+}
+
+Result<Done> write_json(const Json& json, const std::string& path) {
+    const std::vector<std::byte> bytes = json_bytes(json);
+    if (path != "-") return write_file(path, bytes);
+    fmt::print("{}", as_text(bytes));
     return flush_standard_output();
 }
 
 std::optional<Json> read_json(const std::string& path) {
-    const auto bytes = read_file(path);
-    if (!bytes) return {};
-    const auto* text = reinterpret_cast<const char*>(bytes->data());
-    Json json = Json::parse(text, text + bytes->size(), nullptr, false);
-    if (json.is_discarded()) return {};
+    // Far above any report: a tree of JSON takes up to forty times its text.
+    constexpr std::uint64_t k_most_bytes = std::uint64_t(1) << 24;
+    constexpr int k_deepest = 16;
+    const auto bytes = read_file(path, [](auto) { return k_most_bytes; });
+    if (!bytes || bytes->size() > k_most_bytes) return {};
+    bool too_deep = false;
+    const auto is_shallow = [&](int depth, Json::parse_event_t, const Json&) {
+        too_deep = too_deep || depth > k_deepest;
+        return !too_deep;
+    };
+    const std::string_view text = as_text(*bytes);
+    Json json = Json::parse(text.begin(), text.end(), is_shallow, false);
+    if (too_deep || json.is_discarded()) return {};
     return json;
+}
+
+std::string model_hash(std::span<const std::byte> file) {
+    Hash hash;
+    hash.add(file);
+    return hash.text();
+}
+
+bool is_report_of(const Json& report, const std::string& model_file) {
+    const auto bytes = read_file(model_file);
+    if (!bytes || !report.is_object() || !read_model(*bytes, model_file)) return false;
+    const auto hash = report.find(k_model_hash);
+    return hash != report.end() && *hash == model_hash(*bytes);
 }
 
 Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {

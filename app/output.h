@@ -4,6 +4,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,10 +32,18 @@ Json json_of(const Appearance& appearance);
 /// A table of measures with a column for each set of each comparison.
 void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons);
 
+/// As it stands in a file.
+std::vector<std::byte> json_bytes(const Json& json);
 /// Writes `json` to `path`; "-" is standard output, which is flushed.
 Result<Done> write_json(const Json& json, const std::string& path);
 /// The JSON in that file, if it can be read and is whole.
 std::optional<Json> read_json(const std::string& path);
+
+/// A report names its model by the hash of the model's file.
+inline constexpr const char* k_model_hash = "model_hash";
+std::string model_hash(std::span<const std::byte> file);
+/// Whether `report` is that of the model in the file, which can be read.
+bool is_report_of(const Json& report, const std::string& model_file);
 
 /// A description of a model in lines, as in `srbf info`.
 std::string parameters_text(const Model& model);

@@ -9,49 +9,74 @@
 
 namespace srbf {
 
-Result<Pairs> read_pairs(std::string_view csv, const std::string& file_name) {
-    Pairs pairs;
-    std::array<std::size_t, 6> column{};
-    std::vector<std::string_view> fields;
-    bool has_header = false;
-    Lines lines(csv);
-    while (const auto line = lines.next()) {
-        split_fields(*line, fields);
-        if (!has_header) {
-            has_header = true;
-            for (std::size_t c = 0; c < 6; ++c) {
-                const auto found = std::find(fields.begin(), fields.end(), k_pair_columns[c]);
-                if (found == fields.end())
-                    return at_line(file_name, lines.number(), "header", fmt::format("a column {}", k_pair_columns[c]),
-                                   "none");
-                column[c] = std::size_t(found - fields.begin());
-            }
-            continue;
-        }
-        std::array<std::string, 6> text;
-        std::array<double, 6> number{};
-        for (std::size_t c = 0; c < 6; ++c) {
-            const std::string_view field = column[c] < fields.size() ? fields[column[c]] : std::string_view();
-            const auto parsed = to_number<double>(field);
-            if (!parsed || !std::isfinite(*parsed))
-                return at_line(file_name, lines.number(), fmt::format("column {}", k_pair_columns[c]), "a number",
-                               quoted(field));
-            number[c] = *parsed;
-            text[c] = field;
-        }
-        const auto direction = [&](std::size_t c) { return Vec3d{number[c], number[c + 1], number[c + 2]}; };
-        for (const std::size_t c : {std::size_t(0), std::size_t(3)}) {
-            const double length = std::sqrt(dot(direction(c), direction(c)));
-            if (!(std::abs(length - 1) <= 0.01))
-                return at_line(file_name, lines.number(), fmt::format("direction {}", k_pair_columns[c].substr(0, 2)),
-                               "length 1", fmt::format("{:.6g}", length));
-        }
-        const Vec3d wl = normalize(direction(0)), wv = normalize(direction(3));
-        pairs.wl.push_back({float(wl.x), float(wl.y), float(wl.z)});
-        pairs.wv.push_back({float(wv.x), float(wv.y), float(wv.z)});
-        pairs.text.push_back(std::move(text));
+Result<Done> PairParser::take_header(std::uint64_t number) {
+    for (std::size_t c = 0; c < k_pair_columns.size(); ++c) {
+        const auto found = std::ranges::find(fields_, k_pair_columns[c]);
+        if (found == fields_.end())
+            return at_line(file_name_, number, "header", fmt::format("a column {}", k_pair_columns[c]), "none");
+        column_[c] = std::size_t(found - fields_.begin());
     }
-    if (!has_header) return at_line(file_name, 1, "header", "columns wl_x to wv_z", "an empty file");
+    has_header_ = true;
+    return Done{};
+}
+
+Result<Done> PairParser::take(std::string_view line, std::uint64_t number, Pairs& pairs) {
+    split_fields(line, fields_);
+    if (!has_header_) return take_header(number);
+    std::array<std::string, 6> text;
+    std::array<double, 6> x{};
+    for (std::size_t c = 0; c < x.size(); ++c) {
+        const std::string_view field = column_[c] < fields_.size() ? fields_[column_[c]] : std::string_view();
+        const auto parsed = to_number<double>(field);
+        if (!parsed || !std::isfinite(*parsed))
+            return at_line(file_name_, number, fmt::format("column {}", k_pair_columns[c]), "a number", quoted(field));
+        x[c] = *parsed;
+        text[c] = field;
+    }
+    const Vec3d wl{x[0], x[1], x[2]}, wv{x[3], x[4], x[5]};
+    for (const auto& [what, w] : {std::pair("direction wl", wl), {"direction wv", wv}}) {
+        const double length = std::sqrt(dot(w, w));
+        if (!(std::abs(length - 1) <= 0.01))
+            return at_line(file_name_, number, what, "length 1", fmt::format("{:.6g}", length));
+    }
+    pairs.wl.push_back(to_float(normalize(wl)));
+    pairs.wv.push_back(to_float(normalize(wv)));
+    pairs.text.push_back(std::move(text));
+    return Done{};
+}
+
+Result<Done> PairParser::finish() const {
+    if (has_header_) return Done{};
+    return at_line(file_name_, 1, "header", "columns wl_x to wv_z", "an empty file");
+}
+
+Result<Pairs> read_pairs(std::string_view csv, const std::string& file_name) {
+    PairParser parser(file_name);
+    Pairs pairs;
+    Lines lines(csv);
+    while (const auto line = lines.next())
+        if (const auto taken = parser.take(*line, lines.number(), pairs); !taken) return taken.error();
+    if (const auto whole = parser.finish(); !whole) return whole.error();
+    return pairs;
+}
+
+Result<PairReader> PairReader::open(const std::string& path) {
+    auto file = FileReader::open(path);
+    if (!file) return file.error();
+    return PairReader(*std::move(file));
+}
+
+Result<Pairs> PairReader::next(std::size_t most) {
+    Pairs pairs;
+    while (pairs.wl.size() < most) {
+        const auto line = lines_.next();
+        if (!line) return line.error();
+        if (!*line) {
+            if (const auto whole = parser_.finish(); !whole) return whole.error();
+            break;
+        }
+        if (const auto taken = parser_.take(**line, lines_.number(), pairs); !taken) return taken.error();
+    }
     return pairs;
 }
 

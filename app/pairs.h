@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "srbf/file_reader.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 
@@ -16,7 +17,40 @@ struct Pairs {
     std::vector<Vec3f> wl, wv;
     std::vector<std::array<std::string, 6>> text;  ///< as written in the file
 };
-/// Reads the columns `k_pair_columns` of a CSV whose first line names its columns. Errors name the line.
+
+/// Takes the lines of a CSV whose first line names its columns, and reads the columns `k_pair_columns`. Errors name the
+/// line.
+class PairParser {
+  public:
+    explicit PairParser(std::string file_name) : file_name_(std::move(file_name)) {}
+    /// Adds the pair of a line to `pairs`; the first line is the header.
+    Result<Done> take(std::string_view line, std::uint64_t number, Pairs& pairs);
+    /// An error if there was no header.
+    Result<Done> finish() const;
+
+  private:
+    Result<Done> take_header(std::uint64_t number);
+
+    std::string file_name_;
+    bool has_header_ = false;
+    std::array<std::size_t, 6> column_{};
+    std::vector<std::string_view> fields_;
+};
+
+/// All pairs of a CSV.
 Result<Pairs> read_pairs(std::string_view csv, const std::string& file_name);
+
+/// The pairs of a file, some at a time.
+class PairReader {
+  public:
+    static Result<PairReader> open(const std::string& path);
+    /// The next `most` pairs, or fewer where the file ends.
+    Result<Pairs> next(std::size_t most);
+
+  private:
+    explicit PairReader(FileReader file) : parser_(file.path()), lines_(std::move(file)) {}
+    PairParser parser_;
+    FileLines lines_;
+};
 
 }  // namespace srbf

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 #include <hwy/targets.h>
 
+#include <cstdio>
 #include <cstdlib>
+#include <exception>
+#include <filesystem>
 #include <new>
 #include <optional>
 #include <string>
@@ -32,7 +35,17 @@ std::optional<std::string> limit_instructions() {
     return fmt::format("SRBF_INSTRUCTIONS: expected one of {}, found {}", names, wanted);
 }
 
-}  // namespace
+/// Destructors of JSON allocate and cannot throw, nor can what threads begin with.
+[[noreturn]] void end_without_memory() noexcept {
+    try {
+        if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc&) {
+        std::fputs("srbf: out of memory\n", stderr);
+        std::_Exit(srbf::k_input_error);
+    } catch (...) {  // a defect
+    }
+    std::abort();
+}
 
 void add_subcommands(CommandLine& app, int& status) {
     add_fit(app, status);
@@ -47,7 +60,10 @@ void add_subcommands(CommandLine& app, int& status) {
     add_manual(app, status);
 }
 
+}  // namespace
+
 int run_program(int argc, char** argv) {
+    std::set_terminate(end_without_memory);
     CommandLine app(
         "srbf", "srbf " SRBF_VERSION " (" SRBF_DATE ")",
         "srbf: measured BRDFs as a few spherical radial basis functions.\n"
@@ -68,8 +84,11 @@ int run_program(int argc, char** argv) {
             complain({{}, {}, *wrong, {}, {}});
             return k_usage;
         }
-    } catch (const std::bad_alloc&) {
-        return complain({{}, {}, "out of memory", {}, {}});
+    } catch (const std::bad_alloc&) {  // not of a file that was being read, which its reader names
+        std::fputs("srbf: out of memory\n", stderr);
+        return k_input_error;
+    } catch (const std::filesystem::filesystem_error& error) {
+        return complain({error.path1().string(), {}, "cannot be read", {}, error.code().message()});
     } catch (const std::system_error& error) {  // from fmt, if standard output fails
         return complain({"standard output", {}, "cannot be written", {}, error.code().message()});
     }

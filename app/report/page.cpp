@@ -20,8 +20,8 @@ bool fit_into_a_page(const std::vector<Reported>& materials) {
     std::uintmax_t bytes = 0;
     for (const Reported& of : materials)
         if (of.study)
-            for (const auto& entry : fs::directory_iterator(of.study->folder))
-                if (entry.path().extension() == ".jpg") bytes += entry.file_size();
+            for (std::error_code none; const auto& entry : fs::directory_iterator(of.study->folder, none))
+                if (entry.path().extension() == ".jpg") bytes += entry.file_size(none);
     return bytes <= k_most_picture_bytes;
 }
 

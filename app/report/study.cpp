@@ -6,7 +6,7 @@
 #include <array>
 #include <filesystem>
 
-#include "app/jobs.h"
+#include "app/hash.h"
 #include "app/path.h"
 #include "render/slices.h"
 #include "srbf/file.h"
@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Version of the folder's content; to be incremented if it changes without a new version of the program.
-constexpr int k_edition = 6;
+constexpr int k_edition = 7;
 /// Pixels per side and paths per pixel of each sweep.
 struct PictureSize {
     int pixels, paths;
@@ -214,6 +214,10 @@ std::optional<Study> load_study(const std::string& folder) {
     auto material = read_json((fs::path(folder) / "material.json").string()),
          times = read_json((fs::path(folder) / "times.json").string());
     if (!material || !times) return {};
+    const auto fits = material->find("fits");
+    if (fits == material->end() || !fits->is_array()) return {};
+    for (const Json& fit : *fits)
+        if (!is_report_of(fit, (fs::path(folder) / (fit.value("id", "") + ".srbf")).string())) return {};
     return Study{folder, *std::move(material), *std::move(times),
                  read_json((fs::path(folder) / "frames.json").string()).value_or(Json())};
 }
@@ -226,13 +230,12 @@ Result<Study> make_study(const std::string& file, const std::string& folder, con
     fs::remove_all(whole, code);
     if (fs::create_directory(unfinished, code); code)
         return Error{unfinished.string(), {}, "cannot be made", "a folder", code.message()};
-    auto study = Maker(unfinished.string(), options, progress).run(file);
+    auto study = within_memory(file, [&] { return Maker(unfinished.string(), options, progress).run(file); });
     if (!study) {
         fs::remove_all(unfinished, code);
         return study;
     }
-    if (fs::rename(unfinished, whole, code); code)
-        return Error{whole.string(), {}, "cannot be written", "a folder", code.message()};
+    if (const auto renamed = rename_path(unfinished.string(), whole.string()); !renamed) return renamed.error();
     // Read back from the folder, so that the result does not depend on which run created it.
     auto kept = load_study(folder);
     if (!kept) return Error{whole.string(), {}, "cannot be read", "the study that was written", "none"};

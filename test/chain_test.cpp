@@ -1,0 +1,139 @@
+// Commands in a chain: each reads every file that another writes.
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include "command.h"
+#include "models.h"
+#include "srbf/file.h"
+#include "su_models.h"
+
+namespace srbf::chain_test {
+namespace {
+
+class Chain : public CommandLine {
+  protected:
+    void SetUp() override {
+        write(folder / "p.csv",
+              "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n0.6,0,0.8,0,0,1\n0.8,0,0.6,0,0,1\n0.96,0,0.28,0,0,1\n"
+              "0.28,0,0.96,0.6,0,0.8\n0.96,0,0.28,0.28,0,0.96\n0.6,0,0.8,-0.8,0,0.6\n0,0.6,0.8,0.6,0,0.8\n");
+        std::mt19937_64 random(1);
+        models_ = {random_model(random, {.lobes = 2, .variates = 2}),
+                   random_model(random, {.lobes = 2, .variates = 2})};
+        for (PmModel& model : models_) model = rounded(model);
+        const auto saved = write_file(folder / "stack.srbf", write_stack({models_, {0.25f, 0.5f}, {0, 2}, {}}));
+        ASSERT_TRUE(saved.ok());
+    }
+    std::vector<PmModel> models_;
+};
+
+TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
+    std::mt19937_64 random(1);
+    const Model pm{random_model(random, {.lobes = 2, .variates = 2}), {}}, bsdf{full_bsdf(), {}},
+        su{random_su(random, 8, 2), {}}, ggx{GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.1f, 0.1f}, 1}}}, {}},
+        spectral{spectral_model(random, {.lobes = 2}, 3), {}};
+    for (const auto& [name, model] : {std::pair("pm.srbf", pm),
+                                      {"bsdf.srbf", bsdf},
+                                      {"su.srbf", su},
+                                      {"ggx.srbf", ggx},
+                                      {"spectral.srbf", spectral}})
+        ASSERT_TRUE(save_model(model, folder / name).ok());
+    const auto done = [&](const Arguments& arguments) {
+        const ProgramRun ended = run(folder, arguments);
+        EXPECT_EQ(ended.status, 0) << fmt::format("{}", fmt::join(arguments, " ")) << ": " << ended.err;
+        return ended.out;
+    };
+    Arguments readable{"pm.srbf", "bsdf.srbf", "su.srbf", "ggx.srbf", "spectral.srbf", "stack.srbf#1"};
+    for (const char* output : {"t.binary", "t.bsdf", "t.mbsdf", "t.csv"})
+        done({"convert", "pm.srbf", "-o", output, "--directions", "4"}), readable.push_back(output);
+    for (const char* output : {"both.mbsdf", "both.csv"})
+        done({"convert", "bsdf.srbf", "-o", output, "--directions", "4"}), readable.push_back(output);
+    for (const char* model : {"pm.srbf", "spectral.srbf", "t.binary"}) {
+        const std::string output = std::string("eval_") + model + ".csv";
+        write(folder / output, done({"eval", model, "--pairs", "p.csv"}));
+        readable.push_back(output);
+    }
+    done({"fit", "t.csv", "--model", "ggx", "-o", "fit.srbf"}), readable.push_back("fit.srbf");
+
+    for (const std::string& file : readable) {
+        done({"info", file});
+        done({"eval", file, "--pairs", "p.csv"});
+        done({"convert", file, "-o", "again.csv", "--directions", "3"});
+        done({"render", file, "-o", "x.png", "--size", "4x4", "--spp", "1"});
+        if (file.find("srbf") != file.npos && file.find(".csv") == file.npos)
+            done({"export", file, "--to", "c", "-o", "x.h"});
+        else
+            done({"fit", file, "--model", "ggx", "-o", "x.srbf"});
+    }
+    done({"render", "pm.srbf", "-o", "x.exr", "--size", "8x8", "--spp", "1"});
+    done({"render", "pm.srbf", "-o", "x.png", "--size", "8x8", "--spp", "1", "--compare", "x.exr"});
+    done({"render", "pm.srbf", "-o", "y.png", "--size", "8x8", "--spp", "1", "--env", "x.exr"});
+}
+
+TEST_F(Chain, TexelsOfAStackAreNamedByNumber) {
+    const ProgramRun whole = run(folder, {"info", "stack.srbf"});
+    EXPECT_EQ(whole.status, 0) << whole.err;
+    for (const char* word :
+         {"2 multivariate models, 1 fitted, 0 black, 1 failed", "2 lobes × 2 variates", "stack.srbf#0 to stack.srbf#1"})
+        EXPECT_NE(whole.out.find(word), std::string::npos) << whole.out;
+    const ProgramRun one = run(folder, {"info", "stack.srbf#1"});
+    EXPECT_NE(one.out.find("1 of 2"), std::string::npos) << one.out << one.err;
+    ASSERT_TRUE(save_model({models_[1], {}}, folder / "m.srbf").ok());
+    EXPECT_EQ(run(folder, {"eval", "stack.srbf#1", "--pairs", "p.csv"}).out,
+              run(folder, {"eval", "m.srbf", "--pairs", "p.csv"}).out);
+    expect_failure(1, {"info", "stack.srbf#2"}, "stack.srbf#2: texel: expected 0 to 1, found 2");
+    expect_failure(1, {"info", "m.srbf#0"}, "metadata 'model': expected pm-stack, found pm");
+    expect_failure(1, {"eval", "stack.srbf", "--pairs", "p.csv"}, "a stack of them, which stack.srbf#0");
+    expect_failure(1, {"info", "missing#0"}, "missing: cannot be read");
+    std::filesystem::copy(folder / "m.srbf", folder / "m#7");
+    EXPECT_EQ(run(folder, {"info", "m#7"}).status, 0);
+}
+
+/// A million pairs take the memory of a thousand.
+TEST_F(Chain, EvalTakesConstantMemory) {
+    const auto memory = [&](std::size_t pairs) {
+        {
+            std::ofstream csv(folder / "many.csv");
+            csv << "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n";
+            for (std::size_t i = 0; i < pairs; ++i) csv << "0.6,0,0.8,0,0,1\n";
+        }
+        const pid_t process =
+            start(folder, {"eval", "stack.srbf#0", "--pairs", "many.csv"}, folder / "out", folder / "err");
+        int status = 0;
+        rusage usage{};
+        EXPECT_EQ(::wait4(process, &status, 0, &usage), process);
+        EXPECT_EQ(status, 0);
+        std::ifstream out(folder / "out");
+        std::size_t lines = 0;
+        for (std::string line; std::getline(out, line);) ++lines;
+        EXPECT_EQ(lines, pairs + 1);
+        return std::int64_t(usage.ru_maxrss) * 1024;
+    };
+    const std::int64_t few = memory(200'000);
+    EXPECT_LT(memory(1'000'000), few + (8 << 20));
+}
+
+TEST_F(Chain, EvalReadsLinesOfAnyKind) {
+    const std::string header = "name,wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", row = "0,0,1,0,0,1";
+    const auto eval = [&](const std::string& csv) {
+        write(folder / "q.csv", csv);
+        return run(folder, {"eval", "stack.srbf#0", "--pairs", "q.csv"});
+    };
+    const std::string plain = eval(header + "\nx," + row + "\n").out;
+    EXPECT_EQ(std::ranges::count(plain, '\n'), 2);
+    EXPECT_EQ(eval("\xef\xbb\xbf" + header + "\r\n\r\n\"x, y\"," + row).out, plain);
+    EXPECT_EQ(eval(header + "\n").out, plain.substr(0, plain.find('\n') + 1));
+    const std::string name(1'100'000, 'x');
+    write(folder / "q.csv", header + "\n" + name + "," + row + "\n");
+    expect_failure(1, {"eval", "stack.srbf#0", "--pairs", "q.csv"}, "line 2: length: expected less than 1048576 bytes");
+    // Blocks end anywhere within lines.
+    std::string many = header + "\n";
+    for (int i = 0; i < 60'000; ++i) many += std::string(std::size_t(i % 50), 'n') + "," + row + "\n";
+    const std::string all = eval(many).out;
+    EXPECT_EQ(std::ranges::count(all, '\n'), 60'001);
+    write(folder / "q.csv", many + "x,0,0,2,0,0,1\n");
+    EXPECT_NE(run(folder, {"eval", "stack.srbf#0", "--pairs", "q.csv"}).err.find("line 60002: direction wl"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace srbf::chain_test

@@ -1,0 +1,206 @@
+// One system call or allocation of the program fails: it ends with one line and status 1, or does its work all the same, and
+// each of its files holds what it held before or all of what it should hold. SRBF_FAILURES=all tries every one of them.
+#include <chrono>
+#include <set>
+
+#include "app/hash.h"
+#include "command.h"
+
+namespace srbf::failures_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a run of the program should have written.
+struct Task {
+    Arguments arguments;
+    std::vector<std::string> outputs;
+};
+
+struct Failure {
+    std::string call;
+    long at = -1;  ///< −1: none
+    int error = 0;
+};
+
+std::string text(const Failure& of) { return fmt::format("{} {} fails with {}", of.call, of.at, of.error); }
+
+std::string hash_of(const std::string& bytes) {
+    Hash hash;
+    hash.add(std::as_bytes(std::span(bytes)));
+    return hash.text();
+}
+
+bool tries_all() {
+    const char* const wanted = std::getenv("SRBF_FAILURES");
+    return wanted && wanted == std::string("all");
+}
+
+class Failures : public CommandLine {
+  protected:
+    void SetUp() override {
+        write(folder / "a.binary", small_merl());
+        write(folder / "b.binary",
+              text_of(merl_file({9, 6, 8}, [](int h, int d, int, int c) { return 0.2 + 0.01 * h * d + 0.1 * c; })));
+        const ProgramRun fitted = run(folder, {"fit", "a.binary", "--model", "ggx", "-o", "m.srbf"});
+        ASSERT_EQ(fitted.status, 0) << fitted.err;
+    }
+
+    /// Runs the task in which a call fails; `calls`: how many of its kind there were, if the program ended by itself.
+    ProgramRun run_with(const Task& task, const Failure& failure, std::optional<long>& calls) {
+        const TemporaryFolder counted;
+        const std::string count = counted / "count";
+        ::setenv("LD_PRELOAD", SRBF_FAILING_CALLS, 1);
+        ::setenv("SRBF_FAIL_CALL", failure.call.c_str(), 1);
+        ::setenv("SRBF_FAIL_AT", std::to_string(failure.at).c_str(), 1);
+        ::setenv("SRBF_FAIL_ERROR", std::to_string(failure.error).c_str(), 1);
+        ::setenv("SRBF_FAIL_COUNT", count.c_str(), 1);
+        const ProgramRun ended = run(folder, task.arguments);
+        ::unsetenv("LD_PRELOAD");
+        const std::string number = contents(count);
+        calls = number.empty() ? std::nullopt : std::optional(std::stol(number));
+        return ended;
+    }
+
+    void write_old(const Task& task) {
+        for (const std::string& name : task.outputs) {
+            fs::create_directories((folder / name).parent_path());
+            write(folder / name, "old");
+        }
+    }
+    /// The outputs of a run in which nothing fails.
+    std::map<std::string, std::string> whole(const Task& task) {
+        write_old(task);
+        const ProgramRun done = run(folder, task.arguments);
+        EXPECT_EQ(done.status, 0) << done.err;
+        std::map<std::string, std::string> all;
+        for (const std::string& name : task.outputs) all[name] = contents(folder / name);
+        return all;
+    }
+    /// Whether a file is old or whole. A report, which holds durations, is whole if it is JSON that names its model.
+    bool is_old_or_whole(const std::string& name, const std::string& expected) {
+        const std::string found = contents(folder / name);
+        if (found == "old" || found == expected) return true;
+        if (!name.ends_with(".json")) return false;
+        const Json report = Json::parse(found, nullptr, false);
+        if (!report.is_object() || !report.contains("model_hash")) return false;
+        return report["model_hash"] == hash_of(contents(folder / (name.substr(0, name.size() - 5) + ".srbf")));
+    }
+    std::set<std::string> files() const {
+        std::set<std::string> names;
+        for (const auto& entry : fs::recursive_directory_iterator(folder.path))
+            names.insert(fs::relative(entry.path(), folder.path).string());
+        return names;
+    }
+
+    /// Whether the task was done; in any case what is promised of a failure holds.
+    bool try_failure(const Task& task, const Failure& failure, const std::map<std::string, std::string>& expected,
+                     std::optional<long>& calls) {
+        SCOPED_TRACE(fmt::format("{}: {}", fmt::join(task.arguments, " "), text(failure)));
+        write_old(task);
+        const auto before = files();
+        const ProgramRun ended = run_with(task, failure, calls);
+        EXPECT_TRUE(ended.status == 0 || ended.status == 1) << ended.status << " " << ended.err;
+        if (ended.status == 1) {
+            EXPECT_TRUE(ended.err.starts_with("srbf: ")) << ended.err;
+            EXPECT_EQ(ended.err.find('\n'), ended.err.size() - 1) << ended.err;
+        }
+        for (const auto& [name, content] : expected) {
+            EXPECT_TRUE(is_old_or_whole(name, content)) << name;
+            if (ended.status == 0) {
+                EXPECT_NE(contents(folder / name), "old") << name;
+            }
+        }
+        EXPECT_EQ(files(), before);
+        return ended.status == 0;
+    }
+
+    /// Each system call in turn.
+    void try_system_calls(const Task& task, const std::vector<std::string>& kinds, const std::vector<int>& errors) {
+        const auto expected = whole(task);
+        for (const std::string& call : kinds)
+            for (const int error : errors)
+                for (long at = 0;; ++at) {
+                    std::optional<long> calls;
+                    const bool done = try_failure(task, {call, at, error}, expected, calls);
+                    ASSERT_TRUE(calls);
+                    if (*calls <= at) break;  // it was not reached
+                    // What a signal interrupts is repeated.
+                    const bool is_repeated = call != "rename" && call != "mmap";
+                    EXPECT_TRUE(done || error != EINTR || !is_repeated) << call << " " << at;
+                    if (HasFailure()) return;
+                }
+    }
+    /// The first allocations and some at random.
+    void try_allocations(const Task& task, long first, long random_ones) {
+        const auto expected = whole(task);
+        std::optional<long> count;
+        try_failure(task, {"malloc", -1, ENOMEM}, expected, count);
+        ASSERT_TRUE(count && *count > first);
+        std::mt19937_64 random(1);
+        for (long i = 0; i < first + random_ones; ++i) {
+            std::optional<long> calls;
+            const long at = i < first ? i : long(random() % std::uint64_t(*count));
+            try_failure(task, {"malloc", at, ENOMEM}, expected, calls);
+            if (HasFailure()) return;
+        }
+    }
+
+    const Task convert_{{"convert", "a.binary", "-o", "x.csv", "--directions", "3", "--threads", "1"}, {"x.csv"}};
+    const Task export_{{"export", "m.srbf", "--to", "glsl", "-o", "x.glsl"}, {"x.glsl"}};
+    const Task fit_{{"fit", "a.binary", "--model", "ggx", "--threads", "1", "-o", "x.srbf", "--json", "x.json"},
+                    {"x.srbf", "x.json"}};
+    const Task many_{{"fit", "a.binary", "b.binary", "--model", "ggx", "--threads", "1", "--resume", "-o", "models"},
+                     {"models/a.srbf", "models/a.json", "models/b.srbf", "models/b.json"}};
+    const std::vector<std::string> every_call_{"open", "read", "write", "fsync", "rename", "close", "mmap"};
+    const std::vector<int> every_error_{EIO, ENOSPC, EINTR, EXDEV};
+    const std::vector<std::string> writing_{"write", "fsync", "rename"};
+};
+
+TEST_F(Failures, SystemCallsLeaveFilesOldOrWhole) {
+    for (const Task& task : {convert_, export_, fit_, many_})
+        tries_all() ? try_system_calls(task, every_call_, every_error_) : try_system_calls(task, writing_, {ENOSPC});
+    try_system_calls(convert_, {"close"}, {ENOSPC});
+    try_system_calls(convert_, {"open", "read"}, {EINTR});
+}
+
+TEST_F(Failures, AllocationsLeaveFilesOldOrWhole) {
+    for (const Task& task : {convert_, export_, fit_, many_})
+        tries_all() ? try_allocations(task, 200, 500) : try_allocations(task, 3, 5);
+}
+
+TEST_F(Failures, WhatWasKilledResumes) {
+    const auto expected = whole(many_);
+    for (const std::string call : {"write", "fsync", "rename"})
+        for (long at = 0;; at += tries_all() ? 1 : 3) {
+            SCOPED_TRACE(text({call, at, 0}));
+            fs::remove_all(folder / "models");
+            std::optional<long> calls;
+            run_with(many_, {call, at, 0}, calls);
+            const ProgramRun resumed = run(folder, many_.arguments);
+            EXPECT_EQ(resumed.status, 0) << resumed.err;
+            for (const auto& [name, content] : expected)
+                if (name.ends_with(".srbf")) {
+                    EXPECT_EQ(contents(folder / name), content) << name;
+                }
+            EXPECT_NE(run(folder, many_.arguments).out.find("2 kept"), std::string::npos);
+            if (calls) break;  // it was not killed
+        }
+}
+
+/// Runs at once that write the same files leave a pair, or one that the next run does not take for one.
+TEST_F(Failures, AReportIsThatOfItsModel) {
+    const Arguments start{"fit", "--model", "ggx", "--threads", "1", "--resume", "-o", "models"};
+    ASSERT_EQ(run(folder, start + Arguments{"a.binary"}).status, 0);
+    ASSERT_EQ(run(folder, start + Arguments{"b.binary"}).status, 0);
+    const std::string model = contents(folder / "models/a.srbf");
+    EXPECT_NE(run(folder, start + Arguments{"a.binary"}).out.find("1 kept"), std::string::npos);
+    fs::copy(folder / "models/b.srbf", folder / "models/a.srbf", fs::copy_options::overwrite_existing);
+    EXPECT_NE(run(folder, start + Arguments{"a.binary"}).out.find("0 kept"), std::string::npos);
+    EXPECT_EQ(contents(folder / "models/a.srbf"), model);
+    const Json report = Json::parse(contents(folder / "models/a.json"), nullptr, false);
+    EXPECT_EQ(report.value("model_hash", ""), hash_of(model));
+}
+
+}  // namespace
+}  // namespace srbf::failures_test

@@ -1,0 +1,204 @@
+// Files made to do harm: memory stays bounded, the error names its file, and terminals get no control characters.
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include "command.h"
+#include "models.h"
+
+namespace srbf::hostile_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Writes `part` again and again between `first` and `last`. This program stays small: a process that it starts begins
+/// with its size.
+void write_many(const fs::path& path, const std::string& first, std::string_view part, std::size_t count,
+                const std::string& last = {}) {
+    std::ofstream out(path, std::ios::binary);
+    out << first;
+    for (std::size_t i = 0; i < count; ++i) out << part;
+    out << last;
+}
+
+std::string little_endian(std::uint64_t number, int bytes) {
+    std::string text;
+    for (int i = 0; i < bytes; ++i) text += char(number >> 8 * i & 0xff);
+    return text;
+}
+
+/// A model file of a header of that length, as far as it begins so.
+std::string model_of(std::size_t length, const std::string& header) { return little_endian(length, 8) + header; }
+
+/// The most memory [bytes] that the program takes.
+std::int64_t memory_of(const TemporaryFolder& folder, const Arguments& arguments) {
+    const TemporaryFolder captured;
+    const pid_t process = start(folder, arguments, captured / "out", captured / "err");
+    int status = 0;
+    rusage usage{};
+    EXPECT_EQ(::wait4(process, &status, 0, &usage), process);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) <= 1);
+    const std::string err = contents(captured / "err");
+    EXPECT_LE(std::ranges::count(err, '\n'), 1) << err;
+    return std::int64_t(usage.ru_maxrss) * 1024;
+}
+
+using Hostile = CommandLine;
+
+/// Many parts of a few bytes, of which a library or a reader would make objects.
+TEST_F(Hostile, SmallPartsTakeNoMoreMemoryThanPromised) {
+    constexpr std::size_t size = 40'000'000;
+    struct File {
+        std::string name, first, part, last;
+    };
+    const std::string columns = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n", xml = "<?xml?><WindowElement";
+    const std::vector<File> files{
+        {"deep.srbf", model_of(size, ""), "{\"a\":", ""},
+        {"deep_short.srbf", model_of(1 << 20, ""), "{\"a\":", ""},
+        {"lists.srbf", model_of(1 << 20, "{\"a\":"), "[", ""},
+        {"numbers.srbf", model_of(1 << 20, "{\"a\":{\"shape\":["), "1,", ""},
+        {"deep.xml", "<?xml?>", "<a>", ""},
+        {"wide.xml", xml + ">", "<a/>", "</WindowElement>"},
+        {"attributes.xml", xml, " a=''", "/>"},
+        {"entries.mbsdf", "NVIDIA ARC MBSDF V1\n", "a=\"\"\n", ""},
+        {"header.csv", "wl_x,", ",", ""},
+        {"columns.csv", columns, ",", ""},
+        {"lines.csv", columns, "0,0,1,0,0,1,1\n", ""},
+        {"words.brdf", "1\n", "1 ", ""},
+        {"vars.astm", "VARS ", "a,", ""},
+        {"dim.alta", "#DIM ", "1 ", ""},
+        {"unknown", "", "unknown\1", ""},
+    };
+    const std::int64_t base = memory_of(folder, {"info", "missing"});
+    EXPECT_LT(base, 64 << 20);
+    const auto check = [&](const std::string& name) {
+        SCOPED_TRACE(name);
+        const auto promised = 4 * std::int64_t(fs::file_size(folder / name)) + (std::int64_t(64) << 20);
+        EXPECT_LT(memory_of(folder, {"info", name}) - base, promised);
+        fs::remove(folder / name);
+    };
+    for (const File& file : files) {
+        write_many(folder / file.name, file.first, file.part, size / file.part.size(), file.last);
+        check(file.name);
+    }
+    std::ofstream fields(folder / "fields.bsdf", std::ios::binary);
+    fields << "tensor_file" << std::string("\0\1\0", 3) << little_endian(size / 20, 4);
+    for (std::uint64_t i = 0; i < size / 20; ++i)  // a name, no extents, u8, no offset
+        fields << little_endian(5, 2) << fmt::format("{:05x}", i) << little_endian(0, 2) << '\1' << little_endian(0, 8);
+    fields.close();
+    check("fields.bsdf");
+}
+
+/// Holes of 8 GB: nothing is written, and next to nothing is read.
+TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
+    for (const auto& [name, start] :
+         {std::pair("zeros", std::string(64, '\0')), {"words", std::string("these are words\n")}}) {
+        write(folder / name, start);
+        fs::resize_file(folder / name, std::uint64_t(1) << 33);
+        for (const Arguments& arguments : {Arguments{"info", name},
+                                           {"fit", name},
+                                           {"compare", k_paper, name},
+                                           {"convert", name, "-o", "x.csv"},
+                                           {"eval", k_paper, "--pairs", name},
+                                           {"render", k_paper, "-o", "x.png", "--env", name},
+                                           {"render", k_paper, "-o", "x.png", "--mesh", name},
+                                           {"render", k_paper, "-o", "x.png", "--compare", name}})
+            EXPECT_LT(memory_of(folder, arguments), 100 << 20) << arguments[0] << " " << name;
+        fs::remove(folder / name);
+    }
+}
+
+TEST_F(Hostile, RunningOutOfMemoryNamesTheFile) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer takes terabytes of addresses";
+#endif
+    std::string pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n";
+    while (pairs.size() < 5000) pairs += "0,0,1,0,0,1,1\n";
+    for (const auto& [name, start] : {std::pair("large.csv", pairs), {"large.srbf", model_of(2, "{}")}}) {
+        write(folder / name, start);
+        fs::resize_file(folder / name, std::uint64_t(1) << 33);
+        rlimit before;
+        ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
+        const rlimit low{rlim_t(2) << 30, before.rlim_max};
+        ASSERT_EQ(::setrlimit(RLIMIT_AS, &low), 0);  // the program inherits it
+        const ProgramRun failed = run(folder, {"info", name});
+        ASSERT_EQ(::setrlimit(RLIMIT_AS, &before), 0);
+        EXPECT_EQ(failed.status, 1);
+        EXPECT_EQ(failed.err, fmt::format("srbf: {}: out of memory\n", name));
+    }
+}
+
+/// A path that leads nowhere is blamed itself, wherever it stands.
+TEST_F(Hostile, ErrorsNameThePathThatFails) {
+    const TemporaryFolder elsewhere;
+    const std::string loop = elsewhere / "loop";
+    fs::create_symlink("loop", loop);
+    write(folder / "file", "");
+    write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0,1,0,0,1\n");
+    std::mt19937_64 random(1);
+    ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
+    for (const std::string& path : {loop, loop + "/x", std::string("file/x"), std::string(300, 'x')}) {
+        for (const Arguments& arguments : {Arguments{"info", path},
+                                           {"fit", path},
+                                           {"fit", k_paper, path, "-o", "file"},
+                                           {"compare", path, "m.srbf"},
+                                           {"compare", "m.srbf", path},
+                                           {"convert", path, "-o", "x.csv"},
+                                           {"eval", path, "--pairs", "p.csv"},
+                                           {"eval", "m.srbf", "--pairs", path},
+                                           {"render", path, "-o", "x.png"},
+                                           {"render", "m.srbf", "-o", "x.png", "--env", path},
+                                           {"render", "m.srbf", "-o", "x.png", "--mesh", path},
+                                           {"render", "m.srbf", "-o", "x.png", "--compare", path},
+                                           {"export", path, "--to", "c", "-o", "x.h"},
+                                           {"export", "m.srbf", "--to", "html", "-o", "x.html", "--reference", path},
+                                           {"export", "m.srbf", "--to", "html", "-o", "x.html", "--mesh", path}}) {
+            const bool into_file = arguments.back() == "file";
+            expect_failure(1, arguments, into_file ? "file" : path);
+        }
+        expect_failure(1, {"convert", "m.srbf", "-o", path + "/x.csv"}, path);
+        expect_failure(1, {"compare", "m.srbf", "m.srbf", "--json", path + "/x.json"}, path);
+    }
+}
+
+TEST_F(Hostile, CompareNamesBothFilesThatShareNothing) {
+    const auto one_sided = [](Part part) {
+        BsdfModel bsdf;
+        bsdf.part[std::size_t(part)] = random_part(1, {.lobes = 1});
+        return Model{bsdf, {}};
+    };
+    ASSERT_TRUE(save_model(one_sided(Part::transmission_front), folder / "a.srbf").ok());
+    std::mt19937_64 random(1);
+    ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "b.srbf").ok());
+    expect_failure(1, {"compare", "a.srbf", "b.srbf"}, "a.srbf and b.srbf: parts: expected one that both have");
+    expect_failure(1, {"compare", "b.srbf", "a.srbf", "--json", "-"}, "b.srbf and a.srbf: parts");
+}
+
+TEST_F(Hostile, NoControlCharactersReachTheTerminal) {
+    const std::string evil =
+        "a\x1b]0;title\x07\x1b[2J\r\n\t\x7f\xc2\x9b"
+        "31mb";
+    std::mt19937_64 random(1);
+    ASSERT_TRUE(save_model({random_model(random, {}), {{"source", evil}, {evil, "x"}}}, folder / "m.srbf").ok());
+    write(folder / "s.brdf", "# " +
+                                 std::string("a\x1b[2J\x07"
+                                             "b\n") +
+                                 "# num wls\n1\n550\n0.1 0 0.1 0 0.5\n");
+    write(folder / "s.csv", "theta_l_deg,theta_v_deg,phi_v_deg,value,\x1b[2J\n1,1,1,1,1\n");
+    for (const Arguments& arguments : {Arguments{"info", "m.srbf"},
+                                       {"info", "s.brdf"},
+                                       {"info", "s.csv"},
+                                       {"fit", "s.csv", "--model", "ggx"},
+                                       {"compare", "m.srbf", "m.srbf"}}) {
+        const ProgramRun shown = run(folder, arguments);
+        EXPECT_TRUE(shown.status == 0 || shown.status == 1);
+        for (const char c : shown.out + shown.err)
+            EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20) << fmt::format("{:02x}", int(c));
+        EXPECT_EQ((shown.out + shown.err).find("\xc2\x9b"), std::string::npos);
+    }
+    EXPECT_NE(run(folder, {"info", "m.srbf"}).out.find("source                              a?]0;title??[2J   ??31mb"),
+              std::string::npos)
+        << run(folder, {"info", "m.srbf"}).out;
+}
+
+}  // namespace
+}  // namespace srbf::hostile_test

@@ -236,8 +236,7 @@ Result<Done> write_fit(const FileFit& fit, const Model& model, const Image8& pic
         files.push_back({fit.preview, *std::move(bytes)});
     }
     if (!fit.json.empty() && fit.json != "-") files.push_back({fit.json, json_bytes(report)});
-    if (const auto printed = fit.json == "-" ? write_json(report, "-") : print(); !printed) return printed;
-    return write_files(files);
+    return write_files(files, [&] { return fit.json == "-" ? write_json(report, "-") : print(); });
 }
 
 Result<FitOutcome> fit_measured(const Measured& measured, const FileFit& fit, const ProgressToken& progress) {

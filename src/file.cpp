@@ -281,13 +281,15 @@ Result<Done> write_file(const std::string& path, std::span<const std::byte> byte
     return file->settle();
 }
 
-Result<Done> write_files(std::span<const NewFile> files) {
+Result<Done> write_files(std::span<const NewFile> files, const std::function<Result<Done>()>& before_renaming) {
     std::vector<Replacement> written;
     for (const NewFile& of : files) {
         auto file = Replacement::write(of.path, of.bytes);
         if (!file) return file.error();
         written.push_back(*std::move(file));
     }
+    if (before_renaming)
+        if (const auto done = before_renaming(); !done) return done;
     for (Replacement& file : written)
         if (const auto published = file.publish(); !published) return published;
     for (const Replacement& file : written)

@@ -175,7 +175,7 @@ Result<std::string> ExportCommand::page(const std::vector<Subject>& models,
     }
     if (measured) add_reference(page, *measured, models);
     if (!mesh.empty()) {
-        auto loaded = within_memory(mesh, [&] { return load_mesh(mesh); });
+        auto loaded = load_mesh(mesh);
         if (!loaded) return loaded.error();
         page.mesh = up == "y" ? *std::move(loaded) : turned_upright(*std::move(loaded));
         page.mesh_name = stem(mesh);

@@ -42,7 +42,7 @@ double fitted_theta(const Subject& subject) {
 }
 
 Result<Subject> load(const std::string& path) {
-    auto loaded = within_memory(path, [&] { return load_brdf(path); });
+    auto loaded = load_brdf(path);
     if (!loaded) return loaded.error();
     return Subject{path, *std::move(loaded)};
 }

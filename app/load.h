@@ -1,6 +1,5 @@
 // Loading of any BRDF from a file.
 #pragma once
-#include <new>
 #include <string>
 #include <vector>
 
@@ -30,15 +29,6 @@ Channels channels(const Subject& subject);
 double fitted_theta(const Subject& subject);
 
 Result<Subject> load(const std::string& path);
-
-/// What `read()` returns, or an error that names the file if there is not enough memory for it.
-template <typename Read> auto within_memory(const std::string& path, const Read& read) -> decltype(read()) {
-    try {
-        return read();
-    } catch (const std::bad_alloc&) {
-        return Error{path, {}, "out of memory", {}, {}, ErrorCode::unreadable};
-    }
-}
 
 /// Prints the error as one line to standard error; returns the exit status of an input error.
 int complain(const Error& error);

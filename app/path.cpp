@@ -29,7 +29,7 @@ PreparedBsdf by_cosine(const Subject& subject) {
 
 Result<std::optional<Environment>> load_light(const std::string& name) {
     if (name == "none") return std::optional<Environment>();
-    auto loaded = within_memory(name, [&] { return load_environment(name); });
+    auto loaded = load_environment(name);
     if (!loaded) return loaded.error();
     if (loaded->clamped() > 0)
         fmt::print(stderr, "srbf: {}: {} texels with channels below 0 or not finite, which count as 0\n", name,

@@ -188,7 +188,7 @@ int RenderCommand::run() const {
             return complain(added.error());
         }
     }
-    auto loaded = within_memory(mesh, [&] { return load_mesh(mesh); });
+    auto loaded = load_mesh(mesh);
     if (!loaded) return complain(loaded.error());
     inputs.push_back(mesh);
     std::vector<std::string> outputs{output, json == "-" ? "" : json};

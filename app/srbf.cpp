@@ -47,6 +47,8 @@ std::optional<std::string> limit_instructions() {
     std::abort();
 }
 
+}  // namespace
+
 void add_subcommands(CommandLine& app, int& status) {
     add_fit(app, status);
     add_info(app, status);
@@ -59,8 +61,6 @@ void add_subcommands(CommandLine& app, int& status) {
     add_report(app, status);
     add_manual(app, status);
 }
-
-}  // namespace
 
 int run_program(int argc, char** argv) {
     std::set_terminate(end_without_memory);

@@ -101,13 +101,13 @@ class Maker {
                 if (!first) first = error;
                 continue;
             }
+            Model& model = outcome->model;
+            model.provenance["source"] = file_fit.input;
             Json row{{"id", all[i].id}, {"role", all[i].role}};
             row.update(report_of(file_fit, measured(), *outcome));
             for (const char* other : {"fit_seconds", "load_seconds", "threads", "path"}) row.erase(other);
             rows.push_back(std::move(row));
             seconds[all[i].id] = outcome->fit_seconds;
-            Model& model = outcome->model;
-            model.provenance["source"] = file_fit.input;
             if (const auto saved = save_model(model, path(file_fit.output)); !saved) return saved.error();
             if (all[i].role.empty()) continue;
             drawn_.subjects.push_back({file_fit.output, std::move(model)});

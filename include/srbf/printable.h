@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-namespace srbf {
+namespace [[gnu::visibility("default")]] srbf {
 
 /// `text` with a question mark for each control character, so that what a file says is a line that no terminal obeys.
 inline std::string printable(std::string text) {

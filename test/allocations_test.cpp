@@ -50,9 +50,16 @@ TEST(Allocations, ThatFailEndAReader) {
         if (target.name == "model" || target.name == "stack") continue;
         for (const auto& entry : fs::directory_iterator(corpus() / std::string(target.name))) {
             const std::string bytes = contents(entry.path());
+            const auto file = std::as_bytes(std::span(bytes));
             const auto read = [&] {
                 try {
-                    target.check(std::as_bytes(std::span(bytes)));
+                    // Read alone: what draws a mesh has destructors that allocate too.
+                    if (target.name == "ply")
+                        (void)bool(read_ply(file, "f"));
+                    else if (target.name == "obj")
+                        (void)bool(read_obj(file, "f"));
+                    else
+                        target.check(file);
                 } catch (const std::bad_alloc&) {
                 }
             };

@@ -43,10 +43,13 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
         return ended.out;
     };
     Arguments readable{"pm.srbf", "bsdf.srbf", "su.srbf", "ggx.srbf", "spectral.srbf", "stack.srbf#1"};
-    for (const char* output : {"t.binary", "t.bsdf", "t.mbsdf", "t.csv"})
-        done({"convert", "pm.srbf", "-o", output, "--directions", "4"}), readable.push_back(output);
-    for (const char* output : {"both.mbsdf", "both.csv"})
-        done({"convert", "bsdf.srbf", "-o", output, "--directions", "4"}), readable.push_back(output);
+    const auto convert = [&](const char* input, const std::string& output) {
+        Arguments arguments{"convert", input, "-o", output};
+        if (output.ends_with(".csv")) arguments.insert(arguments.end(), {"--directions", "4"});
+        done(arguments), readable.push_back(output);
+    };
+    for (const char* output : {"t.binary", "t.bsdf", "t.mbsdf", "t.csv"}) convert("pm.srbf", output);
+    for (const char* output : {"both.mbsdf", "both.csv"}) convert("bsdf.srbf", output);
     for (const char* model : {"pm.srbf", "spectral.srbf", "t.binary"}) {
         const std::string output = std::string("eval_") + model + ".csv";
         write(folder / output, done({"eval", model, "--pairs", "p.csv"}));
@@ -57,7 +60,9 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
     for (const std::string& file : readable) {
         done({"info", file});
         done({"eval", file, "--pairs", "p.csv"});
-        done({"convert", file, "-o", "again.csv", "--directions", "3"});
+        Arguments again{"convert", file, "-o", "again.csv"};
+        if (!file.ends_with(".csv")) again.insert(again.end(), {"--directions", "3"});
+        done(again);
         done({"render", file, "-o", "x.png", "--size", "4x4", "--spp", "1"});
         if (file.find("srbf") != file.npos && file.find(".csv") == file.npos)
             done({"export", file, "--to", "c", "-o", "x.h"});

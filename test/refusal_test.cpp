@@ -1,5 +1,4 @@
 // Errors of the command line: one line that names the cause, and no output files.
-#include <sys/resource.h>
 
 #include "command.h"
 #include "models.h"
@@ -160,25 +159,6 @@ TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
     for (const char* theta : {"0", "-5", "95", "nan", "inf"})
         expect_failure(2, {"fit", k_paper, "--max-theta", theta}, "--max-theta");
 }
-
-#ifndef __SANITIZE_ADDRESS__  // which reserves more than any limit
-TEST_F(CommandLine, memory_that_does_not_suffice_is_an_error_that_names_the_file) {
-    write(folder / "m.binary", small_merl());
-    write(folder / "large", "");
-    std::filesystem::resize_file(folder / "large", 1 << 30);
-    rlimit before{};
-    ::getrlimit(RLIMIT_AS, &before);
-    const rlimit less{1 << 29, before.rlim_max};
-    ::setrlimit(RLIMIT_AS, &less);  // the program inherits it
-    const ProgramRun read = run(folder, {"info", "large"}),
-                     mesh = run(folder, {"render", "m.binary", "--mesh", "large", "-o", "x.png"});
-    ::setrlimit(RLIMIT_AS, &before);
-    for (const ProgramRun& failed : {read, mesh}) {
-        EXPECT_EQ(failed.status, 1);
-        EXPECT_EQ(failed.err, "srbf: large: out of memory\n");
-    }
-}
-#endif
 
 TEST_F(CommandLine, convert_refuses) {
     write(folder / "m.binary", small_merl());

@@ -118,10 +118,7 @@ int fit_file(FileFit fit) {
     Image8 picture;
     if (!fit.preview.empty()) {
         line.show("drawing", 1);
-        PreviewOptions options;
-        options.threads = fit.request.threads;
-        options.captions[1] = fmt::format("fit, {} bytes", payload_bytes(outcome->model));
-        picture = preview(evaluator(*measured), evaluator(outcome->model), options);
+        picture = preview_of(fit, *measured, outcome->model);
     }
     line.clear();
     const auto written = write_fit(fit, outcome->model, picture, report_of(fit, *measured, *outcome),
@@ -225,6 +222,13 @@ Result<Measured> load_measured(FileFit& fit) {
     if (const auto read = check_read(*measured, fit); !read) return read.error();
     fit.load_seconds = loading.seconds();
     return std::move(*measured);
+}
+
+Image8 preview_of(const FileFit& fit, const Measured& measured, const Model& model) {
+    PreviewOptions options;
+    options.threads = fit.request.threads;
+    options.captions[1] = fmt::format("fit, {} bytes", payload_bytes(model));
+    return preview(evaluator(measured), evaluator(model), options);
 }
 
 Result<Done> write_fit(const FileFit& fit, const Model& model, const Image8& picture, const Json& report,

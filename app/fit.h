@@ -35,6 +35,8 @@ Result<Measured> load_measured(FileFit& fit);
 /// Fits and measures the errors; the model's provenance names the source.
 Result<FitOutcome> fit_measured(const Measured& measured, const FileFit& fit, const ProgressToken& progress);
 
+/// The measured and the fitted sphere beside each other.
+Image8 preview_of(const FileFit& fit, const Measured& measured, const Model& model);
 /// Writes the model, the picture and the report, all of them or none; prints what `print` does, or the report itself if
 /// it goes to standard output, before they are renamed.
 Result<Done> write_fit(const FileFit& fit, const Model& model, const Image8& picture, const Json& report,

@@ -8,7 +8,7 @@
 
 #include "app/commands.h"
 #include "app/fit.h"
-#include "render/preview.h"
+#include "app/hash.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/printable.h"
@@ -23,7 +23,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
               {"version", SRBF_VERSION},
               {"model", "bsdf"},
               {"band", std::get<BsdfTable>(measured.table).band().name},
-              {k_model_hash, model_hash(write_model(outcome.model))},
+              {k_model_hash, hash_of(write_model(outcome.model))},
               {"payload_bytes", payload_bytes(outcome.model)},
               {"auxiliary_bytes", auxiliary_bytes(outcome.model)},
               {"fit_seconds", outcome.fit_seconds},
@@ -116,10 +116,7 @@ int fit_both_sides(const FileFit& fit, const Measured& measured) {
     if (!outcome) return complain(outcome.error());
     Image8 picture;
     if (!fit.preview.empty()) {
-        PreviewOptions options;
-        options.threads = fit.request.threads;
-        options.captions[1] = fmt::format("fit, {} bytes", payload_bytes(outcome->model));
-        picture = preview(evaluator(measured), evaluator(outcome->model), options);
+        picture = preview_of(fit, measured, outcome->model);
     }
     const auto written = write_fit(fit, outcome->model, picture, report_of(fit, measured, *outcome),
                                    [&] { return print(fit, measured, *outcome); });

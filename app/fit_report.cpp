@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "app/fit.h"
+#include "app/hash.h"
 #include "srbf/directions.h"
 #include "srbf/fit_samples.h"
 
@@ -128,7 +129,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         {"objective", name(request.objective)},
         {"max_theta", degrees(outcome.max_theta)},
         {"raw_bytes", outcome.raw_bytes},
-        {k_model_hash, model_hash(write_model(outcome.model))},
+        {k_model_hash, hash_of(write_model(outcome.model))},
         {"payload_bytes", payload_bytes(outcome.model)},
         {"auxiliary_bytes", auxiliary_bytes(outcome.model)},
         {"fit_seconds", outcome.fit_seconds},

@@ -20,4 +20,10 @@ class Hash {
     std::uint64_t state_ = 0xcbf29ce484222325;
 };
 
+inline std::string hash_of(std::span<const std::byte> bytes) {
+    Hash hash;
+    hash.add(bytes);
+    return hash.text();
+}
+
 }  // namespace srbf

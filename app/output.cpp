@@ -141,17 +141,11 @@ std::optional<Json> read_json(const std::string& path) {
     return json;
 }
 
-std::string model_hash(std::span<const std::byte> file) {
-    Hash hash;
-    hash.add(file);
-    return hash.text();
-}
-
 bool is_report_of(const Json& report, const std::string& model_file) {
     const auto bytes = read_file(model_file);
     if (!bytes || !report.is_object() || !read_model(*bytes, model_file)) return false;
     const auto hash = report.find(k_model_hash);
-    return hash != report.end() && *hash == model_hash(*bytes);
+    return hash != report.end() && *hash == hash_of(*bytes);
 }
 
 Result<Done> check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {

@@ -41,7 +41,6 @@ std::optional<Json> read_json(const std::string& path);
 
 /// A report names its model by the hash of the model's file.
 inline constexpr const char* k_model_hash = "model_hash";
-std::string model_hash(std::span<const std::byte> file);
 /// Whether `report` is that of the model in the file, which can be read.
 bool is_report_of(const Json& report, const std::string& model_file);
 

@@ -171,8 +171,7 @@ int RenderCommand::run() const {
     std::optional<Image> reference;
     if (!compare.empty()) {
         inputs.push_back(compare);
-        const auto bytes = read_file(
-            compare, [](auto head) { return srbf::is_exr(head) ? k_largest_file : std::uint64_t(head.size()); });
+        const auto bytes = read_file(compare, all_if(srbf::is_exr));
         if (!bytes) return complain(bytes.error());
         if (srbf::is_exr(*bytes)) {
             auto image = read_exr(*bytes, compare);

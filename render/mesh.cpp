@@ -37,11 +37,10 @@ bool is_ply(std::span<const std::byte> bytes) {
     return bytes.size() >= 3 && bytes[0] == std::byte('p') && bytes[1] == std::byte('l') && bytes[2] == std::byte('y');
 }
 
-/// The size that a file may have that begins like this: `.obj` is text, which has no zero.
-std::uint64_t most_bytes_of(std::span<const std::byte> head) {
+/// Whether a file that begins like this may be a mesh: `.obj` is text, which has no zero.
+bool may_be_mesh(std::span<const std::byte> head) {
     const auto first = head.first(4096);
-    const bool is_mesh = is_ply(head) || std::ranges::find(first, std::byte(0)) == first.end();
-    return is_mesh ? k_largest_file : std::uint64_t(head.size());
+    return is_ply(head) || std::ranges::find(first, std::byte(0)) == first.end();
 }
 
 }  // namespace
@@ -55,7 +54,7 @@ Result<Mesh> load_mesh(const std::string& name) {
     if (name == k_built_in_meshes[1]) return knot();
     if (name == k_built_in_meshes[2]) return ball();
     return within_memory(name, [&]() -> Result<Mesh> {
-        const auto bytes = read_file(name, most_bytes_of);
+        const auto bytes = read_file(name, all_if(may_be_mesh));
         if (!bytes) return bytes.error();
         return read_mesh(*bytes, name);
     });

@@ -40,8 +40,8 @@ inline constexpr float k_furthest_vertex = 1e7f, k_least_extent = 1e-7f;
 /// Reads the bytes of a `.ply` (Stanford polygon file), ascii or binary of either byte order: an element `vertex` with
 /// x, y, z and, if all three exist, nx, ny, nz; an element `face` with a list `vertex_indices` (or `vertex_index`),
 /// whose polygons become triangle fans. Other elements and properties are skipped. Errors: another format; no faces;
-/// numbers that are not finite; positions or an extent beyond the bounds above; indices out of range; a truncated file; counts that its size cannot hold, detected
-/// before any allocation. `file_name` appears in errors only.
+/// numbers that are not finite; positions or an extent beyond the bounds above; indices out of range; a truncated file;
+/// counts that its size cannot hold, detected before any allocation. `file_name` appears in errors only.
 Result<Mesh> read_ply(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads the bytes of a Wavefront `.obj`: `v`, `vn` and `f` in the forms v, v/vt, v//vn, v/vt/vn, with indices from 1
 /// or, if negative, relative to the end; polygons become triangle fans. Other lines are skipped. Normals are used if

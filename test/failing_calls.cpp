@@ -85,13 +85,7 @@ int open(const char* path, int flags, ...) {
     va_end(rest);
     return fails("open") ? -1 : ::openat(AT_FDCWD, path, flags, mode);
 }
-int open64(const char* path, int flags, ...) {
-    va_list rest;
-    va_start(rest, flags);
-    const auto mode = static_cast<mode_t>(va_arg(rest, int));
-    va_end(rest);
-    return fails("open") ? -1 : ::openat(AT_FDCWD, path, flags, mode);
-}
+int open64(const char* path, int flags, ...) __attribute__((alias("open")));
 ssize_t read(int file, void* to, std::size_t size) {
     static auto* const call = original<ssize_t(int, void*, std::size_t)>("read");
     return fails("read") ? -1 : call(file, to, size);

@@ -25,11 +25,7 @@ struct Failure {
 
 std::string text(const Failure& of) { return fmt::format("{} {} fails with {}", of.call, of.at, of.error); }
 
-std::string hash_of(const std::string& bytes) {
-    Hash hash;
-    hash.add(std::as_bytes(std::span(bytes)));
-    return hash.text();
-}
+std::string hash_of(const std::string& bytes) { return srbf::hash_of(std::as_bytes(std::span(bytes))); }
 
 bool tries_all() {
     const char* const wanted = std::getenv("SRBF_FAILURES");

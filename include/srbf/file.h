@@ -17,6 +17,10 @@ inline constexpr std::size_t k_head_bytes = std::size_t(1) << 20;
 
 /// The size that a file may have that begins with `head`, its first `k_head_bytes`.
 using MostBytes = std::function<std::uint64_t(std::span<const std::byte> head)>;
+/// Everything of a file whose head is of a known format, of any other the head alone.
+template <typename IsKnown> MostBytes all_if(const IsKnown& is_known) {
+    return [is_known](std::span<const std::byte> head) { return is_known(head) ? k_largest_file : head.size(); };
+}
 
 /// The bytes of the file at `path`; of one that is larger than `most` allows, the beginning alone, so that input of no
 /// known format is not read to its end. Errors: the file is missing, a folder, unreadable, or larger than

@@ -128,7 +128,7 @@ class Fitter {
     /// Keeps a reference to `measured`, which must outlive it.
     explicit Fitter(const Measured& measured);
     explicit Fitter(Measured&&) = delete;
-    /// A BRDF as a function, treated like a table. Negative values count as 0, NaN as not measured.
+    /// A BRDF as a function, treated like a table: NaN counts as not measured, negative values as 0 unless they are noise.
     explicit Fitter(Evaluate f);
     Fitter(Fitter&&) noexcept;
     Fitter& operator=(Fitter&&) noexcept;

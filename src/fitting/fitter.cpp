@@ -164,16 +164,16 @@ class Fitter::Work {
         const Evaluate exchanged = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
             reference(wv, wl, f);
         };
-        const Evaluate others[] = {evaluator(outcome.model), evaluator(outcome.unrounded), exchanged};
-        const auto albedo =
-            albedo_errors(reference, std::span(others).first(2), {request.theta(), request.threads, progress});
+        std::vector<Evaluate> others{evaluator(outcome.model), evaluator(outcome.unrounded)};
+        const auto albedo = albedo_errors(reference, others, {request.theta(), request.threads, progress});
+        if (!samples()) others.push_back(exchanged);
         const auto appearance =
             compare_pictures(reference, others, request.threads, progress.part(k_albedo_measured, 1));
         outcome.errors->albedo_error = albedo[0], outcome.errors->appearance = appearance[0];
         outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
         if (!samples() && appearance[2].mean.delta_e > 0) outcome.exchanged = appearance[2];
         if (smoothed_ && !request.spectral)
-            outcome.against_smoothed = compare_pictures(smoothed_, {others, 1}, request.threads)[0];
+            outcome.against_smoothed = compare_pictures(smoothed_, std::span(others).first(1), request.threads)[0];
     }
     /// Writes the main errors into the model's provenance.
     static void record(const Comparison& errors, Model& model) {
@@ -240,12 +240,12 @@ class Fitter::Work {
     Result<ProgressToken> smooth(const FitRequest& request, const ProgressToken& progress) {
         if (!noise_) noise_ = noise_of(signed_);
         if (!is_noisy(*noise_) || smoothed_ || request.spectral) return progress;
-        auto made = smoothed(signed_, *noise_, is_axial(request), request.threads, progress.part(0, k_smoothed));
+        auto made = smoothed(signed_, *noise_, looks_isotropic(request), request.threads, progress.part(0, k_smoothed));
         if (!made) return made.error();
         smoothed_ = *std::move(made);
         return progress.part(k_smoothed, 1);
     }
-    bool is_axial(const FitRequest& request) {
+    bool looks_isotropic(const FitRequest& request) {
         const auto [at, is_new] = isotropic_.try_emplace(request.theta());
         if (is_new) at->second = is_isotropic(clamped_, request.theta());
         return at->second;
@@ -253,7 +253,7 @@ class Fitter::Work {
     bool axial(const FitRequest& request) {
         const PmRequest& pm = std::get<PmRequest>(request.model);
         if (pm.axial) return *pm.axial;
-        return is_axial(request);
+        return looks_isotropic(request);
     }
 
     Result<FitOutcome> fit_to(const ScatteredSamples& samples, const FitRequest& request,

@@ -38,7 +38,7 @@ double median(std::vector<double> x) {
 /// The direction turned by an angle towards the tangent of that azimuth.
 Vec3f turned(Vec3f w, double azimuth, double angle) {
     const Vec3d z = to_double(w);
-    const Frame frame = frame_about(z, std::abs(z.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0});
+    const Frame frame = frame_about(z);
     const Vec3d across = elementary::cos(azimuth) * frame.x + elementary::sin(azimuth) * frame.y;
     return to_float(elementary::cos(angle) * z + elementary::sin(angle) * across);
 }

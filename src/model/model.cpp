@@ -522,8 +522,7 @@ Result<Done> save_model(const Model& model, const std::string& path) {
 
 Result<Model> load_model(const std::string& path) {
     return within_memory(path, [&]() -> Result<Model> {
-        const auto bytes = read_file(
-            path, [](auto head) { return is_safetensors(head) ? k_largest_file : std::uint64_t(head.size()); });
+        const auto bytes = read_file(path, all_if(is_safetensors));
         if (!bytes) return bytes.error();
         return read_model(*bytes, path);
     });

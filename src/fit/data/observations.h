@@ -54,7 +54,7 @@ struct Observations {
         k_albedo_error;  ///< an error of this share in every radiance costs as much as the loss of the pairs
     std::vector<ObservedView> views;  ///< of pictures that a fit also matches, in its last stages
     std::uint64_t masked = 0;         ///< number of sampled pairs where nothing was measured
-    std::uint64_t clamped = 0;        ///< number of negative channel values at sampled pairs, set to 0
+    std::uint64_t clamped = 0;        ///< number of negative channel values at sampled pairs
     std::vector<float> wavelengths;   ///< C [nm] of spectral observations; otherwise empty
     std::vector<float> spectrum;      ///< f at each wavelength: observations × C [1/sr], ≥ 0
 

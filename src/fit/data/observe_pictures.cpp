@@ -47,7 +47,7 @@ Frame frame_of(std::size_t i, double theta_max) {
     const double r = std::sqrt((double(i) + 0.5) / double(k_views)) * elementary::sin(theta_max),
                  turn = k_golden_angle * double(i);
     const Vec3d normal{r * elementary::cos(turn), r * elementary::sin(turn), std::sqrt(1 - r * r)};
-    const Frame frame = frame_about(normal, std::abs(normal.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0});
+    const Frame frame = frame_about(normal);
     const Vec3d x = elementary::cos(turn) * frame.x + elementary::sin(turn) * frame.y;
     return {x, cross(normal, x), normal};
 }

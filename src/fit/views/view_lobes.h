@@ -33,8 +33,8 @@ struct MovingLobe {
 float exponents(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* root_weight,
                 float* x);
 /// The derivatives of √w G by the shifts along the tangents, by log λ and, unless `by_shape` is null, by the shape, `e`
-/// and `x` as of `exponents` and `exponentiate`, with d = w − ξ: λ (d·along_k + α (d·t) (t·along_k)) e, (x + τ (1/w_z − 1)) e, and (1 − 1/w_z) e of
-/// a shape from 0 up, ½ λ (d·t)² e of one from −0 down.
+/// and `x` as of `exponents` and `exponentiate`, with d = w − ξ: λ (d·along_k + α (d·t) (t·along_k)) e,
+/// (x + τ (1/w_z − 1)) e, and (1 − 1/w_z) e of a shape from 0 up, ½ λ (d·t)² e of one from −0 down.
 void derive(const DirectionRows& rows, std::size_t block, const MovingLobe& lobe, const float* e, const float* x,
             float* by_first, float* by_second, float* by_log_bandwidth, float* by_shape);
 

@@ -79,7 +79,7 @@ TEST_P(DefaultFit, ErrsNoMoreThanItDid) {
     EXPECT_EQ(outcome().model.provenance.at("max_theta"), "89");
 }
 
-/// No fit minimises this error. That of the film is 0.8 to 3 %, depending on the seed.
+/// No fit minimises this error. That of the film is 0.8 to 3.5 %, depending on the seed.
 TEST_P(DefaultFit, ErrsInAlbedoNoMoreThanItDid) {
     const Measured measured = bundled(GetParam().name);
     Fitter fitter(measured);
@@ -122,9 +122,25 @@ TEST_P(DefaultFit, IsBoundedToTheHorizon) {
         }
 }
 
+TEST_P(DefaultFit, ReflectsWhatIsMeasuredAtGrazingAngles) {
+    const Measured measured = bundled(GetParam().name);
+    for (const double cosine : {1.0, 0.5, 0.1, 0.03, 0.01, 0.002}) {
+        const double theta = std::acos(cosine);
+        const Rgb expected = albedo(evaluator(measured), theta, k_pi / 2),
+                  found = albedo(evaluator(outcome().model), theta, k_pi / 2);
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_LE(found[c], std::max(1.f, expected[c]) + 0.01f) << cosine;
+            // Beyond 0.01 the files are extrapolated and diverge.
+            if (cosine >= 0.01) {
+                EXPECT_NEAR(found[c], expected[c], 0.05) << cosine;
+            }
+        }
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
-                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 5.46, 0.0905, 0.0189, 9},
-                                         Bound{"paper_white_rgb", 0.904, 0.0294, 0.0018, 1}),
+                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 5.52, 0.0905, 0.0246, 9},
+                                         Bound{"paper_white_rgb", 0.95, 0.0331, 0.0029, 1}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 /// The same number of bytes, by what is seen: better than an objective of numbers.

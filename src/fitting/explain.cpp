@@ -29,7 +29,8 @@ std::vector<Term> terms_of(Objective objective) {
     terms.push_back({"bounds",
                      fmt::format("f cos(theta_l) cos(theta_v) above {} times its largest value", k_most_excess),
                      fmt::format("{} of the loss, rising", k_excess_weight)});
-    terms.push_back({"albedos", "directional albedo at 9 angles",
+    terms.push_back({"albedos",
+                     fmt::format("directional albedo at 9 angles{}", of_pictures ? ", and at 3 near the horizon" : ""),
                      fmt::format("the loss, at most {}, if they err by {:g} %", k_most_albedo_loss,
                                  100 * (of_pictures ? k_albedo_error_with_pixels : k_albedo_error))});
     if (!of_pictures) return terms;

@@ -19,7 +19,13 @@ struct RadianceObservation {
     std::vector<Rgb> f;           ///< [1/sr], ≥ 0
     std::vector<double> weight;   ///< solid angle times cosθl [sr], times the light's radiance
     std::vector<float> spectrum;  ///< of spectral observations: f at each wavelength, ≥ 0
+    double least_unit = 0;        ///< its errors are relative to its luminance, but to no less than this
 };
+inline double luminance(const RadianceObservation& seen) {
+    double sum = 0;
+    for (std::size_t i = 0; i < seen.wl.size(); ++i) sum += seen.weight[i] * double(luminance(seen.f[i]));
+    return sum;
+}
 
 /// A pixel of a displayed picture, where 1 is white: Σ_i weight_i f(wl_i, wv), over the directions of its view from
 /// `first` on.
@@ -89,6 +95,7 @@ struct ObserveOptions {
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
     /// The measurement smoothed to its noise, see `smoothed`; null: the measurement itself.
     Evaluate smoothed = nullptr;
+    bool horizon_albedos = true;  ///< of appearance: not for values that nobody measured
 };
 
 /// θmax, or where it is 0 the objective's default. Errors: not within 1° to `k_horizon_theta`.
@@ -101,7 +108,8 @@ Result<double> valid_theta(Objective objective, double max_theta);
 /// proportional to (cosθl cosθv)². They keep the fit at the measurement's order of magnitude where it is not fitted.
 /// After these follow the *bound pairs*: the grid, which includes the edges of the hemisphere, and 32,768 pairs about
 /// the mirror direction. Radiances are observed at those of 0, 15, 30, 45, 60, 70, 75, 80 and 85° that lie within θmax,
-/// in uniform light: albedos. For appearance 100 views of a sphere follow, under four extended and eleven single white
+/// in uniform light: albedos. For appearance three more follow where cosθv is 0.03, 0.01 and, unless the table diverges
+/// there, 0.003, over light to 89.9°, and 100 views of a sphere, under four extended and eleven single white
 /// lights of which none is one of `standard_lightings`. `f` may be negative (see signed_value) or NaN.
 /// Errors: no pair has a value; all values are 0; cancelled.
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress = {});

@@ -6,6 +6,7 @@
 #include "fit/data/observations.h"
 #include "fit/data/observe_pictures.h"
 #include "fit/data/pairs.h"
+#include "fit/objective/importances.h"
 #include "fit/objective/objective.h"
 #include "fit/objective/point_lights.h"
 #include "parallel.h"
@@ -29,8 +30,9 @@ constexpr std::size_t k_pool = 8, k_most_pairs = std::size_t(1) << 20;
 constexpr double k_by_energy = 0.5;
 /// Pairs that one thread evaluates at once.
 constexpr std::size_t k_part = 4096;
-/// θv of the observed radiances [degrees], and the number of directions of each.
+/// θv of the observed radiances [degrees], cosθv of those near the horizon, and the number of directions of each.
 constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
+constexpr double k_horizon_cosines[] = {0.03, 0.01, 0.003};
 constexpr int k_radiance_points = 4096;
 
 /// The direction of that z and azimuth.
@@ -229,24 +231,36 @@ void add_fitted(Observations& to, const MeasuredPairs& measured, const ObserveOp
     if (traits(options.objective).of_pictures) to.point_light_weight = point_light_weights(to.wl, to.wv, seen, angle);
 }
 
+/// The albedo of a view, over light to θmax.
+RadianceObservation observe_albedo(const Evaluate& f, const ObserveOptions& options, Vec3d wv, double theta_max) {
+    Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_radiance_points);
+    std::vector<Rgb> values = values_towards(f, points.w, to_float(wv));
+    raise(values, points.w, std::vector<Vec3f>(values.size(), to_float(wv)), options.smoothed);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const bool valid = is_finite(values[i]);
+        points.weight[i] *= valid ? double(points.w[i].z) : 0;
+        if (!valid) values[i] = {};
+    }
+    return {to_float(wv), std::move(points.w), std::move(values), std::move(points.weight), {}};
+}
+
 std::vector<RadianceObservation> observe_albedos(const Evaluate& f, const ObserveOptions& options, double theta_max) {
     std::vector<double> angles;
     for (const double theta : k_albedo_angles)
         if (!(theta * k_degree > theta_max)) angles.push_back(theta * k_degree);
+    const std::size_t below_horizon = angles.size();
+    if (traits(options.objective).of_pictures && options.horizon_albedos)
+        for (const double cosine : k_horizon_cosines) angles.push_back(elementary::acos(cosine));
     std::vector<RadianceObservation> all(angles.size());
     parallel_for(all.size(), options.threads, [&](std::size_t k) {
         // Any azimuth is sufficient for isotropic data; the azimuths are spread for other data.
         const Vec3d wv = spherical(angles[k], k_golden_angle * double(k));
-        Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_radiance_points);
-        std::vector<Rgb> values = values_towards(f, points.w, to_float(wv));
-        raise(values, points.w, std::vector<Vec3f>(values.size(), to_float(wv)), options.smoothed);
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            const bool valid = is_finite(values[i]);
-            points.weight[i] *= valid ? double(points.w[i].z) : 0;
-            if (!valid) values[i] = {};
-        }
-        all[k] = {to_float(wv), std::move(points.w), std::move(values), std::move(points.weight), {}};
+        const bool at_horizon = k >= below_horizon;
+        all[k] = observe_albedo(f, options, wv, at_horizon ? k_horizon_theta : theta_max);
+        if (at_horizon) all[k].least_unit = k_horizon_albedo;
     });
+    // The last is a bound. Many tables diverge beyond their last measured angle, where it would be a demand.
+    if (all.size() > below_horizon && luminance(all.back()) > 1) all.pop_back();
     return all;
 }
 

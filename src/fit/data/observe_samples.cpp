@@ -62,7 +62,8 @@ Result<Observations> observe_completed(const ScatteredSamples& samples, const Ob
                                 .max_theta = options.max_theta,
                                 .count = is_short ? options.only_completed : k_completed_pairs,
                                 .seed = options.seed,
-                                .threads = options.threads},
+                                .threads = options.threads,
+                                .horizon_albedos = false},
                                progress);
     if (!table) return table.error();
     Observations all = *table;

@@ -28,6 +28,8 @@ inline constexpr double k_pixels_alone = 2;
 
 /// An error of this share in every albedo costs as much as the fit's loss without them: by pairs alone, and with pixels.
 inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02;
+/// Errors of albedos near the horizon are relative to at least this: few pixels see them. By 0.3 to 0.5 ΔE_ITP rose.
+inline constexpr double k_horizon_albedo = 1;
 /// But at most this: a fit that cannot follow the data gains nothing from an albedo that is right by chance.
 inline constexpr double k_most_albedo_loss = 0.004;
 /// What albedos cost more beside point lights, which are several times the loss of the pairs and see highlights most.

@@ -27,8 +27,6 @@ constexpr double k_level = 0.999;
 constexpr std::size_t k_most_between_samples = 4096;
 /// Extrapolation beyond θmax gets a smaller weight than values of a table.
 constexpr double k_extrapolated_share = 0.1;
-/// Share of the progress until the completed samples are observed.
-constexpr double k_completed_done = 0.9;
 
 /// Adds pairs of directions near the horizon where the completed samples are at least as large as every sample, with
 /// `k_grazing_share` of Σ w |f|². A table's pairs are few there, so that lobes are free to exceed what they follow.
@@ -195,19 +193,17 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     if (!fold) return fold.error();
     const bool completes = options.complete && traits(options.objective).of_pictures && !options.spectral;
     if (completes) {
-        auto completed =
-            observe_completed(samples, observed.samples, observed.options, progress.part(0, k_completed_done));
+        auto completed = observe_completed(samples, observed.samples, observed.options, progress);
         if (!completed) return completed.error();
         observed.completed = *std::move(completed);
-        if (options.only_completed > 0) return observed;
+        return observed;  // fits follow nothing else
     }
-    const ProgressToken interpolating = progress.part(completes ? k_completed_done : 0, 1);
-    const auto errors = interpolation_errors(samples, within, *fold, *theta_max, interpolating.part(0, 0.5));
+    const auto errors = interpolation_errors(samples, within, *fold, *theta_max, progress.part(0, 0.5));
     if (!errors) return cancelled_error("observe");
     observed.interpolation = *errors;
     observed.between.wavelengths = observed.samples.wavelengths;
     observed.between.objective = options.objective, observed.between.typical = typical;
-    if (!observe_interpolated(observed, samples, largest_square(once), interpolating.part(0.5, 1)))
+    if (!observe_interpolated(observed, samples, largest_square(once), progress.part(0.5, 1)))
         return cancelled_error("observe");
     weigh_all(observed.between);
     return observed;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "albedo_nodes.h"
 #include "floating_point.h"
 #include "model/pm_lanes.h"
 #include "srbf/directions.h"
@@ -13,19 +14,18 @@
 namespace srbf {
 namespace {
 
-constexpr int k_albedo_nodes = 33, k_albedo_points = 1 << 12, k_azimuths = 4;
+constexpr int k_albedo_points = 1 << 12, k_azimuths = 4;
 
 using AlbedoTable = std::array<Rgb, k_albedo_nodes>;
 
 AlbedoTable albedo_table(const Evaluate& brdf) {
     const FlushSubnormals mode;
-    constexpr double lowest = 89.9 * k_degree;
+    constexpr double lowest = 1e-5;
     const MirrorMixture mixture(k_pi / 2);
     AlbedoTable table;
     for (std::size_t node = 0; node < table.size();
          ++node) {  // on one thread: another's task might wait for this table
-        const double s = double(node) / (k_albedo_nodes - 1);
-        const double theta = std::min(elementary::acos(1 - s * s), lowest);
+        const double theta = elementary::acos(std::max(albedo_cosine(int(node)), lowest));
         std::array<double, 3> sum{};
         for (int turn = 0; turn < k_azimuths; ++turn) {
             const Vec3d wv = spherical(theta, 2 * k_pi * turn / k_azimuths);
@@ -137,7 +137,7 @@ Rgb albedo(const PreparedBrdf& brdf, float cos_v) {
     if (!(cos_v > 0)) return {};
     const PreparedBrdf::Contents& contents = *brdf.contents_;
     std::call_once(contents.has_albedo, [&] { contents.albedo = albedo_table(contents.parts.evaluate); });
-    const float at = std::sqrt(std::clamp(1 - cos_v, 0.f, 1.f)) * (k_albedo_nodes - 1);
+    const float at = albedo_coordinate(std::min(cos_v, 1.f));
     const auto below = std::size_t(std::min(int(at), k_albedo_nodes - 2));
     const Rgb a = contents.albedo[below], b = contents.albedo[below + 1];
     const float part = at - float(below);

@@ -1,10 +1,12 @@
 // Directional albedo, to follow mixture.glsl. What precedes:
-//   albedo_nodes  R, G, B of each of ALBEDO_NODES nodes, which are uniform in sqrt(1 - cos(theta_v))
+//   albedo_nodes  R, G, B of each of ALBEDO_NODES nodes, which are uniform in
+//                 sqrt(sqrt(cos(theta_v))) - sqrt(1 - cos(theta_v)), from the horizon to the normal
 
 // The integral of f_r cos(theta_l) over the directions to the light, for R, G, B, at the cosine of the view to the
 // normal.
 Vec3 albedo_node(int i) { return Vec3(albedo_nodes[3 * i], albedo_nodes[3 * i + 1], albedo_nodes[3 * i + 2]); }
 Vec3 directional_albedo(Real cosine) {
-    NodesAbout nodes = nodes_about(sqrt(max(Real(1.0) - cosine, Real(0.0))), ALBEDO_NODES);
+    Real c = min(max(cosine, Real(0.0)), Real(1.0));
+    NodesAbout nodes = nodes_about(Real(0.5) * (Real(1.0) + sqrt(sqrt(c)) - sqrt(Real(1.0) - c)), ALBEDO_NODES);
     return (Real(1.0) - nodes.beyond) * albedo_node(nodes.below) + nodes.beyond * albedo_node(nodes.below + 1);
 }

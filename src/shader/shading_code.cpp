@@ -6,6 +6,7 @@
 #include <cctype>
 #include <set>
 
+#include "albedo_nodes.h"
 #include "shader/bsdf_code.h"
 #include "shader/print.h"
 #include "shader/print_python.h"
@@ -18,8 +19,6 @@ namespace {
 
 using syntax::Program;
 using syntax::Table;
-
-constexpr int k_albedo_nodes = 33;
 
 /// What kernel.glsl requires of a host, parsed as accessors: the handles, and what a model has none of.
 constexpr const char* k_handles = R"(
@@ -211,8 +210,7 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
     if (options.albedo) {
         const PreparedBrdf brdf = prepare(model, CosineProposal{});
         for (int i = 0; i < k_albedo_nodes; ++i) {
-            const float s = float(i) / float(k_albedo_nodes - 1);
-            const Rgb reflected = albedo(brdf, std::max(1 - s * s, 1e-7f));  // 0 has none
+            const Rgb reflected = albedo(brdf, std::max(float(albedo_cosine(i)), 1e-7f));  // 0 has none
             nodes.numbers.insert(nodes.numbers.end(), {reflected.r, reflected.g, reflected.b});
         }
     }

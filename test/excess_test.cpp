@@ -2,6 +2,7 @@
 #include "fit/objective/bound.h"
 
 #include "fit/data/observations.h"
+#include "fit/data/pairs.h"
 #include "fit/search/subsets.h"
 #include "properties.h"
 #include "srbf/directions.h"
@@ -59,7 +60,8 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
     const double largest = largest_measured(o);
     std::vector<double> weight;
     for (std::size_t i = first; i < first + taken; ++i) {
-        EXPECT_GT(double(value(with_spike(), o.wl[i], o.wv[i]).r) * double(o.wl[i].z) * double(o.wv[i].z),
+        const auto cosine = [](float z) { return std::max(double(z), k_brink_cosine); };
+        EXPECT_GT(double(value(with_spike(), o.wl[i], o.wv[i]).r) * cosine(o.wl[i].z) * cosine(o.wv[i].z),
                   1.6 * largest * (1 - 1e-5));
         EXPECT_TRUE(near_relative(o.weight[i], bound_weight(o, i, 0.01, largest), 1e-12));
         weight.push_back(o.weight[i]);

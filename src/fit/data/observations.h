@@ -106,11 +106,12 @@ Result<double> valid_theta(Objective objective, double max_theta);
 /// them estimate the objective's integrals over both caps. A pair that is chosen several times becomes one observation.
 /// An eighth are *horizon pairs*: pairs between θmax and 89.9°, and of the grid to that angle, with small weights
 /// proportional to (cosθl cosθv)². They keep the fit at the measurement's order of magnitude where it is not fitted.
-/// After these follow the *bound pairs*: the grid, which includes the edges of the hemisphere, and 32,768 pairs about
-/// the mirror direction. Radiances are observed at those of 0, 15, 30, 45, 60, 70, 75, 80 and 85° that lie within θmax,
-/// in uniform light: albedos. For appearance three more follow where cosθv is 0.03, 0.01 and, unless the table diverges
-/// there, 0.003, over light to 89.9°, and 100 views of a sphere, under four extended and eleven single white
-/// lights of which none is one of `standard_lightings`. `f` may be negative (see signed_value) or NaN.
+/// After these follow the *bound pairs*: the grid, which includes the edges of the hemisphere, 32,768 pairs about the
+/// mirror direction, and for appearance `brink_grid`. Radiances are observed at those of 0, 15, 30, 45, 60, 70, 75, 80
+/// and 85° that lie within θmax, in uniform light: albedos; for appearance to its default θmax also where cosθv is 0.03,
+/// 0.01 and, unless the table diverges there, 0.003, over light to 89.9°. For appearance 100 views of a sphere follow,
+/// under four extended and eleven single white lights of which none is one of `standard_lightings`. `f` may be negative
+/// (see signed_value) or NaN.
 /// Errors: no pair has a value; all values are 0; cancelled.
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress = {});
 

@@ -66,13 +66,15 @@ struct Draw {
 /// The pairs of each kind, by their numbers. None: a direction is below the horizon or outside of the cap.
 class PairDraws {
   public:
-    PairDraws(double theta_max, std::mt19937_64 random)
+    PairDraws(double theta_max, bool to_the_brink, std::mt19937_64 random)
         : fitted_points_(random_sequence(random)),
           horizon_points_(random_sequence(random)),
           bound_points_(random_sequence(random)),
           cos_max_(elementary::cos(theta_max)),
           views_(cos_max_),
-          lights_(theta_max) {}
+          lights_(theta_max) {
+        if (to_the_brink) brink_ = brink_grid();
+    }
 
     std::optional<Draw> fitted(std::size_t i) const {
         const auto u = fitted_points_.at(i);
@@ -90,9 +92,10 @@ class PairDraws {
         const Vec3f of_edge = to_float(edge), of_other = to_float(other);
         return u[0] < (1 + k_on_grid) / 2 ? Draw{{of_edge, of_other}} : Draw{{of_other, of_edge}};
     }
-    std::size_t bound_pairs() const { return grid_.size() + k_mirror_pairs; }
+    std::size_t bound_pairs() const { return grid_.size() + k_mirror_pairs + brink_.size(); }
     std::optional<Draw> bound(std::size_t i) const {
         if (i < grid_.size()) return Draw{grid_[i]};
+        if (i >= grid_.size() + k_mirror_pairs) return Draw{brink_[i - grid_.size() - k_mirror_pairs]};
         const auto pair = pair_within(to_horizon_, bound_points_.at(i - grid_.size()));
         return pair ? std::optional(Draw{*pair}) : std::nullopt;
     }
@@ -102,7 +105,7 @@ class PairDraws {
     double cos_max_, cos_horizon_ = elementary::cos(k_horizon_theta);
     ViewMixture views_;
     MirrorMixture lights_, to_horizon_{k_horizon_theta};
-    std::vector<DirectionPair> grid_ = horizon_grid();
+    std::vector<DirectionPair> grid_ = horizon_grid(), brink_;
 };
 
 /// Evaluates f at `draw(i)`, i < count. Keeps the pairs that exist and have a value, in order.
@@ -157,7 +160,7 @@ struct MeasuredPairs {
 };
 Result<MeasuredPairs> measured_pairs(const Evaluate& f, double theta_max, const ObserveOptions& options,
                                      const ProgressToken& progress) {
-    const PairDraws draws(theta_max, std::mt19937_64(options.seed));
+    const PairDraws draws(theta_max, traits(options.objective).of_pictures, std::mt19937_64(options.seed));
     const std::size_t horizon_count = options.count / (k_pairs_a_horizon_pair + 1);
     const std::size_t count = options.count - horizon_count,
                       pool_count = std::max(count, std::min(k_pool * count, k_most_pairs));
@@ -249,7 +252,9 @@ std::vector<RadianceObservation> observe_albedos(const Evaluate& f, const Observ
     for (const double theta : k_albedo_angles)
         if (!(theta * k_degree > theta_max)) angles.push_back(theta * k_degree);
     const std::size_t below_horizon = angles.size();
-    if (traits(options.objective).of_pictures && options.horizon_albedos)
+    // Whoever asks for less than the default does not trust what lies beyond.
+    const bool trusts_all = !(theta_max < default_max_theta(options.objective));
+    if (traits(options.objective).of_pictures && options.horizon_albedos && trusts_all)
         for (const double cosine : k_horizon_cosines) angles.push_back(elementary::acos(cosine));
     std::vector<RadianceObservation> all(angles.size());
     parallel_for(all.size(), options.threads, [&](std::size_t k) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "r_sequence.h"
@@ -23,6 +24,10 @@ struct DirectionPair {
 /// A grid of pairs to `k_horizon_theta`, including in-plane pairs and the horizon. A sum of exponentials that diverges
 /// between observations does so towards an edge.
 std::vector<DirectionPair> horizon_grid();
+/// Pairs beyond it: light, viewer or both at 89.99 or 89.999°.
+std::vector<DirectionPair> brink_grid();
+/// cos 89.95°, between the two.
+inline constexpr double k_brink_cosine = 8.7e-4;
 
 /// Points of the cube from a random one on.
 RSequence<6> random_sequence(std::mt19937_64& random);

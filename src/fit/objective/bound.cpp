@@ -4,10 +4,19 @@
 #include <cmath>
 
 #include "fit/data/observations.h"
+#include "fit/data/pairs.h"
 #include "fit/objective/objective.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
+namespace {
+
+/// cosθl cosθv, but no less than where the grid ends: beyond that f itself may not rise above what is allowed there.
+double bound_cosines(Vec3f wl, Vec3f wv) {
+    return std::max(double(wl.z), k_brink_cosine) * std::max(double(wv.z), k_brink_cosine);
+}
+
+}  // namespace
 
 double largest_measured(const Observations& observations) {
     double largest = 0;
@@ -23,12 +32,12 @@ std::vector<std::size_t> exceeded(const Observations& observations, std::size_t 
     evaluator(model)(wl.subspan(first), wv.subspan(first), f);
     std::vector<std::size_t> where;
     for (std::size_t i = first; i < wl.size(); ++i)
-        if (largest_of(f[i - first]) * cosines(wl[i], wv[i]) > k_most_excess * largest) where.push_back(i);
+        if (largest_of(f[i - first]) * bound_cosines(wl[i], wv[i]) > k_most_excess * largest) where.push_back(i);
     return where;
 }
 
 double bound_weight(const Observations& observations, std::size_t i, double loss, double largest) {
-    return k_excess_weight * loss * elementary::square(cosines(observations.wl[i], observations.wv[i]) / largest);
+    return k_excess_weight * loss * elementary::square(bound_cosines(observations.wl[i], observations.wv[i]) / largest);
 }
 
 std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss) {

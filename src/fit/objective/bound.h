@@ -10,8 +10,8 @@ namespace srbf {
 /// The largest measured f cosθl cosθv.
 double largest_measured(const Observations& observations);
 
-/// Indices, in order, of the observations from `first` on, including bound pairs, at which f cosθl cosθv of `model` is more
-/// than `k_most_excess` times `largest`.
+/// Indices, in order, of the observations from `first` on, including bound pairs, at which f cosθl cosθv of `model`, no
+/// cosine counting as less than `k_brink_cosine`, is more than `k_most_excess` times `largest`.
 std::vector<std::size_t> exceeded(const Observations& observations, std::size_t first, const PmModel& model,
                                   double largest);
 

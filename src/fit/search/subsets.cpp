@@ -4,6 +4,7 @@
 #include <set>
 
 #include "fit/data/observations.h"
+#include "fit/data/pairs.h"
 #include "fit/objective/bound.h"
 #include "fit/objective/importances.h"
 #include "fit/objective/objective.h"
@@ -53,8 +54,11 @@ void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOp
         LobeProblem known(some, shape_of(options), false, log_peak_limit),
             further(more, shape_of(options), false, log_peak_limit);
         known.loss(pack(lobes));
-        added[i] =
-            some_of(exceeded(all_, few_.begin, to_model(known, lobes, options.log_scale, {}), largest_), k_most_added);
+        std::vector<std::size_t> where =
+            exceeded(all_, few_.begin, to_model(known, lobes, options.log_scale, {}), largest_);
+        // Candidates exceed them often, and other bounds instead once they do not; the final model's count.
+        std::erase_if(where, [&](std::size_t k) { return std::min(all_.wl[k].z, all_.wv[k].z) < k_brink_cosine; });
+        added[i] = some_of(std::move(where), k_most_added);
         loss[i] = further.loss(pack(lobes));
     });
     loss_ = *std::min_element(loss.begin(), loss.end());

@@ -20,12 +20,12 @@ using AlbedoTable = std::array<Rgb, k_albedo_nodes>;
 
 AlbedoTable albedo_table(const Evaluate& brdf) {
     const FlushSubnormals mode;
-    constexpr double lowest = 1e-5;
+    constexpr double horizon = 1e-5;  // cosθv of the node at it
     const MirrorMixture mixture(k_pi / 2);
     AlbedoTable table;
     for (std::size_t node = 0; node < table.size();
          ++node) {  // on one thread: another's task might wait for this table
-        const double theta = elementary::acos(std::max(albedo_cosine(int(node)), lowest));
+        const double theta = elementary::acos(std::max(albedo_cosine(int(node)), horizon));
         std::array<double, 3> sum{};
         for (int turn = 0; turn < k_azimuths; ++turn) {
             const Vec3d wv = spherical(theta, 2 * k_pi * turn / k_azimuths);

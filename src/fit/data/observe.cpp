@@ -251,7 +251,7 @@ std::vector<RadianceObservation> observe_albedos(const Evaluate& f, const Observ
     std::vector<double> angles;
     for (const double theta : k_albedo_angles)
         if (!(theta * k_degree > theta_max)) angles.push_back(theta * k_degree);
-    const std::size_t below_horizon = angles.size();
+    const std::size_t steeper = angles.size();
     // Whoever asks for less than the default does not trust what lies beyond.
     const bool trusts_all = !(theta_max < default_max_theta(options.objective));
     if (traits(options.objective).of_pictures && options.horizon_albedos && trusts_all)
@@ -260,12 +260,12 @@ std::vector<RadianceObservation> observe_albedos(const Evaluate& f, const Observ
     parallel_for(all.size(), options.threads, [&](std::size_t k) {
         // Any azimuth is sufficient for isotropic data; the azimuths are spread for other data.
         const Vec3d wv = spherical(angles[k], k_golden_angle * double(k));
-        const bool at_horizon = k >= below_horizon;
+        const bool at_horizon = k >= steeper;
         all[k] = observe_albedo(f, options, wv, at_horizon ? k_horizon_theta : theta_max);
         if (at_horizon) all[k].least_unit = k_horizon_albedo;
     });
     // The last is a bound. Many tables diverge beyond their last measured angle, where it would be a demand.
-    if (all.size() > below_horizon && luminance(all.back()) > 1) all.pop_back();
+    if (all.size() > steeper && luminance(all.back()) > 1) all.pop_back();
     return all;
 }
 

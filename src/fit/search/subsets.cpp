@@ -56,7 +56,7 @@ void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOp
         known.loss(pack(lobes));
         std::vector<std::size_t> where =
             exceeded(all_, few_.begin, to_model(known, lobes, options.log_scale, {}), largest_);
-        // Candidates exceed them often, and other bounds instead once they do not; the final model's count.
+        // Bounds beyond the grid are for the final model: candidates exceed them often, in place of those that matter more.
         std::erase_if(where, [&](std::size_t k) { return std::min(all_.wl[k].z, all_.wv[k].z) < k_brink_cosine; });
         added[i] = some_of(std::move(where), k_most_added);
         loss[i] = further.loss(pack(lobes));

@@ -55,7 +55,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
         write(folder / output, done({"eval", model, "--pairs", "p.csv"}));
         readable.push_back(output);
     }
-    done({"fit", "t.csv", "--model", "ggx", "-o", "fit.srbf"}), readable.push_back("fit.srbf");
+    done({"fit", "t.csv", "--model", "ggx", "--objective", "raw", "-o", "fit.srbf"}), readable.push_back("fit.srbf");
 
     for (const std::string& file : readable) {
         done({"info", file});
@@ -67,7 +67,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
         if (file.find("srbf") != file.npos && file.find(".csv") == file.npos)
             done({"export", file, "--to", "c", "-o", "x.h"});
         else
-            done({"fit", file, "--model", "ggx", "-o", "x.srbf"});
+            done({"fit", file, "--model", "ggx", "--objective", "raw", "-o", "x.srbf"});
     }
     done({"render", "pm.srbf", "-o", "x.exr", "--size", "8x8", "--spp", "1"});
     done({"render", "pm.srbf", "-o", "x.png", "--size", "8x8", "--spp", "1", "--compare", "x.exr"});

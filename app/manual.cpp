@@ -31,12 +31,14 @@ std::string roff(const OptionHelp& option) {
 
 std::string manual_page(const Help& help) {
     const std::size_t colon = help.about.find(": ");
+    std::string options;
+    for (const OptionHelp& option : help.options) options += roff(option);
     std::string page = fmt::format(
         ".TH {} 1 \"{}\" \"{} {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n.B {}\n"
-        ".I SUBCOMMAND\n[\\fIOPTIONS\\fR]\n.SH DESCRIPTION\n{}\n.SH SUBCOMMANDS\n",
+        ".I SUBCOMMAND\n[\\fIOPTIONS\\fR]\n.SH DESCRIPTION\n{}\n.SH OPTIONS BEFORE THE SUBCOMMAND\n{}.SH SUBCOMMANDS\n",
         "SRBF", SRBF_DATE, help.name, SRBF_VERSION, help.name,
         roff(help.about.substr(colon + 2, help.about.find(".\n") - colon - 2)), help.name,
-        roff(help.about.substr(help.about.find('\n') + 1)));
+        roff(help.about.substr(help.about.find('\n') + 1)), options);
     for (const SubcommandHelp& sub : help.subcommands) {
         std::string positionals;
         for (const OptionHelp& option : sub.options)

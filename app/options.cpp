@@ -129,18 +129,25 @@ CommandLine::CommandLine(const std::string& name, const std::string& version, co
 }
 CommandLine::~CommandLine() = default;
 
+Option CommandLine::add_option(const std::string& names, std::function<void(const std::string&)> take,
+                               const std::string& about) {
+    return Option(app_->add_option_function<std::string>(names, std::move(take), about));
+}
+
 Subcommand CommandLine::add_subcommand(const std::string& name, const std::string& about) {
     return Subcommand(app_->add_subcommand(name, about));
 }
 
 Help CommandLine::help() const {
-    Help help{app_->get_name(), app_->get_description(), app_->get_footer(), {}};
-    for (const CLI::App* sub : app_->get_subcommands([](const CLI::App*) { return true; })) {
-        SubcommandHelp& of_sub = help.subcommands.emplace_back(
-            SubcommandHelp{sub->get_name(), sub->get_description(), sub->get_footer(), {}});
-        for (CLI::Option* option : app_->get_subcommand(sub->get_name())->get_options())
-            if (!option->get_group().empty()) of_sub.options.push_back(help_of(*option));
-    }
+    const auto options_of = [](CLI::App& app) {
+        std::vector<OptionHelp> all;
+        for (CLI::Option* option : app.get_options())
+            if (!option->get_group().empty()) all.push_back(help_of(*option));
+        return all;
+    };
+    Help help{app_->get_name(), app_->get_description(), app_->get_footer(), options_of(*app_), {}};
+    for (CLI::App* sub : app_->get_subcommands([](CLI::App*) { return true; }))
+        help.subcommands.push_back({sub->get_name(), sub->get_description(), sub->get_footer(), options_of(*sub)});
     return help;
 }
 

@@ -97,6 +97,7 @@ struct SubcommandHelp {
 };
 struct Help {
     std::string name, about, footer;
+    std::vector<OptionHelp> options;  ///< before the subcommand
     std::vector<SubcommandHelp> subcommands;
 };
 
@@ -108,6 +109,8 @@ class CommandLine {
     CommandLine& operator=(const CommandLine&) = delete;
     ~CommandLine();
 
+    /// An option before the subcommand, whose text is passed to `take` before that runs.
+    Option add_option(const std::string& names, std::function<void(const std::string&)> take, const std::string& about);
     Subcommand add_subcommand(const std::string& name, const std::string& about);
     Help help() const;
     /// Runs the subcommand of the arguments, or shows help. Returns an error message if the arguments are invalid.

@@ -126,7 +126,7 @@ Result<Done> write_json(const Json& json, const std::string& path) {
 
 std::optional<Json> read_json(const std::string& path) {
     // Far above any report: a tree of JSON takes up to forty times its text.
-    constexpr std::uint64_t k_most_bytes = std::uint64_t(1) << 24;
+    static constexpr std::uint64_t k_most_bytes = std::uint64_t(1) << 24;
     constexpr int k_deepest = 16;
     const auto bytes = read_file(path, [](auto) { return k_most_bytes; });
     if (!bytes || bytes->size() > k_most_bytes) return {};

@@ -8,6 +8,7 @@
 
 #include "app/commands.h"
 #include "app/load.h"
+#include "app/memory.h"
 #include "app/output.h"
 #include "app/path.h"
 #include "app/raster.h"
@@ -57,6 +58,7 @@ Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Subjec
 
 Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Subject> subjects,
                                        const RenderCommand& options) {
+    if (const auto can_draw = check_drawing(); !can_draw) return can_draw.error();
     const PathCommand& asked = options.path;
     const auto environment = load_light(asked.environment.empty() ? "none" : asked.environment);
     if (!environment) return environment.error();

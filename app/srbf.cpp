@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "app/commands.h"
+#include "app/memory.h"
 #include "app/output.h"
 
 namespace srbf {
@@ -50,6 +51,11 @@ std::optional<std::string> limit_instructions() {
 }  // namespace
 
 void add_subcommands(CommandLine& app, int& status) {
+    app.add_option(
+           "--max-memory", [](const std::string& text) { limit_memory(std::stoi(text)); },
+           "The most memory to take [MB], for files of unknown origin; without OpenGL")
+        .type_name("MB")
+        .check(within<int>(64, 1'000'000'000));
     add_fit(app, status);
     add_info(app, status);
     add_eval(app, status);

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "app/commands.h"
+#include "app/memory.h"
 #include "app/output.h"
 #include "app/view/window.h"
 
@@ -19,6 +20,7 @@ struct ViewCommand {
 #ifdef SRBF_WINDOW
 int ViewCommand::run() const {
     if (const auto writable = check_outputs(files, {window.screenshot}); !writable) return complain(writable.error());
+    if (const auto can_draw = check_drawing(); !can_draw) return complain(can_draw.error());
     Session session;
     for (const std::string& file : files) session.open(file);
     for (const Session::Message& message : session.messages())

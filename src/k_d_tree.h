@@ -1,10 +1,13 @@
 // Nearest-neighbour search among points: level 1.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <nanoflann.hpp>
+#include <numeric>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace srbf {
@@ -21,6 +24,20 @@ template <typename Real, std::size_t dimensions> struct PointCloud {
 template <typename Real, std::size_t dimensions>
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<Real, PointCloud<Real, dimensions>>,
                                                    PointCloud<Real, dimensions>, int(dimensions), std::uint32_t>;
+
+/// For each point the first one that is at exactly the same place. A tree of very many points at one place finds them as
+/// slowly as a list.
+template <typename Real, std::size_t dimensions>
+std::vector<std::uint32_t> first_at_its_place(const PointCloud<Real, dimensions>& points) {
+    std::vector<std::uint32_t> order(points.at.size()), first(points.at.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::sort(order, {}, [&](std::uint32_t i) { return std::pair(points.at[i], i); });
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        const bool is_first = k == 0 || points.at[order[k]] != points.at[order[k - 1]];
+        first[order[k]] = is_first ? order[k] : first[order[k - 1]];
+    }
+    return first;
+}
 
 /// What a search within a radius finds: indices, `first`, and squared distances, `second`. The type of these pairs
 /// depends on nanoflann's version.

@@ -113,6 +113,38 @@ TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
     }
 }
 
+/// Each command does its work or says that there is too little memory, whatever the bound.
+TEST_F(Hostile, NoMoreMemoryIsTakenThanAllowed) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer takes terabytes of addresses";
+#endif
+    std::mt19937_64 random(1);
+    ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
+    write(folder / "a.binary", small_merl());
+    int done = 0, failed = 0;
+    for (const char* megabytes : {"64", "80", "100", "500"})
+        for (const Arguments& arguments : {Arguments{"info", k_paper},
+                                           {"convert", "m.srbf", "-o", "x.binary"},
+                                           {"render", "m.srbf", "-o", "x.png", "--size", "8x8", "--spp", "1"},
+                                           {"export", "m.srbf", "--to", "html", "-o", "x.html"},
+                                           {"fit", "a.binary", "--model", "su", "--directions", "8", "--lobes", "1",
+                                            "--objective", "raw", "-o", "x.srbf"}}) {
+            SCOPED_TRACE(fmt::format("{} MB: {}", megabytes, fmt::join(arguments, " ")));
+            const ProgramRun ended = run(folder, Arguments{"--max-memory", megabytes} + arguments);
+            ++(ended.status == 0 ? done : failed);
+            if (ended.status == 0) continue;
+            EXPECT_EQ(ended.status, 1);
+            EXPECT_TRUE(ended.err.starts_with("srbf: ") && ended.err.find("out of memory") != ended.err.npos)
+                << ended.err;
+            EXPECT_EQ(ended.err.find('\n'), ended.err.size() - 1) << ended.err;
+        }
+    EXPECT_GE(done, 5);
+    EXPECT_GE(failed, 1);
+    expect_failure(1, {"--max-memory", "500", "render", "m.srbf", "-o", "y.png", "--renderer", "raster"},
+                   "no --max-memory");
+    expect_failure(2, {"--max-memory", "1", "info", k_paper}, "64 to 1000000000");
+}
+
 TEST_F(Hostile, RunningOutOfMemoryNamesTheFile) {
 #ifdef __SANITIZE_ADDRESS__
     GTEST_SKIP() << "the sanitizer takes terabytes of addresses";

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "app/memory.h"
 #include "app/raster.h"
 #include "app/report/study.h"
 #ifdef SRBF_RASTER
@@ -43,6 +44,7 @@ std::vector<TimedModel> timed_models(const Study& study) {
 }  // namespace
 
 Result<Done> time_study(Study& study, const StudyOptions& options) {
+    if (const auto can_draw = check_drawing(); !can_draw) return can_draw;
     ::setenv("EGL_LOG_LEVEL", "fatal", 0);
     const auto context = OffscreenContext::make(Dialect::gl_450);
     if (!context) return context.error();

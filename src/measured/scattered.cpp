@@ -71,11 +71,14 @@ class Nearest {
 
 }  // namespace
 
-/// A k-d tree over the coordinates of the samples. It keeps no reference to them: copies of a measurement may share it.
+/// A k-d tree over the coordinates of samples, of as many at one place as are ever looked for. It keeps no reference to
+/// them: copies of a measurement may share it.
 class SampleIndex {
   public:
-    explicit SampleIndex(Points points)
-        : points_(std::move(points)), tree_(5, points_, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
+    SampleIndex(Points points, std::vector<std::uint32_t> sample)
+        : points_(std::move(points)),
+          sample_(std::move(sample)),
+          tree_(5, points_, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
         tree_.buildIndex();
     }
 
@@ -91,12 +94,13 @@ class SampleIndex {
         tree_.findNeighbors(result, place.data(), {});
         found.count = std::uint32_t(result.size());
         for (std::size_t i = 0; i < result.size(); ++i)
-            found.distance2[i] = result[i].first, found.sample[i] = result[i].second;
+            found.distance2[i] = result[i].first, found.sample[i] = sample_[result[i].second];
         return found;
     }
 
   private:
     Points points_;
+    std::vector<std::uint32_t> sample_;  ///< of each point, in ascending order
     Tree tree_;
 };
 
@@ -105,7 +109,16 @@ void make_index(ScatteredSamples& samples) {
     points.at.reserve(samples.wl.size());
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
         points.at.push_back(place_of(samples.wl[i], samples.wv[i], samples.isotropic));
-    samples.index = std::make_shared<const SampleIndex>(std::move(points));
+    std::vector<std::uint32_t> kept = first_at_its_place(points);
+    std::vector<std::uint8_t> count(kept.size());
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+        if (count[kept[i]] > k_neighbours) continue;
+        ++count[kept[i]];
+        points.at[n] = points.at[i], kept[n] = std::uint32_t(i), ++n;
+    }
+    points.at.resize(n), kept.resize(n);
+    samples.index = std::make_shared<const SampleIndex>(std::move(points), std::move(kept));
 }
 
 namespace {
@@ -183,7 +196,7 @@ SampleBuilder::SampleBuilder(Values values, std::vector<float> wavelengths, std:
     if (values == Values::spectrum) weights_ = rgb_weights(wavelengths);
     samples_.wavelengths = std::move(wavelengths);
     // Memory holds the text and the samples together, then the samples and their index.
-    constexpr std::size_t slack = 32 << 20, index = 32;
+    constexpr std::size_t slack = 32 << 20, index = 36;
     const std::size_t sample = 2 * sizeof(Vec3f) + sizeof(Rgb) + sizeof(float) * weights_.size();
     most_ = std::min((3 * bytes + slack) / sample, (4 * bytes + slack) / (sample + index));
     const std::size_t most = std::min(rows, most_);

@@ -28,45 +28,56 @@ std::array<double, 6> point_of(Vec3f l, Vec3f v, bool isotropic) {
     return {rl, wl.z, rv, wv.z, along, across};
 }
 
-/// Of sample i point 2i; with exchanged directions 2i + 1.
-PointCloud<double, 6> points_of(const ScatteredSamples& samples) {
-    PointCloud<double, 6> points;
-    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
-        points.at.push_back(point_of(samples.wl[i], samples.wv[i], samples.isotropic));
-        points.at.push_back(point_of(samples.wv[i], samples.wl[i], samples.isotropic));
-    }
-    return points;
-}
-
-/// Searches among these points.
+/// Searches among samples, of those at the same place for the first.
 class NearSamples {
   public:
-    explicit NearSamples(const ScatteredSamples& samples) : cloud_(points_of(samples)) { tree_.buildIndex(); }
+    explicit NearSamples(const ScatteredSamples& samples) {
+        PointCloud<double, 6> all;
+        for (std::size_t i = 0; i < samples.wl.size(); ++i)
+            all.at.push_back(point_of(samples.wl[i], samples.wv[i], samples.isotropic));
+        first_ = first_at_its_place(all);
+        for (std::size_t i = 0; i < first_.size(); ++i) {
+            if (first_[i] != i) continue;
+            sample_.push_back(std::uint32_t(i));
+            cloud_.at.push_back(all.at[i]);
+            cloud_.at.push_back(point_of(samples.wv[i], samples.wl[i], samples.isotropic));
+        }
+        tree_.buildIndex();
+    }
     NearSamples(const NearSamples&) = delete;
 
-    /// Those within `k_group_distance` of sample i: each stands for one sample, whose number is half of it.
-    FoundPoints<double> points_near(std::size_t i) const {
+    /// The first sample at the place of sample i.
+    std::size_t first_like(std::size_t i) const { return first_[i]; }
+    /// How many samples are first at their place, and the k-th of them.
+    std::size_t count() const { return sample_.size(); }
+    std::size_t sample(std::size_t k) const { return sample_[k]; }
+
+    /// Those within `k_group_distance` of the k-th: each stands for one or, with directions exchanged, another.
+    std::vector<std::size_t> near(std::size_t k) const {
         FoundPoints<double> found;
-        tree_.radiusSearch(cloud_.at[2 * i].data(), k_group_distance * k_group_distance, found, {});
-        return found;
+        tree_.radiusSearch(cloud_.at[2 * k].data(), k_group_distance * k_group_distance, found, {});
+        std::vector<std::size_t> all;
+        for (const auto& [point, distance] : found) all.push_back(point / 2);
+        return all;
     }
-    /// The distance of sample i to the nearest point of another group, among as many neighbours as necessary.
-    double to_other_group(std::size_t i, const std::vector<int>& group) const {
+    /// The distance of the k-th to the nearest point of another group, among as many neighbours as necessary.
+    double to_other_group(std::size_t k, const std::vector<int>& group) const {
         const std::size_t all = cloud_.at.size();
         std::vector<std::uint32_t> point;
         std::vector<double> distance;
         for (std::size_t wanted = k_first_neighbours;; wanted = std::min(4 * wanted, all)) {
             point.resize(wanted), distance.resize(wanted);
-            const std::size_t count = tree_.knnSearch(cloud_.at[2 * i].data(), wanted, point.data(), distance.data());
-            for (std::size_t k = 0; k < count; ++k)
-                if (group[point[k] / 2] != group[i]) return std::sqrt(distance[k]);
+            const std::size_t count = tree_.knnSearch(cloud_.at[2 * k].data(), wanted, point.data(), distance.data());
+            for (std::size_t n = 0; n < count; ++n)
+                if (group[point[n] / 2] != group[k]) return std::sqrt(distance[n]);
             if (wanted >= all) return std::numeric_limits<double>::infinity();
         }
     }
 
   private:
     static constexpr std::size_t k_first_neighbours = 8, k_leaf = 16;  // of the tree, for speed alone
-    PointCloud<double, 6> cloud_;
+    std::vector<std::uint32_t> first_, sample_;
+    PointCloud<double, 6> cloud_;  ///< of the k-th point 2k; with exchanged directions 2k + 1
     KdTree<double, 6> tree_{6, cloud_, nanoflann::KDTreeSingleIndexAdaptorParams(k_leaf)};
 };
 
@@ -93,26 +104,34 @@ std::vector<std::size_t> by_brightness(const ScatteredSamples& samples, const Sa
 }  // namespace
 
 SampleGroups group_samples(const ScatteredSamples& samples) {
-    const std::size_t n = samples.wl.size();
-    const NearSamples near(samples);
-    SampleGroups groups{std::vector<int>(n, -1), 0, 0};
-    for (std::size_t first = 0; first < n; ++first) {
-        if (groups.of[first] >= 0) continue;
-        groups.of[first] = groups.count;
+    const NearSamples places(samples);
+    std::vector<int> group(places.count(), -1);
+    SampleGroups groups{{}, 0, 0};
+    for (std::size_t first = 0; first < group.size(); ++first) {
+        if (group[first] >= 0) continue;
+        group[first] = groups.count;
         for (std::vector<std::size_t> open{first}; !open.empty();) {
-            const std::size_t i = open.back();
+            const std::size_t k = open.back();
             open.pop_back();
-            for (const auto& [point, distance] : near.points_near(i))
-                if (int& group = groups.of[point / 2]; group < 0) group = groups.count, open.push_back(point / 2);
+            for (const std::size_t other : places.near(k))
+                if (group[other] < 0) group[other] = groups.count, open.push_back(other);
         }
         ++groups.count;
     }
-    if (groups.count < 2) return groups;
-
-    std::vector<double> nearest;
-    for (std::size_t i = 0; i < n; ++i) nearest.push_back(near.to_other_group(i, groups.of));
-    const auto twentieth = nearest.begin() + std::ptrdiff_t(nearest.size() / 20);
-    std::nth_element(nearest.begin(), twentieth, nearest.end());
+    const bool is_one = groups.count < 2;
+    std::vector<double> distance(samples.wl.size());
+    groups.of.resize(samples.wl.size());
+    for (std::size_t k = 0; k < group.size(); ++k) {
+        groups.of[places.sample(k)] = group[k];
+        distance[places.sample(k)] = is_one ? 0 : places.to_other_group(k, group);
+    }
+    for (std::size_t i = 0; i < groups.of.size(); ++i) {
+        groups.of[i] = groups.of[places.first_like(i)];
+        distance[i] = distance[places.first_like(i)];
+    }
+    if (is_one) return groups;
+    const auto twentieth = distance.begin() + std::ptrdiff_t(distance.size() / 20);
+    std::nth_element(distance.begin(), twentieth, distance.end());
     groups.spacing = *twentieth;
     return groups;
 }

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <initializer_list>
+#include <numeric>
 #include <span>
 
 #include "parallel.h"
@@ -17,9 +18,13 @@ namespace {
 using K = Kernel<float>;
 
 constexpr int k_steps = 200;
-constexpr int k_points = 128;           // of each lobe
+constexpr int k_points = 64;            // of each lobe, for each view
 constexpr double k_lowest_view = .001;  // cosθv at which the last node is made, for at 0 nothing is reflected
 constexpr float k_least_weight = 1e-3f;
+/// The share of draws that a node may lose, and what losing all is made to cost until it does not, relative to the second
+/// moment.
+constexpr double k_most_lost = 0.005;
+constexpr double k_costs_of_loss[] = {0, 10, 20, 40};
 // Of the second moment, for which there is a grain, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.002;
 
@@ -70,12 +75,15 @@ template <typename Sample> void add_lattice(int count, const Sample& sample, std
 }
 
 /// The weights of least variance over the points, of which lobe 0 (the cosine) keeps `k_least_cosine`; without points
-/// the cosine alone.
-std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes, int steps) {
+/// the cosine alone. `lost`: the share of each lobe's draws that is lost.
+std::vector<float> best_weights(const SamplingPoints& points, std::size_t lobes, int steps,
+                                std::span<const double> lost = {}, double cost_of_loss = 0) {
     std::vector<float> weight(lobes, points.size() ? 1 / float(lobes) : 0);
     std::vector<double> slope(lobes);
     for (int step = 0; step < steps && points.size(); ++step) {
-        set_slopes(points, weight, slope);
+        const double moment = set_slopes(points, weight, slope);
+        for (std::size_t k = 0; k < lost.size(); ++k)
+            slope[k] = std::max(slope[k] - cost_of_loss * lost[k] * moment, 0.0);
         double sum = 0;
         for (std::size_t k = 0; k < lobes; ++k) sum += slope[k] = double(weight[k]) * std::sqrt(slope[k]);
         for (std::size_t k = 0; k < lobes; ++k) weight[k] = float(slope[k] / sum);
@@ -125,11 +133,41 @@ SamplingPoints points_at(const Evaluate& brdf, std::span<const Vec3f> views, int
     return points;
 }
 
+/// The share of each lobe's draws that have no direction, over these views.
+std::vector<double> lost_draws(std::span<const Vec3f> views, const ProposalShape& shape) {
+    std::vector<double> lost;
+    for (int k = 0; k < MixtureProposal::k_lobes; ++k) {
+        std::vector<Vec3f> wl;
+        for (const Vec3f wv : views)
+            add_lattice(
+                k_points,
+                [&](float u1, float u2) {
+                    return K::sample_proposal_lobe(k, wv, map_of(shape, wv), shape.power, u1, u2);
+                },
+                wl);
+        lost.push_back(1 - double(wl.size()) / double(k_points * views.size()));
+    }
+    return lost;
+}
+
 /// The views at cosθv = z.
 std::vector<Vec3f> views_at(double z, int azimuths) {
     std::vector<Vec3f> views;
     for (int i = 0; i < azimuths; ++i)
         views.push_back(to_float(spherical(elementary::acos(z), 2 * k_pi * i / azimuths)));
+    return views;
+}
+
+/// The views at a node and a third of the way to its neighbours: a table's highlights differ between the views that were
+/// measured.
+std::vector<Vec3f> views_about(std::size_t node, int azimuths) {
+    std::vector<Vec3f> views;
+    for (const double beside : {-1. / 3, 0., 1. / 3}) {
+        const double x = (double(node) + beside) / (MixtureProposal::k_nodes - 1);
+        if (x < 0 || x > 1) continue;
+        const std::vector<Vec3f> some = views_at(std::max((1 - x) * (1 - x), k_lowest_view), azimuths);
+        views.insert(views.end(), some.begin(), some.end());
+    }
     return views;
 }
 
@@ -140,13 +178,14 @@ double least_moment(const SamplingPoints& points) {
     return set_slopes(points, best_weights(points, slope.size(), steps), slope);
 }
 
-/// The shapes that are tried: stretches 0.8^i, powers 0.8^(2 - 2 j), i and j below k_shapes.
-constexpr int k_shapes = 7;
+/// The shapes that are tried: stretches 0.8^i and powers 0.8^(2 - 2 j), i from -k_most_step and j from 0 to
+/// k_most_step.
+constexpr int k_most_step = 6;
 
 /// The shape whose moment at these views is least among its neighbours, found by descent. Along a grain the stretch
 /// remains.
 ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, const ProposalShape& start) {
-    constexpr int count = 24;
+    constexpr int count = 12;
     const auto shape_at = [&](int i, int j) {
         ProposalShape shape = start;
         if (!start.is_grain()) shape.stretch = float(elementary::pow(0.8, i));
@@ -155,19 +194,20 @@ ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, con
     };
     // The same points for all of them, drawn from a wide shape and a narrow one.
     SamplingPoints points = points_at(brdf, views, count, {shape_at(0, 1), shape_at(4, 3)});
-    std::array<std::array<double, k_shapes>, k_shapes> known{};
+    std::array<std::array<double, k_most_step + 1>, 2 * k_most_step + 1> known{};
     const auto moment = [&](int i, int j) {
-        double& value = known[std::size_t(i)][std::size_t(j)];
+        double& value = known[std::size_t(i + k_most_step)][std::size_t(j)];
         if (value > 0) return value;
         set_densities(points, shape_at(i, j));
         return value = least_moment(points);
     };
-    int at_i = start.is_grain() ? 0 : 1, at_j = 2;
+    const int most_i = start.is_grain() ? 0 : k_most_step;
+    int at_i = std::min(1, most_i), at_j = 2;
     for (bool better = true; better;) {
         better = false;
         const int from_i = at_i, from_j = at_j;
-        for (int i = std::max(from_i - 1, 0); i <= std::min(from_i + 1, start.is_grain() ? 0 : k_shapes - 1); ++i)
-            for (int j = std::max(from_j - 1, 0); j <= std::min(from_j + 1, k_shapes - 1); ++j)
+        for (int i = std::max(from_i - 1, -most_i); i <= std::min(from_i + 1, most_i); ++i)
+            for (int j = std::max(from_j - 1, 0); j <= std::min(from_j + 1, k_most_step); ++j)
                 if (moment(i, j) < (1 - k_least_change) * moment(at_i, at_j)) at_i = i, at_j = j, better = true;
     }
     return shape_at(at_i, at_j);
@@ -175,13 +215,17 @@ ProposalShape best_shape(const Evaluate& brdf, std::span<const Vec3f> views, con
 
 /// Sets what there is at a node.
 void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProposal& proposal) {
-    const double x = double(node) / (MixtureProposal::k_nodes - 1), z = std::max((1 - x) * (1 - x), k_lowest_view);
-    const std::vector<Vec3f> views = views_at(z, azimuths);
+    const std::vector<Vec3f> views = views_about(node, azimuths);
     ProposalShape shape{proposal.stretch[node], proposal.power[node], proposal.cosine, proposal.sine};
     // At the normal the plane of incidence is none.
     if (node > 0) shape = best_shape(brdf, views, shape);
-    const std::vector<float> weight =
-        best_weights(points_at(brdf, views, k_points, {shape}), MixtureProposal::k_lobes, k_steps);
+    const SamplingPoints points = points_at(brdf, views, k_points, {shape});
+    const std::vector<double> lost = lost_draws(views, shape);
+    std::vector<float> weight;
+    for (const double cost : k_costs_of_loss) {
+        weight = best_weights(points, MixtureProposal::k_lobes, k_steps, lost, cost);
+        if (std::inner_product(lost.begin(), lost.end(), weight.begin(), 0.0) <= k_most_lost) break;
+    }
     proposal.set_weights(node, std::span<const float, MixtureProposal::k_lobes>(weight));
     proposal.stretch[node] = shape.stretch, proposal.power[node] = shape.power;
 }

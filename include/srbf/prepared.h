@@ -45,7 +45,7 @@ struct BrdfParts {
 };
 PreparedBrdf prepare(BrdfParts parts);
 
-/// A model, sampled by its own proposal, `propose(model, options)`, which takes some 30 ms to make (docs/performance.md);
+/// A model, sampled by its own proposal, `propose(model, options)`, which takes some 55 ms to make (docs/performance.md);
 /// or by the cosine, for those who ask for values alone.
 PreparedBrdf prepare(const Model& model, const ProposeOptions& options = {});
 PreparedBrdf prepare(const Model& model, CosineProposal by_cosine);

@@ -131,7 +131,7 @@ CommandLine::~CommandLine() = default;
 
 Option CommandLine::add_option(const std::string& names, std::function<void(const std::string&)> take,
                                const std::string& about) {
-    return Option(app_->add_option_function<std::string>(names, std::move(take), about));
+    return Subcommand(app_.get()).add_option(names, std::move(take), about);
 }
 
 Subcommand CommandLine::add_subcommand(const std::string& name, const std::string& about) {

@@ -102,6 +102,13 @@ K::Stretch map_of(const ProposalShape& shape, Vec3f wv) {
     return K::stretch_along(shape.is_grain() ? Vec3f(shape.cosine, shape.sine, 0) : wv, shape.stretch);
 }
 
+/// Adds to `wl` a lattice of `count` draws of lobe k, so shaped, for a view, but for those that are lost.
+void add_draws(int count, int k, const ProposalShape& shape, Vec3f wv, std::vector<Vec3f>& wl) {
+    const K::Stretch map = map_of(shape, wv);
+    add_lattice(
+        count, [&](float u1, float u2) { return K::sample_proposal_lobe(k, wv, map, shape.power, u1, u2); }, wl);
+}
+
 /// The points of these views, `count` of each lobe of these shapes for each of them; their densities are of the first
 /// shape.
 SamplingPoints points_at(const Evaluate& brdf, std::span<const Vec3f> views, int count,
@@ -110,13 +117,7 @@ SamplingPoints points_at(const Evaluate& brdf, std::span<const Vec3f> views, int
     for (const Vec3f wv : views) {
         std::vector<Vec3f> wl;
         for (const ProposalShape& shape : shapes)
-            for (int k = 0; k < MixtureProposal::k_lobes; ++k)
-                add_lattice(
-                    count,
-                    [&](float u1, float u2) {
-                        return K::sample_proposal_lobe(k, wv, map_of(shape, wv), shape.power, u1, u2);
-                    },
-                    wl);
+            for (int k = 0; k < MixtureProposal::k_lobes; ++k) add_draws(count, k, shape, wv, wl);
         SamplingPoints drawn;
         for (const Vec3f& w : wl) drawn.add(w, wv, 1);
         drawn.pad();
@@ -138,13 +139,7 @@ std::vector<double> lost_draws(std::span<const Vec3f> views, const ProposalShape
     std::vector<double> lost;
     for (int k = 0; k < MixtureProposal::k_lobes; ++k) {
         std::vector<Vec3f> wl;
-        for (const Vec3f wv : views)
-            add_lattice(
-                k_points,
-                [&](float u1, float u2) {
-                    return K::sample_proposal_lobe(k, wv, map_of(shape, wv), shape.power, u1, u2);
-                },
-                wl);
+        for (const Vec3f wv : views) add_draws(k_points, k, shape, wv, wl);
         lost.push_back(1 - double(wl.size()) / double(k_points * views.size()));
     }
     return lost;

@@ -31,6 +31,10 @@ inline std::string small_merl() {
     return text_of(merl_file({9, 6, 8}, [](int h, int, int, int c) { return 0.1 + std::exp(-h) * (1 + c); }));
 }
 
+/// A fit of a table that takes least, without the names of files.
+inline const Arguments k_quick_fit{"fit", "--model",     "su",  "--directions", "8", "--lobes",
+                                   "1",   "--objective", "raw", "--threads",    "1"};
+
 /// The command line in a folder of its own.
 class CommandLine : public testing::Test {
   protected:

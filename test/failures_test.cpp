@@ -32,17 +32,13 @@ bool tries_all() {
     return wanted && wanted == std::string("all");
 }
 
-/// The fit that takes least.
-const Arguments k_fit{"fit", "--model",     "su",  "--directions", "8", "--lobes",
-                      "1",   "--objective", "raw", "--threads",    "1"};
-
 class Failures : public CommandLine {
   protected:
     void SetUp() override {
         write(folder / "a.binary", small_merl());
         write(folder / "b.binary",
               text_of(merl_file({9, 6, 8}, [](int h, int d, int, int c) { return 0.2 + 0.01 * h * d + 0.1 * c; })));
-        const ProgramRun fitted = run(folder, k_fit + Arguments{"a.binary", "-o", "m.srbf"});
+        const ProgramRun fitted = run(folder, k_quick_fit + Arguments{"a.binary", "-o", "m.srbf"});
         ASSERT_EQ(fitted.status, 0) << fitted.err;
     }
 
@@ -148,8 +144,8 @@ class Failures : public CommandLine {
 
     const Task convert_{{"convert", "a.binary", "-o", "x.csv", "--directions", "3"}, {"x.csv"}};
     const Task export_{{"export", "m.srbf", "--to", "glsl", "-o", "x.glsl"}, {"x.glsl"}};
-    const Task fit_{k_fit + Arguments{"a.binary", "-o", "x.srbf", "--json", "x.json"}, {"x.srbf", "x.json"}};
-    const Task many_{k_fit + Arguments{"a.binary", "b.binary", "--resume", "-o", "models"},
+    const Task fit_{k_quick_fit + Arguments{"a.binary", "-o", "x.srbf", "--json", "x.json"}, {"x.srbf", "x.json"}};
+    const Task many_{k_quick_fit + Arguments{"a.binary", "b.binary", "--resume", "-o", "models"},
                      {"models/a.srbf", "models/a.json", "models/b.srbf", "models/b.json"}};
     const std::vector<std::string> every_call_{"open", "read", "write", "fsync", "rename", "close", "mmap"};
     const std::vector<int> every_error_{EIO, ENOSPC, EINTR, EXDEV};
@@ -196,7 +192,7 @@ TEST_F(Failures, WhatWasKilledResumes) {
 
 /// Runs at once that write the same files leave a pair, or one that the next run does not take for one.
 TEST_F(Failures, AReportIsThatOfItsModel) {
-    const Arguments start = k_fit + Arguments{"--resume", "-o", "models"};
+    const Arguments start = k_quick_fit + Arguments{"--resume", "-o", "models"};
     ASSERT_EQ(run(folder, start + Arguments{"a.binary"}).status, 0);
     ASSERT_EQ(run(folder, start + Arguments{"b.binary"}).status, 0);
     const std::string model = contents(folder / "models/a.srbf");

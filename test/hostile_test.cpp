@@ -129,8 +129,7 @@ TEST_F(Hostile, NoMoreMemoryIsTakenThanAllowed) {
                                            {"convert", "m.srbf", "-o", "x.binary"},
                                            {"render", "m.srbf", "-o", "x.png", "--size", "8x8", "--spp", "1"},
                                            {"export", "m.srbf", "--to", "html", "-o", "x.html"},
-                                           {"fit", "a.binary", "--model", "su", "--directions", "8", "--lobes", "1",
-                                            "--objective", "raw", "-o", "x.srbf"}}) {
+                                           k_quick_fit + Arguments{"a.binary", "-o", "x.srbf"}}) {
             SCOPED_TRACE(fmt::format("{} MB: {}", megabytes, fmt::join(arguments, " ")));
             const ProgramRun ended = run(folder, Arguments{"--max-memory", megabytes} + arguments);
             ++(ended.status == 0 ? done : failed);

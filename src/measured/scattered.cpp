@@ -104,20 +104,32 @@ class SampleIndex {
     Tree tree_;
 };
 
+namespace {
+
+/// Drops the points of a place beyond as many as are ever looked for; returns which are left, in ascending order.
+std::vector<std::uint32_t> keep_few_at_a_place(Points& points) {
+    const std::vector<std::uint32_t> first = first_at_its_place(points);
+    std::vector<std::uint8_t> count(first.size());  // at the place of each first point
+    std::vector<std::uint32_t> kept;
+    kept.reserve(first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        if (count[first[i]] > k_neighbours) continue;
+        ++count[first[i]];
+        points.at[kept.size()] = points.at[i];
+        kept.push_back(std::uint32_t(i));
+    }
+    points.at.resize(kept.size());
+    return kept;
+}
+
+}  // namespace
+
 void make_index(ScatteredSamples& samples) {
     Points points;
     points.at.reserve(samples.wl.size());
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
         points.at.push_back(place_of(samples.wl[i], samples.wv[i], samples.isotropic));
-    std::vector<std::uint32_t> kept = first_at_its_place(points);
-    std::vector<std::uint8_t> count(kept.size());
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < kept.size(); ++i) {
-        if (count[kept[i]] > k_neighbours) continue;
-        ++count[kept[i]];
-        points.at[n] = points.at[i], kept[n] = std::uint32_t(i), ++n;
-    }
-    points.at.resize(n), kept.resize(n);
+    std::vector<std::uint32_t> kept = keep_few_at_a_place(points);
     samples.index = std::make_shared<const SampleIndex>(std::move(points), std::move(kept));
 }
 

@@ -220,7 +220,8 @@ Result<std::string> ExportCommand::code(const std::vector<NamedModel>& named) co
     if (to == "three") return three_module(named, prefix);
     CodeOptions options{
         .language = std::ranges::find(k_code_languages, std::string_view(to), &CodeLanguageRow::name)->language};
-    for (const std::string& extra : with) (extra == "sampling" ? options.sampling : options.albedo) = true;
+    for (const std::string& extra : with)
+        (extra == "sampling" ? options.sampling : extra == "albedo" ? options.albedo : options.environment) = true;
     return shading_code(named, prefix, options);
 }
 
@@ -254,10 +255,12 @@ void add_export(CommandLine& app, int& status) {
         sub.add_option(
                "--with", command->with,
                "sampling: code with NAME_sample and NAME_pdf too; albedo: with NAME_albedo, the share of light that\n"
-               "is reflected to a view; may be repeated")
+               "is reflected to a view; environment: with NAME_environment, the radiance under an environment that "
+               "the\n"
+               "host has filtered as for GGX; may be repeated")
             .type_name("WHAT")
             .one_at_a_time()
-            .one_of({"sampling", "albedo"});
+            .one_of({"sampling", "albedo", "environment"});
     const Option reference =
         sub.add_option("--reference", command->reference, "html: the measurement, shown and plotted beside the models")
             .type_name("MEASURED");

@@ -1,23 +1,26 @@
-// The nodes of tables of directional albedo.
+// The nodes of tables over the elevation of the view.
 #pragma once
 #include <cmath>
 
 namespace srbf {
 
-/// Nodes are uniform in t = (1 + ∜cosθv − √(1 − cosθv)) / 2, from the horizon to the normal: close to each other towards
-/// the normal, where highlights are, and closer towards the horizon, where albedos change fastest.
-inline constexpr int k_albedo_nodes = 97;
-
-/// t (k_albedo_nodes − 1) of cosθv in [0, 1].
-template <typename Real> Real albedo_coordinate(Real cosine) {
-    return Real(k_albedo_nodes - 1) * (1 + std::sqrt(std::sqrt(cosine)) - std::sqrt(1 - cosine)) / 2;
+/// t = (1 + ∜cosθv − √(1 − cosθv)) / 2 of cosθv in [0, 1], from 0 at the horizon to 1 at the normal. Nodes uniform in it are close to
+/// each other towards the normal, where highlights are, and closer towards the horizon, where albedos change fastest.
+template <typename Real> Real elevation_coordinate(Real cosine) {
+    return (1 + std::sqrt(std::sqrt(cosine)) - std::sqrt(1 - cosine)) / 2;
 }
-/// cosθv of a node, by bisection: t rises with it.
-inline double albedo_cosine(int node) {
+/// Its inverse, by bisection: t rises with the cosine.
+inline double elevation_cosine(double t) {
     double below = 0, above = 1;
     for (double middle = 0.5; middle != below && middle != above; middle = (below + above) / 2)
-        (albedo_coordinate(middle) < node ? below : above) = middle;
+        (elevation_coordinate(middle) < t ? below : above) = middle;
     return above;
 }
+
+inline constexpr int k_albedo_nodes = 97;
+template <typename Real> Real albedo_coordinate(Real cosine) {
+    return Real(k_albedo_nodes - 1) * elevation_coordinate(cosine);
+}
+inline double albedo_cosine(int node) { return elevation_cosine(double(node) / (k_albedo_nodes - 1)); }
 
 }  // namespace srbf

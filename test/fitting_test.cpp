@@ -58,7 +58,6 @@ Measured samples() {
 struct Bound {
     const char* name;
     double delta_e, rms, albedo_error;  // 1.1 times the measured values
-    int seeds;                          // the albedo error is the median of so many fits
 };
 
 class DefaultFit : public testing::TestWithParam<Bound> {
@@ -81,20 +80,7 @@ TEST_P(DefaultFit, ErrsNoMoreThanItDid) {
 }
 
 /// No fit minimises this error. That of the film is 0.8 to 3.5 %, depending on the seed.
-TEST_P(DefaultFit, ErrsInAlbedoNoMoreThanItDid) {
-    const Measured measured = bundled(GetParam().name);
-    Fitter fitter(measured);
-    std::vector<double> errors{outcome().errors->albedo_error};
-    for (FitRequest request; int(errors.size()) < GetParam().seeds;) {
-        ++request.seed;
-        auto made = fitter.fit(request);
-        ASSERT_TRUE(made && fitter.measure(*made, request));
-        errors.push_back(made->errors->albedo_error);
-    }
-    const auto median = errors.begin() + GetParam().seeds / 2;
-    std::nth_element(errors.begin(), median, errors.end());
-    EXPECT_LE(*median, GetParam().albedo_error);
-}
+TEST_P(DefaultFit, ErrsInAlbedoNoMoreThanItDid) { EXPECT_LE(outcome().errors->albedo_error, GetParam().albedo_error); }
 
 TEST_P(DefaultFit, IsBoundedToTheHorizon) {
     const Measured measured = bundled(GetParam().name);
@@ -141,8 +127,8 @@ TEST_P(DefaultFit, ReflectsWhatIsMeasuredAtGrazingAngles) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bundled, DefaultFit,
-                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 5.52, 0.0905, 0.0246, 9},
-                                         Bound{"paper_white_rgb", 0.95, 0.0331, 0.0029, 1}),
+                         testing::Values(Bound{"cc_ibiza_sunset_rgb", 5.52, 0.0905, 0.0131},
+                                         Bound{"paper_white_rgb", 0.95, 0.0331, 0.0029}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 /// The same number of bytes, by what is seen: better than an objective of numbers.

@@ -1,5 +1,6 @@
 // Exported code is what its languages' compilers accept, and computes what the library computes.
 #include "srbf/shading_code.h"
+#include "srbf/extended_light.h"
 
 #include <cstdlib>
 
@@ -187,6 +188,43 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     if (!std::strlen(SRBF_CLANG)) GTEST_SKIP() << "no clang (Debian: clang)";
     EXPECT_TRUE(runs(SRBF_CLANG + fmt::format(fmt::runtime(checks), plain)));
     ask_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang");
+}
+
+/// Under an environment that a host supplies, whose radiance tells where and how blurred it is asked.
+TEST_F(ShadingCode, EnvironmentsAreThoseOfTheLibrary) {
+    const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.3f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
+    const NamedModel named{"glossy", &model};
+    const auto text = [&](CodeLanguage language) {
+        return *shading_code(std::span(&named, 1), "glossy", {.language = language, .environment = true});
+    };
+    EXPECT_NE(text(CodeLanguage::wgsl).find("fn glossy_environment(wv: vec3f)"), std::string::npos);
+    EXPECT_EQ(text(CodeLanguage::msl).find("glossy_environment("), std::string::npos);
+    EXPECT_NE(text(CodeLanguage::msl).find("glossy_environment_lobe("), std::string::npos);
+    void* const library =
+        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "environment",
+                 text(CodeLanguage::c) +
+                     "static srbf_vec3 glossy_radiance(srbf_vec3 direction, float roughness) {\n"
+                     "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, roughness);\n}\n"
+                     "void answer(const float* v, float* to);\n"
+                     "void answer(const float* v, float* to) {\n"
+                     "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment(wv);\n"
+                     "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+    ASSERT_TRUE(library);
+    const auto answer = function<void(const float*, float*)>(library, "answer");
+    const ExtendedLight light = extended_light(prepare(model));
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 200; ++i) {
+        const Vec3f wv = to_float(random_direction(random, 1e-3));
+        Rgb found, expected;
+        answer(&wv.x, &found.r);
+        for (const ExtendedLight::Lobe& lobe : lobes_at(light, wv.z)) {
+            const Vec3f axis = axis_of(lobe, wv);
+            expected.r += lobe.weight.r * (1 + axis.x);
+            expected.g += lobe.weight.g * (1 + axis.z);
+            expected.b += lobe.weight.b * lobe.roughness;
+        }
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 1e-4f) << wv.z;
+    }
 }
 
 /// Draws of the code against its own density, over bins of half vectors.

@@ -31,9 +31,10 @@ inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "gls
 
 struct CodeOptions {
     CodeLanguage language = CodeLanguage::glsl;
-    bool sampling = false;  ///< also NAME_sample and NAME_pdf
-    bool albedo = false;    ///< also NAME_albedo
-    int threads = 0;        ///< for weights of sampling and albedos; 0: as many as the machine has
+    bool sampling = false;     ///< also NAME_sample and NAME_pdf
+    bool albedo = false;       ///< also NAME_albedo
+    bool environment = false;  ///< also NAME_environment and NAME_environment_lobe
+    int threads = 0;  ///< for weights of sampling, albedos and lobes of environments; 0: as many as the machine has
 };
 
 struct NamedModel {
@@ -50,6 +51,11 @@ std::string identifier(std::string_view text);
 ///                                      uniform in [0,1); z <= 0 where the draw has none
 ///   float NAME_pdf(Vec3 wl, Vec3 wv)   its density [1/sr], 0 where wl or wv is not above the horizon
 ///   Vec3 NAME_albedo(float cosine)     directional albedo of a view at that cosine to the normal
+///   Vec3 NAME_environment(Vec3 wv)     the radiance that leaves towards the viewer under an environment, of which the
+///                                      host supplies Vec3 NAME_radiance(Vec3 direction, float roughness); not for Metal,
+///                                      where a function sees no textures but its arguments
+///   LightLobe NAME_environment_lobe(Vec3 wv, int k)   of the k_extended_lobes terms of that sum one: axis, roughness and
+///                                      weight, see extended_light.h
 /// of unit vectors in the local frame: z along the normal, and of anisotropic models x along the tangent. Vec3 is the
 /// language's vector of three floats, in C the structure srbf_vec3. The functions are printed from kernel.glsl, with
 /// the numbers of the model as constants, equal to those of the model file, and contain what the model needs of them.

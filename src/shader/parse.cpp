@@ -157,7 +157,7 @@ class Parser {
             made.parameters.push_back({of, word()});
         }
         scope_ = made.parameters;
-        made.body = block();
+        if (!accept(";")) made.body = block();
         program_.functions.push_back(std::move(made));
     }
 

@@ -333,6 +333,12 @@ std::string Printer::text(const Function& function) {
         parameters += (parameters.empty() ? "" : ", ") + declaration(of.type, of.name);
     if (parameters.empty() && language_.is_c) parameters = "void";  // without it C would take any arguments
     const std::string name = named(function.name), type = type_text(function.type);
+    if (function.body.empty()) {
+        const std::string comment = comment_text(fmt::format("{}: {}", name, function.comment));
+        if (language_.types_follow) return comment;  // which needs no declaration
+        const char* modifiers = language_.is_c ? "static " : "";
+        return comment + fmt::format("#ifndef {1}\n{3}{0} {1}({2});\n#endif\n", type, name, parameters, modifiers);
+    }
     const std::string head = language_.types_follow
                                  ? fmt::format("{}{}({}) -> {} {{", language_.function, name, parameters, type)
                                  : fmt::format("{}{} {}({}) {{", language_.function, type, name, parameters);

@@ -12,6 +12,7 @@
 #include "shader/print_python.h"
 #include "shader/shader_text.h"
 #include "shader/syntax.h"
+#include "srbf/extended_light.h"
 #include "srbf/prepared.h"
 
 namespace srbf {
@@ -214,8 +215,14 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
             nodes.numbers.insert(nodes.numbers.end(), {reflected.r, reflected.g, reflected.b});
         }
     }
+    Table light{"A row for each lobe of each node: p, roughness, weight (R, G, B).", "light_lobes", {}, 5};
+    if (options.environment)
+        for (const ExtendedLight::Lobe& lobe : extended_light(prepare(model), {.threads = options.threads}).lobe)
+            light.numbers.insert(light.numbers.end(),
+                                 {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
     program.tables.push_back(std::move(lobes));
     program.tables.push_back(std::move(nodes));
+    program.tables.push_back(std::move(light));
     return fmt::format(
         "Real mixture_number(int node, int i) {{ return mixture_numbers[{} * node + i]; }}\n"
         "Vec3 mixture_tangent(Vec3 wv) {{ return {}; }}\n",
@@ -228,6 +235,10 @@ Names entries(const CodeOptions& options) {
     Names names{{"brdf", "brdf"}};
     if (options.sampling) names.insert({{"sample_light", "sample"}, {"light_pdf", "pdf"}});
     if (options.albedo) names.insert({"directional_albedo", "albedo"});
+    if (options.environment) names.insert({"environment_lobe", "environment_lobe"});
+    // A function sees the host's textures.
+    if (options.environment && syntax::reads_buffers(options.language))
+        names.insert({{"radiance", "radiance"}, {"environment", "environment"}});
     return names;
 }
 
@@ -252,13 +263,15 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(variates)},
                                                {"SRBF_TERMS", std::to_string(terms)},
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
-                                               {"ALBEDO_NODES", std::to_string(k_albedo_nodes)}};
-    const bool is_mixture = options.sampling || options.albedo;
+                                               {"ALBEDO_NODES", std::to_string(k_albedo_nodes)},
+                                               {"EXTENDED_NODES", std::to_string(ExtendedLight::k_views)},
+                                               {"EXTENDED_LOBES", std::to_string(ExtendedLightOptions{}.lobes)}};
+    const bool is_mixture = options.sampling || options.albedo || options.environment;
     const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string();
     syntax::parse(k_handles + accessors, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(brdf, program, defines);
-    if (is_mixture) syntax::parse(mixture + k_mixture_text + k_albedo_text, program, defines);
+    if (is_mixture) syntax::parse(mixture + k_mixture_text + k_albedo_text + k_extended_text, program, defines);
     syntax::specialise(program, roots);
     return program;
 }

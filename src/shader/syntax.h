@@ -71,7 +71,7 @@ struct Function {
     std::string comment, name;
     Type type;
     std::vector<Variable> parameters;
-    std::vector<Statement> body;
+    std::vector<Statement> body;  ///< empty: the host supplies it, and it must be a root
     bool is_accessor = false;  ///< to be replaced by the value that it returns
 };
 

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "shader/shader_text.h"
+#include "srbf/extended_light.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {
@@ -39,12 +40,18 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
         if (std::holds_alternative<BsdfModel>(of.model->model))
             return Error{of.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
     }
-    const auto code =
-        shading_code(models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .threads = threads});
+    const auto code = shading_code(
+        models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .environment = true, .threads = threads});
     if (!code) return code.error();
-    constexpr std::string_view place = "FUNCTIONS";
+    std::string functions;  // whose environment is three's
+    for (const NamedModel& of : models) functions += fmt::format("#define {}_radiance measured_radiance\n", of.name);
     std::string text = k_three_text;
-    text.replace(text.find(place), place.size(), escaped(*code));
+    const auto replace = [&text](std::string_view place, const std::string& by) {
+        text.replace(text.find(place), place.size(), by);
+    };
+    replace("FUNCTIONS", escaped(functions + *code));
+    replace("LOBES", std::to_string(ExtendedLightOptions{}.lobes));
+    replace("PREFIX", std::string(prefix));
     for (const NamedModel& of : models)
         text += fmt::format(
             "export class {}Material extends MeasuredMaterial {{\n    constructor(parameters) {{\n"

@@ -1,11 +1,21 @@
 // For three.js, release 187, and its WebGLRenderer.
-import { MeshLambertMaterial } from 'three';
+import { MeshStandardMaterial } from 'three';
 
 const functions = /* glsl */ `
 FUNCTIONS`;
 
-// What three's loop over its lights calls instead of Lambert's formula.
+// What three calls for each of its lights instead of the formulas of its standard material.
 const reflection = (name) => /* glsl */ `
+mat3 measured_frame;  // from the frame about the normal to that of the view
+// The environment, filtered by three as for GGX; without one the functions below are not called.
+vec3 measured_radiance(vec3 direction, float roughness) {
+    #if defined(USE_ENVMAP) && defined(ENVMAP_TYPE_PMREM)
+        vec3 w = envMapRotation * transformDirectionByInverseViewMatrix(measured_frame * direction, viewMatrix);
+        return textureLod(envMap, w, roughnessToMip(roughness)).rgb * envMapIntensity;
+    #else
+        return vec3(0.0);
+    #endif
+}
 ${functions}
 // The frame about the normal, made visible to the viewer: x along the tangent if the geometry has tangents (define
 // USE_TANGENT), otherwise along the circle of latitude about y.
@@ -21,34 +31,65 @@ mat3 ${name}_frame(vec3 n, vec3 wv) {
 }
 void RE_Direct_${name}(const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal,
                        const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
-                       const in LambertMaterial material, inout ReflectedLight reflectedLight) {
+                       const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
     mat3 frame = ${name}_frame(geometryNormal, geometryViewDir);
     vec3 wl = directLight.direction * frame;
     vec3 f = ${name}_brdf(wl, geometryViewDir * frame);
     reflectedLight.directDiffuse += max(wl.z, 0.0) * f * material.diffuseColor * directLight.color;
 }
+#if NUM_RECT_AREA_LIGHTS > 0
+// Each lobe is nearly a linearly transformed cosine about its axis, of this scale across it.
+void RE_Direct_RectArea_${name}(const in RectAreaLight rectAreaLight, const in vec3 geometryPosition,
+                                const in vec3 geometryNormal, const in vec3 geometryViewDir,
+                                const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material,
+                                inout ReflectedLight reflectedLight) {
+    mat3 frame = ${name}_frame(geometryNormal, geometryViewDir);
+    vec3 wv = geometryViewDir * frame, corner = rectAreaLight.position, x = rectAreaLight.halfWidth, y = rectAreaLight.halfHeight;
+    vec3 rectangle[4] = vec3[4](corner + x - y, corner - x - y, corner - x + y, corner + x + y);
+    vec3 sum = vec3(0.0);
+    for (int k = 0; k < LOBES; ++k) {
+        PREFIX_LightLobe lobe = ${name}_environment_lobe(wv, k);
+        float r = lobe.roughness, across = sqrt(1.0 + 3.0 * r * r * r) / (2.0 * r * r);
+        vec3 axis = frame * lobe.axis, other = abs(lobe.axis.x) < 0.7 ? frame[0] : frame[1];
+        sum += lobe.weight * LTC_Evaluate(axis, other, geometryPosition, mat3(across, 0, 0, 0, across, 0, 0, 0, 1), rectangle);
+    }
+    reflectedLight.directDiffuse += rectAreaLight.color * material.diffuseColor * sum;
+}
+#endif
 void RE_IndirectDiffuse_${name}(const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal,
                                 const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
-                                const in LambertMaterial material, inout ReflectedLight reflectedLight) {
+                                const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
     vec3 reflected = ${name}_albedo(saturate(dot(geometryNormal, geometryViewDir)));
     reflectedLight.indirectDiffuse += irradiance * RECIPROCAL_PI * reflected * material.diffuseColor;
 }
+void RE_IndirectSpecular_${name}(const in vec3 radiance, const in vec3 irradiance, const in vec3 clearcoatRadiance,
+                                 const in vec3 geometryPosition, const in vec3 geometryNormal,
+                                 const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
+                                 const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
+    measured_frame = ${name}_frame(geometryNormal, geometryViewDir);
+    reflectedLight.indirectDiffuse += ${name}_environment(geometryViewDir * measured_frame) * material.diffuseColor;
+}
 #undef RE_Direct
+#undef RE_Direct_RectArea
 #undef RE_IndirectDiffuse
+#undef RE_IndirectSpecular
 #define RE_Direct RE_Direct_${name}
+#define RE_Direct_RectArea RE_Direct_RectArea_${name}
 #define RE_IndirectDiffuse RE_IndirectDiffuse_${name}
+#define RE_IndirectSpecular RE_IndirectSpecular_${name}
 `;
 
-// A MeshLambertMaterial with a measured reflectance. Skinning, instances, shadows, fog, normal and bump maps are
-// three's; colours, colour maps and vertex colours multiply the reflectance. Ambient light and light probes are
-// reflected by its directional albedo; environment maps and area lights have no effect.
-class MeasuredMaterial extends MeshLambertMaterial {
+// A MeshStandardMaterial with a measured reflectance under every light of three: environments (of the scene or its own),
+// area lights, ambient light and light probes too. Skinning, instances, shadows, fog, occlusion, transparency, normal and
+// bump maps are three's; colours, colour maps and vertex colours multiply the reflectance. Roughness and metalness are
+// not read. Area lights need three's RectAreaLightUniformsLib, as for its own materials.
+class MeasuredMaterial extends MeshStandardMaterial {
     constructor(reflectance, parameters) {
-        super(parameters);
+        super({ metalness: 0, ...parameters });
         Object.defineProperty(this, 'reflectance', { value: reflectance });
     }
     onBeforeCompile(shader) {
-        const lights = '#include <lights_lambert_pars_fragment>';
+        const lights = '#include <lights_physical_pars_fragment>';
         shader.fragmentShader = shader.fragmentShader.replace(lights, () => lights + reflection(this.reflectance));
     }
     customProgramCacheKey() {

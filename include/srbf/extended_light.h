@@ -1,0 +1,50 @@
+// BRDFs under environments and area lights, as a few lobes for each view that hosts look up in filtered maps: level 4.
+// Component `srbf::extended_light` of the library.
+#pragma once
+#include <array>
+#include <span>
+#include <vector>
+
+#include "srbf/prepared.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// The lobes of f(wl, wv) cosθl over the light wl, for views wv at some cosines to the normal:
+///   f cosθl ≈ Σ_k weight_k K(roughness_k, axis_k · wl)
+///   K(r, c) ∝ c / (1 + α² − (1 − α²) c)² for c > 0 and 0 below, α = r², ∫ K dω = 1 [1/sr]
+///   axis_k = (−p_k wv.x, −p_k wv.y, √(1 − p_k² (1 − wv.z²)))
+/// K is what engines filter environment maps with for GGX of roughness r seen along the normal (Karis 2013), so that the
+/// light that leaves towards wv is a sum of look-ups, Σ_k weight_k radiance(axis_k, roughness_k). The axes lie in the plane of
+/// incidence: p = 1 is the mirror direction, 0 the normal, −1 the viewer. The first lobe of each view is the cosine about the
+/// normal, p = 0 and r = 1, which is irradiance / π. Weights are not negative and sum to the directional albedo.
+struct ExtendedLight {
+    static constexpr int k_views = 32;
+    struct Lobe {
+        float axis;       ///< p
+        float roughness;  ///< r, from `k_least_roughness` to 1
+        Rgb weight;
+    };
+    static constexpr float k_least_roughness = 0.05f;
+    int lobes = 0;
+    std::vector<Lobe> lobe;  ///< k_views × lobes, the views from the horizon to the normal
+
+    /// cosθv of a node: nodes are uniform in ∜cosθv − √(1 − cosθv), as those of directional albedo.
+    static double cosine(int node);
+};
+/// The lobes of a view, linear in the coordinate of the nodes. Requires 0 ≤ cos_v ≤ 1.
+std::vector<ExtendedLight::Lobe> lobes_at(const ExtendedLight& light, float cos_v);
+/// The axis of a lobe for a view.
+Vec3f axis_of(const ExtendedLight::Lobe& lobe, const Vec3f& wv);
+/// K(r, c) [1/sr].
+float filter_kernel(float roughness, float cosine);
+
+inline constexpr int k_least_extended_lobes = 2, k_most_extended_lobes = 8;
+struct ExtendedLightOptions {
+    int lobes = 4;    ///< with the cosine, from `k_least_extended_lobes` to `k_most_extended_lobes`
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+/// The lobes of an isotropic BRDF; of an anisotropic one those of its mean over azimuths. What is minimised is the error under lights
+/// of several sizes everywhere, see docs/pictures.md.
+ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOptions& options = {});
+
+}  // namespace srbf

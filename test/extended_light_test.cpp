@@ -1,0 +1,114 @@
+// Lobes that environments and area lights are looked up by.
+#include "srbf/extended_light.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "models.h"
+#include "properties.h"
+
+namespace srbf::extended_light_test {
+namespace {
+
+const Model& plastic() {
+    static const Model model{GgxModel{{0.3f, 0.2f, 0.1f}, {{0.3f, {0.05f, 0.05f, 0.05f}, 1}}}, {}};
+    return model;
+}
+
+/// ∫ g(w) dω over the hemisphere about z, by midpoints that are uniform in √(1 − cosθ) and φ.
+template <typename G> double hemisphere_integral(const G& g, int rings = 400, int azimuths = 400) {
+    double sum = 0;
+    for (int i = 0; i < rings; ++i) {
+        const double u = (i + 0.5) / rings, c = 1 - u * u, s = std::sqrt(1 - c * c);
+        for (int j = 0; j < azimuths; ++j) {
+            const double phi = 2 * k_pi * (j + 0.5) / azimuths;
+            sum += g(Vec3d{s * std::cos(phi), s * std::sin(phi), c}) * 2 * u;
+        }
+    }
+    return sum * 2 * k_pi / (rings * double(azimuths));
+}
+
+/// What the lobes show of a radiance, green.
+template <typename L> double looked_up(const ExtendedLight& light, const Vec3f& wv, const L& radiance) {
+    double sum = 0;
+    for (const ExtendedLight::Lobe& lobe : lobes_at(light, wv.z)) {
+        const Vec3d z = to_double(axis_of(lobe, wv)), x = normalize(cross(Vec3d{0, 1, 0}, z)), y = cross(z, x);
+        sum += double(lobe.weight.g) * hemisphere_integral([&](const Vec3d& w) {
+                   return radiance(w.x * x + w.y * y + w.z * z) * double(filter_kernel(lobe.roughness, float(w.z)));
+               });
+    }
+    return sum;
+}
+
+TEST(ExtendedLight, KernelsAreDensities) {
+    for (const float roughness : {0.15f, 0.3f, 0.6f, 0.95f, 0.999f, 1.f}) {
+        const auto kernel = [&](const Vec3d& w) { return double(filter_kernel(roughness, float(w.z))); };
+        EXPECT_NEAR(hemisphere_integral(kernel, 2000, 1), 1, 1e-4) << roughness;
+    }
+    EXPECT_NEAR(filter_kernel(1, 0.5f), 0.5 / k_pi, 1e-6);
+    EXPECT_EQ(filter_kernel(0.3f, -0.1f), 0);
+}
+
+TEST(ExtendedLight, WhiteAllRoundIsReflectedByTheAlbedo) {
+    const PreparedBrdf brdf = prepare(plastic());
+    const ExtendedLight light = extended_light(brdf);
+    for (float cosine = 0.01f; cosine < 1; cosine += 0.0137f) {
+        Rgb sum;
+        for (const ExtendedLight::Lobe& lobe : lobes_at(light, cosine))
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_GE(lobe.weight[c], 0);
+                sum[c] += lobe.weight[c];
+            }
+        const Rgb whole = albedo(brdf, cosine);
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], whole[c], std::max(0.01f * whole[c], 0.002f)) << cosine;
+    }
+}
+
+// Under half a sphere that glows, and under a soft box of 17 degrees about the mirror direction.
+TEST(ExtendedLight, LightsOfAnySizeAreReflected) {
+    const PreparedBrdf brdf = prepare(plastic());
+    const ExtendedLight light = extended_light(brdf);
+    for (const float cosine : {0.15f, 0.4f, 0.7f, 0.95f}) {
+        const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine}, mirror{-wv.x, 0, wv.z};
+        const Vec3d away = normalize(Vec3d{-1, 0.4, 0.2});
+        const auto of_half = [&](const Vec3d& w) { return dot(w, away) > 0 ? 1.0 : 0; };
+        const auto of_box = [&](const Vec3d& w) { return dot(w, to_double(mirror)) > std::cos(0.3) ? 1.0 : 0; };
+        const auto reflected = [&](const auto& radiance) {
+            return hemisphere_integral([&](const Vec3d& w) {
+                const double l = radiance(w);
+                return l > 0 ? l * double(value(brdf, to_float(w), wv).g) * w.z : 0;
+            });
+        };
+        const double whole = double(albedo(brdf, cosine).g);
+        EXPECT_NEAR(looked_up(light, wv, of_half), reflected(of_half), 0.05 * whole) << cosine;
+        EXPECT_NEAR(looked_up(light, wv, of_box), reflected(of_box), 0.05 * whole) << cosine;
+    }
+}
+
+TEST(ExtendedLight, LambertIsTheCosine) {
+    const ExtendedLight light = extended_light(diffuse({0.5f, 0.5f, 0.5f}), {.lobes = 2});
+    const Vec3d away = normalize(Vec3d{-1, 0.4, 0.2});
+    for (const float cosine : {0.1f, 0.5f, 0.9f}) {
+        EXPECT_EQ(lobes_at(light, cosine)[0].axis, 0);
+        EXPECT_EQ(lobes_at(light, cosine)[0].roughness, 1);
+        const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine};
+        const double half = looked_up(light, wv, [&](const Vec3d& w) { return dot(w, away) > 0 ? 1.0 : 0; });
+        EXPECT_NEAR(half, 0.25 * (1 + away.z), 0.005) << cosine;
+    }
+}
+
+TEST(ExtendedLight, DoesNotDependOnThreads) {
+    const PreparedBrdf brdf = prepare(plastic());
+    const ExtendedLight one = extended_light(brdf, {.lobes = 3, .threads = 1}),
+                        two = extended_light(brdf, {.lobes = 3, .threads = 2});
+    ASSERT_EQ(one.lobe.size(), two.lobe.size());
+    for (std::size_t i = 0; i < one.lobe.size(); ++i) {
+        EXPECT_EQ(one.lobe[i].axis, two.lobe[i].axis);
+        EXPECT_EQ(one.lobe[i].roughness, two.lobe[i].roughness);
+        EXPECT_EQ(one.lobe[i].weight, two.lobe[i].weight);
+    }
+}
+
+}  // namespace
+}  // namespace srbf::extended_light_test

@@ -32,14 +32,14 @@ double kernel_shape(double roughness, double cosine) {
 
 /// Directions about z that stand for K, with equal shares of the density (1 + α² − (1 − α²) c)⁻² and weights that sum to 1; half of
 /// them, y > 0, for the others are mirrored.
-struct Draw {
+struct KernelDraw {
     Vec3d w;
     double weight;
 };
-std::vector<Draw> draws_of_kernel(double roughness) {
+std::vector<KernelDraw> draws_of_kernel(double roughness) {
     constexpr int k_rings = 64, k_azimuths = 16;
     const double a = roughness * roughness * roughness * roughness;
-    std::vector<Draw> draws;
+    std::vector<KernelDraw> draws;
     double sum = 0;
     for (int i = 0; i < k_rings; ++i) {
         const double x = (i + 0.5) / k_rings, c = (1 - x - a * x) / (1 - x + a * x);
@@ -51,38 +51,39 @@ std::vector<Draw> draws_of_kernel(double roughness) {
             sum += c;
         }
     }
-    for (Draw& draw : draws) draw.weight /= sum;
+    for (KernelDraw& draw : draws) draw.weight /= sum;
     return draws;
 }
 
 /// The sizes of the lights that a fit sees, as roughnesses of K, whose half width is about 2 r² radians: from 1.6 degrees, which a
 /// picture of a sphere 128 pixels wide resolves, to the cosine.
-constexpr std::array<double, 6> k_sizes{0.12, 0.25, 0.4, 0.6, 0.8, 1};
+constexpr std::array<double, 6> k_light_sizes{0.12, 0.25, 0.4, 0.6, 0.8, 1};
 constexpr int k_lights_of_a_size = 96;   ///< placed for each view
 constexpr int k_draws_of_a_view = 2048;  ///< of what the BRDF reflects: albedos within about .3 %
 /// Of luminance in the scale of a channel's errors, so that a channel that hardly reflects is not fitted as closely as the others.
 constexpr double k_luminance_share = 0.3;
-constexpr int k_starts = 12;
-constexpr int k_sweeps =
+constexpr int k_lobe_starts = 12;
+constexpr int k_view_sweeps =
     2;  ///< over all views, each towards the mean of its neighbours; a third changes pictures by less than .01 ΔE_ITP
 /// Of squared distances of p and r from the neighbours', beside squared errors over the albedo of 1e-5 to 1e-3: 30 times as much made
 /// pictures of metals err by twice as much, a tenth changed nothing.
 constexpr double k_smoothness = 1e-3;
 constexpr double k_most_axis = 1.3;  ///< |p|: beyond the mirror direction by as much as off-specular peaks are
 
-/// ∫ K(roughness, a · w) K(k_sizes[size], b · w) dω of the angle between a and b.
+/// ∫ K(roughness, a · w) K(k_light_sizes[size], b · w) dω of the angle between a and b.
 class BlurredKernels {
   public:
-    explicit BlurredKernels(int threads) : values_(k_sizes.size() * k_roughnesses * k_angles) {
-        parallel_for(k_sizes.size() * k_roughnesses, threads, [&](std::size_t i) {
-            const double size = k_sizes[i / k_roughnesses], roughness = roughness_of(double(i % k_roughnesses));
+    explicit BlurredKernels(int threads) : values_(k_light_sizes.size() * k_roughnesses * k_angles) {
+        parallel_for(k_light_sizes.size() * k_roughnesses, threads, [&](std::size_t i) {
+            const double size = k_light_sizes[i / k_roughnesses], roughness = roughness_of(double(i % k_roughnesses));
             const auto draws = draws_of_kernel(std::min(size, roughness));
             const double wider = std::max(size, roughness), scale = kernel_scale(wider);
             for (std::size_t angle = 0; angle < k_angles; ++angle) {
                 const double u = double(angle) / (k_angles - 1), sine = u * u;  // of half the angle
                 const double c = 1 - 2 * sine * sine, s = 2 * sine * std::sqrt(1 - sine * sine);
                 double sum = 0;
-                for (const Draw& draw : draws) sum += draw.weight * kernel_shape(wider, s * draw.w.x + c * draw.w.z);
+                for (const KernelDraw& draw : draws)
+                    sum += draw.weight * kernel_shape(wider, s * draw.w.x + c * draw.w.z);
                 values_[i * k_angles + angle] = scale * sum;
             }
         });
@@ -151,7 +152,7 @@ std::vector<Light> lights_about(const PreparedBrdf& brdf, const Vec3f& wv, const
     std::vector<Light> lights;
     RSequence<2> anywhere;
     RSequence<1> chosen;
-    for (std::size_t size = 0; size < k_sizes.size(); ++size)
+    for (std::size_t size = 0; size < k_light_sizes.size(); ++size)
         for (int i = 0; i < k_lights_of_a_size; ++i) {
             Vec3d centre;
             if (i % 2 == 0 && !reflected.empty()) {
@@ -162,7 +163,7 @@ std::vector<Light> lights_about(const PreparedBrdf& brdf, const Vec3f& wv, const
                 centre = {s * elementary::cos(phi), s * elementary::sin(phi), c};
             }
             const double density = 0.5 * pdf(brdf, to_float(centre), wv) + 0.5 / (4 * k_pi),
-                         r2 = k_sizes[size] * k_sizes[size];
+                         r2 = k_light_sizes[size] * k_light_sizes[size];
             lights.push_back({size, centre, r2 / std::sqrt(density * k_lights_of_a_size)});
         }
     return lights;
@@ -184,7 +185,7 @@ View view_of(const PreparedBrdf& brdf, double cosine) {
     view.seen.resize(Eigen::Index(view.lights.size()), 3);
     for (std::size_t i = 0; i < view.lights.size(); ++i) {
         const Light& light = view.lights[i];
-        const double roughness = k_sizes[light.size];
+        const double roughness = k_light_sizes[light.size];
         Vec3d sum{};
         for (const auto& [w, share] : reflected) {
             // An isotropic BRDF reflects the same from both sides of the plane of incidence.
@@ -300,7 +301,7 @@ class Tracks {
         x_[first] = best_of_starts(views[first], lobes);
         for (std::size_t v = first + 1; v < views.size(); ++v) x_[v] = refined(v, x_[v - 1], x_[v - 1]);
         for (std::size_t v = first; v-- > 0;) x_[v] = refined(v, x_[v + 1], x_[v + 1]);
-        for (int sweep = 0; sweep < 2 * k_sweeps; ++sweep)  // even views, odd views
+        for (int sweep = 0; sweep < 2 * k_view_sweeps; ++sweep)  // even views, odd views
             parallel_for(views.size() / 2, threads, [&](std::size_t i) {
                 const std::size_t v = 2 * i + std::size_t(sweep % 2), last = views_.size() - 1;
                 const VectorXd &below = x_[v == 0 ? 1 : v - 1], &above = x_[v == last ? last - 1 : v + 1];
@@ -313,9 +314,9 @@ class Tracks {
     static constexpr LevenbergMarquardtOptions k_steps{.max_iterations = 30, .decrease_tolerance = 1e-4};
 
     VectorXd best_of_starts(const View& view, int lobes) const {
-        std::vector<std::pair<double, VectorXd>> tried(k_starts);
+        std::vector<std::pair<double, VectorXd>> tried(k_lobe_starts);
         parallel_for(tried.size(), threads_, [&](std::size_t i) {
-            RSequence<1> numbers({double(i) / k_starts});
+            RSequence<1> numbers({double(i) / k_lobe_starts});
             VectorXd x(2 * (lobes - 1));
             for (int k = 0; k < lobes - 1; ++k) {  // near the mirror direction, of roughnesses in order
                 x[2 * k] = 0.9;

@@ -134,6 +134,17 @@ inline void check_model(std::span<const std::byte> bytes) {
     require(again.ok() && write_model(*again) == written, "write(read(written)) = written");
 }
 
+/// The header of a model file, behind its length, with numbers 1 behind it.
+inline void check_header(std::span<const std::byte> header) {
+    constexpr std::size_t k_length_bytes = 8, k_numbers = 31;  // as many as the headers of the corpus describe
+    std::vector<std::byte> file;
+    for (std::size_t i = 0; i < k_length_bytes; ++i)
+        file.push_back(std::byte(std::uint64_t(header.size()) >> 8 * i & 0xff));
+    file.insert(file.end(), header.begin(), header.end());
+    for (std::size_t i = 0; i < k_numbers; ++i) file.insert(file.end(), {std::byte(0x00), std::byte(0x3c)});
+    check_model(file);
+}
+
 /// The same of a stack; each of its models keeps the contract.
 inline void check_stack(std::span<const std::byte> bytes) {
     const auto stack = read_stack(bytes, "f");
@@ -205,6 +216,7 @@ inline const NamedTarget k_targets[] = {
     {"csv", [](auto bytes) { check_measured(read_csv(bytes, "f")); }},
     {"measured", [](auto bytes) { check_answers(read_measured(bytes, "f")); }},
     {"model", check_model},
+    {"header", check_header},
     {"stack", check_stack},
     {"ply", [](auto bytes) { check_picture(read_ply(bytes, "f")); }},
     {"obj", [](auto bytes) { check_picture(read_obj(bytes, "f")); }},

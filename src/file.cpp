@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -84,6 +85,18 @@ int synchronise_folder_of(const std::string& path) {
     if (folder.number() < 0) return errno == EACCES ? 0 : errno;  // one that may be written but not listed
     return synchronise(folder);
 }
+
+/// While it lives, other programs wait that rename files of the same folder together, so that of several at once one has
+/// all of its files there. Some file systems have no such locks: nobody waits then.
+class RenamingTogether {
+  public:
+    explicit RenamingTogether(const std::string& first) : folder_(open_file(folder_of(first), O_RDONLY | O_DIRECTORY)) {
+        if (folder_.number() >= 0) (void)uninterrupted([&] { return ::flock(folder_.number(), LOCK_EX); });
+    }
+
+  private:
+    Descriptor folder_;
+};
 
 /// A new file next to `target` with a unique name.
 Descriptor create_beside(const std::string& target, mode_t mode, std::string& name) {
@@ -290,8 +303,11 @@ Result<Done> write_files(std::span<const NewFile> files, const std::function<Res
     }
     if (before_renaming)
         if (const auto done = before_renaming(); !done) return done;
-    for (Replacement& file : written)
-        if (const auto published = file.publish(); !published) return published;
+    {
+        const RenamingTogether alone(files.empty() ? "" : files[0].path);
+        for (Replacement& file : written)
+            if (const auto published = file.publish(); !published) return published;
+    }
     for (const Replacement& file : written)
         if (const auto settled = file.settle(); !settled) return settled;
     return Done{};

@@ -1,5 +1,6 @@
 // Lets one system call or allocation of a program fail: loaded before the C library, LD_PRELOAD. From main() on, call number
-// SRBF_FAIL_AT (from 0) of the kind SRBF_FAIL_CALL fails with the number SRBF_FAIL_ERROR, or kills the program if that is 0.
+// SRBF_FAIL_AT (from 0) of the kind SRBF_FAIL_CALL fails with the number SRBF_FAIL_ERROR, kills the program if that is 0, or
+// stops it before the call if that is -1.
 // At the end the number of calls of the kind is written to SRBF_FAIL_COUNT.
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -27,6 +28,7 @@ int error = 0;
 bool fails(const char* call) {
     if (!armed || std::strcmp(call, kind) != 0 || calls++ != fails_at) return false;
     if (error == 0) ::kill(::getpid(), SIGKILL);
+    if (error < 0) return ::kill(::getpid(), SIGSTOP), false;
     errno = error;
     return true;
 }

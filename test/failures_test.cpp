@@ -1,7 +1,10 @@
 // One system call or allocation of the program fails: it ends with one line and status 1, or does its work all the same, and
 // each of its files holds what it held before or all of what it should hold. SRBF_FAILURES=all tries every one of them.
+#include <signal.h>
+
 #include <chrono>
 #include <set>
+#include <thread>
 
 #include "app/hash.h"
 #include "command.h"
@@ -42,17 +45,23 @@ class Failures : public CommandLine {
         ASSERT_EQ(fitted.status, 0) << fitted.err;
     }
 
-    /// Runs the task in which a call fails; `calls`: how many of its kind there were, if the program ended by itself.
-    ProgramRun run_with(const Task& task, const Failure& failure, std::optional<long>& calls) {
-        const TemporaryFolder counted;
-        const std::string count = counted / "count";
+    /// What is started meanwhile has such a call; the number of calls is written to the file `count`.
+    template <typename Start>
+    static auto failing(const Failure& failure, const std::string& count, const Start& start) {
         ::setenv("LD_PRELOAD", SRBF_FAILING_CALLS, 1);
         ::setenv("SRBF_FAIL_CALL", failure.call.c_str(), 1);
         ::setenv("SRBF_FAIL_AT", std::to_string(failure.at).c_str(), 1);
         ::setenv("SRBF_FAIL_ERROR", std::to_string(failure.error).c_str(), 1);
         ::setenv("SRBF_FAIL_COUNT", count.c_str(), 1);
-        const ProgramRun ended = run(folder, task.arguments);
+        const auto started = start();
         ::unsetenv("LD_PRELOAD");
+        return started;
+    }
+    /// Runs the task in which a call fails; `calls`: how many of its kind there were, if the program ended by itself.
+    ProgramRun run_with(const Task& task, const Failure& failure, std::optional<long>& calls) {
+        const TemporaryFolder counted;
+        const std::string count = counted / "count";
+        const ProgramRun ended = failing(failure, count, [&] { return run(folder, task.arguments); });
         const std::string number = contents(count);
         calls = number.empty() ? std::nullopt : std::optional(std::stol(number));
         return ended;
@@ -77,10 +86,12 @@ class Failures : public CommandLine {
     bool is_old_or_whole(const std::string& name, const std::string& expected) {
         const std::string found = contents(folder / name);
         if (found == "old" || found == expected) return true;
-        if (!name.ends_with(".json")) return false;
-        const Json report = Json::parse(found, nullptr, false);
-        if (!report.is_object() || !report.contains("model_hash")) return false;
-        return report["model_hash"] == hash_of(contents(folder / (name.substr(0, name.size() - 5) + ".srbf")));
+        return name.ends_with(".json") && is_report(name, name.substr(0, name.size() - 5) + ".srbf");
+    }
+    /// Whether the report is whole and that of the model.
+    bool is_report(const std::string& name, const std::string& model) {
+        const Json report = Json::parse(contents(folder / name), nullptr, false);
+        return report.is_object() && report.value("model_hash", "") == hash_of(contents(folder / model));
     }
     std::set<std::string> files() const {
         std::set<std::string> names;
@@ -190,7 +201,86 @@ TEST_F(Failures, WhatWasKilledResumes) {
         }
 }
 
-/// Runs at once that write the same files leave a pair, or one that the next run does not take for one.
+/// What a report has of results, without what depends on time.
+std::map<std::string, std::string> results_of(const fs::path& report) {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(report)) {
+        const fs::path file = fs::relative(entry.path(), report);
+        const bool is_of_clocks =
+            !file.has_parent_path() || file.filename() == "times.json" || file.filename() == "frames.json";
+        if (entry.is_regular_file()) all[file.string()] = is_of_clocks ? "" : contents(entry.path());
+    }
+    return all;
+}
+
+/// A report in which something fails, or that is killed, is done by the next run.
+TEST_F(Failures, AReportGoesOnAfterAnyOfThem) {
+    if (!tries_all()) GTEST_SKIP() << "the tests of reports kill one; SRBF_FAILURES=all";
+    const Task task{{"report", "a.binary", "-o", "r", "--least", "--threads", "1"}, {}};
+    ASSERT_EQ(run(folder, task.arguments).status, 0);
+    const auto whole = results_of(folder.path / "r");
+    const auto files_beside = folder.files();
+    /// Whether it had such a call.
+    const auto goes_on = [&](const Failure& failure) {
+        SCOPED_TRACE(text(failure));
+        fs::remove_all(folder / "r");
+        std::optional<long> calls;
+        const ProgramRun ended = run_with(task, failure, calls);
+        if (calls) {
+            EXPECT_TRUE(ended.status == 0 || ended.status == 1) << ended.status << " " << ended.err;
+            EXPECT_EQ(ended.status == 1, ended.err.starts_with("srbf: ")) << ended.err;
+            EXPECT_EQ(std::ranges::count(ended.err, '\n'), ended.status) << ended.err;
+        }
+        const ProgramRun resumed = run(folder, task.arguments);
+        EXPECT_EQ(resumed.status, 0) << resumed.err;
+        EXPECT_TRUE(results_of(folder.path / "r") == whole);
+        EXPECT_EQ(folder.files(), files_beside);
+        return !calls || *calls > failure.at;
+    };
+    for (const std::string call : {"write", "fsync", "rename"})
+        for (long at = 0; goes_on({call, at, 0}) && !HasFailure(); at += 3) continue;
+    for (const std::string& call : every_call_)
+        for (long at = 0; goes_on({call, at, call == "write" ? ENOSPC : EIO}) && !HasFailure(); at += 7) continue;
+    for (long at = 1; goes_on({"malloc", at, ENOMEM}) && !HasFailure(); at += at / 4 + 1) continue;
+}
+
+/// Runs at once that write the same files leave a pair: the second waits until the first has renamed both.
+TEST_F(Failures, RunsAtOnceLeaveAPair) {
+    const TemporaryFolder captured;
+    write(folder / "c.binary", text_of(merl_file({9, 6, 8}, [](int h, int, int, int) { return 1.0 + h; })));
+    const auto start_fit = [&](const std::string& input) {
+        return start(folder, k_quick_fit + Arguments{input, "-o", "same.srbf", "--json", "same.json"}, captured / input,
+                     captured / "err");
+    };
+    // Between both the first one stops; the second may end before it goes on, or wait for it.
+    const pid_t first = failing({"rename", 1, -1}, captured / "count", [&] { return start_fit("a.binary"); });
+    int status = 0;
+    ASSERT_EQ(::waitpid(first, &status, WUNTRACED), first);
+    ASSERT_TRUE(WIFSTOPPED(status));
+    const pid_t second = start_fit("b.binary");
+    pid_t ended = 0;
+    for (int i = 0; i < 100 && ended == 0; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        ended = ::waitpid(second, &status, WNOHANG);
+    }
+    ::kill(first, SIGCONT);
+    EXPECT_EQ(::waitpid(first, &status, 0), first);
+    if (ended == 0) {
+        EXPECT_EQ(::waitpid(second, &status, 0), second);
+    }
+    EXPECT_TRUE(is_report("same.json", "same.srbf"));
+    for (int round = 0; round < (tries_all() ? 10 : 1); ++round) {
+        std::vector<pid_t> all;
+        for (const char* input : {"a.binary", "b.binary", "c.binary"}) all.push_back(start_fit(input));
+        for (const pid_t process : all) {
+            EXPECT_EQ(::waitpid(process, &status, 0), process);
+            EXPECT_EQ(status, 0);
+        }
+        EXPECT_TRUE(is_report("same.json", "same.srbf"));
+    }
+}
+
+/// A report beside another model than its own is not taken for that model's.
 TEST_F(Failures, AReportIsThatOfItsModel) {
     const Arguments start = k_quick_fit + Arguments{"--resume", "-o", "models"};
     ASSERT_EQ(run(folder, start + Arguments{"a.binary"}).status, 0);

@@ -3,6 +3,8 @@
 
 #include <set>
 
+#include "fit/data/folds.h"
+#include "fit/data/near_samples.h"
 #include "fit/data/observe_samples.h"
 #include "properties.h"
 #include "srbf/directions.h"
@@ -66,6 +68,73 @@ TEST(Folds, EachGroupIsInOneAndAllAreOfOneSize) {
     int apart = 0;
     for (std::size_t i = 503; i < fold->size(); i += 4) apart += (*turned)[i] != (*turned)[(i - 503) / 4 * 10];
     EXPECT_GT(apart, 20);
+}
+
+/// The angle between directions, as it counts where both change little.
+double apart(Vec3f a, Vec3f b) {
+    const Vec3d between = to_double(a) - to_double(b);
+    return std::sqrt(dot(between, between));
+}
+
+TEST(Folds, GroupsAreThoseOfEveryPairOfSamples) {
+    std::mt19937_64 random(1);
+    ScatteredSamples samples;
+    samples.isotropic = false;
+    // Clusters, in which distances are about the greatest of a group.
+    for (int cluster = 0; cluster < 40; ++cluster) {
+        const Vec3d wl = draw(random, k_cap), wv = draw(random, k_cap);
+        for (int i = 0; i < 12; ++i) {
+            const auto moved = [&](Vec3d w) { return to_float(normalize(w + 0.01 * draw(random, k_pi))); };
+            const Vec3f l = moved(wl), v = moved(wv);
+            samples.wl.push_back(i % 3 ? l : v), samples.wv.push_back(i % 3 ? v : l);
+            samples.colour.push_back({1, 1, 1});
+        }
+    }
+    const auto n = samples.wl.size();
+    const auto distance = [&](std::size_t a, std::size_t b) {
+        const auto of = [&](Vec3f l, Vec3f v) { return std::hypot(apart(samples.wl[a], l), apart(samples.wv[a], v)); };
+        return std::min(of(samples.wl[b], samples.wv[b]), of(samples.wv[b], samples.wl[b]));
+    };
+    std::vector<std::size_t> group(n);
+    std::iota(group.begin(), group.end(), std::size_t(0));
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (std::size_t a = 0; a < n; ++a)
+            for (std::size_t b = 0; b < n; ++b)
+                if (group[b] > group[a] && distance(a, b) < k_group_distance) group[b] = group[a], changed = true;
+    }
+    const SampleGroups found = group_samples(samples);
+    EXPECT_EQ(std::size_t(found.count), std::set(group.begin(), group.end()).size());
+    EXPECT_GT(found.count, 50);
+    EXPECT_LT(found.count, int(n) * 2 / 3);
+    NearSamples places(samples);
+    const std::vector<int> of_place = places.groups();
+    ASSERT_EQ(places.count(), n);
+    for (std::size_t a = 0; a < n; ++a) {
+        double least = 10;
+        for (std::size_t b = 0; b < n; ++b) {
+            EXPECT_EQ(found.of[a] == found.of[b], group[a] == group[b]) << a << " " << b;
+            if (group[a] != group[b]) least = std::min(least, distance(a, b));
+        }
+        EXPECT_PRED3(near, places.to_other_group(a, of_place), least, 1e-12);
+    }
+}
+
+/// Compared pair by pair, these would take minutes.
+TEST(Folds, VeryManySamplesMayBeClose) {
+    std::mt19937_64 random(1);
+    ScatteredSamples samples = samples_of(200, 0, 1);
+    for (int i = 0; i < 200'000; ++i) {
+        const auto near_to = [&](double theta) {
+            return to_float(spherical(theta + 0.004 * uniform(random), 1 + 0.004 * uniform(random)));
+        };
+        samples.wl.push_back(near_to(0.5)), samples.wv.push_back(near_to(0.7)), samples.colour.push_back({1, 1, 1});
+    }
+    const SampleGroups groups = group_samples(samples);
+    EXPECT_GT(groups.count, 150);
+    EXPECT_LE(groups.count, 201);
+    EXPECT_EQ(std::set(groups.of.begin() + 200, groups.of.end()).size(), 1u);
+    EXPECT_GT(groups.spacing, k_group_distance);
 }
 
 TEST(Folds, TheBrightestAreLeftOutOneByOne) {

@@ -5,19 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "model/json.h"
 #include "srbf/half.h"
 #include "srbf/text.h"
 
 namespace srbf {
 namespace {
 
-using Json = nlohmann::json;
 constexpr std::uint64_t k_length_bytes = 8;
 constexpr std::size_t k_most_tensors = 64;
-/// Of a header: what may be long is a tensor. A tree of JSON takes up to forty times its text.
+/// Of a header: what may be long is a tensor.
 constexpr std::uint64_t k_most_header_bytes = std::uint64_t(1) << 20;
 constexpr int k_deepest = 3;  ///< the numbers of a shape
 
@@ -27,58 +26,44 @@ std::uint64_t little_endian_64(std::span<const std::byte> bytes) {
     return x;
 }
 
-/// A short text of a JSON value for error messages. Not recursive, since the file determines the depth.
-std::string brief(const Json& json) {
-    if (json.is_array() && json.size() <= 8 &&
-        std::none_of(json.begin(), json.end(), [](const Json& entry) { return entry.is_structured(); })) {
-        std::string list;
-        for (const Json& entry : json) list += (list.empty() ? "" : ", ") + brief(entry);
-        return fmt::format("[{}]", list);
-    }
-    return json.is_structured() ? "something else" : fmt::format("{:.40}", json.dump());
-}
-
 /// The extents of a JSON shape, or nothing if one is not a positive integer or their product exceeds `most`.
-std::optional<std::vector<std::uint64_t>> shape_within(const Json& json, std::uint64_t most) {
-    if (!json.is_array() || json.size() > 8) return std::nullopt;
+std::optional<std::vector<std::uint64_t>> shape_within(const JsonValue& json, std::uint64_t most) {
+    const auto* entries = json.get<JsonList>();
+    if (!entries || entries->size() > k_most_brief) return std::nullopt;
     std::vector<std::uint64_t> shape;
     std::uint64_t product = 1;
-    for (const Json& entry : json) {
-        if (!entry.is_number_unsigned()) return std::nullopt;
-        const auto extent = entry.get<std::uint64_t>();
-        if (extent == 0 || extent > most / product) return std::nullopt;
-        product *= extent;
-        shape.push_back(extent);
+    for (const JsonValue& entry : *entries) {
+        const auto* extent = entry.get<std::uint64_t>();
+        if (!extent || *extent == 0 || *extent > most / product) return std::nullopt;
+        product *= *extent;
+        shape.push_back(*extent);
     }
     return shape;
 }
 
 constexpr const char* name_of(Type16 type) { return type == Type16::half ? "F16" : "U16"; }
 
-Result<Json> parsed_header(std::string_view text, const std::string& file_name) {
-    bool too_deep = false;
-    const auto is_shallow = [&](int depth, Json::parse_event_t, const Json&) {
-        too_deep = too_deep || depth > k_deepest;
-        return !too_deep;
-    };
-    Json header = Json::parse(text.begin(), text.end(), is_shallow, false);
-    if (too_deep)
+Result<JsonObject> parsed_header(std::string_view text, const std::string& file_name) {
+    auto header = parse_json(text, k_deepest);
+    if (!header)
         return Error{file_name, k_length_bytes, "header", fmt::format("at most {} levels of JSON", k_deepest), "more"};
-    if (!header.is_object()) return Error{file_name, k_length_bytes, "header", "a JSON object", "something else"};
-    if (header.size() > k_most_tensors)
+    auto* object = header->get<JsonObject>();
+    if (!object) return Error{file_name, k_length_bytes, "header", "a JSON object", "something else"};
+    if (object->size() > k_most_tensors)
         return Error{file_name, k_length_bytes, "number of tensors", fmt::format("at most {}", k_most_tensors),
-                     fmt::format("{}", header.size())};
-    return header;
+                     fmt::format("{}", object->size())};
+    return std::move(*object);
 }
 
-Result<std::map<std::string, std::string>> read_metadata(const Json& entry, const std::string& file_name) {
-    if (!entry.is_object())
-        return Error{file_name, k_length_bytes, "metadata", "an object of strings", "something else"};
+Result<std::map<std::string, std::string>> read_metadata(const JsonValue& entry, const std::string& file_name) {
+    const auto* object = entry.get<JsonObject>();
+    if (!object) return Error{file_name, k_length_bytes, "metadata", "an object of strings", "something else"};
     std::map<std::string, std::string> metadata;
-    for (const auto& [name, text] : entry.items()) {
-        if (!text.is_string())
+    for (const auto& [name, value] : *object) {
+        const auto* text = value.get<std::string>();
+        if (!text)
             return Error{file_name, k_length_bytes, fmt::format("metadata {:.80}", name), "a string", "something else"};
-        metadata[name] = text.get<std::string>();
+        metadata[name] = *text;
     }
     return metadata;
 }
@@ -95,28 +80,29 @@ struct Placed {
 };
 
 /// Reads from `data` the tensor `name`, which `entry` of the header describes.
-Result<Placed> read_tensor(const std::string& name, const Json& entry, std::span<const std::byte> data,
+Result<Placed> read_tensor(const std::string& name, const JsonValue& entry, std::span<const std::byte> data,
                            const std::string& file_name) {
     const auto refused = [&](const char* part, std::string expected, std::string found) {
         return Error{file_name, k_length_bytes, fmt::format("tensor '{:.80}'{}", name, part), std::move(expected),
                      std::move(found)};
     };
-    if (!entry.is_object() || !entry.contains("dtype") || !entry.contains("shape") || !entry.contains("data_offsets"))
-        return refused("", "dtype, shape and data_offsets", "one is missing");
-    const Json &dtype = entry["dtype"], &offsets = entry["data_offsets"];
-    if (dtype != "F16" && dtype != "U16") return refused(": dtype", "\"F16\" or \"U16\"", brief(dtype));
-    const auto shape = shape_within(entry["shape"], data.size() / 2);
-    if (!shape)
-        return refused(": shape", fmt::format("counts, at most {} numbers", data.size() / 2), brief(entry["shape"]));
-    if (!offsets.is_array() || offsets.size() != 2 || !offsets[0].is_number_unsigned() ||
-        !offsets[1].is_number_unsigned())
-        return refused(": data_offsets", "two counts", brief(offsets));
-    const Range range{offsets[0].get<std::uint64_t>(), offsets[1].get<std::uint64_t>()};
+    const JsonValue *dtype = entry.find("dtype"), *extents = entry.find("shape"), *offsets = entry.find("data_offsets");
+    if (!dtype || !extents || !offsets) return refused("", "dtype, shape and data_offsets", "one is missing");
+    const auto* type = dtype->get<std::string>();
+    if (!type || (*type != name_of(Type16::half) && *type != name_of(Type16::count)))
+        return refused(": dtype", "\"F16\" or \"U16\"", brief(*dtype));
+    const auto shape = shape_within(*extents, data.size() / 2);
+    if (!shape) return refused(": shape", fmt::format("counts, at most {} numbers", data.size() / 2), brief(*extents));
+    const auto* ends = offsets->get<JsonList>();
+    const auto* begin = ends && ends->size() == 2 ? (*ends)[0].get<std::uint64_t>() : nullptr;
+    const auto* end = begin ? (*ends)[1].get<std::uint64_t>() : nullptr;
+    if (!end) return refused(": data_offsets", "two counts", brief(*offsets));
+    const Range range{*begin, *end};
     const auto size = std::accumulate(shape->begin(), shape->end(), std::uint64_t(2), std::multiplies());
     if (range.end > data.size() || range.begin > range.end || range.end - range.begin != size)
         return refused(": data_offsets", fmt::format("{} bytes within {}", size, data.size()),
                        fmt::format("[{}, {}]", range.begin, range.end));
-    Tensor16 tensor{dtype == "U16" ? Type16::count : Type16::half, *shape, {}};
+    Tensor16 tensor{*type == name_of(Type16::count) ? Type16::count : Type16::half, *shape, {}};
     tensor.data.reserve(std::size_t(size / 2));
     for (std::uint64_t at = range.begin; at < range.end; at += 2)
         tensor.data.push_back(std::uint16_t(std::to_integer<unsigned>(data[std::size_t(at)]) |
@@ -189,8 +175,12 @@ Result<Shape2> shape_of_bandwidths(const std::map<std::string, Tensor16>& tensor
 }
 
 std::vector<std::byte> write_safetensors(const Safetensors& content) {
-    Json header = Json::object();
-    if (!content.metadata.empty()) header["__metadata__"] = content.metadata;
+    std::map<std::string, std::string> header;
+    if (!content.metadata.empty()) {
+        std::vector<std::string> entries;
+        for (const auto& [name, text] : content.metadata) entries.push_back(json_of(name) + ":" + json_of(text));
+        header["__metadata__"] = fmt::format("{{{}}}", fmt::join(entries, ","));
+    }
     std::vector<std::byte> data;
     for (const auto& [name, tensor] : content.tensors) {
         const std::size_t begin = data.size();
@@ -198,11 +188,13 @@ std::vector<std::byte> write_safetensors(const Safetensors& content) {
             data.push_back(std::byte(number & 0xff));
             data.push_back(std::byte(number >> 8));
         }
-        header[name] = {
-            {"dtype", name_of(tensor.type)}, {"shape", tensor.shape}, {"data_offsets", {begin, data.size()}}};
+        header[name] = fmt::format(R"({{"data_offsets":[{},{}],"dtype":"{}","shape":[{}]}})", begin, data.size(),
+                                   name_of(tensor.type), fmt::join(tensor.shape, ","));
     }
-    // Metadata contain file names, which need not be UTF-8.
-    std::string text = header.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::string text = "{";
+    for (const auto& [name, entry] : header)
+        text += fmt::format("{}{}:{}", text.size() > 1 ? "," : "", json_of(name), entry);
+    text += "}";
     text.append((8 - text.size() % 8) % 8, ' ');
 
     std::vector<std::byte> bytes;
@@ -223,7 +215,7 @@ Result<Safetensors> read_safetensors(std::span<const std::byte> bytes, const std
     const std::span<const std::byte> data = bytes.subspan(std::size_t(data_at));
     Safetensors content;
     std::vector<Range> ranges;
-    for (const auto& [key, entry] : (*header).items()) {
+    for (const auto& [key, entry] : *header) {
         if (key == "__metadata__") {
             auto metadata = read_metadata(entry, file_name);
             if (!metadata) return metadata.error();

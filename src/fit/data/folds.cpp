@@ -3,83 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 
-#include "k_d_tree.h"
+#include "fit/data/near_samples.h"
 #include "parallel.h"
-#include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
-
-/// A point for each pair such that distances between points are, to first order, √(|Δωl|² + |Δωv|²); for isotropic
-/// samples the minimum over all rotations about the normal and reflections.
-std::array<double, 6> point_of(Vec3f l, Vec3f v, bool isotropic) {
-    constexpr double least = 1e-30;  // not 0 where both directions are the normal
-    const Vec3d wl = to_double(l), wv = to_double(v);
-    if (!isotropic) return {wl.x, wl.y, wl.z, wv.x, wv.y, wv.z};
-    const double rl = elementary::hypot(wl.x, wl.y), rv = elementary::hypot(wv.x, wv.y),
-                 both = std::max(elementary::hypot(rl, rv), least);
-    // Under a relative rotation by δ the distance is rl rv / √(rl² + rv²) δ, shared between both directions.
-    const double across = std::abs(wl.x * wv.y - wl.y * wv.x) / both, along = (wl.x * wv.x + wl.y * wv.y) / both;
-    return {rl, wl.z, rv, wv.z, along, across};
-}
-
-/// Searches among samples, of those at the same place for the first.
-class NearSamples {
-  public:
-    explicit NearSamples(const ScatteredSamples& samples) {
-        PointCloud<double, 6> all;
-        for (std::size_t i = 0; i < samples.wl.size(); ++i)
-            all.at.push_back(point_of(samples.wl[i], samples.wv[i], samples.isotropic));
-        first_ = first_at_its_place(all);
-        for (std::size_t i = 0; i < first_.size(); ++i) {
-            if (first_[i] != i) continue;
-            sample_.push_back(std::uint32_t(i));
-            cloud_.at.push_back(all.at[i]);
-            cloud_.at.push_back(point_of(samples.wv[i], samples.wl[i], samples.isotropic));
-        }
-        tree_.buildIndex();
-    }
-    NearSamples(const NearSamples&) = delete;
-
-    /// The first sample at the place of sample i.
-    std::size_t first_like(std::size_t i) const { return first_[i]; }
-    /// How many samples are first at their place, and the k-th of them.
-    std::size_t count() const { return sample_.size(); }
-    std::size_t sample(std::size_t k) const { return sample_[k]; }
-
-    /// Those within `k_group_distance` of the k-th: each stands for one or, with directions exchanged, another.
-    std::vector<std::size_t> near(std::size_t k) const {
-        FoundPoints<double> found;
-        tree_.radiusSearch(cloud_.at[2 * k].data(), k_group_distance * k_group_distance, found, {});
-        std::vector<std::size_t> all;
-        for (const auto& [point, distance] : found) all.push_back(point / 2);
-        return all;
-    }
-    /// The distance of the k-th to the nearest point of another group, among as many neighbours as necessary.
-    double to_other_group(std::size_t k, const std::vector<int>& group) const {
-        const std::size_t all = cloud_.at.size();
-        std::vector<std::uint32_t> point;
-        std::vector<double> distance;
-        for (std::size_t wanted = k_first_neighbours;; wanted = std::min(4 * wanted, all)) {
-            point.resize(wanted), distance.resize(wanted);
-            const std::size_t count = tree_.knnSearch(cloud_.at[2 * k].data(), wanted, point.data(), distance.data());
-            for (std::size_t n = 0; n < count; ++n)
-                if (group[point[n] / 2] != group[k]) return std::sqrt(distance[n]);
-            if (wanted >= all) return std::numeric_limits<double>::infinity();
-        }
-    }
-
-  private:
-    static constexpr std::size_t k_first_neighbours = 8, k_leaf = 16;  // of the tree, for speed alone
-    std::vector<std::uint32_t> first_, sample_;
-    PointCloud<double, 6> cloud_;  ///< of the k-th point 2k; with exchanged directions 2k + 1
-    KdTree<double, 6> tree_{6, cloud_, nanoflann::KDTreeSingleIndexAdaptorParams(k_leaf)};
-};
 
 /// The groups in the order of their folds: those within θmax first, then by brightness.
 std::vector<std::size_t> by_brightness(const ScatteredSamples& samples, const SampleGroups& groups, double max_theta) {
@@ -104,20 +35,9 @@ std::vector<std::size_t> by_brightness(const ScatteredSamples& samples, const Sa
 }  // namespace
 
 SampleGroups group_samples(const ScatteredSamples& samples) {
-    const NearSamples places(samples);
-    std::vector<int> group(places.count(), -1);
-    SampleGroups groups{{}, 0, 0};
-    for (std::size_t first = 0; first < group.size(); ++first) {
-        if (group[first] >= 0) continue;
-        group[first] = groups.count;
-        for (std::vector<std::size_t> open{first}; !open.empty();) {
-            const std::size_t k = open.back();
-            open.pop_back();
-            for (const std::size_t other : places.near(k))
-                if (group[other] < 0) group[other] = groups.count, open.push_back(other);
-        }
-        ++groups.count;
-    }
+    NearSamples places(samples);
+    const std::vector<int> group = places.groups();
+    SampleGroups groups{{}, group.empty() ? 0 : 1 + *std::ranges::max_element(group), 0};
     const bool is_one = groups.count < 2;
     std::vector<double> distance(samples.wl.size());
     groups.of.resize(samples.wl.size());

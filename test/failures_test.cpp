@@ -1,6 +1,7 @@
 // One system call or allocation of the program fails: it ends with one line and status 1, or does its work all the same, and
 // each of its files holds what it held before or all of what it should hold. SRBF_FAILURES=all tries every one of them.
 #include <signal.h>
+#include <sys/syscall.h>
 
 #include <chrono>
 #include <set>
@@ -246,6 +247,7 @@ TEST_F(Failures, AReportGoesOnAfterAnyOfThem) {
 
 /// Runs at once that write the same files leave a pair: the second waits until the first has renamed both.
 TEST_F(Failures, RunsAtOnceLeaveAPair) {
+    const std::string k_flock = std::to_string(SYS_flock) + " ";
     const TemporaryFolder captured;
     write(folder / "c.binary", text_of(merl_file({9, 6, 8}, [](int h, int, int, int) { return 1.0 + h; })));
     const auto start_fit = [&](const std::string& input) {
@@ -259,7 +261,8 @@ TEST_F(Failures, RunsAtOnceLeaveAPair) {
     ASSERT_TRUE(WIFSTOPPED(status));
     const pid_t second = start_fit("b.binary");
     pid_t ended = 0;
-    for (int i = 0; i < 100 && ended == 0; ++i) {
+    const auto waits = [&] { return contents(fmt::format("/proc/{}/syscall", second)).starts_with(k_flock); };
+    for (int i = 0; i < 1000 && ended == 0 && !waits(); ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
         ended = ::waitpid(second, &status, WNOHANG);
     }

@@ -73,6 +73,14 @@ std::string quoted(const std::string& text) {
     return out + "'";
 }
 
+/// Names of the options before the subcommand; only of those that take a text, if asked for.
+std::vector<std::string> names_before(const Help& help, bool with_text) {
+    std::vector<std::string> all;
+    for (const OptionHelp& option : help.options)
+        if (!with_text || !option.flag) all.insert(all.end(), option.names.begin(), option.names.end());
+    return all;
+}
+
 std::string bash(const Help& help) {
     std::string choices, options;
     for (const SubcommandHelp& sub : help.subcommands) {
@@ -86,18 +94,28 @@ std::string bash(const Help& help) {
     return fmt::format(
         "# Completion of {0} for bash.\n"
         "_{0}() {{\n"
-        "    local word=${{COMP_WORDS[COMP_CWORD]}} words=\n"
-        "    case ${{COMP_WORDS[1]}}:${{COMP_WORDS[COMP_CWORD-1]}}:$word in\n"
+        "    local word=${{COMP_WORDS[COMP_CWORD]}} words= at=1 # of the subcommand\n"
+        "    while [ \"$at\" -lt \"$COMP_CWORD\" ]; do\n"
+        "        case ${{COMP_WORDS[at]}} in {4}) at=$((at + 1)) ;; -*) ;; *) break ;; esac\n"
+        "        at=$((at + 1))\n"
+        "    done\n"
+        "    case ${{COMP_WORDS[at]-}}:${{COMP_WORDS[COMP_CWORD-1]}}:$word in\n"
         "{1}{2}    esac\n"
-        "    [ \"$COMP_CWORD\" -gt 1 ] || words='{3}'\n"
+        "    if [ \"$COMP_CWORD\" -eq \"$at\" ]; then\n"
+        "        case $word in -*) words='{5}' ;; *) words='{3}' ;; esac\n"
+        "    fi\n"
         "    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n"
         "}}\n"
         "complete -o default -F _{0} {0}\n",
-        help.name, choices, options, fmt::join(names(help), " "));
+        help.name, choices, options, fmt::join(names(help), " "), fmt::join(names_before(help, true), "|"),
+        fmt::join(names_before(help, false), " "));
 }
 
 std::string zsh(const Help& help) {
-    std::string subcommands, cases;
+    std::string subcommands, cases, before;
+    for (const OptionHelp& option : help.options)
+        for (const std::string& name : option.names)
+            before += fmt::format("    {}\n", quoted(name + ":" + first_line(option.about)));
     for (const SubcommandHelp& sub : help.subcommands) {
         subcommands += fmt::format("    {}\n", quoted(sub.name + ":" + sub.about));
         cases += fmt::format("{})\n    _arguments", sub.name);
@@ -117,28 +135,42 @@ std::string zsh(const Help& help) {
     }
     return fmt::format(
         "#compdef {0}\n# Completion of {0} for zsh.\n"
-        "local -a subcommands=(\n{1})\n"
-        "if ((CURRENT == 2)); then\n    _describe subcommand subcommands\n    return\nfi\n"
+        "local -a subcommands=(\n{1})\nlocal -a before=(\n{3})\n"
+        "while ((CURRENT > 2)); do\n"
+        "    case $words[2] in\n"
+        "    {4}) ((CURRENT > 3)) || return; words[2,3]=(); ((CURRENT -= 2)) ;;\n"
+        "    -*) words[2]=(); ((CURRENT--)) ;;\n"
+        "    *) break ;;\n"
+        "    esac\n"
+        "done\n"
+        "if ((CURRENT == 2)); then\n"
+        "    case $words[2] in -*) _describe option before ;; *) _describe subcommand subcommands ;; esac\n"
+        "    return\nfi\n"
         "shift words\n((CURRENT--))\ncase $words[1] in\n{2}esac\n",
-        help.name, subcommands, cases);
+        help.name, subcommands, cases, before, fmt::join(names_before(help, true), "|"));
+}
+
+/// An option as fish completes it where `when` holds.
+std::string fish(const Help& help, const OptionHelp& option, const std::string& when) {
+    std::string text = fmt::format("complete -c {} -n '{}'", help.name, when);
+    for (const std::string& name : option.names)
+        text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+    if (!option.choices.empty())
+        text += fmt::format(" -x -a '{}'", fmt::join(option.choices, " "));
+    else if (!option.flag)
+        text += " -r";
+    return text + " -d " + quoted(first_line(option.about)) + "\n";
 }
 
 std::string fish(const Help& help) {
     std::string text = fmt::format("# Completion of {0} for fish.\n", help.name);
+    // An option before the subcommand may have a text, which is none.
+    const std::string before = fmt::format("not __fish_seen_subcommand_from {}", fmt::join(names(help), " "));
+    for (const OptionHelp& option : help.options) text += fish(help, option, before);
     for (const SubcommandHelp& sub : help.subcommands) {
-        text += fmt::format("complete -c {} -n __fish_use_subcommand -f -a {} -d {}\n", help.name, sub.name,
-                            quoted(sub.about));
-        for (const OptionHelp& option : sub.options) {
-            if (option.positional) continue;
-            text += fmt::format("complete -c {} -n '__fish_seen_subcommand_from {}'", help.name, sub.name);
-            for (const std::string& name : option.names)
-                text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-            if (!option.choices.empty())
-                text += fmt::format(" -x -a '{}'", fmt::join(option.choices, " "));
-            else if (!option.flag)
-                text += " -r";
-            text += " -d " + quoted(first_line(option.about)) + "\n";
-        }
+        text += fmt::format("complete -c {} -n '{}' -f -a {} -d {}\n", help.name, before, sub.name, quoted(sub.about));
+        for (const OptionHelp& option : sub.options)
+            if (!option.positional) text += fish(help, option, "__fish_seen_subcommand_from " + sub.name);
     }
     return text;
 }

@@ -28,9 +28,10 @@ void convert(const Held& brdf, const std::string& path, bool spectra, int thread
     const TableFormatRow* row = table_format(path);
     if (!row) throw py::value_error("path: expected a name that ends in .binary, .bsdf, .mbsdf or .csv, found " + path);
     required(in_background(py::none(), [&](const ProgressToken& token) -> Result<Done> {
-        const auto bytes = table_file(brdf.content(), row->format, {.spectra = spectra, .threads = threads});
+        const auto bytes =
+            table_file(brdf.content(), row->format, {.spectra = spectra, .threads = threads, .progress = token});
         if (!bytes) return bytes.error();
-        return token.cancelled() ? Result<Done>(Done{}) : write_file(path, *bytes);
+        return write_file(path, *bytes);
     }));
 }
 

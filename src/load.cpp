@@ -79,7 +79,43 @@ std::string csv_of_both_sides(const AnyBrdf& brdf, const Evaluate& values, bool 
             all.colour.push_back(samples.colour[i]);
         }
     }
-    return "# both sides\n" + write_csv(all);
+    return "# both sides\n" + write_csv(all, options.progress);
+}
+
+/// The values of `of`; none once it is cancelled, so that what asks for them ends soon.
+Evaluate until_cancelled(Evaluate of, const ProgressToken& token) {
+    return [of = std::move(of), token](auto wl, auto wv, auto f) {
+        if (!token.cancelled()) of(wl, wv, f);
+    };
+}
+
+std::vector<std::byte> table_bytes(const AnyBrdf& brdf, const Evaluate& values, TableFormat format, bool isotropic,
+                                   const TableOptions& options) {
+    switch (format) {
+        case TableFormat::merl:
+            return write_merl(to_merl(values, k_merl_size, options.threads));
+        case TableFormat::rgl: {
+            const RglTable table = to_rgl(values, {.description = options.description, .threads = options.threads});
+            if (options.progress.cancelled()) return {};
+            return write_rgl(table, options.spectra);
+        }
+        case TableFormat::mbsdf: {
+            const MbsdfOptions of{.metadata = {{"description", options.description}}, .threads = options.threads};
+            if (!has_part(brdf, Part::transmission_front)) return write_mbsdf(to_mbsdf(values, of));
+            const MbsdfTable transmission = to_mbsdf(part_of(values, Part::transmission_front), of);
+            return write_mbsdf(to_mbsdf(values, of), &transmission);
+        }
+        case TableFormat::csv:
+            break;
+    }
+    const auto* measured = std::get_if<Measured>(&brdf);
+    const auto* samples = measured ? std::get_if<ScatteredSamples>(&measured->table) : nullptr;
+    const std::string csv =
+        is_two_sided(brdf) ? csv_of_both_sides(brdf, values, isotropic, options)
+        : samples          ? write_csv(*samples, options.progress)
+                  : write_csv(to_samples(values, isotropic, options.directions, options.max_theta), options.progress);
+    const auto bytes = as_bytes(csv);
+    return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace
@@ -93,37 +129,16 @@ const TableFormatRow* table_format(std::string_view path) {
 Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, TableFormat format, const TableOptions& options) {
     const auto* measured = std::get_if<Measured>(&brdf);
     const bool isotropic = !measured || is_isotropic(*measured);
-    const Evaluate values = measured ? signed_evaluator(*measured) : evaluator(std::get<Model>(brdf));
     if (format != TableFormat::csv && !isotropic)
         return Error{"table", {}, "input", "an isotropic BRDF", "an anisotropic one", ErrorCode::argument};
-    const bool two_sided = is_two_sided(brdf);
-    if (two_sided && (format == TableFormat::merl || format == TableFormat::rgl))
+    if (is_two_sided(brdf) && (format == TableFormat::merl || format == TableFormat::rgl))
         return Error{"table", {}, "input", "a BRDF", "a BSDF", ErrorCode::argument};
-    switch (format) {
-        case TableFormat::merl:
-            return write_merl(to_merl(measured ? evaluator(*measured) : values, k_merl_size, options.threads));
-        case TableFormat::rgl:
-            return write_rgl(to_rgl(values, {.description = options.description, .threads = options.threads}),
-                             options.spectra);
-        case TableFormat::mbsdf: {
-            const MbsdfOptions of{.metadata = {{"description", options.description}}, .threads = options.threads};
-            if (!has_part(brdf, Part::transmission_front)) return write_mbsdf(to_mbsdf(values, of));
-            const MbsdfTable transmission = to_mbsdf(part_of(values, Part::transmission_front), of);
-            return write_mbsdf(to_mbsdf(values, of), &transmission);
-        }
-        case TableFormat::csv:
-            break;
-    }
-    if (two_sided) {
-        const std::string text = csv_of_both_sides(brdf, values, isotropic, options);
-        const auto bytes = as_bytes(text);
-        return std::vector<std::byte>(bytes.begin(), bytes.end());
-    }
-    const auto* samples = measured ? std::get_if<ScatteredSamples>(&measured->table) : nullptr;
-    const std::string csv =
-        write_csv(samples ? *samples : to_samples(values, isotropic, options.directions, options.max_theta));
-    const auto bytes = as_bytes(csv);
-    return std::vector<std::byte>(bytes.begin(), bytes.end());
+    const Evaluate values = !measured                     ? evaluator(std::get<Model>(brdf))
+                            : format == TableFormat::merl ? evaluator(*measured)
+                                                          : signed_evaluator(*measured);
+    auto bytes = table_bytes(brdf, until_cancelled(values, options.progress), format, isotropic, options);
+    if (options.progress.cancelled()) return cancelled_error("table");
+    return bytes;
 }
 
 }  // namespace srbf

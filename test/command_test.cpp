@@ -220,7 +220,11 @@ TEST_F(OfModel, the_manual_tells_what_help_tells) {
         EXPECT_GE(options, 1u) << help;
     }
     EXPECT_NE(manual.out.find("\n\\&."), 0u);
-    for (const char* shell : {"zsh", "fish"}) EXPECT_EQ(run(folder, {"manual", "--for", shell}).status, 0);
+    for (const char* shell : {"zsh", "fish"}) {
+        const ProgramRun completion = run(folder, {"manual", "--for", shell});
+        EXPECT_EQ(completion.status, 0);
+        EXPECT_NE(completion.out.find("max-memory"), std::string::npos) << shell;
+    }
     expect_failure(2, {"manual", "--for", "csh"}, "found csh");
 
     // What bash offers.
@@ -237,6 +241,10 @@ TEST_F(OfModel, the_manual_tells_what_help_tells) {
     EXPECT_EQ(offered("srbf re"), "render report\n");
     EXPECT_EQ(offered("srbf fit --model ''"), "pm su ggx\n");
     EXPECT_EQ(offered("srbf fit --ob"), "--objective\n");
+    EXPECT_EQ(offered("srbf --max"), "--max-memory\n");
+    EXPECT_EQ(offered("srbf --max-memory ''"), "\n");
+    EXPECT_EQ(offered("srbf --max-memory 500 re"), "render report\n");
+    EXPECT_EQ(offered("srbf --max-memory 500 fit --ob"), "--objective\n");
     EXPECT_EQ(offered("srbf fit pap"), "\n");  // a file: bash's own completion
 }
 

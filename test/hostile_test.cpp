@@ -98,6 +98,81 @@ TEST_F(Hostile, SmallPartsTakeNoMoreMemoryThanPromised) {
     check("fields.bsdf");
 }
 
+/// A header of OpenEXR for three channels of floats, of which a test changes parts.
+struct ExrHeader {
+    std::string pixel_type = little_endian(2, 4), sampling = little_endian(1, 4), compression = "\3", tiles = {},
+                more = {};
+    std::array<std::uint32_t, 4> window{0, 0, 2, 1};
+
+    static std::string attribute(const std::string& name, const std::string& type, const std::string& value) {
+        return name + '\0' + type + '\0' + little_endian(value.size(), 4) + value;
+    }
+    std::string text(std::uint32_t flags = 0) const {
+        std::string channels, box;
+        for (const char* name : {"B", "G", "R"})
+            channels += name + ('\0' + pixel_type) + little_endian(0, 4) + sampling + little_endian(1, 4);
+        for (const std::uint32_t number : window) box += little_endian(number, 4);
+        return "\x76\x2f\x31\x01" + little_endian(2 | flags, 4) + attribute("channels", "chlist", channels + '\0') +
+               attribute("compression", "compression", compression) + attribute("dataWindow", "box2i", box) +
+               attribute("displayWindow", "box2i", box) + attribute("lineOrder", "lineOrder", std::string(1, '\0')) +
+               attribute("pixelAspectRatio", "float", little_endian(0x3f800000, 4)) +
+               attribute("screenWindowCenter", "v2f", std::string(8, '\0')) +
+               attribute("screenWindowWidth", "float", little_endian(0x3f800000, 4)) + tiles + more + '\0';
+    }
+};
+
+/// Sizes, counts, kinds and offsets that no file of that length has.
+TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
+    constexpr std::uint32_t k_most = 0x7fffffff, k_tiled = 0x200;
+    const auto tiles = [](std::uint32_t side, char mode) {
+        return ExrHeader::attribute("tiles", "tiledesc", little_endian(side, 4) + little_endian(side, 4) + mode);
+    };
+    const auto cut = [](const std::string& name, std::uint64_t size) {
+        return name + '\0' + "string" + '\0' + little_endian(size, 4);
+    };
+    const std::string first_row = little_endian(0x141, 8), zeros(400, '\0');
+    const ExrHeader plain;
+    const std::map<std::string, std::string> files{
+        {"window", ExrHeader{.window = {0, 0, k_most - 1, k_most - 1}}.text()},
+        {"overflowing_window", ExrHeader{.window = {k_most + 1, k_most + 1, k_most, k_most}}.text()},
+        {"reversed_window", ExrHeader{.window = {5, 5, 1, 1}}.text()},
+        {"wide_window", ExrHeader{.window = {0, 0, (1 << 26) - 1, 0}}.text()},
+        {"tall_window", ExrHeader{.window = {0, 0, 0, (1 << 26) - 1}}.text()},
+        {"large_blocks", ExrHeader{.compression = "\x09", .window = {0, 0, (1 << 18) - 1, 255}}.text()},
+        {"huge_tiles", ExrHeader{.tiles = tiles(k_most, 0)}.text(k_tiled)},
+        {"no_tiles", ExrHeader{.tiles = tiles(0, 0)}.text(k_tiled)},
+        {"many_tiles", ExrHeader{.tiles = tiles(1, 0), .window = {0, 0, 8191, 8191}}.text(k_tiled)},
+        {"tiles_of_all_sizes", ExrHeader{.tiles = tiles(1, 2), .window = {0, 0, 8191, 1}}.text(k_tiled)},
+        {"long_attribute", ExrHeader{.more = cut("x", k_most)}.text()},
+        {"negative_attribute", ExrHeader{.more = cut("x", 0xfffffffb)}.text()},
+        {"pixel_type", ExrHeader{.pixel_type = little_endian(77, 4)}.text()},
+        {"sampling", ExrHeader{.sampling = little_endian(0xffffffff, 4)}.text()},
+        {"no_sampling", ExrHeader{.sampling = little_endian(0, 4)}.text()},
+        {"compression", ExrHeader{.compression = "\xc8"}.text()},
+        {"deep", plain.text(0x800)},
+        {"parts", plain.text(0x1000)},
+        {"offset_beyond", plain.text() + little_endian(std::uint64_t(1) << 63, 8)},
+        {"offset_of_the_header", plain.text() + little_endian(8, 8)},
+        {"block_size", plain.text() + first_row + little_endian(0, 4) + little_endian(k_most, 4)},
+        {"negative_block_size", plain.text() + first_row + little_endian(k_most + 1, 4) + little_endian(-1ull, 4)},
+    };
+    write(folder / "s.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n");
+    const auto with = [](const std::string& file) {
+        return Arguments{"render", "s.csv", "-o", "x.png", "--env", file, "--size", "2x2", "--spp", "1"};
+    };
+    const std::int64_t base = memory_of(folder, with("missing"));
+    for (const auto& [name, header] : files) {
+        SCOPED_TRACE(name);
+        write(folder / name, header + zeros);
+        expect_failure(1, with(name), "srbf: " + name + ": ");
+        const std::int64_t taken = memory_of(folder, with(name)) - base;
+        if (!k_is_sanitized) {
+            EXPECT_LT(taken, std::int64_t(64) << 20);
+        }
+    }
+    ASSERT_EQ(plain.text().size() + 8, 0x141u);
+}
+
 /// Holes of 8 GB: nothing is written, and next to nothing is read.
 TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
     for (const auto& [name, start] :

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "srbf/measured.h"
+#include "srbf/progress.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 
@@ -58,7 +59,7 @@ std::vector<std::byte> write_rgl(const RglTable& table, bool spectra = true);
 /// `transmission` a block of it follows, of which the metadata do not matter.
 std::vector<std::byte> write_mbsdf(const MbsdfTable& table, const MbsdfTable* transmission = nullptr);
 /// CSV with a row per sample: wl_x .. wv_z, then r,g,b, or a spectrum in columns such as 450nm.
-/// read_csv(write_csv(samples)) is `samples`.
-std::string write_csv(const ScatteredSamples& samples);
+/// read_csv(write_csv(samples)) is `samples`. Once cancelled it ends early.
+std::string write_csv(const ScatteredSamples& samples, const ProgressToken& token = {});
 
 }  // namespace srbf

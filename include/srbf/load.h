@@ -9,6 +9,7 @@
 
 #include "srbf/measured.h"
 #include "srbf/model.h"
+#include "srbf/progress.h"
 #include "srbf/vec.h"
 
 namespace [[gnu::visibility("default")]] srbf {
@@ -43,10 +44,11 @@ struct TableOptions {
     double max_theta = 89 * k_degree;  ///< [rad], of these directions
     bool spectra = true;               ///< RGL: spectra beside the colours, see `write_rgl`
     int threads = 0;                   ///< 0: as many as the machine has; the result does not depend on it
+    ProgressToken progress = {};       ///< for cancellation
 };
 /// The bytes of a file of that format with the values of `brdf`. Scattered samples become CSV as they are. Of
 /// a BSDF an MBSDF file has the parts of light from the front, CSV has all of them. Errors: an anisotropic measurement,
-/// except for CSV; a BSDF, for MERL and RGL.
+/// except for CSV; a BSDF, for MERL and RGL; it was cancelled.
 Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, TableFormat format, const TableOptions& options = {});
 
 }  // namespace srbf

@@ -400,10 +400,12 @@ def test_other_threads_run_while_arrays_are_indexed_and_tables_written(facets, t
     assert pause < 0.25 * (time.perf_counter() - start) + 0.1
 
 
-@pytest.mark.parametrize("work", ["srbf.render(paper, size=4096)", "paper.eval(w, w)", "paper.sample(w)"])
-def test_an_interrupt_ends_long_calls(work):
-    script = (f"import signal, srbf, numpy as np\nsignal.signal(signal.SIGINT, signal.default_int_handler)\npaper = srbf.load({str(PAPER)!r})\n"
-              "w = np.broadcast_to(np.float32([0, 0.6, 0.8]), (20_000_000, 3))\npaper.sample(w[0])\nprint('now', flush=True)\n"
+@pytest.mark.parametrize("work", ["srbf.render(paper, size=4096)", "paper.eval(w, w)", "paper.sample(w)", "[srbf.convert(paper, f'{folder}/x.bsdf') for _ in range(100)]",
+                                  "srbf.convert(many, f'{folder}/x.csv')"])
+def test_an_interrupt_ends_long_calls(work, tmp_path):
+    script = (f"import signal, srbf, numpy as np\nfolder = {str(tmp_path)!r}\nsignal.signal(signal.SIGINT, signal.default_int_handler)\npaper = srbf.load({str(PAPER)!r})\n"
+              "w = np.broadcast_to(np.float32([0, 0.6, 0.8]), (20_000_000, 3))\npaper.sample(w[0])\n"
+              f"{'many = srbf.from_arrays(w[:4_000_000], w[:4_000_000], 0.2)' if 'many' in work else ''}\nprint('now', flush=True)\n"
               f"try:\n    {work}\nexcept KeyboardInterrupt:\n    print('interrupted')")
     with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout.readline() == "now\n"

@@ -423,13 +423,13 @@ ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double 
     return samples;
 }
 
-std::string write_csv(const ScatteredSamples& samples) {
+std::string write_csv(const ScatteredSamples& samples, const ProgressToken& token) {
     std::string csv = samples.isotropic ? "# isotropic\n" : "";
     csv += "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z";
     if (samples.wavelengths.empty()) csv += ",r,g,b";
     for (const float nm : samples.wavelengths) csv += fmt::format(",{}nm", nm);
     csv += '\n';
-    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+    for (std::size_t i = 0; i < samples.wl.size() && !token.cancelled(); ++i) {
         const Vec3f wl = samples.wl[i], wv = samples.wv[i];
         csv += fmt::format("{},{},{},{},{},{}", wl.x, wl.y, wl.z, wv.x, wv.y, wv.z);
         const Rgb& f = samples.colour[i];

@@ -24,6 +24,9 @@ constexpr std::string_view k_version = "1", k_stack = "pm-stack";
 
 static_assert(k_terms.size() == SRBF_TERMS);
 
+/// Of −0 and 0, which are the same azimuth, the latter, so that what was read is written with the same bytes.
+std::uint16_t without_sign_of_zero(std::uint16_t half) { return half == to_half(-0.f) ? 0 : half; }
+
 /// The tensors of a model, with its numbers rounded to 16-bit floats.
 std::map<std::string, Tensor16> encode(const PmModel& model, bool with_log_scale) {
     const auto J = std::uint64_t(model.lobes), N = std::uint64_t(model.variates);
@@ -53,7 +56,7 @@ std::map<std::string, Tensor16> encode(const PmModel& model, bool with_log_scale
         for (const Vec3f& xi : model.centre) {
             const Angles<float> of_centre = angles(xi);
             centre.data.push_back(to_half(of_centre.theta));
-            centre.data.push_back(to_half(of_centre.phi));
+            centre.data.push_back(without_sign_of_zero(to_half(of_centre.phi)));
         }
     }
 

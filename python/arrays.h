@@ -51,20 +51,30 @@ template <typename T> T required(Result<T> result) {
     return *std::move(result);
 }
 
-/// Raises ValueError for the first row that is not a unit vector, within 1e-3 of the square of its length.
-inline void require_unit(const Array& directions, const char* argument) {
-    const std::span<const Vec3f> w = span_of<Vec3f>(directions);
+/// The first row that is not a unit vector, within 1e-3 of the square of its length; their number if all are.
+inline std::size_t first_of_other_length(std::span<const Vec3f> w) {
+    const auto is_wrong = [&](std::size_t i) { return !(std::abs(dot(w[i], w[i]) - 1) < 1e-3f); };
     constexpr std::size_t block = 1024;
     for (std::size_t first = 0; first < w.size(); first += block) {
         const std::size_t end = std::min(first + block, w.size());
         int wrong = 0;
-        for (std::size_t i = first; i < end; ++i) wrong += !(std::abs(dot(w[i], w[i]) - 1) < 1e-3f);
+        for (std::size_t i = first; i < end; ++i) wrong += is_wrong(i);
         for (std::size_t i = first; wrong > 0 && i < end; ++i)
-            if (!(std::abs(dot(w[i], w[i]) - 1) < 1e-3f))
-                throw py::value_error(std::string(argument) + " at " + std::to_string(i) +
-                                      ": expected a unit vector, found (" + std::to_string(w[i].x) + ", " +
-                                      std::to_string(w[i].y) + ", " + std::to_string(w[i].z) + ")");
+            if (is_wrong(i)) return i;
     }
+    return w.size();
+}
+
+/// Raises ValueError for the first row that is not a unit vector.
+inline void require_unit(const Array& directions, const char* argument) {
+    const std::span<const Vec3f> w = span_of<Vec3f>(directions);
+    const std::size_t i = [&] {
+        const py::gil_scoped_release released;
+        return first_of_other_length(w);
+    }();
+    if (i == w.size()) return;
+    throw py::value_error(std::string(argument) + " at " + std::to_string(i) + ": expected a unit vector, found (" +
+                          std::to_string(w[i].x) + ", " + std::to_string(w[i].y) + ", " + std::to_string(w[i].z) + ")");
 }
 
 /// Calls body(first, count) for parts of n rows, on all threads if there are many. Ctrl-C ends it where there are more

@@ -97,8 +97,13 @@ PYBIND11_MODULE(_srbf, module) {
              [](const Held& brdf) {
                  return brdf.model() ? brdf.model()->provenance : std::map<std::string, std::string>{};
              })
-        .def("save",
-             [](const Held& brdf, const std::string& path) { required(save_model(brdf.require_model(), path)); });
+        .def("save", [](const Held& brdf, const std::string& path) {
+            const Model& model = brdf.require_model();
+            required([&] {
+                const py::gil_scoped_release released;
+                return save_model(model, path);
+            }());
+        });
     py::class_<Request>(module, "Request")
         .def(py::init())
         .def_readwrite("model", &Request::model)

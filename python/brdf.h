@@ -199,7 +199,10 @@ inline Held samples_of(const Array& wl, const Array& wv, const Array& f, bool is
 
 inline py::bytes pickled(const Held& brdf) {
     Writer writer;
-    writer(brdf.content());
+    {
+        const py::gil_scoped_release released;
+        writer(brdf.content());
+    }
     return writer.bytes;
 }
 inline Held unpickled(const py::bytes& bytes, bool exchanged) {
@@ -210,15 +213,23 @@ inline Held unpickled(const py::bytes& bytes, bool exchanged) {
 /// What determines the values: `pickled` without where they come from.
 inline py::bytes numbers(const Held& brdf) {
     Writer writer;
-    if (brdf.model())
-        writer(brdf.model()->model);
-    else
-        writer(brdf.measured()->exchanged), writer(brdf.measured()->table);
+    {
+        const py::gil_scoped_release released;
+        if (brdf.model())
+            writer(brdf.model()->model);
+        else
+            writer(brdf.measured()->exchanged), writer(brdf.measured()->table);
+    }
     return writer.bytes;
 }
 
 inline py::list load_stack(const std::string& path) {
-    const auto stack = required(read_stack(required(read_file(path)), path));
+    const auto stack = required([&]() -> Result<ModelStack> {
+        const py::gil_scoped_release released;
+        const auto bytes = read_file(path);
+        if (!bytes) return bytes.error();
+        return read_stack(*bytes, path);
+    }());
     py::list texels;
     for (std::size_t i = 0; i < stack.models.size(); ++i)
         texels.append(py::make_tuple(Held(Model{stack.models[i], stack.provenance}), stack.error[i], stack.state[i]));

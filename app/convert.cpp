@@ -2,21 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "app/commands.h"
 #include "app/output.h"
+#include "app/read_options.h"
 #include "srbf/file.h"
 
 namespace srbf {
 namespace {
 
+/// In the order of `KlemsBasis`.
+const std::vector<std::string> k_bases{"full", "half", "quarter"};
+
 struct ConvertCommand {
-    std::string input, output;
+    std::string input, output, basis = "full";
+    ReadOptions read;
     int directions = 64, threads = 0;
     double max_theta = 89;  // [degrees], for CSV
-    bool exchange = false, rgb_alone = false, chooses_directions = false;
+    bool exchange = false, rgb_alone = false, chooses_directions = false, chooses_basis = false;
 
     int run() const;
     Result<std::vector<std::byte>> converted(const Subject& subject) const;
@@ -26,6 +32,8 @@ std::string description_of(const Subject& subject) {
     const auto* measured = std::get_if<Measured>(&subject.content);
     if (measured && std::holds_alternative<ScatteredSamples>(measured->table))
         return std::get<ScatteredSamples>(measured->table).description;
+    if (measured && std::holds_alternative<BsdfTable>(measured->table))
+        if (const auto& name = std::get<BsdfTable>(measured->table).description; !name.empty()) return name;
     return std::filesystem::path(subject.path).stem().string();
 }
 
@@ -39,9 +47,11 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
                      "a table or a model for --directions and --max-theta",
                      "samples, which are written as they are"};
     // A file that already has the format is copied unchanged, after it was read successfully.
-    if (measured && measured->format == format.name && !exchange && !rgb_alone) return read_file(input);
+    if (measured && measured->format == format.name && !exchange && !rgb_alone && !chooses_basis && !read.any())
+        return read_file(input);
     auto bytes = table_file(subject.content, format.format,
-                            {description_of(subject), directions, max_theta * k_degree, !rgb_alone, threads});
+                            {description_of(subject), directions, max_theta * k_degree,
+                             KlemsBasis(std::ranges::find(k_bases, basis) - k_bases.begin()), !rgb_alone, threads});
     if (bytes) return bytes;
     Error error = bytes.error();
     error.source = input, error.expected += fmt::format(", as {} tables are", format.name);
@@ -49,7 +59,7 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
 }
 
 int ConvertCommand::run() const {
-    auto subject = load(input);
+    auto subject = load(input, read);
     if (!subject) return complain(subject.error());
     if (exchange) std::visit([](auto& of) { srbf::exchange(of); }, subject->content);
     if (const auto writable = check_outputs({input}, {output}); !writable) return complain(writable.error());
@@ -67,12 +77,15 @@ void add_convert(CommandLine& app, int& status) {
     sub.add_option("INPUT", command->input, "A measurement or a model").type_name("").required();
     sub.add_option("-o,--output", command->output,
                    "The file to write; its extension determines the format: .binary (MERL), .bsdf (RGL), .mbsdf (MDL), "
-                   ".csv")
+                   ".csv, .xml (WINDOW and Radiance), .zemax.bsdf, .anisotropicbsdf (Speos), .xompt (OpenMATERIAL)")
         .type_name("FILE")
         .required()
         .check([](std::string& name) -> std::string {
             return table_format(name) == nullptr
-                       ? fmt::format("expected a name that ends in .binary, .bsdf, .mbsdf or .csv, found {}", name)
+                       ? fmt::format(
+                             "expected a name that ends in .binary, .bsdf, .mbsdf, .csv, .xml, .zemax.bsdf, "
+                             ".anisotropicbsdf or .xompt, found {}",
+                             name)
                        : "";
         });
     const Option directions = sub.add_option("--directions", command->directions,
@@ -85,11 +98,17 @@ void add_convert(CommandLine& app, int& status) {
                                  .type_name("DEG")
                                  .check(within(1.0, 90.0))
                                  .capture_default_str();
+    const Option basis = sub.add_option("--basis", command->basis,
+                                        "XML: Klems' patches, of which there are 145 (full), 77 (half) or 41 (quarter)")
+                             .type_name("NAME")
+                             .one_of(k_bases)
+                             .capture_default_str();
     const Option rgb_alone =
         sub.add_flag("--rgb-alone", command->rgb_alone,
                      "RGL: colours without the spectra of the same material, as Mitsuba 3 needs them in its\n"
                      "RGB variants; its spectral variants and pbrt-v4 need the spectra");
     sub.add_flag("--exchange", command->exchange, "Exchange light and viewer");
+    add_read_options(sub, command->read);
     const Option threads =
         sub.add_option("--threads", command->threads,
                        "All but CSV: number of threads; 0: all of the machine. The output does not depend on it")
@@ -97,15 +116,18 @@ void add_convert(CommandLine& app, int& status) {
             .check(within(0, k_most_threads))
             .capture_default_str();
     sub.footer(
-        "A file that already has the format is copied byte for byte, unless --exchange or --rgb-alone is given.\n\n"
+        "A file that already has the format is copied byte for byte, unless --exchange, --basis or --rgb-alone is "
+        "given.\n\n"
         "Examples:\n  srbf convert nickel.binary -o nickel.bsdf\n  srbf convert paper_white_rgb.srbf -o paper.binary");
     const auto writes = [command](TableFormat format) { return table_format(command->output)->format == format; };
     sub.callback(
-        [command, directions, max_theta, &status] {
+        [command, directions, max_theta, basis, &status] {
+            command->chooses_basis = basis.given();
             command->chooses_directions = directions.given() || max_theta.given();
             status = command->run();
         },
         {{{directions, max_theta}, "only with an output .csv", [=] { return writes(TableFormat::csv); }},
+         {{basis}, "only with an output .xml", [=] { return writes(TableFormat::bsdf_xml); }},
          {{rgb_alone}, "only with an output .bsdf", [=] { return writes(TableFormat::rgl); }},
          {{threads}, "not with an output .csv", [=] { return !writes(TableFormat::csv); }}});
 }

@@ -147,7 +147,8 @@ int ExportCommand::run() const {
     const std::vector<NamedModel> all = named(models), brdfs = with_parts(all);
     std::vector<std::string> outputs{output};
     for (const NamedModel& of : brdfs)
-        if (!is_page && std::holds_alternative<SuModel>(of.model->model)) outputs.push_back(data_path(of));
+        if (!is_page && to != "radiance" && std::holds_alternative<SuModel>(of.model->model))
+            outputs.push_back(data_path(of));
     if (const auto writable = check_outputs(inputs, outputs); !writable) return complain(writable.error());
 
     // three.js has no light behind a surface: each part is a material.
@@ -218,6 +219,7 @@ std::string ExportCommand::data_path(const NamedModel& of) const {
 Result<std::string> ExportCommand::code(const std::vector<NamedModel>& named) const {
     const std::string prefix = named.size() == 1 ? named[0].name : identifier(stem(output));
     if (to == "three") return three_module(named, prefix);
+    if (to == "radiance") return radiance_text(named);
     CodeOptions options{
         .language = std::ranges::find(k_code_languages, std::string_view(to), &CodeLanguageRow::name)->language};
     for (const std::string& extra : with)
@@ -237,6 +239,7 @@ void add_export(CommandLine& app, int& status) {
     std::vector<std::string> kinds{"html"};
     kinds.insert(kinds.end(), languages.begin(), languages.end());
     kinds.emplace_back("three");
+    kinds.emplace_back("radiance");
     sub.add_option(
            "--to", command->to,
            fmt::format(
@@ -244,6 +247,7 @@ void add_export(CommandLine& app, int& status) {
                "{}: source code with functions NAME_brdf of each model, named by its file, and\n"
                "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
                "three: a module for three.js with a class NAMEMaterial of each model.\n"
+               "radiance: a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them\n"
                "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF the functions are\n"
                "NAME_bsdf, of directions on either side, and NAME_beam, the share of light that passes unscattered;\n"
                "for three.js each of its parts is a material",
@@ -274,7 +278,9 @@ void add_export(CommandLine& app, int& status) {
         "  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
     const auto is_page = [command] { return command->to == "html"; };
     sub.callback([command, &status] { status = command->run(); },
-                 {{{with}, "is for source code", [=] { return !is_page() && command->to != "three"; }},
+                 {{{with},
+                   "is for source code",
+                   [=] { return !is_page() && command->to != "three" && command->to != "radiance"; }},
                   {{reference, mesh, up}, "is for --to html", is_page},
                   {{up}, "only with --mesh", [command] { return !command->mesh.empty(); }}});
 }

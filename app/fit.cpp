@@ -8,6 +8,7 @@
 
 #include "app/commands.h"
 #include "app/fit.h"
+#include "app/read_options.h"
 #include "render/preview.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
@@ -24,6 +25,7 @@ struct FitCommand {
     std::vector<std::string> inputs, given;
     std::string output, preview, json;
     std::string pairs;  // of texels; empty: none
+    ReadOptions read;
     std::size_t first = 0, last = 0, slab = TexelFits{}.slab;
     std::string device = "auto", model = "pm", form = std::string(name(PmRequest{}.form)),
                 objective = std::string(name(FitRequest{}.objective)),
@@ -83,10 +85,10 @@ struct FitCommand {
     bool into_folder() const { return inputs.size() > 1 || resume || !pairs.empty() || output_is_folder(); }
     FileFit file_fit() const {
         const std::string beside = std::filesystem::path(inputs[0]).stem().string() + ".srbf";
-        return {inputs[0], output.empty() ? beside : output, preview, json, request(), exchange, band, given};
+        return {inputs[0], output.empty() ? beside : output, preview, json, request(), exchange, read, band, given};
     }
     FolderFit folder_fit() const {
-        return {inputs, output, {{}, {}, {}, {}, request(), exchange, band, given}, options_text(), resume};
+        return {inputs, output, {{}, {}, {}, {}, request(), exchange, read, band, given}, options_text(), resume};
     }
     TexelFits texel_fits() const {
         TexelFits fit{inputs[0], pairs, output, request(), first, last, slab, axial < 0, options_text(), resume};
@@ -99,7 +101,8 @@ struct FitCommand {
         return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", device == "cuda",
                            model, form, objective, discretise, interpolation, with_index, channels, axial, no_scale,
                            reciprocal, lobes_auto, exchange, max_theta, lobes, variates, directions, between,
-                           neighbours, seed, target_error, target_delta_e, budget, band);
+                           neighbours, seed, target_error, target_delta_e, budget, band) +
+               text_of(read);
     }
 };
 
@@ -212,7 +215,7 @@ Result<Done> check_read(const Measured& measured, const FileFit& fit) {
 
 Result<Measured> load_measured(FileFit& fit) {
     const Stopwatch loading;
-    auto subject = load(fit.input);
+    auto subject = load(fit.input, fit.read);
     if (!subject) return subject.error();
     auto* measured = std::get_if<Measured>(&subject->content);
     if (!measured) return Error{fit.input, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
@@ -325,6 +328,7 @@ void add_fit(CommandLine& app, int& status) {
         sub.add_flag("--exchange", command->exchange,
                      "Exchange light and viewer of the measurement, as renderers do that take the first\n"
                      "direction of an RGL file for the viewer");
+    const std::vector<Option> of_samples = add_read_options(sub, command->read);
     sub.add_option("--objective", command->objective, "What the fit minimises:" + summaries_of_objectives())
         .type_name("NAME")
         .one_of(names_of_objectives())
@@ -494,6 +498,7 @@ void add_fit(CommandLine& app, int& status) {
             {{lobes},
              "a number with --explain and --pairs",
              [=] { return !command->lobes_auto || !(command->explain || pairs.given()); }},
+            {of_samples, "not with --explain and --pairs", [=] { return !command->explain && !pairs.given(); }},
             {{texels, slab}, "only with --pairs", [=] { return pairs.given(); }},
             {{pairs}, "with one INPUT", [=] { return command->inputs.size() == 1; }},
             {{pairs},

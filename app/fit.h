@@ -17,6 +17,7 @@ struct FileFit {
     std::string preview, json;  // empty: none
     FitRequest request;
     bool exchange = false;                // light and viewer of the measurement
+    ReadOptions read = {};                // what its file does not state
     std::string band = {};                // of a measurement of both sides; empty: the default
     std::vector<std::string> given = {};  // the options of the command line
     double load_seconds = 0;

@@ -8,6 +8,7 @@
 
 #include "app/commands.h"
 #include "app/output.h"
+#include "app/read_options.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
@@ -96,11 +97,34 @@ void print_table(const MbsdfTable& table) {
     print_channel_ranges("value [1/sr]", table.cells);
 }
 
+/// What a fit may lack: other planes than that of incidence, views on one side of it, values above the instrument's floor.
+void print_geometry(const ScatteredSamples& samples) {
+    constexpr float in_plane = 0.01f;  // of the sine out of the plane of incidence: half a degree
+    std::size_t inside = 0, at_least = 0;
+    float least = std::numeric_limits<float>::infinity();
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        const Vec3f wl = samples.wl[i], wv = samples.wv[i];
+        const float s = std::hypot(wl.x, wl.y), across = wl.x * wv.y - wl.y * wv.x;
+        inside += std::abs(across) <= in_plane * s || s <= in_plane;
+        if (samples.colour[i].g < least) least = samples.colour[i].g, at_least = 0;
+        at_least += samples.colour[i].g == least;
+    }
+    if (inside == samples.wl.size())
+        print_row("geometry", "the plane of incidence alone; nothing was measured out of it");
+    else
+        print_row("geometry", fmt::format("{} samples in the plane of incidence", grouped(inside)));
+    constexpr std::size_t hundredth = 100;
+    if (at_least > 2 && at_least * hundredth >= samples.wl.size())
+        print_row("floor", fmt::format("{} samples have the least value, {:.4g}: perhaps a bound, see --floor",
+                                       grouped(at_least), least));
+}
+
 void print_table(const ScatteredSamples& samples) {
     if (!samples.description.empty()) print_row("description", samples.description);
     print_row("samples", fmt::format("{} pairs of directions, {}", grouped(samples.wl.size()),
                                      samples.isotropic ? "isotropic" : "anisotropic"));
     if (!samples.wavelengths.empty()) print_row("wavelengths", wavelengths_text(samples.wavelengths));
+    print_geometry(samples);
     Range theta_l, theta_v, spectrum;
     for (const Vec3f& w : samples.wl) theta_l.add(float(std::acos(double(w.z)) / k_degree));
     for (const Vec3f& w : samples.wv) theta_v.add(float(std::acos(double(w.z)) / k_degree));
@@ -129,6 +153,42 @@ void print_table(const KlemsTable& table) {
     print_row("patches", fmt::format("{} outgoing ({}) × {} incident ({})", table.outgoing.patches(),
                                      table.outgoing.name, table.incident.patches(), table.incident.name));
     print_channel_ranges("value [1/sr]", table.cells);
+}
+
+void print_table(const TreeTable& table) {
+    print_row("tensor tree",
+              fmt::format("rank {}, {} leaves of {:g} at least, {}", table.y.rank, grouped(table.y.leaves.size()),
+                          table.y.smallest_leaf(), table.chromaticity.empty() ? "grey" : "in colour"));
+    Range range;
+    for (const float f : table.y.leaves) range.add(f);
+    print_row("value [1/sr]", range.text());
+}
+
+void print_table(const ScatterTable& table) {
+    const ScatterTable::Slice& of = table.slices.front();
+    print_row(
+        "dimensions",
+        fmt::format("{} rotations of the sample, {} angles of incidence in all, {} polar × {} azimuths about the {}",
+                    table.rotation.size(), table.slices.size(), of.polar.size(), of.azimuth.size(),
+                    table.about_mirror ? "mirror direction" : "normal"));
+    Range theta_l, polar, value;
+    std::uint64_t values = 0;
+    std::string tis;
+    for (std::size_t k = 0; k < table.slices.size(); ++k) {
+        const ScatterTable::Slice& slice = table.slices[k];
+        theta_l.add(float(double(slice.theta_l) / k_degree));
+        for (const float p : slice.polar) polar.add(float(double(p) / k_degree));
+        for (const float f : slice.f) value.add(f);
+        values += slice.f.size();
+        if (k < table.first[1] && k < 20)
+            tis += fmt::format("{}{:.4g} at {:.3g}°", k ? ", " : "", scatter_integral(table, slice, true),
+                               double(slice.theta_l) / k_degree);
+    }
+    print_row("θl", theta_l.text() + " degrees");
+    print_row("polar angle", polar.text() + " degrees");
+    print_row("masked entries", fmt::format("{} of {}, 0 in the file", grouped(table.masked), grouped(values)));
+    print_row("value [1/sr]", value.text());
+    print_row("TIS", "∫ f cosθ of what was measured: " + tis);
 }
 
 void print_table(const BsdfTable& table) {
@@ -355,8 +415,8 @@ int describe_stack(const std::string& file) {
     return k_done;
 }
 
-int run(const std::string& file) {
-    const auto subject = load(file);
+int run(const std::string& file, const ReadOptions& read) {
+    const auto subject = load(file, read);
     if (!subject && subject.error().code == ErrorCode::wrong_kind) return describe_stack(file);
     if (!subject) return complain(subject.error());
     fmt::print("{}\n", file);
@@ -382,11 +442,16 @@ std::string parameters_text(const Model& model) {
 }
 
 void add_info(CommandLine& app, int& status) {
-    const auto file = std::make_shared<std::string>();
+    struct InfoCommand {
+        std::string file;
+        ReadOptions read;
+    };
+    const auto command = std::make_shared<InfoCommand>();
     const Subcommand sub = app.add_subcommand("info", "Describe a file: dimensions, ranges, parameters, albedo");
-    sub.add_option("FILE", *file, "A measurement or a model").type_name("").required();
+    sub.add_option("FILE", command->file, "A measurement or a model").type_name("").required();
+    add_read_options(sub, command->read);
     sub.footer("Example:\n  srbf info paper_white_rgb.bsdf");
-    sub.callback([file, &status] { status = run(*file); });
+    sub.callback([command, &status] { status = run(command->file, command->read); });
 }
 
 }  // namespace srbf

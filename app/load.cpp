@@ -41,8 +41,8 @@ double fitted_theta(const Subject& subject) {
     return theta >= 1 && theta <= 90 ? theta : 0;
 }
 
-Result<Subject> load(const std::string& path) {
-    auto loaded = load_brdf(path);
+Result<Subject> load(const std::string& path, const ReadOptions& options) {
+    auto loaded = load_brdf(path, options);
     if (!loaded) return loaded.error();
     return Subject{path, *std::move(loaded)};
 }

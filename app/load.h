@@ -28,7 +28,7 @@ Channels channels(const Subject& subject);
 /// θmax of a model's fit [degrees] if `subject` is a model with that metadata; otherwise 0.
 double fitted_theta(const Subject& subject);
 
-Result<Subject> load(const std::string& path);
+Result<Subject> load(const std::string& path, const ReadOptions& options = {});
 
 /// Prints the error as one line to standard error; returns the exit status of an input error.
 int complain(const Error& error);

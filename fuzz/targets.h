@@ -111,6 +111,13 @@ inline void check_mbsdf(std::span<const std::byte> bytes) {
             "write(read(written)) = written");
 }
 
+/// Matrices that are written are read, with as many parts.
+inline void check_written_xml(const BsdfTable& table) {
+    const std::string written = write_bsdf_xml(table);
+    const auto again = read_bsdf_xml(std::as_bytes(std::span(written)), "f");
+    require(again.ok() && again->bands.size() == table.bands.size(), "what is written is read");
+}
+
 /// Beams are shares of the light, which the patches that they were taken from keep apart.
 inline void check_bsdf_xml(std::span<const std::byte> bytes) {
     auto table = read_bsdf_xml(bytes, "f");
@@ -119,8 +126,30 @@ inline void check_bsdf_xml(std::span<const std::byte> bytes) {
             for (const float cosine : {0.f, 1e-4f, 0.3f, 1.f})
                 for (int c = 0; c < 3; ++c)
                     require(share_at(beam, cosine)[c] >= 0 && share_at(beam, cosine)[c] <= 1, "a share");
+        const auto& parts = table->band().part;
+        if (std::ranges::none_of(parts,
+                                 [](const auto& of) { return of && std::holds_alternative<TreeTable>(of->table); }))
+            check_written_xml(*table);
     }
     check_measured(std::move(table));
+}
+
+/// A scatter table is written and read again.
+inline void check_scatter(const ScatterTable& table) {
+    const std::string zemax = write_zemax(table);
+    const auto again = read_zemax(std::as_bytes(std::span(zemax)), "f");
+    require(again.ok() && again->slices.size() == table.slices.size(), "what is written is read");
+}
+inline void check_zemax(std::span<const std::byte> bytes) {
+    auto table = read_zemax(bytes, "f");
+    if (table) check_scatter(*table);
+    check_measured(std::move(table));
+}
+inline void check_speos(std::span<const std::byte> bytes) {
+    auto tables = read_speos(bytes, "f");
+    if (!tables) return check_error(tables.error());
+    for (auto& table : *tables)
+        if (table) check_measured(Result<ScatterTable>(*std::move(table)));
 }
 
 /// A model that was read can be written; the written bytes can be read, and written again to the same bytes. (A file
@@ -210,6 +239,13 @@ inline const NamedTarget k_targets[] = {
     {"utia", check_utia},
     {"mbsdf", check_mbsdf},
     {"bsdf_xml", check_bsdf_xml},
+    {"zemax", check_zemax},
+    {"speos", check_speos},
+    {"openmaterial", [](auto bytes) { check_measured(read_openmaterial(bytes, "f")); }},
+    {"columns",
+     [](auto bytes) {
+         check_answers(read_measured(bytes, "f", {"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,532nm", true, 1e-4f}));
+     }},
     {"cornell", [](auto bytes) { check_measured(read_cornell(bytes, "f")); }},
     {"astm", [](auto bytes) { check_answers(read_astm(bytes, "f")); }},
     {"alta", [](auto bytes) { check_answers(read_alta(bytes, "f")); }},

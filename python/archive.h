@@ -51,6 +51,17 @@ template <typename Each> void members(AngleBasis& of, const Each& each) { each(o
 template <typename Each> void members(KlemsTable& of, const Each& each) {
     each(of.incident), each(of.outgoing), each(of.cells), each(of.beam), each(of.masked);
 }
+template <typename Each> void members(TensorTree& of, const Each& each) {
+    each(of.rank), each(of.root), each(of.nodes), each(of.leaves);
+}
+template <typename Each> void members(TreeTable& of, const Each& each) { each(of.y), each(of.chromaticity); }
+template <typename Each> void members(ScatterTable::Slice& of, const Each& each) {
+    each(of.theta_l), each(of.polar), each(of.azimuth), each(of.f);
+}
+template <typename Each> void members(ScatterTable& of, const Each& each) {
+    each(of.about_mirror), each(of.transmission), each(of.rotation), each(of.first), each(of.slices), each(of.tint);
+    each(of.masked);
+}
 template <typename Each> void members(Beam& of, const Each& each) { each(of.theta), each(of.share); }
 template <typename Each> void members(BsdfTable::Band& of, const Each& each) {
     each(of.name), each(of.part), each(of.beam);

@@ -5,6 +5,7 @@
 #include "measured/bytes.h"
 #include "model/texel.h"
 #include "srbf/convert.h"
+#include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/text.h"
 
@@ -33,14 +34,22 @@ Result<AnyBrdf> any(Result<Model> model) {
 
 }  // namespace
 
-Result<AnyBrdf> load_brdf(const std::string& path) {
+Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options) {
     return within_memory(path, [&]() -> Result<AnyBrdf> {
         const auto of_stack = texel_named(path);
-        auto bytes = read_file(of_stack ? of_stack->file : path, most_bytes_of);
+        auto bytes =
+            options.columns.empty() ? read_file(of_stack ? of_stack->file : path, most_bytes_of) : read_file(path);
         if (!bytes) return bytes.error();
         if (of_stack) return any(read_texel(*bytes, of_stack->texel, path));
+        if (is_safetensors(*bytes) && options.any())
+            return Error{path,
+                         {},
+                         "input",
+                         "samples, for --columns, --unit and --floor",
+                         "a fitted model",
+                         ErrorCode::wrong_kind};
         if (is_safetensors(*bytes)) return any(read_model(*bytes, path));
-        auto measured = read_measured(*std::move(bytes), path);
+        auto measured = read_measured(*std::move(bytes), path, options);
         if (!measured) return measured.error();
         return AnyBrdf(*std::move(measured));
     });
@@ -106,6 +115,10 @@ std::vector<std::byte> table_bytes(const AnyBrdf& brdf, const Evaluate& values, 
             return write_mbsdf(to_mbsdf(values, of), &transmission);
         }
         case TableFormat::csv:
+        case TableFormat::bsdf_xml:
+        case TableFormat::zemax:
+        case TableFormat::speos:
+        case TableFormat::openmaterial:  // the last four: `instrument_bytes`
             break;
     }
     const auto* measured = std::get_if<Measured>(&brdf);
@@ -116,6 +129,122 @@ std::vector<std::byte> table_bytes(const AnyBrdf& brdf, const Evaluate& values, 
                   : write_csv(to_samples(values, isotropic, options.directions, options.max_theta), options.progress);
     const auto bytes = as_bytes(csv);
     return {bytes.begin(), bytes.end()};
+}
+
+/// A part as a matrix of that basis: the measured one, if it has it.
+KlemsTable klems_of(const std::shared_ptr<const Measured>& own, const Evaluate& part, const Beam& beam,
+                    const TableOptions& options) {
+    const AngleBasis basis = klems_basis(options.basis);
+    const auto* matrix = own ? std::get_if<KlemsTable>(&own->table) : nullptr;
+    if (matrix && matrix->incident.name == basis.name && matrix->outgoing.name == basis.name) return *matrix;
+    KlemsTable table = to_klems(part, basis, options.threads);
+    add_beam(table, beam);
+    return table;
+}
+
+/// All bands and parts as matrices; a beam is that of the part.
+BsdfTable patches_of(const AnyBrdf& brdf, const TableOptions& options) {
+    BsdfTable all;
+    all.description = options.description;
+    const auto add_band = [&](const std::string& name, const AnyBrdf& of, const Parts<Measured>& own,
+                              const Beams& beams) {
+        const Evaluate values =
+            until_cancelled(std::visit([](const auto& content) { return evaluator(content); }, of), options.progress);
+        BsdfTable::Band& band = all.bands.emplace_back();
+        band.name = name;
+        for (std::size_t p = 0; p < k_parts; ++p)
+            if (const Part part = Part(p); has_part(of, part))
+                band.part[p] = std::make_shared<const Measured>(
+                    Measured{{}, {}, 0, klems_of(own[p], part_of(values, part), beams[beam_of(part)], options)});
+    };
+    if (const auto* measured = std::get_if<Measured>(&brdf)) {
+        const auto* bsdf = std::get_if<BsdfTable>(&measured->table);
+        for (std::size_t b = 0; bsdf && b < bsdf->bands.size(); ++b) {
+            Measured of = *measured;
+            std::get<BsdfTable>(of.table).chosen = b;
+            const AnyBrdf band = of;
+            add_band(bsdf->bands[b].name, band, measured->exchanged ? Parts<Measured>{} : bsdf->bands[b].part,
+                     bsdf->bands[b].beam);
+        }
+        if (!bsdf) add_band("Visible", brdf, {}, {});
+        return all;
+    }
+    const auto* bsdf = std::get_if<BsdfModel>(&std::get<Model>(brdf).model);
+    add_band("Visible", brdf, {}, bsdf ? bsdf->beam : Beams{});
+    return all;
+}
+
+/// The table of a part: the measured one, if it is of that kind.
+ScatterTable scatter_of(const AnyBrdf& brdf, Part part, const Evaluate& values, bool about_mirror, bool isotropic,
+                        int threads) {
+    const auto* measured = std::get_if<Measured>(&brdf);
+    if (measured && !measured->exchanged) {
+        const auto* bsdf = std::get_if<BsdfTable>(&measured->table);
+        const Measured* own = bsdf ? bsdf->band().part[std::size_t(part)].get() : measured;
+        const auto* table = own ? std::get_if<ScatterTable>(&own->table) : nullptr;
+        if (table && table->about_mirror == about_mirror) return *table;
+    }
+    ScatterTable table = to_scatter(part_of(values, part), about_mirror, isotropic, threads);
+    table.transmission = is_transmission(part);
+    return table;
+}
+
+/// Zemax' file of a BRDF, or of a BSDF that only transmits light from the front; Speos' of either.
+Result<std::string> scatter_text(const AnyBrdf& brdf, const Evaluate& values, bool isotropic, TableFormat format,
+                                 int threads) {
+    std::vector<ScatterTable> tables;
+    for (const Part part : {Part::reflection_front, Part::transmission_front})
+        if (has_part(brdf, part))
+            tables.push_back(scatter_of(brdf, part, values, format == TableFormat::zemax, isotropic, threads));
+    if (format == TableFormat::zemax) {
+        if (tables.size() > 1)
+            return Error{"table", {}, "input", "reflection or transmission alone", "both", ErrorCode::argument};
+        return write_zemax(tables[0]);
+    }
+    std::vector<const ScatterTable*> all;
+    for (const ScatterTable& table : tables) all.push_back(&table);
+    return write_speos(all);
+}
+
+/// Samples at a grid of angles every 5°, of azimuths every 15°.
+ScatteredSamples gridded(const Evaluate& brdf, std::string description) {
+    ScatteredSamples samples;
+    samples.description = std::move(description);
+    for (int l = 0; l < 18; ++l)
+        for (int v = 0; v < 18; ++v)
+            for (int phi = 0; phi <= (v == 0 ? 0 : 12); ++phi) {
+                samples.wl.push_back(to_float(spherical(5 * l * k_degree, 0.0)));
+                samples.wv.push_back(to_float(spherical(5 * v * k_degree, 15 * phi * k_degree)));
+            }
+    samples.colour.resize(samples.wl.size());
+    brdf(samples.wl, samples.wv, samples.colour);
+    for (Rgb& f : samples.colour)
+        if (!is_finite(f)) f = {};
+    return samples;
+}
+
+std::vector<std::byte> text_bytes(const std::string& text) {
+    const auto bytes = as_bytes(text);
+    return {bytes.begin(), bytes.end()};
+}
+
+bool is_of_instruments(TableFormat format) {
+    return format == TableFormat::bsdf_xml || format == TableFormat::zemax || format == TableFormat::speos ||
+           format == TableFormat::openmaterial;
+}
+
+/// The file of one of these formats.
+Result<std::vector<std::byte>> instrument_bytes(const AnyBrdf& brdf, const Evaluate& values, TableFormat format,
+                                                bool isotropic, const TableOptions& options) {
+    if (format == TableFormat::bsdf_xml) return text_bytes(write_bsdf_xml(patches_of(brdf, options)));
+    if (format == TableFormat::openmaterial) {
+        const auto* measured = std::get_if<Measured>(&brdf);
+        const auto* own = measured ? std::get_if<ScatteredSamples>(&measured->table) : nullptr;
+        return text_bytes(write_openmaterial(own ? *own : gridded(values, options.description)));
+    }
+    const auto text = scatter_text(brdf, values, isotropic, format, options.threads);
+    if (!text) return text.error();
+    return text_bytes(*text);
 }
 
 }  // namespace
@@ -129,14 +258,20 @@ const TableFormatRow* table_format(std::string_view path) {
 Result<std::vector<std::byte>> table_file(const AnyBrdf& brdf, TableFormat format, const TableOptions& options) {
     const auto* measured = std::get_if<Measured>(&brdf);
     const bool isotropic = !measured || is_isotropic(*measured);
-    if (format != TableFormat::csv && !isotropic)
+    const bool may_turn = format == TableFormat::csv || format == TableFormat::bsdf_xml ||
+                          format == TableFormat::zemax || format == TableFormat::speos;
+    if (!may_turn && !isotropic)
         return Error{"table", {}, "input", "an isotropic BRDF", "an anisotropic one", ErrorCode::argument};
-    if (is_two_sided(brdf) && (format == TableFormat::merl || format == TableFormat::rgl))
-        return Error{"table", {}, "input", "a BRDF", "a BSDF", ErrorCode::argument};
-    const Evaluate values = !measured                     ? evaluator(std::get<Model>(brdf))
-                            : format == TableFormat::merl ? evaluator(*measured)
-                                                          : signed_evaluator(*measured);
-    auto bytes = table_bytes(brdf, until_cancelled(values, options.progress), format, isotropic, options);
+    const bool of_front =
+        format == TableFormat::merl || format == TableFormat::rgl || format == TableFormat::openmaterial;
+    if (is_two_sided(brdf) && of_front) return Error{"table", {}, "input", "a BRDF", "a BSDF", ErrorCode::argument};
+    const Evaluate values = until_cancelled(!measured                     ? evaluator(std::get<Model>(brdf))
+                                            : format == TableFormat::merl ? evaluator(*measured)
+                                                                          : signed_evaluator(*measured),
+                                            options.progress);
+    auto bytes = is_of_instruments(format)
+                     ? instrument_bytes(brdf, values, format, isotropic, options)
+                     : Result<std::vector<std::byte>>(table_bytes(brdf, values, format, isotropic, options));
     if (options.progress.cancelled()) return cancelled_error("table");
     return bytes;
 }

@@ -73,6 +73,10 @@ TEST_F(Hostile, SmallPartsTakeNoMoreMemoryThanPromised) {
         {"words.brdf", "1\n", "1 ", ""},
         {"vars.astm", "VARS ", "a,", ""},
         {"dim.alta", "#DIM ", "1 ", ""},
+        {"rows.xompt", "{\"x\":\"OpenMATERIAL\",\"brdf\":{\"lookupTable\":[", "[5e-7,1,1,1,1],", "[5e-7,1,1,1,1]]}}"},
+        {"deep.xompt", "{\"x\":\"OpenMATERIAL\",\"brdf\":{\"lookupTable\":[", "[", ""},
+        {"values.zemax", "Source Measured\nScatterRadial 3600\n", "1 ", ""},
+        {"rows.fred", "type bsdf_data\n0 0\n", "1 1 1\n", ""},
         {"unknown", "", "unknown\1", ""},
     };
     const std::int64_t base = memory_of(folder, {"info", "missing"});

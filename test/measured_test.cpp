@@ -143,9 +143,11 @@ TEST(DamagedInput, IsToldInPlainWords) {
         const auto measured = read_measured(bytes, "f");
         return measured ? "" : message(measured.error());
     };
-    EXPECT_EQ(say({}),
-              "f: unknown format: expected MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV or BSDF XML, found "
-              "an empty file");
+    EXPECT_EQ(
+        say({}),
+        "f: unknown format: expected MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax, FRED, "
+        "Speos or OpenMATERIAL, found "
+        "an empty file");
     EXPECT_NE(say(as_bytes("theta phi\n1 2\n")).find("unknown format"), std::string::npos);
 
     Bytes cut = merl_file({90, 90, 180}, [](int, int, int, int) { return 0.1; });

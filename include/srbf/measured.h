@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -157,6 +158,10 @@ struct AngleBasis {
     Vec3d point_of(std::size_t patch, double s, double t) const;
 };
 
+/// The bases of WINDOW with 145, 77 and 41 patches.
+enum class KlemsBasis { full, half, quarter };
+AngleBasis klems_basis(KlemsBasis basis);
+
 /// A matrix of patches: one part of a BSDF in WINDOW's and Radiance's XML, in the frame of that part (bsdf.h). Cell
 /// (o, i) is the mean of f over the outgoing patch o and the incident patch i, both weighted by their cosines. In that
 /// frame the light that belongs to point (x, y, z) of an incident patch comes from (x, −y, z), and point (x, y, z) of
@@ -169,6 +174,59 @@ struct KlemsTable {
     std::uint64_t masked = 0;  ///< cells without a measurement, NaN: none in files
     Rgb cell(std::size_t o, std::size_t i) const { return cells[o * incident.patches() + i]; }
 };
+
+/// A function on the unit cube of 3 or 4 dimensions that is constant over leaves, as in Radiance's tensor trees. A branch
+/// halves its cube along each coordinate: child n is the upper half along coordinate i if bit i of n is set. A grid divides
+/// it into (2^level)^rank leaves, coordinate 0 slowest.
+struct TensorTree {
+    int rank = 3;
+    /// A node is its level in the upper 5 bits, or k_branch, and in the others the first of its nodes or leaves.
+    std::uint32_t root = 0;
+    std::vector<std::uint32_t> nodes;
+    std::vector<float> leaves;
+
+    static constexpr std::uint32_t k_branch = 31, k_most_leaves = (1u << 27) - 1;
+    static constexpr std::uint32_t branch(std::uint32_t first) { return k_branch << 27 | first; }
+    static constexpr std::uint32_t grid(int level, std::uint32_t first) { return std::uint32_t(level) << 27 | first; }
+    static constexpr std::uint32_t level_of(std::uint32_t node) { return node >> 27; }
+    static constexpr std::uint32_t first_of(std::uint32_t node) { return node & k_most_leaves; }
+    /// The leaf at x in [0, 1)^rank; what is outside counts as the border.
+    float at(std::array<double, 4> x) const;
+    /// The width of the smallest leaf.
+    float smallest_leaf() const;
+};
+
+/// Tensor trees: one part of a BSDF in Radiance's XML, in the frame of that part (bsdf.h). With p = (wl.x, −wl.y), q =
+/// (−wv.x, wv.y) and `square` the map of Shirley and Chiu from the unit disc to the unit square, which keeps areas, so that
+/// area × π is the projected solid angle:
+///   rank 4: x = (square(p), square(q));   rank 3, isotropic: x = ((1 − |p|)/2, square(q turned so that p lies on +x)).
+/// f [1/sr] is the leaf of `y`. Its colour is that of CIE 1976 u′, v′, of which (4/19, 9/19), equal energy, is white.
+struct TreeTable {
+    TensorTree y;
+    std::vector<TensorTree> chromaticity;  ///< u′ and v′; or empty: grey
+};
+
+/// Scatter on grids of angles, as Zemax and Speos keep it: for rotations of the sample and angles of incidence, values at
+/// polar angles and azimuths about the mirror direction of the light or about the normal. With the light at azimuth φ_l the
+/// rotation is φ_l. About the normal azimuth 0 is the side of the mirror direction; about the mirror direction 180° goes on
+/// towards grazing, 0 back towards the normal. Look-up is linear in both angles of a slice over what was measured, and
+/// between slices and rotations at the same place about the mirror direction; beyond the ends it is constant.
+struct ScatterTable {
+    struct Slice {
+        float theta_l = 0;                  ///< [rad]
+        std::vector<float> polar, azimuth;  ///< [rad], rising; azimuths to π alone: mirrored at the plane of incidence
+        std::vector<float> f;               ///< [1/sr], polar × azimuth. NaN: a gap
+    };
+    bool about_mirror = false;         ///< otherwise about the normal
+    bool transmission = false;         ///< the viewer is behind the surface, and stands mirrored at it (bsdf.h)
+    std::vector<float> rotation;       ///< [rad], rising; one: isotropic
+    std::vector<std::uint32_t> first;  ///< the first slice of each rotation, and the number of slices
+    std::vector<Slice> slices;
+    Rgb tint{1, 1, 1};         ///< of all values
+    std::uint64_t masked = 0;  ///< values that were 0 in the file
+};
+/// ∫ f cosθ dω of a slice [1], or ∫ f dω, over cells of half a degree by a degree. Gaps count as 0.
+double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& slice, bool with_cosine);
 
 struct Measured;
 
@@ -188,10 +246,13 @@ struct BsdfTable {
 
 /// Any measurement.
 struct Measured {
-    std::string source;       ///< the file name
-    std::string format;       ///< "MERL", "RGL", "UTIA", "MBSDF", "Cornell", "ASTM E1392", "ALTA", "CSV" or "BSDF XML"
+    std::string source;  ///< the file name
+    std::string
+        format;  ///< "MERL", "RGL", "UTIA", "MBSDF", "Cornell", "ASTM E1392", "ALTA", "CSV", "BSDF XML", of trees "BSDF tree", "Zemax", "Speos" or "OpenMATERIAL"
     std::uint64_t bytes = 0;  ///< size of the file
-    std::variant<MerlTable, RglTable, UtiaTable, MbsdfTable, ScatteredSamples, KlemsTable, BsdfTable> table;
+    std::variant<MerlTable, RglTable, UtiaTable, MbsdfTable, ScatteredSamples, KlemsTable, TreeTable, ScatterTable,
+                 BsdfTable>
+        table;
     bool exchanged = false;  ///< all functions of a `Measured` look up the table at (wv, wl)
 };
 /// Exchanges light and viewer: f_r(wl, wv) of the result is f_r(wv, wl) of the argument.
@@ -215,6 +276,8 @@ Rgb value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
 /// f_r by interpolation, with negative values clamped to 0.
 Rgb value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
 Rgb value(const KlemsTable& table, Vec3f wl, Vec3f wv);
+Rgb value(const TreeTable& table, Vec3f wl, Vec3f wv);
+Rgb value(const ScatterTable& table, Vec3f wl, Vec3f wv);
 /// f of the chosen band on either side.
 Rgb value(const BsdfTable& table, Vec3f wl, Vec3f wv);
 Rgb value(const Measured& measured, Vec3f wl, Vec3f wv);
@@ -226,6 +289,8 @@ Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
 Rgb signed_value(const KlemsTable& table, Vec3f wl, Vec3f wv);
+Rgb signed_value(const TreeTable& table, Vec3f wl, Vec3f wv);
+Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const BsdfTable& table, Vec3f wl, Vec3f wv);
 Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
 /// f[i] = signed_value(table, wl[i], wv[i]). The spans have the same length. Isotropic tables use the widest SIMD
@@ -265,10 +330,10 @@ Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string&
 /// that is not finite is masked.
 Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name);
 /// Reads BSDF data in the XML of LBNL's WINDOW and of Radiance: matrices of patches in Klems' bases or in bases that
-/// the file defines, for reflection and transmission at front and back, in bands of wavelengths ("Visible" is chosen if
-/// there is one). WINDOW's front is +z. A peak of one patch about the mirror direction, of which the neighbouring
+/// the file defines, or Radiance's tensor trees, for reflection and transmission at front and back, in bands of wavelengths
+/// ("Visible" is chosen if there is one). WINDOW's front is +z. A peak of one patch about the mirror direction, of which the neighbouring
 /// patches see less than a tenth, is a `Beam`. Errors: not well-formed XML; a document type (with which entities are
-/// defined); tensor trees; a matrix of another size than its bases; numbers that are not finite.
+/// defined); a matrix of another size than its bases; a tree of the wrong shape; numbers that are not finite.
 Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name);
 inline constexpr std::size_t k_largest_xml = std::size_t(1) << 28;
 /// Reads CSV (see `read_csv`) of samples on both sides, for each part those of its own.
@@ -295,11 +360,35 @@ Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::
 /// `# isotropic` declares the samples isotropic.
 Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name);
 
+/// Reads Zemax' text of BSDFs: PlaneSymmetrical, Asymmetrical or Asymmetrical4D, Monochrome, BRDF or BTDF. The TIS that it states
+/// is not used.
+Result<ScatterTable> read_zemax(std::span<const std::byte> bytes, const std::string& file_name);
+/// Reads Speos' text of anisotropic BSDFs: reflection and transmission of light from the front, of which at least one is there.
+/// Values are π f or f cosθ; where their integral is off the percentage that the file states by more than a tenth of it, they
+/// are scaled to it. Errors: a binary file.
+Result<std::array<std::optional<ScatterTable>, 2>> read_speos(std::span<const std::byte> bytes,
+                                                              const std::string& file_name);
+/// Reads a BRDF table of ASAM OpenMATERIAL 3D: rows of wavelength [m], θ_l, θ_v, φ_v relative to the light [rad], f [1/sr].
+/// Pairs of directions that lack a wavelength are masked.
+Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, const std::string& file_name);
+
+/// What a file of samples does not state.
+struct ReadOptions {
+    /// Names of columns as in CSV, for rows of numbers without a header, separated by blanks or commas; empty: the file has
+    /// them. Isotropic if all lights have one azimuth.
+    std::string columns;
+    bool factors = false;  ///< values are reflectance factors, π f
+    float floor = 0;       ///< samples of no more than this in any channel are masked: bounds, not measurements
+    bool any() const { return !columns.empty() || factors || floor > 0; }
+};
+
 /// Reads a measurement of any known format, recognised by its content. Errors: those of the formats; `wrong_kind`: a
-/// fitted model.
-Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name);
+/// fitted model; samples that are stated by `options` and are none.
+Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,
+                               const ReadOptions& options = {});
 /// The same, but frees `bytes` before it indexes samples.
-Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& file_name);
-Result<Measured> load_measured(const std::string& path);
+Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& file_name,
+                               const ReadOptions& options = {});
+Result<Measured> load_measured(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace srbf

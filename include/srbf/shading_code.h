@@ -80,6 +80,12 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 /// each lobe roughness, F0, F90). Errors: a view-by-view model.
 Result<std::string> python_code(const Model& model, int threads = 0);
 
+/// The models as functions of Radiance's expression language, the text of a `.cal`: of each NAME(ix,iy,iz,ox,oy,oz), the
+/// luminance of f [1/sr] for vectors to the light and to the viewer, and NAME_R, NAME_G, NAME_B, its channels. Positive z is
+/// the front of a BRDF, and the back of a BSDF as in WINDOW's XML, whose x is mirrored. Without beams. Errors: a view-by-view
+/// model.
+Result<std::string> radiance_text(std::span<const NamedModel> models);
+
 /// What NAME_number of a view-by-view model returns.
 std::vector<float> shading_data(const SuModel& model);
 

@@ -252,8 +252,8 @@ def _brdf(held: _srbf.Brdf) -> Union[Model, Measurement]:
 
 
 def load(path: Path) -> Union[Model, Measurement]:
-    """Reads a measurement (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML) or a model, recognised by its
-    content. Raises Error."""
+    """Reads a measurement (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax, Speos, OpenMATERIAL)
+    or a model, recognised by its content. Raises Error."""
     return _brdf(_srbf.load(os.fspath(path)))
 
 

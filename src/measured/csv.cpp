@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "measured/samples.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 
@@ -123,7 +124,8 @@ namespace {
 /// The directions of a sample.
 struct Directions {
     Vec3d wl, wv;
-    bool has_azimuth;  ///< whether the light's differs from 0
+    bool has_azimuth;      ///< whether the light's differs from 0
+    double azimuth_l = 0;  ///< of the light, where columns give it [rad]
 };
 
 /// Tolerance of the length of a direction: it may be printed with two digits.
@@ -134,7 +136,7 @@ Directions directions_in(NumberRow& row, const Columns& columns) {
         std::array<double, 4> angle{};
         for (std::size_t a = 0; a < angle.size(); ++a)
             if (columns.angle[a] != k_absent) angle[a] = columns.unit * row.number<double>(columns.angle[a]);
-        return {spherical(angle[0], angle[1]), spherical(angle[2], angle[3]), is_turned(angle[1])};
+        return {spherical(angle[0], angle[1]), spherical(angle[2], angle[3]), is_turned(angle[1]), angle[1]};
     }
     std::array<double, 6> x{};
     for (std::size_t c = 0; c < x.size(); ++c) x[c] = row.number<double>(columns.vector[c]);
@@ -178,7 +180,7 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
             continue;
         }
         row->read(*line, lines.number());
-        const auto [wl, wv, has_azimuth] = directions_in(*row, *columns);
+        const auto [wl, wv, has_azimuth, azimuth_l] = directions_in(*row, *columns);
         for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(row->number<double>(columns->value[v]));
         if (row->error()) return *row->error();
         turned |= has_azimuth;
@@ -196,6 +198,44 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
 }
 
 }  // namespace
+
+Result<ScatteredSamples> read_columns(std::span<const std::byte> bytes, const std::string& file_name,
+                                      const std::string& names) {
+    std::vector<std::string_view> header;
+    for (std::string_view rest = names, name = next_word(rest, " ,"); !name.empty(); name = next_word(rest, " ,"))
+        header.push_back(name);
+    auto columns = columns_of(header, file_name, 0);
+    if (!columns) {
+        Error error = columns.error();
+        error.what = "--columns", error.code = ErrorCode::argument;
+        return error;
+    }
+    Lines lines(as_text(bytes));
+    NumberRow row(columns->count, file_name);
+    SampleBuilder builder(columns->values, columns->wavelengths, bytes.size(), lines_of(bytes));
+    std::vector<float> f(builder.width());
+    std::string description;
+    std::optional<double> azimuth;
+    bool turned = false;
+    while (auto line = lines.next()) {
+        if (line->starts_with('#')) {
+            const std::string_view comment = trimmed(line->substr(1));
+            if (description.size() < 300 && !comment.empty())
+                description += (description.empty() ? "" : " ") + std::string(comment);
+            continue;
+        }
+        row.read_words(*line, lines.number());
+        const Directions at = directions_in(row, *columns);
+        for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(row.number<double>(columns->value[v]));
+        if (row.error()) return *row.error();
+        // A scan in one plane has one azimuth of the light, whichever it is.
+        const double of_light = columns->has_vectors ? elementary::atan2(at.wl.y, at.wl.x) : at.azimuth_l;
+        if (!azimuth) azimuth = of_light;
+        turned |= is_turned(of_light - *azimuth);
+        builder.add(at.wl, at.wv, f);
+    }
+    return std::move(builder).finish(file_name, description.substr(0, 300), !turned);
+}
 
 Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name) {
     auto collected = collect(bytes, file_name, false);

@@ -1,5 +1,6 @@
-// Pairs of patches that isotropy makes equal: private to readers and fits.
+// Pairs of patches that isotropy makes equal, and beams in matrices: private to readers and fits.
 #pragma once
+#include <span>
 #include <vector>
 
 #include "srbf/measured.h"
@@ -15,5 +16,10 @@ struct PatchClass {
 };
 /// `isotropic`: classes as above; otherwise each pair is one. What is not measured is left out.
 std::vector<PatchClass> patch_classes(const KlemsTable& table, bool isotropic);
+
+/// Moves what is a beam from the cells to `beam`. Rings are judged as a whole.
+void separate_beam(KlemsTable& table);
+/// The mean over the azimuths of one or two matrices.
+Beam beam_of(std::span<const KlemsTable* const> tables);
 
 }  // namespace srbf

@@ -8,6 +8,7 @@
 #include "floating_point.h"
 #include "measured/bytes.h"
 #include "measured/samples.h"
+#include "measured/scatter.h"
 #include "srbf/file.h"
 
 namespace srbf {
@@ -29,8 +30,43 @@ Result<Measured> labelled(Result<Table> table, const std::string& file_name, std
     return Measured{file_name, std::move(format), bytes, *std::move(table)};
 }
 
+/// Whether a BSDF is one of tensor trees, not of matrices.
+bool has_trees(const BsdfTable& table) {
+    return std::ranges::any_of(table.band().part,
+                               [](const auto& part) { return part && std::holds_alternative<TreeTable>(part->table); });
+}
+
+constexpr const char *k_bsdf_xml = "BSDF XML", *k_bsdf_tree = "BSDF tree";
+
 bool is_known_text(std::string_view text) {
-    return is_alta(text) || is_astm(text) || is_xml(text) || is_csv(text) || is_cornell(text);
+    return is_alta(text) || is_astm(text) || is_xml(text) || is_csv(text) || is_cornell(text) || is_zemax(text) ||
+           is_speos(text) || is_openmaterial(text);
+}
+
+/// A scatter table of reflection is a BRDF; one of transmission, or both, a BSDF.
+Measured of_scatter(std::array<std::optional<ScatterTable>, 2> tables, const std::string& file_name, const char* format,
+                    std::size_t bytes) {
+    if (!tables[1]) return {file_name, format, bytes, *std::move(tables[0])};
+    BsdfTable all{{{}}, 0, {}};
+    for (std::size_t s = 0; s < 2; ++s)
+        if (tables[s])
+            all.bands[0].part[std::size_t(s == 0 ? Part::reflection_front : Part::transmission_front)] =
+                std::make_shared<const Measured>(Measured{file_name, format, 0, *std::move(tables[s])});
+    return {file_name, format, bytes, std::move(all)};
+}
+
+Result<Measured> read_zemax_or_speos(std::span<const std::byte> bytes, const std::string& file_name) {
+    if (is_speos(as_text(bytes))) {
+        auto tables = read_speos(bytes, file_name);
+        if (!tables) return tables.error();
+        return of_scatter(*std::move(tables), file_name, "Speos", bytes.size());
+    }
+    auto table = read_zemax(bytes, file_name);
+    if (!table) return table.error();
+    const bool transmission = table->transmission;
+    std::array<std::optional<ScatterTable>, 2> tables;
+    tables[std::size_t(transmission)] = *std::move(table);
+    return of_scatter(std::move(tables), file_name, "Zemax", bytes.size());
 }
 
 /// Reads a measurement of any format, without the index of samples.
@@ -43,11 +79,20 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
         return labelled(std::move(table), file_name, "MBSDF", bytes.size());
     }
     if (is_merl(bytes)) return labelled(read_merl(bytes, file_name), file_name, "MERL", bytes.size());
+    if (is_speos(as_text(bytes))) return read_zemax_or_speos(bytes, file_name);  // a binary one is refused there
     if (is_text(bytes)) {
         const std::string_view text = as_text(bytes);
+        if (is_zemax(text)) return read_zemax_or_speos(bytes, file_name);
+        if (is_fred(text)) return labelled(read_fred_samples(bytes, file_name), file_name, "FRED", bytes.size());
+        if (is_openmaterial(text))
+            return labelled(read_openmaterial_samples(bytes, file_name), file_name, "OpenMATERIAL", bytes.size());
         if (is_alta(text)) return labelled(read_alta_samples(bytes, file_name), file_name, "ALTA", bytes.size());
         if (is_astm(text)) return labelled(read_astm_samples(bytes, file_name), file_name, "ASTM E1392", bytes.size());
-        if (is_xml(text)) return labelled(read_bsdf_xml(bytes, file_name), file_name, "BSDF XML", bytes.size());
+        if (is_xml(text)) {
+            auto table = read_bsdf_xml(bytes, file_name);
+            const char* format = table && has_trees(*table) ? k_bsdf_tree : k_bsdf_xml;
+            return labelled(std::move(table), file_name, format, bytes.size());
+        }
         if (is_csv(text) && is_csv_of_both_sides(text))
             return labelled(read_csv_of_both_sides(bytes, file_name), file_name, "CSV", bytes.size());
         if (is_csv(text)) return labelled(read_csv_samples(bytes, file_name), file_name, "CSV", bytes.size());
@@ -60,13 +105,57 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
     return Error{file_name,
                  {},
                  "unknown format",
-                 "MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV or BSDF XML",
+                 "MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax, FRED, Speos or OpenMATERIAL",
                  opening(bytes)};
 }
 
 Result<Measured> indexed(Result<Measured> measured) {
     if (!measured) return measured;
     if (auto* samples = std::get_if<ScatteredSamples>(&measured->table)) make_index(*samples);
+    return measured;
+}
+
+/// Masks what the options say is a bound, and divides factors by π.
+Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
+    const std::size_t channels = samples.wavelengths.size();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        const auto spectrum = std::span(samples.spectrum).subspan(i * channels, channels);
+        const Rgb& f = samples.colour[i];
+        const bool is_bound = channels > 0 ? std::ranges::any_of(spectrum, [&](float x) { return x <= options.floor; })
+                                           : std::min({f.r, f.g, f.b}) <= options.floor;
+        if (options.floor > 0 && is_bound) continue;
+        samples.wl[kept] = samples.wl[i], samples.wv[kept] = samples.wv[i], samples.colour[kept] = f;
+        std::ranges::copy(spectrum, samples.spectrum.begin() + std::ptrdiff_t(kept * channels));
+        ++kept;
+    }
+    samples.masked += samples.wl.size() - kept;
+    samples.wl.resize(kept), samples.wv.resize(kept), samples.colour.resize(kept),
+        samples.spectrum.resize(kept * channels);
+    if (kept == 0) return Error{{}, {}, "samples", "at least one above the floor", "none"};
+    if (!options.factors) return Done{};
+    for (float& f : samples.spectrum) f = float(double(f) / k_pi);
+    for (Rgb& f : samples.colour)
+        for (int c = 0; c < 3; ++c) f[c] = float(double(f[c]) / k_pi);
+    return Done{};
+}
+
+/// The same as `read_unindexed`, of a file that does not state all.
+Result<Measured> read_stated(std::span<const std::byte> bytes, const std::string& file_name,
+                             const ReadOptions& options) {
+    if (!options.any()) return read_unindexed(bytes, file_name);
+    auto measured = options.columns.empty()
+                        ? read_unindexed(bytes, file_name)
+                        : labelled(read_columns(bytes, file_name, options.columns), file_name, "columns", bytes.size());
+    if (!measured) return measured;
+    auto* samples = std::get_if<ScatteredSamples>(&measured->table);
+    if (!samples)
+        return Error{file_name, {}, "input", "samples, for --unit and --floor", measured->format, ErrorCode::argument};
+    if (const auto applied = apply(options, *samples); !applied) {
+        Error error = applied.error();
+        error.source = file_name;
+        return error;
+    }
     return measured;
 }
 
@@ -78,21 +167,23 @@ std::uint64_t most_bytes_of(std::span<const std::byte> head) {
     return std::max(merl_bytes(head), utia_bytes());
 }
 
-Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name) {
-    return indexed(read_unindexed(bytes, file_name));
+Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,
+                               const ReadOptions& options) {
+    return indexed(read_stated(bytes, file_name, options));
 }
 
-Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& file_name) {
-    auto measured = read_unindexed(bytes, file_name);
+Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& file_name,
+                               const ReadOptions& options) {
+    auto measured = read_stated(bytes, file_name, options);
     std::vector<std::byte>().swap(bytes);
     return indexed(std::move(measured));
 }
 
-Result<Measured> load_measured(const std::string& path) {
+Result<Measured> load_measured(const std::string& path, const ReadOptions& options) {
     return within_memory(path, [&]() -> Result<Measured> {
-        auto bytes = read_file(path, most_bytes_of);
+        auto bytes = options.columns.empty() ? read_file(path, most_bytes_of) : read_file(path);
         if (!bytes) return bytes.error();
-        return read_measured(*std::move(bytes), path);
+        return read_measured(*std::move(bytes), path, options);
     });
 }
 
@@ -100,6 +191,8 @@ bool is_isotropic(const Measured& measured) {
     if (const auto* rgl = std::get_if<RglTable>(&measured.table)) return rgl->phi_l.empty();
     if (const auto* samples = std::get_if<ScatteredSamples>(&measured.table)) return samples->isotropic;
     if (const auto* klems = std::get_if<KlemsTable>(&measured.table)) return is_isotropic(*klems);
+    if (const auto* scatter = std::get_if<ScatterTable>(&measured.table)) return scatter->rotation.size() == 1;
+    if (const auto* tree = std::get_if<TreeTable>(&measured.table)) return tree->y.rank == 3;
     if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table))
         return std::ranges::all_of(bsdf->band().part, [](const auto& part) { return !part || is_isotropic(*part); });
     return !std::holds_alternative<UtiaTable>(measured.table);

@@ -46,6 +46,12 @@ Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, 
 Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name);
+Result<ScatteredSamples> read_openmaterial_samples(std::span<const std::byte> bytes, const std::string& file_name);
+/// FRED's text: `type bsdf_data`, `format angles=deg bsdf=value scale=1`, then lines of θ_l φ_l and of θ_v φ_v f [1/sr].
+Result<ScatteredSamples> read_fred_samples(std::span<const std::byte> bytes, const std::string& file_name);
+/// Rows of numbers whose columns `columns` names.
+Result<ScatteredSamples> read_columns(std::span<const std::byte> bytes, const std::string& file_name,
+                                      const std::string& columns);
 Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
 
 /// Azimuths [rad] within this are 0: files state them with four digits or more.
@@ -63,6 +69,18 @@ class NumberRow {
     void read(std::string_view text, std::uint64_t line) {
         line_ = line;
         split_fields(text, fields_);
+        check();
+    }
+    /// The same of words.
+    void read_words(std::string_view text, std::uint64_t line) {
+        line_ = line;
+        fields_.clear();
+        for (auto word = next_word(text, " \t,"); !word.empty() && fields_.size() < k_most_fields;
+             word = next_word(text, " \t,"))
+            fields_.push_back(word);
+        check();
+    }
+    void check() {
         if (fields_.size() != columns_)
             fail("sample", std::to_string(columns_) + " numbers", std::to_string(fields_.size()));
     }
@@ -102,5 +120,7 @@ bool is_csv(std::string_view text);
 /// Whether one of the comments before the header of a CSV is "both sides".
 bool is_csv_of_both_sides(std::string_view text);
 bool is_xml(std::string_view text);
+bool is_fred(std::string_view text);
+bool is_openmaterial(std::string_view text);
 
 }  // namespace srbf

@@ -1,0 +1,82 @@
+// FRED's text of tabulated scatter: lines of an incidence, each followed by lines of scattered directions.
+#include <fmt/format.h>
+
+#include "measured/samples.h"
+#include "srbf/directions.h"
+
+namespace srbf {
+
+namespace {
+
+/// The header's second line: `format angles=deg bsdf=value scale=1`.
+struct FredFormat {
+    double unit = k_degree, scale = 1;
+    std::string wrong;  ///< what of it is not known; empty: nothing
+};
+FredFormat fred_format(std::string_view line) {
+    FredFormat format;
+    for (auto word = next_word(line); !word.empty(); word = next_word(line)) {
+        const auto sign = word.find('=');
+        const std::string_view key = word.substr(0, sign), value = sign == word.npos ? word : word.substr(sign + 1);
+        const auto number = to_number<double>(value);
+        if (key == "angles" && (value == "deg" || value == "rad"))
+            format.unit = value == "deg" ? k_degree : 1;
+        else if (key == "scale" && number && *number > 0 && *number <= 1e12)
+            format.scale = *number;
+        else if (word != "format" && word != "bsdf=value")
+            format.wrong = word;
+    }
+    return format;
+}
+
+}  // namespace
+
+bool is_fred(std::string_view text) {
+    Lines lines(text);
+    const auto line = lines.next();
+    return line && line->starts_with("type bsdf_data");
+}
+
+Result<ScatteredSamples> read_fred_samples(std::span<const std::byte> bytes, const std::string& file_name) {
+    Lines lines(as_text(bytes));
+    FredFormat format;
+    SampleBuilder builder(Values::grey, {}, bytes.size(), lines_of(bytes));
+    std::optional<Vec3d> light;
+    std::optional<double> azimuth;
+    bool turned = false;
+    while (auto line = lines.next()) {
+        if (line->starts_with("type") || line->starts_with("#")) continue;
+        const auto wrong = [&](const char* what, std::string expected, std::string_view found) {
+            return at_line(file_name, lines.number(), what, std::move(expected), quoted(found));
+        };
+        if (line->starts_with("format")) {
+            format = fred_format(*line);
+            if (!format.wrong.empty()) return wrong("format", "angles=deg or rad, bsdf=value, scale=", format.wrong);
+            continue;
+        }
+        std::array<double, 3> numbers{};
+        std::size_t count = 0;
+        std::string_view rest = *line;
+        for (auto word = next_word(rest); !word.empty(); word = next_word(rest), ++count) {
+            const auto number = to_number<double>(word);
+            if (!number || count == numbers.size())
+                return wrong("numbers", "two of a light or three of a sample", word);
+            numbers[count] = *number;
+        }
+        if (count < 2) return wrong("numbers", "two of a light or three of a sample", *line);
+        const double theta = numbers[0] * format.unit, phi = numbers[1] * format.unit;
+        if (count == 2) {
+            // Azimuth 0 of the viewer is the side of the mirror direction.
+            light = spherical(theta, phi + k_pi);
+            if (!azimuth) azimuth = phi;
+            turned |= is_turned(phi - *azimuth);
+            continue;
+        }
+        if (!light) return wrong("sample", "a line of the light before it", *line);
+        const float f = float(numbers[2] * format.scale);
+        builder.add(*light, spherical(theta, phi), std::span(&f, 1));
+    }
+    return std::move(builder).finish(file_name, "FRED", !turned);
+}
+
+}  // namespace srbf

@@ -1,0 +1,211 @@
+// ASAM OpenMATERIAL 3D's look-up tables of BRDFs, `.xompt`.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "measured/limits.h"
+#include "measured/samples.h"
+#include "srbf/convert.h"
+#include "srbf/directions.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+
+namespace {
+
+/// θ_l, θ_v, φ_v [rad], wavelength [nm], f [1/sr], which is −1 for null.
+using OpenRow = std::array<float, 5>;
+constexpr double k_nanometre = 1e-9;
+
+/// Takes the rows of "lookupTable" in "brdf" and "name" in "metadata"; the rest is passed over.
+struct OpenMaterialSax : nlohmann::json_sax<nlohmann::json> {
+    std::vector<std::string> path;  ///< keys of the objects that are open
+    std::vector<char> open;         ///< '{' and '['
+    std::string last_key, name, wrong;
+    bool in_table = false, has_table = false;
+    std::size_t table_depth = 0, column = 0;
+    OpenRow row{};
+    std::vector<OpenRow> rows;
+
+    static constexpr std::size_t k_deepest = 64;
+
+    bool refuse(std::string what) { return wrong = std::move(what), false; }
+    bool take(double x) {
+        if (!in_table) return true;
+        if (open.size() != table_depth + 2) return refuse("a number outside of a row");
+        if (column == row.size()) return refuse("a row of more than five numbers");
+        constexpr std::array<std::size_t, 5> place{3, 0, 1, 2, 4};  // in a file the wavelength is first
+        row[place[column]] = float(column == 0 ? x / k_nanometre : x);
+        ++column;
+        return true;
+    }
+    bool null() override { return take(-1); }
+    bool boolean(bool) override { return !in_table || refuse("a truth value in a row"); }
+    bool number_integer(number_integer_t x) override { return take(double(x)); }
+    bool number_unsigned(number_unsigned_t x) override { return take(double(x)); }
+    bool number_float(number_float_t x, const string_t&) override { return take(x); }
+    bool string(string_t& text) override {
+        if (in_table) return refuse("a text in a row");
+        if (last_key == "name" && !path.empty() && path.back() == "metadata") name = text.substr(0, 200);
+        return true;
+    }
+    bool binary(binary_t&) override { return refuse("bytes"); }
+    bool key(string_t& text) override { return last_key = text.substr(0, 100), true; }
+    bool start(char kind) {
+        if (in_table && (kind == '{' || open.size() != table_depth + 1)) return refuse("something else than rows");
+        if (open.size() == k_deepest) return refuse("more than 64 levels");
+        open.push_back(kind);
+        if (in_table) column = 0;
+        return true;
+    }
+    bool start_object(std::size_t) override {
+        if (!start('{')) return false;
+        path.push_back(last_key);
+        return true;
+    }
+    bool end_object() override { return open.pop_back(), path.pop_back(), true; }
+    bool start_array(std::size_t) override {
+        if (!in_table && last_key == "lookupTable" && !path.empty() && path.back() == "brdf") {
+            if (has_table) return refuse("a second table");
+            in_table = has_table = true;
+            table_depth = open.size();
+            open.push_back('[');
+            return true;
+        }
+        return start('[');
+    }
+    bool end_array() override {
+        open.pop_back();
+        if (!in_table) return true;
+        if (open.size() == table_depth) return in_table = false, true;
+        if (column != row.size()) return refuse("a row of fewer than five numbers");
+        rows.push_back(row);
+        return true;
+    }
+    bool parse_error(std::size_t at, const std::string&, const nlohmann::detail::exception&) override {
+        return refuse(fmt::format("a mistake at byte {}", at));
+    }
+};
+
+/// Pairs of directions with their spectra.
+Result<ScatteredSamples> openmaterial_samples(std::vector<OpenRow>& rows, std::size_t bytes,
+                                              const std::string& file_name, std::string name) {
+    std::vector<float> wavelengths;
+    std::ranges::sort(rows, {}, [](const OpenRow& row) { return row[3]; });
+    for (const OpenRow& row : rows)
+        if (wavelengths.empty() || row[3] != wavelengths.back()) wavelengths.push_back(row[3]);
+    if (wavelengths.size() > k_most_columns || !are_wavelengths(wavelengths))
+        return Error{
+            file_name, {}, "wavelengths", fmt::format("at most {}, from 1e-7 to 1e-4 m", k_most_columns), "others"};
+    std::ranges::sort(rows);
+    const std::size_t n = wavelengths.size();
+    // Rows take memory beside the samples: less is left for these.
+    SampleBuilder builder(Values::spectrum, wavelengths, bytes / 2, rows.size() / n + 1);
+    std::vector<float> f(n);
+    for (std::size_t i = 0; i < rows.size();) {
+        // A geometry that lacks a wavelength, or has null there, is masked.
+        std::ranges::fill(f, k_nan);
+        const OpenRow& at = rows[i];
+        for (; i < rows.size() && std::equal(at.begin(), at.begin() + 3, rows[i].begin()); ++i) {
+            const auto k = std::size_t(std::ranges::lower_bound(wavelengths, rows[i][3]) - wavelengths.begin());
+            f[k] = rows[i][4] < 0 ? k_nan : rows[i][4];
+        }
+        builder.add(spherical(double(at[0]), 0.0), spherical(double(at[1]), double(at[2])), f);
+    }
+    return std::move(builder).finish(file_name, std::move(name), true);
+}
+
+}  // namespace
+
+bool is_openmaterial(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+    return first != text.npos && text[first] == '{' && text.substr(0, 4096).find("OpenMATERIAL") != text.npos;
+}
+
+Result<ScatteredSamples> read_openmaterial_samples(std::span<const std::byte> bytes, const std::string& file_name) {
+    OpenMaterialSax sax;
+    const std::string_view text = as_text(bytes);
+    sax.rows.reserve(std::size_t(std::ranges::count(text, '[')));
+    const bool parsed = nlohmann::json::sax_parse(text.begin(), text.end(), &sax);
+    if (!parsed)
+        return Error{file_name, {}, "OpenMATERIAL", "JSON with rows of five numbers in brdf.lookupTable", sax.wrong};
+    if (sax.rows.empty()) return Error{file_name, {}, "OpenMATERIAL", "rows in brdf.lookupTable", "none"};
+    for (OpenRow& row : sax.rows)
+        for (std::size_t c = 0; c < 4; ++c)
+            if (!std::isfinite(row[c]))
+                return Error{file_name, {}, "OpenMATERIAL", "a wavelength and three angles in each row", "others"};
+    return openmaterial_samples(sax.rows, bytes.size(), file_name, sax.name);
+}
+
+Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, const std::string& file_name) {
+    return indexed(read_openmaterial_samples(bytes, file_name));
+}
+
+namespace {
+
+/// An identifier in the form of a UUID, of what the file says: FNV-1a of 64 bits, twice.
+std::string uuid_of(std::string_view text) {
+    const auto hash = [&](std::uint64_t h) {
+        for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+        return h;
+    };
+    const std::uint64_t a = hash(0xcbf29ce484222325), b = hash(a);
+    return fmt::format("{:08x}-{:04x}-8{:03x}-8{:03x}-{:012x}", a >> 32, a >> 16 & 0xffff, a & 0xfff, b >> 48 & 0xfff,
+                       b & 0xffffffffffff);
+}
+
+}  // namespace
+
+std::string write_openmaterial(const ScatteredSamples& samples) {
+    const bool is_spectral = !samples.wavelengths.empty();
+    const std::vector<float> nm = is_spectral
+                                      ? samples.wavelengths
+                                      : std::vector<float>(k_primary_wavelengths.begin(), k_primary_wavelengths.end());
+    struct Row {
+        double theta_l, theta_v, phi_v;
+        std::size_t sample;
+    };
+    std::vector<Row> rows;
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        const auto angle = [](Vec3f w) {
+            return std::array{elementary::atan2(elementary::hypot(double(w.x), double(w.y)), double(w.z)),
+                              elementary::atan2(double(w.y), double(w.x))};
+        };
+        const auto l = angle(samples.wl[i]), v = angle(samples.wv[i]);
+        double phi = std::remainder(v[1] - l[1], 2 * k_pi);
+        if (phi < 0) phi = samples.isotropic ? -phi : phi + 2 * k_pi;
+        rows.push_back({l[0], v[0], phi, i});
+    }
+    std::ranges::stable_sort(rows, [](const Row& a, const Row& b) {
+        return std::array{a.theta_l, a.theta_v, a.phi_v} < std::array{b.theta_l, b.theta_v, b.phi_v};
+    });
+    std::string wavelengths, table;
+    for (std::size_t k = 0; k < nm.size(); ++k) {
+        const double metres = double(nm[k]) * k_nanometre;
+        wavelengths += fmt::format("{}{:.7g}", k ? ", " : "", metres);
+        for (const Row& row : rows) {
+            const float f = is_spectral ? samples.spectrum[row.sample * nm.size() + k]
+                                        : reflectance_spectrum(samples.colour[row.sample])[k];
+            table += fmt::format("{}\n            [{:.7g}, {:.7g}, {:.7g}, {:.7g}, {}]", table.empty() ? "" : ",",
+                                 metres, row.theta_l, row.theta_v, row.phi_v, std::max(f, 0.f));
+        }
+    }
+    const std::string name = nlohmann::json(samples.description.empty() ? "BRDF" : samples.description)
+                                 .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+    return fmt::format(
+        "{{\n    \"$schema\": "
+        "\"https://raw.githubusercontent.com/asam-ev/OpenMATERIAL-3D/refs/tags/v1.0.0/schemas/"
+        "material_brdf_schema.json\",\n"
+        "    \"metadata\": {{\n        \"name\": {},\n        \"uuid\": \"{}\",\n        \"materialVersion\": "
+        "\"1.0.0\",\n"
+        "        \"openMaterial3dVersion\": \"1.0.0\",\n        \"copyrights\": [\"unknown\"],\n        \"license\": "
+        "\"unknown\",\n        \"authors\": [\"unknown\"],\n        \"sources\": \"converted by srbf\"\n    }},\n"
+        "    \"brdf\": {{\n        \"wavelengths\": [{}],\n        \"lookupTable\": [{}\n        ]\n    }}\n}}\n",
+        name, uuid_of(table), wavelengths, table);
+}
+
+}  // namespace srbf

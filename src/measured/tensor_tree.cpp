@@ -1,0 +1,214 @@
+// Tensor trees of Radiance: their text and their look-up.
+#include "measured/tensor_tree.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "measured/limits.h"
+#include "srbf/colour.h"
+#include "srbf/elementary.h"
+#include "srbf/text.h"
+
+namespace srbf {
+
+namespace {
+
+/// The blanks between numbers.
+constexpr std::string_view k_blanks_in_tree = " \t\r\n,";
+/// Limit on the levels of a tree: a leaf is at least 2^−16 wide. Radiance makes seven at most.
+constexpr int k_deepest_tree = 16;
+
+/// Reads the text from its beginning to its end.
+class TreeText {
+  public:
+    TreeText(std::string_view text, TensorTree& tree) : text_(text), tree_(tree) {}
+
+    std::optional<Error> read() {
+        const auto root = node(0);
+        if (!root) return root.error();
+        tree_.root = *root;
+        if (skip() < text_.size()) return wrong("the end of the tree", found());
+        return {};
+    }
+
+  private:
+    std::size_t skip() { return at_ = std::min(text_.find_first_not_of(k_blanks_in_tree, at_), text_.size()); }
+    std::string found() const { return at_ < text_.size() ? quoted(text_.substr(at_, 12)) : "the end"; }
+    Error wrong(std::string expected, std::string found) const {
+        return {{}, at_, "tensor tree", std::move(expected), std::move(found)};
+    }
+    bool take(char c) {
+        if (skip() == text_.size() || text_[at_] != c) return false;
+        ++at_;
+        return true;
+    }
+
+    /// The node whose brace is next.
+    Result<std::uint32_t> node(int depth) {
+        if (depth > k_deepest_tree) return wrong(fmt::format("at most {} levels", k_deepest_tree), "more");
+        if (!take('{')) return wrong("'{'", found());
+        const std::size_t children = std::size_t(1) << tree_.rank;
+        if (skip() == text_.size() || text_[at_] != '{') return grid();
+        const std::size_t first = tree_.nodes.size();
+        tree_.nodes.resize(first + children);
+        for (std::size_t n = 0; n < children; ++n) {
+            const auto child = node(depth + 1);
+            if (!child) return child;
+            tree_.nodes[first + n] = *child;
+        }
+        if (!take('}')) return wrong(fmt::format("'}}' after {} trees", children), found());
+        return TensorTree::branch(std::uint32_t(first));
+    }
+
+    Result<std::uint32_t> grid() {
+        const std::size_t first = tree_.leaves.size();
+        while (!take('}')) {
+            const std::size_t end = std::min(text_.find_first_of(" \t\r\n,{}", at_), text_.size());
+            const auto number = to_number<float>(text_.substr(at_, end - at_));
+            if (!number || !(std::abs(*number) <= k_largest_value)) return wrong("numbers, then '}'", found());
+            tree_.leaves.push_back(*number);
+            at_ = end;
+        }
+        const std::size_t count = tree_.leaves.size() - first;
+        for (int level = 0; level * tree_.rank < 32; ++level)
+            if (count == std::size_t(1) << level * tree_.rank) return TensorTree::grid(level, std::uint32_t(first));
+        return wrong(fmt::format("2^{}k numbers between braces", tree_.rank), fmt::format("{}", count));
+    }
+
+    std::string_view text_;
+    std::size_t at_ = 0;
+    TensorTree& tree_;
+};
+
+struct TreeCounts {
+    std::size_t braces = 0, numbers = 0;
+};
+TreeCounts counts_of(std::string_view text) {
+    TreeCounts counts;
+    bool in_number = false;
+    for (const char c : text) {
+        const bool parts = c == '{' || c == '}' || k_blanks_in_tree.find(c) != k_blanks_in_tree.npos;
+        counts.braces += c == '{';
+        counts.numbers += !parts && !in_number;
+        in_number = !parts;
+    }
+    return counts;
+}
+
+}  // namespace
+
+std::size_t most_tree_bytes(std::string_view text) {
+    const TreeCounts counts = counts_of(text);
+    return counts.braces * sizeof(std::uint32_t) + counts.numbers * sizeof(float);
+}
+
+Result<TensorTree> read_tensor_tree(std::string_view text, int rank) {
+    const TreeCounts counts = counts_of(text);
+    if (counts.numbers > TensorTree::k_most_leaves || counts.braces > TensorTree::k_most_leaves)
+        return Error{{}, {}, "tensor tree", fmt::format("at most {} leaves", TensorTree::k_most_leaves), "more"};
+    TensorTree tree;
+    tree.rank = rank;
+    tree.nodes.reserve(counts.braces + (std::size_t(1) << rank));
+    tree.leaves.reserve(counts.numbers);
+    if (auto error = TreeText(text, tree).read()) return *std::move(error);
+    return tree;
+}
+
+float TensorTree::at(std::array<double, 4> x) const {
+    constexpr double below_one = 1 - 0x1p-30;
+    for (double& coordinate : x) coordinate = std::clamp(coordinate, 0.0, below_one);
+    std::uint32_t node = root;
+    while (level_of(node) == k_branch) {
+        std::uint32_t child = 0;
+        for (int i = 0; i < rank; ++i) {
+            double& coordinate = x[std::size_t(i)];
+            coordinate *= 2;
+            if (coordinate < 1) continue;
+            coordinate -= 1, child |= 1u << i;
+        }
+        node = nodes[first_of(node) + child];
+    }
+    const std::uint32_t level = level_of(node);
+    std::size_t index = 0;
+    for (int i = 0; i < rank; ++i) index = (index << level) + std::size_t(x[std::size_t(i)] * double(1u << level));
+    return leaves[first_of(node) + index];
+}
+
+float TensorTree::smallest_leaf() const {
+    // Nodes of a branch follow it, so that widths are known from the root on.
+    float least = 1;
+    std::vector<std::pair<std::uint32_t, float>> left{{root, 1.f}};
+    while (!left.empty()) {
+        const auto [node, width] = left.back();
+        left.pop_back();
+        if (level_of(node) != k_branch) {
+            least = std::min(least, width / float(1u << level_of(node)));
+            continue;
+        }
+        for (std::uint32_t n = 0; n < 1u << rank; ++n) left.emplace_back(nodes[first_of(node) + n], width / 2);
+    }
+    return least;
+}
+
+namespace {
+
+/// The point of the unit square of a point of the unit disc, by Shirley and Chiu ("A low distortion map between disk and
+/// square", 1997): equal areas stay equal.
+std::array<double, 2> shirley_square(double x, double y) {
+    constexpr double eighth = k_pi / 4;
+    const double r = elementary::hypot(x, y);
+    double phi = elementary::atan2(y, x), a, b;
+    if (phi < -eighth) phi += 2 * k_pi;
+    if (phi < eighth)
+        a = r, b = phi * a / eighth;
+    else if (phi < 3 * eighth)
+        b = r, a = -(phi - 2 * eighth) * b / eighth;
+    else if (phi < 5 * eighth)
+        a = -r, b = (phi - 4 * eighth) * a / eighth;
+    else
+        b = -r, a = -(phi - 6 * eighth) * b / eighth;
+    return {(a + 1) / 2, (b + 1) / 2};
+}
+
+/// Where a pair of a part's frame lies in the cube of a tree.
+std::array<double, 4> place_in_tree(int rank, Vec3f wl, Vec3f wv) {
+    // Radiance's vectors: with p = (x, y) of −in and q = (x, y) of out, mirror and straight through are p = q.
+    const double px = double(wl.x), py = -double(wl.y), qx = -double(wv.x), qy = double(wv.y);
+    if (rank == 4) {
+        const auto p = shirley_square(px, py), q = shirley_square(qx, qy);
+        return {p[0], p[1], q[0], q[1]};
+    }
+    const double sine = elementary::hypot(px, py);
+    const double c = sine > 0 ? px / sine : 1, s = sine > 0 ? py / sine : 0;
+    const auto q = shirley_square(c * qx + s * qy, c * qy - s * qx);
+    constexpr double tiny = 1e-6;  // Radiance's, so that the normal lies in the lower half of the tree
+    return {0.5 - tiny - 0.5 * sine, q[0], q[1], 0};
+}
+
+}  // namespace
+
+Rgb signed_value(const TreeTable& table, Vec3f wl, Vec3f wv) {
+    if (!(wl.z > 0 && wv.z > 0)) return {};
+    const auto at = place_in_tree(table.y.rank, wl, wv);
+    const float y = table.y.at(at);
+    if (table.chromaticity.empty()) return {y, y, y};
+    const auto at_v = [&](const TensorTree& tree) { return double(tree.at(at)); };
+    const double u = at_v(table.chromaticity[0]), v = at_v(table.chromaticity[1]), white_u = 4.0 / 19,
+                 white_v = 9.0 / 19;
+    // Chromaticities of no colour, as where y is 0, count as white.
+    const bool is_colour = u >= 0 && v > 1e-3 && 3 * u + 20 * v <= 12;
+    const double cu = is_colour ? u : white_u, cv = is_colour ? v : white_v;
+    const Xyz white = white_point(),
+              xyz{double(y) * 9 * cu / (4 * cv), double(y), double(y) * (12 - 3 * cu - 20 * cv) / (4 * cv)};
+    return to_rgb(Xyz{xyz.x * white.x, xyz.y, xyz.z * white.z});
+}
+
+Rgb value(const TreeTable& table, Vec3f wl, Vec3f wv) {
+    Rgb f = signed_value(table, wl, wv);
+    for (int c = 0; c < 3; ++c) f[c] = std::max(f[c], 0.0f);
+    return f;
+}
+
+}  // namespace srbf

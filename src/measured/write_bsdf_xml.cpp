@@ -1,0 +1,181 @@
+// Matrices of patches of any BSDF, and their XML.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "measured/klems.h"
+#include "parallel.h"
+#include "r_sequence.h"
+#include "srbf/convert.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+
+namespace {
+
+/// Points of a pair of patches; more where the outgoing patch touches that of the mirror direction, or nearly so, since
+/// lobes may be narrower than a patch.
+constexpr std::size_t k_pair_points = 256, k_mirror_points = 4096;
+/// Middles of patches that touch are at most this share of the sum of their widths apart, with some room.
+constexpr double k_touching = 0.6;
+
+Vec3d middle_of(const AngleBasis& basis, std::size_t patch) {
+    return spherical(double(basis.rings[basis.ring_of(patch)].theta), basis.azimuth_of(patch));
+}
+
+/// The larger of the widths of a patch in both angles [rad].
+double width_of(const AngleBasis& basis, std::size_t patch) {
+    const AngleBasis::Ring& ring = basis.rings[basis.ring_of(patch)];
+    if (ring.azimuths == 1) return 2 * double(ring.to);
+    return std::max(double(ring.to) - double(ring.from),
+                    2 * k_pi / ring.azimuths * elementary::sin(double(ring.theta)));
+}
+
+bool are_near(const AngleBasis& basis, std::size_t a, std::size_t b) {
+    const double apart = std::min(k_touching * (width_of(basis, a) + width_of(basis, b)), k_pi);
+    return dot(middle_of(basis, a), middle_of(basis, b)) > elementary::cos(apart);
+}
+
+}  // namespace
+
+KlemsTable to_klems(const Evaluate& part, const AngleBasis& basis, int threads) {
+    const FlushSubnormals mode;
+    const std::size_t n = basis.patches();
+    KlemsTable table{basis, basis, std::vector<Rgb>(n * n), {}, 0};
+    parallel_for(n, threads, [&](std::size_t i) {
+        std::vector<Vec3f> wl, wv;
+        std::vector<Rgb> f;
+        for (std::size_t o = 0; o < n; ++o) {
+            const bool is_near = are_near(basis, i, o);
+            wl.clear(), wv.clear();
+            RSequence<4> points;
+            for (std::size_t k = is_near ? k_mirror_points : k_pair_points; k > 0; --k) {
+                const auto u = points.next();
+                const Vec3d p = basis.point_of(i, u[0], u[1]), q = basis.point_of(o, u[2], u[3]);
+                wl.push_back(to_float({p.x, -p.y, p.z})), wv.push_back(to_float({-q.x, q.y, q.z}));
+            }
+            f.resize(wl.size());
+            part(wl, wv, f);
+            std::array<double, 3> sum{};
+            std::size_t known = 0;
+            for (const Rgb& value : f) {
+                if (!is_finite(value)) continue;
+                ++known;
+                for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(value[c]);
+            }
+            for (int c = 0; c < 3 && known > 0; ++c)
+                table.cells[o * n + i][c] = float(std::max(sum[std::size_t(c)] / double(known), 0.0));
+        }
+    });
+    return table;
+}
+
+void add_beam(KlemsTable& table, const Beam& beam) {
+    if (beam.empty()) return;
+    const AngleBasis& in = table.incident;
+    table.beam.clear();
+    for (const AngleBasis::Ring& ring : in.rings)
+        table.beam.insert(table.beam.end(), ring.azimuths, share_at(beam, float(elementary::cos(double(ring.theta)))));
+}
+
+namespace {
+
+/// WINDOW's words for the parts, in the order of `Part`, and for the kind of a matrix.
+constexpr std::array<std::string_view, k_parts> k_window_names{"Reflection Front", "Reflection Back",
+                                                               "Transmission Front", "Transmission Back"};
+
+std::string escaped_xml(std::string_view text) {
+    std::string escaped;
+    for (const char c : text) {
+        if (c == '&')
+            escaped += "&amp;";
+        else if (c == '<')
+            escaped += "&lt;";
+        else if (c == '>')
+            escaped += "&gt;";
+        else if (static_cast<unsigned char>(c) >= 0x20)
+            escaped += c;
+    }
+    return escaped;
+}
+
+/// Degrees with as many digits as files give them.
+std::string degrees_of(float radians) { return fmt::format("{:.7g}", double(radians) / k_degree); }
+
+std::string basis_text(const AngleBasis& basis) {
+    std::string text =
+        fmt::format("\t\t<AngleBasis>\n\t\t\t<AngleBasisName>{}</AngleBasisName>\n", escaped_xml(basis.name));
+    for (const AngleBasis::Ring& ring : basis.rings)
+        text += fmt::format(
+            "\t\t\t<AngleBasisBlock>\n\t\t\t\t<Theta>{}</Theta>\n\t\t\t\t<ThetaBounds>\n\t\t\t\t\t<LowerTheta>{}</"
+            "LowerTheta>\n"
+            "\t\t\t\t\t<UpperTheta>{}</UpperTheta>\n\t\t\t\t</ThetaBounds>\n\t\t\t\t<nPhis>{}</nPhis>\n"
+            "\t\t\t</AngleBasisBlock>\n",
+            degrees_of(ring.theta), degrees_of(ring.from), degrees_of(ring.to), ring.azimuths);
+    return text + "\t\t</AngleBasis>\n";
+}
+
+/// The mean over both patches with the beam in it, of luminance.
+double cell_with_beam(const KlemsTable& table, std::size_t o, std::size_t i) {
+    const auto luminance_of = [](const Rgb& f) { return f.r == f.g && f.g == f.b ? double(f.g) : luminance(f); };
+    double f = luminance_of(table.cell(o, i));
+    if (table.beam.empty()) return f;
+    const double theta = double(table.incident.rings[table.incident.ring_of(i)].theta);
+    const std::size_t mirror = table.outgoing.patch_of(to_float(spherical(theta, table.incident.azimuth_of(i))));
+    if (o == mirror) f += luminance_of(table.beam[i]) / table.outgoing.projected_solid_angle(table.outgoing.ring_of(o));
+    return f;
+}
+
+std::string block_text(const std::string& band, Part part, const KlemsTable& table) {
+    const bool is_solar = band == "Solar";
+    std::string text = fmt::format(
+        "\t<WavelengthData>\n\t\t<LayerNumber>System</LayerNumber>\n\t\t<Wavelength unit=\"Integral\">{}</Wavelength>\n"
+        "\t\t<SourceSpectrum>{}</SourceSpectrum>\n\t\t<DetectorSpectrum>{}</"
+        "DetectorSpectrum>\n\t\t<WavelengthDataBlock>\n"
+        "\t\t\t<WavelengthDataDirection>{}</WavelengthDataDirection>\n\t\t\t<ColumnAngleBasis>{}</ColumnAngleBasis>\n"
+        "\t\t\t<RowAngleBasis>{}</RowAngleBasis>\n\t\t\t<ScatteringDataType>{}</ScatteringDataType>\n"
+        "\t\t\t<ScatteringData>\n",
+        escaped_xml(band), is_solar ? "NFRC 300" : "CIE Illuminant D65 1nm.ssp",
+        is_solar ? "None" : "ASTM E308 1931 Y.dsp", k_window_names[std::size_t(part)], escaped_xml(table.incident.name),
+        escaped_xml(table.outgoing.name), is_transmission(part) ? "BTDF" : "BRDF");
+    const std::size_t n_in = table.incident.patches(), n_out = table.outgoing.patches();
+    for (std::size_t o = 0; o < n_out; ++o) {
+        for (std::size_t i = 0; i < n_in; ++i)
+            fmt::format_to(std::back_inserter(text), "{:.6g},{}", cell_with_beam(table, o, i),
+                           i + 1 < n_in ? " " : "\n");
+    }
+    return text + "\t\t\t</ScatteringData>\n\t\t</WavelengthDataBlock>\n\t</WavelengthData>\n";
+}
+
+}  // namespace
+
+std::string write_bsdf_xml(const BsdfTable& table) {
+    std::vector<AngleBasis> bases;
+    std::string blocks;
+    for (const BsdfTable::Band& band : table.bands)
+        for (const Part part :
+             {Part::transmission_front, Part::transmission_back, Part::reflection_front, Part::reflection_back}) {
+            const auto& of = band.part[std::size_t(part)];
+            if (!of) continue;
+            const auto& matrix = std::get<KlemsTable>(of->table);
+            for (const AngleBasis* basis : {&matrix.incident, &matrix.outgoing})
+                if (std::ranges::find(bases, basis->name, &AngleBasis::name) == bases.end()) bases.push_back(*basis);
+            blocks += block_text(band.name.empty() ? "Visible" : band.name, part, matrix);
+        }
+    std::string text =
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<WindowElement xmlns=\"http://windows.lbl.gov\" "
+        "xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" "
+        "xsi:schemaLocation=\"http://windows.lbl.gov/BSDF-v1.4.xsd\">\n"
+        "<WindowElementType>System</WindowElementType>\n<FileType>BSDF</FileType>\n<Optical>\n<Layer>\n";
+    // WINDOW's parser needs a manufacturer and a thickness, of which a BSDF knows nothing.
+    text += fmt::format(
+        "\t<Material>\n\t\t<Name>{}</Name>\n\t\t<Manufacturer>unknown</Manufacturer>\n"
+        "\t\t<Thickness unit=\"Millimeter\">1</Thickness>\n\t\t<DeviceType>Other</DeviceType>\n\t</Material>\n"
+        "\t<DataDefinition>\n\t\t<IncidentDataStructure>Columns</IncidentDataStructure>\n",
+        table.description.empty() ? "BSDF" : escaped_xml(table.description));
+    for (const AngleBasis& basis : bases) text += basis_text(basis);
+    return text + "\t</DataDefinition>\n" + blocks + "</Layer>\n</Optical>\n</WindowElement>\n";
+}
+
+}  // namespace srbf

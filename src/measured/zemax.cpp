@@ -1,0 +1,157 @@
+// Zemax' text of measured scatter, "BSDF Data Interchange file format".
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "measured/limits.h"
+#include "measured/scatter.h"
+#include "srbf/convert.h"
+
+namespace srbf {
+
+namespace {
+
+/// What precedes the data.
+struct ZemaxHeader {
+    std::string_view symmetry, type;
+    std::vector<float> rotation, incidence, azimuth, radial;
+};
+
+void read_zemax_header(ScatterText& text, ZemaxHeader& header) {
+    constexpr double tenth_turns = 3600;  // rotations are at most that many, in steps of a tenth of a degree
+    for (;;) {
+        const std::string_view key = text.word();
+        const auto list = [&](std::vector<float>& to, double most) {
+            to = text.angles(key, text.count(key, std::size_t(tenth_turns) + 1), 0, most);
+        };
+        const auto one_of = [&](std::string_view& to, std::initializer_list<std::string_view> names) {
+            to = text.word();
+            if (std::ranges::find(names, to) == names.end())
+                text.fail(key, fmt::format("one of {}", fmt::join(names, ", ")), quoted(to));
+        };
+        std::string_view ignored;
+        if (key == "Source")
+            one_of(ignored, {"Measured", "Generated"});
+        else if (key == "Symmetry")
+            one_of(header.symmetry, {"PlaneSymmetrical", "Asymmetrical", "Asymmetrical4D"});
+        else if (key == "SpectralContent")
+            one_of(ignored, {"Monochrome"});
+        else if (key == "ScatterType")
+            one_of(header.type, {"BRDF", "BTDF"});
+        else if (key == "SampleRotation")
+            list(header.rotation, 360);
+        else if (key == "AngleOfIncidence")
+            list(header.incidence, 90);
+        else if (key == "ScatterAzimuth")
+            list(header.azimuth, 360);
+        else if (key == "ScatterRadial")
+            list(header.radial, 180);
+        else if (key != "Monochrome")
+            text.fail("header", "a key of it, or Monochrome", key.empty() ? "the end of the file" : quoted(key));
+        if (text.error() || key == "Monochrome") return;
+    }
+}
+
+/// The slices of one rotation, of which the file has the azimuths one below another.
+void read_zemax_slices(ScatterText& text, const ZemaxHeader& header, ScatterTable& table) {
+    const std::size_t n_azimuth = header.azimuth.size(), n_radial = header.radial.size();
+    for (const float theta : header.incidence) {
+        if (const auto word = text.word(); word != "TIS")
+            text.fail("data", "TIS before the values of an angle of incidence", quoted(word));
+        text.number<float>("TIS");
+        std::vector<float> f;
+        text.values(n_azimuth * n_radial, f);
+        if (text.error()) return;
+        ScatterTable::Slice& slice = table.slices.emplace_back();
+        slice.theta_l = theta, slice.polar = header.radial, slice.azimuth = header.azimuth;
+        slice.f.resize(f.size());
+        for (std::size_t a = 0; a < n_azimuth; ++a)
+            for (std::size_t r = 0; r < n_radial; ++r) slice.f[r * n_azimuth + a] = f[a * n_radial + r];
+    }
+}
+
+}  // namespace
+
+bool is_zemax(std::string_view text) {
+    for (Lines lines(text); auto line = lines.next();) {
+        if (line->starts_with('#')) continue;
+        const std::string_view key = next_word(*line);
+        return key == "Source" || key == "Symmetry" || key == "SpectralContent" || key == "ScatterType";
+    }
+    return false;
+}
+
+Result<ScatterTable> read_zemax(std::span<const std::byte> bytes, const std::string& file_name) {
+    ScatterText text(as_text(bytes), file_name, true);
+    ZemaxHeader header;
+    read_zemax_header(text, header);
+    if (!text.error())
+        for (const auto* list : {&header.rotation, &header.incidence, &header.azimuth, &header.radial})
+            if (list->empty())
+                text.fail("header", "SampleRotation, AngleOfIncidence, ScatterAzimuth, ScatterRadial", "fewer");
+    if (!text.error() && (header.symmetry.empty() || header.type.empty()))
+        text.fail("header", "Symmetry and ScatterType", "fewer");
+    if (text.error()) return *text.error();
+    ScatterTable table;
+    table.about_mirror = true;
+    table.transmission = header.type == "BTDF";
+    table.rotation = header.rotation;
+    const std::size_t values = header.azimuth.size() * header.radial.size();  // at most 3601² each
+    if (values > bytes.size() || values * header.incidence.size() > bytes.size() ||
+        values * header.incidence.size() * header.rotation.size() > bytes.size())
+        text.fail("header", "no more values than the file has bytes", "more");
+    if (header.symmetry == "PlaneSymmetrical" && double(header.azimuth.back()) > k_pi + k_azimuth_rounding)
+        text.fail("ScatterAzimuth", "angles to 180, as PlaneSymmetrical", written_degrees(header.azimuth.back()));
+    if (header.symmetry != "Asymmetrical4D" && header.rotation.size() > 1)
+        text.fail("SampleRotation", "one angle, unless Asymmetrical4D", fmt::format("{}", header.rotation.size()));
+    if (const auto word = text.word(); word != "DataBegin") text.fail("data", "DataBegin", quoted(word));
+    for (std::size_t r = 0; r < header.rotation.size() && !text.error(); ++r) {
+        if (table.first.empty()) table.first.push_back(0);
+        read_zemax_slices(text, header, table);
+        table.first.push_back(std::uint32_t(table.slices.size()));
+    }
+    if (const auto word = text.word(); word != "DataEnd")
+        text.fail("data", "DataEnd", word.empty() ? "the end of the file" : quoted(word));
+    if (text.error()) return *text.error();
+    mask_gaps(table);
+    return table;
+}
+
+std::string write_zemax(const ScatterTable& table) {
+    const ScatterTable::Slice& of = table.slices.front();
+    const std::size_t n_azimuth = of.azimuth.size(), n_radial = of.polar.size();
+    const bool is_plane = double(of.azimuth.back()) <= k_pi + k_azimuth_rounding;
+    std::string text = fmt::format(
+        "# BSDF by srbf; values in 1/sr, TIS is the integral of BSDF times cosine\nSource  Measured\nSymmetry  {}\n"
+        "SpectralContent  Monochrome\nScatterType  {}\n",
+        table.rotation.size() > 1 ? "Asymmetrical4D"
+        : is_plane                ? "PlaneSymmetrical"
+                                  : "Asymmetrical",
+        table.transmission ? "BTDF" : "BRDF");
+    const auto list = [&](const char* key, const std::vector<float>& angles) {
+        text += fmt::format("{}  {}\n", key, angles.size());
+        for (const float angle : angles) text += written_degrees(angle) + '\t';
+        text += '\n';
+    };
+    std::vector<float> incidence;
+    for (std::uint32_t k = 0; k < table.first[1]; ++k) incidence.push_back(table.slices[k].theta_l);
+    list("SampleRotation", table.rotation);
+    list("AngleOfIncidence", incidence);
+    list("ScatterAzimuth", of.azimuth);
+    list("ScatterRadial", of.polar);
+    text += "\nMonochrome\nDataBegin\n";
+    for (const ScatterTable::Slice& slice : table.slices) {
+        text += fmt::format("TIS {:.6g}\n", scatter_integral(table, slice, true));
+        for (std::size_t a = 0; a < n_azimuth; ++a) {
+            for (std::size_t r = 0; r < n_radial; ++r) {
+                const float f = slice.f[r * n_azimuth + a];
+                text += fmt::format("{}\t", std::isfinite(f) ? f : 0.f);
+            }
+            text += '\n';
+        }
+    }
+    return text + "DataEnd\n";
+}
+
+}  // namespace srbf

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""BSDF XML against Radiance and WINDOW's parser: packages pyradiance, pywincalc and numpy of PyPI, in this Python.
+
+Directions: z of Radiance is the back of WINDOW, which is -z here; y is up in both.
+Arguments: the program, a folder with klems/ and tensor/.
+"""
+import os
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+import pyradiance.bsdf as radiance
+
+program, data = sys.argv[1], sys.argv[2]
+failures = []
+
+
+def expect(holds, what):
+    print("ok  " if holds else "BAD ", what, flush=True)
+    if not holds:
+        failures.append(what)
+
+
+def direction(theta, phi):
+    theta, phi = np.radians(theta), np.radians(phi)
+    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
+
+
+def values(path, pairs, folder, luminance=False):
+    """f of the program at rows of Radiance's in and out: green, or the luminance."""
+    here = np.array([-1, 1, -1, -1, 1, -1])
+    np.savetxt(folder + "/p.csv", pairs * here, delimiter=",", header="wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", comments="", fmt="%.9g")
+    out = subprocess.run([program, "eval", path, "--pairs", folder + "/p.csv"], check=True, capture_output=True, text=True).stdout
+    rgb = np.array([[float(x) for x in line.split(",")] for line in out.split()[1:]])[:, 6:9]
+    return rgb @ [0.2126, 0.7152, 0.0722] if luminance else rgb[:, 1]
+
+
+def transmittance(path, theta):
+    """Radiance's, of light from `theta`. In a process of its own, since other files may crash the module."""
+    code = ("import sys, pyradiance.bsdf as b; print(b.direct_hemi(b.load_file(sys.argv[1]), float(sys.argv[2]), 0., "
+            "b.SAMPLE_ALL & ~b.SAMPLE_R))")
+    return float(subprocess.run([sys.executable, "-c", code, path, str(theta)], check=True, capture_output=True, text=True).stdout)
+
+
+def is_read_by_window(path):
+    code = "import sys, pywincalc; pywincalc.parse_bsdf_xml_file(sys.argv[1])"
+    return subprocess.run([sys.executable, "-c", code, path], capture_output=True).returncode == 0
+
+
+def tree_values(name, folder):
+    path = f"{data}/tensor/{name}"
+    bsdf, random, pairs, expected = radiance.load_file(path), np.random.default_rng(1), [], []
+    for _ in range(3000):
+        angles = np.degrees(np.arccos(random.uniform(-1, 1, 2))), random.uniform(0, 360, 2)
+        one = direction(angles[0][0], angles[1][0]), direction(angles[0][1], angles[1][1])
+        reflects_back = one[0][2] > 0 and one[1][2] > 0  # WINDOW's back
+        if one[0][2] * one[1][2] > 0 and not reflects_back:
+            continue  # neither file has it: Radiance takes it for black
+        pairs.append(np.r_[one])
+        expected.append(radiance.query(bsdf, angles[0][0], angles[1][0], angles[0][1], angles[1][1])[1])
+    pairs, expected = np.reshape(pairs, (-1, 6)), np.array(expected)
+    own = values(path, pairs, folder)
+    # At the edge of a leaf either side is right.
+    agree = np.mean(np.abs(own - expected) <= 2e-4 * np.abs(expected) + 1e-5)
+    expect(agree > 0.998, f"{name}: {agree:.4%} of {len(own)} directions have Radiance's value")
+
+
+with tempfile.TemporaryDirectory() as folder:
+    for name in ("t3.xml", "testBSDF.xml"):
+        tree_values(name, folder)
+    expect(abs(transmittance(f"{data}/tensor/t3.xml", 30) - 0.0764561) < 1e-6, "Radiance's transmittance of t3.xml at 30 degrees")
+    written = {}
+    for name in ("tensor/t3.xml", "klems/2011-SA1.xml", "klems/klems_aniso_high.xml"):
+        written[name] = f"{folder}/{os.path.basename(name)}"
+        subprocess.run([program, "convert", f"{data}/{name}", "--basis", "full", "-o", written[name]], check=True)
+        expect(is_read_by_window(written[name]), f"{name}, written, is read by WINDOW's parser")
+    for name, path in written.items():
+        least = 0.02 if "tensor" in name else 1e-4
+        for theta in (10, 30, 60) if "tensor" in name else (0, 10, 30, 60, 120, 150):
+            a, b = transmittance(f"{data}/{name}", theta), transmittance(path, theta)
+            expect(abs(b - a) <= least * a, f"{name} at {theta}: transmittance {a:.6f}, of what is written {b:.6f}")
+    # Functions of models: luminances at random pairs, and the tree that bsdf2ttree makes of them.
+    binaries = os.path.join(os.path.dirname(radiance.__file__), "bin")
+    data_here = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "data", "paper_white_rgb.bsdf")
+    for name, source, options in (("shade", f"{data}/klems/2011-SA1.xml", []), ("paper", data_here, ["--lobes", "3"]),
+                                  ("ggx", data_here, ["--model", "ggx"])):
+        model, cal = f"{folder}/{name}.srbf", f"{folder}/{name}.cal"
+        subprocess.run([program, "fit", source, *options, "-o", model], check=True, capture_output=True)
+        subprocess.run([program, "export", model, "--to", "radiance", "-o", cal], check=True)
+        random = np.random.default_rng(2)
+        pairs = random.normal(size=(400, 2, 3))
+        if name != "shade":
+            pairs[:, :, 2] = np.abs(pairs[:, :, 2])
+        pairs = (pairs / np.linalg.norm(pairs, axis=2, keepdims=True)).reshape(-1, 6)
+        rows = "\n".join(" ".join(f"{x:.9g}" for x in row) for row in pairs)
+        out = subprocess.run([binaries + "/rcalc", "-f", cal, "-e", f"$1={name}($1,$2,$3,$4,$5,$6)"], input=rows, check=True,
+                             capture_output=True, text=True).stdout
+        own = values(model, pairs if name == "shade" else pairs * np.array([-1, 1, -1, -1, 1, -1]), folder, luminance=True)
+        error = np.abs(np.array(out.split(), float) - own)
+        mean = np.mean(error) / np.mean(own)
+        expect(np.max(error) <= 2e-3 * np.max(own) and mean <= 1e-3, f"{name}.cal: values of the model, mean error {mean:.2e}")
+        if name == "paper":
+            tree = f"{folder}/{name}.tree.xml"
+            with open(tree, "w") as file:
+                subprocess.run([binaries + "/bsdf2ttree", "-p", "-t3", "-g", "4", "-f", cal, name], check=True, stdout=file)
+            expect(len(open(tree).read()) > 10000, "bsdf2ttree makes a tree of paper.cal")
+    # Of a tree to a model, a matrix, and Radiance.
+    subprocess.run([program, "fit", f"{data}/tensor/t3.xml", "-o", f"{folder}/t3.srbf"], check=True, capture_output=True)
+    subprocess.run([program, "convert", f"{folder}/t3.srbf", "-o", f"{folder}/t3.xml"], check=True)
+    a = transmittance(f"{folder}/t3.xml", 30)
+    expect(abs(a - 0.0764561) <= 0.02 * 0.0764561, f"t3.xml, fitted: transmittance at 30 degrees {a:.6f}")
+sys.exit(len(failures) > 0)

@@ -1,0 +1,298 @@
+// Zemax', Speos' and OpenMATERIAL's files, and columns of goniometers: values, round trips, and what is refused.
+#include "measured/scatter.h"
+
+#include <fmt/format.h>
+
+#include "properties.h"
+#include "srbf/convert.h"
+#include "srbf/directions.h"
+#include "srbf/file.h"
+#include "srbf/load.h"
+
+namespace srbf::scatter_test {
+namespace {
+
+Result<Measured> read(const std::string& text, const ReadOptions& options = {}) {
+    return read_measured(as_bytes(text), "f", options);
+}
+std::string error_of(const std::string& text, const ReadOptions& options = {}) {
+    const auto of = read(text, options);
+    return of ? "" : message(of.error());
+}
+
+/// A lobe of some degrees about the mirror direction, and a floor that rises with the cosine of the viewer.
+double lobe(Vec3f wl, Vec3f wv) { return 0.02 * double(wv.z) + 0.5 * std::exp(60 * (double(dot(mirror(wl), wv)) - 1)); }
+Evaluate lobe_brdf() {
+    return [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        for (std::size_t i = 0; i < f.size(); ++i) f[i].r = f[i].g = f[i].b = float(lobe(wl[i], wv[i]));
+    };
+}
+/// The same, turned with the surface.
+Evaluate turning_brdf() {
+    return [](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        for (std::size_t i = 0; i < f.size(); ++i)
+            f[i].r = f[i].g = f[i].b = float(lobe(wl[i], wv[i]) * (1 + 0.5 * double(wl[i].x) * double(wv[i].y)));
+    };
+}
+
+const std::string k_zemax =
+    "# made by hand\nSource  Measured\nSymmetry  PlaneSymmetrical\nSpectralContent  Monochrome\nScatterType  BRDF\n"
+    "SampleRotation  1\n0\nAngleOfIncidence  2\n0\t60\nScatterAzimuth  3\n0\t90\t180\nScatterRadial  3\n0\t30\t90\n"
+    "\nMonochrome\nDataBegin\nTIS 0.1\n1\t2\t0\n1\t3\t4\n1\t4\t5\nTIS 9\n2\t4\t0\n2\t6\t8\n2\t8\t10\nDataEnd\n";
+
+/// Radial angles are from the mirror direction; azimuth 180 goes on towards grazing; zeros are gaps.
+TEST(Zemax, LooksUpAboutTheMirrorDirection) {
+    const auto of = read(k_zemax);
+    ASSERT_TRUE(of.ok()) << message(of.error());
+    EXPECT_EQ(of->format, "Zemax");
+    EXPECT_TRUE(is_isotropic(*of));
+    EXPECT_EQ(std::get<ScatterTable>(of->table).masked, 2u);
+    const auto at = [&](double theta_l, double theta_v, double phi) {
+        return double(value(*of, to_float(spherical(theta_l * k_degree, k_pi)),
+                            to_float(spherical(theta_v * k_degree, phi * k_degree)))
+                          .g);
+    };
+    EXPECT_PRED3(near, at(60, 60, 0), 2, 1e-4);    // the mirror direction
+    EXPECT_PRED3(near, at(60, 30, 0), 4, 1e-3);    // back towards the normal
+    EXPECT_PRED3(near, at(60, 75, 0), 5, 1e-3);    // half way on to 30°
+    EXPECT_PRED3(near, at(30, 30, 0), 1.5, 1e-4);  // between the angles of incidence
+    EXPECT_PRED3(near, at(0, 30, 90), 3, 1e-3);
+    EXPECT_PRED3(near, at(0, 30, 270), 3, 1e-3);  // mirrored
+    EXPECT_PRED3(near, at(60, 0, 0), 4, 1e-3);    // of the nodes about it one is a gap
+    // Turned as a whole it is the same.
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 100; ++i) {
+        const Vec3f wl = to_float(random_direction(random, 0.1)), wv = to_float(random_direction(random, 0.1));
+        const auto turned = [](Vec3f w) { return Vec3f{0.6f * w.x - 0.8f * w.y, 0.8f * w.x + 0.6f * w.y, w.z}; };
+        EXPECT_PRED3(near, value(*of, wl, wv).g, value(*of, turned(wl), turned(wv)).g, 1e-3);
+    }
+}
+
+/// Tables of a function have its values; what is written is read as the same table, and written again to the same bytes.
+TEST(Scatter, WriteReadIdentity) {
+    for (const bool about_mirror : {true, false})
+        for (const bool isotropic : {true, false}) {
+            const Evaluate brdf = isotropic ? lobe_brdf() : turning_brdf();
+            ScatterTable table = to_scatter(brdf, about_mirror, isotropic, 1);
+            const Measured measured{"f", "", 0, table};
+            std::mt19937_64 random(2);
+            double error = 0, sum = 0;
+            for (int i = 0; i < 300; ++i) {
+                const Vec3f wl = to_float(random_direction(random, 0.2)), wv = to_float(random_direction(random, 0.2));
+                Rgb f;
+                brdf(std::span(&wl, 1), std::span(&wv, 1), std::span(&f, 1));
+                const Rgb found = value(measured, wl, wv);
+                error += std::abs(double(found.g - f.g)), sum += double(f.g);
+            }
+            EXPECT_LT(error, 0.05 * sum) << about_mirror << isotropic;
+            if (!isotropic) table.slices.resize(table.first[2]), table.first.resize(3), table.rotation.resize(2);
+            const ScatterTable* const one[] = {&table};
+            const std::string text = about_mirror ? write_zemax(table) : write_speos(one);
+            const auto again = read(text);
+            ASSERT_TRUE(again.ok()) << message(again.error());
+            const auto& of = std::get<ScatterTable>(again->table);
+            ASSERT_EQ(of.slices.size(), table.slices.size());
+            for (std::size_t s = 0; s < of.slices.size(); ++s) {
+                ASSERT_EQ(of.slices[s].f.size(), table.slices[s].f.size());
+                for (std::size_t k = 0; k < of.slices[s].f.size(); ++k) {
+                    const float a = of.slices[s].f[k], b = table.slices[s].f[k];
+                    EXPECT_TRUE(std::isnan(a) ? !(b > 0) : near_relative(a, b, 1e-6)) << a << " " << b;
+                }
+            }
+            const ScatterTable* const same[] = {&of};
+            EXPECT_TRUE((about_mirror ? write_zemax(of) : write_speos(same)) == text);
+        }
+}
+
+/// Light that passes is a part of its own, whose angles from 90 to 180° are mirrored at the surface.
+TEST(Speos, TransmissionIsAPart) {
+    ScatterTable reflected = to_scatter(lobe_brdf(), false, true, 1), passed = reflected;
+    passed.transmission = true;
+    for (auto& slice : passed.slices)
+        for (float& f : slice.f) f *= 0.5f;
+    const ScatterTable* const both[] = {&reflected, &passed};
+    const auto of = read(write_speos(both));
+    ASSERT_TRUE(of.ok()) << message(of.error());
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 100; ++i) {
+        const Vec3f wl = to_float(random_direction(random, 0.1)), wv = to_float(random_direction(random, 0.1));
+        const double front = double(value(*of, wl, wv).g), through = double(value(*of, wl, to_side(wv, -1)).g);
+        EXPECT_PRED3(near_relative, through, 0.5 * front, 1e-3);
+    }
+}
+
+/// Speos' values are relative: a file whose values are a hundred times as large, or intensities, is the same.
+TEST(Speos, ValuesAreRelative) {
+    ScatterTable table = to_scatter(lobe_brdf(), false, true, 1);
+    const ScatterTable* const one[] = {&table};
+    const std::string text = write_speos(one);
+    const auto values = text.find("\n\t0\t");
+    std::string scaled = text.substr(0, values);
+    for (Lines lines(std::string_view(text).substr(values)); auto line = lines.next();) {
+        std::string_view rest = *line;
+        const bool is_row = line->find('\t') != line->npos && !line->starts_with("0\t0.5");
+        std::string row(next_word(rest));
+        for (auto word = next_word(rest); !word.empty(); word = next_word(rest)) {
+            const auto x = to_number<double>(word);
+            row += is_row && x ? fmt::format("\t{:.9g}", *x * 100) : "\t" + std::string(word);
+        }
+        scaled += "\n" + (line->starts_with("0\t0.5")      ? "\t" + std::string(*line)
+                          : line->find('\t') == line->npos ? std::string(*line)
+                                                           : row);
+    }
+    const auto a = read(text), b = read(scaled + "\n");
+    ASSERT_TRUE(a.ok() && b.ok()) << message(b.error());
+    const Vec3f wl = to_float(spherical(0.5, 0.3)), wv = to_float(spherical(0.7, 2.8));
+    EXPECT_PRED3(near_relative, value(*b, wl, wv).g, value(*a, wl, wv).g, 0.02);
+}
+
+TEST(Scatter, RefusesBadFiles) {
+    for (const auto& [what, by, error] : std::initializer_list<std::array<std::string, 3>>{
+             {"PlaneSymmetrical", "Round", "one of PlaneSymmetrical, Asymmetrical, Asymmetrical4D, found 'Round'"},
+             {"Monochrome\nS", "XYZ\nS", "one of Monochrome"},
+             {"AngleOfIncidence  2", "AngleOfIncidence  3", "a number, found 'ScatterAzimuth'"},
+             {"0\t60", "60\t0", "rising ones"},
+             {"0\t60", "0\t91", "rising ones from 0 to 90"},
+             {"0\t90\t180", "0\t90\t270", "angles to 180"},
+             {"TIS 9", "9", "TIS before the values"},
+             {"2\t6\t8", "2\tx\t8", "found 'x'"},
+             {"2\t6\t8", "2\t1e30\t8", "value: expected one in the range"},
+             {"ScatterRadial  3", "ScatterRadial  99999999", "between 1 and"},
+             {"DataEnd", "", "expected DataEnd"},
+             {"SampleRotation  1\n0\n", "", "fewer"}}) {
+        std::string text = k_zemax;
+        const auto at = text.find(what);
+        ASSERT_NE(at, text.npos) << what;
+        const std::string found = error_of(text.replace(at, what.size(), by));
+        EXPECT_NE(found.find(error), found.npos) << what << ": " << found;
+        EXPECT_EQ(found.find('\n'), found.npos);
+    }
+    for (std::size_t size = 0; size + 2 < k_zemax.size(); ++size)
+        EXPECT_NE(error_of(k_zemax.substr(0, size)), "") << size;
+    ScatterTable table = to_scatter(lobe_brdf(), false, true, 1);
+    table.slices.resize(1), table.first = {0, 1};
+    const ScatterTable* const one[] = {&table};
+    const std::string speos = write_speos(one);
+    ASSERT_EQ(error_of(speos), "");
+    for (std::size_t size = 0; size + 12 < speos.size(); size += size < 300 ? 1 : 97)
+        EXPECT_NE(error_of(speos.substr(0, size)), "") << size;
+    std::string binary = speos;
+    EXPECT_NE(error_of(binary.replace(binary.find("\n0\n"), 3, "\n1\n")).find("0, a file of text"), binary.npos);
+}
+
+const std::string k_columns =
+    "# a scan\n# phi theta phi theta f\n30.0  -180.0  -30.0  0.0  1e-4\n30.0  -180.0  30.0  0.0  2\n30 -180 10 0 0.5\n";
+
+/// Columns are named by the user; a plane of incidence at any azimuth is that of an isotropic surface; floors and factors.
+TEST(Columns, AreNamed) {
+    const ReadOptions options{"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,532nm", false, 0};
+    const auto of = read(k_columns, options);
+    ASSERT_TRUE(of.ok()) << message(of.error());
+    EXPECT_TRUE(is_isotropic(*of));
+    ASSERT_EQ(wavelengths(*of).size(), 1u);
+    EXPECT_EQ(wavelengths(*of)[0], 532);
+    const Vec3f wl = to_float(spherical(30 * k_degree, k_pi));
+    const Rgb peak = value(*of, wl, to_float(spherical(30 * k_degree, 0.0)));
+    EXPECT_PRED3(near, peak.r, 2, 1e-3);
+    EXPECT_TRUE(peak.r == peak.g && peak.g == peak.b);  // no colour
+    EXPECT_PRED3(near, value(*of, wl, wl).g, 1e-4, 1e-6);
+    const auto bounded = read(k_columns, {options.columns, true, 1e-4f});
+    ASSERT_TRUE(bounded.ok());
+    EXPECT_EQ(std::get<ScatteredSamples>(bounded->table).masked, 1u);
+    EXPECT_PRED3(near, value(*bounded, wl, to_float(spherical(30 * k_degree, 0.0))).g, 2 / k_pi, 1e-3);
+    EXPECT_NE(error_of(k_columns), "");
+    EXPECT_NE(error_of(k_columns, {"theta_l_deg,value", false, 0}).find("--columns: expected"), std::string::npos);
+    EXPECT_NE(error_of(k_columns, {options.columns + ",more", false, 0}).find("6 numbers, found 5"), std::string::npos);
+    EXPECT_NE(error_of(k_columns, {options.columns, false, 5}).find("at least one above the floor"), std::string::npos);
+    EXPECT_NE(error_of(k_zemax, {"", true, 0}).find("samples, for --unit"), std::string::npos);
+}
+
+const std::string k_openmaterial =
+    R"({"$schema": "OpenMATERIAL-3D/material_brdf_schema.json", "metadata": {"name": "asphalt"},
+ "brdf": {"wavelengths": [9.05e-07, 1.55e-6], "lookupTable": [[9.05e-07, 0.5, 0.5, 0, 0.1], [9.05e-07, 0.5, 0.5, 3.0, 0.2],
+ [9.05e-07, 0.5, 0.7, 0, null], [1.55e-6, 0.5, 0.5, 0, 0.3], [1.55e-6, 0.5, 0.5, 3.0, 0.4], [1.55e-6, 0.5, 0.7, 0, 0.5]]}})";
+
+TEST(OpenMaterial, RowsAreSpectra) {
+    const auto of = read(k_openmaterial);
+    ASSERT_TRUE(of.ok()) << message(of.error());
+    EXPECT_EQ(of->format, "OpenMATERIAL");
+    const auto& samples = std::get<ScatteredSamples>(of->table);
+    EXPECT_EQ(samples.description, "asphalt");
+    EXPECT_EQ(samples.wl.size(), 2u);
+    EXPECT_EQ(samples.masked, 1u);
+    EXPECT_PRED3(near, samples.wavelengths[1], 1550, 1e-3);
+    EXPECT_EQ(samples.spectrum, (std::vector<float>{0.1f, 0.3f, 0.2f, 0.4f}));
+    EXPECT_EQ(samples.colour[0].r, samples.colour[0].b);
+    const std::string written = write_openmaterial(samples);
+    const auto again = read(written);
+    ASSERT_TRUE(again.ok()) << message(again.error());
+    EXPECT_EQ(std::get<ScatteredSamples>(again->table).spectrum, samples.spectrum);
+    EXPECT_EQ(write_openmaterial(std::get<ScatteredSamples>(again->table)), written);
+    for (std::size_t size = 0; size < k_openmaterial.size(); ++size)
+        EXPECT_NE(error_of(k_openmaterial.substr(0, size)), "") << size;
+    for (const auto& [what, by] : std::initializer_list<std::array<std::string, 2>>{{"0.1]", "0.1, 1]"},
+                                                                                    {"0.1]", "\"x\"]"},
+                                                                                    {", 0.1]", "]"},
+                                                                                    {"[[9.05e-07", "[[-1"},
+                                                                                    {"[[9.05e-07", "[[null"},
+                                                                                    {"null", "[1]"}}) {
+        std::string text = k_openmaterial;
+        EXPECT_NE(error_of(text.replace(text.find(what), what.size(), by)), "") << by;
+    }
+    EXPECT_NE(error_of("{\"OpenMATERIAL\":" + std::string(100000, '[')), "");
+}
+
+const std::string k_fred =
+    "type bsdf_data\nformat angles=deg bsdf=value scale=2\n10 0\n0 0 0.5\n10 0 3\n10 180 1\n30 0\n30 0 4\n";
+
+/// Lines of two numbers are lights, whose mirror direction is at azimuth 0.
+TEST(Fred, LinesAreLightsAndSamples) {
+    const auto of = read(k_fred);
+    ASSERT_TRUE(of.ok()) << message(of.error());
+    EXPECT_EQ(of->format, "FRED");
+    EXPECT_TRUE(is_isotropic(*of));
+    for (const double theta : {10 * k_degree, 30 * k_degree}) {
+        const Vec3f wl = to_float(spherical(theta, 1.0));
+        EXPECT_PRED3(near, value(*of, wl, mirror(wl)).g, theta > 0.2 ? 8 : 6, 1e-3);
+    }
+    EXPECT_NE(error_of("type bsdf_data\n0 0 1\n").find("a line of the light before it"), std::string::npos);
+    EXPECT_NE(error_of("type bsdf_data\n0 0\n1\n").find("two of a light"), std::string::npos);
+    EXPECT_NE(error_of("type bsdf_data\n0 0\n1 2 3 4\n").find("two of a light"), std::string::npos);
+    EXPECT_NE(error_of("type bsdf_data\nformat angles=turns\n0 0\n1 2 3\n").find("angles=deg or rad"),
+              std::string::npos);
+    EXPECT_NE(error_of("type bsdf_data\n0 0\n"), "");
+}
+
+/// Files of instruments: the twin of one sample for Zemax and for Speos; integrals as added up apart from this library.
+TEST(Scatter, RealFiles) {
+    const auto folder = shared_data() / "optics";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
+    const auto zemax = load_measured(folder / "test_13_planesymmetric_brdf_zemax.bsdf"),
+               speos = load_measured(folder / "test_13_planesymmetric_brdf_speos_reference.anisotropicbsdf"),
+               sensor = load_measured(folder / "IMX455.bsdf");
+    ASSERT_TRUE(zemax.ok() && speos.ok() && sensor.ok());
+    EXPECT_FALSE(is_isotropic(*sensor));
+    const auto& table = std::get<ScatterTable>(zemax->table);
+    EXPECT_PRED3(near, scatter_integral(table, table.slices[0], true), 0.1345, 0.003);  // stated
+    // Speos' twin was made of it with a factor for each incidence: directions agree.
+    std::mt19937_64 random(4);
+    for (const double incidence : {15.0, 30.0, 60.0}) {
+        const Vec3f wl = to_float(spherical(incidence * k_degree, 0.0)), mirrored = mirror(wl);
+        const double factor = double(value(*speos, wl, mirrored).g) / double(value(*zemax, wl, mirrored).g);
+        EXPECT_TRUE(factor > 1 && factor < 1.25);
+        double error = 0, sum = 0;
+        for (int i = 0; i < 500; ++i) {
+            const Vec3f wv = to_float(random_direction(random, 0.5));
+            const double a = factor * double(value(*zemax, wl, wv).g), b = double(value(*speos, wl, wv).g);
+            if (std::isfinite(a) && std::isfinite(b)) error += std::abs(a - b), sum += a;
+        }
+        EXPECT_LT(error, 0.02 * sum) << incidence;
+    }
+    EXPECT_NE(message(load_measured(folder / "R_test.anisotropicbsdf").error()).find("a file of text"),
+              std::string::npos);
+    EXPECT_TRUE(load_measured(folder / "aniso_bsdf.anisotropicbsdf").ok());
+    EXPECT_TRUE(load_measured(folder / "AnoBlackEC1onAlum.txt").ok());
+}
+
+}  // namespace
+}  // namespace srbf::scatter_test

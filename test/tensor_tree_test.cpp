@@ -1,0 +1,211 @@
+// Tensor trees: their text, their look-up, real ones, and what is refused; BSDF XML that is written.
+#include "measured/tensor_tree.h"
+#include "bsdf_files.h"
+#include "properties.h"
+#include "srbf/convert.h"
+#include "srbf/directions.h"
+#include "srbf/file.h"
+#include "srbf/load.h"
+
+namespace srbf::tensor_tree_test {
+namespace {
+
+Result<Measured> read(const std::string& text) { return read_measured(as_bytes(text), "f"); }
+std::string error_of(const std::string& text) {
+    const auto of = read(text);
+    return of ? "" : message(of.error());
+}
+
+std::string tree_block(const std::string& part, const std::string& tree, const std::string& band = "Visible") {
+    return "<WavelengthData><Wavelength unit=\"Integral\">" + band +
+           "</Wavelength><WavelengthDataBlock><WavelengthDataDirection>" + part +
+           "</WavelengthDataDirection><AngleBasis>LBNL/Shirley-Chiu</AngleBasis><ScatteringData>" + tree +
+           "</ScatteringData></WavelengthDataBlock></WavelengthData>\n";
+}
+
+/// The text of leaves f(x) of a grid of that level.
+std::string grid_text(int rank, int level, const std::function<double(std::array<double, 4>)>& f) {
+    std::string text = "{";
+    const std::size_t n = std::size_t(1) << level;
+    for (std::size_t k = 0; k < std::size_t(1) << rank * level; ++k) {
+        std::array<double, 4> x{};
+        for (std::size_t i = std::size_t(rank), left = k; i-- > 0; left /= n)
+            x[i] = (double(left % n) + 0.5) / double(n);
+        text += fmt::format(" {:.7g}", f(x));
+    }
+    return text + " }";
+}
+
+double sum_of(const std::array<double, 4>& x) { return x[0] + 10 * x[1] + 100 * x[2] + 1000 * x[3]; }
+
+/// A branch of grids of one number has the values of the grid of their level, of several levels those of the leaves.
+TEST(TensorTree, BranchesAndGridsAgree) {
+    for (const int rank : {3, 4}) {
+        const auto grid = read_tensor_tree(grid_text(rank, 2, sum_of), rank);
+        ASSERT_TRUE(grid.ok()) << message(grid.error());
+        std::string branches = "{";
+        for (int child = 0; child < 1 << rank; ++child)
+            branches += grid_text(rank, 1, [&](std::array<double, 4> x) {
+                for (std::size_t i = 0; i < 4; ++i) x[i] = (x[i] + (child >> i & 1)) / 2;
+                if (rank == 3) x[3] = 0;
+                return sum_of(x);
+            });
+        const auto tree = read_tensor_tree(branches + "}\n", rank);
+        ASSERT_TRUE(tree.ok()) << message(tree.error());
+        EXPECT_EQ(tree->smallest_leaf(), 0.25f);
+        std::mt19937_64 random(1);
+        for (int i = 0; i < 500; ++i) {
+            std::array<double, 4> x{uniform(random), uniform(random), uniform(random), rank == 4 ? uniform(random) : 0};
+            EXPECT_EQ(grid->at(x), tree->at(x));
+            for (int k = 0; k < rank; ++k) x[std::size_t(k)] = (std::floor(4 * x[std::size_t(k)]) + 0.5) / 4;
+            EXPECT_PRED3(near, tree->at(x), sum_of(x), 1e-3);
+        }
+    }
+}
+
+/// A function of p = (wl.x, −wl.y) and q = (−wv.x, wv.y), as Radiance defines trees, is found again within a leaf; the mean
+/// over the square of the outgoing direction × π is the directional-hemispherical sum.
+TEST(TensorTree, DirectionsAreRadiances) {
+    const auto disc = [](double u, double v) {  // the inverse map
+        const double a = 2 * u - 1, b = 2 * v - 1;
+        if (a == 0 && b == 0) return std::array{0.0, 0.0};
+        const double r = std::abs(a) > std::abs(b) ? a : b;
+        const double phi = std::abs(a) > std::abs(b) ? k_pi / 4 * b / a : k_pi / 2 - k_pi / 4 * a / b;
+        return std::array{r * std::cos(phi), r * std::sin(phi)};
+    };
+    const auto f = [](double px, double py, double qx, double qy) { return 3 + px + 0.5 * py * qx - 0.7 * qy; };
+    const std::string four = grid_text(4, 4, [&](std::array<double, 4> x) {
+        const auto p = disc(x[0], x[1]), q = disc(x[2], x[3]);
+        return f(p[0], p[1], q[0], q[1]);
+    });
+    const std::string three = grid_text(3, 5, [&](std::array<double, 4> x) {
+        const auto q = disc(x[1], x[2]);
+        return x[0] > 0.5 ? 0 : f(1 - 2 * x[0], 0, q[0], q[1]);
+    });
+    const auto a = read(bsdf_xml("", tree_block("Transmission Back", four), "TensorTree4")),
+               b = read(bsdf_xml("", tree_block("Reflection Front", three), "TensorTree3"));
+    ASSERT_TRUE(a.ok() && b.ok());
+    EXPECT_EQ(a->format, "BSDF tree");
+    EXPECT_FALSE(is_isotropic(*a));
+    EXPECT_TRUE(is_isotropic(*b));
+    std::mt19937_64 random(2);
+    for (int i = 0; i < 300; ++i) {
+        const Vec3f wl = to_float(random_direction(random, 0.05)), wv = to_float(random_direction(random, 0.05));
+        const double px = double(wl.x), py = -double(wl.y), qx = -double(wv.x), qy = double(wv.y);
+        EXPECT_PRED3(near, value(*a, to_side(wl, -1), wv).g, f(px, py, qx, qy), 0.25);
+        EXPECT_EQ(value(*a, wv, to_side(wl, -1)), value(*a, to_side(wl, -1), wv));  // the way back, by reciprocity
+        const double s = std::hypot(px, py), turned_x = (px * qx + py * qy) / s, turned_y = (px * qy - py * qx) / s;
+        EXPECT_PRED3(near, value(*b, wl, wv).g, f(s, 0, turned_x, turned_y), 0.15);
+        EXPECT_EQ(value(*a, wl, wv), Rgb{});
+    }
+}
+
+/// Trees of u′ and v′ colour the third: equal energy is white, sRGB's red stays red.
+TEST(TensorTree, Colours) {
+    const auto of = [](double u, double v) {
+        return read(bsdf_xml("",
+                             tree_block("Reflection Front", "{0.5}") +
+                                 tree_block("Reflection Front", fmt::format("{{{}}}", u), "CIE-u") +
+                                 tree_block("Reflection Front", fmt::format("{{{}}}", v), "CIE-v"),
+                             "TensorTree3"));
+    };
+    const auto white = of(4.0 / 19, 9.0 / 19);
+    ASSERT_TRUE(white.ok()) << message(white.error());
+    EXPECT_EQ(std::get<BsdfTable>(white->table).bands.size(), 1u);
+    for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, value(*white, {0, 0, 1}, {0, 0, 1})[c], 0.5, 1e-4);
+    const Rgb red = value(*of(0.3, 0.5), {0, 0, 1}, {0, 0, 1});
+    EXPECT_GT(red.r, 2 * red.g);
+    EXPECT_PRED3(near, luminance(red), 0.5, 0.01);
+    EXPECT_EQ(value(*of(0, 0), {0, 0, 1}, {0, 0, 1}).r, value(*white, {0, 0, 1}, {0, 0, 1}).r);
+}
+
+TEST(TensorTree, RefusesBadTrees) {
+    const auto error = [](const std::string& tree) {
+        return error_of(bsdf_xml("", tree_block("Reflection Front", tree), "TensorTree3"));
+    };
+    EXPECT_EQ(error("{ { 1 } { 1 } { 1 } { 1 } { 1 } { 1 2 3 4 5 6 7 8 } { 1 } { 1 } }"), "");
+    std::string deep;
+    for (int i = 0; i < 1000; ++i) deep += "{";
+    for (const auto& [tree, what] : std::initializer_list<std::array<std::string, 2>>{
+             {"", "expected '{', found the end"},
+             {"{", "numbers, then '}'"},
+             {"{ 1 2 }", "2^3k numbers between braces, found 2"},
+             {"{ 1 } 2", "the end of the tree"},
+             {"{ {1} {1} {1} {1} {1} {1} {1} }", "expected '{'"},
+             {"{ {1} {1} {1} {1} {1} {1} {1} {1} {1} }", "'}' after 8 trees"},
+             {"{ x }", "numbers, then '}', found 'x }'"},
+             {"{ 1e30 }", "numbers, then '}'"},
+             {"{ nan }", "numbers, then '}'"},
+             {"{}", "2^3k numbers between braces, found 0"},
+             {deep, "at most 16 levels"}}) {
+        EXPECT_NE(error(tree).find(what), std::string::npos) << tree << ": " << error(tree);
+        EXPECT_EQ(error(tree).find('\n'), std::string::npos);
+    }
+    const std::string good = bsdf_xml("", tree_block("Reflection Front", "{ 1 }"), "TensorTree3");
+    for (std::size_t size = 0; size + 2 < good.size(); ++size) EXPECT_NE(error_of(good.substr(0, size)), "") << size;
+    EXPECT_NE(error_of(bsdf_xml("", tree_block("Reflection Front", "{ 1 }"), "TensorTree5")), "");
+}
+
+/// Radiance gives .0764561 for this shade at 30°: the mean over the square of outgoing directions × π is the same number.
+TEST(TensorTree, RealShade) {
+    const auto path = shared_data() / "tensor" / "t3.xml";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
+    const auto measured = load_measured(path);
+    ASSERT_TRUE(measured.ok()) << message(measured.error());
+    const auto& tree = std::get<TreeTable>(std::get<BsdfTable>(measured->table).band().part[3]->table).y;
+    double sum = 0;
+    const int n = 64;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) sum += double(tree.at({0.25 - 1e-6, (i + 0.5) / n, (j + 0.5) / n, 0})) / (n * n);
+    EXPECT_PRED3(near, k_pi * sum, 0.0764561, 1e-7);
+}
+
+/// What is written is read as the same matrices, and written again to the same bytes; of files in any of the bases.
+TEST(BsdfXml, WriteReadIdentity) {
+    const auto measured = read(small_shade());
+    ASSERT_TRUE(measured.ok());
+    const std::string written = write_bsdf_xml(std::get<BsdfTable>(measured->table));
+    const auto again = read(written);
+    ASSERT_TRUE(again.ok()) << message(again.error());
+    const auto &a = std::get<BsdfTable>(measured->table), &b = std::get<BsdfTable>(again->table);
+    ASSERT_EQ(b.bands.size(), a.bands.size());
+    EXPECT_EQ(b.description, a.description);
+    for (std::size_t band = 0; band < a.bands.size(); ++band)
+        for (std::size_t p = 0; p < k_parts; ++p) {
+            const auto &of_a = std::get<KlemsTable>(a.bands[band].part[p]->table),
+                       &of_b = std::get<KlemsTable>(b.bands[band].part[p]->table);
+            ASSERT_EQ(of_a.cells.size(), of_b.cells.size());
+            for (std::size_t k = 0; k < of_a.cells.size(); ++k)
+                EXPECT_PRED3(near_relative, of_b.cells[k].g, of_a.cells[k].g, 1e-5);
+            EXPECT_EQ(of_a.beam.size(), of_b.beam.size());
+        }
+    EXPECT_EQ(write_bsdf_xml(b), written);
+}
+
+/// The matrix of a constant is constant; that of a lobe about the mirror direction has its sums.
+TEST(BsdfXml, MeansOverPatches) {
+    const auto f = [](double cosine) { return 0.1 + 300 * std::exp(2000 * (cosine - 1)); };  // 2.6° wide
+    const Evaluate brdf = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> to) {
+        for (std::size_t i = 0; i < to.size(); ++i) {
+            const float x = float(f(double(dot(mirror(wl[i]), wv[i]))));
+            to[i] = {x, x, x};
+        }
+    };
+    for (const KlemsBasis kind : {KlemsBasis::half, KlemsBasis::quarter}) {
+        const AngleBasis basis = klems_basis(kind);
+        const KlemsTable table = to_klems(brdf, basis, 1);
+        for (std::size_t ring = 0; ring + 1 < basis.rings.size(); ++ring) {
+            const std::size_t i = basis.first_of(ring);
+            double sum = 0, expected = 0;
+            for (std::size_t o = 0; o < basis.patches(); ++o)
+                sum += double(table.cell(o, i).g) * basis.projected_solid_angle(basis.ring_of(o));
+            // ∫ of the lobe is 2π/2000, its cosine that of the patch's points.
+            for (int k = 0; k < 100; ++k) expected += basis.point_of(i, (k + 0.5) / 100, 0.5).z / 100;
+            expected = 0.1 * k_pi + 300 * 2 * k_pi / 2000 * expected;
+            EXPECT_PRED3(near_relative, sum, expected, 0.01) << ring;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace srbf::tensor_tree_test

@@ -6,7 +6,7 @@
 
 #include "app/commands.h"
 #include "app/output.h"
-#include "app/raster.h"
+#include "app/page_of.h"
 #include "render/page.h"
 #include "srbf/file.h"
 #include "srbf/shading_code.h"
@@ -26,101 +26,11 @@ struct ExportCommand {
     std::string data_path(const NamedModel& of) const;
 };
 
-/// "film" for "materials/film.srbf".
-std::string stem(const std::string& path) { return std::filesystem::path(path).stem().string(); }
-
-std::string kind_of(const Subject& subject) {
-    if (const auto* measured = std::get_if<Measured>(&subject.content))
-        return fmt::format("{}, {} bytes", measured->format, grouped(measured->bytes));
-    const Model& model = std::get<Model>(subject.content);
-    constexpr std::array<const char*, 4> names{"multivariate", "view by view", "Lambert and GGX", "both sides"};
-    return fmt::format("{}, {} bytes", names[model.model.index()], grouped(payload_bytes(model)));
-}
-
-PageMaterial shown(const Subject& subject) {
-    PageMaterial of{stem(subject.path), kind_of(subject), {}, evaluator(subject), is_two_sided(subject.content), {}};
-    if (const auto* model = std::get_if<Model>(&subject.content)) {
-        of.material = material_of(*model);
-        of.parameters = parameters_text(*model);
-        for (const auto& [key, text] : model->provenance) of.parameters += fmt::format("  {:<36}{}\n", key, text);
-    }
-    return of;
-}
-
-/// θmax of what is reported for all models: the minimum over the models [degrees].
-double common_theta(const std::vector<Subject>& models) {
-    double least = 90;
-    for (const Subject& model : models)
-        if (const double own = fitted_theta(model); own > 0) least = std::min(least, own);
-    return least < 90 ? least : 80;
-}
-
 /// A mesh whose z axis is up, with its y axis up.
 Mesh turned_upright(Mesh mesh) {
     for (auto* vectors : {&mesh.positions, &mesh.normals})
         for (Vec3f& v : *vectors) v = {v.x, v.z, -v.y};
     return mesh;
-}
-
-/// The reference first, with its picture if it has one and the size of a table; then errors of the models.
-void add_reference(Page& page, const Subject& reference, const std::vector<Subject>& models) {
-    const double theta = common_theta(models);
-    const MeasureOptions options{theta * k_degree, 0};
-    const Evaluate measured = evaluator(reference);
-    PageMaterial of = shown(reference);
-    of.name = "Measured";
-    if (is_isotropic(std::get<Measured>(reference.content))) {
-        const MerlTable table = table_of(measured, k_page_table);
-        const Evaluate drawn[] = {evaluator(table)}, in_both_orders = [&](auto wl, auto wv, auto f) {
-            std::vector<Rgb> exchanged(f.size());
-            measured(wl, wv, f), measured(wv, wl, exchanged);
-            for (std::size_t i = 0; i < f.size(); ++i)
-                for (int c = 0; c < 3; ++c) f[i][c] = (f[i][c] + exchanged[i][c]) / 2;
-        };
-        const auto lost = [&](const Evaluate& against) {
-            return percent(measure_heldout(against, drawn, options)[0].squared_error_ratio_cosine);
-        };
-        page.picture_note = fmt::format(
-            "The picture of the measurement is drawn from a table of {} × {} × {} colours made of the file, so that "
-            "this page stays small. Its "
-            "squared error (f cosθl, θ ≤ {:g}°) is {} against the file, and {} against the mean of the file's values "
-            "with light and viewer "
-            "exchanged: such a table takes them to be exchangeable. The plots and the figures below are of the file "
-            "itself.",
-            k_page_table[0], k_page_table[1], k_page_table[2], theta, lost(measured), lost(in_both_orders));
-        of.material = table;
-    } else {
-        page.picture_note =
-            "The measurement depends on the turn of the surface about its normal and has no picture here; "
-            "the plots are of one turn.";
-    }
-    std::vector<Evaluate> others;
-    for (const Subject& model : models) others.push_back(evaluator(model));
-    const std::vector<Measures> errors = measure_heldout(measured, others, options);
-    const std::vector<double> albedo = albedo_errors(measured, others, options);
-
-    page.title = stem(reference.path);
-    page.materials.insert(page.materials.begin(), std::move(of));
-    page.table[0].cells.insert(page.table[0].cells.begin(), grouped(std::get<Measured>(reference.content).bytes));
-    const auto add_row = [&](const char* name, const char* meaning, auto&& text_of) {
-        Page::Row& row = page.table.emplace_back(Page::Row{name, meaning, {"–"}});
-        for (std::size_t k = 0; k < models.size(); ++k) row.cells.push_back(text_of(k));
-    };
-    add_row("image error", "what reaches an image: squared error ratio of f cosθl, each view by its cosine",
-            [&](std::size_t k) { return percent(errors[k].squared_error_ratio_cosine); });
-    add_row("dark-part error", "nearer to the eye, which sees the dark parts too: the same ratio of the cube root of f",
-            [&](std::size_t k) { return percent(errors[k].cube_root_error_ratio); });
-    add_row("raw error", "the same ratio of f itself, dominated by grazing angles",
-            [&](std::size_t k) { return percent(errors[k].squared_error_ratio); });
-    add_row("log error", "root mean square of the differences of log(1 + f cosθl)",
-            [&](std::size_t k) { return fmt::format("{:.4f}", errors[k].log_rms_cosine); });
-    add_row("albedo error",
-            "largest relative error of the share of light that comes back at all, from 0, 30, 60 and 75°",
-            [&](std::size_t k) { return percent(albedo[k]); });
-    page.table_note = fmt::format(
-        "Against the measurement, at 200,000 pairs of directions within {:g}° of the normal that no fit has seen: what "
-        "srbf compare --max-theta {:g} calls held out.",
-        theta, theta);
 }
 
 int ExportCommand::run() const {
@@ -166,20 +76,12 @@ int ExportCommand::run() const {
 
 Result<std::string> ExportCommand::page(const std::vector<Subject>& models,
                                         const std::optional<Subject>& measured) const {
-    Page page;
-    page.title = stem(files[0]);
-    page.generator = "Written by srbf " SRBF_VERSION ". This page is one file and asks nothing of the network.";
-    page.table.push_back({"bytes", "", {}});
-    for (const Subject& model : models) {
-        page.materials.push_back(shown(model));
-        page.table[0].cells.push_back(grouped(payload_bytes(std::get<Model>(model.content))));
-    }
-    if (measured) add_reference(page, *measured, models);
+    Page page = page_of(models, measured ? &*measured : nullptr);
     if (!mesh.empty()) {
         auto loaded = load_mesh(mesh);
         if (!loaded) return loaded.error();
         page.mesh = up == "y" ? *std::move(loaded) : turned_upright(*std::move(loaded));
-        page.mesh_name = stem(mesh);
+        page.mesh_name = stem_of(mesh);
     }
     return page_html(page);
 }
@@ -188,7 +90,7 @@ Result<std::string> ExportCommand::page(const std::vector<Subject>& models,
 std::vector<NamedModel> ExportCommand::named(const std::vector<Subject>& models) const {
     std::vector<NamedModel> named;
     for (const Subject& model : models) {
-        const std::string name = identifier(stem(model.path));
+        const std::string name = identifier(stem_of(model.path));
         const auto is_taken = [&](const std::string& candidate) {
             return std::ranges::find(named, candidate, &NamedModel::name) != named.end();
         };
@@ -217,7 +119,7 @@ std::string ExportCommand::data_path(const NamedModel& of) const {
 }
 
 Result<std::string> ExportCommand::code(const std::vector<NamedModel>& named) const {
-    const std::string prefix = named.size() == 1 ? named[0].name : identifier(stem(output));
+    const std::string prefix = named.size() == 1 ? named[0].name : identifier(stem_of(output));
     if (to == "three") return three_module(named, prefix);
     if (to == "radiance") return radiance_text(named);
     CodeOptions options{

@@ -7,59 +7,25 @@
 #include <span>
 
 #include "app/commands.h"
-#include "app/output.h"
 #include "app/read_options.h"
+#include "app/rows.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
-#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
 
-/// What a file says, in one line.
-std::string shown(std::string text) {
-    std::ranges::replace_if(
-        text, [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
-    return printable(std::move(text));
-}
-
-void add_row(std::string& text, std::string_view name, const std::string& what) {
-    fmt::format_to(std::back_inserter(text), "  {:<18}{}\n", shown(std::string(name)), shown(what));
-}
 void print_row(std::string_view name, const std::string& what) {
     std::string text;
     add_row(text, name, what);
     fmt::print("{}", text);
 }
 
-struct Range {
-    float least = std::numeric_limits<float>::infinity(), most = -least;
-    void add(float x) {
-        if (std::isnan(x)) return;
-        least = std::min(least, x);
-        most = std::max(most, x);
-    }
-    std::string text() const { return least > most ? "none" : fmt::format("{:.4g} to {:.4g}", least, most); }
-};
-
-template <typename Pixels> void add_channel_ranges(std::string& text, std::string_view name, const Pixels& pixels) {
-    for (int c = 0; c < 3; ++c) {
-        Range range;
-        std::uint64_t negative = 0;
-        for (const Rgb& f : pixels) range.add(f[c]), negative += f[c] < 0;
-        add_row(text, fmt::format("{} {}", name, "RGB"[c]),
-                range.text() + (negative ? fmt::format(", {} negative", grouped(negative)) : ""));
-    }
-}
 template <typename Pixels> void print_channel_ranges(std::string_view name, const Pixels& pixels) {
     std::string text;
     add_channel_ranges(text, name, pixels);
     fmt::print("{}", text);
-}
-
-std::string wavelengths_text(const std::vector<float>& nm) {
-    return fmt::format("{}, {:g} to {:g} nm", nm.size(), nm.front(), nm.back());
 }
 
 void print_table(const MerlTable& table) {
@@ -137,18 +103,6 @@ void print_table(const ScatteredSamples& samples) {
     print_channel_ranges("value [1/sr]", samples.colour);
 }
 
-/// The light that is not scattered.
-void add_beams(std::string& text, const Beams& beams) {
-    for (std::size_t b = 0; b < beams.size(); ++b) {
-        if (beams[b].empty()) continue;
-        std::string row;
-        for (std::size_t i = 0; i < beams[b].theta.size(); ++i)
-            row += fmt::format("{}{:.4g} at {:.3g}°", i ? ", " : "", beams[b].share[i].g,
-                               double(beams[b].theta[i]) / k_degree);
-        add_row(text, "beam", fmt::format("{}: {}", k_beam_names[b], row));
-    }
-}
-
 void print_table(const KlemsTable& table) {
     print_row("patches", fmt::format("{} outgoing ({}) × {} incident ({})", table.outgoing.patches(),
                                      table.outgoing.name, table.incident.patches(), table.incident.name));
@@ -205,112 +159,6 @@ void print_table(const BsdfTable& table) {
         const Measured& part = *table.band().part[p];
         fmt::print("\n  {}{}\n", k_part_names[p], is_isotropic(part) ? "" : ", anisotropic");
         std::visit([](const auto& of) { print_table(of); }, part.table);
-    }
-}
-
-void add_model(std::string& text, const PmModel& model) {
-    add_row(text, "model",
-            fmt::format("pm: parameterized multivariate SRBFs, form {}, {} centres", name(model.form),
-                        model.axial ? "axial" : "general"));
-    add_row(text, "size",
-            fmt::format("{} lobes × {} variates, {} bytes", model.lobes, model.variates, payload_bytes(model)));
-    if (!model.wavelength.empty()) add_row(text, "wavelengths", wavelengths_text(model.wavelength));
-    for (int n = 0; n < model.variates; ++n) {
-        const Parameterization p = model.parameterization[std::size_t(n)];
-        add_row(text, fmt::format("ψ{}", n + 1), fmt::format("normalize({:.5g} wl + {:.5g} wv)", p.a, p.b));
-    }
-    fmt::format_to(std::back_inserter(text), "\n  {:>4}  {:>31}  {:>10}", "lobe", "coefficient R, G, B", "log scale");
-    for (int n = 0; n < model.variates; ++n)
-        fmt::format_to(std::back_inserter(text), "  {:>{}}", fmt::format("λ{}", n + 1), model.axial ? 10 : 26);
-    const std::span<const ExponentTerm> terms = std::span(k_terms).first(row_of(model.form).terms);
-    for (const ExponentTerm& term : terms) fmt::format_to(std::back_inserter(text), "  {:>9}", term.symbol);
-    fmt::format_to(std::back_inserter(text), "\n");
-    for (int j = 0; j < model.lobes; ++j) {
-        const Rgb beta = model.coefficient[std::size_t(j)];
-        fmt::format_to(std::back_inserter(text), "  {:>4}  {:>9.4g}  {:>9.4g}  {:>9.4g}  {:>10.4g}", j + 1, beta.r,
-                       beta.g, beta.b, model.log_scale[std::size_t(j)]);
-        for (int n = 0; n < model.variates; ++n) {
-            const auto i = std::size_t(j * model.variates + n);
-            const Vec3f xi = model.centre[i];
-            if (model.axial)
-                fmt::format_to(std::back_inserter(text), "  {:>10.5g}",
-                               xi.z < 0 ? -model.bandwidth[i] : model.bandwidth[i]);
-            else
-                fmt::format_to(std::back_inserter(text), "  {:>26}",
-                               fmt::format("{:.4g} at ({:.2f}, {:.2f}, {:.2f})", model.bandwidth[i], xi.x, xi.y, xi.z));
-        }
-        for (int k = 0; k < features(model.form); ++k)
-            fmt::format_to(std::back_inserter(text), "  {:>9.4g}",
-                           model.exponent[std::size_t(j * features(model.form) + k)]);
-        fmt::format_to(std::back_inserter(text), "\n");
-    }
-    if (model.axial) fmt::format_to(std::back_inserter(text), "  A bandwidth λ below 0 is that of a lobe about -z.\n");
-    if (terms.empty()) return;
-    text += "  A lobe is also multiplied by";
-    for (const ExponentTerm& term : terms) fmt::format_to(std::back_inserter(text), " {}", term.factor);
-    for (const ExponentTerm& term : terms)
-        if (!term.definition.empty()) fmt::format_to(std::back_inserter(text), ",\n  {}", term.definition);
-    text += ".\n";
-}
-
-void add_model(std::string& text, const SuModel& model) {
-    const auto J = std::size_t(model.lobes);
-    const bool by_view = model.discretise == Discretise::view;
-    add_row(text, "model", "su: scattered univariate SRBFs, a sum of lobes for each sampled direction");
-    add_row(text, "size",
-            fmt::format("{} lobes × {} sampled directions to the {}, {} bytes", J, model.direction.size(),
-                        by_view ? "viewer" : "light", grouped(payload_bytes(model))));
-    add_row(text, "between samples",
-            model.interpolation == SuInterpolation::rotated
-                ? "the two adjacent in elevation, rotated to the azimuth of the direction"
-                : fmt::format("the {} nearest, not rotated", model.neighbours));
-    add_row(text, "index texture",
-            fmt::format("{}, {} bytes with the direction table",
-                        model.index ? fmt::format("{} of {} texels a side", name(model.index->map), model.index->size)
-                                    : "built on load, a cube",
-                        grouped(auxiliary_bytes(model))));
-    Range bandwidth, shape;
-    std::size_t empty = 0;
-    for (std::size_t i = 0; i < model.direction.size(); ++i) {
-        const auto first = model.coefficient.begin() + std::ptrdiff_t(i * J);
-        empty += std::all_of(first, first + std::ptrdiff_t(J), [](const Rgb& beta) { return beta == Rgb{}; });
-    }
-    for (std::size_t k = 0; k < model.bandwidth.size(); ++k)
-        if (!(model.coefficient[k] == Rgb{})) bandwidth.add(model.bandwidth[k]);
-    for (std::size_t k = 0; k < model.shape.size(); ++k)
-        if (!(model.coefficient[k] == Rgb{})) shape.add(model.shape[k]);
-    add_row(text, "empty samples", empty ? grouped(empty) : "none");
-    add_row(text, "bandwidth", bandwidth.text());
-    if (!model.shape.empty()) add_row(text, "shape", shape.text());
-    add_channel_ranges(text, "coefficient", model.coefficient);
-}
-
-void add_model(std::string& text, const BsdfModel& model) {
-    add_row(text, "model", fmt::format("bsdf: models of reflection and transmission, {} bytes", payload_bytes(model)));
-    add_beams(text, model.beam);
-    for (std::size_t p = 0; p < k_parts; ++p) {
-        const Answering<Model> of = answering(model.part, Part(p));
-        if (model.part[p])
-            text += fmt::format("\n  {}\n{}", k_part_names[p], parameters_text(*model.part[p]));
-        else
-            text += fmt::format("\n  {}: {}\n", k_part_names[p],
-                                !of.brdf       ? "0"
-                                : of.exchanged ? "by reciprocity"
-                                               : "that of the other side");
-    }
-}
-
-void add_model(std::string& text, const GgxModel& model) {
-    add_row(text, "model", "ggx: Lambert and GGX");
-    add_row(
-        text, "size",
-        fmt::format("{} of GGX, {} bytes", model.lobes.size() == 1 ? "one lobe" : "two lobes", payload_bytes(model)));
-    add_row(text, "diffuse RGB",
-            fmt::format("{:.4g}  {:.4g}  {:.4g}", model.diffuse.r, model.diffuse.g, model.diffuse.b));
-    for (const GgxModel::Lobe& lobe : model.lobes) {
-        add_row(text, "roughness α", fmt::format("{:.4g}", lobe.roughness));
-        add_row(text, "F0 RGB", fmt::format("{:.4g}  {:.4g}  {:.4g}", lobe.f0.r, lobe.f0.g, lobe.f0.b));
-        add_row(text, "F90", fmt::format("{:.4g}", lobe.f90));
     }
 }
 
@@ -411,7 +259,7 @@ int describe_stack(const std::string& file) {
     print_row("error", error.text());
     print_row("one of them", fmt::format("{0}#0 to {0}#{1}", file, stack->models.size() - 1));
     fmt::print("\n");
-    for (const auto& [key, text] : stack->provenance) fmt::print("  {:<36}{}\n", shown(key), shown(text));
+    for (const auto& [key, text] : stack->provenance) fmt::print("  {:<36}{}\n", one_line(key), one_line(text));
     return k_done;
 }
 
@@ -427,19 +275,13 @@ int run(const std::string& file, const ReadOptions& read) {
         const auto& model = std::get<Model>(subject->content);
         fmt::print("{}", parameters_text(model));
         if (!model.provenance.empty()) fmt::print("\n");
-        for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", shown(key), shown(text));
+        for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", one_line(key), one_line(text));
     }
     is_two_sided(subject->content) ? print_sides(*subject) : print_behaviour(*subject);
     return k_done;
 }
 
 }  // namespace
-
-std::string parameters_text(const Model& model) {
-    std::string text;
-    std::visit([&](const auto& m) { add_model(text, m); }, model.model);
-    return text;
-}
 
 void add_info(CommandLine& app, int& status) {
     struct InfoCommand {

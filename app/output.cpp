@@ -47,39 +47,6 @@ Result<Done> check_output(const std::string& path) {
 
 }  // namespace
 
-const MeasureName& measure_named_for(Objective objective) {
-    return *std::ranges::find(k_measures, measure_of(objective), &MeasureName::member);
-}
-
-std::string text(const MeasureName& name, const Measures& measures) {
-    return name.is_ratio ? percent(measures.*name.member) : fmt::format("{:.4g}", measures.*name.member);
-}
-
-void add_measures(Json& json, const Measures& measures, std::string_view prefix) {
-    for (const MeasureName& m : k_measures) json[fmt::format("{}{}", prefix, m.name)] = measures.*m.member;
-}
-
-Json json_of(const Appearance& appearance) {
-    const auto errors = [](const PictureErrors& of) {
-        Json named;
-        for (const PictureErrorName& e : k_picture_errors) named[e.name] = of.*e.member;
-        return named;
-    };
-    Json pictures = errors(appearance.mean);
-    pictures["worst_delta_e_itp"] = appearance.worst_delta_e;
-    for (std::size_t k = 0; k < appearance.lighting.size(); ++k)
-        pictures["lightings"][standard_lightings()[k].name] = errors(appearance.lighting[k]);
-    return pictures;
-}
-
-void add_measures(Json& json, const Comparison& comparison, std::string_view prefix) {
-    add_measures(json, comparison.matrix, prefix);
-    for (const MeasureName& m : k_measures)
-        json[fmt::format("{}heldout_{}", prefix, m.name)] = comparison.heldout.*m.member;
-    json[fmt::format("{}albedo_error", prefix)] = comparison.albedo_error;
-    json[fmt::format("{}pictures", prefix)] = json_of(comparison.appearance);
-}
-
 void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons) {
     if (comparisons.size() > 1) {
         fmt::print("{:<26}", "");
@@ -177,14 +144,6 @@ Result<Done> flush_standard_output() {
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return Done{};
     return Error{"standard output", {}, "cannot be written", {}, std::generic_category().message(errno)};
 }
-
-std::string grouped(std::uint64_t n) {
-    std::string digits = std::to_string(n);
-    for (int at = int(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), 1, ',');
-    return digits;
-}
-
-std::string percent(double ratio) { return fmt::format("{:.3g} %", 100 * ratio); }
 
 void ProgressLine::show(std::string_view stage, double fraction) {
     const double now = watch_.seconds();

@@ -7,21 +7,15 @@
 #include "app/load.h"
 #include "render/environment.h"
 #include "render/image.h"
+#include "render/material.h"
 #include "render/pixel_shader.h"
 #include "render/scene.h"
-#include "srbf/convert.h"
 #include "srbf/sampling.h"
 
 namespace srbf {
 
-/// An isotropic BRDF as a table in Rusinkiewicz coordinates. Cells beyond 89.7° are extrapolated.
-MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size = k_merl_size);
-/// The material of a subject in OpenGL: a model as it is, a measurement as a table in Rusinkiewicz coordinates, or one
-/// for each part of a BSDF, as also if a part is modelled view by view. Errors: an anisotropic measurement.
+/// The material of a subject in OpenGL. Errors: an anisotropic measurement.
 Result<Material> material_of(const Subject& subject);
-Material material_of(const Model& model);
-/// The size of the tables of a BSDF.
-inline constexpr std::array<std::uint32_t, 3> k_bsdf_table{128, 45, 48};
 
 /// What the subject's light is drawn from in OpenGL. `threads`: 0 is as many as the machine has.
 Proposals proposal_of(const Subject& subject, int threads = 0);

@@ -111,16 +111,12 @@ bool shows_both_sides(const Page& page) {
                                [](const PageMaterial& of) { return of.material && is_two_sided(*of.material); });
 }
 
-/// The data of viewer.js, except for the shaders.
-Json data_of(const Page& page) {
+/// The data of viewer.js but for the materials.
+Json common_data(bool two_sided) {
     Json data;
     data["fov"] = Viewpoint{}.fov;
     data["elevation"] = Viewpoint{}.elevation;
     data["aspect"] = k_page_aspect;
-    const auto pictured =
-        std::ranges::find_if(page.materials, [](const PageMaterial& of) { return of.material.has_value(); });
-    const PageMaterial& exposed = pictured == page.materials.end() ? page.materials[0] : *pictured;
-    data["exposure"] = automatic_exposure(render_sphere(exposed.brdf, {.size = 160, .samples = 2}));
     const double grey = double(srgb_encoded(k_background));
     data["background"] = {grey, grey, grey};
     for (const DirectionalLight& light : lights_of(camera_of(page_mesh("ball"), {}, k_page_aspect)))
@@ -128,7 +124,6 @@ Json data_of(const Page& page) {
                                   {"irradiance", {light.irradiance.r, light.irradiance.g, light.irradiance.b}}});
     for (const std::string_view name : {"ball", "sphere", "knot"})
         data["meshes"][std::string(name)] = json_of(page_mesh(name));
-    if (page.mesh) data["meshes"][k_own_mesh] = json_of(*page.mesh);
     data["light_behind"] = json_of(k_light_behind.towards);
     data["vertex"] = text_of(Flat{}).vertex;
     data["pixel"] = pixel_text({});
@@ -138,27 +133,40 @@ Json data_of(const Page& page) {
     data["develop"] = develop.fragment;
     data["surface"] = surface_shader_text(Dialect::es_300).fragment;
     data["environment_pixel"] = pixel_text({.environment = true});
-    if (shows_both_sides(page))
-        data["environment_pixel_of_both_sides"] = pixel_text({.environment = true, .two_sided = true});
+    if (two_sided) data["environment_pixel_of_both_sides"] = pixel_text({.environment = true, .two_sided = true});
     data["knee"] = k_knee;
     data["filtered_samples"] = k_filtered_samples;
-    const Image studio = halved(load_environment(std::string(k_built_in_environment))->texels());
+    const Image studio = page_environment();
     data["environment"] = {{"width", studio.width}, {"height", studio.height}, {"rgbe", base64_of(to_rgbe(studio))}};
-    for (const PageMaterial& of : page.materials) {
-        if (!of.material) {
-            data["materials"].emplace_back();
-            continue;
-        }
-        Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *of.material);
-        const bool two_sided = is_two_sided(*of.material);
-        const ProposeOptions options{.azimuths = azimuths_of(*of.material)};
-        const ProposalNumbers proposal =
-            proposal_numbers(two_sided ? propose_parts(of.brdf, options) : Proposals(propose(of.brdf, options)));
-        numbers["two_sided"] = two_sided;
-        numbers["nodes"] = base64_of(proposal.nodes);
-        numbers["grains"] = base64_of(proposal.grains);
-        data["materials"].push_back(std::move(numbers));
-    }
+    return data;
+}
+
+/// The exposure of pictures under lights.
+float exposure_of(const PageMaterial& of) {
+    return automatic_exposure(render_sphere(of.brdf, {.size = 160, .samples = 2}));
+}
+
+Json data_of(const PageMaterial& of) {
+    if (!of.material) return {};
+    Json numbers = std::visit([](const auto& m) { return numbers_of(m); }, *of.material);
+    const bool two_sided = is_two_sided(*of.material);
+    const ProposeOptions options{.azimuths = azimuths_of(*of.material)};
+    const ProposalNumbers proposal =
+        proposal_numbers(two_sided ? propose_parts(of.brdf, options) : Proposals(propose(of.brdf, options)));
+    numbers["two_sided"] = two_sided;
+    numbers["nodes"] = base64_of(proposal.nodes);
+    numbers["grains"] = base64_of(proposal.grains);
+    return numbers;
+}
+
+/// The data of viewer.js. The shaders of materials stand in the page.
+Json data_of(const Page& page) {
+    Json data = common_data(shows_both_sides(page));
+    const auto pictured =
+        std::ranges::find_if(page.materials, [](const PageMaterial& of) { return of.material.has_value(); });
+    data["exposure"] = exposure_of(pictured == page.materials.end() ? page.materials[0] : *pictured);
+    if (page.mesh) data["meshes"][k_own_mesh] = json_of(*page.mesh);
+    for (const PageMaterial& of : page.materials) data["materials"].push_back(data_of(of));
     return data;
 }
 
@@ -293,6 +301,14 @@ Mesh page_mesh(std::string_view name) {
     if (name == "sphere") return sphere(48);
     if (name == "knot") return knot(200, 32);
     return ball(48);
+}
+
+std::string viewer_data() { return common_data(true).dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+std::string viewer_material(const PageMaterial& of) {
+    Json data = data_of(of);
+    if (of.material) data["text"] = text_of(*of.material).fragment, data["exposure"] = exposure_of(of);
+    return data.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string page_html(const Page& page) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "render/image.h"
 #include "render/mesh.h"
 #include "render/pixel_shader.h"
 #include "srbf/brdf.h"
@@ -40,6 +41,13 @@ struct Page {
 /// page displays their text and compiles it. The initial picture is `mesh`, or `page_mesh("ball")`, seen from
 /// `Viewpoint{}` under `k_three_lights`, at automatic_exposure of the sphere of the first material with a picture.
 std::string page_html(const Page& page);
+
+/// What viewer.js is given apart from the page, for pages that show other materials later, as JSON: meshes, lights, the
+/// environment and shaders; and a material, with the text of its shader and the exposure of its picture under lights.
+std::string viewer_data();
+std::string viewer_material(const PageMaterial& of);
+/// The bundled environment at half its width. Defined apart, for where there are no files.
+Image page_environment();
 
 /// One of `k_built_in_meshes` with fewer triangles, for the page.
 Mesh page_mesh(std::string_view name);

@@ -58,6 +58,17 @@ struct PictureErrors {
 };
 PictureErrors picture_errors(const Image& reference, const Image& other);
 
+/// What an error of pictures means to those who look: the worse of what ΔE_ITP and ꟻLIP say.
+enum class Verdict {
+    alike,    ///< ΔE_ITP ≤ 1, which is just noticeable (ITU-R BT.2124), and ꟻLIP ≤ 0.03
+    close,    ///< ≤ 3 and ≤ 0.07
+    differs,  ///< ≤ 10 and ≤ 0.15
+    other,    ///< above
+};
+Verdict verdict(const PictureErrors& errors);
+/// "hardly visible", "visible if looked for", "visible beside each other", "visible at once".
+std::string_view words(Verdict verdict);
+
 /// Names of a picture's error in output.
 struct PictureErrorName {
     const char* name;   ///< in JSON

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -60,6 +61,20 @@ PictureErrors picture_errors(const Image& reference, const Image& other) {
     errors.psnr = std::min(-10 * elementary::log10(encoded / (3 * pixels)), k_most_psnr);
     errors.rms = squares > 0 ? std::sqrt(squares / whole) : 0;
     return errors;
+}
+
+Verdict verdict(const PictureErrors& errors) {
+    // Of ΔE_ITP and of ꟻLIP: the most that each verdict but the last allows.
+    constexpr std::array<std::array<double, 2>, 3> k_most{{{1, 0.03}, {3, 0.07}, {10, 0.15}}};
+    for (std::size_t k = 0; k < k_most.size(); ++k)
+        if (errors.delta_e <= k_most[k][0] && errors.flip <= k_most[k][1]) return Verdict(k);
+    return Verdict::other;
+}
+
+std::string_view words(Verdict verdict) {
+    constexpr std::array<std::string_view, 4> k_words{"hardly visible", "visible if looked for",
+                                                      "visible beside each other", "visible at once"};
+    return k_words[std::size_t(verdict)];
 }
 
 std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads,

@@ -1,0 +1,21 @@
+// Materials of measurements and models for shaders: level 5.
+#pragma once
+#include <array>
+#include <string>
+
+#include "srbf/convert.h"
+#include "srbf/load.h"
+#include "srbf/shader.h"
+
+namespace srbf {
+
+/// An isotropic BRDF as a table in Rusinkiewicz coordinates. Cells beyond 89.7° are extrapolated.
+MerlTable table_of(const Evaluate& brdf, std::array<std::uint32_t, 3> size = k_merl_size);
+/// The material of a model as it is, of a measurement as a table in Rusinkiewicz coordinates, or one for each part of a
+/// BSDF, as also if a part is modelled view by view. Errors: an anisotropic measurement; `path` appears in them only.
+Result<Material> material_of(const AnyBrdf& brdf, const std::string& path);
+Material material_of(const Model& model);
+/// The size of the tables of a BSDF.
+inline constexpr std::array<std::uint32_t, 3> k_bsdf_table{128, 45, 48};
+
+}  // namespace srbf

@@ -180,7 +180,7 @@ std::string script_text(const Json& json) {
 /// The first colour is dark; the others are distinguishable with colour blindness (Okabe & Ito 2008).
 std::string colour_of(std::size_t i) {
     constexpr std::array<const char*, 6> others{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#b08000"};
-    return i == 0 ? "#222" : others[(i - 1) % others.size()];
+    return i == 0 ? "var(--ink)" : others[(i - 1) % others.size()];
 }
 std::string label_of(const Page& page, std::size_t i) {
     return fmt::format("<span class='mark' style='background:{}'></span>{}", colour_of(i),
@@ -191,27 +191,42 @@ std::ptrdiff_t count_pictures(const Page& page) {
     return std::ranges::count_if(page.materials, [](const PageMaterial& of) { return of.material.has_value(); });
 }
 
+std::string figure(std::string_view material, std::string_view name, const std::string& caption) {
+    return fmt::format(
+        "<figure data-material='{}'><canvas tabindex='0' "
+        "aria-label='{}'></canvas><figcaption>{}</figcaption></figure>\n",
+        material, html_escaped(name), caption);
+}
+
+/// What the difference of the first two materials is called.
+constexpr std::string_view k_difference = "difference × 10";
+/// Whether the first two have pictures, whose difference is shown.
+bool has_difference(const Page& page) {
+    return page.materials.size() > 1 && page.materials[0].material && page.materials[1].material;
+}
+
 std::string pictures_of(const Page& page) {
     std::string html;
     for (std::size_t i = 0; i < page.materials.size(); ++i)
         if (page.materials[i].material)
-            html += fmt::format(
-                "<figure data-material='{}'><canvas tabindex='0' aria-label='{}'></canvas>"
-                "<figcaption>{} <small>{}</small></figcaption></figure>\n",
-                i, html_escaped(page.materials[i].name), label_of(page, i), html_escaped(page.materials[i].kind));
+            html +=
+                figure(std::to_string(i), page.materials[i].name,
+                       fmt::format("{} <small>{}</small>", label_of(page, i), html_escaped(page.materials[i].kind)));
+    if (has_difference(page)) html += figure("difference", k_difference, std::string(k_difference));
     return html;
 }
+std::string choice(std::string_view show, std::string_view name) {
+    return fmt::format("<button type='button' data-show='{}' aria-pressed='{}'>{}</button>\n", show, show == "all",
+                       html_escaped(name));
+}
 std::string choices_of(const Page& page) {
-    std::string buttons;
-    for (std::size_t i = 0; i < page.materials.size(); ++i)
-        if (page.materials[i].material)
-            buttons += fmt::format("<button type='button' data-show='{}' aria-pressed='false'>{}</button>\n", i,
-                                   html_escaped(page.materials[i].name));
     if (count_pictures(page) < 2) return {};
-    return fmt::format(
-        "<div class='choices' role='group' aria-label='Which pictures are shown'>\n"
-        "<button type='button' data-show='all' aria-pressed='true'>Side by side</button>\n{}</div>\n",
-        buttons);
+    std::string buttons = choice("all", "Side by side");
+    if (has_difference(page)) buttons += choice("wipe", "Wipe");
+    for (std::size_t i = 0; i < page.materials.size(); ++i)
+        if (page.materials[i].material) buttons += choice(std::to_string(i), page.materials[i].name);
+    if (has_difference(page)) buttons += choice("difference", k_difference);
+    return fmt::format("<div class='choices' role='group' aria-label='Which pictures are shown'>\n{}</div>\n", buttons);
 }
 bool plots_both_sides(const Page& page) { return std::ranges::any_of(page.materials, &PageMaterial::both_sides); }
 /// What the plots show.
@@ -316,13 +331,12 @@ std::string page_html(const Page& page) {
     const auto note = [](const std::string& text) {
         return text.empty() ? text : fmt::format("<p class='note'>{}</p>", html_escaped(text));
     };
-    const std::pair<std::string_view, std::string> parts[] = {
-        {"title", html_escaped(page.title)},
-        {"style", k_style_text},
-        {"pictures_lead", count_pictures(page) > 1
-                              ? "The same object under the same lights, in each of the materials. Drag a picture "
-                                "to turn it; all of them follow."
-                              : "An object of the material. Drag the picture to turn it."},
+    const std::pair<std::string_view, std::string> of_pictures[] = {
+        {"pictures_lead",
+         count_pictures(page) > 1
+             ? "The same object under the same light, in each of the materials. Drag a picture to turn "
+               "it; all of them follow."
+             : "An object of the material. Drag the picture to turn it."},
         {"pictures", pictures_of(page)},
         {"choices", choices_of(page)},
         {"own_shape", page.mesh
@@ -330,6 +344,11 @@ std::string page_html(const Page& page) {
                           : std::string()},
         {"behind", shows_both_sides(page) ? "<button type='button' name='behind'>Light from behind</button>\n" : ""},
         {"picture_note", note(page.picture_note)},
+    };
+    const std::pair<std::string_view, std::string> parts[] = {
+        {"title", html_escaped(page.title)},
+        {"style", k_style_text},
+        {"viewer", filled(k_pictures_text, of_pictures)},
         {"slices_lead", slices_lead_of(page)},
         {"slices", slices_of(page)},
         {"table", table_of(page)},
@@ -337,7 +356,7 @@ std::string page_html(const Page& page) {
         {"texts", texts_of(page)},
         {"generator", html_escaped(page.generator)},
         {"data", script_text(data_of(page))},
-        {"script", std::string(k_light_text) + k_viewer_text},
+        {"script", std::string(k_light_text) + k_painter_text + k_viewer_text + k_exported_text},
     };
     return filled(k_page_text, parts);
 }

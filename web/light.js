@@ -1,6 +1,8 @@
 // Environments: their files, their textures, and pictures that converge under them.
+// A function of its own text, which the page gives to its worker too.
 "use strict";
-const light = (() => {
+function lighting() {
+"use strict";
 const k_most_bytes = 2 ** 27, k_most_width = 4096;
 
 // ---- Files -------------------------------------------------------------------------------------------------------
@@ -232,17 +234,35 @@ function delete_buffer(gl, { framebuffer, textures, depth }) {
 const k_plastic = 1.3247179572447460;
 const shift_of = (i) => [1 / k_plastic, 1 / k_plastic ** 2].map((step) => (i + 1) * step % 1 - 0.5);
 
-// The exposure that takes nine tenths of the pixels to at most `knee`.
-function exposure_of(gl, { width, height, framebuffer }, knee) {
-  const pixels = new Float32Array(4 * width * height), bright = [];
+// The exposure that takes nine tenths of the object's pixels to at most `knee`; `visible` has the surface at 2 x 2 points of each.
+function exposure_of(gl, { width, height, framebuffer }, visible, knee) {
+  const pixels = new Float32Array(4 * width * height), surface = new Float32Array(16 * width * height), bright = [];
+  gl.bindFramebuffer(gl.FRAMEBUFFER, visible.framebuffer);
+  gl.readPixels(0, 0, 2 * width, 2 * height, gl.RGBA, gl.FLOAT, surface);
   gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
   gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, pixels);
-  for (let i = 0; i < pixels.length; i += 4) {
-    const most = Math.max(pixels[i], pixels[i + 1], pixels[i + 2]);
-    if (most > 0) bright.push(most);
-  }
-  return bright.length ? knee / Float32Array.from(bright).sort()[Math.floor(0.9 * (bright.length - 1))] : 1;
+  for (let y = 0, i = 0; y < height; ++y)
+    for (let x = 0; x < width; ++x, i += 4)
+      if (surface[4 * (2 * y * 2 * width + 2 * x) + 3] > 0) bright.push(Math.max(pixels[i], pixels[i + 1], pixels[i + 2]));
+  const most = Float32Array.from(bright).sort()[Math.floor(0.9 * (bright.length - 1))];
+  return most > 0 ? knee / most : 1;
 }
 
-return { read_file, decoded, new_environment, new_buffer, delete_buffer, shift_of, exposure_of };
-})();
+// The azimuth [rad] by which an environment is turned so that most of its light comes from the left of the viewer, 40 degrees
+// off: a vector mean over the upper half, of cubes, so that lamps count for more than walls.
+function facing({ width, height, texels }) {
+  let x = 0, z = 0;
+  for (let row = 0; row < height; ++row)
+    for (let column = 0; column < width; ++column) {
+      const i = 3 * (row * width + column), phi = ((column + 0.5) / width - 0.5) * 2 * Math.PI;
+      const bright = Math.min(0.2126 * texels[i] + 0.7152 * texels[i + 1] + 0.0722 * texels[i + 2], 100) ** 3;
+      const weight = bright * solid_angle(row, height);
+      x += weight * Math.sin(phi), z -= weight * Math.cos(phi);
+    }
+  const now = Math.atan2(x, z), wanted = -40 * Math.PI / 180; // azimuths from +z, towards the viewer, to +x, the right
+  return Number.isFinite(now) ? wanted - now : 0;
+}
+
+return { read_file, decoded, new_environment, new_buffer, delete_buffer, shift_of, exposure_of, facing };
+}
+const light = lighting();

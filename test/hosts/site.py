@@ -1,0 +1,173 @@
+"""The page of build/site in a browser, from the disk as a user has it: each kind of measurement is opened, fitted and saved, and what
+is saved is compared byte by byte with the program's files. Damaged files are refused with the program's words.
+
+SRBF_MEASUREMENTS: files or folders, separated by colons, to try beside the bundled ones."""
+import hashlib
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+root = Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(root / "test"))
+from chromium import WEBGL, Chromium, program  # noqa: E402
+
+srbf = root / "build/release/srbf"
+failures = []
+LONGEST_TASK, CANCELLED_WITHIN, MOST_MEMORY = 100, 1, 300 * 2**20  # milliseconds; seconds; bytes of the module
+PATIENCE = 400  # seconds until a fit counts as failed
+SAVED = [("srbf", ".srbf"), ("glsl", ".glsl"), ("hlsl", ".hlsl"), ("wgsl", ".wgsl"), ("msl", ".metal"), ("c", ".h"), ("three", ".js"),
+         ("table", ".binary"), ("table", ".bsdf"), ("table", ".mbsdf")]
+
+
+def check(holds, what):
+    if not holds:
+        failures.append(what)
+        print("  FAILED:", what)
+
+
+def run(*arguments):
+    return subprocess.run([str(srbf), *map(str, arguments)], capture_output=True, text=True)
+
+
+class Page:
+    def __init__(self):
+        self.chromium = Chromium(WEBGL)
+        self.chromium.size(1280, 800)
+        self.chromium.open(root / "build/site/index.html")
+        # Tasks that keep the page from answering.
+        self.chromium.run("""window.tasks = []; new PerformanceObserver((list) => { for (const e of list.getEntries()) tasks.push(e.duration); })
+            .observe({ type: "longtask", buffered: true })""")
+        self.chromium.run("document.body.append(Object.assign(document.createElement('input'), { type: 'file', id: 'given' }))")
+
+    def give(self, path):
+        """Drops the file on the page."""
+        document = self.chromium.ask("DOM.getDocument")["root"]["nodeId"]
+        node = self.chromium.ask("DOM.querySelector", nodeId=document, selector="#given")["nodeId"]
+        self.chromium.ask("DOM.setFileInputFiles", nodeId=node, files=[str(path)])
+        self.chromium.run("""(() => { const given = new DataTransfer(); given.items.add(document.getElementById("given").files[0]);
+            document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: given, bubbles: true, cancelable: true })); })()""")
+
+    def state(self):
+        return self.chromium.run("""({ failure: document.getElementById("failure").textContent, verdict: document.getElementById("verdict").textContent,
+            working: !document.getElementById("working").hidden, memory: app.state().fitted?.memory ?? 0,
+            name: app.state().fitted && app.state().file.name, seconds: app.state().fitted?.seconds ?? 0 })""")
+
+    def wait(self, name, done):
+        begun = time.time()
+        while time.time() - begun < PATIENCE:
+            state = self.state()
+            if done(state):
+                return state, time.time() - begun
+            time.sleep(0.05)
+        check(False, f"{name}: nothing after {PATIENCE} s: {state}")
+        return state, PATIENCE
+
+    def saved(self, what, name):
+        """The hash of what the page would save, or its error."""
+        return self.chromium.run(f"""app.save_as({what!r}, {name!r}).then(async (content) => {{
+            const bytes = typeof content === "string" ? new TextEncoder().encode(content) : content;
+            return [...new Uint8Array(await crypto.subtle.digest("SHA-256", bytes))].map((x) => x.toString(16).padStart(2, "0")).join("");
+        }}, (error) => "error " + error.message)""")
+
+
+def written(path):
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.exists() else "nothing"
+
+
+def compared(page, file, folder):
+    """Opens, fits and saves a file on the page and by the program."""
+    page.give(file)
+    state, seconds = page.wait(file.name, lambda of: of["failure"] or of["name"] == file.name)
+    print(f"  {file.name}: {seconds:.1f} s, {state['memory'] / 2**20:.0f} MB: {state['failure'] or state['verdict']}")
+    check(not state["failure"], f"{file.name} is refused: {state['failure']}")
+    check(state["memory"] <= MOST_MEMORY, f"{file.name} takes {state['memory']} bytes")
+    if state["failure"]:
+        return
+    model = folder / (file.stem + ".srbf")
+    said = run("fit", file, "-o", model)
+    check(said.returncode == 0, said.stderr)
+    for what, ending in SAVED:
+        name = file.stem + ending
+        mine = page.saved(what, name)
+        if what == "srbf":
+            said, path = None, model
+        else:
+            path = folder / name
+            said = run("convert", model, "-o", path) if what == "table" else run("export", model, "--to", what, "-o", path)
+        if said is not None and said.returncode != 0:
+            check(mine.startswith("error "), f"{name}: the program refuses it: {said.stderr.strip()}")
+        elif ending in (".binary", ".bsdf", ".mbsdf") and mine != written(path):
+            print(f"  note: {name} differs in bytes")  # fused arithmetic of pictures
+            check(not mine.startswith("error "), f"{name}: {mine}")
+        else:
+            check(mine == written(path), f"{name} is not what the program writes: {mine}")
+
+
+def damaged(page, folder):
+    """Files that are wrong: one line, as the program says it."""
+    film = (root / "data/cc_ibiza_sunset_rgb.bsdf").read_bytes()
+    contents = {"empty.bsdf": b"", "text.bsdf": b"Hello, world\n", "cut.bsdf": film[:100000], "head.bsdf": film[:12] + b"\xff" * 40 + film[52:],
+                "wrong.xml": b"<?xml version='1.0'?><WindowElement><Optical></WindowElement>", "wrong.csv": b"wl_x,wl_y\n1,2\n",
+                "huge.binary": (2**30).to_bytes(4, "little") * 3 + b"\0" * 100}
+    for name, content in contents.items():
+        file = folder / name
+        file.write_bytes(content)
+        page.give(file)
+        state, _ = page.wait(name, lambda of: of["failure"].startswith(name))
+        said = run("info", file).stderr.strip().removeprefix("srbf: ").replace(str(file), name)
+        check(state["failure"] == said, f"{name}: the page says {state['failure']!r}, the program {said!r}")
+        check("\n" not in state["failure"] and len(state["failure"]) < 500, f"{name}: not one line")
+    print(f"  {len(contents)} damaged files have a line each, such as: {state['failure']}")
+
+
+def cancelled(page):
+    page.give(root / "data/paper_white_rgb.bsdf")
+    page.wait("working", lambda of: of["working"])
+    time.sleep(2)
+    page.chromium.click("#cancel")
+    _, seconds = page.wait("cancelled", lambda of: of["verdict"].startswith("Cancelled") and not of["working"])
+    check(seconds <= CANCELLED_WITHIN, f"cancelled after {seconds:.2f} s")
+    print(f"  cancelled within {seconds:.2f} s")
+
+
+def replaced(page):
+    """A second file while the first is fitted; then another number of lobes."""
+    page.give(root / "data/cc_ibiza_sunset_rgb.bsdf")
+    time.sleep(2)
+    page.give(root / "data/paper_white_rgb.bsdf")
+    page.wait("the second", lambda of: of["name"] == "paper_white_rgb.bsdf")
+    page.chromium.run("""(() => { const lobes = document.getElementById("lobes"); lobes.value = 4;
+        for (const kind of ["input", "change"]) lobes.dispatchEvent(new Event(kind)); })()""")
+    page.wait("fewer lobes", lambda of: page.chromium.run("app.state().fitted.bytes") == 112 and not of["working"])
+    check(page.chromium.run("app.state().file.name") == "paper_white_rgb.bsdf", "the second file does not replace the first")
+
+
+def files():
+    found = [root / "data/cc_ibiza_sunset_rgb.bsdf", root / "data/cc_ibiza_sunset_rgb.csv"]
+    for name in filter(None, os.environ.get("SRBF_MEASUREMENTS", "").split(":")):
+        path = Path(name)
+        found += sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+    return found
+
+
+if not program():
+    print("no Chromium (Debian: chromium)")
+    sys.exit(0)
+page = Page()
+print("  first paint after", page.chromium.run("performance.getEntriesByName('first-contentful-paint')[0]?.startTime"), "ms")
+with tempfile.TemporaryDirectory() as name:
+    for file in files():
+        compared(page, file, Path(name))
+    damaged(page, Path(name))
+    cancelled(page)
+    replaced(page)
+tasks = page.chromium.run("tasks")
+print(f"  the longest task of the page took {max(tasks, default=0)} ms")
+check(max(tasks, default=0) <= LONGEST_TASK, f"the page does not answer for {max(tasks, default=0)} ms")
+check(not page.chromium.problems, f"the browser's console: {page.chromium.problems}")
+check(all(url.startswith(("file:", "blob:", "data:")) for url in page.chromium.requests), "something is asked of the network")
+page.chromium.close()
+sys.exit(1 if failures else 0)

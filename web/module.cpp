@@ -1,0 +1,369 @@
+// The library for a page or a script: C functions of one WebAssembly module (web/binding.js calls them). Subjects,
+// measurements and models, are known by numbers from 1. A function that may fail returns 0, and the content is then the
+// error, one line; otherwise a number above 0, and the content is what it made.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "app/output.h"
+#include "app/page_of.h"
+#include "render/environment.h"
+#include "render/material.h"
+#include "render/slices.h"
+#include "srbf/file.h"
+#include "srbf/fit_bsdf.h"
+#include "srbf/fit_options.h"
+#include "srbf/fitting.h"
+#include "srbf/metrics.h"
+#include "srbf/shading_code.h"
+#include "srbf/text.h"
+
+#define SRBF_EXPORT(name) __attribute__((export_name("srbf_" #name)))
+
+/// What the host does with progress; 0 cancels.
+extern "C" __attribute__((import_module("srbf"), import_name("progress"))) int srbf_host_progress(const char* stage,
+                                                                                                  std::size_t size,
+                                                                                                  double fraction);
+
+namespace srbf {
+namespace {
+
+std::vector<std::unique_ptr<Subject>> g_subjects;
+std::vector<std::byte> g_content;
+Image g_studio(1, 1);  // before the host gives the bundled environment
+
+int give(std::span<const std::byte> bytes) {
+    g_content.assign(bytes.begin(), bytes.end());
+    return 1;
+}
+int give(std::string_view text) { return give(as_bytes(text)); }
+int give_json(const Json& json) { return give(std::string_view(json.dump(-1, ' ', false, Json::error_handler_t::replace))); }
+int fail(const Error& error) { return give(std::string_view(message(error))), 0; }
+/// The content of a result, or its error.
+int give_or_fail(const Result<std::string>& result) {
+    return result ? give(std::string_view(*result)) : fail(result.error());
+}
+int give_or_fail(const Result<std::vector<std::byte>>& result) {
+    return result ? give(std::span<const std::byte>(*result)) : fail(result.error());
+}
+
+const Subject* subject_of(int number) {
+    const bool known = number > 0 && std::size_t(number) <= g_subjects.size();
+    return known ? g_subjects[std::size_t(number) - 1].get() : nullptr;
+}
+int keep(Subject subject) {
+    g_subjects.push_back(std::make_unique<Subject>(std::move(subject)));
+    return int(g_subjects.size());
+}
+Error unknown(std::string expected) {
+    return {"subject", {}, "number", std::move(expected), "none", ErrorCode::argument};
+}
+
+const Model* model_of(const Subject* subject) { return subject ? std::get_if<Model>(&subject->content) : nullptr; }
+const Measured* measured_of(const Subject* subject) {
+    return subject ? std::get_if<Measured>(&subject->content) : nullptr;
+}
+
+// ---- Options of a fit --------------------------------------------------------------------------------------------
+
+/// Reads the members of an object of JSON one by one; the first that is wrong is the error.
+class Options {
+  public:
+    explicit Options(std::string_view text) : json_(Json::parse(text.begin(), text.end(), nullptr, false)) {
+        if (!json_.is_object()) refuse("", "an object of JSON", std::string(text.substr(0, 40)));
+    }
+    void refuse(std::string name, std::string expected, std::string found) {
+        if (!error_)
+            error_ = Error{"options", {}, std::move(name), std::move(expected), std::move(found), ErrorCode::argument};
+    }
+    /// The number by that name within [least, most], if it is given.
+    std::optional<double> number(const char* name, double least, double most, bool whole) {
+        const auto at = json_.find(name);
+        if (error_ || at == json_.end()) return {};
+        ++read_;
+        const double value = at->is_number() ? at->get<double>() : std::numeric_limits<double>::quiet_NaN();
+        if (value >= least && value <= most && (!whole || value == std::floor(value))) return value;
+        refuse(name, fmt::format("{} {:g} to {:g}", whole ? "a whole number" : "a number", least, most), at->dump());
+        return {};
+    }
+    std::optional<std::string> word(const char* name) {
+        const auto at = json_.find(name);
+        if (error_ || at == json_.end()) return {};
+        ++read_;
+        if (at->is_string()) return at->get<std::string>();
+        refuse(name, "a word", at->dump());
+        return {};
+    }
+    /// The error, if there is one; names that nothing has read are wrong.
+    std::optional<Error> error() {
+        if (!error_ && read_ < json_.size())
+            refuse("names", "model, lobes, variates, form, objective, seed, maxTheta, targetDeltaE or budget",
+                   json_.dump());
+        return error_;
+    }
+
+  private:
+    Json json_;
+    std::size_t read_ = 0;
+    std::optional<Error> error_;
+};
+
+/// An option that is also one of `srbf fit`, in its range.
+std::optional<double> option_of(Options& options, const char* name, const FitOptionRow& row) {
+    return options.number(name, row.least, row.most, row.is_whole);
+}
+
+Result<FitRequest> request_of(std::string_view text) {
+    Options options(text);
+    FitRequest request;
+    const std::string model = options.word("model").value_or("pm");
+    const auto lobes = option_of(options, "lobes", fit_option("lobes"));
+    if (model == "pm") {
+        PmRequest pm;
+        if (lobes) pm.size = LobeCount{int(*lobes)};
+        if (const auto n = option_of(options, "variates", fit_option("variates"))) pm.variates = int(*n);
+        if (const auto form = options.word("form")) {
+            const auto named = form_named(*form);
+            if (named) pm.form = *named;
+            if (!named) options.refuse("form", "gaussian, horizon or extended", *form);
+        }
+        if (const auto goal = option_of(options, "targetDeltaE", fit_option("target_delta_e")))
+            pm.size = TargetDeltaE{*goal};
+        if (const auto bytes = option_of(options, "budget", fit_option("budget")))
+            pm.size = ByteBudget{std::size_t(*bytes)};
+        request.model = pm;
+    } else if (model == "ggx") {
+        GgxRequest ggx;
+        if (lobes) ggx.lobes = int(*lobes);
+        if (ggx.lobes > k_most_ggx_lobes) options.refuse("lobes", "1 or 2 of ggx", std::to_string(ggx.lobes));
+        request.model = ggx;
+    } else {
+        options.refuse("model", "pm or ggx", model);
+    }
+    if (const auto word = options.word("objective")) {
+        const auto objective = objective_named(*word);
+        if (objective) request.objective = *objective;
+        if (!objective) options.refuse("objective", "appearance, cosine, raw, log or cube-root", *word);
+    }
+    if (const auto seed = options.number("seed", 0, 9e15, true)) request.seed = std::uint64_t(*seed);
+    if (const auto theta = option_of(options, "maxTheta", fit_option("max_theta")))
+        request.max_theta = *theta * k_degree;
+    if (const auto error = options.error()) return *error;
+    return request;
+}
+
+// ---- Fits --------------------------------------------------------------------------------------------------------
+
+/// What is seen of a fit and what it takes, for people.
+Json summary_of(const Measured& measured, const Model& model) {
+    return {{"format", measured.format}, {"sourceBytes", measured.bytes}, {"bytes", payload_bytes(model)}};
+}
+void add_seen(Json& json, const char* name, const Appearance& seen) {
+    json[name] = {{"deltaE", seen.mean.delta_e},
+                  {"worst", seen.worst_delta_e},
+                  {"flip", seen.mean.flip},
+                  {"verdict", words(verdict(seen.mean))},
+                  {"level", int(verdict(seen.mean))}};
+}
+
+struct Fitted {
+    Model model;
+    Json report;
+};
+Result<Fitted> fitted(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
+    if (std::holds_alternative<BsdfTable>(measured.table)) {
+        auto sides = fit_bsdf(measured, request, progress);
+        if (!sides) return sides.error();
+        Json report = summary_of(measured, sides->model);
+        double worst = 0;
+        for (const PartFit& part : sides->parts)
+            for (const Hemispherical& sum : part.hemispherical)
+                worst = std::max(worst, std::abs(sum.fitted - sum.measured));
+        report["twoSided"] = true, report["energyError"] = worst, report["seconds"] = sides->fit_seconds;
+        return Fitted{std::move(sides->model), std::move(report)};
+    }
+    auto outcome = fit(measured, request, progress);
+    if (!outcome) return outcome.error();
+    Json report = summary_of(measured, outcome->model);
+    report["twoSided"] = false, report["seconds"] = outcome->fit_seconds;
+    add_seen(report, "seen", outcome->errors->appearance);
+    report["heldout"] = outcome->errors->heldout.*measure_of(request.objective);
+    if (outcome->samples) report["samples"] = *outcome->samples;
+    if (outcome->noise && outcome->against_smoothed) add_seen(report, "smoothed", *outcome->against_smoothed);
+    return Fitted{std::move(outcome->model), std::move(report)};
+}
+
+std::string text_of(const char* text, std::size_t size) { return std::string(text, size); }
+
+/// Models as a file has them, so that all that is made of one is what the program makes of the file.
+Result<Model> as_stored(const Model& model, const std::string& name) { return read_model(write_model(model), name); }
+
+}  // namespace
+
+/// What pages show at first: the host's.
+Image page_environment() { return g_studio; }
+
+SRBF_EXPORT(allocate) void* allocate(std::size_t size) { return std::malloc(size); }
+SRBF_EXPORT(free) void release(void* bytes) { std::free(bytes); }
+SRBF_EXPORT(content) const std::byte* content() { return g_content.data(); }
+SRBF_EXPORT(content_size) std::size_t content_size() { return g_content.size(); }
+
+/// Reads a measurement or a model from the bytes of a file of that name. The content describes it, as JSON.
+SRBF_EXPORT(open) int open(const char* name, std::size_t name_size, const std::byte* bytes, std::size_t size) {
+    const std::string path = text_of(name, name_size);
+    const std::span<const std::byte> all(bytes, size);
+    if (is_safetensors(all)) {
+        auto model = read_model(all, path);
+        if (!model) return fail(model.error());
+        give_json(Json{{"model", true}, {"bytes", payload_bytes(*model)}});
+        return keep({path, *std::move(model)});
+    }
+    auto measured = read_measured(all, path);
+    if (!measured) return fail(measured.error());
+    const auto* samples = std::get_if<ScatteredSamples>(&measured->table);
+    give_json(Json{{"model", false},
+              {"format", measured->format},
+              {"bytes", measured->bytes},
+              {"isotropic", is_isotropic(*measured)},
+              {"samples", samples ? Json(samples->wl.size()) : Json()},
+              {"twoSided", std::holds_alternative<BsdfTable>(measured->table)}});
+    return keep({path, *std::move(measured)});
+}
+SRBF_EXPORT(close) void close(int number) {
+    if (subject_of(number)) g_subjects[std::size_t(number) - 1].reset();
+}
+
+/// Fits a measurement by options, JSON; the content is a report, as JSON.
+SRBF_EXPORT(fit) int fit_subject(int number, const char* options, std::size_t size) {
+    const Subject* subject = subject_of(number);
+    const Measured* measured = measured_of(subject);
+    if (!measured) return fail(unknown("that of a measurement"));
+    const auto request = request_of({options, size});
+    if (!request) return fail(request.error());
+    const ProgressToken progress = [](const Progress& now) {
+        return srbf_host_progress(now.stage.data(), now.stage.size(), now.fraction) != 0;
+    };
+    auto made = fitted(*measured, *request, progress);
+    if (!made) {
+        Error error = made.error();
+        if (error.code != ErrorCode::cancelled) error.source = subject->path;
+        return fail(error);
+    }
+    made->model.provenance["source"] = subject->path.substr(subject->path.find_last_of('/') + 1);
+    const std::string path = stem_of(subject->path) + ".srbf";
+    auto model = as_stored(made->model, path);
+    if (!model) return fail(model.error());
+    give_json(made->report);
+    return keep({path, *std::move(model)});
+}
+
+/// The bytes of a model's file.
+SRBF_EXPORT(model_file) int model_file(int number) {
+    const Model* model = model_of(subject_of(number));
+    return model ? give(std::span<const std::byte>(write_model(*model))) : fail(unknown("that of a model"));
+}
+
+/// Shading code of a model: glsl, hlsl, wgsl, msl, c or three; `sampling` adds NAME_sample and NAME_pdf.
+SRBF_EXPORT(code) int code(int number, const char* language, std::size_t size, int sampling) {
+    const Subject* subject = subject_of(number);
+    const Model* model = model_of(subject);
+    if (!model) return fail(unknown("that of a model"));
+    const std::string to = text_of(language, size), name = identifier(stem_of(subject->path));
+    std::vector<NamedModel> named{{name, model}};
+    if (to == "three") {
+        if (const auto* bsdf = std::get_if<BsdfModel>(&model->model)) {
+            named.clear();
+            for (std::size_t p = 0; p < k_parts; ++p)
+                if (bsdf->part[p]) named.push_back({fmt::format("{}_{}", name, k_part_names[p]), bsdf->part[p].get()});
+        }
+        return give_or_fail(three_module(named, named.size() == 1 ? named[0].name : name));
+    }
+    for (const CodeLanguageRow& row : k_code_languages)
+        if (row.name == to)
+            return give_or_fail(shading_code(named, name, {.language = row.language, .sampling = sampling != 0}));
+    return fail({"code", {}, "language", "glsl, hlsl, wgsl, msl, c or three", to, ErrorCode::argument});
+}
+
+/// The subject as a table for a file of that name.
+SRBF_EXPORT(table) int table(int number, const char* file, std::size_t size) {
+    const Subject* subject = subject_of(number);
+    if (!subject) return fail(unknown("that of a measurement or a model"));
+    const TableFormatRow* row = table_format(text_of(file, size));
+    if (!row)
+        return fail({"table",
+                     {},
+                     "name",
+                     "one that ends in .binary, .bsdf, .mbsdf or .csv",
+                     text_of(file, size),
+                     ErrorCode::argument});
+    auto bytes = table_file(subject->content, row->format, {.description = stem_of(subject->path)});
+    if (bytes) return give_or_fail(bytes);
+    Error error = bytes.error();
+    error.source = subject->path, error.expected += fmt::format(", as {} tables are", row->name);
+    return fail(error);
+}
+
+/// f [1/sr] of the subject: `count` directions to the light and to the viewer, three floats each, into `f`.
+SRBF_EXPORT(evaluate) int evaluate(int number, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
+    const Subject* subject = subject_of(number);
+    if (!subject) return fail(unknown("that of a measurement or a model"));
+    evaluator (*subject)({wl, count}, {wv, count}, {f, count});
+    return 1;
+}
+
+/// The bundled environment, a file of Radiance.
+SRBF_EXPORT(set_studio) int set_studio(const std::byte* bytes, std::size_t size) {
+    const auto image = read_hdr({bytes, size}, "studio.hdr");
+    if (!image) return fail(image.error());
+    g_studio = halved(*image);
+    return 1;
+}
+/// What web/viewer.js is given: what all pictures have in common, and what the subject's has.
+SRBF_EXPORT(viewer_data) int give_viewer_data() { return give(std::string_view(viewer_data())); }
+SRBF_EXPORT(viewer_material) int give_viewer_material(int number) {
+    const Subject* subject = subject_of(number);
+    if (!subject) return fail(unknown("that of a measurement or a model"));
+    PageMaterial of = shown(*subject);
+    if (const Measured* measured = measured_of(subject)) {
+        if (!is_isotropic(*measured)) return give_json(Json());
+        const bool two_sided = std::holds_alternative<BsdfTable>(measured->table);
+        auto material = two_sided ? material_of(subject->content, subject->path)
+                                  : Result<Material>(table_of(evaluator(*subject), k_page_table));
+        if (!material) return fail(material.error());
+        of.material = *std::move(material);
+    }
+    return give(std::string_view(viewer_material(of)));
+}
+
+/// Plots of a measurement and a model of it (0: none), SVG one after the other.
+SRBF_EXPORT(slices) int slices(int measured, int model) {
+    std::vector<SliceCurve> curves;
+    bool both_sides = false;
+    for (const auto& [number, colour] : {std::pair(measured, "var(--ink)"), std::pair(model, "#0072b2")})
+        if (const Subject* subject = subject_of(number)) {
+            const bool two_sided = is_two_sided(subject->content);
+            both_sides = both_sides || two_sided;
+            curves.push_back({number == measured ? "measured" : "fitted", colour, evaluator(*subject), two_sided});
+        }
+    if (curves.empty()) return fail(unknown("that of a measurement or a model"));
+    std::string drawings;
+    for (const double theta : k_slice_theta)
+        drawings += both_sides ? lobe_drawing(curves, theta * k_degree, LobeScale::logarithmic)
+                               : slice_drawing(curves, theta * k_degree);
+    return give(std::string_view(drawings));
+}
+
+/// The page of a model with its measurement, as `srbf export --to html --reference` writes it.
+SRBF_EXPORT(page) int page(int model, int measured) {
+    const Subject *of = subject_of(model), *reference = subject_of(measured);
+    if (!model_of(of)) return fail(unknown("that of a model"));
+    const bool usable = measured_of(reference) && !is_two_sided(reference->content);
+    return give(std::string_view(page_html(page_of({*of}, usable ? reference : nullptr))));
+}
+
+}  // namespace srbf

@@ -1,0 +1,68 @@
+// The page's worker: it reads, fits and writes, so that the page itself never waits. A function of its own text.
+// It takes { kind: "begin", module, studio }, both packed or as it gave them back, then { kind, id, .. } with a name of `actions`, and gives back { id, result } or
+// { id, error }; and { progress, stage } while it fits.
+"use strict";
+function working() {
+"use strict";
+const { new_srbf } = binding();
+let srbf = null, measured = null, model = null;
+
+// What a script of the folder `data` holds: base64 of what gzip made of a file.
+async function unpacked(text) {
+  const packed = atob(text), bytes = new Uint8Array(packed.length);
+  for (let i = 0; i < packed.length; ++i) bytes[i] = packed.charCodeAt(i);
+  return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer());
+}
+
+const actions = {
+  open({ name, bytes }) {
+    if (measured) srbf.close(measured.number);
+    if (model) srbf.close(model.number);
+    measured = model = null;
+    const opened = srbf.open(name, bytes);
+    if (opened.model) {
+      srbf.close(opened.number);
+      throw new Error(`${name}: input: expected a measurement, found a fitted model`);
+    }
+    measured = opened;
+    return { ...measured, material: srbf.viewer_material(measured.number), slices: srbf.slices(measured.number, 0) };
+  },
+  fit({ options }) {
+    const fitted = srbf.fit(measured.number, options);
+    if (model) srbf.close(model.number);
+    model = fitted;
+    return { ...model, material: srbf.viewer_material(model.number), slices: srbf.slices(measured.number, model.number),
+      memory: srbf.memory_bytes() };
+  },
+  save({ what, name }) {
+    if (what === "srbf") return srbf.model_file(model.number);
+    if (what === "table") return srbf.table(model.number, name);
+    if (what === "page") return srbf.page(model.number, measured.number);
+    return srbf.code(model.number, what);
+  },
+};
+
+let last = 0;
+onmessage = async ({ data }) => {
+  const { kind, id } = data;
+  try {
+    if (kind === "begin") {
+      const module = typeof data.module === "string" ? await WebAssembly.compile(await unpacked(data.module)) : data.module;
+      const studio = typeof data.studio === "string" ? await unpacked(data.studio) : data.studio;
+      srbf = await new_srbf(module, (stage, fraction) => {
+        const now = performance.now();
+        if (now - last > 80) last = now, postMessage({ progress: fraction, stage });
+        return true;
+      });
+      srbf.set_studio(studio);
+      return postMessage({ id, result: { module, studio, viewer: srbf.viewer_data() } });
+    }
+    if (typeof data.bytes === "string") data.bytes = await unpacked(data.bytes);
+    postMessage({ id, result: actions[kind](data) });
+  } catch (error) {
+    // A trap leaves the module as it was in the middle of something: begin anew.
+    const is_trap = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
+    postMessage({ id, error: is_trap ? `${data.name ?? "this"}: it takes more memory than the browser gives (${error.message})` : error.message, is_trap });
+  }
+};
+}

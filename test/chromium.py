@@ -97,8 +97,11 @@ class Chromium:
         self.ask("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=mobile)
         self.ask("Emulation.setTouchEmulationEnabled", enabled=mobile)
 
-    def open(self, path):
-        self.ask("Page.navigate", url="file://" + os.path.abspath(path))
+    def open(self, path, fragment=""):
+        if fragment:
+            self.ask("Page.navigate", url="about:blank")  # the same page with another fragment is not loaded anew
+            self.wait_for("Page.loadEventFired")
+        self.ask("Page.navigate", url="file://" + os.path.abspath(path) + fragment)
         self.wait_for("Page.loadEventFired")
         self.settle()
 

@@ -12,13 +12,19 @@ from chromium import WEBGL, Chromium, program
 page, folder = sys.argv[1:3]
 
 
+# Three lights first, and all controls to be seen.
+LIGHTS = "#lights"
+CONTROLS = "document.querySelector('#viewer details').open = true"
+
+
 class Visit:
     def __init__(self, flags):
         self.chromium, self.pictures = Chromium(flags), []
 
     def take(self, step):
         """Keeps the pixels of every picture that is shown, as RGBA, and the scene that the page says it drew."""
-        for of in self.chromium.run("""[...document.querySelectorAll("figure:not([hidden])")].map((figure) => {
+        self.chromium.run("viewer.settled()")
+        for of in self.chromium.run("""[...document.querySelectorAll("figure:not([hidden]):not([data-material=difference])")].map((figure) => {
                 const canvas = figure.querySelector("canvas"), { width, height } = canvas;
                 const copy = Object.assign(document.createElement("canvas"), { width, height })
                     .getContext("2d", { willReadFrequently: true });
@@ -38,7 +44,8 @@ def with_webgl():
     visit = Visit(WEBGL)
     chromium = visit.chromium
     chromium.size(1000, 600)
-    chromium.open(page)
+    chromium.open(page, LIGHTS)
+    chromium.run(CONTROLS)
     if not chromium.run("!!document.createElement('canvas').getContext('webgl2')"):
         print("this Chromium has no WebGL 2")
         sys.exit(77)
@@ -64,7 +71,8 @@ def with_webgl():
     chromium.click("[name='behind']")
     visit.take("behind")
     chromium.size(390, 844, mobile=True)
-    chromium.open(page)
+    chromium.open(page, LIGHTS)
+    chromium.run(CONTROLS)
     visit.take("phone")
     chromium.click("[data-show='1']")
     visit.take("phone one")
@@ -119,12 +127,13 @@ def refused_environments(chromium):
             return new Promise((done) => setTimeout(done, 200));
         }})()""")
         said[name] = chromium.run("document.getElementById('said').innerText")
-    chromium.run("window.lost = viewer.gl.getExtension('WEBGL_lose_context'); lost.loseContext()")
-    chromium.run("new Promise((done) => setTimeout(done, 200))")
-    said["lost"] = chromium.run("document.getElementById('said').innerText")
-    chromium.run("lost.restoreContext()")
+    chromium.run("viewer.lose(true)")
     chromium.run("new Promise((done) => setTimeout(done, 500))")
-    said["restored"] = chromium.run("document.getElementById('said').innerText + (viewer.gl.isContextLost() ? 'lost' : '')")
+    said["lost"] = chromium.run("document.getElementById('said').innerText")
+    chromium.run("viewer.lose(false)")
+    chromium.run("new Promise((done) => setTimeout(done, 500))")
+    chromium.run("viewer.settled()")  # it draws again
+    said["restored"] = chromium.run("document.getElementById('said').innerText")
     return said
 
 

@@ -192,7 +192,7 @@ async function save({ save: what, ending }) {
   $("saved").textContent = content === null ? "" : `Saved ${name}.`;
   if (content === null) return;
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([content], { type: "application/octet-stream" }));
+  link.href = URL.createObjectURL(content);
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);

@@ -325,7 +325,7 @@ function draw_all({ number, pictures }) {
   return drawn;
 }
 
-let job = null, is_due = false;
+let job = null, is_due = false, loss = null;
 function draw_soon(milliseconds) {
   if (is_due) return;
   is_due = true;
@@ -366,8 +366,8 @@ const actions = {
     if (!is_resting) draw_soon(0);
   },
   lose({ is_lost }) {
-    actions.context ??= gl.getExtension("WEBGL_lose_context");
-    is_lost ? actions.context.loseContext() : actions.context.restoreContext();
+    loss ??= gl.getExtension("WEBGL_lose_context");
+    is_lost ? loss.loseContext() : loss.restoreContext();
   },
 };
 surface.addEventListener("webglcontextlost", (event) => {

@@ -31,3 +31,10 @@ for (const [name, file] of [["module", module_file], ["studio", path.join(root, 
   console.log(`${name}: ${packed.length} bytes compressed`);
   await writeFile(path.join(folder, "data", name + ".js"), `srbf_given("${name}", "${packed.toString("base64")}");\n`);
 }
+
+// The package for scripts, ready to publish.
+const at = path.join(path.dirname(folder), "npm");
+await mkdir(at, { recursive: true });
+for (const name of ["package.json", "srbf.d.ts", "srbf.mjs", "README.md"])
+  await writeFile(path.join(at, name), filled(await text(path.join("package", name)), { version, binding: await text("binding.js") }));
+await copyFile(module_file, path.join(at, "srbf.wasm"));

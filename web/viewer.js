@@ -18,7 +18,7 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 // Azimuths and elevations of the camera and of the first light.
 const beginning = () =>
-  ({ camera: [0, data.elevation], light: angles_of(data.lights[0].towards), turned: facing, zoom: 1, shown: view ? view.shown : first_shown() });
+  ({ camera: [0, data.elevation], light: angles_of(data.lights[0].towards), turned: facing, zoom: 1, shown: first_shown() });
 let view = null, facing = 0;
 const has_environment = () => controls.environment.value !== "none";
 const has_lights = () => !has_environment() || controls.lamps.checked;

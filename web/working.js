@@ -34,11 +34,12 @@ const actions = {
     return { ...model, material: srbf.viewer_material(model.number), slices: srbf.slices(measured.number, model.number),
       memory: srbf.memory_bytes() };
   },
+  // As a Blob, which the page takes without a copy.
   save({ what, name }) {
-    if (what === "srbf") return srbf.model_file(model.number);
-    if (what === "table") return srbf.table(model.number, name);
-    if (what === "page") return srbf.page(model.number, measured.number);
-    return srbf.code(model.number, what);
+    const content = what === "srbf" ? srbf.model_file(model.number)
+      : what === "table" ? srbf.table(model.number, name)
+      : what === "page" ? srbf.page(model.number, measured.number) : srbf.code(model.number, what);
+    return new Blob([content], { type: "application/octet-stream" });
   },
 };
 

@@ -1,0 +1,54 @@
+// node npm.mjs: the package of build/npm fits what the program fits; its errors are the program's; what breaks readers does not stop it.
+import assert from "node:assert";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+
+const root = path.join(path.dirname(fileURLToPath(import.meta.url)), "../.."), folder = mkdtempSync(path.join(tmpdir(), "srbf-npm-"));
+const { fit, open } = await import(path.join(root, "build/npm/srbf.mjs"));
+const program = (...all) => execFileSync(path.join(root, "build/release/srbf"), all, { stdio: "pipe" });
+const paper = path.join(root, "data/paper_white_rgb.bsdf"), bytes = readFileSync(paper), name = "paper_white_rgb.bsdf";
+
+const stages = [];
+const model = await fit(bytes, { name, lobes: 2, progress: (stage, fraction) => void stages.push(fraction) });
+program("fit", paper, "--lobes", "2", "-o", path.join(folder, "paper_white_rgb.srbf"));
+const file = readFileSync(path.join(folder, "paper_white_rgb.srbf"));
+assert.deepEqual(Buffer.from(model.file()), file, "the model's file");
+for (const language of ["glsl", "hlsl", "wgsl", "msl", "c", "three"]) {
+  const at = path.join(folder, language);
+  program("export", path.join(folder, "paper_white_rgb.srbf"), "--to", language, "-o", at);
+  assert.equal(model.code(language), readFileSync(at, "utf8"), language);
+}
+assert(stages.length > 10 && stages.every((x, i) => i === 0 || x >= stages[i - 1]) && stages.at(-1) <= 1, "progress");
+assert.equal(model.report.bytes, file.length - 8 - Number(file.readBigUint64LE()), "the report's bytes");
+const again = await open(file, "paper_white_rgb.srbf"), wl = [0, 0, 1, 0.6, 0, 0.8], wv = [0.6, 0, 0.8, 0, 0, 1];
+assert.deepEqual(again.evaluate(wl, wv), model.evaluate(wl, wv));
+assert(model.evaluate(wl, wv).every((f) => f > 0.1 && f < 1), "paper is white");
+await assert.rejects(fit(bytes, { name, lobe: 3 }), /options: names: expected/);
+await assert.rejects(fit(bytes, { name, lobes: 0 }), /options: lobes: expected a whole number 1 to 64, found 0/);
+await assert.rejects(fit(bytes, { name, progress: () => false }), /cancelled/);
+await assert.rejects(open(bytes.subarray(0, 1000), name), /^Error: paper_white_rgb.bsdf: /);
+
+// The corpus of the fuzzers, whole and cut: an error of one line, or a BRDF with values; never a trap.
+let read = 0, refused = 0;
+for (const kind of readdirSync(path.join(root, "fuzz/corpus"))) {
+  if (kind === "command_line") continue;
+  for (const name of readdirSync(path.join(root, "fuzz/corpus", kind))) {
+    const whole = readFileSync(path.join(root, "fuzz/corpus", kind, name));
+    for (const share of [1, 0.9, 0.5, 0.1])
+      try {
+        const of = await open(whole.subarray(0, Math.floor(share * whole.length)), name);
+        of.evaluate(wl, wv);
+        of.close();
+        ++read;
+      } catch (error) {
+        assert(!(error instanceof WebAssembly.RuntimeError) && !error.message.includes("\n"), `${kind}/${name}: ${error.message}`);
+        ++refused;
+      }
+  }
+}
+assert(read > 10 && refused > 10, `${read} read, ${refused} refused`);
+rmSync(folder, { recursive: true });
+console.log(`  the package fits what the program fits; ${read} files of the corpus read, ${refused} refused`);

@@ -94,6 +94,7 @@ def under_environments(visit):
     chromium = visit.chromium
 
     def converged(step):
+        chromium.run("viewer.settled()")  # what it says of samples is of these pictures
         end = time.time() + 60
         while chromium.run("viewer.scene(1).samples") < 12 and time.time() < end:
             chromium.settle()

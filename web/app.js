@@ -94,14 +94,21 @@ function show_measurement(of) {
   viewer.set_material(1, null);
   viewer.set_material(0, of.material);
 }
+function words_of({ seen, smoothed, twoSided, energyError }) {
+  if (twoSided) return `Light sent back and through is right to ${figures(energyError)} of what arrives.`;
+  if (!smoothed)
+    return `The difference is ${seen.verdict}: ΔE_ITP ${figures(seen.deltaE)} on average, ${figures(seen.worst)} in the worst of eight ` +
+      "lightings (1 is just noticeable).";
+  return `The difference is ${smoothed.verdict} once the measurement's noise is smoothed: ΔE_ITP ${figures(smoothed.deltaE)}, and ` +
+    `${figures(seen.deltaE)} with the noise (1 is just noticeable).`;
+}
 function show_fit(of) {
-  const { seen, smoothed, twoSided } = of, level = seen ? k_level[(smoothed ?? seen).level] : of.energyError <= 0.02 ? "good" : "fair";
-  const verdict = $("verdict");
-  verdict.className = level;
-  verdict.textContent = twoSided ? `Light sent back and through is right to ${figures(of.energyError)} of what arrives.`
-    : smoothed ? `The difference is ${smoothed.verdict} once the measurement's noise is smoothed: ΔE_ITP ${figures(smoothed.deltaE)}, and ${figures(seen.deltaE)} with the noise (1 is just noticeable).`
-    : `The difference is ${seen.verdict}: ΔE_ITP ${figures(seen.deltaE)} on average, ${figures(seen.worst)} in the worst of eight lightings (1 is just noticeable).`;
-  $("sizes").textContent = `${grouped(of.bytes)} bytes instead of ${grouped(of.sourceBytes)}: 1/${grouped(Math.round(of.sourceBytes / of.bytes))}. Fitted in ${of.seconds.toFixed(1)} s.`;
+  const { seen, smoothed } = of, level = seen ? k_level[(smoothed ?? seen).level] : of.energyError <= 0.02 ? "good" : "fair";
+  $("verdict").className = level;
+  $("verdict").textContent = words_of(of);
+  const share = grouped(Math.round(of.sourceBytes / of.bytes));
+  $("sizes").textContent =
+    `${grouped(of.bytes)} bytes instead of ${grouped(of.sourceBytes)}: 1/${share}. Fitted in ${of.seconds.toFixed(1)} s.`;
   is_shown("downloads", true);
   show_slices(of.slices);
   if (draws) viewer.set_material(1, of.material);

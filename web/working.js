@@ -63,7 +63,8 @@ onmessage = async ({ data }) => {
   } catch (error) {
     // A trap leaves the module as it was in the middle of something: begin anew.
     const is_trap = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
-    postMessage({ id, error: is_trap ? `${data.name ?? "this"}: it takes more memory than the browser gives (${error.message})` : error.message, is_trap });
+    const why = is_trap ? `${data.name ?? "this"}: it takes more memory than the browser gives (${error.message})` : error.message;
+    postMessage({ id, error: why, is_trap });
   }
 };
 }

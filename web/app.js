@@ -131,7 +131,7 @@ async function open() {
   common = await begun();
   if (!draws && !$("viewer").dataset.tried) {
     $("viewer").dataset.tried = "yes";
-    draws = viewer.start(common);
+    draws = await viewer.start(common);
     is_shown("without", !draws);
   }
   return ask({ kind: "open", name: file.name, bytes: file.bytes });

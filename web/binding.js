@@ -85,7 +85,7 @@ async function new_srbf(module, progress = () => true) {
     },
     set_studio: (bytes) => checked(with_bytes([bytes], c.srbf_set_studio)),
     viewer_data: () => (checked(c.srbf_viewer_data()), JSON.parse(text())),
-    viewer_material: (number) => (checked(c.srbf_viewer_material(number)), JSON.parse(text())),
+    viewer_material: (number) => (checked(c.srbf_viewer_material(number)), content()), // JSON
     slices: (measured, model) => (checked(c.srbf_slices(measured, model)), text()),
     page: (model, measured) => (checked(c.srbf_page(model, measured)), text()),
     memory_bytes: () => c.memory.buffer.byteLength,

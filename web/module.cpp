@@ -42,7 +42,9 @@ int give(std::span<const std::byte> bytes) {
     return 1;
 }
 int give(std::string_view text) { return give(as_bytes(text)); }
-int give_json(const Json& json) { return give(std::string_view(json.dump(-1, ' ', false, Json::error_handler_t::replace))); }
+int give_json(const Json& json) {
+    return give(std::string_view(json.dump(-1, ' ', false, Json::error_handler_t::replace)));
+}
 int fail(const Error& error) { return give(std::string_view(message(error))), 0; }
 /// The content of a result, or its error.
 int give_or_fail(const Result<std::string>& result) {
@@ -184,6 +186,14 @@ Result<Fitted> fitted(const Measured& measured, const FitRequest& request, const
         for (const PartFit& part : sides->parts)
             for (const Hemispherical& sum : part.hemispherical)
                 worst = std::max(worst, std::abs(sum.fitted - sum.measured));
+        auto& provenance = sides->model.provenance;
+        provenance["generator"] = "srbf " SRBF_VERSION;
+        provenance["seed"] = fmt::format("{}", request.seed);
+        if (const auto& band = std::get<BsdfTable>(measured.table).band().name; !band.empty())
+            provenance["band"] = band;
+        for (const PartFit& part : sides->parts)
+            provenance[fmt::format("error_ratio_of_{}", name(part.part))] =
+                fmt::format("{:.4g}", part.squared_error_ratio);
         report["twoSided"] = true, report["energyError"] = worst, report["seconds"] = sides->fit_seconds;
         return Fitted{std::move(sides->model), std::move(report)};
     }
@@ -227,11 +237,11 @@ SRBF_EXPORT(open) int open(const char* name, std::size_t name_size, const std::b
     if (!measured) return fail(measured.error());
     const auto* samples = std::get_if<ScatteredSamples>(&measured->table);
     give_json(Json{{"model", false},
-              {"format", measured->format},
-              {"bytes", measured->bytes},
-              {"isotropic", is_isotropic(*measured)},
-              {"samples", samples ? Json(samples->wl.size()) : Json()},
-              {"twoSided", std::holds_alternative<BsdfTable>(measured->table)}});
+                   {"format", measured->format},
+                   {"bytes", measured->bytes},
+                   {"isotropic", is_isotropic(*measured)},
+                   {"samples", samples ? Json(samples->wl.size()) : Json()},
+                   {"twoSided", std::holds_alternative<BsdfTable>(measured->table)}});
     return keep({path, *std::move(measured)});
 }
 SRBF_EXPORT(close) void close(int number) {

@@ -1,7 +1,7 @@
 // Draws materials with their shaders, in a worker where the browser lets it, so that the page never waits for a picture.
 // A function of its own text, which the page gives to that worker. It takes messages { kind, .. }:
 //   common       `data`, what all pictures have in common; forgets everything else
-//   material     `index`, `material` (null: none), whose `text` is its fragment shader
+//   material     `index`, `material` (null: none), whose `text` is its fragment shader; or its JSON as `bytes`
 //   environment  `image` (width, height, texels)
 //   draw         `pictures`, each with `of`, a material's index or "difference" of the first two, width, height and scene
 //   rest         `is_resting`: few samples of a picture, for somebody else computes
@@ -13,7 +13,7 @@ function painting(surface, post) {
 const light = lighting();
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const gl = surface.getContext("webgl2", { alpha: false, antialias: true });
-if (!gl) return null;
+if (!gl) return post({ kind: "none" }), null;
 const has_floats = gl.getExtension("EXT_color_buffer_float") !== null;
 const k_samples = 1024, k_samples_resting = 8; // of a picture that does not move
 const k_difference_gain = 10;
@@ -348,7 +348,8 @@ const actions = {
   common(message) { data = message.data, given = {}, load(); },
   material({ index, material }) {
     forget_material(index);
-    given[index] = material, samples = 0;
+    given[index] = material && material.bytes ? JSON.parse(new TextDecoder().decode(material.bytes)) : material;
+    samples = 0;
     if (index === 0) is_exposed = false;
   },
   environment(message) {

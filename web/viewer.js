@@ -56,25 +56,25 @@ function new_painter(take) {
   };
   if (!window.OffscreenCanvas || !window.Worker) return on_page();
   try {
-    if (!new OffscreenCanvas(1, 1).getContext("webgl2")) return on_page();
     const text = `${lighting}\n${painting}\nconst receive = painting(new OffscreenCanvas(1, 1), (message, gifts) => postMessage(message, gifts || []));
       onmessage = ({ data }) => receive && receive(data);`;
     const worker = new Worker(URL.createObjectURL(new Blob([text], { type: "text/javascript" })));
-    worker.onmessage = ({ data }) => take(data);
-    return { send: (message) => worker.postMessage(message), end: () => worker.terminate() };
+    // A worker without WebGL: the page itself tries.
+    worker.onmessage = ({ data }) => data.kind === "none" ? (worker.terminate(), painter = on_page()) : take(data);
+    return { send: (message, gifts = []) => worker.postMessage(message, gifts), end: () => worker.terminate() };
   } catch {
     return on_page();
   }
 }
 
 const figure_of = (of) => figures.find((figure) => figure.dataset.material === String(of));
-let painter = null, number = 0, drawn = { number: 0, samples: 0, exposure: 1 }, waiting = [], has_floats = true, known = new Set();
+let painter = null, number = 0, drawn = { number: 0, samples: 0, exposure: 1 }, waiting = [], has_floats = true, known = new Set(), began = () => {};
 
 function take(message) {
   const { kind } = message;
-  if (kind === "ready") {
+  if (kind === "ready" || kind === "none") {
     has_floats = message.has_floats;
-    if (!has_floats) without_floats();
+    setTimeout(() => began(kind === "ready")); // once there is a painter
   } else if (kind === "busy") {
     busy("Preparing the pictures: the browser compiles their shaders. Without a graphics card this takes a while.");
   } else if (kind === "picture") {
@@ -309,11 +309,14 @@ function listen() {
 // "#lights" after the address: three lights first.
 const start_light = () => { if (location.hash === "#lights" || !has_floats) controls.environment.value = "none"; };
 
-// Begins with `common`, of painter.js; false where the browser cannot draw.
-function start(common) {
-  if (!document.createElement("canvas").getContext("webgl2")) return false;
-  painter = new_painter(take);
-  if (!painter.send) return painter = null, false;
+// Begins with `common`, of painter.js; resolves to false where the browser cannot draw. To ask for a context would keep the page
+// waiting: the painter tells.
+async function start(common) {
+  const draws = await new Promise((done) => {
+    began = done;
+    painter = new_painter(take);
+  });
+  if (!draws) return painter = null, false;
   section.hidden = false;
   data = common;
   images.studio = { ...data.environment, texels: light.decoded(Uint8Array.from(atob(data.environment.rgbe), (c) => c.charCodeAt(0))) };
@@ -323,13 +326,14 @@ function start(common) {
   listen();
   facing = light.facing(images.studio), view.turned = facing;
   painter.send({ kind: "environment", image: images.studio });
+  if (!has_floats) without_floats();
   return true;
 }
 // Gives the picture of that figure a material; null: none.
 function set_material(index, material) {
   known[material ? "add" : "delete"](String(index));
   if (material && index === 0 && material.exposure) data.exposure = material.exposure;
-  painter.send({ kind: "material", index, material });
+  painter.send({ kind: "material", index, material }, material && material.bytes ? [material.bytes.buffer] : []);
   view.shown = is_there(view.shown) || view.shown === "wipe" && is_there("difference") ? view.shown : first_shown();
   redraw();
 }

@@ -14,6 +14,12 @@ async function unpacked(text) {
   return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer());
 }
 
+// A picture's material goes from worker to worker as bytes, with which the page has no work; null: it has no picture.
+function material_of({ number }) {
+  const bytes = srbf.viewer_material(number), material = JSON.parse(new TextDecoder().decode(bytes));
+  return material && { bytes, exposure: material.exposure };
+}
+
 const actions = {
   open({ name, bytes }) {
     if (measured) srbf.close(measured.number);
@@ -25,13 +31,13 @@ const actions = {
       throw new Error(`${name}: input: expected a measurement, found a fitted model`);
     }
     measured = opened;
-    return { ...measured, material: srbf.viewer_material(measured.number), slices: srbf.slices(measured.number, 0) };
+    return { ...measured, material: material_of(measured), slices: srbf.slices(measured.number, 0) };
   },
   fit({ options }) {
     const fitted = srbf.fit(measured.number, options);
     if (model) srbf.close(model.number);
     model = fitted;
-    return { ...model, material: srbf.viewer_material(model.number), slices: srbf.slices(measured.number, model.number),
+    return { ...model, material: material_of(model), slices: srbf.slices(measured.number, model.number),
       memory: srbf.memory_bytes() };
   },
   // As a Blob, which the page takes without a copy.
@@ -59,7 +65,8 @@ onmessage = async ({ data }) => {
       return postMessage({ id, result: { module, studio, viewer: srbf.viewer_data() } });
     }
     if (typeof data.bytes === "string") data.bytes = await unpacked(data.bytes);
-    postMessage({ id, result: actions[kind](data) });
+    const result = actions[kind](data);
+    postMessage({ id, result }, result.material ? [result.material.bytes.buffer] : []);
   } catch (error) {
     // A trap leaves the module as it was in the middle of something: begin anew.
     const is_trap = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include "app/commands.h"
@@ -124,8 +125,11 @@ Result<std::string> ExportCommand::code(const std::vector<NamedModel>& named) co
     if (to == "radiance") return radiance_text(named);
     CodeOptions options{
         .language = std::ranges::find(k_code_languages, std::string_view(to), &CodeLanguageRow::name)->language};
-    for (const std::string& extra : with)
-        (extra == "sampling" ? options.sampling : extra == "albedo" ? options.albedo : options.environment) = true;
+    const std::map<std::string, bool*> extras{{"sampling", &options.sampling},
+                                              {"albedo", &options.albedo},
+                                              {"environment", &options.environment},
+                                              {"area", &options.area}};
+    for (const std::string& extra : with) *extras.at(extra) = true;
     return shading_code(named, prefix, options);
 }
 
@@ -163,10 +167,11 @@ void add_export(CommandLine& app, int& status) {
                "sampling: code with NAME_sample and NAME_pdf too; albedo: with NAME_albedo, the share of light that\n"
                "is reflected to a view; environment: with NAME_environment, the radiance under an environment that "
                "the\n"
-               "host has filtered as for GGX; may be repeated")
+               "host has filtered as for GGX; area: with NAME_area, the radiance under a quadrilateral; may be "
+               "repeated")
             .type_name("WHAT")
             .one_at_a_time()
-            .one_of({"sampling", "albedo", "environment"});
+            .one_of({"sampling", "albedo", "environment", "area"});
     const Option reference =
         sub.add_option("--reference", command->reference, "html: the measurement, shown and plotted beside the models")
             .type_name("MEASURED");

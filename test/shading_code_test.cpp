@@ -47,7 +47,9 @@ std::string code(CodeLanguage language, bool sampling = true) {
     for (std::size_t i = 0; i < models().size(); ++i) named.push_back({name_of(i), &models()[i]});
     const auto text = shading_code(named, "all", {.language = language, .sampling = sampling, .albedo = sampling});
     if (!text) return ADD_FAILURE() << message(text.error()), "";
-    return *text;
+    // Compiled, not run: what the code says of area lights.
+    const NamedModel lit{"lit", &models().back()};
+    return *text + *shading_code(std::span(&lit, 1), "lit", {.language = language, .area = true});
 }
 
 /// What a model is asked: two directions, and three uniform numbers.
@@ -225,6 +227,56 @@ TEST_F(ShadingCode, EnvironmentsAreThoseOfTheLibrary) {
         }
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 1e-4f) << wv.z;
     }
+}
+
+/// The code's area light against its lobes, integrated over the directions of quadrilaterals near and far, some of them
+/// across the horizon; all directions together are the albedo.
+TEST_F(ShadingCode, AreaLightsAreIntegralsOfTheLobes) {
+    const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.5f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
+    const NamedModel named{"glossy", &model};
+    void* const library =
+        compiled(SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "area",
+                 *shading_code(std::span(&named, 1), "glossy", {.language = CodeLanguage::c, .area = true}) +
+                     "void answer(const float* v, const float* p, float* to);\n"
+                     "static srbf_vec3 of(const float* p) { return srbf_vec3_of(p[0], p[1], p[2]); }\n"
+                     "void answer(const float* v, const float* p, float* to) {\n"
+                     "    srbf_vec3 f = glossy_area(of(v), of(p), of(p + 3), of(p + 6), of(p + 9));\n"
+                     "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+    ASSERT_TRUE(library);
+    const auto answer = function<void(const float*, const Vec3f*, float*)>(library, "answer");
+    const ExtendedLight light = extended_light(prepare(model));
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 40; ++i) {
+        const Vec3f wv = to_float(random_direction(random, 0.1));
+        const auto lobes = lobes_at(light, wv.z);
+        const Vec3d middle = random_direction(random, -0.2), x = 0.7 * random_direction(random, -1),
+                    y = cross(middle, x);
+        constexpr int steps = 60;
+        double expected = 0, whole = 0;
+        for (int s = 0; s < steps; ++s)
+            for (int t = 0; t < steps; ++t) {
+                const Vec3d p = middle + ((2 * s + 1.0) / steps - 1) * x + ((2 * t + 1.0) / steps - 1) * y;
+                const double far = std::sqrt(dot(p, p)),
+                             solid = 4.0 / (steps * steps) * std::abs(dot(cross(x, y), p)) / (far * far * far);
+                for (const ExtendedLight::Lobe& lobe : lobes) {
+                    const float cosine = dot(axis_of(lobe, wv), to_float((1 / far) * p));
+                    expected += double(lobe.weight.g * filter_kernel(lobe.roughness, cosine)) * solid;
+                }
+            }
+        for (const ExtendedLight::Lobe& lobe : lobes) whole += double(lobe.weight.g);
+        const std::array<Vec3f, 4> corners{to_float(middle - x - y), to_float(middle + x - y), to_float(middle + x + y),
+                                           to_float(middle - x + y)};
+        Rgb found;
+        answer(&wv.x, corners.data(), &found.r);
+        EXPECT_NEAR(double(found.g), expected, 0.04 * whole) << i;
+    }
+    constexpr float wide = 1e4f;
+    const std::array<Vec3f, 4> sky{Vec3f(-wide, -wide, 0.01f), Vec3f(wide, -wide, 0.01f), Vec3f(wide, wide, 0.01f),
+                                   Vec3f(-wide, wide, 0.01f)};
+    Rgb found;
+    const Vec3f normal(0, 0, 1);
+    answer(&normal.x, sky.data(), &found.r);
+    EXPECT_NEAR(found.g, albedo(prepare(model), 1).g, 0.01f);
 }
 
 /// Draws of the code against its own density, over bins of half vectors.

@@ -34,6 +34,7 @@ struct CodeOptions {
     bool sampling = false;     ///< also NAME_sample and NAME_pdf
     bool albedo = false;       ///< also NAME_albedo
     bool environment = false;  ///< also NAME_environment and NAME_environment_lobe
+    bool area = false;         ///< also NAME_area and NAME_environment_lobe
     int threads = 0;  ///< for weights of sampling, albedos and lobes of environments; 0: as many as the machine has
 };
 
@@ -54,6 +55,8 @@ std::string identifier(std::string_view text);
 ///   Vec3 NAME_environment(Vec3 wv)     the radiance that leaves towards the viewer under an environment, of which the
 ///                                      host supplies Vec3 NAME_radiance(Vec3 direction, float roughness); not for Metal,
 ///                                      where a function sees no textures but its arguments
+///   Vec3 NAME_area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d)   the radiance that leaves towards the viewer from a
+///                                      quadrilateral of radiance 1, of corners about the point
 ///   LightLobe NAME_environment_lobe(Vec3 wv, int k)   of the k_extended_lobes terms of that sum one: axis, roughness and
 ///                                      weight, see extended_light.h
 /// of unit vectors in the local frame: z along the normal, and of anisotropic models x along the tangent. Vec3 is the

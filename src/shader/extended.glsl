@@ -38,3 +38,78 @@ Vec3 environment(Vec3 wv) {
     }
     return sum;
 }
+
+// A polygon of up to five corners, which follow each other.
+struct Polygon {
+    int count;
+    Vec3 corner[5];
+};
+Polygon with_corner(Polygon of, Vec3 corner) {
+    Polygon more = of;
+    more.corner[of.count] = corner;
+    more.count = of.count + 1;
+    return more;
+}
+// What of four corners and their edges is above z = 0.
+Polygon above_horizon(Polygon of) {
+    Polygon kept = of;
+    kept.count = 0;
+    for (int i = 0; i < of.count; ++i) {
+        Vec3 here = of.corner[i];
+        Vec3 next = of.corner[i + 1 < of.count ? i + 1 : 0];
+        if (here.z > Real(0.0)) kept = with_corner(kept, here);
+        if (here.z * next.z < Real(0.0)) kept = with_corner(kept, here + here.z / (here.z - next.z) * (next - here));
+    }
+    return kept;
+}
+// An angle over its sine.
+Real angle_over_sine(Real cosine) {
+    if (cosine > Real(0.999)) return Real(1.0) + (Real(1.0) - cosine) / Real(3.0);
+    Real least = max(cosine, Real(-0.99999));
+    return acos(least) / sqrt(Real(1.0) - least * least);
+}
+// The integral of cos(theta) / pi over the directions of a polygon above the horizon, by its edges (Lambert 1760).
+Real cosine_over(Polygon of) {
+    Real sum = Real(0.0);
+    for (int i = 0; i < of.count; ++i) {
+        Vec3 here = of.corner[i];
+        Vec3 next = of.corner[i + 1 < of.count ? i + 1 : 0];
+        Real scale = inversesqrt(max(dot(here, here) * dot(next, next), Real(1.0e-30)));
+        sum = sum + scale * (here.x * next.y - here.y * next.x) * angle_over_sine(scale * dot(here, next));
+    }
+    return abs(sum) * Real(0.15915494);
+}
+// The integral of a lobe's part of weight 1 over a polygon. The lobe is nearly a cosine about its axis whose directions are
+// drawn together, and the polygon's are drawn apart instead (Heitz et al. 2016).
+Real lobe_over(LightLobe lobe, Polygon of) {
+    Real r = lobe.roughness;
+    Real apart = sqrt(Real(1.0) + Real(3.0) * r * r * r) / (Real(2.0) * r * r);
+    Real x = lobe.axis.x;
+    Real y = lobe.axis.y;
+    Real s = Real(1.0) / (Real(1.0) + lobe.axis.z);
+    Polygon about = of;
+    for (int i = 0; i < of.count; ++i) {
+        Vec3 p = of.corner[i];
+        about.corner[i] = Vec3(apart * dot(Vec3(Real(1.0) - x * x * s, -x * y * s, -x), p),
+                               apart * dot(Vec3(-x * y * s, Real(1.0) - y * y * s, -y), p), dot(lobe.axis, p));
+    }
+    return cosine_over(above_horizon(about));
+}
+// The radiance that leaves towards the viewer from a quadrilateral of radiance 1 on either side, whose corners follow
+// each other: from the point of the surface, in the local frame.
+Vec3 area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
+    if (wv.z <= Real(0.0)) return sum;
+    Polygon light;
+    light.count = 4;
+    light.corner[0] = a;
+    light.corner[1] = b;
+    light.corner[2] = c;
+    light.corner[3] = d;
+    light.corner[4] = d;
+    for (int k = 0; k < EXTENDED_LOBES; ++k) {
+        LightLobe lobe = environment_lobe(wv, k);
+        sum = sum + lobe_over(lobe, light) * lobe.weight;
+    }
+    return sum;
+}

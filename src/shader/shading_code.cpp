@@ -216,7 +216,7 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
         }
     }
     Table light{"A row for each lobe of each node: p, roughness, weight (R, G, B).", "light_lobes", {}, 5};
-    if (options.environment)
+    if (options.environment || options.area)
         for (const ExtendedLight::Lobe& lobe : extended_light(prepare(model), {.threads = options.threads}).lobe)
             light.numbers.insert(light.numbers.end(),
                                  {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
@@ -235,7 +235,8 @@ Names entries(const CodeOptions& options) {
     Names names{{"brdf", "brdf"}};
     if (options.sampling) names.insert({{"sample_light", "sample"}, {"light_pdf", "pdf"}});
     if (options.albedo) names.insert({"directional_albedo", "albedo"});
-    if (options.environment) names.insert({"environment_lobe", "environment_lobe"});
+    if (options.environment || options.area) names.insert({"environment_lobe", "environment_lobe"});
+    if (options.area) names.insert({"area", "area"});
     // A function sees the host's textures.
     if (options.environment && syntax::reads_buffers(options.language))
         names.insert({{"radiance", "radiance"}, {"environment", "environment"}});
@@ -266,7 +267,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                                                {"ALBEDO_NODES", std::to_string(k_albedo_nodes)},
                                                {"EXTENDED_NODES", std::to_string(ExtendedLight::k_views)},
                                                {"EXTENDED_LOBES", std::to_string(ExtendedLightOptions{}.lobes)}};
-    const bool is_mixture = options.sampling || options.albedo || options.environment;
+    const bool is_mixture = options.sampling || options.albedo || options.environment || options.area;
     const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string();
     syntax::parse(k_handles + accessors, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);

@@ -4,7 +4,6 @@
 #include <cctype>
 
 #include "shader/shader_text.h"
-#include "srbf/extended_light.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {
@@ -41,7 +40,8 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
             return Error{of.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
     }
     const auto code = shading_code(
-        models, prefix, {.language = CodeLanguage::glsl, .albedo = true, .environment = true, .threads = threads});
+        models, prefix,
+        {.language = CodeLanguage::glsl, .albedo = true, .environment = true, .area = true, .threads = threads});
     if (!code) return code.error();
     std::string functions;  // whose environment is three's
     for (const NamedModel& of : models) functions += fmt::format("#define {}_radiance measured_radiance\n", of.name);
@@ -50,8 +50,6 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
         text.replace(text.find(place), place.size(), by);
     };
     replace("FUNCTIONS", escaped(functions + *code));
-    replace("LOBES", std::to_string(ExtendedLightOptions{}.lobes));
-    replace("PREFIX", std::string(prefix));
     for (const NamedModel& of : models)
         text += fmt::format(
             "export class {}Material extends MeasuredMaterial {{\n    constructor(parameters) {{\n"

@@ -38,22 +38,17 @@ void RE_Direct_${name}(const in IncidentLight directLight, const in vec3 geometr
     reflectedLight.directDiffuse += max(wl.z, 0.0) * f * material.diffuseColor * directLight.color;
 }
 #if NUM_RECT_AREA_LIGHTS > 0
-// Each lobe is nearly a linearly transformed cosine about its axis, of this scale across it.
+// A rectangle of light shines to one side.
 void RE_Direct_RectArea_${name}(const in RectAreaLight rectAreaLight, const in vec3 geometryPosition,
                                 const in vec3 geometryNormal, const in vec3 geometryViewDir,
                                 const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material,
                                 inout ReflectedLight reflectedLight) {
+    vec3 middle = rectAreaLight.position - geometryPosition, x = rectAreaLight.halfWidth, y = rectAreaLight.halfHeight;
+    if (dot(cross(x, y), middle) < 0.0) return;
     mat3 frame = ${name}_frame(geometryNormal, geometryViewDir);
-    vec3 wv = geometryViewDir * frame, corner = rectAreaLight.position, x = rectAreaLight.halfWidth, y = rectAreaLight.halfHeight;
-    vec3 rectangle[4] = vec3[4](corner + x - y, corner - x - y, corner - x + y, corner + x + y);
-    vec3 sum = vec3(0.0);
-    for (int k = 0; k < LOBES; ++k) {
-        PREFIX_LightLobe lobe = ${name}_environment_lobe(wv, k);
-        float r = lobe.roughness, across = sqrt(1.0 + 3.0 * r * r * r) / (2.0 * r * r);
-        vec3 axis = frame * lobe.axis, other = abs(lobe.axis.x) < 0.7 ? frame[0] : frame[1];
-        sum += lobe.weight * LTC_Evaluate(axis, other, geometryPosition, mat3(across, 0, 0, 0, across, 0, 0, 0, 1), rectangle);
-    }
-    reflectedLight.directDiffuse += rectAreaLight.color * material.diffuseColor * sum;
+    vec3 reflected = ${name}_area(geometryViewDir * frame, (middle - x - y) * frame, (middle + x - y) * frame,
+                                  (middle + x + y) * frame, (middle - x + y) * frame);
+    reflectedLight.directDiffuse += rectAreaLight.color * material.diffuseColor * reflected;
 }
 #endif
 void RE_IndirectDiffuse_${name}(const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal,
@@ -82,7 +77,7 @@ void RE_IndirectSpecular_${name}(const in vec3 radiance, const in vec3 irradianc
 // A MeshStandardMaterial with a measured reflectance under every light of three: environments (of the scene or its own),
 // area lights, ambient light and light probes too. Skinning, instances, shadows, fog, occlusion, transparency, normal and
 // bump maps are three's; colours, colour maps and vertex colours multiply the reflectance. Roughness and metalness are
-// not read. Area lights need three's RectAreaLightUniformsLib, as for its own materials.
+// not read.
 class MeasuredMaterial extends MeshStandardMaterial {
     constructor(reflectance, parameters) {
         super({ metalness: 0, ...parameters });

@@ -65,7 +65,7 @@ BENCHMARK_CAPTURE(fit, cc_ibiza_sunset, std::string("cc_ibiza_sunset_rgb.bsdf"))
 /// The caller has a process's initial mode, or a mode that flushes subnormal numbers.
 void callers_mode(benchmark::State& state, const std::string& name) {
     const Measured measured = *load_measured(std::string(SRBF_SOURCE_DIR) + "/data/" + name);
-    std::optional<FlushSubnormals> mode;
+    std::optional<StandardArithmetic> mode;
     if (state.range(0) != 0) mode.emplace();
     for (auto _ : state) {
         if (state.range(1) != 0)

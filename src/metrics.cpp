@@ -169,7 +169,7 @@ std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const 
 
 std::vector<Measures> measure_matrix(const Channels& reference, std::span<const Channels> others,
                                      const MeasureOptions& options, std::span<const Vec3f> directions) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     std::vector<Vec3f> within;
     const auto cos_max = float(elementary::cos(options.max_theta));
     std::copy_if(directions.begin(), directions.end(), std::back_inserter(within),
@@ -184,7 +184,7 @@ std::vector<Measures> measure_matrix(const Channels& reference, std::span<const 
 
 std::vector<Measures> measure_matrix(const Evaluate& reference, std::span<const Evaluate> others,
                                      const MeasureOptions& options, int n) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     return measure_matrix(reference, others, options, fibonacci_directions(n, options.max_theta));
 }
 
@@ -195,7 +195,7 @@ std::vector<Measures> measure_heldout(const Evaluate& reference, std::span<const
 
 std::vector<Measures> measure_heldout(const Channels& reference, std::span<const Channels> others,
                                       const MeasureOptions& options, std::uint64_t count, std::uint64_t seed) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     constexpr std::size_t block_size = 1000;
     const MirrorMixture mixture(options.max_theta);
     return measure(reference, others, std::size_t((count + block_size - 1) / block_size), block_size, options,
@@ -218,7 +218,7 @@ std::vector<Measures> measure_heldout(const Channels& reference, std::span<const
 
 Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const float> f,
                          std::span<const float> g, double max_theta) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const float cos_max = sample_cap(max_theta);
     assert(wv.size() == wl.size() && g.size() == f.size());
     WeightedPairs pairs(wl.size());
@@ -247,14 +247,14 @@ Measures measure_samples(std::span<const Vec3f> wl, std::span<const Vec3f> wv, s
 }
 
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const double theta[] = {theta_v};
     return albedos({&brdf, 1}, theta, {max_theta, 1})[0][0];
 }
 
 std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Evaluate> others,
                                   const MeasureOptions& options) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     std::vector<Evaluate> brdfs{reference};
     brdfs.insert(brdfs.end(), others.begin(), others.end());
     std::vector<double> theta;

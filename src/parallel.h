@@ -16,7 +16,7 @@ namespace srbf {
 template <typename Body> void on_threads(int threads, const Body& body) {
     const int most = tbb::info::default_concurrency();
     tbb::task_arena(threads > 0 ? std::min(threads, most) : most).execute([&] {
-        const FlushSubnormals mode;
+        const StandardArithmetic mode;
         body();
     });
 }
@@ -24,7 +24,7 @@ template <typename Body> void on_threads(int threads, const Body& body) {
 /// Runs body(i) for i in 0..count−1, in any order, on the threads of the caller's `on_threads`.
 template <typename Body> void parallel_for(std::size_t count, const Body& body) {
     tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
-        const FlushSubnormals mode;
+        const StandardArithmetic mode;
         body(i);
     });
 }

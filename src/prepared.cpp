@@ -19,7 +19,7 @@ constexpr int k_albedo_points = 1 << 12, k_azimuths = 4;
 using AlbedoTable = std::array<Rgb, k_albedo_nodes>;
 
 AlbedoTable albedo_table(const Evaluate& brdf) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     constexpr double horizon = 1e-5;  // cosθv of the node at it
     const MirrorMixture mixture(k_pi / 2);
     AlbedoTable table;

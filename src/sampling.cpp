@@ -258,7 +258,7 @@ void MixtureProposal::set_weights(std::size_t node, std::span<const float, k_lob
 }
 
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     assert(brdf && options.azimuths >= 1);
     MixtureProposal proposal;
     if (options.azimuths > 1) find_grain(brdf, options.threads, proposal);
@@ -346,7 +346,7 @@ void propose_view(std::size_t i, ViewProposal& proposal) {
 }  // namespace
 
 ViewProposal propose(const SuModel& model, const ProposeOptions& options) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     assert(model.discretise == Discretise::view);
     const std::size_t views = model.direction.size();
     ViewProposal proposal{&model,

@@ -1,4 +1,4 @@
-// No subnormal numbers in the inner loops of the fit, and no dependence of results on the caller's floating-point mode.
+// Few subnormal numbers in the inner loops of the fit, and no dependence of results on the caller's floating-point mode.
 #include "floating_point.h"
 
 #include <atomic>
@@ -26,7 +26,7 @@ std::atomic<std::uint64_t> seen = 0, subnormal = 0;
 void see(const float* numbers, std::size_t count = k_block) {
     std::uint64_t found = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        const auto bits = std::bit_cast<std::uint32_t>(numbers[i]);  // a comparison would flush them to 0
+        const auto bits = std::bit_cast<std::uint32_t>(numbers[i]);  // a comparison depends on the mode
         found += (bits & 0x7f800000) == 0 && (bits & 0x007fffff) != 0;
     }
     seen += count, subnormal += found;
@@ -104,11 +104,12 @@ template <typename Body> Count counted(const Body& body) {
     return {seen, subnormal};
 }
 constexpr std::uint64_t k_many = 100'000'000;
-/// The loops of the body process more than this many numbers, none of them subnormal.
-template <typename Body> void expect_none(const Body& body, std::uint64_t many = k_many) {
+/// The loops of the body process more than this many numbers, of which so few are subnormal that their time does not count: up
+/// to 1 in 5000, where 1 in 90 to 1 in 1000 were without `k_vanishing_exponent`.
+template <typename Body> void expect_few(const Body& body, std::uint64_t many = k_many) {
     const Count count = counted(body);
     EXPECT_GT(count.seen, many);
-    EXPECT_EQ(count.subnormal, 0u);
+    EXPECT_LT(count.subnormal, count.seen / 2000);
 }
 
 TEST(InnerLoops, TheCountFindsASubnormalNumber) {
@@ -119,44 +120,44 @@ TEST(InnerLoops, TheCountFindsASubnormalNumber) {
     EXPECT_EQ(count.subnormal, 1u);
 }
 
-TEST(InnerLoops, SeeNoneInTheDefaultFit) {
+TEST(InnerLoops, SeeFewInTheDefaultFit) {
     const Measured measured = film();
-    expect_none([&] {
+    expect_few([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {}), {});
         ASSERT_TRUE(fit.ok());
     });
 }
 
-TEST(InnerLoops, SeeNoneInTheFormOfTheSource) {
+TEST(InnerLoops, SeeFewInTheFormOfTheSource) {
     const Measured measured = film();
     const FitOptions options{.form = PmForm::gaussian, .starts = 4, .perturbations = 8};
-    expect_none([&] {
+    expect_few([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {.objective = Objective::raw}), options);
         ASSERT_TRUE(fit.ok());
     });
 }
 
-TEST(InnerLoops, SeeNoneInAFitOfGeneralLobes) {
+TEST(InnerLoops, SeeFewInAFitOfGeneralLobes) {
     const Measured measured = film();
     const FitOptions options{.axial = false, .lobes = 4, .variates = 3, .starts = 4, .perturbations = 8};
-    expect_none([&] {
+    expect_few([&] {
         const auto fit = fit_pm(*observe(signed_evaluator(measured), {.count = 16384}), options);
         ASSERT_TRUE(fit.ok());
     });
 }
 
-TEST(InnerLoops, SeeNoneInAViewByViewFit) {
+TEST(InnerLoops, SeeFewInAViewByViewFit) {
     const Measured measured = film();
-    expect_none([&] {
+    expect_few([&] {
         const auto matrix = tabulate(signed_evaluator(measured), {.directions = 192});
         const auto fit = fit_su(*matrix, {.lobes = 5});
         ASSERT_TRUE(fit.ok());
     });
 }
 
-TEST(InnerLoops, SeeNoneInASpectralFit) {
+TEST(InnerLoops, SeeFewInASpectralFit) {
     const Measured measured = film();
-    expect_none([&] {
+    expect_few([&] {
         auto observations = *observe(signed_evaluator(measured), {.count = 16384});
         observe_spectra(observations, rainbow(measured));
         const auto fit = fit_pm(observations, {.lobes = 6, .variates = 3, .starts = 4, .perturbations = 8});
@@ -164,11 +165,11 @@ TEST(InnerLoops, SeeNoneInASpectralFit) {
     });
 }
 
-TEST(InnerLoops, SeeNoneInAFitOfMeasuredSpectra) {
+TEST(InnerLoops, SeeFewInAFitOfMeasuredSpectra) {
     const auto path = shared_data() / "cornell" / "krylon_blue.brdf";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
     const Measured measured = *load_measured(path.string());
-    expect_none(
+    expect_few(
         [&] {
             const auto observations =
                 observe(std::get<ScatteredSamples>(measured.table),
@@ -184,7 +185,7 @@ TEST(InnerLoops, SeeNoneInAFitOfMeasuredSpectra) {
 // ---- The caller's mode ----
 
 #if defined(__SSE__)
-/// Modes that a caller may have set, as values of MXCSR: the initial mode of a process; flushing; rounding down, up,
+/// Modes that a caller may have set, as values of MXCSR: the initial mode of a process; subnormal numbers as 0; rounding down, up,
 /// and to 0, one of them with raised flags.
 constexpr unsigned k_modes[] = {0x1f80, 0x9fc0, 0x3f80, 0x5fbf, 0x7f80};
 unsigned mode_now() { return _mm_getcsr(); }
@@ -198,16 +199,16 @@ int without_flags(int mode) { return mode; }
 void set_mode(int mode) { std::fesetround(mode); }
 #endif
 
-TEST(FlushSubnormals, GivesBackWhatItFound) {
+TEST(StandardArithmetic, GivesBackWhatItFound) {
     const auto before = mode_now();
     for (const auto mode : k_modes) {
         set_mode(mode);
         {
-            const FlushSubnormals flushing;
+            const StandardArithmetic standard;
             volatile double tiny = std::numeric_limits<double>::min();
             tiny = tiny * tiny;  // raises flags
             const auto within = mode_now();
-            { const FlushSubnormals once_more; }
+            { const StandardArithmetic once_more; }
             EXPECT_EQ(mode_now(), within);
         }
         EXPECT_EQ(mode_now(), mode);
@@ -215,18 +216,20 @@ TEST(FlushSubnormals, GivesBackWhatItFound) {
     set_mode(before);
 }
 
-#if defined(__SSE__) || defined(__aarch64__)
-TEST(FlushSubnormals, TakesThemForZero) {
-    volatile float least = std::numeric_limits<float>::min();
-    volatile double least_double = std::numeric_limits<double>::min();
-    EXPECT_GT(least / 2, 0);
-    const FlushSubnormals flushing;
-    EXPECT_EQ(least / 2, 0);
-    EXPECT_EQ(least_double / 2, 0);
-    volatile float subnormal_operand = std::bit_cast<float>(std::uint32_t(0x00400000));
-    EXPECT_EQ(subnormal_operand * 1e30f, 0);
+TEST(StandardArithmetic, KeepsSubnormals) {
+    const auto before = mode_now();
+    for (const auto mode : k_modes) {
+        set_mode(mode);
+        const StandardArithmetic standard;
+        volatile float least = std::numeric_limits<float>::min();
+        volatile double least_double = std::numeric_limits<double>::min();
+        EXPECT_GT(least / 2, 0);
+        EXPECT_GT(least_double / 2, 0);
+        volatile float subnormal_operand = std::bit_cast<float>(std::uint32_t(0x00400000));
+        EXPECT_GT(subnormal_operand * 1e30f, 0);
+    }
+    set_mode(before);
 }
-#endif
 
 template <typename T> std::vector<std::byte> bytes_of(const std::vector<T>& numbers) {
     const auto bytes = std::as_bytes(std::span(numbers));

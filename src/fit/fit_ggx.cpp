@@ -154,7 +154,7 @@ void refine(GgxProblem& problem, Roughness& log_alpha) {
 }  // namespace
 
 Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& options, const ProgressToken& progress) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     if (const auto valid = validate(observations, std::size_t(3 + 5 * options.lobes)); !valid) return valid.error();
     if (options.lobes < 1 || options.lobes > k_most_ggx_lobes)
         return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(options.lobes), ErrorCode::argument};

@@ -261,7 +261,7 @@ class SmallestWithin {
 
 Result<Chosen> choose_pm(const Observations& observations, const FitOptions& options, const SizeGoal& goal,
                          const JudgeModel& judge, const ProgressToken& progress) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     Search search(observations, options, judge, progress);
     if (const auto* budget = std::get_if<ByteBudget>(&goal)) {
         if (budget->bytes > k_most_chosen_bytes)

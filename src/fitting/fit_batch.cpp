@@ -144,7 +144,7 @@ Result<Done> fit_in_batches(const Batch& batch, std::vector<Texel>& texels, int 
 }
 
 Result<std::vector<TexelFit>> fit_batch(const Batch& batch, std::span<const Rgb> f, int threads, Reporter& reporter) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const std::size_t M = batch.pairs.wl.size();
     const bool is_cuda = batch.options.device == Device::cuda;
     std::vector<Texel> texels(f.size() / M);

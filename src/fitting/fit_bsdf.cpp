@@ -142,7 +142,7 @@ void add_largest_sums(BsdfOutcome& outcome) {
 
 Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const FitRequest& request,
                                const ProgressToken& progress) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const auto start = std::chrono::steady_clock::now();
     BsdfModel model;
     model.beam = beams;

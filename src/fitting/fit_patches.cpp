@@ -220,7 +220,7 @@ std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate
 }
 
 Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& request, const ProgressToken& progress) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const auto start = std::chrono::steady_clock::now();
     const Evaluate look_up = [&](auto wl, auto wv, auto f) {
         for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);

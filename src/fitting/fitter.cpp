@@ -106,7 +106,7 @@ class Fitter::Work {
     }
 
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
-        const FlushSubnormals mode;
+        const StandardArithmetic mode;
         Evaluate reference = clamped_;
         CompletedSamples completed;
         if (samples()) {

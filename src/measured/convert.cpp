@@ -38,7 +38,7 @@ double theta_of(double u) { return u * u * k_pi / 2; }
 }  // namespace
 
 MerlTable to_merl(const Evaluate& brdf, std::array<std::uint32_t, 3> size, int threads) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     MerlTable table;
     table.size = size;
     const std::uint32_t n_h = size[0], n_d = size[1], n_p = size[2];
@@ -167,7 +167,7 @@ void fill(std::span<Rgb> nodes, std::vector<char> known, std::size_t width) {
 }  // namespace
 
 RglTable to_rgl(const Evaluate& brdf, const RglOptions& options) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     RglTable table;
     table.description = options.description;
     for (std::uint32_t k = 0; k < options.polar; ++k) table.theta_l.push_back(float(k_pi / 2 * u_of(k, options.polar)));
@@ -340,7 +340,7 @@ std::vector<std::byte> write_rgl(const RglTable& table, bool with_spectra) {
 }
 
 MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     MbsdfTable table;
     table.polar = options.polar, table.azimuths = options.azimuths;
     table.metadata = options.metadata;
@@ -404,7 +404,7 @@ std::vector<std::byte> write_mbsdf(const MbsdfTable& table, const MbsdfTable* tr
 }
 
 ScatteredSamples to_samples(const Evaluate& brdf, bool isotropic, int n, double theta_max) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const auto directions = fibonacci_directions(n, theta_max);
     ScatteredSamples samples;
     samples.isotropic = isotropic;

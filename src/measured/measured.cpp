@@ -221,7 +221,7 @@ Evaluate signed_evaluator(const Measured& measured) {
     return [&measured](auto wl, auto wv, auto f) {
         if (const auto* rgl = std::get_if<RglTable>(&measured.table))
             return measured.exchanged ? evaluate_signed(*rgl, wv, wl, f) : evaluate_signed(*rgl, wl, wv, f);
-        const FlushSubnormals mode;
+        const StandardArithmetic mode;
         for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(measured, wl[i], wv[i]);
     };
 }
@@ -244,7 +244,7 @@ Channels signed_spectra(const Measured& measured) {
     const auto nm = wavelengths(measured);
     assert(!nm.empty());
     return {{nm.begin(), nm.end()}, [&measured, C = nm.size()](auto wl, auto wv, auto f) {
-                const FlushSubnormals mode;
+                const StandardArithmetic mode;
                 if (measured.exchanged) std::swap(wl, wv);
                 const auto each = [&](const auto& table) {
                     for (std::size_t i = 0; i < wl.size(); ++i)

@@ -130,7 +130,7 @@ namespace srbf {
 HWY_EXPORT(evaluate_rgl);
 
 void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     assert(wl.size() == wv.size() && wl.size() == f.size());
     constexpr std::size_t most = std::size_t(1) << 29;  // number of floats, so that their indices fit in 32 bits
     if (table.phi_l.empty() && 2 * table.visible.nodes.size() < most && 3 * table.colour.nodes.size() < most)

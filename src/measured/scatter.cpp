@@ -176,7 +176,7 @@ Vec3d direction_in(const ScatterTable& table, double theta_l, double phi_l, doub
 }  // namespace
 
 ScatterTable to_scatter(const Evaluate& part, bool about_mirror, bool isotropic, int threads) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     ScatterTable table;
     table.about_mirror = about_mirror;
     table.rotation = isotropic ? std::vector<float>{0} : degrees_list({0}, 360, 15);

@@ -40,7 +40,7 @@ bool are_near(const AngleBasis& basis, std::size_t a, std::size_t b) {
 }  // namespace
 
 KlemsTable to_klems(const Evaluate& part, const AngleBasis& basis, int threads) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const std::size_t n = basis.patches();
     KlemsTable table{basis, basis, std::vector<Rgb>(n * n), {}, 0};
     parallel_for(n, threads, [&](std::size_t i) {

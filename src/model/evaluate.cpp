@@ -261,7 +261,7 @@ PmLanes::PmLanes(const PmModel& model)
       rows_(exponent(axial_, variates_, features(form_))),
       numbers_(std::size_t(k_first + (lobes_ + k_lanes - 1) / k_lanes * rows_)) {
     assert(1 <= lobes_ && lobes_ <= k_most_lobes && 1 <= model.variates && model.variates <= k_most_variates);
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const auto N = std::size_t(model.variates), F = std::size_t(features(form_));
     for (std::size_t n = 0; n < k_lanes; ++n) {
         const Parameterization p = n < N ? model.parameterization[n] : Parameterization{};
@@ -297,7 +297,7 @@ PmLanes::PmLanes(const PmModel& model)
 OfPair pair_evaluator(const PmLanes& model) { return HWY_DYNAMIC_DISPATCH(pair_evaluator)(model); }
 
 void evaluate(const PmLanes& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     assert(wl.size() == wv.size() && wl.size() == f.size());
     HWY_DYNAMIC_DISPATCH(evaluate)(model, wl.data(), wv.data(), f.data(), f.size());
 }

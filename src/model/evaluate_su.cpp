@@ -81,7 +81,7 @@ Neighbours neighbours_at(const SuModel& model, Vec3f w) {
 }  // namespace
 
 void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     assert(wl.size() == wv.size() && wl.size() == f.size());
     const auto &sampled = model.discretise == Discretise::view ? wv : wl,
                &of_lobes = model.discretise == Discretise::view ? wl : wv;

@@ -30,7 +30,7 @@ Rgb value(const GgxModel& model, Vec3f wl, Vec3f wv) {
 }
 
 void evaluate(const GgxModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     assert(wl.size() == wv.size() && wl.size() == f.size());
     const Vec3f diffuse{model.diffuse.r, model.diffuse.g, model.diffuse.b};
     const auto first = kernel_lobe(model, 0), second = kernel_lobe(model, 1);

@@ -275,7 +275,7 @@ Channels channels(const Model& model) {
 }
 
 PmModel rounded(const PmModel& model) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     Result<PmModel> decoded = decode(encode(model), model.form, model.axial, model.wavelength, "");
     assert(decoded.ok());  // a valid model can be encoded
     return *std::move(decoded);
@@ -377,14 +377,14 @@ Result<Model> model_of(Safetensors content, bool may_be_bsdf, const std::string&
 }  // namespace
 
 std::vector<std::byte> write_model(const Model& model) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     Safetensors content = content_of(model);
     content.metadata["srbf"] = k_version;
     return write_safetensors(content);
 }
 
 Result<Model> read_model(std::span<const std::byte> bytes, const std::string& file_name) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     Result<Safetensors> content = read_safetensors(bytes, file_name);
     if (!content) return content.error();
     const auto version = content->metadata.find("srbf");
@@ -403,7 +403,7 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
 }
 
 std::vector<std::byte> write_stack(const ModelStack& stack) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const std::uint64_t T = stack.models.size();
     Safetensors content{{}, stack.provenance};
     content.metadata["srbf"] = k_version;
@@ -488,7 +488,7 @@ Result<StackContent> read_stack_content(std::span<const std::byte> bytes, const 
 }  // namespace
 
 Result<ModelStack> read_stack(std::span<const std::byte> bytes, const std::string& file_name) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     auto content = read_stack_content(bytes, file_name);
     if (!content) return content.error();
     ModelStack stack{{}, content->error, content->state, content->provenance};
@@ -501,7 +501,7 @@ Result<ModelStack> read_stack(std::span<const std::byte> bytes, const std::strin
 }
 
 Result<Model> read_texel(std::span<const std::byte> bytes, std::uint64_t texel, const std::string& file_name) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     auto content = read_stack_content(bytes, file_name);
     if (!content) return content.error();
     const std::size_t count = content->state.size();

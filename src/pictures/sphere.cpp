@@ -146,7 +146,7 @@ bool shows_sphere(int size, int x, int y) { return squared_distance(size, x, y) 
 std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs, std::span<const Lighting> lightings,
                                                 int size, int threads, const ProgressToken& progress,
                                                 int mirror_points) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const MirrorMixture mixture(k_pi / 2);
     const auto cos_view = [&](int squares) { return std::sqrt(1 - double(squares) / (double(size) * double(size))); };
 

@@ -107,7 +107,7 @@ ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const i
 Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& samples, std::span<const int> fold,
                                                        const FitToSamples& fit) {
     std::array<std::optional<Result<std::vector<Model>>>, k_folds> models;
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     parallel_for(std::size_t(k_folds),
                  [&](std::size_t left_out) { models[left_out] = fit(without_fold(samples, fold, int(left_out))); });
     std::vector<std::vector<float>> predicted;

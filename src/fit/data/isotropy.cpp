@@ -32,7 +32,7 @@ struct ValuesAtPairs {
 }  // namespace
 
 bool is_isotropic(const Evaluate& f, double max_theta) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     std::mt19937_64 random(0);
     const MirrorMixture mixture(max_theta);
     ValuesAtPairs at, slightly_turned, turned;

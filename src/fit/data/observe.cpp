@@ -280,7 +280,7 @@ Result<double> valid_theta(Objective objective, double max_theta) {
 }
 
 Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, const ProgressToken& progress) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const auto theta_max = valid_theta(options.objective, options.max_theta);
     if (!theta_max) return theta_max.error();
     if (const auto valid = require_range("observe", "count", options.count, k_least_count, k_most_count); !valid)
@@ -308,7 +308,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
 }
 
 void observe_spectra(Observations& observations, const Channels& spectra) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     observations.wavelengths = spectra.wavelengths;
     const std::size_t C = spectra.count();
     observations.spectrum.resize(C * observations.f.size());

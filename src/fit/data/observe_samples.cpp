@@ -159,7 +159,7 @@ Observations observations_of(const ScatteredSamples& samples, std::span<const st
 
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const auto theta_max = valid_theta(options.objective, options.max_theta);
     if (!theta_max) return theta_max.error();
     if (options.spectral && samples.wavelengths.empty())

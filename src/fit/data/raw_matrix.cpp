@@ -41,7 +41,7 @@ void sample_between(const Evaluate& f, Discretise discretise, Vec3f about, RSequ
 }  // namespace
 
 Result<RawMatrix> tabulate(const Evaluate& f, const TabulateOptions& options, const ProgressToken& progress) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     for (const auto& valid :
          {require_range("matrix", "number of directions", options.directions, k_least_views, k_most_views),
           require_range("matrix", "number of directions between", options.between, 0, int(k_most_between))})

@@ -237,7 +237,7 @@ Result<Done> search(Fits fits, const Stage& stage, const FitOptions& options, Wh
 
 Result<std::vector<PmFit>> fit_pm(std::span<const Observations* const> observations, const FitOptions& options,
                                   Where where, const ProgressToken& progress) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     if (observations.empty()) return std::vector<PmFit>{};
     const bool with_pictures = !observations[0]->views.empty();
     double effort = 0;

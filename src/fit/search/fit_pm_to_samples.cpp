@@ -40,7 +40,7 @@ Observations together(const SampleObservations& from, double weight_between, std
 
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
                      const ProgressToken& progress) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const auto& [objective, max_theta, seed, spectral, complete, threads, only_completed] = observations.options;
     const bool completed = !observations.completed.f.empty();
     FitOptions bounded = options.pm;

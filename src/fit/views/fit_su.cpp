@@ -204,7 +204,7 @@ Result<Done> check_data(const SampledViews& views, Discretise discretise, int lo
 }  // namespace
 
 Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressToken& progress) {
-    const FlushSubnormals mode;
+    const StandardArithmetic mode;
     const double theta_max = options.max_theta == 0 ? default_max_theta(options.objective) : options.max_theta;
     if (const auto valid = validate(matrix, options, theta_max); !valid) return valid.error();
     Reporter reporter(progress, ViewByView::work(matrix.direction.size(), traits(options.objective).of_pictures));

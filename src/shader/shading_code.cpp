@@ -208,8 +208,9 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
             lobes.numbers.insert(lobes.numbers.end(), numbers.begin(), numbers.end());
         }
     }
+    // Of the model itself, whose values are the same on every processor, not of what renderers evaluate.
     if (options.albedo) {
-        const PreparedBrdf brdf = prepare(model, CosineProposal{});
+        const PreparedBrdf brdf = prepare<Model>(model, CosineProposal{});
         for (int i = 0; i < k_albedo_nodes; ++i) {
             const Rgb reflected = albedo(brdf, std::max(float(albedo_cosine(i)), 1e-7f));  // 0 has none
             nodes.numbers.insert(nodes.numbers.end(), {reflected.r, reflected.g, reflected.b});

@@ -10,10 +10,11 @@ namespace srbf {
 
 /// Sets the floating-point mode of the current thread for its lifetime to what IEEE 754 has by default: round to nearest, no
 /// traps, and subnormal numbers kept. A caller may have set another. The destructor restores the mode and the exception
-/// flags. x86 (SSE's MXCSR) and 64-bit ARM (FPCR, FPSR); no effect elsewhere. Subnormal floats, below 2⁻¹²⁶, cost many
-/// processors a hundred cycles and more, but when they count as 0 is each processor's own (x86 after rounding, ARM before,
-/// WebAssembly never), and a fit, which scales each step by what there is, tells the difference. What computes much keeps
-/// clear of them instead: see `k_vanishing_exponent`.
+/// flags. x86 (SSE's MXCSR) and 64-bit ARM (FPCR, FPSR); no effect elsewhere.
+///
+/// To take subnormal floats, below 2⁻¹²⁶, for 0 would be faster, but processors do so differently (x86 after rounding, ARM
+/// before, WebAssembly never), and a fit tells the difference: far from its peak a lobe is as small, and steps are scaled by
+/// what there is. Nor may exponentials be cut off earlier: a lobe on its way may have its peak where nothing is seen.
 class StandardArithmetic {
   public:
     StandardArithmetic() : before_(get()) { set(k_standard); }

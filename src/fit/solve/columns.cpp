@@ -47,12 +47,9 @@ float exponent(std::span<const float> weight, std::span<const float* const> s, c
 }
 
 void exponentiate(const float* x, const float* root_weight, float offset, float* e, std::size_t count) {
-    const Batch shift{double(offset)}, most{k_most_exponent}, least{k_vanishing_exponent};
-    for (std::size_t i = 0; i < count; i += Batch::size()) {
-        const Batch exponent = min(Batch::load(x + i) - shift, most);
-        const Batch lobe = select(exponent < least, Batch(0.0), exp(exponent));
-        Batch(Batch::load(root_weight + i) * lobe).store(e + i);
-    }
+    const Batch shift{double(offset)}, most{k_most_exponent};
+    for (std::size_t i = 0; i < count; i += Batch::size())
+        Batch(Batch::load(root_weight + i) * exp(min(Batch::load(x + i) - shift, most))).store(e + i);
 }
 
 void combine(std::span<const float> weight, std::span<const float* const> s, float* x, std::size_t count) {

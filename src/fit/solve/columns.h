@@ -14,9 +14,6 @@ namespace srbf {
 float exponent(std::span<const float> weight, std::span<const float* const> s, const float* root_weight, float* x,
                std::size_t count);
 inline constexpr double k_most_exponent = 20;
-/// Below this an exponential, 7e-13, counts as 0: beside the largest of its column, which is about 1, it is lost in the sums, and
-/// its products with others and with their derivatives do not become subnormal, which would take time.
-inline constexpr double k_vanishing_exponent = -28;
 /// e = √w exp(x − offset), for x − offset ≤ k_most_exponent; rows of weight 0 may exceed it and become 0. x may be e.
 void exponentiate(const float* x, const float* root_weight, float offset, float* e, std::size_t count = k_block);
 /// x = Σ_n weight[n] s[n].

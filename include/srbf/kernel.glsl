@@ -372,7 +372,7 @@ struct PmFeatures {
     Real x[SRBF_TERMS];
 };
 
-// At least the first `count` features; any of the others may be 0.
+// The further features of (wl, wv), of which the form of the model has `count`; what is beyond them is not read.
 SRBF_FN PmFeatures pm_further_features(int count, Vec3 wl, Vec3 wv) {
     PmFeatures of;
     for (int k = 0; k < SRBF_TERMS; ++k) of.x[k] = Real(0.0);

@@ -49,7 +49,7 @@ Vec3 sample_light(Vec3 wv, Real u1, Real u2, Real selector) {
     return sample_of_lobe(chosen_lobe(wv, selector), wv, u1, u2);
 }
 
-// The density of sample_light [1/sr]; 0 where wl or wv is not above the horizon.
+// The density of these draws [1/sr]; 0 where wl or wv is not above the horizon.
 Real light_pdf(Vec3 wl, Vec3 wv) {
     if (wl.z <= Real(0.0) || wv.z <= Real(0.0)) return Real(0.0);
     NodesAbout nodes = mixture_nodes(wv);

@@ -64,9 +64,10 @@ const Language& row_of(CodeLanguage language) {
     static const std::vector<Word> floats{{"Real", "float"}, {"Vec3", "float3"}, {"inversesqrt", "rsqrt"}};
     static const std::map<CodeLanguage, Language> rows{
         {CodeLanguage::glsl,
-         {.usage = "GLSL, to follow the version (300 es or later) and the precision of float",
+         {.usage = "GLSL, to follow the version (300 es or later)",
           .words = {{"Real", "float"}, {"Vec3", "vec3"}},
-          .table = "const float {0}[{1}] = float[{1}](\n{2});\n"}},
+          .table = "const float {0}[{1}] = float[{1}](\n{2});\n",
+          .opening = "#ifdef GL_ES\nprecision highp float;\nprecision highp int;\n#endif\n\n"}},
         {CodeLanguage::hlsl, {.usage = "HLSL", .words = floats, .table = "static const float {0}[{1}] = {{\n{2}}};\n"}},
         {CodeLanguage::wgsl,
          {.usage = "WGSL",
@@ -350,7 +351,8 @@ std::string Printer::text(const Function& function) {
 std::string whole_text(CodeLanguage language, const std::string& list, std::string guard,
                        const std::string& definitions) {
     const Language& of = row_of(language);
-    const std::string head = fmt::format("// {}: {}.\n\n", of.usage, list);
+    const std::string head =
+        fmt::format("// {}: {}.\n// Written by srbf; the text is under the MIT License.\n\n", of.usage, list);
     if (!of.is_guarded) return fmt::format("{}{}{}", head, of.opening, definitions);
     for (char& c : guard) c = char(std::toupper(static_cast<unsigned char>(c)));
     return fmt::format("{0}#ifndef {1}\n#define {1}\n\n{2}{3}#endif\n", head, guard, of.opening, definitions);

@@ -25,6 +25,8 @@ struct FitCommand {
     std::vector<std::string> inputs, given;
     std::string output, preview, json;
     std::string pairs;  // of texels; empty: none
+    std::string basis;  // a number of shared lobes, or the library whose lobes are used; empty: none
+    int active = 0;     // 0: all
     ReadOptions read;
     std::size_t first = 0, last = 0, slab = TexelFits{}.slab;
     std::string device = "auto", model = "pm", form = std::string(name(PmRequest{}.form)),
@@ -82,7 +84,8 @@ struct FitCommand {
         return output.ends_with('/') || std::filesystem::is_directory(output, ignored);
     }
     /// Texels and several inputs go into a folder, and one does if the output is a folder, as with `cp`.
-    bool into_folder() const { return inputs.size() > 1 || resume || !pairs.empty() || output_is_folder(); }
+    bool into_folder() const { return basis.empty() && several(); }
+    bool several() const { return inputs.size() > 1 || resume || !pairs.empty() || output_is_folder(); }
     FileFit file_fit() const {
         const std::string beside = std::filesystem::path(inputs[0]).stem().string() + ".srbf";
         return {inputs[0], output.empty() ? beside : output, preview, json, request(), exchange, read, band, given};
@@ -94,6 +97,15 @@ struct FitCommand {
         TexelFits fit{inputs[0], pairs, output, request(), first, last, slab, axial < 0, options_text(), resume};
         auto& pm = std::get<PmRequest>(fit.request.model);
         if (!pm.size) pm.size = std::get<PmRequest>(BatchOptions{}.request.model).size;
+        return fit;
+    }
+    BasisFit basis_fit() const {
+        BasisFit fit{inputs, output, {}, {}};
+        const auto lobes_shared = to_number<int>(basis);
+        if (!lobes_shared) fit.basis = basis;
+        fit.options.form = *form_named(form), fit.options.variates = variates, fit.options.axial = axial >= 0;
+        fit.options.lobes = lobes_shared.value_or(fit.options.lobes), fit.options.active = active;
+        fit.options.max_theta = max_theta * k_degree, fit.options.seed = seed, fit.options.threads = threads;
         return fit;
     }
     /// All options that a model depends on.
@@ -173,6 +185,7 @@ int FitCommand::run() const {
         fmt::print("{}", srbf::explain(request()));
         return k_done;
     }
+    if (!basis.empty()) return fit_basis(basis_fit());
     if (!pairs.empty()) return fit_texels(texel_fits());
     return into_folder() ? fit_files(folder_fit()) : fit_file(file_fit());
 }
@@ -329,10 +342,11 @@ void add_fit(CommandLine& app, int& status) {
                      "Exchange light and viewer of the measurement, as renderers do that take the first\n"
                      "direction of an RGL file for the viewer");
     const std::vector<Option> of_samples = add_read_options(sub, command->read);
-    sub.add_option("--objective", command->objective, "What the fit minimises:" + summaries_of_objectives())
-        .type_name("NAME")
-        .one_of(names_of_objectives())
-        .capture_default_str();
+    const Option objective =
+        sub.add_option("--objective", command->objective, "What the fit minimises:" + summaries_of_objectives())
+            .type_name("NAME")
+            .one_of(names_of_objectives())
+            .capture_default_str();
     sub.add_option(
            "--max-theta", command->max_theta,
            fmt::format("Largest angle from the normal in the fit and in all errors,\n1 to 89.9 degrees; default: {}",
@@ -429,6 +443,23 @@ void add_fit(CommandLine& app, int& status) {
             .type_name("T")
             .check(within(std::size_t(1), k_most_texels_of_a_slab))
             .capture_default_str();
+    const Option basis =
+        sub.add_option("--basis", command->basis,
+                       fmt::format("One library of all INPUTs, which share J lobes, 1 to {}; or of the lobes of an\n"
+                                   "earlier library, without a search. Materials are FILE.srbf#STEM afterwards",
+                                   k_most_basis_lobes))
+            .type_name("J|LIBRARY")
+            .check([](std::string& text) -> std::string {
+                const auto count = to_number<int>(text);
+                return !count || (*count >= 1 && *count <= k_most_basis_lobes)
+                           ? ""
+                           : fmt::format("expected 1 to {}, found {}", k_most_basis_lobes, text);
+            });
+    const Option active =
+        sub.add_option("--active", command->active,
+                       "With --basis: each material is a sum of at most K of the lobes; default: of all")
+            .type_name("K")
+            .check(within(1, k_most_basis_lobes));
     const Option seed = sub.add_option("--seed", command->seed, "Seed of the random numbers")
                             .type_name("SEED")
                             .check(within(std::uint64_t(0), std::numeric_limits<std::uint64_t>::max()))
@@ -458,6 +489,7 @@ void add_fit(CommandLine& app, int& status) {
     };
     sub.callback(
         [=, &status] {
+            if (basis.given() && !output.given()) output.fail("a file is required for a library");
             if (command->into_folder() && !output.given())
                 output.fail("a folder is required for several inputs, --resume and --pairs");
             command->given = sub.given();
@@ -499,6 +531,16 @@ void add_fit(CommandLine& app, int& status) {
              "a number with --explain and --pairs",
              [=] { return !command->lobes_auto || !(command->explain || pairs.given()); }},
             {of_samples, "not with --explain and --pairs", [=] { return !command->explain && !pairs.given(); }},
+            {{active}, "only with --basis", [=] { return basis.given(); }},
+            {{active},
+             "at most the number of shared lobes",
+             [=] { return command->active <= to_number<int>(command->basis).value_or(k_most_basis_lobes); }},
+            {{lobes, reciprocal, no_scale, target_error, target_delta_e, budget, picture, json, exchanged, band, device,
+              resume, pairs, channels, explained, objective},
+             "not with --basis",
+             [=] { return !basis.given(); }},
+            {of_samples, "not with --basis", [=] { return !basis.given(); }},
+            {{basis}, "only with --model pm", [=] { return command->model == "pm"; }},
             {{texels, slab}, "only with --pairs", [=] { return pairs.given(); }},
             {{pairs}, "with one INPUT", [=] { return command->inputs.size() == 1; }},
             {{pairs},

@@ -6,6 +6,7 @@
 
 #include "app/output.h"
 #include "render/image.h"
+#include "srbf/basis.h"
 #include "srbf/fit_bsdf.h"
 #include "srbf/fitting.h"
 
@@ -68,5 +69,14 @@ struct TexelFits {
 };
 /// Writes a stack of models (model.h) for each slab of texels; returns the exit status.
 int fit_texels(const TexelFits& fit);
+
+/// A fit of many files by lobes that they share.
+struct BasisFit {
+    std::vector<std::string> inputs;
+    std::string output, basis;  // a library whose lobes are used; empty: lobes are searched for
+    BasisOptions options;
+};
+/// Writes a library (library.h) and prints the materials with the largest errors first; returns the exit status.
+int fit_basis(const BasisFit& fit);
 
 }  // namespace srbf

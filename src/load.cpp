@@ -1,5 +1,7 @@
 #include "srbf/load.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "measured/bytes.h"
@@ -7,29 +9,46 @@
 #include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
+#include "srbf/library.h"
 #include "srbf/text.h"
 
 namespace srbf {
 
 namespace {
 
-/// The stack and the texel that "FILE#T" names.
+/// The stack or library and the texel or material that "FILE#NAME" names.
 struct TexelName {
-    std::string file;
-    std::uint64_t texel;
+    std::string file, name;
 };
 std::optional<TexelName> texel_named(const std::string& path) {
     const auto sign = path.rfind('#');
     std::error_code none;
     if (sign == path.npos || std::filesystem::exists(path, none)) return {};
-    const auto texel = to_number<std::uint64_t>(std::string_view(path).substr(sign + 1));
-    if (!texel) return {};
-    return TexelName{path.substr(0, sign), *texel};
+    return TexelName{path.substr(0, sign), path.substr(sign + 1)};
 }
 
 Result<AnyBrdf> any(Result<Model> model) {
     if (!model) return model.error();
     return AnyBrdf(*std::move(model));
+}
+
+/// What `name` is of a library, or of a stack.
+Result<AnyBrdf> named(std::span<const std::byte> bytes, const TexelName& of, const std::string& path) {
+    if (is_library(bytes)) {
+        const auto library = read_library(bytes, of.file);
+        if (!library) return library.error();
+        if (const auto t = find_material(*library, of.name)) return AnyBrdf(material(*library, *t));
+        return Error{path,
+                     {},
+                     "material",
+                     library->names.empty() ? fmt::format("0 to {}", library->count() - 1)
+                                            : fmt::format("a name such as {}", library->names[0]),
+                     fmt::format("{:.80}", of.name),
+                     ErrorCode::argument};
+    }
+    const auto texel = to_number<std::uint64_t>(of.name);
+    if (!texel) return Error{path, {}, "texel", "a number", fmt::format("{:.80}", of.name), ErrorCode::argument};
+    return any(read_texel(bytes, *texel, path));
 }
 
 }  // namespace
@@ -40,7 +59,7 @@ Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options) {
         auto bytes =
             options.columns.empty() ? read_file(of_stack ? of_stack->file : path, most_bytes_of) : read_file(path);
         if (!bytes) return bytes.error();
-        if (of_stack) return any(read_texel(*bytes, of_stack->texel, path));
+        if (of_stack) return named(*bytes, *of_stack, path);
         if (is_safetensors(*bytes) && options.any())
             return Error{path,
                          {},

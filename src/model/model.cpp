@@ -8,6 +8,7 @@
 #include "floating_point.h"
 #include "model/bsdf_file.h"
 #include "model/ggx_file.h"
+#include "model/library.h"
 #include "model/safetensors.h"
 #include "model/su_file.h"
 #include "model/texel.h"
@@ -383,6 +384,26 @@ std::vector<std::byte> write_model(const Model& model) {
     return write_safetensors(content);
 }
 
+Safetensors lobes_content(const PmModel& model, std::string_view kind) {
+    Safetensors content{encode(model, true), {}};
+    content.metadata["srbf"] = k_version;
+    content.metadata["model"] = kind;
+    content.metadata["form"] = stored_name(model.form);
+    content.metadata["axial"] = model.axial ? "true" : "false";
+    return content;
+}
+
+Result<PmModel> take_lobes(Safetensors& content, std::string_view kind, const std::string& file_name) {
+    std::optional<Error> error;
+    const auto take = [&](const char* key, const std::vector<std::string_view>& known) {
+        return taken(content.metadata, key, known, file_name, error);
+    };
+    take("srbf", {k_version}), take("model", {kind});
+    const auto form = take("form", stored_forms()), axial = take("axial", {"true", "false"});
+    if (error) return *error;
+    return decode(content.tensors, *form_named(form), axial == "true", {}, file_name);
+}
+
 Result<Model> read_model(std::span<const std::byte> bytes, const std::string& file_name) {
     const StandardArithmetic mode;
     Result<Safetensors> content = read_safetensors(bytes, file_name);
@@ -398,6 +419,14 @@ Result<Model> read_model(std::span<const std::byte> bytes, const std::string& fi
                      "input",
                      "a model",
                      fmt::format("a stack of them, which {0}#0, {0}#1, .. name", file_name),
+                     ErrorCode::wrong_kind};
+    if (const auto kind = content->metadata.find("model");
+        kind != content->metadata.end() && kind->second == k_library_kind)
+        return Error{file_name,
+                     {},
+                     "input",
+                     "a model",
+                     fmt::format("a library of them, which {0}#NAME names", file_name),
                      ErrorCode::wrong_kind};
     return model_of(*std::move(content), true, file_name);
 }

@@ -31,11 +31,6 @@ std::string_view name(StopReason reason) {
 
 namespace {
 
-/// Upper bound on the log of the coefficient of a lobe with peak 1. The peak may lie where no pair of directions maps
-/// to; but opposing lobes of ever larger bandwidths gain less than 1 % on the measured materials and lose precision in
-/// float.
-constexpr double k_log_peak_limit = 300;
-
 /// After the best candidate another one is finished only if its error is at most this much larger.
 constexpr double k_nearly_best = 0.01;
 

@@ -237,12 +237,11 @@ std::vector<Eigen::Index> LobeProblem::free_coefficients(Eigen::Index c) const {
 
 // The loss falls by (e·r)² / |e|² for each channel with e the candidate less its component along the present lobes, of
 // which coefficients adapt, r the residual, and a coefficient that is not negative.
-std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<double>>& candidates) {
+Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candidates) {
     constexpr std::size_t k_group = 16;  // the values of so many candidates on all blocks fit in the cache
     constexpr double k_nothing = 1e-60, k_least_across = 1e-4;  // of |e|²: smaller shares are noise of floats
     const Eigen::LDLT<Eigen::MatrixXd> factor(ridged(gram_));
-    std::vector<double> best;
-    double best_gain = -1;
+    Eigen::VectorXd gains = Eigen::VectorXd::Constant(Eigen::Index(candidates.size()), -1);
     for (std::size_t first = 0; first < candidates.size(); first += k_group) {
         const auto group = std::span(candidates).subspan(first, std::min(k_group, candidates.size() - first));
         Eigen::VectorXd squares(group.size());
@@ -253,11 +252,16 @@ std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<dou
             double across = squares[k];
             if (basis_.count() > 0) across -= with_lobes.dot(factor.solve(with_lobes));
             across = std::max(across, k_least_across * squares[k]);
-            const double gain = products.col(k).tail(channels()).cwiseMax(0.0).squaredNorm() / across;
-            if (gain > best_gain) best_gain = gain, best = group[std::size_t(k)];
+            gains[Eigen::Index(first) + k] = products.col(k).tail(channels()).cwiseMax(0.0).squaredNorm() / across;
         }
     }
-    return best;
+    return gains;
+}
+
+std::vector<double> LobeProblem::best_addition(const std::vector<std::vector<double>>& candidates) {
+    Eigen::Index best = 0;
+    if (candidates.empty() || gains(candidates).maxCoeff(&best) < 0) return {};
+    return candidates[std::size_t(best)];
 }
 
 Eigen::MatrixXd LobeProblem::products_with_candidates(std::span<const std::vector<double>> candidates,

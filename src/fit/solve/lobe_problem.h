@@ -35,6 +35,9 @@ class LobeProblem {
     double scale() const { return rows_.scale; }
     const std::vector<double>& offset() const { return basis_.offset(); }  ///< o_j
 
+    /// By how much each of `candidates` would lower the loss if added, about; −1 of one that is 0 at all pairs. Valid
+    /// after `loss`.
+    Eigen::VectorXd gains(const std::vector<std::vector<double>>& candidates);
     /// The one of `candidates` that would lower the loss most if added; valid after `loss`.
     std::vector<double> best_addition(const std::vector<std::vector<double>>& candidates);
 

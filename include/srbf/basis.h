@@ -1,0 +1,62 @@
+// Fits of many materials by lobes that they share: level 5.
+#pragma once
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "srbf/fit.h"
+#include "srbf/fit_batch.h"
+#include "srbf/library.h"
+#include "srbf/measured.h"
+#include "srbf/progress.h"
+#include "srbf/result.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+struct BasisOptions {
+    PmForm form = FitOptions{}.form;
+    bool axial = true;                     ///< only centres at +z or −z, sufficient for isotropic materials
+    int lobes = 16;                        ///< J, 1..k_most_basis_lobes
+    int variates = FitOptions{}.variates;  ///< N, 1..8
+    int active = 0;                        ///< K: of so many lobes a material is the sum; 0: of all, a dense library
+    double max_theta = 0;                  ///< [rad]; 0: the default of objective appearance
+    std::uint64_t seed = 0;
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+inline constexpr int k_most_basis_lobes = 256;
+
+/// A material: its name, and what reads its table, which is called twice and from several threads.
+struct LibrarySource {
+    std::string name;
+    std::function<Result<Measured>()> read;
+};
+
+/// Finds J lobes that the materials share, by variable projection: the minimum over lobes of Σ_t L_t / r_t, L_t the loss
+/// of pairs and albedos of material t (docs/fitting.md) by its own best coefficients, r_t = √L_t of the fit so far, at
+/// least a tenth of the largest, so that the sum falls as the sum of roots does. Lobes are added in sixteen groups, each
+/// lobe the one of 256 random ones that would lower the sum most. Coefficients of a material then minimise all terms of
+/// its own objective, with point lights, bounds and pixels. `error` is its mean ΔE_ITP under `standard_lightings`.
+/// Errors: those of `read`; samples, or a measurement of both sides; options out of range; two materials of one name;
+/// cancelled.
+Result<Library> fit_library(std::span<const LibrarySource> sources, const BasisOptions& options,
+                            const ProgressToken& progress = {});
+/// Materials as sums of the lobes of `basis`: no lobe is searched for. Of `options` it reads `active`, `max_theta`,
+/// `seed` and `threads`.
+Result<Library> fit_to_basis(const Library& basis, std::span<const LibrarySource> sources, const BasisOptions& options,
+                             const ProgressToken& progress = {});
+
+/// Finds J lobes that texels share: those of `chosen` texels, completed (fit_samples.h) as by `fit_batch`. The result is
+/// a dense library of these texels. Errors: those of `fit_library`, and no texel with a value above 0.
+Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f, const BasisOptions& options,
+                                const ProgressToken& progress = {});
+/// The coefficients of texels, T × J: non-negative least squares at their own samples, with the weights of objective
+/// appearance for these values. `error`: of each the root of Σ w |f−f̂|² / Σ w |f|², 0 of a black one. NaN: not measured.
+struct TexelCoefficients {
+    std::vector<Rgb> coefficient;
+    std::vector<float> error;
+};
+TexelCoefficients fit_texels_to_basis(const Library& basis, const SharedPairs& pairs, std::span<const Rgb> f,
+                                      int threads = 0);
+
+}  // namespace srbf

@@ -27,6 +27,7 @@ struct FitCommand {
     std::string pairs;  // of texels; empty: none
     std::string basis;  // a number of shared lobes, or the library whose lobes are used; empty: none
     int active = 0;     // 0: all
+    std::size_t width = 0;
     ReadOptions read;
     std::size_t first = 0, last = 0, slab = TexelFits{}.slab;
     std::string device = "auto", model = "pm", form = std::string(name(PmRequest{}.form)),
@@ -100,7 +101,9 @@ struct FitCommand {
         return fit;
     }
     BasisFit basis_fit() const {
-        BasisFit fit{inputs, output, {}, {}};
+        BasisFit fit;
+        fit.inputs = inputs, fit.output = output, fit.pairs = pairs, fit.width = width, fit.resume = resume;
+        fit.key = options_text();
         const auto lobes_shared = to_number<int>(basis);
         if (!lobes_shared) fit.basis = basis;
         fit.options.form = *form_named(form), fit.options.variates = variates, fit.options.axial = axial >= 0;
@@ -185,7 +188,7 @@ int FitCommand::run() const {
         fmt::print("{}", srbf::explain(request()));
         return k_done;
     }
-    if (!basis.empty()) return fit_basis(basis_fit());
+    if (!basis.empty()) return pairs.empty() ? fit_basis(basis_fit()) : fit_texel_maps(basis_fit());
     if (!pairs.empty()) return fit_texels(texel_fits());
     return into_folder() ? fit_files(folder_fit()) : fit_file(file_fit());
 }
@@ -460,6 +463,10 @@ void add_fit(CommandLine& app, int& status) {
                        "With --basis: each material is a sum of at most K of the lobes; default: of all")
             .type_name("K")
             .check(within(1, k_most_basis_lobes));
+    const Option width = sub.add_option("--width", command->width,
+                                        "With --basis and --pairs: texels in a row of the map, for FILE.srbf#X,Y")
+                             .type_name("W")
+                             .check(within(std::size_t(1), std::size_t(1) << 20));
     const Option seed = sub.add_option("--seed", command->seed, "Seed of the random numbers")
                             .type_name("SEED")
                             .check(within(std::uint64_t(0), std::numeric_limits<std::uint64_t>::max()))
@@ -531,12 +538,19 @@ void add_fit(CommandLine& app, int& status) {
              "a number with --explain and --pairs",
              [=] { return !command->lobes_auto || !(command->explain || pairs.given()); }},
             {of_samples, "not with --explain and --pairs", [=] { return !command->explain && !pairs.given(); }},
+            {{width}, "only with --basis and --pairs", [=] { return basis.given() && pairs.given(); }},
+            {{active}, "not with --pairs, whose libraries are dense", [=] { return !pairs.given(); }},
+            {{texels, slab}, "not with --basis", [=] { return !basis.given(); }},
+            {{resume}, "with --basis only with --pairs", [=] { return !basis.given() || pairs.given(); }},
+            {{basis},
+             "a number of lobes with --pairs",
+             [=] { return !pairs.given() || !basis.given() || to_number<int>(command->basis).has_value(); }},
             {{active}, "only with --basis", [=] { return basis.given(); }},
             {{active},
              "at most the number of shared lobes",
              [=] { return command->active <= to_number<int>(command->basis).value_or(k_most_basis_lobes); }},
             {{lobes, reciprocal, no_scale, target_error, target_delta_e, budget, picture, json, exchanged, band, device,
-              resume, pairs, channels, explained, objective},
+              channels, explained, objective},
              "not with --basis",
              [=] { return !basis.given(); }},
             {of_samples, "not with --basis", [=] { return !basis.given(); }},

@@ -75,7 +75,15 @@ struct BasisFit {
     std::vector<std::string> inputs;
     std::string output, basis;  // a library whose lobes are used; empty: lobes are searched for
     BasisOptions options;
+    // Of texels:
+    std::string pairs;      // empty: tables
+    std::string key;        // everything that the lobes depend on besides the inputs, as text
+    std::size_t width = 0;  // of a map; 0: no map
+    std::size_t slab = 4096;
+    bool resume = false;  // keep the texels that are done
 };
+/// The same of the texels of a file of arrays: one dense library.
+int fit_texel_maps(const BasisFit& fit);
 /// Writes a library (library.h) and prints the materials with the largest errors first; returns the exit status.
 int fit_basis(const BasisFit& fit);
 

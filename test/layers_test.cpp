@@ -29,7 +29,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/metrics", "src/metrics"},
     {"include/srbf/measured", "include/srbf/convert", "src/measured/"},
     {"include/srbf/su", "include/srbf/ggx"},
-    {"include/srbf/model", "include/srbf/terms", "src/model/"},
+    {"include/srbf/model", "include/srbf/terms", "include/srbf/library", "src/model/"},
     {"include/srbf/sampling", "src/sampling"},
     {"src/fit/solve/least_squares"},
     {"include/srbf/prepared", "src/prepared", "include/srbf/load", "src/load", "include/srbf/extended_light",
@@ -47,7 +47,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"render/html", "render/drawing"},
     {"render/slices", "render/chart", "render/material"},
     {"render/page"},
-    {"include/srbf/fit", "include/srbf/fit_samples", "include/srbf/choose"},
+    {"include/srbf/fit", "include/srbf/fit_samples", "include/srbf/choose", "include/srbf/basis"},
     {"src/fit/solve/block", "src/fit/solve/columns"},
     {"src/fit/fits", "src/fit/data/", "src/fit/objective/", "src/fit/fit_ggx"},
     {"src/fit/solve/rows"},
@@ -57,6 +57,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"src/fit/cuda/", "src/fit/views/"},
     {"src/fit/search/"},
     {"src/fitting/"},
+    {"src/basis/"},
     {"app/"},
 };
 

@@ -1,0 +1,43 @@
+"""Links of the documentation resolve, and its edited pages have no private terms: python3 test/pages_of_docs.py FOLDER."""
+import os
+import re
+import sys
+
+folder = sys.argv[1]
+PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "data/README.md"] + sorted(
+    os.path.join(where, name)[len(folder) + 1:] for where, _, names in os.walk(os.path.join(folder, "docs")) for name in names if name.endswith(".md"))
+EDITED = ["README.md", "docs/using.md"]  # a page joins this list when it has been edited
+PRIVATE = ["glance", "guard sample", "at hand", "what is seen", "both sides", "by what is seen"]  # as terms
+
+
+def text(page):
+    with open(os.path.join(folder, page), encoding="utf-8") as file:
+        return file.read()
+
+
+def anchors(page):
+    """As GitHub makes them of headings: words with hyphens, without punctuation; a repeated one has a number."""
+    found = {}
+    for heading in re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", text(page), flags=re.M | re.S), flags=re.M):
+        heading = re.sub(r"\]\([^)]*\)", "", heading).lower().strip()
+        name = re.sub(r"[^\w\- ]", "", heading).replace(" ", "-")
+        found[name] = found.get(name, -1) + 1
+    return {name if i == 0 else f"{name}-{i}" for name, count in found.items() for i in range(count + 1)}
+
+
+problems = []
+for page in PAGES:
+    prose = re.sub(r"^\s*```.*?^\s*```", "", text(page), flags=re.M | re.S)
+    for link in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"`[^`]*`", "", prose)):
+        path, _, anchor = link.partition("#")
+        if re.match(r"[a-z]+:", link):
+            continue
+        target = os.path.normpath(os.path.join(os.path.dirname(page), path)) if path else page
+        if not os.path.exists(os.path.join(folder, target)):
+            problems.append(f"{page}: no {link}")
+        elif anchor and target.endswith(".md") and anchor not in anchors(target):
+            problems.append(f"{page}: no heading {link}")
+    if page in EDITED:
+        problems += [f"{page}: the private term '{term}'" for term in PRIVATE if re.search(rf"\b{term}\b", prose, flags=re.I)]
+print("\n".join(problems) or f"{len(PAGES)} pages: links resolve")
+sys.exit(bool(problems))

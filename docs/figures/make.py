@@ -14,7 +14,7 @@ import chromium  # noqa: E402
 PANEL = 512  # pixels a side
 HIDDEN, SHOWN = 52, 460  # rows of a picture that are not shown, of the dark room above the horizon, and those that are
 PATHS = 64  # a pixel
-MATERIALS = [("Vinyl film that changes its colour", "cc_ibiza_sunset")]
+MATERIALS = [("White paper", "paper_white"), ("Vinyl film that changes its colour", "cc_ibiza_sunset")]
 COLUMNS = ["measured, 659 kB", "srbf, 208 bytes", "Lambert and GGX, 16 bytes"]
 STYLE = f"""body {{ margin: 0; background: #fff; color: #222; font: 24px DejaVu Sans, sans-serif }} div {{ display: flex }}
     b {{ width: {PANEL}px; text-align: center; font-weight: normal; padding: 12px 0 }} h2 {{ font-size: 20px; margin: 0; padding: 8px 12px }}

@@ -12,6 +12,7 @@
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
+#include "srbf/library.h"
 
 namespace srbf {
 namespace {
@@ -237,11 +238,32 @@ void print_sides(const Subject& subject) {
     }
 }
 
+/// A library of materials that share their lobes, as a whole.
+int describe_library(std::span<const std::byte> bytes, const std::string& file) {
+    const auto library = read_library(bytes, file);
+    if (!library) return complain(library.error());
+    fmt::print("{}\n", file);
+    print_row("library", fmt::format("{} {}, each of {} {} shared lobes", grouped(library->count()),
+                                     library->names.empty() ? "texels" : "materials",
+                                     library->dense() ? "all" : fmt::format("at most {} of", library->stored),
+                                     library->basis.lobes));
+    if (library->width > 0)
+        print_row("map", fmt::format("{} × {} texels", library->width, library->count() / library->width));
+    print_row("bytes", fmt::format("{} shared, {} each", grouped(basis_bytes(*library)), material_bytes(*library)));
+    Range error;
+    for (const float of_one : library->error) error.add(of_one);
+    print_row("error", error.text());
+    print_row("one of them", file + "#" + (library->names.empty() ? "0" : one_line(library->names.front())));
+    fmt::print("\n");
+    for (std::size_t t = 0; t < library->names.size(); ++t)
+        fmt::print("  {:<36}{:.3g}\n", one_line(library->names[t]), library->error[t]);
+    for (const auto& [key, text] : library->provenance) fmt::print("  {:<36}{}\n", one_line(key), one_line(text));
+    return k_done;
+}
+
 /// A stack of models as a whole.
-int describe_stack(const std::string& file) {
-    const auto bytes = read_file(file);
-    if (!bytes) return complain(bytes.error());
-    const auto stack = read_stack(*bytes, file);
+int describe_stack(std::span<const std::byte> bytes, const std::string& file) {
+    const auto stack = read_stack(bytes, file);
     if (!stack) return complain(stack.error());
     const auto count = [&](TexelState state) {
         return grouped(std::uint64_t(std::ranges::count(stack->state, std::uint16_t(state))));
@@ -265,7 +287,11 @@ int describe_stack(const std::string& file) {
 
 int run(const std::string& file, const ReadOptions& read) {
     const auto subject = load(file, read);
-    if (!subject && subject.error().code == ErrorCode::wrong_kind) return describe_stack(file);
+    if (!subject && subject.error().code == ErrorCode::wrong_kind) {
+        const auto bytes = read_file(file);
+        if (!bytes) return complain(bytes.error());
+        return is_library(*bytes) ? describe_library(*bytes, file) : describe_stack(*bytes, file);
+    }
     if (!subject) return complain(subject.error());
     fmt::print("{}\n", file);
     if (const auto* measured = std::get_if<Measured>(&subject->content)) {

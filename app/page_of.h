@@ -8,7 +8,7 @@
 
 namespace srbf {
 
-/// "film" for "materials/film.srbf".
+/// "film" for "materials/film.srbf", "nickel" for "metals.srbf#nickel", "map_3,5" for "map.srbf#3,5".
 std::string stem_of(const std::string& path);
 /// A subject with its plots, and a model with its picture and its parameters.
 PageMaterial shown(const Subject& subject);

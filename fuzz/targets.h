@@ -14,6 +14,7 @@
 #include "render/path.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"
+#include "srbf/library.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
 
@@ -184,6 +185,16 @@ inline void check_stack(std::span<const std::byte> bytes) {
     check_answers(Result<Model>(Model{stack->models.front(), {}}));
 }
 
+/// The same of a library of materials.
+inline void check_library(std::span<const std::byte> bytes) {
+    const auto library = read_library(bytes, "f");
+    if (!library) return check_error(library.error());
+    const auto written = write_library(*library);
+    const auto again = read_library(written, "f");
+    require(again.ok() && write_library(*again) == written, "write(read(written)) = written");
+    if (library->count() > 0) check_answers(Result<Model>(material(*library, 0)));
+}
+
 /// A mesh has triangles of its own vertices, finite positions and unit normals.
 inline void check_mesh(const Result<Mesh>& mesh) {
     if (!mesh) return check_error(mesh.error());
@@ -254,6 +265,7 @@ inline const NamedTarget k_targets[] = {
     {"model", check_model},
     {"header", check_header},
     {"stack", check_stack},
+    {"library", check_library},
     {"ply", [](auto bytes) { check_picture(read_ply(bytes, "f")); }},
     {"obj", [](auto bytes) { check_picture(read_obj(bytes, "f")); }},
     {"environment", [](auto bytes) { check_environment(read_environment(bytes, "f")); }},

@@ -37,7 +37,7 @@ struct KernelDraw {
     double weight;
 };
 std::vector<KernelDraw> draws_of_kernel(double roughness) {
-    constexpr int k_rings = 64, k_azimuths = 16;
+    constexpr int k_rings = 64, k_of_ring = 16;
     const double a = roughness * roughness * roughness * roughness;
     std::vector<KernelDraw> draws;
     double sum = 0;
@@ -45,8 +45,8 @@ std::vector<KernelDraw> draws_of_kernel(double roughness) {
         const double x = (i + 0.5) / k_rings, c = (1 - x - a * x) / (1 - x + a * x);
         if (!(c > 0)) continue;
         const double s = std::sqrt(1 - c * c);
-        for (int j = 0; j < k_azimuths; ++j) {
-            const double phi = k_pi * (j + 0.5) / k_azimuths;
+        for (int j = 0; j < k_of_ring; ++j) {
+            const double phi = k_pi * (j + 0.5) / k_of_ring;
             draws.push_back({{s * elementary::cos(phi), s * elementary::sin(phi), c}, c});
             sum += c;
         }

@@ -27,7 +27,7 @@ constexpr float k_noise_limit = 3;
 constexpr float k_alike = 5;
 constexpr int k_rounds = 3;
 /// Of the short fits, by pairs alone.
-constexpr int k_short_starts = 4, k_short_perturbations = 20;
+constexpr int k_noise_starts = 4, k_noise_perturbations = 20;
 
 double median(std::vector<double> x) {
     const auto middle = x.begin() + std::ptrdiff_t(x.size() / 2);
@@ -126,7 +126,7 @@ Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int
         if (!observed) return observed.error();
         FitOptions options;
         options.axial = axial, options.threads = threads;
-        options.starts = k_short_starts, options.perturbations = k_short_perturbations;
+        options.starts = k_noise_starts, options.perturbations = k_noise_perturbations;
         const auto fitted = fit_pm(beginning(*observed, observed->fitted()), options, part(0.3, 1));
         if (!fitted) return fitted.error();
         smooth = without_noise(f, fitted->model, noise.deviation);

@@ -8,10 +8,10 @@
 namespace srbf {
 namespace {
 
-using Library = nlohmann::json;
+using JsonLibrary = nlohmann::json;
 
 /// Makes a value of what the library's parser finds; `false` ends it.
-class JsonMaker : public nlohmann::json_sax<Library> {
+class JsonMaker : public nlohmann::json_sax<JsonLibrary> {
   public:
     explicit JsonMaker(int deepest) : deepest_(deepest) {}
 
@@ -27,7 +27,7 @@ class JsonMaker : public nlohmann::json_sax<Library> {
     bool end_object() override { return open_.pop_back(), true; }
     bool start_array(std::size_t) override { return open({JsonList()}); }
     bool end_array() override { return open_.pop_back(), true; }
-    bool parse_error(std::size_t, const std::string&, const Library::exception&) override { return false; }
+    bool parse_error(std::size_t, const std::string&, const JsonLibrary::exception&) override { return false; }
 
     JsonValue value;
     bool is_too_deep = false;
@@ -63,7 +63,7 @@ const JsonValue* JsonValue::find(std::string_view name) const {
 
 std::optional<JsonValue> parse_json(std::string_view text, int deepest) {
     JsonMaker maker(deepest);
-    const bool is_whole = Library::sax_parse(text.begin(), text.end(), &maker);
+    const bool is_whole = JsonLibrary::sax_parse(text.begin(), text.end(), &maker);
     if (maker.is_too_deep) return std::nullopt;
     return is_whole ? std::move(maker.value) : JsonValue();
 }
@@ -90,7 +90,7 @@ std::string brief(const JsonValue& json) {
 }
 
 std::string json_of(const std::string& text) {
-    return Library(text).dump(-1, ' ', false, Library::error_handler_t::replace);
+    return JsonLibrary(text).dump(-1, ' ', false, JsonLibrary::error_handler_t::replace);
 }
 
 }  // namespace srbf

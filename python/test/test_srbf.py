@@ -513,7 +513,7 @@ def python_of(page):
 def test_the_first_examples_run_as_they_stand(monkeypatch, tmp_path):
     (tmp_path / "data").symlink_to(DATA)
     monkeypatch.chdir(tmp_path)
-    for page in ("README.md", "docs/python.md"):
+    for page in ("docs/using.md", "docs/python.md"):
         exec(python_of(page)[0], {})
         assert (tmp_path / "film.srbf").exists()
         (tmp_path / "film.srbf").unlink()
@@ -523,7 +523,7 @@ def test_the_package_and_the_documentation_are_typed(tmp_path):
     pytest.importorskip("mypy", reason="needs mypy")
     settings = str(DATA.parent / "pyproject.toml")
     package = pathlib.Path(srbf.__file__).parent
-    for i, page in enumerate(("README.md", "docs/python.md")):
+    for i, page in enumerate(("docs/using.md", "docs/python.md")):
         (tmp_path / f"page_{i}.py").write_text("\n".join(python_of(page)))
     pages = sorted(map(str, tmp_path.glob("page_*.py")))
     environment = {**os.environ, "MYPYPATH": str(package.parent), "PYTHONPATH": str(package.parent), "MYPY_CACHE_DIR": str(tmp_path / "cache")}

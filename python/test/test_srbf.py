@@ -505,15 +505,20 @@ def test_the_notebook_runs(monkeypatch, tmp_path):
     assert run("first_steps.ipynb", monkeypatch, tmp_path)["fit"].model.nbytes == 208
 
 
+PAGES = ("docs/using.md", "docs/python.md")  # both begin with the example that writes film.srbf
+
+
 def python_of(page):
-    """The Python of a page of documentation."""
-    return re.findall(r"```python\n(.*?)```", (DATA.parent / page).read_text().replace("\n  ", "\n"), re.DOTALL)
+    """The Python of a page of documentation, of which there is some."""
+    examples = re.findall(r"```python\n(.*?)```", (DATA.parent / page).read_text().replace("\n  ", "\n"), re.DOTALL)
+    assert examples, page
+    return examples
 
 
 def test_the_first_examples_run_as_they_stand(monkeypatch, tmp_path):
     (tmp_path / "data").symlink_to(DATA)
     monkeypatch.chdir(tmp_path)
-    for page in ("docs/using.md", "docs/python.md"):
+    for page in PAGES:
         exec(python_of(page)[0], {})
         assert (tmp_path / "film.srbf").exists()
         (tmp_path / "film.srbf").unlink()
@@ -523,7 +528,7 @@ def test_the_package_and_the_documentation_are_typed(tmp_path):
     pytest.importorskip("mypy", reason="needs mypy")
     settings = str(DATA.parent / "pyproject.toml")
     package = pathlib.Path(srbf.__file__).parent
-    for i, page in enumerate(("docs/using.md", "docs/python.md")):
+    for i, page in enumerate(PAGES):
         (tmp_path / f"page_{i}.py").write_text("\n".join(python_of(page)))
     pages = sorted(map(str, tmp_path.glob("page_*.py")))
     environment = {**os.environ, "MYPYPATH": str(package.parent), "PYTHONPATH": str(package.parent), "MYPY_CACHE_DIR": str(tmp_path / "cache")}

@@ -16,7 +16,7 @@ namespace {
 
 /// Points of a pair of patches; more where the outgoing patch touches that of the mirror direction, or nearly so, since
 /// lobes may be narrower than a patch.
-constexpr std::size_t k_pair_points = 256, k_mirror_points = 4096;
+constexpr std::size_t k_pair_points = 256, k_mirror_pair_points = 4096;
 /// Middles of patches that touch are at most this share of the sum of their widths apart, with some room.
 constexpr double k_touching = 0.6;
 
@@ -50,7 +50,7 @@ KlemsTable to_klems(const Evaluate& part, const AngleBasis& basis, int threads) 
             const bool is_near = are_near(basis, i, o);
             wl.clear(), wv.clear();
             RSequence<4> points;
-            for (std::size_t k = is_near ? k_mirror_points : k_pair_points; k > 0; --k) {
+            for (std::size_t k = is_near ? k_mirror_pair_points : k_pair_points; k > 0; --k) {
                 const auto u = points.next();
                 const Vec3d p = basis.point_of(i, u[0], u[1]), q = basis.point_of(o, u[2], u[3]);
                 wl.push_back(to_float({p.x, -p.y, p.z})), wv.push_back(to_float({-q.x, q.y, q.z}));

@@ -66,7 +66,7 @@ TEST_F(Chain, EveryCommandReadsWhatOthersWrite) {
         done({"render", file, "-o", "x.png", "--size", "4x4", "--spp", "1"});
         if (file.find("srbf") != file.npos && file.find(".csv") == file.npos)
             done({"export", file, "--to", "c", "-o", "x.h"});
-        else
+        else if (file.find("eval") == file.npos || file == "eval_spectral.srbf.csv")
             done({"fit", file, "--model", "ggx", "--objective", "raw", "-o", "x.srbf"});
     }
     done({"render", "pm.srbf", "-o", "x.exr", "--size", "8x8", "--spp", "1"});

@@ -434,7 +434,7 @@ TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
     EXPECT_NE(of_first["phone one"]["scene"]["eye"], of_first["swiped"]["scene"]["eye"]);
 
     // Under an environment.
-    EXPECT_EQ(count["studio"], 5);
+    EXPECT_EQ(count["studio"], 3);
     EXPECT_EQ(of_first["studio"]["scene"]["irradiances"], Json(std::vector<int>(9, 0)));
     EXPECT_EQ(of_first["studio turned"]["scene"]["eye"], of_first["studio"]["scene"]["eye"]);
     EXPECT_GT(double(of_first["studio turned"]["scene"]["turned"]), 0.1);

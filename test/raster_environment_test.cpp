@@ -150,7 +150,7 @@ TEST_P(RasterEnvironments, AreWithoutBiasHoweverTheyAreTurned) {
     for (const double turn : {0.0, 1.0, 4.0}) {
         if (is_es && turn != 1) continue;
         const Frame axes = frame_about(spherical(0.5 * turn, turn), {0, 1, 0.2});
-        for (std::size_t i = 0; i < std::size(materials); ++i) {
+        for (std::size_t i = 0; i < (is_es ? 1 : std::size(materials)); ++i) {
             const Evaluate brdf = i == 1 ? evaluator(su) : brdfs[i];
             const auto expected = quadrature(brdf, wv, coloured_light(), axes);
             for (const LightDraws draws : {LightDraws::both, LightDraws::material, LightDraws::light}) {

@@ -21,7 +21,7 @@ constexpr std::size_t k_most_listed = 20;
 
 Result<Library> load_library(const std::string& path) {
     return within_memory(path, [&]() -> Result<Library> {
-        const auto bytes = read_file(path);
+        const auto bytes = read_file(path, all_if(is_safetensors));
         if (!bytes) return bytes.error();
         return read_library(*bytes, path);
     });

@@ -67,7 +67,7 @@ struct FileOfMany {
 /// content, the options and the program's version.
 Result<State> fit_one(FileOfMany& of, const FolderFit& all, const ProgressToken& progress) {
     Hash hash;
-    if (const auto bytes = read_file(of.fit.input))
+    if (const auto bytes = read_input(of.fit.input, of.fit.read))
         hash.add(*bytes);
     else
         return bytes.error();

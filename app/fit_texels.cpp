@@ -86,9 +86,7 @@ std::optional<ModelStack> done_before(const std::string& path, const std::string
 }  // namespace
 
 int fit_texels(const TexelFits& fit) {
-    const auto csv = read_file(fit.pairs);
-    if (!csv) return complain(csv.error());
-    const auto pairs = read_pairs(std::string_view(reinterpret_cast<const char*>(csv->data()), csv->size()), fit.pairs);
+    const auto pairs = load_pairs(fit.pairs);
     if (!pairs) return complain(pairs.error());
     const auto texels = Texels::open(fit.input, pairs->wl.size());
     if (!texels) return complain(texels.error());
@@ -106,7 +104,7 @@ int fit_texels(const TexelFits& fit) {
         return (fs::path(fit.folder) / fmt::format("{}-{:09}.srbf", stem, first)).string();
     };
     Hash of_all;
-    of_all.add(*csv);
+    of_all.add(std::as_bytes(std::span(pairs->wl))), of_all.add(std::as_bytes(std::span(pairs->wv)));
     of_all.add(as_bytes(fmt::format("{} {} {}", SRBF_VERSION, fit.options, fit.anisotropic)));
     const auto key_of = [&](std::span<const Rgb> f) {
         Hash hash = of_all;
@@ -290,9 +288,7 @@ Result<Library> texel_basis(const BasisFit& fit, const SharedPairs& pairs, const
 }  // namespace
 
 int fit_texel_maps(const BasisFit& fit) {
-    const auto csv = read_file(fit.pairs);
-    if (!csv) return complain(csv.error());
-    const auto read = read_pairs(std::string_view(reinterpret_cast<const char*>(csv->data()), csv->size()), fit.pairs);
+    const auto read = load_pairs(fit.pairs);
     if (!read) return complain(read.error());
     const SharedPairs pairs{read->wl, read->wv, fit.options.axial};
     const std::size_t M = pairs.wl.size();

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "srbf/file.h"
 #include "srbf/text.h"
 
 namespace srbf {
@@ -50,16 +52,6 @@ Result<Done> PairParser::finish() const {
     return at_line(file_name_, 1, "header", "columns wl_x to wv_z", "an empty file");
 }
 
-Result<Pairs> read_pairs(std::string_view csv, const std::string& file_name) {
-    PairParser parser(file_name);
-    Pairs pairs;
-    Lines lines(csv);
-    while (const auto line = lines.next())
-        if (const auto taken = parser.take(*line, lines.number(), pairs); !taken) return taken.error();
-    if (const auto whole = parser.finish(); !whole) return whole.error();
-    return pairs;
-}
-
 Result<PairReader> PairReader::open(const std::string& path) {
     auto file = FileReader::open(path);
     if (!file) return file.error();
@@ -78,6 +70,14 @@ Result<Pairs> PairReader::next(std::size_t most) {
         if (const auto taken = parser_.take(**line, lines_.number(), pairs); !taken) return taken.error();
     }
     return pairs;
+}
+
+Result<Pairs> load_pairs(const std::string& path) {
+    return within_memory(path, [&]() -> Result<Pairs> {
+        auto reader = PairReader::open(path);
+        if (!reader) return reader.error();
+        return reader->next(std::numeric_limits<std::size_t>::max());
+    });
 }
 
 }  // namespace srbf

@@ -37,9 +37,6 @@ class PairParser {
     std::vector<std::string_view> fields_;
 };
 
-/// All pairs of a CSV.
-Result<Pairs> read_pairs(std::string_view csv, const std::string& file_name);
-
 /// The pairs of a file, some at a time.
 class PairReader {
   public:
@@ -52,5 +49,8 @@ class PairReader {
     PairParser parser_;
     FileLines lines_;
 };
+
+/// All pairs of a file.
+Result<Pairs> load_pairs(const std::string& path);
 
 }  // namespace srbf

@@ -226,7 +226,7 @@ inline py::bytes numbers(const Held& brdf) {
 inline py::list load_stack(const std::string& path) {
     const auto stack = required([&]() -> Result<ModelStack> {
         const py::gil_scoped_release released;
-        const auto bytes = read_file(path);
+        const auto bytes = read_file(path, all_if(is_safetensors));
         if (!bytes) return bytes.error();
         return read_stack(*bytes, path);
     }());

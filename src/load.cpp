@@ -56,8 +56,7 @@ Result<AnyBrdf> named(std::span<const std::byte> bytes, const TexelName& of, con
 Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options) {
     return within_memory(path, [&]() -> Result<AnyBrdf> {
         const auto of_stack = texel_named(path);
-        auto bytes =
-            options.columns.empty() ? read_file(of_stack ? of_stack->file : path, most_bytes_of) : read_file(path);
+        auto bytes = read_input(of_stack && options.columns.empty() ? of_stack->file : path, options);
         if (!bytes) return bytes.error();
         if (of_stack) return named(*bytes, *of_stack, path);
         if (is_safetensors(*bytes) && options.any())

@@ -185,6 +185,9 @@ TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
         fs::resize_file(folder / name, std::uint64_t(1) << 33);
         for (const Arguments& arguments : {Arguments{"info", name},
                                            {"fit", name},
+                                           {"fit", name, "--resume", "-o", "models"},
+                                           {"fit", "missing", "--pairs", name, "-o", "x"},
+                                           {"report", name, "-o", "x"},
                                            {"compare", k_paper, name},
                                            {"convert", name, "-o", "x.csv"},
                                            {"eval", k_paper, "--pairs", name},

@@ -273,6 +273,10 @@ TEST_F(Report, RefusesWhatItCannotUse) {
     refused({"-o", "x"}, 2, "FILE");
     refused({"matt.binary", "-o", "matt.binary"}, 1, "matt.binary");
     refused({"matt.binary", "-o", "x", "--mesh", "missing.ply"}, 1, "missing.ply");
+    const std::string stack = (fs::path(SRBF_SOURCE_DIR) / "fuzz" / "corpus" / "stack" / "small").string();
+    refused({stack + "#0", "-o", "of_a_model"}, 1, "expected a measurement, found a fitted model");
+    refused({stack + "#9", "-o", "of_a_model"}, 1, "texel: expected 0 to 1, found 9");
+    refused({"missing.binary", "-o", "of_a_model"}, 1, "missing.binary: cannot be read");
     refused({"matt.binary", "-o", "x", "--label", "no sign of equality"}, 2, "NAME=TEXT");
     EXPECT_FALSE(fs::exists(folder->path / "x" / "index.html"));
 }

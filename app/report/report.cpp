@@ -33,6 +33,18 @@ struct ReportCommand {
 /// The last stages of a fit use four candidates and then one at a time, so that more than four threads are mostly idle.
 constexpr int k_cores_of_a_job = 4;
 
+/// Removes the unfinished files that a killed run has left in the folder and in those of its materials.
+void remove_unfinished(const std::string& folder) {
+    std::error_code none;
+    std::vector<fs::path> unfinished;
+    for (fs::recursive_directory_iterator at(folder, none), end; at != end && !none; at.increment(none)) {
+        const std::string name = at->path().filename().string();
+        if (name.starts_with(".srbf-") && name.ends_with(".tmp")) unfinished.push_back(at->path());
+        if (at.depth() > 0) at.disable_recursion_pending();
+    }
+    for (const fs::path& path : unfinished) fs::remove(path, none);
+}
+
 /// Studies the missing materials. The number of materials at a time affects only the durations.
 void study_all(std::vector<Reported>& materials, const std::vector<std::string>& folders, const StudyOptions& options) {
     std::vector<std::size_t> todo;
@@ -135,6 +147,7 @@ void print_summary(const ReportCommand& command, const Tables& tables) {
 int ReportCommand::run() const {
     if (const auto made = make_folder(folder); !made) return complain(made.error());
     if (const auto loaded = load_mesh(mesh); !loaded) return complain(loaded.error());
+    remove_unfinished(folder);
 
     const int cores = threads > 0 ? threads : int(std::max(std::thread::hardware_concurrency(), 1u));
     StudyOptions options{sweep, mesh, up == "z", cores, 1};

@@ -196,8 +196,12 @@ class Maker {
 }  // namespace
 
 Result<std::string> study_name(const std::string& file, const StudyOptions& options) {
-    const auto bytes = read_file(file);
-    if (!bytes) return bytes.error();
+    const auto bytes = read_input(file);
+    if (!bytes) {
+        // What is in a file, FILE#NAME, is a model.
+        const auto part = load(file);
+        return part ? Error{file, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind} : part.error();
+    }
     Hash hash;
     hash.add(*bytes);
     hash.add(as_bytes(fmt::format("{} {} {} {} {} {}", SRBF_VERSION, k_edition, name(options.sweep), options.mesh,

@@ -391,4 +391,8 @@ Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string
                                const ReadOptions& options = {});
 Result<Measured> load_measured(const std::string& path, const ReadOptions& options = {});
 
+/// The bytes of a file that may be a measurement or a model; of one that begins as neither does, its beginning alone.
+/// Errors: those of `read_file`.
+Result<std::vector<std::byte>> read_input(const std::string& path, const ReadOptions& options = {});
+
 }  // namespace srbf

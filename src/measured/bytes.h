@@ -30,9 +30,6 @@ bool is_rgl(std::span<const std::byte> bytes);
 bool is_utia(std::span<const std::byte> bytes);
 bool is_mbsdf(std::span<const std::byte> bytes);
 
-/// The size that a measurement or a model may have that begins like this: only formats without a mark of their own,
-/// MERL and UTIA, have a fixed one.
-std::uint64_t most_bytes_of(std::span<const std::byte> head);
 std::uint64_t merl_bytes(std::span<const std::byte> head);  ///< by its dimensions; 0: none
 std::uint64_t utia_bytes();
 

@@ -161,10 +161,13 @@ Result<Measured> read_stated(std::span<const std::byte> bytes, const std::string
 
 }  // namespace
 
-std::uint64_t most_bytes_of(std::span<const std::byte> head) {
-    if (is_rgl(head) || is_mbsdf(head) || is_safetensors(head)) return k_largest_file;
-    if (is_text(head) && is_known_text(as_text(head))) return k_largest_file;
-    return std::max(merl_bytes(head), utia_bytes());
+Result<std::vector<std::byte>> read_input(const std::string& path, const ReadOptions& options) {
+    if (!options.columns.empty()) return read_file(path);
+    return read_file(path, [](std::span<const std::byte> head) {
+        if (is_rgl(head) || is_mbsdf(head) || is_safetensors(head)) return k_largest_file;
+        if (is_text(head) && is_known_text(as_text(head))) return k_largest_file;
+        return std::max(merl_bytes(head), utia_bytes());  // they have no mark, but a size of their own
+    });
 }
 
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,
@@ -181,7 +184,7 @@ Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string
 
 Result<Measured> load_measured(const std::string& path, const ReadOptions& options) {
     return within_memory(path, [&]() -> Result<Measured> {
-        auto bytes = options.columns.empty() ? read_file(path, most_bytes_of) : read_file(path);
+        auto bytes = read_input(path, options);
         if (!bytes) return bytes.error();
         return read_measured(*std::move(bytes), path, options);
     });

@@ -87,7 +87,7 @@ PYBIND11_MODULE(_srbf, module) {
         .def("is_exchanged", &Held::is_exchanged)
         .def("kind",
              [](const Held& brdf) {
-                 constexpr std::array<const char*, 4> names{"pm", "su", "ggx", "bsdf"};
+                 constexpr std::array<const char*, 5> names{"pm", "su", "ggx", "bsdf", "pbr"};
                  return brdf.model() ? std::string(names[brdf.model()->model.index()]) : brdf.measured()->format;
              })
         .def("nbytes",

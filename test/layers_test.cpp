@@ -28,7 +28,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/pictures", "src/pictures/"},
     {"include/srbf/metrics", "src/metrics"},
     {"include/srbf/measured", "include/srbf/convert", "src/measured/"},
-    {"include/srbf/su", "include/srbf/ggx"},
+    {"include/srbf/su", "include/srbf/ggx", "include/srbf/pbr"},
     {"include/srbf/model", "include/srbf/terms", "include/srbf/library", "src/model/"},
     {"include/srbf/sampling", "src/sampling"},
     {"src/fit/solve/least_squares"},

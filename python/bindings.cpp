@@ -147,6 +147,11 @@ PYBIND11_MODULE(_srbf, module) {
         for (const FormRow& row : k_form_rows) terms[std::string(row.name)] = row.terms;
         return terms;
     });
+    module.def("pbr_parameters", [] {
+        std::map<std::string, int> counts;
+        for (const PbrParameter& of : k_pbr_parameters) counts[std::string(of.name)] = of.count();
+        return counts;
+    });
     module.def("view_directions", [](int n) { return array_of(floats(fibonacci_directions(n, k_pi / 2)), {n, 3}); });
     module.def("forms", [] { return names_of(k_form_rows); });
     module.def("code_languages", [] { return names_of(k_code_languages); });

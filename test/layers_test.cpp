@@ -49,7 +49,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"render/page"},
     {"include/srbf/fit", "include/srbf/fit_samples", "include/srbf/choose", "include/srbf/basis"},
     {"src/fit/solve/block", "src/fit/solve/columns"},
-    {"src/fit/fits", "src/fit/data/", "src/fit/objective/", "src/fit/fit_ggx"},
+    {"src/fit/fits", "src/fit/data/", "src/fit/objective/", "src/fit/fit_ggx", "src/fit/fit_pbr"},
     {"src/fit/solve/rows"},
     {"src/fit/model/"},
     {"src/fit/solve/"},

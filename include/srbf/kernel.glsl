@@ -671,8 +671,8 @@ SRBF_FN FacetAlbedo facet_albedo(Real x, Real y) {
                   quadratic(y, Real(13.08), Real(54.9), Real(-285.1))));
     return albedo_;
 }
-// (1 - E) / E, with E the albedo of facets that reflect all. Light that is scattered more than once multiplies a lobe by
-// 1 + F0 (1 - E) / E (Turquin, "Practical multiple scattering compensation for microfacet models", 2019).
+// (1 - E) / E, with E the albedo of facets that reflect all. Light that is scattered more than once multiplies a
+// lobe by 1 + F0 (1 - E) / E (Turquin, "Practical multiple scattering compensation for microfacet models", 2019).
 SRBF_FN Real scattered_again(FacetAlbedo albedo_) {
     Real whole = max(albedo_.facing + albedo_.grazing, Real(0.1));
     return max(Real(1.0) - whole, Real(0.0)) / whole;
@@ -720,7 +720,8 @@ SRBF_FN Real fuzz_albedo(Real x, Real y) {
 }
 SRBF_FN Real fuzz_value(Vec3 wl, Vec3 wv, Real y) {
     Real x = wv.z;
-    Real a = (Real(2.58126) * x + Real(0.813703) * y) * y / (Real(1.0) + Real(0.310327) * x * x + Real(2.60994) * x * y);
+    Real a = (Real(2.58126) * x + Real(0.813703) * y) * y /
+             (Real(1.0) + Real(0.310327) * x * x + Real(2.60994) * x * y);
     Real b = sqrt(max(Real(1.0) - x, Real(0.0))) * (y - Real(1.0)) * y * y * y /
              (Real(0.0000254053) + Real(1.71228) * x - Real(1.71506) * x * y + Real(1.34174) * y * y);
     Real along = (wl.x * wv.x + wl.y * wv.y) * inversesqrt(max(wv.x * wv.x + wv.y * wv.y, Real(1.0e-12)));
@@ -761,8 +762,8 @@ SRBF_FN Real roughened(Real base, Real coat, Real weight) {
     return (Real(1.0) - weight) * base + weight * sqrt(sqrt(fourth));
 }
 
-// The Fresnel term of a metal at l . h = c: Schlick's with F0 and F90 = 1, times a tint that is 1 at c = 0 and 1 and the
-// given one at c = 1/7, about 82 degrees ("F82", Kutz et al. 2021).
+// The Fresnel term of a metal at l . h = c: Schlick's with F0 and F90 = 1, times a tint that is 1 at c = 0 and 1 and
+// the given one at c = 1/7, about 82 degrees ("F82", Kutz et al. 2021).
 SRBF_FN Real metal_reflectance(Real c, Real weight, Real f0, Real tint) {
     Real schlick = f0 + (Real(1.0) - f0) * weight;
     Real at_82 = f0 + (Real(1.0) - f0) * Real(0.462664366);
@@ -802,9 +803,9 @@ SRBF_FN Real darkened(Real colour, Real k, Real strength) {
     return Real(1.0) - strength + strength * (Real(1.0) - k) / (Real(1.0) - colour * k);
 }
 
-// rho(wl, wv) of the surface [1/sr], for R, G, B: fuzz over a coat over the base. Each layer takes its directional albedo
-// at the viewer, E(wv), from what lies below, so that light and viewer may not be exchanged. The coat's colour is what
-// passes it twice, at any angle.
+// rho(wl, wv) of the surface [1/sr], for R, G, B: fuzz over a coat over the base. Each layer takes its directional
+// albedo at the viewer, E(wv), from what lies below, so that light and viewer may not be exchanged. The coat's
+// colour is what passes it twice, at any angle.
 SRBF_FN Vec3 pbr_value(PbrSurface of, Vec3 wl, Vec3 wv) {
     Real coat_ior = Real(1.0) + of.coat_weight * (of.coat_ior - Real(1.0));
     Real ratio = of.specular_ior / coat_ior;

@@ -78,6 +78,8 @@ void main() {
     f *= su_plain_weight(Su(5), nearest, wv, 3, 0) * su_rotated_part(Su(5), wl, wv, 0);
     GgxLobe sharp = GgxLobe(u.x, wl, u.y), broad = GgxLobe(ggx_facets(wl, wv, u.y), wv, schlick_weight(wl, wv));
     f += ggx_value(wl, sharp, broad, wl, wv) + ggx_lobe_value(broad, wl, wv);
+    PbrSurface surface = PbrSurface(wl, u.x, u.y, u.x, wv, u.x, 1.5, u.x, wl, u.y, 1.6, u.x, u.y, wv, u.x);
+    f += pbr_value(surface, wl, wv);
     Stretch map = stretch_along(wv, 0.5);
     f += sample_cosine(u.x, u.y) * cosine_pdf(wl) * power_cosine_pdf(wl, 2.0) * below_power_cosine(0.5, u.x);
     f += visible_lobe(stretched(wv, map), map.shrink, 8.0, pull_of_visibility(wv, 2.0)).centre;
@@ -147,6 +149,7 @@ std::vector<Material> materials() {
         materials.push_back(su);
     }
     materials.push_back(GgxModel{{0.1f, 0.2f, 0.3f}, {{0.3f, {0.04f, 0.04f, 0.04f}, 1}}});
+    materials.push_back(PbrModel{});
     return materials;
 }
 

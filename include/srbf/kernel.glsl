@@ -648,7 +648,7 @@ SRBF_FN Real normal_reflectance(Real ior) {
 
 // The directional albedo of GGX facets with Schlick's Fresnel term, F0 facing + F90 grazing, at cosine x to the normal
 // and roughness alpha = y: the rational functions that MaterialX 1.38 uses. Their sum errs by less than 0.02 from the
-// integral, where y >= 0.01 and x >= 0.1.
+// integral for x >= 0.5, by less than 0.03 for x >= 0.2, where y >= 0.01.
 struct FacetAlbedo {
     Real facing;
     Real grazing;
@@ -684,8 +684,8 @@ SRBF_FN Real lobe_albedo(FacetAlbedo albedo_, Real f0) {
 }
 
 // The energy-preserving Oren-Nayar model, EON (Portsmouth, Kutz & Hill 2025) [1/sr], of roughness r from 0 (Lambert) to
-// 1, whose albedo is the colour. eon_share is the albedo of its first scattering for the colour white, by the paper's
-// polynomial, which errs by 1e-3.
+// 1. White reflects all light; other colours reflect less if they are rough. eon_share is the albedo of white's first
+// scattering, by the paper's polynomial, which errs by 1e-3.
 SRBF_FN Real eon_share(Real cosine, Real r) {
     Real m = Real(1.0) - cosine;
     Real g = m * (Real(0.0571085289) + m * (Real(0.491881867) + m * (Real(-0.332181442) + m * Real(0.0714429953))));

@@ -79,9 +79,7 @@ Result<FitOutcome> fit_pbr(const Observations& observations, const FitRequest& r
     const PbrSurfaceKind surface = std::get<PbrRequest>(request.model).surface;
     auto fitted = fit_pbr(observations, {surface, request.threads}, progress);
     if (!fitted) return fitted.error();
-    FitOutcome outcome = outcome_of(*std::move(fitted));
-    for (Model* model : {&outcome.model, &outcome.unrounded}) model->provenance["surface"] = name(surface);
-    return outcome;
+    return outcome_of(*std::move(fitted));
 }
 
 // ---- The fitter ----
@@ -210,6 +208,8 @@ class Fitter::Work {
                                      {"objective", std::string(name(request.objective))},
                                      {"max_theta", fmt::format("{:.6g}", request.theta() / k_degree)},
                                      {"seed", fmt::format("{}", request.seed)}};
+        if (const auto* pbr = std::get_if<PbrRequest>(&request.model))
+            outcome->model.provenance["surface"] = name(pbr->surface);
         return outcome;
     }
 

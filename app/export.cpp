@@ -8,6 +8,7 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/page_of.h"
+#include "app/surface_files.h"
 #include "render/page.h"
 #include "srbf/file.h"
 #include "srbf/shading_code.h"
@@ -23,6 +24,7 @@ struct ExportCommand {
     Result<std::string> page(const std::vector<Subject>& models, const std::optional<Subject>& measured) const;
     std::vector<NamedModel> named(const std::vector<Subject>& models) const;
     static std::vector<NamedModel> with_parts(const std::vector<NamedModel>& named);
+    Result<std::string> surface(const std::vector<NamedModel>& named) const;
     Result<std::string> code(const std::vector<NamedModel>& named) const;
     std::string data_path(const NamedModel& of) const;
 };
@@ -121,6 +123,7 @@ std::string ExportCommand::data_path(const NamedModel& of) const {
 
 Result<std::string> ExportCommand::code(const std::vector<NamedModel>& named) const {
     const std::string prefix = named.size() == 1 ? named[0].name : identifier(stem_of(output));
+    if (is_surface_file(to)) return surface(named);
     if (to == "three") return three_module(named, prefix);
     if (to == "radiance") return radiance_text(named);
     CodeOptions options{
@@ -131,6 +134,17 @@ Result<std::string> ExportCommand::code(const std::vector<NamedModel>& named) co
                                               {"area", &options.area}};
     for (const std::string& extra : with) *extras.at(extra) = true;
     return shading_code(named, prefix, options);
+}
+
+/// The file of one surface; prints what it loses.
+Result<std::string> ExportCommand::surface(const std::vector<NamedModel>& named) const {
+    if (named.size() != 1)
+        return Error{output, {}, "models", "one surface", std::to_string(named.size()), ErrorCode::argument};
+    auto text = surface_file(to, named[0]);
+    const auto& provenance = named[0].model->provenance;
+    if (const auto at = provenance.find("delta_e_itp"); text && at != provenance.end())
+        fmt::print("{}: ΔE_ITP {} against the measurement\n", output, at->second);
+    return text;
 }
 
 }  // namespace
@@ -146,6 +160,7 @@ void add_export(CommandLine& app, int& status) {
     kinds.insert(kinds.end(), languages.begin(), languages.end());
     kinds.emplace_back("three");
     kinds.emplace_back("radiance");
+    kinds.insert(kinds.end(), k_surface_files.begin(), k_surface_files.end());
     sub.add_option(
            "--to", command->to,
            fmt::format(
@@ -154,6 +169,9 @@ void add_export(CommandLine& app, int& status) {
                "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
                "three: a module for three.js with a class NAMEMaterial of each model.\n"
                "radiance: a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them\n"
+               "mtlx, gltf, usd, blender: a surface (fit --model pbr) as a document of MaterialX, as glTF 2.0, as a "
+               "stage\n"
+               "of USD, as a script that makes Blender's material\n"
                "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF the functions are\n"
                "NAME_bsdf, of directions on either side, and NAME_beam, the share of light that passes unscattered;\n"
                "for three.js each of its parts is a material",
@@ -187,7 +205,10 @@ void add_export(CommandLine& app, int& status) {
     sub.callback([command, &status] { status = command->run(); },
                  {{{with},
                    "is for source code",
-                   [=] { return !is_page() && command->to != "three" && command->to != "radiance"; }},
+                   [=] {
+                       return !is_page() && command->to != "three" && command->to != "radiance" &&
+                              !is_surface_file(command->to);
+                   }},
                   {{reference, mesh, up}, "is for --to html", is_page},
                   {{up}, "only with --mesh", [command] { return !command->mesh.empty(); }}});
 }

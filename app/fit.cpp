@@ -30,8 +30,8 @@ struct FitCommand {
     std::size_t width = 0;
     ReadOptions read;
     std::size_t first = 0, last = 0, slab = TexelFits{}.slab;
-    std::string device = "auto", model = "pm", form = std::string(name(PmRequest{}.form)),
-                objective = std::string(name(FitRequest{}.objective)),
+    std::string device = "auto", model = "pm", surface = std::string(name(PbrRequest{}.surface)),
+                form = std::string(name(PmRequest{}.form)), objective = std::string(name(FitRequest{}.objective)),
                 discretise = std::string(name(SuRequest{}.discretise)),
                 interpolation = std::string(name(SuRequest{}.interpolation)), with_index, channels = "rgb", band;
     int axial = 0;  // 1: axial lobes, -1: general lobes, 0: depends on the measurement
@@ -72,6 +72,7 @@ struct FitCommand {
         if (model == "pm") request.model = pm();
         if (model == "su") request.model = su();
         if (model == "ggx") request.model = GgxRequest{std::max(lobes, 1)};
+        if (model == "pbr") request.model = PbrRequest{*pbr_surface_named(surface)};
         request.objective = *objective_named(objective);
         if (max_theta > 0) request.max_theta = max_theta * k_degree;
         request.spectral = is_spectral();
@@ -114,9 +115,10 @@ struct FitCommand {
     /// All options that a model depends on.
     std::string options_text() const {
         return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", device == "cuda",
-                           model, form, objective, discretise, interpolation, with_index, channels, axial, no_scale,
-                           reciprocal, lobes_auto, exchange, max_theta, lobes, variates, directions, between,
-                           neighbours, seed, target_error, target_delta_e, budget, band) +
+                           model == "pbr" ? "pbr " + surface : model, form, objective, discretise, interpolation,
+                           with_index, channels, axial, no_scale, reciprocal, lobes_auto, exchange, max_theta, lobes,
+                           variates, directions, between, neighbours, seed, target_error, target_delta_e, budget,
+                           band) +
                text_of(read);
     }
 };
@@ -294,10 +296,17 @@ void add_fit(CommandLine& app, int& status) {
     sub.add_option("--model", command->model,
                    "pm: parameterized multivariate SRBFs, one sum of lobes for the whole BRDF;\n"
                    "su: scattered univariate SRBFs, a sum of lobes for each of many view directions;\n"
-                   "ggx: Lambert and GGX, the baseline")
+                   "ggx: Lambert and GGX, the baseline;\n"
+                   "pbr: a surface by the parameters of OpenPBR, which renderers share")
         .type_name("NAME")
-        .one_of({"pm", "su", "ggx"})
+        .one_of({"pm", "su", "ggx", "pbr"})
         .capture_default_str();
+    const Option surface = sub.add_option("--surface", command->surface,
+                                          "Whose parameters are fitted: of OpenPBR, of glTF with its extensions, or of "
+                                          "Blender's\nPrincipled BSDF")
+                               .type_name("NAME")
+                               .one_of({k_pbr_surfaces.begin(), k_pbr_surfaces.end()})
+                               .capture_default_str();
     std::vector<std::string> forms, form_summaries;
     for (const FormRow& row : k_form_rows) {
         forms.emplace_back(row.name);
@@ -509,6 +518,8 @@ void add_fit(CommandLine& app, int& status) {
             {{discretise, directions, interpolation, neighbours, between, with_index},
              "only with --model su",
              [=] { return command->model == "su"; }},
+            {{surface}, "only with --model pbr", [=] { return command->model == "pbr"; }},
+            {{lobes}, "not with --model pbr", [=] { return command->model != "pbr"; }},
             {{neighbours},
              "only with --interpolation plain or --with-index",
              [=] { return command->interpolation == "plain" || with_index.given(); }},

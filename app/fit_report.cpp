@@ -36,6 +36,19 @@ void describe(Json& json, const GgxModel& model) {
     json["variates"] = 1;
     json["axial"] = true;
 }
+void describe(Json& json, const PbrModel& model) {
+    json["form"] = "pbr";
+    json["lobes"] = 1;
+    json["variates"] = 1;
+    json["axial"] = true;
+    for (const PbrParameter& of : k_pbr_parameters) {
+        Json& numbers = json["parameters"][std::string(of.name)];
+        if (of.colour)
+            for (int c = 0; c < 3; ++c) numbers.push_back(number(model, of, c));
+        else
+            numbers = number(model, of, 0);
+    }
+}
 void describe(Json& json, const BsdfModel&) { json["form"] = "bsdf"; }
 std::string words(const BsdfModel&) { return "bsdf"; }
 std::string words(const PmModel& model) {
@@ -48,6 +61,7 @@ std::string words(const SuModel& model) {
                        model.direction.size(), model.discretise == Discretise::view ? "viewer" : "light",
                        name(model.interpolation));
 }
+std::string words(const PbrModel&) { return "pbr, a surface by parameters of OpenPBR"; }
 std::string words(const GgxModel& model) {
     return fmt::format("ggx, {} and Lambert", model.lobes.size() == 1 ? "one lobe" : "two lobes");
 }
@@ -113,7 +127,7 @@ double degrees(double angle) { return std::round(angle / k_degree * 1e9) / 1e9; 
 }  // namespace
 
 std::string_view kind_of(const FitRequest& request) {
-    constexpr std::string_view names[] = {"pm", "su", "ggx"};
+    constexpr std::string_view names[] = {"pm", "su", "ggx", "pbr"};
     return names[request.model.index()];
 }
 

@@ -86,6 +86,11 @@ template <typename Each> void members(SuModel& of, const Each& each) {
     each(of.coefficient), each(of.centre), each(of.bandwidth), each(of.shape), each(of.index);
 }
 template <typename Each> void members(GgxModel& of, const Each& each) { each(of.diffuse), each(of.lobes); }
+template <typename Each> void members(PbrModel& of, const Each& each) {
+    for (const PbrParameter& parameter : k_pbr_parameters)
+        for (int c = 0; c < parameter.count(); ++c) each(number(of, parameter, c));
+    each(of.is_exchanged);
+}
 template <typename Each> void members(BsdfModel& of, const Each& each) { each(of.part), each(of.beam); }
 template <typename Each> void members(Model& of, const Each& each) { each(of.model), each(of.provenance); }
 

@@ -87,7 +87,7 @@ PYBIND11_MODULE(_srbf, module) {
         .def("is_exchanged", &Held::is_exchanged)
         .def("kind",
              [](const Held& brdf) {
-                 constexpr std::array<const char*, 4> names{"pm", "su", "ggx", "bsdf"};
+                 constexpr std::array<const char*, 5> names{"pm", "su", "ggx", "bsdf", "pbr"};
                  return brdf.model() ? std::string(names[brdf.model()->model.index()]) : brdf.measured()->format;
              })
         .def("nbytes",
@@ -146,6 +146,11 @@ PYBIND11_MODULE(_srbf, module) {
         std::map<std::string, std::size_t> terms;
         for (const FormRow& row : k_form_rows) terms[std::string(row.name)] = row.terms;
         return terms;
+    });
+    module.def("pbr_parameters", [] {
+        std::map<std::string, int> counts;
+        for (const PbrParameter& of : k_pbr_parameters) counts[std::string(of.name)] = of.count();
+        return counts;
     });
     module.def("view_directions", [](int n) { return array_of(floats(fibonacci_directions(n, k_pi / 2)), {n, 3}); });
     module.def("forms", [] { return names_of(k_form_rows); });

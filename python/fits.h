@@ -41,6 +41,7 @@ struct Request {
         if (model == "pm") request.model = pm();
         if (model == "su") request.model = SuRequest{.lobes = lobes.value_or(SuRequest{}.lobes)};
         if (model == "ggx") request.model = GgxRequest{lobes.value_or(GgxRequest{}.lobes)};
+        if (model == "pbr") request.model = PbrRequest{};
         if (!objective.empty()) request.objective = objective_named(objective).value();
         if (max_theta) request.max_theta = *max_theta * k_degree;
         request.spectral = channels == "spectral";

@@ -33,13 +33,17 @@ Json texture(const char* sampler, const char* target, const char* format, std::v
             {"texels", std::move(texels)}};
 }
 
-/// The inputs of a material's shader: "block", the numbers of PmNumbers; "vectors", of the uniform `ggx_numbers`;
+/// The inputs of a material's shader: "block", the numbers of PmNumbers; "vectors", of the uniform "vectors_name";
 /// "textures".
 Json numbers_of(const Flat&) { return Json::object(); }
 Json numbers_of(const PmModel& model) { return {{"block", base64_of(pm_numbers(model))}}; }
 Json numbers_of(const GgxModel& model) {
     const auto numbers = ggx_numbers(model);
-    return {{"vectors", base64(std::as_bytes(std::span(numbers)))}};
+    return {{"vectors", base64(std::as_bytes(std::span(numbers)))}, {"vectors_name", "ggx_numbers"}};
+}
+Json numbers_of(const PbrModel& model) {
+    const auto numbers = pbr_numbers(model);
+    return {{"vectors", base64(std::as_bytes(std::span(numbers)))}, {"vectors_name", "pbr_numbers"}};
 }
 Json numbers_of(const std::vector<Float4>& merl_texels, std::vector<std::uint32_t> size) {
     std::vector<std::array<std::uint16_t, 4>> halves;
@@ -290,6 +294,7 @@ NamedNumbers named(std::string name, std::span<const Float4> numbers) {
 }
 template <typename M> NamedNumbers shader_numbers(const M&) { return {}; }
 NamedNumbers shader_numbers(const PmModel& model) { return named("uniform block PmNumbers", pm_numbers(model)); }
+NamedNumbers shader_numbers(const PbrModel& model) { return named("uniform pbr_numbers", pbr_numbers(model)); }
 NamedNumbers shader_numbers(const GgxModel& model) { return named("uniform ggx_numbers", ggx_numbers(model)); }
 
 std::string texts_of(const Page& page) {

@@ -75,6 +75,8 @@ BrdfParts parts_of(const Model& model) {
         return parts_of(std::make_shared<const SuModel>(*su), pair_by_pair<SuModel>());
     if (const auto* bsdf = std::get_if<BsdfModel>(&model.model))
         return parts_of(std::make_shared<const BsdfModel>(*bsdf), pair_by_pair<BsdfModel>());
+    if (const auto* pbr = std::get_if<PbrModel>(&model.model))
+        return parts_of(std::make_shared<const PbrModel>(*pbr), pair_by_pair<PbrModel>());
     return parts_of(std::make_shared<const GgxModel>(std::get<GgxModel>(model.model)), pair_by_pair<GgxModel>());
 }
 

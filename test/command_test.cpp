@@ -239,7 +239,7 @@ TEST_F(OfModel, the_manual_tells_what_help_tells) {
         return text;
     };
     EXPECT_EQ(offered("srbf re"), "render report\n");
-    EXPECT_EQ(offered("srbf fit --model ''"), "pm su ggx\n");
+    EXPECT_EQ(offered("srbf fit --model ''"), "pm su ggx pbr\n");
     EXPECT_EQ(offered("srbf fit --ob"), "--objective\n");
     EXPECT_EQ(offered("srbf --max"), "--max-memory\n");
     EXPECT_EQ(offered("srbf --max-memory ''"), "\n");

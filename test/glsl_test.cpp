@@ -78,6 +78,13 @@ void main() {
     f *= su_plain_weight(Su(5), nearest, wv, 3, 0) * su_rotated_part(Su(5), wl, wv, 0);
     GgxLobe sharp = GgxLobe(u.x, wl, u.y), broad = GgxLobe(ggx_facets(wl, wv, u.y), wv, schlick_weight(wl, wv));
     f += ggx_value(wl, sharp, broad, wl, wv) + ggx_lobe_value(broad, wl, wv);
+    PbrSurface surface = PbrSurface(wl, u.x, u.y, u.x, wv, u.x, 1.5, u.x, wl, u.y, 1.6, u.x, u.y, wv, u.x);
+    f += pbr_value(surface, wl, wv) + pbr_base_value(surface, 1.5, u.x, wl, wv) + blended(tinted(wl, wv), wl, u.x);
+    FacetAlbedo whole = facet_albedo(u.x, alpha_of(u.y));
+    f *= lobe_albedo(whole, normal_reflectance(1.5)) + scattered_again(whole) + dielectric_reflectance(u.x, 1.5);
+    f *= saturated(quadratic(u.x, u.y, 1.0, 2.0)) + roughened(u.x, u.y, 0.5) + metal_reflectance(u.x, 0.1, u.y, 0.5);
+    f += (eon_share(u.x, u.y) + eon_again(u.x, u.y) + darkened(u.x, 0.5, u.y)) * eon_value(wl, u.x, wl, wv);
+    f *= fuzz_albedo(u.x, u.y) + fuzz_value(wl, wv, u.y);
     Stretch map = stretch_along(wv, 0.5);
     f += sample_cosine(u.x, u.y) * cosine_pdf(wl) * power_cosine_pdf(wl, 2.0) * below_power_cosine(0.5, u.x);
     f += visible_lobe(stretched(wv, map), map.shrink, 8.0, pull_of_visibility(wv, 2.0)).centre;
@@ -147,6 +154,7 @@ std::vector<Material> materials() {
         materials.push_back(su);
     }
     materials.push_back(GgxModel{{0.1f, 0.2f, 0.3f}, {{0.3f, {0.04f, 0.04f, 0.04f}, 1}}});
+    materials.push_back(PbrModel{});
     return materials;
 }
 

@@ -223,6 +223,7 @@ const std::vector<Row>& rows() {
              return g.of_su(g.film, {.lobes = 2, .discretise = Discretise::light, .directions = 64}, Objective::raw);
          }},
         {"film-ggx", [](const G& g) { return g.fitted(g.film, {.model = GgxRequest{2}, .threads = g.threads}); }},
+        {"film-pbr", [](const G& g) { return g.fitted(g.film, {.model = PbrRequest{}, .threads = g.threads}); }},
         {"film-samples", [](const G& g) { return g.of_pm(samples_of(g.film, 400, false), 3); }},
         {"film-samples-cube-root",
          [](const G& g) { return g.of_pm(samples_of(g.film, 300, false), 2, Objective::cube_root); }},

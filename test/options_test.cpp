@@ -17,6 +17,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"a goal", "fit m.binary -o o.srbf --objective raw --budget 14"},
     {"view by view", "fit m.binary -o o.srbf --model su --directions 8 --lobes 1 --objective raw"},
     {"ggx", "fit m.binary -o o.srbf --model ggx --objective raw"},
+    {"pbr", "fit m.binary -o o.srbf --model pbr --objective raw"},
     {"a folder", "fit m.binary -o d/ --model su --directions 8 --lobes 1 --objective raw"},
     {"texels", "fit t.npy --pairs p.csv -o d " + k_fit},
     {"a library", "fit m.binary -o o.srbf --basis 2 --active 1 --variates 1"},
@@ -36,6 +37,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"raster, environment", "render m.srbf -o o.exr --size 9x8 --renderer raster --env studio --spp 1"},
     {"code", "export m.srbf --to glsl -o o.glsl"},
     {"three.js", "export m.srbf --to three -o o.js"},
+    {"a surface", "export q.srbf --to mtlx -o o.mtlx"},
     {"page", "export m.srbf --to html -o o.html"},
     {"page, mesh", "export m.srbf --to html -o o.html --mesh m.obj"},
     {"manual", "manual"},
@@ -47,6 +49,7 @@ const std::map<std::string, std::string> k_argument{
     {"--resume", ""},
     {"--model", "ggx"},
     {"--form", "gaussian"},
+    {"--surface", "gltf"},
     {"--lobes", "2"},
     {"--variates", "2"},
     {"--axial", ""},
@@ -124,6 +127,7 @@ class Options : public CommandLine {
         std::mt19937_64 random(1);
         ASSERT_TRUE(
             save_model({random_model(random, {.axial = false, .most_bandwidth = 20}), {}}, folder / "m.srbf").ok());
+        ASSERT_TRUE(save_model({PbrModel{}, {}}, folder / "q.srbf").ok());
         ASSERT_TRUE(save_model({full_bsdf(), {}}, folder / "b.srbf").ok());
         std::string samples = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n", pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n";
         std::vector<float> texels;

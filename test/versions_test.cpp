@@ -39,6 +39,7 @@ std::map<std::string, Model> models_of_today() {
     all["ggx_one"] = {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.4f, {0.5f, 0.3f, 0.1f}, 1}}}, {}};
     all["ggx_two"] = {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.4f, {0.5f, 0.3f, 0.1f}, 1}, {0.1f, {0.2f, 0.2f, 0.2f}, 0.5f}}},
                       {}};
+    all["pbr"] = {PbrModel{.base_color = {0.5f, 0.3f, 0.1f}, .coat_weight = 0.5f, .fuzz_weight = 0.25f}, {}};
     all["bsdf"] = {full_bsdf(), {}};
     return all;
 }

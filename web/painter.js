@@ -98,10 +98,10 @@ function program_of(vertex, fragment) {
 }
 
 // Gives a program the numbers of a material.
-function use_numbers({ program, place }, { block, vectors, nodes, grains, textures }) {
+function use_numbers({ program, place }, { block, vectors, vectors_name, nodes, grains, textures }) {
   gl.useProgram(program);
   if (block) gl.uniformBlockBinding(program, gl.getUniformBlockIndex(program, "PmNumbers"), 0);
-  if (vectors) gl.uniform4fv(place("ggx_numbers"), vectors);
+  if (vectors) gl.uniform4fv(place(vectors_name), vectors);
   textures.forEach(({ sampler }, unit) => gl.uniform1i(place(sampler), unit));
   if (place("mixture_numbers")) gl.uniform4fv(place("mixture_numbers"), nodes);
   if (place("mixture_grain")) gl.uniform2fv(place("mixture_grain"), grains);
@@ -109,7 +109,7 @@ function use_numbers({ program, place }, { block, vectors, nodes, grains, textur
 
 function new_material(of) {
   const { block, textures = [], text } = of, floats = (numbers) => numbers && new Float32Array(bytes_of(numbers).buffer);
-  const material = { of, ...program_of(data.vertex, text), block: null };
+  const material = { of, ...program_of(data.vertex, text), block: null, vectors_name: of.vectors_name };
   if (block) {
     material.block = gl.createBuffer();
     gl.bindBuffer(gl.UNIFORM_BUFFER, material.block);

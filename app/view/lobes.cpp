@@ -67,6 +67,18 @@ std::vector<Model> terms(const GgxModel& model, std::size_t) {
     return all;
 }
 
+/// Its layers are not terms of a sum, but without fuzz, and then without a coat, what is left is seen.
+std::vector<Model> terms(const PbrModel& model, std::size_t) {
+    std::vector<Model> all{{model, {}}};
+    for (float PbrModel::*const weight : {&PbrModel::fuzz_weight, &PbrModel::coat_weight}) {
+        PbrModel less = std::get<PbrModel>(all.back().model);
+        if (less.*weight == 0) continue;
+        less.*weight = 0;
+        all.push_back({less, {}});
+    }
+    return all;
+}
+
 constexpr double k_last_ring = 89.5 * k_degree;
 
 }  // namespace

@@ -102,6 +102,11 @@ struct SuFitOptions {
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
+struct PbrFitOptions {
+    PbrSurfaceKind surface = PbrSurfaceKind::openpbr;  ///< whose parameters are fitted; others keep their defaults
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+
 struct GgxFitOptions {
     int lobes = 1;    ///< 1..k_most_ggx_lobes
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it

@@ -52,9 +52,14 @@ struct GgxRequest {
     int lobes = GgxFitOptions{}.lobes;  ///< 1..k_most_ggx_lobes
 };
 
+/// A surface of renderers' parameters.
+struct PbrRequest {
+    PbrSurfaceKind surface = PbrFitOptions{}.surface;
+};
+
 /// What to fit, and how.
 struct FitRequest {
-    std::variant<PmRequest, SuRequest, GgxRequest> model;
+    std::variant<PmRequest, SuRequest, GgxRequest, PbrRequest> model;
     Objective objective = k_default_objective;
     std::optional<double> max_theta = {};  ///< θmax of the fit and of all errors [rad]; none: the objective's default
     bool spectral = false;                 ///< a coefficient for each wavelength of the measurement; PM only

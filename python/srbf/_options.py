@@ -9,8 +9,8 @@ import numpy as np
 
 from . import _srbf
 
-#: "pm" (parameterized multivariate), "su" (view by view) or "ggx" (Lambert and GGX)
-Kind = Literal["pm", "su", "ggx"]
+#: "pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX) or "pbr" (parameters of OpenPBR)
+Kind = Literal["pm", "su", "ggx", "pbr"]
 Form = Literal["gaussian", "horizon", "extended"]
 Objective = Literal["raw", "cosine", "log", "cube-root", "appearance"]
 Channels = Literal["rgb", "spectral"]

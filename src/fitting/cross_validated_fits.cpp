@@ -115,6 +115,10 @@ class SampleFits {
             auto ggx = fit_ggx(observed->samples, request_, progress);
             if (!ggx) return ggx;
             outcome = *std::move(ggx);
+        } else if (std::holds_alternative<PbrRequest>(request_.model)) {
+            auto pbr = fit_pbr(observed->samples, request_, progress);
+            if (!pbr) return pbr;
+            outcome = *std::move(pbr);
         } else {
             auto pm =
                 fit_pm(*observed, {sample_options(samples_, request_, candidate.lobes), candidate.fill}, progress);

@@ -75,6 +75,13 @@ Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& r
     return outcome_of(*std::move(fitted));
 }
 
+Result<FitOutcome> fit_pbr(const Observations& observations, const FitRequest& request, const ProgressToken& progress) {
+    const PbrSurfaceKind surface = std::get<PbrRequest>(request.model).surface;
+    auto fitted = fit_pbr(observations, {surface, request.threads}, progress);
+    if (!fitted) return fitted.error();
+    return outcome_of(*std::move(fitted));
+}
+
 // ---- The fitter ----
 
 class Fitter::Work {
@@ -201,6 +208,8 @@ class Fitter::Work {
                                      {"objective", std::string(name(request.objective))},
                                      {"max_theta", fmt::format("{:.6g}", request.theta() / k_degree)},
                                      {"seed", fmt::format("{}", request.seed)}};
+        if (const auto* pbr = std::get_if<PbrRequest>(&request.model))
+            outcome->model.provenance["surface"] = name(pbr->surface);
         return outcome;
     }
 
@@ -274,8 +283,9 @@ class Fitter::Work {
         if (!found) return found.error();
         const Observations& observations = **found;
         const ProgressToken fitting = quiet->part(k_observed, 1);
-        auto outcome = std::holds_alternative<GgxRequest>(request.model)
-                           ? fit_ggx(observations, request, fitting)
+        auto outcome = std::holds_alternative<GgxRequest>(request.model) ? fit_ggx(observations, request, fitting)
+                       : std::holds_alternative<PbrRequest>(request.model)
+                           ? fit_pbr(observations, request, fitting)
                            : fit_pm_to_table(observations, request, fitting);
         if (!outcome) return outcome;
         outcome->masked = observations.masked;

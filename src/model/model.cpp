@@ -9,6 +9,7 @@
 #include "model/bsdf_file.h"
 #include "model/ggx_file.h"
 #include "model/library.h"
+#include "model/pbr_file.h"
 #include "model/safetensors.h"
 #include "model/su_file.h"
 #include "model/texel.h"
@@ -253,6 +254,7 @@ void exchange(Model& model) {
         for (Parameterization& of : pm->parameterization) std::swap(of.a, of.b);  // all else is symmetric
     if (auto* su = std::get_if<SuModel>(&model.model))
         su->discretise = su->discretise == Discretise::view ? Discretise::light : Discretise::view;
+    if (auto* pbr = std::get_if<PbrModel>(&model.model)) pbr->is_exchanged = !pbr->is_exchanged;
     if (auto* bsdf = std::get_if<BsdfModel>(&model.model)) {
         for (auto& part : bsdf->part) {
             if (!part) continue;
@@ -303,6 +305,10 @@ Safetensors content_of(const Model& model) {
     } else if (const auto* ggx = std::get_if<GgxModel>(&model.model)) {
         content.tensors = encode_ggx(*ggx);
         metadata["model"] = "ggx";
+    } else if (const auto* pbr = std::get_if<PbrModel>(&model.model)) {
+        content.tensors = encode_pbr(*pbr);
+        metadata["model"] = "pbr";
+        metadata["exchanged_surface"] = pbr->is_exchanged ? "true" : "false";
     } else {
         const auto& bsdf = std::get<BsdfModel>(model.model);
         content.tensors = encode_beams(bsdf.beam);
@@ -322,7 +328,7 @@ Result<Model> model_of(Safetensors content, bool may_be_bsdf, const std::string&
     const auto take = [&](const char* key, const std::vector<std::string_view>& known) {
         return taken(metadata, key, known, file_name, error);
     };
-    std::vector<std::string_view> kinds{"pm", "su", "ggx"};
+    std::vector<std::string_view> kinds{"pm", "su", "ggx", "pbr"};
     if (may_be_bsdf) kinds.push_back("bsdf");
     const std::string kind = take("model", kinds);
     if (error) return *error;
@@ -360,6 +366,13 @@ Result<Model> model_of(Safetensors content, bool may_be_bsdf, const std::string&
         Result<GgxModel> ggx = decode_ggx(content.tensors, file_name);
         if (!ggx) return ggx.error();
         return Model{*std::move(ggx), std::move(metadata)};
+    }
+    if (kind == "pbr") {
+        const std::string is_exchanged = take("exchanged_surface", {"true", "false"});
+        if (error) return *error;
+        Result<PbrModel> pbr = decode_pbr(content.tensors, is_exchanged == "true", file_name);
+        if (!pbr) return pbr.error();
+        return Model{*std::move(pbr), std::move(metadata)};
     }
     const auto form = take("form", stored_forms()), axial = take("axial", {"true", "false"});
     if (error) return *error;

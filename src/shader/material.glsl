@@ -66,6 +66,16 @@ Vec3 brdf(Vec3 wl, Vec3 wv) {
     return ggx_value(ggx_numbers[0].rgb, first, second, wl, wv);
 }
 
+#elif defined PBR
+uniform vec4 pbr_numbers[6];
+Vec3 brdf(Vec3 wl, Vec3 wv) {
+    vec4 a = pbr_numbers[0], b = pbr_numbers[1], c = pbr_numbers[2], d = pbr_numbers[3], e = pbr_numbers[4],
+         f = pbr_numbers[5];
+    PbrSurface of = PbrSurface(a.rgb, a.a, b.x, b.y, Vec3(b.z, b.w, c.x), c.y, c.z, c.w, d.rgb, d.a, e.x, e.y, e.z,
+                               Vec3(e.w, f.x, f.y), f.z);
+    return f.w > 0.5 ? pbr_value(of, wv, wl) : pbr_value(of, wl, wv);
+}
+
 #elif defined FLAT
 Vec3 brdf(Vec3 wl, Vec3 wv) { return Vec3(FLAT); }
 

@@ -96,8 +96,12 @@ std::string cal_of(const std::string& name, const GgxModel& model) {
 Result<std::string> part_text(const std::string& name, const Model& model) {
     if (const auto* pm = std::get_if<PmModel>(&model.model)) return cal_of(name, *pm);
     if (const auto* ggx = std::get_if<GgxModel>(&model.model)) return cal_of(name, *ggx);
-    return Error{
-        name, {}, "model for Radiance", "one of lobes, or Lambert and GGX", "one view by view", ErrorCode::argument};
+    return Error{name,
+                 {},
+                 "model for Radiance",
+                 "one of lobes, or Lambert and GGX",
+                 std::holds_alternative<PbrModel>(model.model) ? "a surface" : "one view by view",
+                 ErrorCode::argument};
 }
 
 /// The call of a part's channel for Radiance's vectors, whose z is the other way in a BSDF.

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <type_traits>
 
+#include "model/pbr_kernel.h"
 #include "shader/bsdf_code.h"
 #include "shader/shader_text.h"
 #include "srbf/half.h"
@@ -81,6 +82,8 @@ std::string shape(const SuModel& model) {
 }
 
 std::string shape(const GgxModel&) { return "#define GGX 1\n"; }
+
+std::string shape(const PbrModel&) { return "#define PBR 1\n"; }
 
 std::string beams_shape(const Beams& beams) {
     return fmt::format("#define HAS_BEAM {:d}\n#define HAS_MIRROR_BEAM {:d}\n", !beams[2].empty(),
@@ -162,6 +165,16 @@ std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
         numbers[3 * i][3] = lobe.f90;
     }
     return numbers;
+}
+
+std::array<Float4, 6> pbr_numbers(const PbrModel& model) {
+    const auto of = kernel_surface(model);
+    return {{{of.base_color.x, of.base_color.y, of.base_color.z, of.metalness},
+             {of.diffuse_roughness, of.specular_weight, of.specular_color.x, of.specular_color.y},
+             {of.specular_color.z, of.specular_roughness, of.specular_ior, of.coat_weight},
+             {of.coat_color.x, of.coat_color.y, of.coat_color.z, of.coat_roughness},
+             {of.coat_ior, of.coat_darkening, of.fuzz_weight, of.fuzz_color.x},
+             {of.fuzz_color.y, of.fuzz_color.z, of.fuzz_roughness, model.is_exchanged ? 1.f : 0.f}}};
 }
 
 std::vector<Float4> pm_numbers(const PmModel& of, bool open) {

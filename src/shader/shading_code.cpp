@@ -181,6 +181,49 @@ template <typename Number> std::string brdf_of(const GgxModel& model, const Numb
     return brdf_function(text + "    return " + sum + ";\n");
 }
 std::string brdf_of(const GgxModel& model) { return brdf_of(model, real); }
+/// The same of a surface of renderers' parameters, in the order of kernel.glsl's PbrSurface.
+template <typename Number> std::string brdf_of(const PbrModel& model, const Number& number) {
+    constexpr std::array<std::pair<const char*, bool>, 15> members{{{"base_color", true},
+                                                                    {"metalness", false},
+                                                                    {"diffuse_roughness", false},
+                                                                    {"specular_weight", false},
+                                                                    {"specular_color", true},
+                                                                    {"specular_roughness", false},
+                                                                    {"specular_ior", false},
+                                                                    {"coat_weight", false},
+                                                                    {"coat_color", true},
+                                                                    {"coat_roughness", false},
+                                                                    {"coat_ior", false},
+                                                                    {"coat_darkening", false},
+                                                                    {"fuzz_weight", false},
+                                                                    {"fuzz_color", true},
+                                                                    {"fuzz_roughness", false}}};
+    std::vector<float> numbers;
+    for (const Float4& four : pbr_numbers(model)) numbers.insert(numbers.end(), four.begin(), four.end());
+    std::string text = "    PbrSurface of;\n";
+    std::size_t at = 0;
+    for (const auto& [member, is_colour] : members) {
+        const std::string first = number(numbers[at++]);
+        if (is_colour) {
+            const std::string g = number(numbers[at++]), b = number(numbers[at++]);
+            text += fmt::format("    of.{} = Vec3({}, {}, {});\n", member, first, g, b);
+        } else {
+            text += fmt::format("    of.{} = {};\n", member, first);
+        }
+    }
+    return brdf_function(text +
+                         fmt::format("    return pbr_value(of, {});\n", model.is_exchanged ? "wv, wl" : "wl, wv"));
+}
+std::string brdf_of(const PbrModel& model) { return brdf_of(model, real); }
+std::string brdf_of(const PbrModel& model, Program& program) {
+    Table numbers{"The numbers of the surface, in the order of PbrSurface.", "surface_numbers", {}};
+    std::string text = brdf_of(model, [&](float x) {
+        numbers.numbers.push_back(x);
+        return fmt::format("surface_numbers[{}]", numbers.numbers.size() - 1);
+    });
+    program.tables.push_back(std::move(numbers));
+    return text;
+}
 /// The same with its numbers in a table.
 std::string brdf_of(const GgxModel& model, Program& program) {
     Table facets{"Diffuse colour, and of each lobe roughness, F0 (R, G, B), F90.", "facets", {}};
@@ -257,6 +300,9 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
         accessors = k_no_pm + numbers_of(*su, program);
         brdf = brdf_of(*su);
+    } else if (const auto* pbr = std::get_if<PbrModel>(&model.model)) {
+        accessors = k_no_pm + k_no_su;
+        brdf = numbers_in_tables ? brdf_of(*pbr, program) : brdf_of(*pbr);
     } else {
         accessors = k_no_pm + k_no_su;
         const auto& ggx = std::get<GgxModel>(model.model);
@@ -288,6 +334,8 @@ std::string about(const NamedModel& of) {
         text += fmt::format("view by view, {} lobes", su->lobes);
     else if (std::holds_alternative<BsdfModel>(model.model))
         text += "both sides";
+    else if (std::holds_alternative<PbrModel>(model.model))
+        text += "a surface by parameters of OpenPBR";
     else
         text += "Lambert and GGX";
     text += fmt::format(", {} bytes.", payload_bytes(model));

@@ -1,0 +1,242 @@
+#include "app/surface_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "render/html.h"
+#include "srbf/elementary.h"
+
+namespace srbf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What is said of a surface at the head of its file.
+std::vector<std::string> notes(const NamedModel& of) {
+    std::vector<std::string> lines{
+        fmt::format("{}: written by srbf {}. Colours are linear, in Rec.709 primaries.", of.name, SRBF_VERSION)};
+    const auto& provenance = of.model->provenance;
+    for (const auto& [key, words] : {std::pair{"source", "Measurement"}, std::pair{"surface", "Fitted parameters of"},
+                                     std::pair{"delta_e_itp", "dE_ITP of pictures against the measurement"}})
+        if (const auto at = provenance.find(key); at != provenance.end())
+            lines.push_back(fmt::format("{}: {}", words, at->second));
+    return lines;
+}
+
+// ---- MaterialX and USD ----
+
+/// The parameters of OpenPBR Surface have the names of ours.
+std::string mtlx_text(const NamedModel& of, const PbrModel& model) {
+    std::string text = "<?xml version=\"1.0\"?>\n<!--\n";
+    for (const std::string& line : notes(of)) {
+        std::string safe = line;  // two hyphens would end the comment
+        std::ranges::replace(safe, '-', '_');
+        text += fmt::format("  {}\n", html_escaped(safe));
+    }
+    text += fmt::format(
+        "  OpenPBR Surface 1.1, MaterialX 1.39.\n-->\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n"
+        "  <open_pbr_surface name=\"{0}_surface\" type=\"surfaceshader\">\n",
+        of.name);
+    for (const PbrParameter& parameter : k_pbr_parameters) {
+        std::string numbers;
+        for (int c = 0; c < parameter.count(); ++c)
+            numbers += fmt::format("{}{:.6g}", c ? ", " : "", number(model, parameter, c));
+        text += fmt::format("    <input name=\"{}\" type=\"{}\" value=\"{}\" />\n", parameter.name,
+                            parameter.colour ? "color3" : "float", numbers);
+    }
+    return text + fmt::format(
+                      "  </open_pbr_surface>\n  <surfacematerial name=\"{0}\" type=\"material\">\n"
+                      "    <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"{0}_surface\" />\n"
+                      "  </surfacematerial>\n</materialx>\n",
+                      of.name);
+}
+
+std::string usd_colour(const Rgb& of) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", of.r, of.g, of.b); }
+Rgb scaled(float weight, const Rgb& of) { return {weight * of.r, weight * of.g, weight * of.b}; }
+
+std::string usd_text(const NamedModel& of, const PbrModel& model) {
+    std::string text = "#usda 1.0\n(\n    defaultPrim = \"World\"\n    doc = \"\"\"";
+    for (const std::string& line : notes(of)) text += line + "\n";
+    text += fmt::format(
+        "UsdPreviewSurface 2.6; OpenPBR Surface 1.1 as a network of MaterialX 1.39.\"\"\"\n"
+        "    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Xform \"World\"\n{{\n"
+        "    def Sphere \"Sphere\" (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )\n    {{\n"
+        "        float3[] extent = [(-1, -1, -1), (1, 1, 1)]\n        double radius = 1\n"
+        "        rel material:binding = </World/Materials/{0}>\n    }}\n\n"
+        "    def Scope \"Materials\"\n    {{\n        def Material \"{0}\"\n        {{\n"
+        "            token outputs:surface.connect = </World/Materials/{0}/Preview.outputs:surface>\n"
+        "            token outputs:mtlx:surface.connect = </World/Materials/{0}/OpenPbr.outputs:out>\n\n"
+        "            def Shader \"Preview\"\n            {{\n"
+        "                uniform token info:id = \"UsdPreviewSurface\"\n",
+        of.name);
+    const auto preview = [&](const char* type, const char* name, const std::string& value) {
+        text += fmt::format("                {} inputs:{} = {}\n", type, name, value);
+    };
+    const auto digits = [](float x) { return fmt::format("{:.6g}", x); };
+    const float mean_of_coat = (model.coat_color.r + model.coat_color.g + model.coat_color.b) / 3;
+    preview("color3f", "diffuseColor", usd_colour(scaled(model.base_weight, model.base_color)));
+    preview("float", "metallic", digits(model.base_metalness));
+    preview("float", "roughness", digits(model.specular_roughness));
+    preview("float", "ior", digits(model.specular_ior));
+    preview("float", "clearcoat", digits(model.coat_weight * mean_of_coat));
+    preview("float", "clearcoatRoughness", digits(model.coat_roughness));
+    text +=
+        "                token outputs:surface\n            }\n\n            def Shader \"OpenPbr\"\n            {\n"
+        "                uniform token info:id = \"ND_open_pbr_surface_surfaceshader\"\n";
+    for (const PbrParameter& parameter : k_pbr_parameters)
+        preview(parameter.colour ? "color3f" : "float", std::string(parameter.name).c_str(),
+                parameter.colour ? usd_colour(model.*parameter.colour) : digits(model.*parameter.number));
+    return text + "                token outputs:out\n            }\n        }\n    }\n}\n";
+}
+
+// ---- glTF ----
+
+/// A sphere of radius 1: positions, which are its normals too, and triangles.
+struct Sphere {
+    std::vector<float> positions;
+    std::vector<std::uint16_t> indices;
+};
+Sphere sphere() {
+    constexpr int k_rings = 48, k_sides = 96;
+    Sphere made;
+    for (int ring = 0; ring <= k_rings; ++ring)
+        for (int side = 0; side <= k_sides; ++side) {
+            const double theta = k_pi * ring / k_rings, phi = 2 * k_pi * side / k_sides;
+            const Vec3d w = spherical(theta, phi);
+            made.positions.insert(made.positions.end(), {float(w.y), float(w.z), float(w.x)});  // y is up
+        }
+    const auto vertex = [](int ring, int side) { return std::uint16_t(ring * (k_sides + 1) + side); };
+    for (int ring = 0; ring < k_rings; ++ring)
+        for (int side = 0; side < k_sides; ++side) {
+            if (ring > 0)
+                made.indices.insert(made.indices.end(),
+                                    {vertex(ring, side), vertex(ring + 1, side), vertex(ring, side + 1)});
+            if (ring + 1 < k_rings)
+                made.indices.insert(made.indices.end(),
+                                    {vertex(ring, side + 1), vertex(ring + 1, side), vertex(ring + 1, side + 1)});
+        }
+    return made;
+}
+
+/// As the file has it: six digits are more than a 16-bit float has.
+double shown(float x) { return std::round(double(x) * 1e6) / 1e6; }
+Json shown(const Rgb& of) { return Json::array({shown(of.r), shown(of.g), shown(of.b)}); }
+
+Json gltf_material(const NamedModel& of, const PbrModel& model) {
+    const Rgb base = scaled(model.base_weight, model.base_color);
+    Json material{{"name", of.name},
+                  {"pbrMetallicRoughness",
+                   {{"baseColorFactor", {shown(base.r), shown(base.g), shown(base.b), 1}},
+                    {"metallicFactor", shown(model.base_metalness)},
+                    {"roughnessFactor", shown(model.specular_roughness)}}}};
+    Json& extensions = material["extensions"];
+    extensions["KHR_materials_ior"] = {{"ior", shown(model.specular_ior)}};
+    extensions["KHR_materials_specular"] = {{"specularFactor", shown(model.specular_weight)},
+                                            {"specularColorFactor", shown(model.specular_color)}};
+    if (model.coat_weight > 0)
+        extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", shown(model.coat_weight)},
+                                                 {"clearcoatRoughnessFactor", shown(model.coat_roughness)}};
+    if (model.fuzz_weight > 0)
+        extensions["KHR_materials_sheen"] = {{"sheenColorFactor", shown(scaled(model.fuzz_weight, model.fuzz_color))},
+                                             {"sheenRoughnessFactor", shown(model.fuzz_roughness)}};
+    return material;
+}
+
+std::string gltf_text(const NamedModel& of, const PbrModel& model) {
+    const Sphere mesh = sphere();
+    std::vector<std::byte> bytes;
+    const auto add = [&](std::span<const std::byte> more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
+    add(std::as_bytes(std::span(mesh.positions)));
+    const std::size_t of_positions = bytes.size();
+    add(std::as_bytes(std::span(mesh.indices)));
+    const Json material = gltf_material(of, model);
+    Json used = Json::array(), extras = Json::array();
+    for (const auto& [name, value] : material["extensions"].items()) used.push_back(name);
+    for (const std::string& line : notes(of)) extras.push_back(line);
+    constexpr int k_array = 34962, k_elements = 34963, k_float = 5126, k_unsigned_short = 5123;  // of OpenGL
+    const Json gltf{
+        {"asset", {{"version", "2.0"}, {"generator", "srbf " SRBF_VERSION}, {"extras", {{"notes", extras}}}}},
+        {"extensionsUsed", used},
+        {"scene", 0},
+        {"scenes", {{{"nodes", {0}}}}},
+        {"nodes", {{{"mesh", 0}, {"name", of.name}}}},
+        {"meshes",
+         {{{"primitives", {{{"attributes", {{"POSITION", 0}, {"NORMAL", 0}}}, {"indices", 1}, {"material", 0}}}}}}},
+        {"materials", {material}},
+        {"accessors",
+         {{{"bufferView", 0},
+           {"componentType", k_float},
+           {"count", mesh.positions.size() / 3},
+           {"type", "VEC3"},
+           {"min", {-1, -1, -1}},
+           {"max", {1, 1, 1}}},
+          {{"bufferView", 1},
+           {"componentType", k_unsigned_short},
+           {"count", mesh.indices.size()},
+           {"type", "SCALAR"}}}},
+        {"bufferViews",
+         {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", of_positions}, {"target", k_array}},
+          {{"buffer", 0},
+           {"byteOffset", of_positions},
+           {"byteLength", bytes.size() - of_positions},
+           {"target", k_elements}}}},
+        {"buffers",
+         {{{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}}}};
+    return gltf.dump(1) + "\n";
+}
+
+// ---- Blender ----
+
+std::string blender_text(const NamedModel& of, const PbrModel& model) {
+    std::string text;
+    for (const std::string& line : notes(of)) text += "# " + line + "\n";
+    text += fmt::format(
+        "# Makes the material of Blender's Principled BSDF, version 4.3 or later: run it in Blender.\n"
+        "import bpy\n\nmaterial = bpy.data.materials.new(\"{}\")\nmaterial.use_nodes = True\n"
+        "node = next(n for n in material.node_tree.nodes if n.type == \"BSDF_PRINCIPLED\")\nfor name, value in {{\n",
+        of.name);
+    const auto add_number = [&](const char* name, float x) { text += fmt::format("    \"{}\": {:.6g},\n", name, x); };
+    const auto add_colour = [&](const char* name, const Rgb& c) {
+        text += fmt::format("    \"{}\": ({:.6g}, {:.6g}, {:.6g}, 1),\n", name, c.r, c.g, c.b);
+    };
+    add_colour("Base Color", scaled(model.base_weight, model.base_color));
+    add_number("Metallic", model.base_metalness);
+    add_number("Roughness", model.specular_roughness);
+    add_number("IOR", model.specular_ior);
+    add_number("Diffuse Roughness", model.base_diffuse_roughness);
+    add_number("Specular IOR Level", 0.5f * model.specular_weight);  // .5 is the reflectance of the IOR itself
+    add_colour("Specular Tint", model.specular_color);
+    add_number("Coat Weight", model.coat_weight);
+    add_number("Coat Roughness", model.coat_roughness);
+    add_number("Coat IOR", model.coat_ior);
+    add_colour("Coat Tint", model.coat_color);
+    add_number("Sheen Weight", model.fuzz_weight);
+    add_number("Sheen Roughness", model.fuzz_roughness);
+    add_colour("Sheen Tint", model.fuzz_color);
+    return text + "}.items():\n    node.inputs[name].default_value = value\n";
+}
+
+}  // namespace
+
+Result<std::string> surface_file(std::string_view kind, const NamedModel& of) {
+    const auto* model = std::get_if<PbrModel>(&of.model->model);
+    if (!model)
+        return Error{of.name,
+                     {},
+                     "model for " + std::string(kind),
+                     "a surface, of srbf fit --model pbr",
+                     "another model",
+                     ErrorCode::argument};
+    if (model->is_exchanged)
+        return Error{of.name, {}, "surface", "light and viewer as they are", "exchanged ones", ErrorCode::argument};
+    if (kind == "mtlx") return mtlx_text(of, *model);
+    if (kind == "usd") return usd_text(of, *model);
+    if (kind == "gltf") return gltf_text(of, *model);
+    return blender_text(of, *model);
+}
+
+}  // namespace srbf

@@ -1,0 +1,103 @@
+// Surfaces by the parameters that renderers share: level 3.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "srbf/brdf.h"
+
+namespace [[gnu::visibility("default")]] srbf {
+
+/// The parameters of OpenPBR Surface 1.1 that an opaque isotropic surface has, with the specification's names and
+/// defaults (Academy Software Foundation 2025): fuzz over a coat over a base that blends a metal with a dielectric over
+/// rough diffuse reflection. Evaluated by `pbr_value` of kernel.glsl. Where the specification leaves a choice, layers
+/// scale what lies below by their directional albedo at the viewer, so that the surface is not reciprocal. Of the
+/// parameters of a base under a coat, the base's index of refraction is relative to the coat's. Colours are linear, in
+/// Rec.709 primaries. `write_model` describes the file encoding.
+struct PbrModel {
+    float base_weight = 1;
+    Rgb base_color{0.8f, 0.8f, 0.8f};  ///< albedo of the diffuse part, F0 of the metal
+    float base_metalness = 0;
+    float base_diffuse_roughness = 0;  ///< of EON
+    float specular_weight = 1;         ///< scales F0 of the dielectric, and the metal
+    Rgb specular_color{1, 1, 1};       ///< of the dielectric; of the metal the tint at 82°
+    float specular_roughness = 0.3f;   ///< the root of α
+    float specular_ior = 1.5f;
+    float coat_weight = 0;
+    Rgb coat_color{1, 1, 1};  ///< passes twice through the coat
+    float coat_roughness = 0;
+    float coat_ior = 1.6f;
+    float coat_darkening = 1;  ///< share of the light lost between base and coat
+    float fuzz_weight = 0;
+    Rgb fuzz_color{1, 1, 1};
+    float fuzz_roughness = 0.5f;
+    bool is_exchanged = false;  ///< light and viewer: ρ(wl, wv) is the formula's of (wv, wl)
+    friend bool operator==(const PbrModel&, const PbrModel&) = default;
+};
+
+/// A parameter of `PbrModel`: its name, its range, and which member it is.
+struct PbrParameter {
+    std::string_view name;
+    float least, most;
+    float PbrModel::*number = nullptr;  ///< or
+    Rgb PbrModel::*colour = nullptr;
+    constexpr int count() const { return colour ? 3 : 1; }
+};
+inline constexpr std::array<PbrParameter, 16> k_pbr_parameters{{
+    {"base_weight", 0, 1, &PbrModel::base_weight},
+    {"base_color", 0, 1, nullptr, &PbrModel::base_color},
+    {"base_metalness", 0, 1, &PbrModel::base_metalness},
+    {"base_diffuse_roughness", 0, 1, &PbrModel::base_diffuse_roughness},
+    {"specular_weight", 0, 1, &PbrModel::specular_weight},
+    {"specular_color", 0, 1, nullptr, &PbrModel::specular_color},
+    {"specular_roughness", 0, 1, &PbrModel::specular_roughness},
+    {"specular_ior", 1, 3, &PbrModel::specular_ior},
+    {"coat_weight", 0, 1, &PbrModel::coat_weight},
+    {"coat_color", 0, 1, nullptr, &PbrModel::coat_color},
+    {"coat_roughness", 0, 1, &PbrModel::coat_roughness},
+    {"coat_ior", 1, 3, &PbrModel::coat_ior},
+    {"coat_darkening", 0, 1, &PbrModel::coat_darkening},
+    {"fuzz_weight", 0, 1, &PbrModel::fuzz_weight},
+    {"fuzz_color", 0, 1, nullptr, &PbrModel::fuzz_color},
+    {"fuzz_roughness", 0, 1, &PbrModel::fuzz_roughness},
+}};
+/// Number c of a parameter, 0 ≤ c < count.
+inline float& number(PbrModel& model, const PbrParameter& of, int c) {
+    return of.colour ? (model.*of.colour)[c] : model.*of.number;
+}
+inline float number(const PbrModel& model, const PbrParameter& of, int c) {
+    return of.colour ? (model.*of.colour)[c] : model.*of.number;
+}
+/// How many numbers a model has.
+constexpr std::size_t pbr_number_count() {
+    std::size_t count = 0;
+    for (const PbrParameter& of : k_pbr_parameters) count += std::size_t(of.count());
+    return count;
+}
+
+/// The surface models that a fit may be restricted to: the parameters that each has, at their other defaults.
+enum class PbrSurfaceKind {
+    openpbr,     ///< all of them
+    gltf,        ///< glTF 2.0 with KHR_materials_specular, ior, clearcoat and sheen
+    principled,  ///< Blender's Principled BSDF
+};
+inline constexpr std::array<std::string_view, 3> k_pbr_surfaces{"openpbr", "gltf", "principled"};
+constexpr std::string_view name(PbrSurfaceKind kind) { return k_pbr_surfaces[std::size_t(kind)]; }
+std::optional<PbrSurfaceKind> pbr_surface_named(std::string_view name);
+
+/// ρ(wl, wv) in single precision; 0 below the horizon.
+Rgb value(const PbrModel& model, Vec3f wl, Vec3f wv);
+/// f[i] = value(model, wl[i], wv[i]). The spans have the same length.
+void evaluate(const PbrModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
+/// `model` as an `Evaluate`. It keeps a reference to `model`.
+Evaluate evaluator(const PbrModel& model);
+
+/// Size of the stored numbers, two bytes each.
+constexpr std::size_t payload_bytes(const PbrModel&) { return 2 * pbr_number_count(); }
+constexpr std::size_t auxiliary_bytes(const PbrModel&) { return 0; }
+/// `model` with every number rounded to its stored precision.
+PbrModel rounded(const PbrModel& model);
+
+}  // namespace srbf

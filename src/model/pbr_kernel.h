@@ -1,0 +1,27 @@
+// A surface as kernel.glsl has it.
+#pragma once
+#include "srbf/kernel.h"
+#include "srbf/pbr.h"
+
+namespace srbf {
+
+inline Kernel<float>::PbrSurface kernel_surface(const PbrModel& model) {
+    const auto colour = [](const Rgb& c, float weight = 1) { return Vec3f{weight * c.r, weight * c.g, weight * c.b}; };
+    return {colour(model.base_color, model.base_weight),
+            model.base_metalness,
+            model.base_diffuse_roughness,
+            model.specular_weight,
+            colour(model.specular_color),
+            model.specular_roughness,
+            model.specular_ior,
+            model.coat_weight,
+            colour(model.coat_color),
+            model.coat_roughness,
+            model.coat_ior,
+            model.coat_darkening,
+            model.fuzz_weight,
+            colour(model.fuzz_color),
+            model.fuzz_roughness};
+}
+
+}  // namespace srbf

@@ -1,0 +1,209 @@
+// Surfaces by the parameters of renderers: the formula, its file, its fit.
+#include "fit/fits.h"
+#include "model/pbr_kernel.h"
+#include "properties.h"
+#include "srbf/directions.h"
+#include "srbf/metrics.h"
+#include "srbf/model.h"
+#include "srbf/pictures.h"
+
+namespace srbf::pbr_test {
+namespace {
+
+using K = Kernel<float>;
+
+PbrModel random_pbr(std::mt19937_64& random) {
+    PbrModel model;
+    for (const PbrParameter& of : k_pbr_parameters)
+        for (int c = 0; c < of.count(); ++c)
+            number(model, of, c) = float(double(of.least) + uniform(random) * double(of.most - of.least));
+    return model;
+}
+PbrModel diffuse_alone(Rgb colour, float roughness) {
+    PbrModel model;
+    model.base_color = colour, model.base_diffuse_roughness = roughness, model.specular_weight = 0;
+    return model;
+}
+Vec3f above(std::mt19937_64& random) {
+    const Vec3d w = random_direction(random);
+    return to_float({w.x, w.y, std::abs(w.z)});
+}
+
+TEST(Pbr, IsIsotropicNeverNegativeAndFinite) {
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 2000; ++i) {
+        const PbrModel model = random_pbr(random);
+        const Vec3f wl = above(random), wv = above(random);
+        const Rgb f = value(model, wl, wv);
+        const double turn = 6 * uniform(random);
+        const auto turned = [&](Vec3f w) {
+            const auto c = float(elementary::cos(turn)), s = float(elementary::sin(turn));
+            return Vec3f{c * w.x - s * w.y, s * w.x + c * w.y, w.z};
+        };
+        const Rgb g = value(model, turned(wl), turned(wv));
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_GE(f[c], 0);
+            EXPECT_TRUE(near(f[c], g[c], 1e-3 * double(f[c]) + 1e-6)) << f[c] << ' ' << g[c];
+        }
+    }
+    EXPECT_EQ(value(PbrModel{}, {0, 0, -1}, {0, 0, 1}), Rgb{});
+}
+
+TEST(Pbr, ExchangedItTakesLightForViewer) {
+    std::mt19937_64 random(2);
+    Model model{random_pbr(random), {}};
+    const Vec3f wl = above(random), wv = above(random);
+    const Rgb f = value(model, wl, wv);
+    exchange(model);
+    EXPECT_EQ(value(model, wv, wl), f);
+    EXPECT_NE(value(model, wl, wv), f);  // layers scale by the albedo at the viewer
+}
+
+TEST(Pbr, ReflectsNoMoreThanItGets) {
+    PbrModel white;
+    white.base_color = {1, 1, 1};
+    for (const float metalness : {0.f, 1.f})
+        for (const float roughness : {0.1f, 0.4f, 0.8f})
+            for (const float coat : {0.f, 1.f})
+                for (const float fuzz : {0.f, 1.f}) {
+                    PbrModel model = white;
+                    model.base_metalness = metalness, model.specular_roughness = roughness;
+                    model.coat_weight = coat, model.coat_roughness = 0.2f, model.fuzz_weight = fuzz;
+                    for (const double theta : {0.0, 0.8, 1.2})
+                        EXPECT_LT(albedo(evaluator(model), theta, k_pi / 2).g, 1.04)
+                            << metalness << ' ' << roughness << ' ' << coat << ' ' << fuzz << ' ' << theta << ' '
+                            << albedo(evaluator(model), theta, k_pi / 2).g;
+                }
+}
+
+TEST(Pbr, WithoutSpecularItIsLambertOrEon) {
+    const Rgb colour{0.2f, 0.5f, 0.9f};
+    EXPECT_TRUE(near(value(diffuse_alone(colour, 0), {0.6f, 0, 0.8f}, {0, 0, 1}).g, 0.5 / k_pi, 1e-6));
+    for (const double theta : {0.0, 1.0, 1.4}) {
+        for (int c = 0; c < 3; ++c)
+            EXPECT_TRUE(near(albedo(evaluator(diffuse_alone(colour, 0)), theta, k_pi / 2)[c], colour[c], 1e-3));
+        for (const float roughness : {0.5f, 1.f})
+            EXPECT_TRUE(near(albedo(evaluator(diffuse_alone({1, 1, 1}, roughness)), theta, k_pi / 2).g, 1, 3e-3))
+                << roughness << ' ' << theta;
+    }
+    // The first scattering is that of Fujii's Oren-Nayar: at l = v and r = 1, 1 / π (1 + sin²θ / cosθ) over 1.2878.
+    const float z = 0.6f;
+    const Vec3f w{0.8f, 0, z};
+    const auto of = [&](float r) { return K::eon_value({1e-3f, 1e-3f, 1e-3f}, r, w, w).x; };
+    EXPECT_TRUE(near(of(1), 1e-3 / k_pi * (1 + 0.64 / 0.6) / (1.5 - 2 / (3 * k_pi)), 2e-7));
+}
+
+TEST(Pbr, FresnelTermsAreThoseOfTheirEquations) {
+    EXPECT_TRUE(near(K::normal_reflectance(1.5f), 0.04, 1e-7));
+    EXPECT_TRUE(near(K::dielectric_reflectance(1, 1.5f), 0.04, 1e-6));
+    EXPECT_TRUE(near(K::dielectric_reflectance(0, 1.5f), 1, 1e-6));
+    const double ci = 0.5, ct = std::sqrt(1 - (1 - ci * ci) / (1.5 * 1.5));
+    const double s = (ci - 1.5 * ct) / (ci + 1.5 * ct), p = (1.5 * ci - ct) / (1.5 * ci + ct);
+    EXPECT_TRUE(near(K::dielectric_reflectance(0.5f, 1.5f), (s * s + p * p) / 2, 1e-6));
+    const auto schlick = [](float c) { return std::pow(1 - c, 5.f); };
+    EXPECT_TRUE(near(K::metal_reflectance(1, schlick(1), 0.7f, 0.5f), 0.7, 1e-6));
+    EXPECT_TRUE(near(K::metal_reflectance(0, schlick(0), 0.7f, 0.5f), 1, 1e-6));
+    const float at_82 = 1.f / 7, plain = K::metal_reflectance(at_82, schlick(at_82), 0.7f, 1);
+    EXPECT_TRUE(near(K::metal_reflectance(at_82, schlick(at_82), 0.7f, 0.5f), 0.5 * double(plain), 1e-5));
+    EXPECT_TRUE(near(plain, 0.7 + 0.3 * std::pow(6.0 / 7, 5), 1e-6));
+}
+
+TEST(Pbr, AlbedosOfLayersAreTheirIntegrals) {
+    for (const float alpha : {0.01f, 0.1f, 0.3f, 1.f})
+        for (const float cosine : {0.2f, 0.5f, 1.f}) {
+            const GgxModel white{{}, {{alpha, {1, 1, 1}, 1}}};
+            const double theta = std::acos(double(cosine));
+            const K::FacetAlbedo whole = K::facet_albedo(cosine, alpha);
+            EXPECT_TRUE(near(double(whole.facing + whole.grazing), double(albedo(evaluator(white), theta, k_pi / 2).g),
+                             cosine < 0.5f ? 0.03 : 0.02))
+                << alpha << ' ' << cosine << ' ' << whole.facing + whole.grazing << ' '
+                << albedo(evaluator(white), theta, k_pi / 2).g;
+        }
+    PbrModel fuzz = diffuse_alone({0, 0, 0}, 0);
+    fuzz.fuzz_weight = 1;
+    for (const float roughness : {0.2f, 0.5f, 1.f}) {
+        fuzz.fuzz_roughness = roughness;
+        for (const float cosine : {0.3f, 0.6f, 1.f})
+            EXPECT_TRUE(near(albedo(evaluator(fuzz), std::acos(double(cosine)), k_pi / 2).g,
+                             double(K::fuzz_albedo(cosine, roughness)), 0.01))
+                << roughness << ' ' << cosine;
+    }
+}
+
+TEST(Pbr, AFileHoldsAllItsNumbers) {
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 20; ++i) {
+        Model model{rounded(random_pbr(random)), {{"source", "made up"}}};
+        if (i % 2) exchange(model);
+        const auto read = read_model(write_model(model), "a");
+        ASSERT_TRUE(read.ok()) << message(read.error());
+        EXPECT_EQ(std::get<PbrModel>(read->model), std::get<PbrModel>(model.model));
+        EXPECT_EQ(read->provenance, model.provenance);
+    }
+    EXPECT_EQ(payload_bytes(PbrModel{}), 48u);
+}
+
+TEST(Pbr, DamagedFilesAreRefused) {
+    const std::vector<std::byte> whole = write_model({PbrModel{}, {}});
+    for (std::size_t size = 0; size < whole.size(); ++size)
+        EXPECT_FALSE(read_model(std::span(whole).first(size), "a").ok()) << size;
+    int refused = 0;
+    const std::size_t numbers = whole.size() - payload_bytes(PbrModel{});
+    for (std::size_t i = numbers + 1; i < whole.size(); i += 2) {
+        auto flipped = whole;
+        flipped[i] = std::byte(0xc4);  // about −4, which no parameter may be
+        refused += !read_model(flipped, "a").ok();
+    }
+    EXPECT_EQ(refused, int(pbr_number_count()));
+}
+
+/// A coloured surface in several of its layers.
+PbrModel known(bool is_metal) {
+    PbrModel truth;
+    truth.base_color = is_metal ? Rgb{0.9f, 0.6f, 0.3f} : Rgb{0.5f, 0.15f, 0.1f};
+    truth.base_metalness = is_metal ? 1.f : 0.f;
+    truth.specular_roughness = is_metal ? 0.35f : 0.25f;
+    if (!is_metal) truth.coat_weight = 0.6f, truth.coat_roughness = 0.1f;
+    return truth;
+}
+
+TEST(Pbr, AKnownSurfaceIsFittedBack) {
+    for (const bool is_metal : {false, true}) {
+        const PbrModel truth = known(is_metal);
+        const auto observed = observe(evaluator(truth), {.count = 8192});
+        ASSERT_TRUE(observed.ok());
+        const auto fit = fit_pbr(*observed, {});
+        ASSERT_TRUE(fit.ok());
+        const std::vector<Evaluate> fits{evaluator(fit->model)};
+        EXPECT_LT(compare_pictures(evaluator(truth), fits)[0].mean.delta_e, 0.3) << is_metal;
+        if (!is_metal) continue;
+        EXPECT_TRUE(near(fit->model.specular_roughness, truth.specular_roughness, 0.02));
+        EXPECT_EQ(fit->model.base_metalness, 1);
+        EXPECT_EQ(fit->model.coat_weight, 0);  // none is seen
+    }
+}
+
+TEST(Pbr, AFitDoesNotDependOnThreads) {
+    const PbrModel truth = known(false);
+    const auto observed = observe(evaluator(truth), {.count = 2048});
+    ASSERT_TRUE(observed.ok());
+    const auto one = fit_pbr(*observed, {PbrSurfaceKind::gltf, 1}), two = fit_pbr(*observed, {PbrSurfaceKind::gltf, 2});
+    ASSERT_TRUE(one.ok() && two.ok());
+    EXPECT_EQ(one->model, two->model);
+    EXPECT_EQ(one->loss, two->loss);
+    // What a surface lacks has its default.
+    EXPECT_EQ(one->model.coat_color, (Rgb{1, 1, 1}));
+    EXPECT_EQ(one->model.base_diffuse_roughness, 0);
+}
+
+TEST(Pbr, WithoutPicturesPairsAreFitted) {
+    const PbrModel truth = known(true);
+    const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 4096});
+    ASSERT_TRUE(observed.ok());
+    const auto fit = fit_pbr(*observed, {});
+    ASSERT_TRUE(fit.ok());
+    EXPECT_LT(fit->loss, 1e-3);
+}
+
+}  // namespace
+}  // namespace srbf::pbr_test

@@ -127,6 +127,12 @@ TEST_F(OfShade, is_fitted_view_by_view_and_by_lambert_and_ggx) {
                    "expected a model that is not view by view");
 }
 
+TEST_F(OfShade, is_no_surface_of_one_side) {
+    expect_failure(1, {"fit", "shade.xml", "--model", "pbr", "-o", "x.srbf"},
+                   "shade.xml: model: expected pm, su or ggx, since a surface of OpenPBR scatters light to one side");
+    expect_failure(2, {"fit", "shade.xml", "--model", "pbr", "--channels", "spectral", "-o", "x.srbf"}, "--channels");
+}
+
 TEST_F(OfShade, is_fitted_among_many) {
     write(folder / "other.xml", small_shade());
     write(folder / "bad.xml", small_shade().substr(0, 2000));

@@ -144,6 +144,9 @@ def without_webgl():
     chromium.open(page)
     shown = lambda selector: chromium.run(
         f"[...document.querySelectorAll({selector!r})].filter((e) => e.getBoundingClientRect().height > 0).length")
+    end = time.time() + 30
+    while not shown("#without") and time.time() < end:  # its worker tells it
+        time.sleep(0.1)
     answers = {"said": shown("#without"), "viewer": shown("#viewer"), "rows": shown("tbody tr"), "slices": shown("svg.slice"),
                "problems": [p for p in chromium.problems if "WebGL" not in json.dumps(p)]}
     chromium.close()

@@ -26,8 +26,8 @@ constexpr std::array<FittedParameter, 14> k_fitted_parameters{{
     {"base_color", true, true, true},
     {"base_metalness", true, true, true},
     {"base_diffuse_roughness", true, false, true},
-    {"specular_weight", true, false,
-     false},  // elsewhere it changes a dielectric alone, as the index of refraction does
+    // Elsewhere it changes a dielectric alone, as the index of refraction does.
+    {"specular_weight", true, false, false},
     {"specular_color", true, true, true},
     {"specular_roughness", true, true, true},
     {"specular_ior", true, true, true},

@@ -139,7 +139,7 @@ def refused_environments(chromium):
 
 
 def without_webgl():
-    chromium = Chromium(["--disable-3d-apis"])
+    chromium = Chromium(["--disable-3d-apis", "--disable-software-rasterizer"])
     chromium.size(1000, 600)
     chromium.open(page)
     shown = lambda selector: chromium.run(

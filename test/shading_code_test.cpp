@@ -22,18 +22,22 @@ namespace {
 
 using Float4 = std::array<float, 4>;
 
-/// One of each form and kind, as a model file holds it: axial where the form before is not.
+/// One of each form and kind, as a model file holds it: axial and general lobes by turns, and both of the form of fits.
 const std::vector<Model>& models() {
     static const std::vector<Model> all = [] {
         std::mt19937_64 random(1);
         std::vector<Model> models;
-        bool axial = true;
-        for (const PmForm form : k_forms) {
+        const auto add = [&](PmForm form, bool axial) {
             const int variates = form == PmForm::extended ? 4 : 3;
             RandomModelOptions options{axial, form != PmForm::gaussian, 5, variates, 60, form};
             models.push_back({rounded(random_model(random, options)), {}});
+        };
+        bool axial = true;
+        for (const PmForm form : k_forms) {
+            add(form, axial);
             axial = !axial;
         }
+        add(PmForm::extended, false);
         models.push_back({rounded(GgxModel{{0.1f, 0.2f, 0.3f}, {{0.3f, {0.04f, 0.05f, 0.06f}, 1}}}), {}});
         models.push_back({rounded(GgxModel{{}, {{0.1f, {0.9f, 0.5f, 0.2f}, 1}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}}), {}});
         models.push_back(
@@ -69,7 +73,7 @@ struct Answer {
 const std::vector<Question>& questions() {
     static const std::vector<Question> all = [] {
         std::mt19937_64 random(2);
-        std::vector<Question> questions(12'544);  // a multiple of 64: 62,720 for all models
+        std::vector<Question> questions(12'544);  // a multiple of 64
         for (std::size_t i = 0; i < questions.size(); ++i) {
             Vec3d wl = random_direction(random, 1e-4), wv = random_direction(random, 1e-4);
             if (i % 3 == 1) wl = spherical((0.5 - 0.01 * uniform(random)) * k_pi, 2 * k_pi * uniform(random));

@@ -52,8 +52,9 @@ std::string version_text(Dialect dialect);
 /// kernel.glsl requires, kernel.glsl, and the material's own part. It is the same in every dialect. The numbers of the
 /// material are uniforms: for a multivariate model the block `PmNumbers` (`pm_numbers`); for a view-by-view model the
 /// samplers `su_numbers` and `su_directions` (`su_texels`), and `su_index`; for a table the sampler `merl_table`
-/// (`merl_texels`); for Lambert and GGX `ggx_numbers`; for a surface of renderers' parameters `pbr_numbers`. Materials with the same text differ only in these. The text
-/// includes which centres of axial lobes are −z. A BSDF's model is in the text, with its numbers as constants.
+/// (`merl_texels`); for Lambert and GGX `ggx_numbers`; for a surface of renderers' parameters `pbr_numbers`. Materials
+/// with the same text differ only in these. The text includes which centres of axial lobes are −z. A BSDF's model is in
+/// the text, with its numbers as constants.
 ///
 /// With `open`, the text is the same for all multivariate models of at most `k_most_open_lobes` lobes that are all
 /// axial or all general and have up to four, or five to eight, variates. A model that changes frequently then needs no

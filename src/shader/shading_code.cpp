@@ -215,24 +215,20 @@ template <typename Number> std::string brdf_of(const PbrModel& model, const Numb
                          fmt::format("    return pbr_value(of, {});\n", model.is_exchanged ? "wv, wl" : "wl, wv"));
 }
 std::string brdf_of(const PbrModel& model) { return brdf_of(model, real); }
-std::string brdf_of(const PbrModel& model, Program& program) {
-    Table numbers{"The numbers of the surface, in the order of PbrSurface.", "surface_numbers", {}};
+/// The same with its numbers in a table.
+template <typename M> std::string brdf_of(const M& model, Table numbers, Program& program) {
     std::string text = brdf_of(model, [&](float x) {
         numbers.numbers.push_back(x);
-        return fmt::format("surface_numbers[{}]", numbers.numbers.size() - 1);
+        return fmt::format("{}[{}]", numbers.name, numbers.numbers.size() - 1);
     });
     program.tables.push_back(std::move(numbers));
     return text;
 }
-/// The same with its numbers in a table.
+std::string brdf_of(const PbrModel& model, Program& program) {
+    return brdf_of(model, {"The numbers of the surface, in the order of PbrSurface.", "surface_numbers", {}}, program);
+}
 std::string brdf_of(const GgxModel& model, Program& program) {
-    Table facets{"Diffuse colour, and of each lobe roughness, F0 (R, G, B), F90.", "facets", {}};
-    std::string text = brdf_of(model, [&](float x) {
-        facets.numbers.push_back(x);
-        return fmt::format("facets[{}]", facets.numbers.size() - 1);
-    });
-    program.tables.push_back(std::move(facets));
-    return text;
+    return brdf_of(model, {"Diffuse colour, and of each lobe roughness, F0 (R, G, B), F90.", "facets", {}}, program);
 }
 
 /// What mixture.glsl requires, to be parsed before it.

@@ -148,6 +148,31 @@ TEST(Merl, IsReciprocalIsotropicAndBounded) {
     }
 }
 
+TEST(Merl, BatchesHaveTheBitsOfSingleValues) {
+    std::mt19937_64 random(7);
+    const auto sparse = [&](int, int, int, int c) { return c == 1 && uniform(random) < 0.5 ? -1 : 1e3 * uniform(random); };
+    const MerlTable tables[] = {multilinear_table(), merl_table(sparse), *read_merl(merl_file({1, 1, 1}, sparse), "one")};
+    const Vec3f special[] = {{0, 0, 1}, {1, 0, 0}, {0, 0, -1}, {0.6f, 0, 0.8f}, {-0.6f, 0, 0.8f}, {0, 0.6f, 0.8f},
+                             {1, 0, 1e-30f}, {std::nanf(""), 0, 1}, {0, 0, std::nanf("")}};
+    std::vector<Vec3f> wl, wv;
+    for (const Vec3f l : special)
+        for (const Vec3f v : special) wl.push_back(l), wv.push_back(v);
+    for (int i = 0; i < 5000; ++i) {
+        wl.push_back(to_float(random_direction(random)));
+        wv.push_back(i % 5 == 0 ? mirror(wl.back()) : to_float(random_direction(random)));
+    }
+    for (const MerlTable& table : tables) {
+        std::vector<Rgb> f(wl.size());
+        evaluate_signed(table, wl, wv, f);
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            const Rgb expected = value(table, wl[i], wv[i]);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_TRUE(f[i][c] == expected[c] || (std::isnan(f[i][c]) && std::isnan(expected[c])))
+                    << i << ": " << f[i][c] << ", " << expected[c];
+        }
+    }
+}
+
 TEST(Merl, IsZeroBelowTheHorizon) {
     const MerlTable table = multilinear_table();
     const Vec3f up{0, 0.6f, 0.8f};

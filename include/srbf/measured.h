@@ -296,6 +296,8 @@ Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv);
 /// f[i] = signed_value(table, wl[i], wv[i]). The spans have the same length. Isotropic tables use the widest SIMD
 /// instructions of the machine, within 1e-4 relative or 1e-5 of the table's largest colour over cosθv.
 void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
+/// The same of a MERL table, whose values are not negative: the bits of `value`.
+void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f);
 /// `signed_value` as an `Evaluate`, the input of a fit. It keeps a reference to `measured`.
 Evaluate signed_evaluator(const Measured& measured);
 Evaluate signed_evaluator(const Measured&&) = delete;

@@ -222,10 +222,15 @@ Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
 
 Evaluate signed_evaluator(const Measured& measured) {
     return [&measured](auto wl, auto wv, auto f) {
-        if (const auto* rgl = std::get_if<RglTable>(&measured.table))
-            return measured.exchanged ? evaluate_signed(*rgl, wv, wl, f) : evaluate_signed(*rgl, wl, wv, f);
         const StandardArithmetic mode;
-        for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(measured, wl[i], wv[i]);
+        if (measured.exchanged) std::swap(wl, wv);
+        const auto each = [&]<typename Table>(const Table& table) {
+            if constexpr (requires { evaluate_signed(table, wl, wv, f); })
+                evaluate_signed(table, wl, wv, f);
+            else
+                for (std::size_t i = 0; i < wl.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
+        };
+        std::visit(each, measured.table);
     };
 }
 

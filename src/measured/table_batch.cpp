@@ -1,14 +1,16 @@
-// Isotropic RGL measurements on arrays of pairs in SIMD batches: the steps of rgl.cpp and warp.h.
+// Isotropic RGL measurements and MERL tables on arrays of pairs in SIMD batches: the steps of rgl.cpp and warp.h, and of
+// merl.cpp.
 #include "srbf/measured.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "measured/rgl_batch.cpp"
+#define HWY_TARGET_INCLUDE "measured/table_batch.cpp"
 #include <hwy/foreach_target.h>
 #include <cassert>
 
 #include "batch-inl.h"
 #include "floating_point.h"
 #include "measured/angles.h"
+#include "measured/limits.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace srbf {
@@ -106,18 +108,80 @@ HWY_INLINE Vec3<Batch> rgl_value(const RglTable& table, Vec3<Batch> wl, Vec3<Bat
     return {finite(channel(0)), finite(channel(1)), finite(channel(2))};
 }
 
-void evaluate_rgl(const RglTable& table, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
+/// `value` of merl.cpp, bit by bit, for tables whose indices fit in 32 bits.
+HWY_INLINE Vec3<Batch> merl_value(const MerlTable& table, Vec3<Batch> wl, Vec3<Batch> wv) {
+    const Batch none(0.0), one(1.0);
+    const auto [n_h, n_d, n_p] = table.size;
+    // The coordinates, in units of nodes.
+    const Vec3<Batch> h = wl + wv, d = wl - wv;
+    const Batch planar2 = h.x * h.x + h.y * h.y, length = sqrt(planar2 + h.z * h.z);
+    const Batch theta_h = polar_angle(planar2, h.z), theta_d = polar_angle(dot(d, d), length);
+    const Batch across = length * (h.x * d.y - h.y * d.x);
+    const Batch along = h.z * (h.x * d.x + h.y * d.y) - planar2 * d.z;
+    const BatchMask turn = hn::Or(across < none, hn::And(hn::Eq(across.v, none.v), along < none));
+    const Batch phi_d = azimuth(abs(across), select(turn, -along, along)), right_angle(k_pi / 2);
+    const Batch at_h = min(Batch(double(n_h)) * sqrt(theta_h / right_angle), Batch(double(n_h - 1)));
+    const Batch at_d = min(Batch(double(n_d)) * (theta_d / right_angle), Batch(double(n_d - 1)));
+    const Batch at_p = min(Batch(double(n_p)) * (phi_d / Batch(k_pi)), Batch(double(n_p)));
+
+    // The nodes around them.
+    const Batch first_h = rounded_down(at_h), first_d = rounded_down(at_d);
+    const Batch first_p = min(rounded_down(at_p), Batch(double(n_p - 1)));
+    const Batch to_h = at_h - first_h, to_d = at_d - first_d, to_p = at_p - first_p;
+    const Batch next_h = min(first_h + one, Batch(double(n_h - 1))), next_d = min(first_d + one, Batch(double(n_d - 1)));
+    const Batch next_p = select(first_p < Batch(double(n_p - 1)), first_p + one, none);
+
+    Vec3<Batch> sum(none, none, none);
+    Batch weight = none;
+    const float* const cells = &table.cells[0].r;
+    const auto add = [&](Indices cell, Batch w) HWY_ATTR {
+        const Indices at = scaled(cell, 3);
+        const Batch r = gather(cells, at);
+        const BatchMask valid = hn::Eq(r.v, r.v);
+        weight = weight + select(valid, w, none);
+        sum.x = sum.x + select(valid, w * r, none);
+        sum.y = sum.y + select(valid, w * gather(cells + 1, at), none);
+        sum.z = sum.z + select(valid, w * gather(cells + 2, at), none);
+    };
+    const auto add_line = [&](Batch i, Batch j, Batch w) HWY_ATTR {
+        const Indices line = scaled(hn::Add(index(j), scaled(index(i), n_d)), n_p);
+        add(hn::Add(line, index(first_p)), w * (one - to_p));
+        add(hn::Add(line, index(next_p)), w * to_p);
+    };
+    add_line(first_h, first_d, (one - to_h) * (one - to_d));
+    add_line(first_h, next_d, (one - to_h) * to_d);
+    add_line(next_h, first_d, to_h * (one - to_d));
+    add_line(next_h, next_d, to_h * to_d);
+    const Batch most(3.4028234663852886e38), nan(k_nan);
+    const BatchMask is_measured = none < weight;
+    const auto mean = [&](Batch x) HWY_ATTR { return select(is_measured, min(x / weight, most), nan); };
+    return {mean(sum.x), mean(sum.y), mean(sum.z)};
+}
+
+/// f_r of all pairs by `value`; 0 where a direction is below the horizon.
+template <typename Value>
+HWY_INLINE void evaluate_pairs(const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count, const Value& value) {
     const Interleaved interleaved;
     const Vec3<Batch> normal(Batch(0.0), Batch(0.0), Batch(1.0)), none(Batch(0.0), Batch(0.0), Batch(0.0));
     const auto evaluate = [&](const Vec3f* from_wl, const Vec3f* from_wv, Rgb* to, std::size_t n) HWY_ATTR {
         for (std::size_t i = 0; i < n; i += Batch::size()) {
             const Vec3<Batch> l = interleaved.load(&from_wl[i].x), v = interleaved.load(&from_wv[i].x);
             const BatchMask above = hn::And(Batch(0.0) < l.z, Batch(0.0) < v.z);
-            const Vec3<Batch> value = rgl_value(table, select(above, l, normal), select(above, v, normal));
-            interleaved.store(select(above, value, none), &to[i].r);
+            const Vec3<Batch> of_pairs = value(select(above, l, normal), select(above, v, normal));
+            interleaved.store(select(above, of_pairs, none), &to[i].r);
         }
     };
     in_whole_batches(Batch::size(), wl, wv, f, count, evaluate);
+}
+
+void evaluate_rgl(const RglTable& table, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
+    evaluate_pairs(wl, wv, f, count,
+                   [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR { return rgl_value(table, l, v); });
+}
+
+void evaluate_merl(const MerlTable& table, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
+    evaluate_pairs(wl, wv, f, count,
+                   [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR { return merl_value(table, l, v); });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -128,14 +192,27 @@ HWY_AFTER_NAMESPACE();
 namespace srbf {
 
 HWY_EXPORT(evaluate_rgl);
+HWY_EXPORT(evaluate_merl);
+
+namespace {
+constexpr std::size_t k_most_numbers = std::size_t(1) << 29;  // so that their indices fit in 32 bits
+}
 
 void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const StandardArithmetic mode;
     assert(wl.size() == wv.size() && wl.size() == f.size());
-    constexpr std::size_t most = std::size_t(1) << 29;  // number of floats, so that their indices fit in 32 bits
-    if (table.phi_l.empty() && 2 * table.visible.nodes.size() < most && 3 * table.colour.nodes.size() < most)
+    if (table.phi_l.empty() && 2 * table.visible.nodes.size() < k_most_numbers &&
+        3 * table.colour.nodes.size() < k_most_numbers)
         return HWY_DYNAMIC_DISPATCH(evaluate_rgl)(table, wl.data(), wv.data(), f.data(), f.size());
     for (std::size_t i = 0; i < f.size(); ++i) f[i] = signed_value(table, wl[i], wv[i]);
+}
+
+void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    const StandardArithmetic mode;
+    assert(wl.size() == wv.size() && wl.size() == f.size());
+    if (3 * table.cells.size() < k_most_numbers)
+        return HWY_DYNAMIC_DISPATCH(evaluate_merl)(table, wl.data(), wv.data(), f.data(), f.size());
+    for (std::size_t i = 0; i < f.size(); ++i) f[i] = value(table, wl[i], wv[i]);
 }
 
 }  // namespace srbf

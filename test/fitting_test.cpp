@@ -226,7 +226,6 @@ TEST(Fitting, ProgressNeverDecreasesAndCancelsInEveryStage) {
         {"ggx", &table, ggx()},
         {"budget", &table, pm(ByteBudget{24})},
         {"auto", &scattered, pm(LobeCount{1}, 1)},
-        {"ggx of samples", &scattered, ggx(Objective::cube_root)},
     };
     std::set<std::string> cancelled_in;
     for (const Case& one : cases) {

@@ -111,7 +111,7 @@ HWY_INLINE Vec3<Batch> rgl_value(const RglTable& table, Vec3<Batch> wl, Vec3<Bat
 /// `value` of merl.cpp, bit by bit, for tables whose indices fit in 32 bits.
 HWY_INLINE Vec3<Batch> merl_value(const MerlTable& table, Vec3<Batch> wl, Vec3<Batch> wv) {
     const Batch none(0.0), one(1.0);
-    const auto [n_h, n_d, n_p] = table.size;
+    const std::size_t n_h = table.size[0], n_d = table.size[1], n_p = table.size[2];
     // The coordinates, in units of nodes.
     const Vec3<Batch> h = wl + wv, d = wl - wv;
     const Batch planar2 = h.x * h.x + h.y * h.y, length = sqrt(planar2 + h.z * h.z);

@@ -160,7 +160,10 @@ std::optional<std::string> CommandLine::parse(int argc, char** argv) {
         // CLI11 reports missing options before unknown ones.
         const auto unknown = app_->remaining(true);
         const bool is_missing = error.get_exit_code() == int(CLI::ExitCodes::RequiredError);
-        const auto chosen = app_->get_subcommands();
+        const bool is_before = std::ranges::any_of(app_->get_options(), [&](const CLI::Option* option) {
+            return std::string_view(error.what()).starts_with(option->get_name() + ":");
+        });
+        const auto chosen = is_before ? std::vector<CLI::App*>() : app_->get_subcommands();
         return fmt::format(
             "{} (see srbf{} --help)",
             is_missing && !unknown.empty() ? "no such subcommand or option: " + unknown[0] : error.what(),

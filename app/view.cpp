@@ -54,10 +54,10 @@ void add_view(CommandLine& app, int& status) {
         .type_name("FILE")
         .capture_default_str();
     sub.add_flag("--wipe", command->wipe, "Begin with one picture, divided between measured and fit");
-    sub.add_option("--screenshot", command->window.screenshot,
-                   "Save a picture of the window once fit and errors are complete, and quit")
-        .type_name("FILE.png")
-        .check(png_name());
+    const Option screenshot = sub.add_option("--screenshot", command->window.screenshot,
+                                             "Save a picture of the window once fit and errors are complete, and quit")
+                                  .type_name("FILE.png")
+                                  .check(png_name());
     sub.add_option("--time-refits", command->window.timed_refits,
                    "Run this many fits while the picture rotates, print the time of each and the frame rate, and quit")
         .type_name("COUNT")
@@ -65,7 +65,8 @@ void add_view(CommandLine& app, int& status) {
     sub.footer(
         "Press H in the window for its keys. Files can be dropped on it.\n"
         "Example:\n  srbf view paper_white_rgb.bsdf paper_white_rgb.srbf");
-    sub.callback([command, &status] { status = command->run(); });
+    sub.callback([command, &status] { status = command->run(); },
+                 {{{screenshot}, "not with --time-refits", [command] { return command->window.timed_refits == 0; }}});
 }
 
 }  // namespace srbf

@@ -2,6 +2,7 @@
 #include "measured/klems.h"
 #include "bsdf_files.h"
 #include "properties.h"
+#include "srbf/convert.h"
 #include "srbf/file.h"
 
 namespace srbf::klems_test {
@@ -115,6 +116,34 @@ TEST(Klems, ReadsRowsAndOneWayOnly) {
         EXPECT_EQ(value(*a, wl, wv), value(*a, wv, wl));
         EXPECT_EQ(value(*a, wl, wv) == Rgb{}, wl.z * wv.z > 0);  // no reflection
     }
+}
+
+/// Names of bands and bases are one line of text, whatever stands in the file: what is written has as many bands.
+TEST(Klems, NamesAreReadAsTheyAreWritten) {
+    const std::size_t n = small_basis().patches();
+    const auto f = [](auto...) { return 0.1; };
+    for (const auto& [one, two, name] : std::initializer_list<std::array<std::string, 3>>{
+             {"Vi\1sible", "Visible", "Vi sible"},
+             {"Vi\n sible", "Visible", "Vi  sible"},
+             {"&#1; A &amp; B &lt;", "A &amp;amp; B", "A & B <"},
+             {std::string(99, 'a') + " b", std::string(99, 'a') + "c", std::string(99, 'a')},
+             {std::string(40, '&') + "1", std::string(40, '&') + "2", std::string(40, '&') + "1"}}) {
+        const std::string text = bsdf_xml(small_basis_xml(), matrix_xml("Reflection Front", "small", n, f, one) +
+                                                                 matrix_xml("Reflection Front", "small", n, f, two));
+        const auto table = read_bsdf_xml(as_bytes(text), "f");
+        ASSERT_TRUE(table.ok()) << one;
+        ASSERT_EQ(table->bands.size(), 2u);
+        EXPECT_EQ(table->bands[0].name, name);
+        const auto again = read_bsdf_xml(as_bytes(write_bsdf_xml(*table)), "f");
+        ASSERT_TRUE(again.ok()) << message(again.error());
+        ASSERT_EQ(again->bands.size(), 2u);
+        for (std::size_t b = 0; b < 2; ++b) EXPECT_EQ(again->bands[b].name, table->bands[b].name);
+    }
+    // A band without a name is the visible one.
+    const std::string unnamed = matrix_xml("Reflection Front", "small", n, f, ""),
+                      visible = matrix_xml("Reflection Front", "small", n, f);
+    EXPECT_NE(error_of(bsdf_xml(small_basis_xml(), unnamed + visible)).find("one matrix or tree in a band"),
+              std::string::npos);
 }
 
 TEST(Klems, KnowsIsotropy) {

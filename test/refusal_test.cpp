@@ -107,6 +107,7 @@ TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
     expect_failure(2, {"convert", "m.binary", "-o", "x.mbsdf", "--directions", "9"}, "only with an output .csv");
     expect_failure(2, {"export", "m.srbf", "--to", "html", "-o", "x.html", "--up", "z"}, "--up: only with --mesh");
     expect_failure(2, {"report", "m.binary", "-o", "d", "--label", "n=stand-in"}, "--label");
+    expect_failure(2, {"view", "m.binary", "--screenshot", "x.png", "--time-refits", "1"}, "--screenshot: not with");
     expect_failure(2, {"fit", "m.binary", "--explain", "--seed", "1"}, "--seed: not with --explain");
     expect_failure(1, {"fit", "m.binary", "--budget", "100", "--variates", "2"}, "m.binary: --variates");
     for (const Arguments& empty : {Arguments{"fit", "m.binary", "-o", ""},
@@ -117,10 +118,24 @@ TEST_F(CommandLine, options_that_a_mode_does_not_read_are_refused) {
     expect_failure(2, {"report", "m.binary", "-o", "-h"}, "--output: expected a text, found the option -h");
 }
 
+/// Of models, libraries and what is in them.
+TEST_F(CommandLine, options_of_samples_are_refused_for_models) {
+    write(folder / "m.binary", small_merl());
+    ASSERT_EQ(run(folder, {"fit", "m.binary", "-o", "lib.srbf", "--basis", "1", "--variates", "1"}).status, 0);
+    std::mt19937_64 random(1);
+    ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
+    const std::string words = "input: expected samples, for --columns, --unit and --floor, found a fitted model";
+    for (const std::string name : {"m.srbf", "lib.srbf", "lib.srbf#m"}) {
+        expect_failure(1, {"info", name, "--unit", "factor"}, fmt::format("{}: {}", name, words));
+        expect_failure(1, {"convert", name, "-o", "x.csv", "--floor", "0.1"}, fmt::format("{}: {}", name, words));
+    }
+}
+
 TEST_F(CommandLine, usage_errors_name_the_help_of_their_subcommand) {
     for (const auto& [arguments, help] : {std::pair(Arguments{}, "srbf --help"),
                                           {{"bogus"}, "srbf --help"},
                                           {{"fit"}, "srbf fit --help"},
+                                          {{"--max-memory", "40", "info", "a"}, "srbf --help"},
                                           {{"render", "--bogus"}, "srbf render --help"},
                                           {{"compare", "a"}, "srbf compare --help"}})
         expect_failure(2, arguments, fmt::format("(see {})", help));

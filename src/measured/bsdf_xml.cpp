@@ -32,6 +32,7 @@ const std::vector<KnownBasis>& known_bases() {
 
 /// Limit on tags and attributes: the parser takes some hundred bytes for one, which may have four in the file.
 constexpr std::ptrdiff_t k_most_markup = 1 << 17;
+constexpr std::string_view k_visible = "Visible";
 constexpr std::size_t k_most_rings = 64, k_most_patches = 4096, k_most_blocks = 256;
 
 bool same(std::string_view a, std::string_view b) {
@@ -44,6 +45,14 @@ std::string_view stripped(std::string_view text) {
     while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front()))) text.remove_prefix(1);
     while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.remove_suffix(1);
     return text;
+}
+
+/// A name as one line of at most that many bytes: of them that are written, the same are read.
+std::string name_in(std::string_view text, std::size_t most = 100) {
+    std::string name(stripped(text));
+    std::ranges::replace_if(
+        name, [](unsigned char c) { return c < ' '; }, ' ');
+    return std::string(stripped(std::string_view(name).substr(0, most)));
 }
 
 /// What an element is for: to be read, with errors that state where.
@@ -71,7 +80,7 @@ struct Element {
 
 Result<AngleBasis> read_basis(const Element& of) {
     AngleBasis basis;
-    basis.name = of.child("AngleBasisName").text().substr(0, 100);
+    basis.name = name_in(of.child("AngleBasisName").text());
     for (const Element& block : of.children("AngleBasisBlock")) {
         if (basis.rings.size() == k_most_rings)
             return block.error("angle basis", fmt::format("at most {} rings", k_most_rings), "more");
@@ -114,12 +123,13 @@ AngleBasis klems_basis(KlemsBasis of) { return made(known_bases()[std::size_t(of
 
 namespace {
 
-Result<AngleBasis> basis_named(const Element& name, const std::vector<AngleBasis>& defined) {
+Result<AngleBasis> basis_named(const Element& of, const std::vector<AngleBasis>& defined) {
+    const std::string name = name_in(of.text());
     for (const AngleBasis& basis : defined)
-        if (same(basis.name, name.text())) return basis;
+        if (same(basis.name, name)) return basis;
     for (const KnownBasis& known : known_bases())
-        if (same(known.name, name.text())) return made(known);
-    return name.error("angle basis", "one that the file defines, or one of Klems'", quoted(name.text()));
+        if (same(known.name, name)) return made(known);
+    return of.error("angle basis", "one that the file defines, or one of Klems'", quoted(name));
 }
 
 /// The numbers of a matrix, separated by white space and commas.
@@ -193,8 +203,7 @@ Result<XmlBlock> read_matrix(const Element& block, const Definition& definition)
 
 // ---- Files ----
 
-/// Parses the text of a file; entities and document types are not looked at, since all that is read is names and
-/// numbers.
+/// Parses the text of a file; document types, with which entities are defined, are refused.
 Result<Done> parse(std::span<const std::byte> bytes, const std::string& file_name, pugi::xml_document& document) {
     const auto refused = [&](std::string expected, std::string found) {
         return Error{file_name, {}, "XML", std::move(expected), std::move(found)};
@@ -206,8 +215,8 @@ Result<Done> parse(std::span<const std::byte> bytes, const std::string& file_nam
     const auto markup = std::ranges::count_if(as_text(bytes), [](char c) { return c == '<' || c == '='; });
     if (markup > k_most_markup)
         return refused(fmt::format("at most {} tags and attributes", k_most_markup), fmt::format("{}", markup));
-    const auto parsed =
-        document.load_buffer(bytes.data(), bytes.size(), pugi::parse_minimal | pugi::parse_cdata, pugi::encoding_utf8);
+    const auto parsed = document.load_buffer(
+        bytes.data(), bytes.size(), pugi::parse_minimal | pugi::parse_cdata | pugi::parse_escapes, pugi::encoding_utf8);
     if (parsed) return Done{};
     return Error{file_name, std::uint64_t(std::max<std::ptrdiff_t>(parsed.offset, 0)), "XML", "a well-formed file",
                  parsed.description()};
@@ -257,7 +266,8 @@ Result<std::vector<NamedXmlBlocks>> read_bands(const Element& layer, const Defin
     std::vector<NamedXmlBlocks> bands;
     std::size_t blocks = 0;
     for (const Element& data : layer.children("WavelengthData")) {
-        const std::string band(data.child("Wavelength").text().substr(0, 100));
+        std::string band = name_in(data.child("Wavelength").text());
+        if (band.empty()) band = k_visible;
         for (const Element& block : data.children("WavelengthDataBlock")) {
             if (++blocks > k_most_blocks)
                 return block.error("matrices", fmt::format("at most {}", k_most_blocks), "more");
@@ -292,7 +302,7 @@ void join_colours(std::vector<NamedXmlBlocks>& bands) {
     const auto named = [&](std::string_view name) {
         return std::ranges::find_if(bands, [&](const NamedXmlBlocks& band) { return same(band.first, name); });
     };
-    const auto y = named("Visible"), u = named("CIE-u"), v = named("CIE-v");
+    const auto y = named(k_visible), u = named("CIE-u"), v = named("CIE-v");
     if (y == bands.end() || u == bands.end() || v == bands.end()) return;
     const auto tree = [](std::optional<XmlBlock>& of) { return of ? std::get_if<TreeTable>(&*of) : nullptr; };
     for (std::size_t p = 0; p < k_parts; ++p) {
@@ -338,9 +348,9 @@ Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::str
     join_colours(*bands);
 
     BsdfTable table;
-    table.description = layer.child("Material").child("Name").text().substr(0, 200);
+    table.description = name_in(layer.child("Material").child("Name").text(), 200);
     for (auto& [name, blocks] : *bands) {
-        if (same(name, "Visible")) table.chosen = table.bands.size();
+        if (same(name, k_visible)) table.chosen = table.bands.size();
         table.bands.push_back(band_of(name, std::move(blocks), file_name));
     }
     return table;

@@ -52,15 +52,18 @@ void expect_exact(const PmModel& model, const std::vector<Pair>& pairs) {
     }
 }
 
-class PreparedOn : public testing::TestWithParam<Target> {
+class Prepared : public testing::Test {
   protected:
-    const OneTarget target_{GetParam()};
     std::mt19937_64 random_{1};
     float draw() { return std::min(float(uniform(random_)), 0x1.fffffep-1f); }
     Vec3f draw3() {
         const float a = draw(), b = draw(), c = draw();
         return {a, b, c};
     }
+};
+class PreparedOn : public Prepared, public testing::WithParamInterface<Target> {
+  protected:
+    const OneTarget target_{GetParam()};
 };
 INSTANTIATE_TEST_SUITE_P(EachTarget, PreparedOn, testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
                          [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
@@ -209,7 +212,7 @@ TEST_P(PreparedOn, AlbedoIsTheIntegral) {
 }
 
 /// What a film and white paper reflect changes fast at grazing angles.
-TEST(Prepared, AlbedoOfFitsIsTheIntegral) {
+TEST_F(Prepared, AlbedoOfFitsIsTheIntegral) {
     for (const char* const name : {"cc_ibiza_sunset_rgb.bsdf", "paper_white_rgb.bsdf"}) {
         SCOPED_TRACE(name);
         const auto fitted = fit(*load_measured((bundled_data() / name).string()), {PmRequest{.size = LobeCount{3}}});
@@ -218,7 +221,7 @@ TEST(Prepared, AlbedoOfFitsIsTheIntegral) {
     }
 }
 
-TEST_P(PreparedOn, ABrdfOfAnyTypeIsOwned) {
+TEST_F(Prepared, ABrdfOfAnyTypeIsOwned) {
     std::vector<PreparedBrdf> owners;
     {
         Measured measured = *load_measured((bundled_data() / "paper_white_rgb.bsdf").string());
@@ -251,7 +254,7 @@ TEST_P(PreparedOn, BatchesAreTheModels) {
     }
 }
 
-TEST_P(PreparedOn, CopiesOutliveTheirSources) {
+TEST_F(Prepared, CopiesOutliveTheirSources) {
     for (const int kind : {0, 1, 2}) {
         auto source = std::make_unique<Model>();
         if (kind == 0) source->model = random_model(random_, {.lobes = 9, .form = PmForm::extended});

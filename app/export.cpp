@@ -169,9 +169,9 @@ void add_export(CommandLine& app, int& status) {
                "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
                "three: a module for three.js with a class NAMEMaterial of each model.\n"
                "radiance: a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them\n"
-               "mtlx, gltf, usd, blender: a surface (fit --model pbr) as a document of MaterialX, as glTF 2.0, as a "
-               "stage\n"
-               "of USD, as a script that makes Blender's material\n"
+               "mtlx, standard-surface, gltf, glb, usd, blender: a surface (fit --model pbr) as a document of\n"
+               "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
+               "Blender's material\n"
                "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF the functions are\n"
                "NAME_bsdf, of directions on either side, and NAME_beam, the share of light that passes unscattered;\n"
                "for three.js each of its parts is a material",

@@ -9,11 +9,14 @@
 
 #include "render/html.h"
 #include "srbf/elementary.h"
+#include "srbf/kernel.h"
 
 namespace srbf {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr float k_nanometres = 1000;  ///< in the unit of a film's thickness
 
 /// What is said of a surface at the head of its file.
 std::vector<std::string> notes(const NamedModel& of) {
@@ -27,10 +30,59 @@ std::vector<std::string> notes(const NamedModel& of) {
     return lines;
 }
 
+/// For programs whose coat leaves the base as it is: with the roughness and the index of refraction that the base has
+/// under its coat.
+PbrModel with_plain_coat(const PbrModel& model) {
+    PbrModel plain = model;
+    plain.specular_roughness =
+        Kernel<float>::roughened(model.specular_roughness, model.coat_roughness, model.coat_weight);
+    const float ratio = model.specular_ior / (1 + model.coat_weight * (model.coat_ior - 1));
+    plain.specular_ior = std::max(ratio, 1 / ratio);
+    return plain;
+}
+
 // ---- MaterialX and USD ----
 
+/// A number or a colour as an input of a node.
+struct Input {
+    std::string name, numbers;
+    bool is_colour;
+};
+Input input(std::string_view name, float x) { return {std::string(name), fmt::format("{:.6g}", x), false}; }
+Input input(std::string_view name, const Rgb& c) {
+    return {std::string(name), fmt::format("{:.6g}, {:.6g}, {:.6g}", c.r, c.g, c.b), true};
+}
+
 /// The parameters of OpenPBR Surface have the names of ours.
-std::string mtlx_text(const NamedModel& of, const PbrModel& model) {
+std::vector<Input> openpbr_inputs(const PbrModel& model) {
+    std::vector<Input> inputs;
+    for (const PbrParameter& of : k_pbr_parameters)
+        inputs.push_back(of.colour ? input(of.name, model.*of.colour) : input(of.name, model.*of.number));
+    return inputs;
+}
+/// Standard Surface has no darkening of a coat and no weight of a film, whose thickness is in nanometres.
+std::vector<Input> standard_surface_inputs(const PbrModel& model) {
+    return {input("base", model.base_weight),
+            input("base_color", model.base_color),
+            input("diffuse_roughness", model.base_diffuse_roughness),
+            input("metalness", model.base_metalness),
+            input("specular", model.specular_weight),
+            input("specular_color", model.specular_color),
+            input("specular_roughness", model.specular_roughness),
+            input("specular_IOR", model.specular_ior),
+            input("coat", model.coat_weight),
+            input("coat_color", model.coat_color),
+            input("coat_roughness", model.coat_roughness),
+            input("coat_IOR", model.coat_ior),
+            input("sheen", model.fuzz_weight),
+            input("sheen_color", model.fuzz_color),
+            input("sheen_roughness", model.fuzz_roughness),
+            input("thin_film_thickness", model.thin_film_weight > 0 ? k_nanometres * model.thin_film_thickness : 0),
+            input("thin_film_IOR", model.thin_film_ior)};
+}
+
+std::string mtlx_text(const NamedModel& of, const char* node, const char* specification,
+                      const std::vector<Input>& inputs) {
     std::string text = "<?xml version=\"1.0\"?>\n<!--\n";
     for (const std::string& line : notes(of)) {
         std::string safe = line;  // two hyphens would end the comment
@@ -38,21 +90,17 @@ std::string mtlx_text(const NamedModel& of, const PbrModel& model) {
         text += fmt::format("  {}\n", html_escaped(safe));
     }
     text += fmt::format(
-        "  OpenPBR Surface 1.1, MaterialX 1.39.\n-->\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n"
-        "  <open_pbr_surface name=\"{0}_surface\" type=\"surfaceshader\">\n",
-        of.name);
-    for (const PbrParameter& parameter : k_pbr_parameters) {
-        std::string numbers;
-        for (int c = 0; c < parameter.count(); ++c)
-            numbers += fmt::format("{}{:.6g}", c ? ", " : "", number(model, parameter, c));
-        text += fmt::format("    <input name=\"{}\" type=\"{}\" value=\"{}\" />\n", parameter.name,
-                            parameter.colour ? "color3" : "float", numbers);
-    }
+        "  {}, MaterialX 1.39.\n-->\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n"
+        "  <{} name=\"{}_surface\" type=\"surfaceshader\">\n",
+        specification, node, of.name);
+    for (const Input& input : inputs)
+        text += fmt::format("    <input name=\"{}\" type=\"{}\" value=\"{}\" />\n", input.name,
+                            input.is_colour ? "color3" : "float", input.numbers);
     return text + fmt::format(
-                      "  </open_pbr_surface>\n  <surfacematerial name=\"{0}\" type=\"material\">\n"
+                      "  </{1}>\n  <surfacematerial name=\"{0}\" type=\"material\">\n"
                       "    <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"{0}_surface\" />\n"
                       "  </surfacematerial>\n</materialx>\n",
-                      of.name);
+                      of.name, node);
 }
 
 std::string usd_colour(const Rgb& of) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", of.r, of.g, of.b); }
@@ -77,19 +125,20 @@ std::string usd_text(const NamedModel& of, const PbrModel& model) {
         text += fmt::format("                {} inputs:{} = {}\n", type, name, value);
     };
     const auto digits = [](float x) { return fmt::format("{:.6g}", x); };
+    const PbrModel plain = with_plain_coat(model);
     const float mean_of_coat = (model.coat_color.r + model.coat_color.g + model.coat_color.b) / 3;
     preview("color3f", "diffuseColor", usd_colour(scaled(model.base_weight, model.base_color)));
     preview("float", "metallic", digits(model.base_metalness));
-    preview("float", "roughness", digits(model.specular_roughness));
-    preview("float", "ior", digits(model.specular_ior));
+    preview("float", "roughness", digits(plain.specular_roughness));
+    preview("float", "ior", digits(plain.specular_ior));
     preview("float", "clearcoat", digits(model.coat_weight * mean_of_coat));
     preview("float", "clearcoatRoughness", digits(model.coat_roughness));
     text +=
         "                token outputs:surface\n            }\n\n            def Shader \"OpenPbr\"\n            {\n"
         "                uniform token info:id = \"ND_open_pbr_surface_surfaceshader\"\n";
-    for (const PbrParameter& parameter : k_pbr_parameters)
-        preview(parameter.colour ? "color3f" : "float", std::string(parameter.name).c_str(),
-                parameter.colour ? usd_colour(model.*parameter.colour) : digits(model.*parameter.number));
+    for (const Input& one : openpbr_inputs(model))
+        preview(one.is_colour ? "color3f" : "float", one.name.c_str(),
+                one.is_colour ? "(" + one.numbers + ")" : one.numbers);
     return text + "                token outputs:out\n            }\n        }\n    }\n}\n";
 }
 
@@ -143,10 +192,21 @@ Json gltf_material(const NamedModel& of, const PbrModel& model) {
     if (model.fuzz_weight > 0)
         extensions["KHR_materials_sheen"] = {{"sheenColorFactor", shown(scaled(model.fuzz_weight, model.fuzz_color))},
                                              {"sheenRoughnessFactor", shown(model.fuzz_roughness)}};
+    if (model.thin_film_weight > 0) {
+        const double thickness = shown(k_nanometres * model.thin_film_thickness);  // without a texture the largest
+        extensions["KHR_materials_iridescence"] = {{"iridescenceFactor", shown(model.thin_film_weight)},
+                                                   {"iridescenceIor", shown(model.thin_film_ior)},
+                                                   {"iridescenceThicknessMinimum", thickness},
+                                                   {"iridescenceThicknessMaximum", thickness}};
+    }
     return material;
 }
 
-std::string gltf_text(const NamedModel& of, const PbrModel& model) {
+struct Gltf {
+    Json json;  ///< all but the bytes' place
+    std::vector<std::byte> bytes;
+};
+Gltf gltf(const NamedModel& of, const PbrModel& model) {
     const Sphere mesh = sphere();
     std::vector<std::byte> bytes;
     const auto add = [&](std::span<const std::byte> more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
@@ -158,7 +218,7 @@ std::string gltf_text(const NamedModel& of, const PbrModel& model) {
     for (const auto& [name, value] : material["extensions"].items()) used.push_back(name);
     for (const std::string& line : notes(of)) extras.push_back(line);
     constexpr int k_array = 34962, k_elements = 34963, k_float = 5126, k_unsigned_short = 5123;  // of OpenGL
-    const Json gltf{
+    const Json json{
         {"asset", {{"version", "2.0"}, {"generator", "srbf " SRBF_VERSION}, {"extras", {{"notes", extras}}}}},
         {"extensionsUsed", used},
         {"scene", 0},
@@ -184,9 +244,26 @@ std::string gltf_text(const NamedModel& of, const PbrModel& model) {
            {"byteOffset", of_positions},
            {"byteLength", bytes.size() - of_positions},
            {"target", k_elements}}}},
-        {"buffers",
-         {{{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}}}};
-    return gltf.dump(1) + "\n";
+        {"buffers", {{{"byteLength", bytes.size()}}}}};
+    return {json, bytes};
+}
+std::string gltf_text(Gltf of) {
+    of.json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(of.bytes);
+    return of.json.dump(1) + "\n";
+}
+/// Binary glTF: its name, version and size, and two chunks, each with its size and kind, padded to four bytes.
+std::string glb_bytes(const Gltf& of) {
+    std::string text = of.json.dump(), bytes(reinterpret_cast<const char*>(of.bytes.data()), of.bytes.size());
+    text.resize((text.size() + 3) / 4 * 4, ' '), bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
+    std::string file = "glTF";
+    const auto add = [&](std::size_t x) {
+        for (int k = 0; k < 4; ++k) file += char(x >> (8 * k) & 0xff);
+    };
+    constexpr std::size_t k_version = 2, k_head = 12, k_chunk_head = 8;
+    add(k_version), add(k_head + 2 * k_chunk_head + text.size() + bytes.size());
+    add(text.size()), file += "JSON" + text;
+    add(bytes.size()), file += std::string("BIN\0", 4) + bytes;
+    return file;
 }
 
 // ---- Blender ----
@@ -195,8 +272,11 @@ std::string blender_text(const NamedModel& of, const PbrModel& model) {
     std::string text;
     for (const std::string& line : notes(of)) text += "# " + line + "\n";
     text += fmt::format(
-        "# Makes the material of Blender's Principled BSDF, version 4.3 or later: run it in Blender.\n"
-        "import bpy\n\nmaterial = bpy.data.materials.new(\"{}\")\nmaterial.use_nodes = True\n"
+        "# Makes the material of Blender's Principled BSDF, version 4.3 or later: run it in Blender. With the name of "
+        "a\n"
+        "# .blend file after \"--\" it writes that file.\n"
+        "import sys\n\nimport bpy\n\nmaterial = bpy.data.materials.new(\"{}\")\nmaterial.use_nodes = True\n"
+        "material.use_fake_user = True  # so that it is stored though nothing has it\n"
         "node = next(n for n in material.node_tree.nodes if n.type == \"BSDF_PRINCIPLED\")\nfor name, value in {{\n",
         of.name);
     const auto add_number = [&](const char* name, float x) { text += fmt::format("    \"{}\": {:.6g},\n", name, x); };
@@ -217,7 +297,12 @@ std::string blender_text(const NamedModel& of, const PbrModel& model) {
     add_number("Sheen Weight", model.fuzz_weight);
     add_number("Sheen Roughness", model.fuzz_roughness);
     add_colour("Sheen Tint", model.fuzz_color);
-    return text + "}.items():\n    node.inputs[name].default_value = value\n";
+    add_number("Thin Film Thickness", model.thin_film_weight > 0 ? k_nanometres * model.thin_film_thickness : 0);
+    add_number("Thin Film IOR", model.thin_film_ior);
+    return text +
+           "}.items():\n    node.inputs[name].default_value = value\n"
+           "if \"--\" in sys.argv:\n"
+           "    bpy.ops.wm.save_as_mainfile(filepath=sys.argv[sys.argv.index(\"--\") + 1])\n";
 }
 
 }  // namespace
@@ -233,10 +318,15 @@ Result<std::string> surface_file(std::string_view kind, const NamedModel& of) {
                      ErrorCode::argument};
     if (model->is_exchanged)
         return Error{of.name, {}, "surface", "light and viewer as they are", "exchanged ones", ErrorCode::argument};
-    if (kind == "mtlx") return mtlx_text(of, *model);
+    if (kind == "mtlx") return mtlx_text(of, "open_pbr_surface", "OpenPBR Surface 1.1", openpbr_inputs(*model));
+    if (kind == "standard-surface")
+        return mtlx_text(of, "standard_surface", "Autodesk Standard Surface 1.0.1",
+                         standard_surface_inputs(with_plain_coat(*model)));
     if (kind == "usd") return usd_text(of, *model);
-    if (kind == "gltf") return gltf_text(of, *model);
-    return blender_text(of, *model);
+    const PbrModel plain = with_plain_coat(*model);
+    if (kind == "gltf") return gltf_text(gltf(of, plain));
+    if (kind == "glb") return glb_bytes(gltf(of, plain));
+    return blender_text(of, plain);
 }
 
 }  // namespace srbf

@@ -108,6 +108,7 @@ PYBIND11_MODULE(_srbf, module) {
         .def(py::init())
         .def_readwrite("model", &Request::model)
         .def_readwrite("form", &Request::form)
+        .def_readwrite("surface", &Request::surface)
         .def_readwrite("objective", &Request::objective)
         .def_readwrite("channels", &Request::channels)
         .def_readwrite("lobes", &Request::lobes)
@@ -152,6 +153,7 @@ PYBIND11_MODULE(_srbf, module) {
         for (const PbrParameter& of : k_pbr_parameters) counts[std::string(of.name)] = of.count();
         return counts;
     });
+    module.def("pbr_surfaces", [] { return std::vector<std::string>(k_pbr_surfaces.begin(), k_pbr_surfaces.end()); });
     module.def("view_directions", [](int n) { return array_of(floats(fibonacci_directions(n, k_pi / 2)), {n, 3}); });
     module.def("forms", [] { return names_of(k_form_rows); });
     module.def("code_languages", [] { return names_of(k_code_languages); });

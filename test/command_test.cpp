@@ -273,6 +273,57 @@ TEST_F(OfModel, convert_evaluates_whole_tables) {
     expect_converted(model, "o.csv", "CSV");
 }
 
+TEST_F(OfModel, surfaces_are_exported_for_other_programs) {
+    PbrModel surface{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.2f};
+    surface.coat_weight = 1, surface.coat_roughness = 0.5f;
+    surface.thin_film_weight = 0.5f, surface.thin_film_thickness = 0.25f;
+    ASSERT_TRUE(save_model({rounded(surface), {{"source", "a--b.bsdf"}}}, folder / "s.srbf").ok());
+    const auto exported = [&](const std::string& kind) {
+        const ProgramRun made = run(folder, {"export", "s.srbf", "--to", kind, "-o", "o"});
+        EXPECT_EQ(made.status, 0) << made.err;
+        return contents(folder / "o");
+    };
+    const std::string openpbr = exported("mtlx"), standard = exported("standard-surface"), script = exported("blender");
+    EXPECT_NE(openpbr.find("name=\"thin_film_thickness\" type=\"float\" value=\"0.25\""), openpbr.npos) << openpbr;
+    EXPECT_NE(openpbr.find("name=\"specular_roughness\" type=\"float\" value=\"0.199951\""), openpbr.npos) << openpbr;
+    EXPECT_NE(standard.find("name=\"thin_film_thickness\" type=\"float\" value=\"250\""), standard.npos) << standard;
+    EXPECT_NE(script.find("\"Thin Film Thickness\": 250,"), script.npos) << script;
+    EXPECT_NE(exported("usd").find("inputs:thin_film_weight = 0.5"), std::string::npos);
+
+    const Json gltf = Json::parse(exported("gltf"));
+    const Json& material = gltf["materials"][0];
+    EXPECT_EQ(material["extensions"]["KHR_materials_iridescence"]["iridescenceThicknessMaximum"], 250);
+    // The coat spreads the light of the base, which other programs' coats do not: (0.2⁴ + 2 · 0.5⁴)^(1/4).
+    EXPECT_PRED3(near, material["pbrMetallicRoughness"]["roughnessFactor"].get<double>(), 0.5955, 1e-3);
+
+    // Binary glTF: its head, the text, and the same bytes as the other's.
+    const std::string glb = exported("glb");
+    const auto number = [&](std::size_t at) {
+        std::uint32_t x = 0;
+        for (int k = 3; k >= 0; --k) x = 256 * x + std::uint8_t(glb[at + std::size_t(k)]);
+        return x;
+    };
+    ASSERT_GT(glb.size(), 28u);
+    EXPECT_EQ(glb.substr(0, 4), "glTF");
+    EXPECT_EQ(number(4), 2u);
+    EXPECT_EQ(number(8), glb.size());
+    const std::size_t text = number(12);
+    EXPECT_EQ(glb.substr(16, 4), "JSON");
+    const Json json = Json::parse(glb.substr(20, text));
+    EXPECT_EQ(json["materials"], gltf["materials"]);
+    EXPECT_EQ(text % 4, 0u);
+    EXPECT_EQ(number(20 + text), json["buffers"][0]["byteLength"]);
+    EXPECT_EQ(glb.size(), 28 + text + number(20 + text));
+}
+
+/// A surface has one azimuth: of an anisotropic measurement it shows the mean.
+TEST_F(OfModel, a_surface_is_fitted_to_an_anisotropic_measurement) {
+    write(folder / "a.bsdf", text_of(tensor_file(anisotropic_rgl())));
+    const ProgramRun made = run(folder, {"fit", "a.bsdf", "--model", "pbr", "-o", "a.srbf"});
+    ASSERT_EQ(made.status, 0) << made.err;
+    EXPECT_TRUE(load_model(folder / "a.srbf").ok());
+}
+
 /// A file with transmission is one of both sides, and is copied whole.
 TEST_F(OfModel, mbsdf_files_are_read_with_their_transmission) {
     write(folder / "t.mbsdf", text_of(grey_mbsdf()));

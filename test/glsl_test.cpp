@@ -79,7 +79,14 @@ void main() {
     GgxLobe sharp = GgxLobe(u.x, wl, u.y), broad = GgxLobe(ggx_facets(wl, wv, u.y), wv, schlick_weight(wl, wv));
     f += ggx_value(wl, sharp, broad, wl, wv) + ggx_lobe_value(broad, wl, wv);
     PbrSurface surface = PbrSurface(wl, u.x, u.y, u.x, wv, u.x, 1.5, u.x, wl, u.y, 1.6, u.x, u.y, wv, u.x);
-    f += pbr_value(surface, wl, wv) + pbr_base_value(surface, 1.5, u.x, wl, wv) + blended(tinted(wl, wv), wl, u.x);
+    PbrFilm film = PbrFilm(u.x, u.y, 1.4);
+    PbrBase base = pbr_base(surface);
+    PbrFacets facets = pbr_facets(surface, base, wl, wv), filmed = pbr_film_facets(surface, film, base, wl, wv);
+    f += pbr_value(surface, wl, wv) + pbr_base_value(surface, base, facets, wl, wv) + blended(tinted(wl, wv), wl, u.x);
+    f += pbr_film_value(surface, film, wl, wv) + pbr_layers_value(surface, filmed.metal, wl, wv);
+    f *= film_reflectance(film, wl, half_cosine(wl, wv)) + film_colour(u.x, wv) + scattered_again_by(wl, u.x);
+    f *= film_order(film_base(u.x, 1.4, u.y), u.x, u.y, 0.5) + film_wave(u.x, 1.0, u.y, 0.5) + doubled(u.x) +
+         one_minus_cos(u.y) + fifth_power(u.x);
     FacetAlbedo whole = facet_albedo(u.x, alpha_of(u.y));
     f *= lobe_albedo(whole, normal_reflectance(1.5)) + scattered_again(whole) + dielectric_reflectance(u.x, 1.5);
     f *= saturated(quadratic(u.x, u.y, 1.0, 2.0)) + roughened(u.x, u.y, 0.5) + metal_reflectance(u.x, 0.1, u.y, 0.5);

@@ -29,6 +29,23 @@ Vec3f above(std::mt19937_64& random) {
     return to_float({w.x, w.y, std::abs(w.z)});
 }
 
+/// What a known surface is made of.
+enum class Made { metal, coated, fuzzy, film };
+/// A coloured surface in several of its layers.
+PbrModel known(Made of) {
+    PbrModel truth;
+    const bool is_metal = of == Made::metal || of == Made::film;
+    truth.base_color = is_metal ? Rgb{0.9f, 0.6f, 0.3f} : Rgb{0.5f, 0.15f, 0.1f};
+    truth.base_metalness = is_metal ? 1.f : 0.f;
+    truth.specular_roughness = is_metal ? 0.35f : 0.25f;
+    if (of == Made::coated) truth.coat_weight = 0.6f, truth.coat_roughness = 0.1f;
+    if (of == Made::fuzzy)
+        truth.fuzz_weight = 0.7f, truth.fuzz_color = {0.8f, 0.8f, 0.3f}, truth.fuzz_roughness = 0.4f,
+        truth.specular_roughness = 0.4f;
+    if (of == Made::film) truth.thin_film_weight = 1, truth.thin_film_thickness = 0.35f;
+    return truth;
+}
+
 TEST(Pbr, IsIsotropicNeverNegativeAndFinite) {
     std::mt19937_64 random(1);
     for (int i = 0; i < 2000; ++i) {
@@ -141,50 +158,84 @@ TEST(Pbr, AFileHoldsAllItsNumbers) {
         EXPECT_EQ(read->provenance, model.provenance);
     }
     EXPECT_EQ(payload_bytes(PbrModel{}), 48u);
+    EXPECT_EQ(payload_bytes(known(Made::film)), 54u);
 }
 
 TEST(Pbr, DamagedFilesAreRefused) {
-    const std::vector<std::byte> whole = write_model({PbrModel{}, {}});
-    for (std::size_t size = 0; size < whole.size(); ++size)
-        EXPECT_FALSE(read_model(std::span(whole).first(size), "a").ok()) << size;
-    int refused = 0;
-    const std::size_t numbers = whole.size() - payload_bytes(PbrModel{});
-    for (std::size_t i = numbers + 1; i < whole.size(); i += 2) {
-        auto flipped = whole;
-        flipped[i] = std::byte(0xc4);  // about −4, which no parameter may be
-        refused += !read_model(flipped, "a").ok();
+    for (const PbrModel& model : {PbrModel{}, known(Made::film)}) {
+        const std::vector<std::byte> whole = write_model({model, {}});
+        for (std::size_t size = 0; size < whole.size(); ++size)
+            EXPECT_FALSE(read_model(std::span(whole).first(size), "a").ok()) << size;
+        int refused = 0;
+        const std::size_t numbers = whole.size() - payload_bytes(model);
+        for (std::size_t i = numbers + 1; i < whole.size(); i += 2) {
+            auto flipped = whole;
+            flipped[i] = std::byte(0xc4);  // about −4, which no parameter may be
+            refused += !read_model(flipped, "a").ok();
+        }
+        EXPECT_EQ(refused, int(pbr_number_count(model)));
     }
-    EXPECT_EQ(refused, int(pbr_number_count()));
-}
-
-/// A coloured surface in several of its layers.
-PbrModel known(bool is_metal) {
-    PbrModel truth;
-    truth.base_color = is_metal ? Rgb{0.9f, 0.6f, 0.3f} : Rgb{0.5f, 0.15f, 0.1f};
-    truth.base_metalness = is_metal ? 1.f : 0.f;
-    truth.specular_roughness = is_metal ? 0.35f : 0.25f;
-    if (!is_metal) truth.coat_weight = 0.6f, truth.coat_roughness = 0.1f;
-    return truth;
 }
 
 TEST(Pbr, AKnownSurfaceIsFittedBack) {
-    for (const bool is_metal : {false, true}) {
-        const PbrModel truth = known(is_metal);
+    for (const Made made : {Made::metal, Made::coated, Made::fuzzy, Made::film}) {
+        const PbrModel truth = known(made);
         const auto observed = observe(evaluator(truth), {.count = 8192});
         ASSERT_TRUE(observed.ok());
         const auto fit = fit_pbr(*observed, {});
         ASSERT_TRUE(fit.ok());
         const std::vector<Evaluate> fits{evaluator(fit->model)};
-        EXPECT_LT(compare_pictures(evaluator(truth), fits)[0].mean.delta_e, 0.3) << is_metal;
-        if (!is_metal) continue;
-        EXPECT_TRUE(near(fit->model.specular_roughness, truth.specular_roughness, 0.02));
-        EXPECT_EQ(fit->model.base_metalness, 1);
-        EXPECT_EQ(fit->model.coat_weight, 0);  // none is seen
+        EXPECT_LT(compare_pictures(evaluator(truth), fits)[0].mean.delta_e, 0.3) << int(made);
+        for (const PbrParameter& of : k_pbr_parameters)
+            for (int c = 0; c < of.count(); ++c)
+                EXPECT_TRUE(near(number(fit->model, of, c), number(truth, of, c),
+                                 0.05 * std::max(double(number(truth, of, c)), 0.01)))
+                    << int(made) << ' ' << of.name << ' ' << number(fit->model, of, c) << ' ' << number(truth, of, c);
+        EXPECT_EQ(fit->model.base_metalness, truth.base_metalness);
+        // Parts that are not seen are not there.
+        EXPECT_EQ(fit->model.coat_weight > 0, made == Made::coated);
+        EXPECT_EQ(fit->model.fuzz_weight > 0, made == Made::fuzzy);
+        EXPECT_EQ(fit->model.thin_film_weight > 0, made == Made::film);
+    }
+}
+
+TEST(Pbr, AFilmsColoursAreThoseOfItsEquations) {
+    // Belcour & Barla 2017 as they have it, in metres, with the C library's functions.
+    for (const double path : {0.05e-6, 0.3e-6, 1e-6, 4e-6}) {
+        const double phase = 2 * k_pi * path;
+        const auto wave = [&](double size, double at, double variance, double shift) {
+            return size * std::sqrt(2 * k_pi * variance) * std::cos(at * phase + shift) *
+                   std::exp(-variance * phase * phase) / 1.0685e-7;
+        };
+        for (const double shift : {0.0, k_pi}) {
+            const double x = wave(5.4856e-13, 1.6810e6, 4.3278e9, shift) + wave(9.7470e-14, 2.2399e6, 4.5282e9, shift),
+                         y = wave(4.4201e-13, 1.7953e6, 9.3046e9, shift),
+                         z = wave(5.2481e-13, 2.2084e6, 6.6121e9, shift);
+            const auto turn = float(std::cos(shift));
+            const Vec3f seen = K::film_colour(float(1e6 * path), {turn, turn, turn});
+            EXPECT_TRUE(near(seen.x, 3.2404542 * x - 1.5371385 * y - 0.4985314 * z, 2e-5)) << path;
+            EXPECT_TRUE(near(seen.y, -0.9692660 * x + 1.8760108 * y + 0.0415560 * z, 2e-5)) << path;
+            EXPECT_TRUE(near(seen.z, 0.0556434 * x - 0.2040259 * y + 1.0572252 * z, 2e-5)) << path;
+        }
+    }
+    for (const float x : {0.f, 1e-3f, 1.f, 3.f, 40.f, 200.f})
+        EXPECT_TRUE(near(K::one_minus_cos(x), 1 - std::cos(double(x)), 1e-4 + 1e-7 * double(x) * double(x))) << x;
+}
+
+TEST(Pbr, AFilmOfAirIsNone) {
+    PbrModel plain = known(Made::film), film = plain;
+    plain.thin_film_weight = 0, film.thin_film_ior = 1;
+    std::mt19937_64 random(4);
+    for (int i = 0; i < 300; ++i) {
+        const Vec3f wl = above(random), wv = above(random);
+        if (K::half_cosine(wl, wv) < 0.85f) continue;  // Schlick's term reflects at grazing angles whatever the index
+        const Rgb a = value(plain, wl, wv), b = value(film, wl, wv);
+        for (int c = 0; c < 3; ++c) EXPECT_TRUE(near(b[c], a[c], 0.05 * double(a[c]))) << a[c] << ' ' << b[c];
     }
 }
 
 TEST(Pbr, AFitDoesNotDependOnThreads) {
-    const PbrModel truth = known(false);
+    const PbrModel truth = known(Made::coated);
     const auto observed = observe(evaluator(truth), {.count = 2048});
     ASSERT_TRUE(observed.ok());
     const auto one = fit_pbr(*observed, {PbrSurfaceKind::gltf, 1}), two = fit_pbr(*observed, {PbrSurfaceKind::gltf, 2});
@@ -197,7 +248,7 @@ TEST(Pbr, AFitDoesNotDependOnThreads) {
 }
 
 TEST(Pbr, WithoutPicturesPairsAreFitted) {
-    const PbrModel truth = known(true);
+    const PbrModel truth = known(Made::metal);
     const auto observed = observe(evaluator(truth), {.objective = Objective::cosine, .count = 4096});
     ASSERT_TRUE(observed.ok());
     const auto fit = fit_pbr(*observed, {});

@@ -189,6 +189,7 @@ TEST_P(Raster, SurfacesLookAsOnTheCpu) {
     model.coat_weight = 0.7f, model.coat_color = {0.9f, 0.8f, 0.7f}, model.coat_roughness = 0.2f;
     model.fuzz_weight = 0.5f, model.fuzz_color = {0.1f, 0.2f, 0.4f};
     EXPECT_GE(psnr(model, sphere_scene()), 50);
+    model.thin_film_weight = 0.8f, model.thin_film_thickness = 0.4f;
     EXPECT_GE(psnr(model, knot_scene(), PixelInput::surface), 50);
 }
 

@@ -40,6 +40,7 @@ const std::vector<Model>& models() {
         add(PmForm::extended, false);
         models.push_back({rounded(GgxModel{{0.1f, 0.2f, 0.3f}, {{0.3f, {0.04f, 0.05f, 0.06f}, 1}}}), {}});
         models.push_back({rounded(GgxModel{{}, {{0.1f, {0.9f, 0.5f, 0.2f}, 1}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}}), {}});
+        models.push_back({rounded(PbrModel{.base_metalness = 0.7f, .thin_film_weight = 0.8f}), {}});
         models.push_back(
             {rounded(PbrModel{.base_color = {0.5f, 0.3f, 0.1f}, .coat_weight = 0.5f, .fuzz_weight = 0.3f}), {}});
         models.back().provenance["note"] = "a */ comment \\\nthat */ would end # early \\";

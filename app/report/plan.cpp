@@ -32,6 +32,8 @@ class Plan {
     void ggx(int lobes, Objective objective, std::string role = {}) {
         add(GgxRequest{lobes}, objective, fmt::format("ggx-{}-{}", lobes, name(objective)), std::move(role));
     }
+    /// A surface by the parameters of OpenPBR.
+    void pbr(Objective objective) { add(PbrRequest{}, objective, fmt::format("pbr-{}", name(objective)), {}); }
     std::vector<PlannedFit> fits;
 
   private:
@@ -64,6 +66,7 @@ void plan_table(Plan& plan, bool quick) {
     plan.su(5, appearance, "su");
     plan.ggx(1, appearance);
     plan.ggx(2, appearance, "ggx");
+    plan.pbr(appearance);
     plan.pm(PmForm::extended, 8, 4, cube_root);
     plan.su_by_texture(5, raw);
     // For the plot of error over the number of lobes.
@@ -98,6 +101,7 @@ void plan_samples(Plan& plan, bool quick) {
         plan.ggx(1, objective);
         plan.ggx(2, objective, objective == appearance ? "ggx" : "");
     }
+    plan.pbr(appearance);
     if (quick) {
         plan.pm(PmForm::extended, 3, 4, cube_root);
         return;

@@ -772,28 +772,144 @@ SRBF_FN Real metal_reflectance(Real c, Real weight, Real f0, Real tint) {
     return max(schlick - c * (m2 * m2 * m2) * at_82 * (Real(1.0) - tint) * Real(17.651384), Real(0.0));
 }
 
-// The base: a dielectric over EON, blended with a metal by metalness [1/sr]. ior is relative to what lies above. What
-// the dielectric reflects towards the viewer is taken from the diffuse part (albedo scaling): a factor 1 - E(wv).
-SRBF_FN Vec3 pbr_base_value(PbrSurface of, Real ior, Real roughness, Vec3 wl, Vec3 wv) {
+// A film on the base: weight, thickness [1e-6 m] and index of refraction.
+struct PbrFilm {
+    Real weight;
+    Real thickness;
+    Real ior;
+};
+
+// 1 - cos(x), |x| <= 128 pi: five times the double angle, 1 - cos(2 a) = 2 v (2 - v) with v = 1 - cos(a).
+SRBF_FN Real doubled(Real v) { return Real(2.0) * v * (Real(2.0) - v); }
+SRBF_FN Real one_minus_cos(Real x) {
+    Real s = sin(x * Real(1.0 / 64.0));
+    return doubled(doubled(doubled(doubled(doubled(Real(2.0) * s * s)))));
+}
+// What the eye sees of a spectrum 1 + cos(2 pi path / wavelength + shift), less 1, for R, G, B, where cos(shift) is
+// `turn`: Gaussians fitted to the Fourier transforms of the CIE curves (Belcour & Barla, "A Practical Extension to
+// Microfacet Theory for the Modeling of Varying Iridescence", 2017). path [1e-6 m].
+SRBF_FN Real film_wave(Real path, Real size, Real frequency, Real decay) {
+    return size * (Real(1.0) - one_minus_cos(frequency * path)) * exp_of_lobe(-decay * path * path);
+}
+SRBF_FN Vec3 film_colour(Real path, Vec3 turn) {
+    Real x = turn.x * (film_wave(path, Real(0.84659), Real(10.5620345), Real(0.170854696)) +
+                       film_wave(path, Real(0.153868307), Real(14.0737068), Real(0.178766171)));
+    Real y = turn.y * film_wave(path, Real(1.00022189), Real(11.2802026), Real(0.367330884));
+    Real z = turn.z * film_wave(path, Real(1.00112249), Real(13.8757864), Real(0.261035245));
+    return Vec3(Real(3.2404542) * x - Real(1.5371385) * y - Real(0.4985314) * z,
+                Real(1.8760108) * y - Real(0.9692660) * x + Real(0.0415560) * z,
+                Real(0.0556434) * x - Real(0.2040259) * y + Real(1.0572252) * z);
+}
+
+// The reflectance of a film on a base of reflectance f0 at an angle of cosine c: what the two interfaces reflect, with
+// Schlick's Fresnel terms, and two orders of their interference, as KHR_materials_iridescence of glTF has it.
+struct FilmBase {
+    Real reflectance;  // of the base within the film
+    Real turn;         // -1 if its wave keeps its sign
+};
+SRBF_FN FilmBase film_base(Real f0, Real ior, Real schlick) {
+    Real root = sqrt(min(f0, Real(0.9999)));
+    Real below = (Real(1.0) + root) / (Real(1.0) - root);
+    Real share = (below - ior) / (below + ior);
+    FilmBase base;
+    base.reflectance = share * share + (Real(1.0) - share * share) * schlick;
+    base.turn = select(below < ior, Real(1.0), Real(-1.0));
+    return base;
+}
+SRBF_FN Real film_order(FilmBase base, Real above, Real first, Real second) {
+    Real both = min(max(above * base.reflectance, Real(1.0e-5)), Real(0.9999));
+    Real through = Real(1.0) - above;
+    Real again = through * through * base.reflectance / (Real(1.0) - both);
+    return max(above + again + Real(2.0) * (again - through) * (sqrt(both) * first + both * second), Real(0.0));
+}
+SRBF_FN Real fifth_power(Real x) { return (x * x) * (x * x) * x; }
+SRBF_FN Vec3 film_reflectance(PbrFilm film, Vec3 f0, Real c) {
+    Real within = sqrt(max(Real(1.0) - (Real(1.0) - c * c) / (film.ior * film.ior), Real(0.0)));
+    Real normal = normal_reflectance(film.ior);
+    Real above = normal + (Real(1.0) - normal) * fifth_power(Real(1.0) - c);
+    Real schlick = fifth_power(Real(1.0) - within);
+    FilmBase r = film_base(f0.x, film.ior, schlick);
+    FilmBase g = film_base(f0.y, film.ior, schlick);
+    FilmBase b = film_base(f0.z, film.ior, schlick);
+    Real path = Real(2.0) * film.ior * film.thickness * within;
+    Vec3 first = film_colour(path, Vec3(r.turn, g.turn, b.turn));
+    Vec3 second = film_colour(Real(2.0) * path, Vec3(Real(1.0), Real(1.0), Real(1.0)));
+    return Vec3(film_order(r, above, first.x, second.x), film_order(g, above, first.y, second.y),
+                film_order(b, above, first.z, second.z));
+}
+
+// The base under a coat: its index of refraction is relative to the coat's. The specular weight scales F0 of the
+// dielectric, whose index is that of the scaled one.
+struct PbrBase {
+    Real f0;
+    Real ior;
+    Real alpha;
+};
+SRBF_FN PbrBase pbr_base(PbrSurface of) {
+    Real coat_ior = Real(1.0) + of.coat_weight * (of.coat_ior - Real(1.0));
+    Real ratio = of.specular_ior / coat_ior;
+    PbrBase base;
+    base.f0 = min(of.specular_weight * normal_reflectance(max(max(ratio, Real(1.0) / ratio), Real(1.0))), Real(0.98));
+    Real root = sqrt(base.f0);
+    base.ior = (Real(1.0) + root) / (Real(1.0) - root);
+    base.alpha = alpha_of(roughened(of.specular_roughness, of.coat_roughness, of.coat_weight));
+    return base;
+}
+SRBF_FN Real half_cosine(Vec3 wl, Vec3 wv) {
     Vec3 sum = wl + wv;
-    Real c = min(Real(0.5) * sqrt(dot(sum, sum)), Real(1.0));
+    return min(Real(0.5) * sqrt(dot(sum, sum)), Real(1.0));
+}
+
+// The reflectances of the base's facets, for R, G, B: of the dielectric and of the metal, at l . h, and F0 of both.
+struct PbrFacets {
+    Vec3 dielectric;
+    Vec3 metal;
+    Vec3 dielectric_f0;
+    Vec3 metal_f0;
+};
+SRBF_FN PbrFacets pbr_facets(PbrSurface of, PbrBase base, Vec3 wl, Vec3 wv) {
+    Real c = half_cosine(wl, wv);
     Real schlick = schlick_weight(wl, wv);
-    Real alpha = alpha_of(roughness);
-    Real facets = ggx_facets(wl, wv, alpha);
-    FacetAlbedo whole = facet_albedo(wv.z, alpha);
+    Real plain = dielectric_reflectance(c, base.ior);
+    Vec3 f0 = of.base_color;
+    PbrFacets facets;
+    facets.dielectric = Vec3(plain, plain, plain);
+    facets.metal = Vec3(metal_reflectance(c, schlick, f0.x, of.specular_color.x),
+                        metal_reflectance(c, schlick, f0.y, of.specular_color.y),
+                        metal_reflectance(c, schlick, f0.z, of.specular_color.z));
+    facets.dielectric_f0 = Vec3(base.f0, base.f0, base.f0);
+    facets.metal_f0 = f0;
+    return facets;
+}
+// The same under a film, which covers its weight of the surface.
+SRBF_FN PbrFacets pbr_film_facets(PbrSurface of, PbrFilm film, PbrBase base, Vec3 wl, Vec3 wv) {
+    PbrFacets facets = pbr_facets(of, base, wl, wv);
+    Real c = half_cosine(wl, wv);
+    facets.dielectric = blended(facets.dielectric, film_reflectance(film, facets.dielectric_f0, c), film.weight);
+    facets.metal = blended(facets.metal, film_reflectance(film, facets.metal_f0, c), film.weight);
+    Vec3 f0 = facets.dielectric_f0;
+    facets.dielectric_f0 = blended(f0, film_reflectance(film, f0, Real(1.0)), film.weight);
+    f0 = facets.metal_f0;
+    facets.metal_f0 = blended(f0, film_reflectance(film, f0, Real(1.0)), film.weight);
+    return facets;
+}
+
+// The base: a dielectric over EON, blended with a metal by metalness [1/sr]. What the dielectric reflects towards the
+// viewer is taken from the diffuse part (albedo scaling): a factor 1 - E(wv).
+SRBF_FN Vec3 scattered_again_by(Vec3 f0, Real again) {
+    return Vec3(Real(1.0) + f0.x * again, Real(1.0) + f0.y * again, Real(1.0) + f0.z * again);
+}
+SRBF_FN Vec3 pbr_base_value(PbrSurface of, PbrBase base, PbrFacets facets, Vec3 wl, Vec3 wv) {
+    Real density = ggx_facets(wl, wv, base.alpha);
+    FacetAlbedo whole = facet_albedo(wv.z, base.alpha);
     Real again = scattered_again(whole);
-    // The specular weight scales F0; the index of refraction is that of the scaled one.
-    Real f0 = min(of.specular_weight * normal_reflectance(ior), Real(0.98));
-    Real root = sqrt(f0);
-    Real scaled_ior = (Real(1.0) + root) / (Real(1.0) - root);
-    Real dielectric = facets * dielectric_reflectance(c, scaled_ior) * (Real(1.0) + f0 * again);
-    Real through = Real(1.0) - lobe_albedo(whole, f0);
-    Vec3 glossy = dielectric * of.specular_color + through * eon_value(of.base_color, of.diffuse_roughness, wl, wv);
-    Vec3 f0s = of.base_color;
-    Vec3 metal = of.specular_weight * facets *
-                 Vec3(metal_reflectance(c, schlick, f0s.x, of.specular_color.x) * (Real(1.0) + f0s.x * again),
-                      metal_reflectance(c, schlick, f0s.y, of.specular_color.y) * (Real(1.0) + f0s.y * again),
-                      metal_reflectance(c, schlick, f0s.z, of.specular_color.z) * (Real(1.0) + f0s.z * again));
+    Vec3 f0 = facets.dielectric_f0;
+    Vec3 dielectric = density * tinted(facets.dielectric, scattered_again_by(f0, again));
+    Vec3 through = Vec3(Real(1.0) - lobe_albedo(whole, f0.x), Real(1.0) - lobe_albedo(whole, f0.y),
+                        Real(1.0) - lobe_albedo(whole, f0.z));
+    Vec3 glossy = tinted(dielectric, of.specular_color) +
+                  tinted(through, eon_value(of.base_color, of.diffuse_roughness, wl, wv));
+    Vec3 metal = (of.specular_weight * density) * tinted(facets.metal, scattered_again_by(facets.metal_f0, again));
     return blended(glossy, metal, of.metalness);
 }
 
@@ -806,15 +922,8 @@ SRBF_FN Real darkened(Real colour, Real k, Real strength) {
 // rho(wl, wv) of the surface [1/sr], for R, G, B: fuzz over a coat over the base. Each layer takes its directional
 // albedo at the viewer, E(wv), from what lies below, so that light and viewer may not be exchanged. The coat's
 // colour is what passes it twice, at any angle.
-SRBF_FN Vec3 pbr_value(PbrSurface of, Vec3 wl, Vec3 wv) {
-    Real coat_ior = Real(1.0) + of.coat_weight * (of.coat_ior - Real(1.0));
-    Real ratio = of.specular_ior / coat_ior;
-    Real ior = max(max(ratio, Real(1.0) / ratio), Real(1.0));
-    Real roughness = roughened(of.specular_roughness, of.coat_roughness, of.coat_weight);
-    Vec3 base = pbr_base_value(of, ior, roughness, wl, wv);
-
-    Vec3 sum = wl + wv;
-    Real c = min(Real(0.5) * sqrt(dot(sum, sum)), Real(1.0));
+SRBF_FN Vec3 pbr_layers_value(PbrSurface of, Vec3 base, Vec3 wl, Vec3 wv) {
+    Real c = half_cosine(wl, wv);
     Real alpha = alpha_of(of.coat_roughness);
     FacetAlbedo whole = facet_albedo(wv.z, alpha);
     Real f0 = normal_reflectance(of.coat_ior);
@@ -831,4 +940,13 @@ SRBF_FN Vec3 pbr_value(PbrSurface of, Vec3 wl, Vec3 wv) {
     Real y = max(of.fuzz_roughness, Real(0.01));
     Real below = Real(1.0) - of.fuzz_weight * fuzz_albedo(wv.z, y);
     return below * coated + (of.fuzz_weight * fuzz_value(wl, wv, y)) * of.fuzz_color;
+}
+SRBF_FN Vec3 pbr_value(PbrSurface of, Vec3 wl, Vec3 wv) {
+    PbrBase base = pbr_base(of);
+    return pbr_layers_value(of, pbr_base_value(of, base, pbr_facets(of, base, wl, wv), wl, wv), wl, wv);
+}
+// The same with a film on the base.
+SRBF_FN Vec3 pbr_film_value(PbrSurface of, PbrFilm film, Vec3 wl, Vec3 wv) {
+    PbrBase base = pbr_base(of);
+    return pbr_layers_value(of, pbr_base_value(of, base, pbr_film_facets(of, film, base, wl, wv), wl, wv), wl, wv);
 }

@@ -33,6 +33,9 @@ struct PbrModel {
     float fuzz_weight = 0;
     Rgb fuzz_color{1, 1, 1};
     float fuzz_roughness = 0.5f;
+    float thin_film_weight = 0;        ///< of the base that the film covers; see `film_reflectance` of kernel.glsl
+    float thin_film_thickness = 0.5f;  ///< [1e-6 m]
+    float thin_film_ior = 1.4f;
     bool is_exchanged = false;  ///< light and viewer: ρ(wl, wv) is the formula's of (wv, wl)
     friend bool operator==(const PbrModel&, const PbrModel&) = default;
 };
@@ -45,7 +48,7 @@ struct PbrParameter {
     Rgb PbrModel::*colour = nullptr;
     constexpr int count() const { return colour ? 3 : 1; }
 };
-inline constexpr std::array<PbrParameter, 16> k_pbr_parameters{{
+inline constexpr std::array<PbrParameter, 19> k_pbr_parameters{{
     {"base_weight", 0, 1, &PbrModel::base_weight},
     {"base_color", 0, 1, nullptr, &PbrModel::base_color},
     {"base_metalness", 0, 1, &PbrModel::base_metalness},
@@ -62,6 +65,9 @@ inline constexpr std::array<PbrParameter, 16> k_pbr_parameters{{
     {"fuzz_weight", 0, 1, &PbrModel::fuzz_weight},
     {"fuzz_color", 0, 1, nullptr, &PbrModel::fuzz_color},
     {"fuzz_roughness", 0, 1, &PbrModel::fuzz_roughness},
+    {"thin_film_weight", 0, 1, &PbrModel::thin_film_weight},
+    {"thin_film_thickness", 0, 1, &PbrModel::thin_film_thickness},
+    {"thin_film_ior", 1, 3, &PbrModel::thin_film_ior},
 }};
 /// Number c of a parameter, 0 ≤ c < count.
 inline float& number(PbrModel& model, const PbrParameter& of, int c) {
@@ -70,10 +76,14 @@ inline float& number(PbrModel& model, const PbrParameter& of, int c) {
 inline float number(const PbrModel& model, const PbrParameter& of, int c) {
     return of.colour ? (model.*of.colour)[c] : model.*of.number;
 }
+/// Whether a parameter is stored: those of a film only if there is one.
+constexpr bool is_stored(const PbrModel& model, const PbrParameter& of) {
+    return model.thin_film_weight > 0 || !of.name.starts_with("thin_film_");
+}
 /// How many numbers a model has.
-constexpr std::size_t pbr_number_count() {
+constexpr std::size_t pbr_number_count(const PbrModel& model) {
     std::size_t count = 0;
-    for (const PbrParameter& of : k_pbr_parameters) count += std::size_t(of.count());
+    for (const PbrParameter& of : k_pbr_parameters) count += is_stored(model, of) ? std::size_t(of.count()) : 0;
     return count;
 }
 
@@ -95,7 +105,7 @@ void evaluate(const PbrModel& model, std::span<const Vec3f> wl, std::span<const 
 Evaluate evaluator(const PbrModel& model);
 
 /// Size of the stored numbers, two bytes each.
-constexpr std::size_t payload_bytes(const PbrModel&) { return 2 * pbr_number_count(); }
+constexpr std::size_t payload_bytes(const PbrModel& model) { return 2 * pbr_number_count(model); }
 constexpr std::size_t auxiliary_bytes(const PbrModel&) { return 0; }
 /// `model` with every number rounded to its stored precision.
 PbrModel rounded(const PbrModel& model);

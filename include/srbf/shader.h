@@ -94,9 +94,9 @@ std::vector<Float4> pm_numbers(const PmModel& model, bool open = false);
 /// The uniform `ggx_numbers`: (kd, F90 of the first lobe), (F0, α) of the first lobe, (F0, α) of the second, (0, 0, 0,
 /// F90 of the second).
 std::array<Float4, 4> ggx_numbers(const GgxModel& model);
-/// The uniform `pbr_numbers`: the numbers of kernel.glsl's PbrSurface in its order, padded to 24; the last is 1 if light
-/// and viewer are exchanged, otherwise 0.
-std::array<Float4, 6> pbr_numbers(const PbrModel& model);
+/// The uniform `pbr_numbers`: the 23 numbers of kernel.glsl's PbrSurface in its order; 1 if light and viewer are
+/// exchanged, otherwise 0; those of PbrFilm; 0.
+std::array<Float4, 7> pbr_numbers(const PbrModel& model);
 
 /// The texels of a view-by-view model's textures, one row per view.
 struct SuTexels {

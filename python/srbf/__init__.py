@@ -37,7 +37,7 @@ class Error(ValueError):
 
 from . import _srbf  # noqa: E402  (it raises Error)
 from . import _options, _parameters  # noqa: E402
-from ._options import Channels, Form, Kind, Language, Lighting, Objective, Path, Progress  # noqa: E402
+from ._options import Channels, Form, Kind, Language, Lighting, Objective, Path, Progress, Surface  # noqa: E402
 
 if int(np.__version__.split(".")[0]) >= 2 and not _srbf.knows_numpy_2:
     raise ImportError(f"srbf was built with a pybind11 before 2.12, which NumPy {np.__version__} does not fit; build it with `pip install .`")
@@ -318,7 +318,7 @@ def _fit_of(outcome: dict[str, Any]) -> Fit:
     return Fit(Model(outcome["model"]), outcome["errors"], outcome["seconds"], outcome["stop_reason"], outcome["reached"])
 
 
-def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]], *, model: Kind = "pm",
+def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]], *, model: Kind = "pm", surface: Optional[Surface] = None,
         lobes: Union[int, Literal["auto"], None] = None, variates: Optional[int] = None, form: Optional[Form] = None,
         budget: Optional[int] = None, target_error: Optional[float] = None, target_delta_e: Optional[float] = None,
         objective: Optional[Objective] = None, max_theta: Optional[float] = None, axial: Optional[bool] = None,
@@ -326,7 +326,7 @@ def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]],
         progress: Progress = False) -> Fit:
     """Fits a measurement, a file of one, or a function f(wl, wv) of arrays [n, 3] that returns f_r as [n, 3] or [n, 1].
 
-    The options are those of `srbf fit`: `model` "pm", "su", "ggx" or "pbr" (of OpenPBR); `lobes` a number or "auto", or instead of it the size by `budget`
+    The options are those of `srbf fit`: `model` "pm", "su", "ggx" or "pbr" (of OpenPBR, or of another `surface`); `lobes` a number or "auto", or instead of it the size by `budget`
     [bytes], `target_error` or `target_delta_e`; `form` one of `forms()`; `objective` one of `objectives()`; `max_theta` [degrees];
     `channels` "rgb" or "spectral"; `threads` 0: all. The outcome depends on `seed` alone.
 
@@ -338,7 +338,7 @@ def fit(brdf: Union[Measurement, Path, Callable[[Array, Array], npt.ArrayLike]],
         raise ValueError(f"expected one of {', '.join(sizes)}, found {' and '.join(given)}")
     request = _options.request(model, lobes=lobes, variates=variates, form=form, budget=budget, target_error=target_error,
                                target_delta_e=target_delta_e, objective=objective, max_theta=max_theta, axial=axial,
-                               reciprocal=reciprocal, channels=channels, seed=seed, threads=threads)
+                               reciprocal=reciprocal, channels=channels, seed=seed, threads=threads, surface=surface)
     with _Shown(progress) as callback:
         measured = load_measurement(brdf) if isinstance(brdf, (str, os.PathLike)) else brdf
         if isinstance(measured, Brdf):

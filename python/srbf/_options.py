@@ -12,6 +12,8 @@ from . import _srbf
 #: "pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX) or "pbr" (parameters of OpenPBR)
 Kind = Literal["pm", "su", "ggx", "pbr"]
 Form = Literal["gaussian", "horizon", "extended"]
+#: whose parameters a surface (model "pbr") has: all of OpenPBR, those of glTF, or of Blender's Principled BSDF
+Surface = Literal["openpbr", "gltf", "principled"]
 Objective = Literal["raw", "cosine", "log", "cube-root", "appearance"]
 Channels = Literal["rgb", "spectral"]
 Lighting = Literal["overcast", "window", "sunset", "studio", "flash", "lamp", "side", "back"]
@@ -69,10 +71,15 @@ def check_progress(value: Any) -> None:
         raise ValueError(f"progress: expected True, False or a function of (stage, fraction), found {value!r}")
 
 
-def request(model: str, *, lobes: Any, objective: Optional[str], channels: str, seed: Any, **options: Any) -> _srbf.Request:
+def request(model: str, *, lobes: Any, objective: Optional[str], channels: str, seed: Any, surface: Optional[str] = None,
+            **options: Any) -> _srbf.Request:
     """What a fit is asked for; an option that is None is not given."""
     made = _srbf.Request()
     made.model = one_of("model", model, get_args(Kind))
+    if surface is not None:
+        if model != "pbr":
+            raise ValueError(f'surface: only with model="pbr", found model="{model}"')
+        made.surface = one_of("surface", surface, _srbf.pbr_surfaces())
     made.channels = one_of("channels", channels, get_args(Channels))
     if objective is not None:
         made.objective = one_of("objective", objective, _srbf.objectives())

@@ -240,7 +240,7 @@ class NotRead(srbf.Measurement):
     ("lobes", 3, {"model": "ggx"}), ("lobes", "auto", {"model": "su"}), ("lobes", 65, {"model": "su"}), ("seed", -1, {}),
     ("seed", 2**64, {}), ("seed", 1.5, {}), ("threads", -1, {}), ("threads", 1025, {}), ("variates", 0, {}), ("variates", 9, {}),
     ("form", "round", {}), ("objective", "best", {}), ("budget", 5, {}), ("target_error", 0, {}), ("target_error", 2, {}),
-    ("target_delta_e", -1, {}), ("axial", "no", {}), ("reciprocal", 1, {}),
+    ("surface", "gltf", {}), ("surface", "usd", {"model": "pbr"}), ("target_delta_e", -1, {}), ("axial", "no", {}), ("reciprocal", 1, {}),
     *((option, value, {"model": kind}) for kind in ("su", "ggx") for option, value in (
         ("variates", 2), ("form", "horizon"), ("axial", True), ("reciprocal", True), ("budget", 100), ("target_error", 0.1),
         ("target_delta_e", 2.0))),
@@ -248,6 +248,12 @@ class NotRead(srbf.Measurement):
 def test_options_are_refused_by_name_at_once(name, value, options):
     with pytest.raises(ValueError, match=f"^{name}: .*(found|missing)"):
         srbf.fit(NotRead(), **{name: value}, **options)
+
+
+def test_a_surface_has_the_parameters_of_its_program(paper):
+    of = {surface: srbf.fit(paper, model="pbr", surface=surface).model.parameters for surface in ("openpbr", "gltf")}
+    assert of["gltf"]["coat_ior"] == 1.5 and (of["gltf"]["coat_color"] == 1).all() and of["gltf"]["base_diffuse_roughness"] == 0
+    assert any((of["gltf"][name] != of["openpbr"][name]).any() for name in ("base_color", "specular_roughness"))
 
 
 def test_sizes_exclude_each_other(paper):
@@ -273,7 +279,7 @@ def test_literals_are_the_librarys_names():
     from typing import get_args
     from srbf import _options
     for literal, names in ((_options.Form, srbf.forms()), (_options.Objective, srbf.objectives()), (_options.Lighting, srbf.lightings()),
-                           (_options.Language, srbf.code_languages())):
+                           (_options.Language, srbf.code_languages()), (_options.Surface, srbf._srbf.pbr_surfaces())):
         assert list(get_args(literal)) == names
 
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <random>
 
 #include "fit/fits.h"
 #include "fit/objective/objective.h"
@@ -21,7 +21,7 @@ struct FittedParameter {
         return kind == PbrSurfaceKind::openpbr ? openpbr : kind == PbrSurfaceKind::gltf ? gltf : principled;
     }
 };
-constexpr std::array<FittedParameter, 14> k_fitted_parameters{{
+constexpr std::array<FittedParameter, 17> k_fitted_parameters{{
     // base_weight is a factor of base_color, and coat_darkening one of what coat_color does.
     {"base_color", true, true, true},
     {"base_metalness", true, true, true},
@@ -38,6 +38,10 @@ constexpr std::array<FittedParameter, 14> k_fitted_parameters{{
     {"fuzz_weight", true, true, true},
     {"fuzz_color", true, true, true},
     {"fuzz_roughness", true, true, true},
+    // Principled has no weight of a film.
+    {"thin_film_weight", true, true, false},
+    {"thin_film_thickness", true, true, false},
+    {"thin_film_ior", true, true, false},
 }};
 
 /// A number of the surface as a variable of the search.
@@ -63,89 +67,72 @@ PbrModel fixed_of(PbrSurfaceKind kind) {
 
 constexpr double k_slope_step = 1e-3;  ///< of x, for differences
 
-/// The sum that a fit minimises, as a function of the variables' x in [0, 1]: of pixels the mean of ρ(ΔE_ITP) (see
-/// `Pixels`), or where no pictures are observed Σ w |f − f̂|². Derivatives are differences.
-class PbrProblem {
+/// What a surface is fitted to: of pixels the mean of ρ(ΔE_ITP) (see `Pixels`), or where no pictures are observed
+/// Σ w |f − f̂|² of pairs. The outputs of a surface are the colours of pixels, or its values at pairs.
+class PbrData {
   public:
+    using Outputs = Aligned<float>;  ///< blocks of a column for each channel
+
     /// Of every so many views or pairs.
-    PbrProblem(const Observations& observations, PbrSurfaceKind kind, std::size_t every, int threads)
-        : variables_(pbr_variables_of(kind)), fixed_(fixed_of(kind)), threads_(threads) {
+    PbrData(const Observations& observations, std::size_t every) {
         if (observations.views.empty())
             take_pairs(observations, every);
         else
             take_views(observations, every);
     }
 
-    PbrModel model(const Eigen::VectorXd& x) const {
-        PbrModel model = fixed_;
-        for (std::size_t i = 0; i < variables_.size(); ++i) {
-            const PbrParameter& of = *variables_[i].of;
-            const double at = x[Eigen::Index(i)];
-            number(model, of, variables_[i].c) =
-                float(double(of.least) + (of.colour ? at * at : at) * double(of.most - of.least));
-        }
-        return model;
-    }
-    Eigen::VectorXd x_of(const PbrModel& model) const {
-        Eigen::VectorXd x(Eigen::Index(variables_.size()));
-        for (std::size_t i = 0; i < variables_.size(); ++i) {
-            const PbrParameter& of = *variables_[i].of;
-            const double share = double(number(model, of, variables_[i].c) - of.least) / double(of.most - of.least);
-            x[Eigen::Index(i)] = of.colour ? std::sqrt(share) : share;
-        }
-        return x;
-    }
+    static std::size_t place(std::size_t i, std::size_t c) { return (3 * (i / k_block) + c) * k_block + i % k_block; }
+    std::size_t count() const { return pixels_.count() > 0 ? pixels_.count() : f_.size(); }
 
-    double loss(const Eigen::VectorXd& x) { return loss(model(x)); }
-    double loss(const PbrModel& model) {
-        outputs(model, seen_, true);
+    void outputs(const PbrModel& model, std::vector<Rgb>& f, Outputs& seen) const {
+        f.resize(wl_.size());
+        evaluate(model, wl_, wv_, f);
+        seen.assign(3 * k_block * blocks_for(count()), 0);
+        for (std::size_t i = 0; i < count(); ++i) {
+            std::array<double, 3> sum{};
+            if (f_.size() > 0) {
+                for (int c = 0; c < 3; ++c) sum[std::size_t(c)] = double(f[i][c]);
+            } else {
+                const Pixel& pixel = pixel_[i];
+                for (std::size_t k = 0; k < pixel.count; ++k)
+                    for (int c = 0; c < 3; ++c)
+                        sum[std::size_t(c)] += double(light_[pixel.weight + k]) * double(f[pixel.first + k][c]);
+            }
+            for (std::size_t c = 0; c < 3; ++c) seen[place(i, c)] = float(sum[c]);
+        }
+    }
+    double loss(const Outputs& seen, PixelSlopes& slopes) const {
+        double sum = 0;
         if (pixels_.count() == 0) {
-            double sum = 0;
-            for (std::size_t i = 0; i < f_.size(); ++i) sum += weight_[i] * squared_distance(f_[i], colour(seen_, i));
+            for (std::size_t i = 0; i < f_.size(); ++i) sum += weight_[i] * squared_distance(f_[i], colour(seen, i));
             return sum;
         }
-        double sum = 0;
         for (std::size_t block = 0; block < pixels_.blocks(); ++block)
-            sum += pixels_.errors(block, columns(seen_, block), slopes_);
+            sum += pixels_.errors(block, columns(seen, block), slopes);
         return sum / double(pixels_.count());
     }
-    void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-        const auto n = Eigen::Index(variables_.size());
-        std::vector<Outputs> by(variables_.size());
-        parallel_for(variables_.size(), threads_, [&](std::size_t i) {
-            Eigen::VectorXd moved = x;
-            double& at = moved[Eigen::Index(i)];
-            const double step = at + k_slope_step <= 1 ? k_slope_step : -k_slope_step;
-            at += step;
-            outputs(model(moved), by[i], false);
-            for (std::size_t k = 0; k < by[i].size(); ++k)
-                by[i][k] = float((double(by[i][k]) - double(seen_[k])) / step);
-        });
+    /// JᵀJ and Jᵀr, given the outputs and their derivatives.
+    void linearise(const Outputs& seen, const std::vector<Outputs>& by, PixelSlopes& slopes, Eigen::MatrixXd& H,
+                   Eigen::VectorXd& g) const {
+        const auto n = Eigen::Index(by.size());
         H = Eigen::MatrixXd::Zero(n, n);
         g = Eigen::VectorXd::Zero(n);
         if (pixels_.count() == 0)
-            add_pairs(by, H, g);
+            add_pairs(seen, by, H, g);
         else
-            add_pixels(by, H, g);
+            add_pixels(seen, by, slopes, H, g);
     }
-    Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Zero(x.size()); }
-    Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Ones(x.size()); }
-    Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Constant(x.size(), 0.25); }
 
   private:
-    /// Of pixels, or of pairs: blocks of a column for each channel.
-    using Outputs = Aligned<float>;
     struct Pixel {
         std::size_t first, count, weight;  // of the rows; the first of its weights
     };
 
-    static std::size_t place(std::size_t i, std::size_t c) { return (3 * (i / k_block) + c) * k_block + i % k_block; }
     static Rgb colour(const Outputs& of, std::size_t i) { return {of[place(i, 0)], of[place(i, 1)], of[place(i, 2)]}; }
     static Pixels::Colours columns(const Outputs& of, std::size_t block) {
         const float* const first = &of[3 * block * k_block];
         return {first, first + k_block, first + 2 * k_block};
     }
-    std::size_t count() const { return pixels_.count() > 0 ? pixels_.count() : f_.size(); }
 
     void take_views(const Observations& observations, std::size_t every) {
         std::vector<Pixels::Triplet> reference;
@@ -174,79 +161,114 @@ class PbrProblem {
         weight_.assign(observations.weight.begin(), end(observations.weight));
     }
 
-    void outputs(const PbrModel& model, Outputs& seen, bool parallel) const {
-        std::vector<Rgb> f(wl_.size());
-        const auto part = [&](std::size_t begin, std::size_t end) {
-            const std::span wl(wl_), wv(wv_);
-            evaluate(model, wl.subspan(begin, end - begin), wv.subspan(begin, end - begin),
-                     std::span(f).subspan(begin, end - begin));
-        };
-        if (parallel)
-            parallel_for_parts(wl_.size(), k_rows_at_once, threads_, part);
-        else
-            part(0, wl_.size());
-        seen.assign(3 * k_block * blocks_for(count()), 0);
-        for (std::size_t i = 0; i < count(); ++i) {
-            std::array<double, 3> sum{};
-            if (f_.size() > 0) {
-                for (int c = 0; c < 3; ++c) sum[std::size_t(c)] = double(f[i][c]);
-            } else {
-                const Pixel& pixel = pixel_[i];
-                for (std::size_t k = 0; k < pixel.count; ++k)
-                    for (int c = 0; c < 3; ++c)
-                        sum[std::size_t(c)] += double(light_[pixel.weight + k]) * double(f[pixel.first + k][c]);
-            }
-            for (std::size_t c = 0; c < 3; ++c) seen[place(i, c)] = float(sum[c]);
-        }
-    }
     /// Adds a row of the Jacobian with its residual.
     static void add(const Eigen::VectorXd& row, double r, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
         for (Eigen::Index i = 0; i < row.size(); ++i) {
             if (row[i] == 0) continue;
             g[i] += row[i] * r;
-            for (Eigen::Index k = 0; k < row.size(); ++k) H(i, k) += row[i] * row[k];
+            for (Eigen::Index k = 0; k <= i; ++k) H(i, k) += row[i] * row[k];
         }
     }
-    void add_pairs(const std::vector<Outputs>& by, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
+    static void fill_upper(Eigen::MatrixXd& H) {
+        for (Eigen::Index i = 0; i < H.rows(); ++i)
+            for (Eigen::Index k = i + 1; k < H.cols(); ++k) H(i, k) = H(k, i);
+    }
+    void add_pairs(const Outputs& seen, const std::vector<Outputs>& by, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
         Eigen::VectorXd row(g.size());
         for (std::size_t i = 0; i < f_.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c) {
                 const double root = std::sqrt(weight_[i]);
                 for (std::size_t p = 0; p < by.size(); ++p) row[Eigen::Index(p)] = root * double(by[p][place(i, c)]);
-                add(row, root * double(seen_[place(i, c)] - f_[i][int(c)]), H, g);
+                add(row, root * double(seen[place(i, c)] - f_[i][int(c)]), H, g);
             }
+        fill_upper(H);
     }
-    void add_pixels(const std::vector<Outputs>& by, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+    void add_pixels(const Outputs& seen, const std::vector<Outputs>& by, PixelSlopes& slopes, Eigen::MatrixXd& H,
+                    Eigen::VectorXd& g) const {
         Eigen::VectorXd row(g.size());
         const double share = 1 / double(pixels_.count());
         for (std::size_t block = 0; block < pixels_.blocks(); ++block) {
-            pixels_.errors(block, columns(seen_, block), slopes_);
+            pixels_.errors(block, columns(seen, block), slopes);
             for (std::size_t i = block * k_block; i < std::min((block + 1) * k_block, pixels_.count()); ++i)
                 for (std::size_t component = 0; component < 3; ++component) {
-                    const auto by_channel = slopes_.by(component);
+                    const auto by_channel = slopes.by(component);
                     for (std::size_t p = 0; p < by.size(); ++p) {
                         double slope = 0;
                         for (std::size_t c = 0; c < 3; ++c)
                             slope += double(by_channel[c][i % k_block]) * double(by[p][place(i, c)]);
                         row[Eigen::Index(p)] = slope;
                     }
-                    add(row, double(slopes_.of(component)[i % k_block]), H, g);
+                    add(row, double(slopes.of(component)[i % k_block]), H, g);
                 }
         }
+        fill_upper(H);
         H *= share, g *= share;
     }
 
-    static constexpr std::size_t k_most_pairs = 16384, k_rows_at_once = 1024;
-    std::vector<PbrVariable> variables_;
-    PbrModel fixed_;
-    int threads_;
+    static constexpr std::size_t k_most_pairs = 16384;
     std::vector<Vec3f> wl_, wv_;
     std::vector<Pixel> pixel_;
     std::vector<float> light_;
     Pixels pixels_;
     std::vector<Rgb> f_;  // of pairs
     std::vector<double> weight_;
-    Outputs seen_;
+};
+
+/// The loss as a function of the variables' x in [0, 1]; what is no variable stays as it is in `fixed`. Derivatives are
+/// differences.
+class PbrProblem {
+  public:
+    PbrProblem(const PbrData& data, std::vector<PbrVariable> variables, const PbrModel& fixed)
+        : data_(data), variables_(std::move(variables)), fixed_(fixed), by_(variables_.size()) {}
+
+    PbrModel model(const Eigen::VectorXd& x) const {
+        PbrModel model = fixed_;
+        for (std::size_t i = 0; i < variables_.size(); ++i) {
+            const PbrParameter& of = *variables_[i].of;
+            const double at = x[Eigen::Index(i)];
+            number(model, of, variables_[i].c) =
+                float(double(of.least) + (of.colour ? at * at : at) * double(of.most - of.least));
+        }
+        return model;
+    }
+    Eigen::VectorXd x_of(const PbrModel& model) const {
+        Eigen::VectorXd x(Eigen::Index(variables_.size()));
+        for (std::size_t i = 0; i < variables_.size(); ++i) {
+            const PbrParameter& of = *variables_[i].of;
+            const double share = double(number(model, of, variables_[i].c) - of.least) / double(of.most - of.least);
+            x[Eigen::Index(i)] = of.colour ? std::sqrt(share) : share;
+        }
+        return x;
+    }
+
+    double loss(const Eigen::VectorXd& x) { return loss(model(x)); }
+    double loss(const PbrModel& model) {
+        data_.outputs(model, f_, seen_);
+        return data_.loss(seen_, slopes_);
+    }
+    void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
+        for (std::size_t i = 0; i < variables_.size(); ++i) {
+            Eigen::VectorXd moved = x;
+            double& at = moved[Eigen::Index(i)];
+            const double step = at + k_slope_step <= 1 ? k_slope_step : -k_slope_step;
+            at += step;
+            data_.outputs(model(moved), f_, by_[i]);
+            for (std::size_t k = 0; k < by_[i].size(); ++k)
+                by_[i][k] = float((double(by_[i][k]) - double(seen_[k])) / step);
+        }
+        data_.linearise(seen_, by_, slopes_, H, g);
+    }
+    Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Zero(x.size()); }
+    Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Ones(x.size()); }
+    Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const { return Eigen::VectorXd::Constant(x.size(), 0.25); }
+
+  private:
+    const PbrData& data_;
+    std::vector<PbrVariable> variables_;
+    PbrModel fixed_;
+    std::vector<Rgb> f_;
+    PbrData::Outputs seen_;
+    std::vector<PbrData::Outputs> by_;
     PixelSlopes slopes_;
 };
 
@@ -270,14 +292,25 @@ Rgb typical_colour(const Observations& observations) {
     return {share(sum[0]), share(sum[1]), share(sum[2])};
 }
 
-/// Where the search starts: metals and dielectrics, from glossy to rough, without and with a coat.
-std::vector<PbrModel> pbr_starts_of(const Observations& observations) {
+/// A surface that a search starts from. From one without a film, surfaces with one are not searched.
+struct PbrCandidate {
+    PbrModel model;
+    double loss = 0;
+    bool has_film() const { return model.thin_film_weight > 0; }
+};
+
+constexpr int k_drawn_starts = 2048;           ///< of which those with the least loss are searched from
+constexpr std::uint64_t k_seed_of_starts = 1;  ///< of the random numbers of a fit, which are the same for all
+
+/// Where the search may start: metals and dielectrics, from glossy to rough, without and with a coat; and drawn surfaces,
+/// the same for every fit but for the colour, of which every fourth has a film if `with_film`.
+std::vector<PbrCandidate> pbr_starts_of(const Observations& observations, bool with_film) {
     const Rgb colour = typical_colour(observations);
-    std::vector<PbrModel> starts;
+    std::vector<PbrCandidate> starts;
     for (const float metalness : {0.f, 1.f})
         for (const float roughness : {0.2f, 0.5f})
             for (const float coat : {0.f, 0.5f}) {
-                PbrModel& start = starts.emplace_back();
+                PbrModel& start = starts.emplace_back().model;
                 start.base_color = colour;
                 start.base_metalness = 0.05f + 0.9f * metalness;  // within the bounds all parameters have slopes
                 start.base_diffuse_roughness = 0.2f;
@@ -290,7 +323,45 @@ std::vector<PbrModel> pbr_starts_of(const Observations& observations) {
                 start.fuzz_weight = 0.05f;
                 start.fuzz_color = colour;
             }
+    std::mt19937_64 random(k_seed_of_starts);
+    const auto within = [&](float least, float most) {
+        return least + (most - least) * float(double(random() >> 11) * 0x1p-53);
+    };
+    for (int i = 0; i < k_drawn_starts; ++i) {
+        PbrModel& start = starts.emplace_back().model;
+        for (int c = 0; c < 3; ++c) start.base_color[c] = std::clamp(colour[c] * within(0.5f, 1.5f), 0.02f, 0.95f);
+        start.base_metalness = within(0.02f, 0.98f);
+        start.base_diffuse_roughness = within(0.05f, 0.9f);
+        start.specular_weight = within(0.2f, 0.95f);
+        for (int c = 0; c < 3; ++c) start.specular_color[c] = within(0.3f, 0.95f);
+        start.specular_roughness = within(0.03f, 0.85f);
+        start.specular_ior = within(1.1f, 2.9f);
+        start.coat_weight = within(0.02f, 0.98f);
+        for (int c = 0; c < 3; ++c) start.coat_color[c] = within(0.3f, 0.95f);
+        start.coat_roughness = within(0.02f, 0.7f);
+        start.coat_ior = within(1.1f, 2.9f);
+        start.fuzz_weight = within(0.01f, 0.4f);
+        start.fuzz_color = colour;
+        start.fuzz_roughness = within(0.1f, 0.95f);
+        if (i % 4 > 0 || !with_film) continue;
+        start.thin_film_weight = within(0.2f, 0.9f);
+        start.thin_film_thickness = within(0.1f, 0.9f);
+        start.thin_film_ior = within(1.2f, 2.5f);
+    }
     return starts;
+}
+
+/// The best surfaces under films, half of which are seen: the loss over the thickness has many minima.
+constexpr std::size_t k_surfaces_under_films = 2;
+std::vector<PbrCandidate> under_films(std::span<const PbrCandidate> best) {
+    std::vector<PbrCandidate> all;
+    for (const PbrCandidate& under : best.first(std::min(best.size(), k_surfaces_under_films)))
+        for (const float thickness : {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.65f, 0.8f})
+            for (const float ior : {1.3f, 1.7f, 2.3f}) {
+                PbrModel& model = all.emplace_back(under).model;
+                model.thin_film_weight = 0.5f, model.thin_film_thickness = thickness, model.thin_film_ior = ior;
+            }
+    return all;
 }
 
 /// Rounds of the search: of how many candidates, on every so many views, with so many steps.
@@ -298,74 +369,122 @@ struct PbrRound {
     std::size_t candidates, every;
     int steps;
 };
-constexpr std::array<PbrRound, 3> k_pbr_rounds{{{8, 10, 8}, {3, 5, 15}, {1, 1, 15}}};
+constexpr std::array<PbrRound, 3> k_pbr_rounds{{{64, 10, 10}, {16, 5, 15}, {6, 2, 20}}};
+constexpr std::array<PbrRound, 3> k_film_rounds{{{64, 10, 10}, {8, 5, 15}, {3, 2, 20}}};
+constexpr PbrRound k_last_pbr_round{2, 1, 40};
 constexpr int k_weighed_rounds = 4;           ///< with weights adapted to errors, where no pictures are observed
 constexpr double k_most_weight_change = 100;  ///< of these
+constexpr int k_steps_without = 10;           ///< to adapt to a part that is dropped
 constexpr double k_least_gain = 0.01;         ///< of the loss, by which a part is kept
+constexpr double k_unseen = 0.01;             ///< a loss of pixels, ΔE_ITP .1, for which no part is kept
 
-/// Sets parts to their defaults that the surface does as well without.
-void drop_unused(PbrProblem& problem, PbrModel& model, const PbrModel& defaults) {
-    const auto attempt = [&](const PbrModel& less) {
-        if (less == model || problem.loss(less) > (1 + k_least_gain) * problem.loss(model)) return;
-        model = less;
-    };
-    PbrModel less = model;
-    less.fuzz_weight = 0, less.fuzz_color = defaults.fuzz_color, less.fuzz_roughness = defaults.fuzz_roughness;
-    attempt(less);
-    less = model;
-    less.coat_weight = 0, less.coat_color = defaults.coat_color, less.coat_roughness = defaults.coat_roughness;
-    less.coat_ior = defaults.coat_ior;
-    attempt(less);
-    for (const float metalness : {0.f, 1.f}) {
-        less = model;
-        less.base_metalness = metalness;
-        attempt(less);
-    }
-    less = model;
-    less.base_diffuse_roughness = 0;
-    attempt(less);
-}
-
-struct PbrCandidate {
-    PbrModel model;
-    double loss;
+/// A part of the surface that may be dropped: its variables, and a surface that has it at these numbers.
+struct PbrPart {
+    std::vector<std::string_view> names;
+    PbrModel without;
 };
+std::vector<PbrPart> pbr_parts(const PbrModel& defaults) {
+    std::vector<PbrPart> parts{
+        {{"thin_film_weight", "thin_film_thickness", "thin_film_ior"}, defaults},
+        {{"fuzz_weight", "fuzz_color", "fuzz_roughness"}, defaults},
+        {{"coat_weight", "coat_color", "coat_roughness", "coat_ior"}, defaults},
+        {{"base_diffuse_roughness"}, defaults},
+        {{"specular_color"}, defaults},
+        {{"coat_color"}, defaults},
+        {{"specular_weight"}, defaults},
+        {{"specular_ior"}, defaults},  // of a metal
+    };
+    for (const float metalness : {0.f, 1.f})
+        parts.push_back({{"base_metalness"}, defaults}), parts.back().without.base_metalness = metalness;
+    return parts;
+}
 
 }  // namespace
 
 Result<PbrFit> fit_pbr(const Observations& observations, const PbrFitOptions& options, const ProgressToken& progress) {
     const StandardArithmetic mode;
-    if (const auto valid = validate(observations, pbr_number_count()); !valid) return valid.error();
+    if (const auto valid = validate(observations, pbr_number_count(PbrModel{})); !valid) return valid.error();
     Observations weighed = observations;
-    std::vector<PbrCandidate> candidates;
-    for (const PbrModel& start : pbr_starts_of(observations)) candidates.push_back({start, 0});
+    const PbrModel defaults = fixed_of(options.surface);
+    const std::vector<PbrVariable> all = pbr_variables_of(options.surface);
+    const auto without = [&](std::vector<PbrVariable> variables, std::span<const std::string_view> names) {
+        std::erase_if(variables, [&](const PbrVariable& one) { return std::ranges::count(names, one.of->name) > 0; });
+        return variables;
+    };
+    const std::array<std::string_view, 3> of_film{"thin_film_weight", "thin_film_thickness", "thin_film_ior"};
+    const std::vector<PbrVariable> all_but_film = without(all, of_film);
+
     double done = 0;
-    const auto search = [&](const PbrRound& round) -> Result<Done> {
-        PbrProblem problem(weighed, options.surface, round.every, options.threads);
+    const auto problem_of = [&](const PbrData& data, const PbrCandidate& candidate) {
+        return PbrProblem(data, candidate.has_film() ? all : all_but_film, defaults);
+    };
+    const auto search = [&](std::vector<PbrCandidate>& candidates, const PbrRound& round) -> Result<Done> {
+        const PbrData data(weighed, round.every);
+        if (!progress.report("searching parameters", done)) return cancelled_error("fit");
         candidates.resize(std::min(candidates.size(), round.candidates));
-        for (PbrCandidate& candidate : candidates) {
-            if (!progress.report("searching parameters", done)) return cancelled_error("fit");
+        parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
+            PbrCandidate& candidate = candidates[i];
+            PbrProblem problem = problem_of(data, candidate);
             Eigen::VectorXd x = problem.x_of(candidate.model);
             candidate.loss =
                 levenberg_marquardt(problem, x, {.max_iterations = round.steps, .adapts_to_bounds = true}).loss;
             candidate.model = problem.model(x);
-            done += 0.9 / double(k_pbr_rounds.size() + k_weighed_rounds) / double(candidates.size());
-        }
+        });
         std::ranges::stable_sort(candidates, {}, &PbrCandidate::loss);
+        done += 0.9 / double(k_pbr_rounds.size() + k_film_rounds.size() + k_weighed_rounds);
         return Done{};
     };
+
+    const bool with_film = all.size() > all_but_film.size();
+    std::vector<PbrCandidate> candidates = pbr_starts_of(observations, with_film);
+    {
+        const PbrData data(weighed, k_pbr_rounds[0].every);
+        parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
+            PbrProblem problem = problem_of(data, candidates[i]);
+            candidates[i].model = problem.model(problem.x_of(candidates[i].model));  // with what the surface lacks
+            candidates[i].loss = problem.loss(candidates[i].model);
+        });
+        std::ranges::stable_sort(candidates, {}, &PbrCandidate::loss);
+    }
     for (const PbrRound& round : k_pbr_rounds)
-        if (const auto found = search(round); !found) return found.error();
+        if (const auto found = search(candidates, round); !found) return found.error();
+    if (with_film) {
+        std::vector<PbrCandidate> films = under_films(candidates);
+        for (const PbrRound& round : k_film_rounds)
+            if (const auto found = search(films, round); !found) return found.error();
+        candidates.insert(candidates.end(), films.begin(), films.end());
+        std::ranges::stable_sort(candidates, {}, &PbrCandidate::loss);
+    }
+    if (const auto found = search(candidates, k_last_pbr_round); !found) return found.error();
     // As of Lambert and GGX: weights that hold for small errors are adapted to large ones.
     for (int i = 0; i < k_weighed_rounds && observations.views.empty() && traits(observations.objective).seen; ++i) {
         weighed.weight = observations.weight;
         weigh_large_errors(weighed, evaluator(candidates[0].model), k_most_weight_change);
-        if (const auto found = search(k_pbr_rounds.back()); !found) return found.error();
+        if (const auto found = search(candidates, k_last_pbr_round); !found) return found.error();
     }
-    PbrProblem problem(weighed, options.surface, 1, options.threads);
-    PbrFit fit{{}, candidates[0].model, 0, 0};
-    drop_unused(problem, fit.unrounded, fixed_of(options.surface));
-    fit.unrounded_loss = problem.loss(fit.unrounded);
+
+    // Parts without which the surface, adapted, is as good.
+    const PbrData data(weighed, 1);
+    PbrCandidate best = candidates[0];
+    std::vector<PbrVariable> variables = best.has_film() ? all : all_but_film;
+    for (const PbrPart& part : pbr_parts(defaults)) {
+        PbrModel less = best.model;
+        for (const PbrParameter& of : k_pbr_parameters)
+            for (int c = 0; std::ranges::count(part.names, of.name) > 0 && c < of.count(); ++c)
+                number(less, of, c) = number(part.without, of, c);
+        if (less == best.model) continue;
+        const auto left = without(variables, part.names);
+        PbrProblem problem(data, left, less);
+        Eigen::VectorXd x = problem.x_of(less);
+        const double loss =
+            levenberg_marquardt(problem, x, {.max_iterations = k_steps_without, .adapts_to_bounds = true}).loss;
+        const double bearable = observations.views.empty() ? 0 : k_unseen;
+        if (loss > std::max((1 + k_least_gain) * best.loss, bearable)) continue;
+        best = {problem.model(x), loss};
+        variables = left;
+    }
+    PbrProblem problem(data, variables, best.model);
+    PbrFit fit{{}, best.model, 0, problem.loss(best.model)};
     fit.model = rounded(fit.unrounded);
     fit.loss = problem.loss(fit.model);
     return fit;

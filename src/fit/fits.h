@@ -61,9 +61,10 @@ struct PbrFit {
     double unrounded_loss = 0;  ///< of `unrounded`
 };
 
-/// Fits a surface of renderers' parameters by Levenberg-Marquardt from eight starts, metals and dielectrics with and
-/// without a coat: to the pixels of the observed pictures, or where there are none to the pairs, whose weights are
-/// adapted to large errors. Parts without which the loss rises by less than 1 % are left at their defaults.
+/// Fits a surface of renderers' parameters by Levenberg-Marquardt from those of some two thousand surfaces that come
+/// nearest, and from the best under films: to the pixels of the observed pictures, or where there are none to the pairs,
+/// whose weights are adapted to large errors. Parts without which the loss, once the others have adapted, rises by less
+/// than 1 % are left at their defaults.
 /// Errors: fewer observations than parameters, values that are not finite; cancelled.
 Result<PbrFit> fit_pbr(const Observations& observations, const PbrFitOptions& options,
                        const ProgressToken& progress = {});

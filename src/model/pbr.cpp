@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "floating_point.h"
 #include "model/pbr_file.h"
-#include "model/pbr_kernel.h"
 #include "srbf/half.h"
 
 namespace srbf {
@@ -24,18 +22,6 @@ Rgb value(const PbrModel& model, Vec3f wl, Vec3f wv) {
     return f;
 }
 
-void evaluate(const PbrModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-    const StandardArithmetic mode;
-    assert(wl.size() == wv.size() && wl.size() == f.size());
-    const auto surface = kernel_surface(model);
-    if (model.is_exchanged) std::swap(wl, wv);
-    for (std::size_t i = 0; i < f.size(); ++i) {
-        const bool is_above = wl[i].z > 0 && wv[i].z > 0;
-        const Vec3f rho = is_above ? Kernel<float>::pbr_value(surface, wl[i], wv[i]) : Vec3f{0, 0, 0};
-        f[i] = {rho.x, rho.y, rho.z};
-    }
-}
-
 Evaluate evaluator(const PbrModel& model) {
     return [&model](auto wl, auto wv, auto f) { evaluate(model, wl, wv, f); };
 }
@@ -49,6 +35,7 @@ PbrModel rounded(const PbrModel& model) {
 std::map<std::string, Tensor16> encode_pbr(const PbrModel& model) {
     std::map<std::string, Tensor16> tensors;
     for (const PbrParameter& of : k_pbr_parameters) {
+        if (!is_stored(model, of)) continue;
         Tensor16& tensor = tensors[std::string(of.name)] = {Type16::half, {std::uint64_t(of.count())}, {}};
         for (int c = 0; c < of.count(); ++c)
             tensor.data.push_back(to_half(std::clamp(number(model, of, c), of.least, of.most)));
@@ -58,14 +45,16 @@ std::map<std::string, Tensor16> encode_pbr(const PbrModel& model) {
 
 Result<PbrModel> decode_pbr(const std::map<std::string, Tensor16>& tensors, bool is_exchanged,
                             const std::string& file_name) {
+    PbrModel of_all;  // with a film if the file has one
+    of_all.thin_film_weight = tensors.contains("thin_film_weight") ? 1 : 0;
     std::map<std::string, TensorShape> expected;
     for (const PbrParameter& of : k_pbr_parameters)
-        expected[std::string(of.name)] = {Type16::half, {std::uint64_t(of.count())}};
+        if (is_stored(of_all, of)) expected[std::string(of.name)] = {Type16::half, {std::uint64_t(of.count())}};
     if (const auto valid = check_tensors(tensors, expected, file_name); !valid) return valid.error();
     PbrModel model;
     model.is_exchanged = is_exchanged;
     for (const PbrParameter& of : k_pbr_parameters)
-        for (int c = 0; c < of.count(); ++c) {
+        for (int c = 0; is_stored(of_all, of) && c < of.count(); ++c) {
             const float x = from_half(tensors.at(std::string(of.name)).data[std::size_t(c)]);
             if (!(x >= of.least && x <= of.most))
                 return Error{file_name, std::nullopt, fmt::format("tensor '{}'", of.name),

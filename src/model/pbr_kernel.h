@@ -23,5 +23,8 @@ inline Kernel<float>::PbrSurface kernel_surface(const PbrModel& model) {
             colour(model.fuzz_color),
             model.fuzz_roughness};
 }
+inline Kernel<float>::PbrFilm kernel_film(const PbrModel& model) {
+    return {model.thin_film_weight, model.thin_film_thickness, model.thin_film_ior};
+}
 
 }  // namespace srbf

@@ -67,13 +67,14 @@ Vec3 brdf(Vec3 wl, Vec3 wv) {
 }
 
 #elif defined PBR
-uniform vec4 pbr_numbers[6];
+uniform vec4 pbr_numbers[7];
 Vec3 brdf(Vec3 wl, Vec3 wv) {
     vec4 a = pbr_numbers[0], b = pbr_numbers[1], c = pbr_numbers[2], d = pbr_numbers[3], e = pbr_numbers[4],
-         f = pbr_numbers[5];
+         f = pbr_numbers[5], g = pbr_numbers[6];
     PbrSurface of = PbrSurface(a.rgb, a.a, b.x, b.y, Vec3(b.z, b.w, c.x), c.y, c.z, c.w, d.rgb, d.a, e.x, e.y, e.z,
                                Vec3(e.w, f.x, f.y), f.z);
-    return f.w > 0.5 ? pbr_value(of, wv, wl) : pbr_value(of, wl, wv);
+    Vec3 to = f.w > 0.5 ? wv : wl, from = f.w > 0.5 ? wl : wv;
+    return g.x > 0.0 ? pbr_film_value(of, PbrFilm(g.x, g.y, g.z), to, from) : pbr_value(of, to, from);
 }
 
 #elif defined FLAT

@@ -211,8 +211,14 @@ template <typename Number> std::string brdf_of(const PbrModel& model, const Numb
             text += fmt::format("    of.{} = {};\n", member, first);
         }
     }
-    return brdf_function(text +
-                         fmt::format("    return pbr_value(of, {});\n", model.is_exchanged ? "wv, wl" : "wl, wv"));
+    const std::string directions = model.is_exchanged ? "wv, wl" : "wl, wv";
+    if (model.thin_film_weight == 0)
+        return brdf_function(text + fmt::format("    return pbr_value(of, {});\n", directions));
+    text += "    PbrFilm film;\n";
+    ++at;  // past whether light and viewer are exchanged
+    for (const char* member : {"weight", "thickness", "ior"})
+        text += fmt::format("    film.{} = {};\n", member, number(numbers[at++]));
+    return brdf_function(text + fmt::format("    return pbr_film_value(of, film, {});\n", directions));
 }
 std::string brdf_of(const PbrModel& model) { return brdf_of(model, real); }
 /// The same with its numbers in a table.

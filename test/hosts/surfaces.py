@@ -29,17 +29,17 @@ def run(*words):
     return subprocess.run([program, *words], check=True, capture_output=True, text=True).stdout
 
 
-def check_materialx(path):
+def check_materialx(path, of_node="open_pbr_surface", words="OpenPBR"):
     library, document = mx.createDocument(), mx.createDocument()
     mx.loadLibraries(mx.getDefaultDataLibraryFolders(), mx.getDefaultDataSearchPath(), library)
     mx.readFromXmlFile(document, path)
     document.setDataLibrary(library)
     is_valid, message = document.validate()
     expect(is_valid, f"MaterialX {mx.getVersionString()}: valid {message}")
-    known = {of.getName(): of.getType() for of in library.getNodeDef("ND_open_pbr_surface_surfaceshader").getActiveInputs()}
-    node, = document.getNodes("open_pbr_surface")
+    known = {of.getName(): of.getType() for of in library.getNodeDef(f"ND_{of_node}_surfaceshader").getActiveInputs()}
+    node, = document.getNodes(of_node)
     unknown = [of.getName() for of in node.getInputs() if known.get(of.getName()) != of.getType()]
-    expect(not unknown, f"MaterialX: OpenPBR has all parameters {unknown}")
+    expect(not unknown, f"MaterialX: {words} has all parameters {unknown}")
 
 
 def check_usd(path):
@@ -75,12 +75,13 @@ def check_gltf(path):
 
 
 with tempfile.TemporaryDirectory() as folder:
-    for surface, kind, name in (("openpbr", "mtlx", "s.mtlx"), ("openpbr", "usd", "s.usda"), ("gltf", "gltf", "s.gltf"),
+    for surface, kind, name in (("openpbr", "mtlx", "s.mtlx"), ("openpbr", "standard-surface", "a.mtlx"), ("openpbr", "usd", "s.usda"), ("gltf", "gltf", "s.gltf"),
                                 ("principled", "blender", "s.py")):
         model = f"{folder}/{surface}.srbf"
         run("fit", data + "/rgl/cg_sunflower_rgb.bsdf", "--model", "pbr", "--surface", surface, "-o", model)
         print(run("export", model, "--to", kind, "-o", f"{folder}/{name}").strip())
     check_materialx(folder + "/s.mtlx")
+    check_materialx(folder + "/a.mtlx", "standard_surface", "Standard Surface")
     check_usd(folder + "/s.usda")
     check_gltf(folder + "/s.gltf")
     compile(open(folder + "/s.py", encoding="utf-8").read(), "s.py", "exec")  # Blender's own module is not asked

@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""Surfaces as glTF in three.js: numpy, openexr and nicegui (which has three.js with its GLTFLoader) of PyPI, in this Python, and Chromium.
+Without nicegui's files nothing is tried.
+
+Fits a surface to measurements, writes it as binary glTF, and draws a sphere by three.js (MeshPhysicalMaterial): under three distant
+lights, and in an environment that it filters beforehand, beside the measurement and the surface that `srbf render` draws. Under lights,
+what three.js loses against the measurement is within 30 % of what the surface does. Argument 3, if given: a picture is written there.
+Arguments: the program, a folder with rgl/.
+"""
+import base64
+import importlib.util
+import math
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
+from seen import delta_e, displayed, exposure, hdr_of  # noqa: E402
+
+found = next((Path(p) / "nicegui/elements/scene/dist" for p in sys.path if (Path(p) / "nicegui/elements/scene/dist/index.js").exists()), None)
+if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
+    print("skipped: no three.js of nicegui, no Chromium or no OpenEXR")
+    sys.exit(0)
+import OpenEXR  # noqa: E402
+
+program, data = sys.argv[1], Path(sys.argv[2])
+MATERIALS = ["cc_ibiza_sunset_rgb", "cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb", "vch_golden_yellow_rgb"]
+SIZE, SAMPLES, HOST_WITHIN = 128, 128, 0.3
+# The camera of `srbf render`: 15° above the horizon, 30° wide, the sphere within a margin of 4 %; its lights in the camera's frame.
+ELEVATION, FIELD, MARGIN = math.radians(15), math.radians(30), 0.04
+DISTANCE = math.hypot(1, 1 / (math.tan(FIELD / 2) * (1 - MARGIN)))
+LIGHTS = [((-6 / 11, 6 / 11, 7 / 11), 3), ((6 / 7, 2 / 7, -3 / 7), 2), ((1 / 3, -2 / 3, 2 / 3), 0.5)]
+environment = Path(__file__).resolve().parent.parent.parent / "data/studio.hdr"
+
+
+def run(*words):
+    return subprocess.run([program, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def pixels_of(path):
+    """[SIZE, SIZE, 3] of an EXR."""
+    channels = OpenEXR.File(str(path)).channels()
+    if "RGBA" in channels or "RGB" in channels:
+        return np.asarray((channels.get("RGBA") or channels["RGB"]).pixels, dtype=float)[..., :3]
+    of = {name.split(".")[-1]: channel.pixels for name, channel in channels.items()}
+    return np.stack([np.asarray(of[c], dtype=float) for c in "RGB"], axis=-1)
+
+
+PAGE = """<!doctype html><script type="module">
+import { THREE, GLTFLoader } from "./three.js";
+const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+const renderer = new THREE.WebGLRenderer();
+renderer.toneMapping = THREE.NoToneMapping;
+window.draw = async (glb, size, eye, field, lights, light, width, height) => {
+    const gltf = await new GLTFLoader().parseAsync(bytes(glb).buffer, "");
+    const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(field, 1, 0.1, 100);
+    scene.add(gltf.scene);
+    camera.position.set(...eye);
+    camera.lookAt(0, 0, 0);
+    camera.updateMatrixWorld();
+    for (const [towards, irradiance] of lights) {
+        const of = new THREE.DirectionalLight(0xffffff, irradiance);
+        of.position.set(...towards).transformDirection(camera.matrixWorld);
+        scene.add(of);
+    }
+    if (light) {
+        const texels = new THREE.DataTexture(new Float32Array(bytes(light).buffer), width, height, THREE.RGBAFormat, THREE.FloatType);
+        texels.mapping = THREE.EquirectangularReflectionMapping;
+        texels.minFilter = texels.magFilter = THREE.LinearFilter;
+        texels.flipY = false;
+        texels.needsUpdate = true;
+        scene.environment = new THREE.PMREMGenerator(renderer).fromEquirectangular(texels).texture;
+        scene.environmentRotation.y = Math.PI / 2;  // the middle of the picture lies behind the sphere
+    }
+    const target = new THREE.WebGLRenderTarget(size, size, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace, samples: 0 });
+    renderer.setRenderTarget(target);
+    renderer.render(scene, camera);
+    const pixels = new Float32Array(4 * size * size);
+    renderer.readRenderTargetPixels(target, 0, 0, size, size, pixels);
+    let text = "";
+    for (const byte of new Uint8Array(pixels.buffer)) text += String.fromCharCode(byte);
+    return btoa(text);
+};
+window.revision = THREE.REVISION;
+</script>"""
+
+
+def drawn(page, glb, lights, texels):
+    eye = [0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)]
+    light, width, height = "null", 0, 0
+    if texels is not None:
+        height, width = texels.shape[:2]
+        whole = np.concatenate([texels[::-1], np.ones((height, width, 1))], axis=-1).astype(np.float32)  # the lowest row first
+        light = '"' + base64.b64encode(whole.tobytes()).decode() + '"'
+    answer = page.run(f"draw('{base64.b64encode(Path(glb).read_bytes()).decode()}', {SIZE}, {eye}, {math.degrees(FIELD)},"
+                      f" {[[list(w), e] for w, e in lights]}, {light}, {width}, {height})")
+    pixels = np.frombuffer(base64.b64decode(answer), np.float32).reshape(SIZE, SIZE, 4)
+    return pixels[::-1, :, :3].astype(float)
+
+
+at = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1
+inside = math.tan(FIELD / 2) * np.hypot(*np.meshgrid(at, at)) < 0.97 / math.sqrt(DISTANCE**2 - 1)
+rows, failures = [], []
+with tempfile.TemporaryDirectory() as folder:
+    shutil.copy(found / "index.js", folder + "/three.js")
+    for more in found.glob("*.js"):
+        shutil.copy(more, folder)
+    Path(folder, "page.html").write_text(PAGE, encoding="utf-8")
+    page = Chromium([*WEBGL, "--allow-file-access-from-files"])
+    try:
+        page.open(folder + "/page.html")
+        print("three.js", page.run("new Promise((done) => { const wait = () => window.draw ? done(revision) : setTimeout(wait, 50); wait(); })"))
+        for name in MATERIALS:
+            measured, model, glb = data / f"rgl/{name}.bsdf", f"{folder}/{name}.srbf", f"{folder}/{name}.glb"
+            run("fit", measured, "--model", "pbr", "--surface", "gltf", "-o", model)
+            run("export", model, "--to", "glb", "-o", glb)
+            row = []
+            for words, lights, texels in ((("--env", "none", "--lights", "three"), LIGHTS, None), (("--env", environment), [], hdr_of(environment))):
+                pictures = []
+                for subject in (measured, model):
+                    out = f"{folder}/{name}-{len(row)}-{len(pictures)}.exr"
+                    run("render", subject, "-o", out, "--mesh", "sphere", *words, "--no-ground", "--no-occlusion", "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
+                    pictures.append(pixels_of(out))
+                pictures.append(drawn(page, glb, lights, texels))
+                reference, surface, three = (of[inside] for of in pictures)
+                lost, of_host, apart = delta_e(surface, reference), delta_e(three, reference), delta_e(three, surface)
+                holds = abs(of_host / lost - 1) <= HOST_WITHIN
+                kind = "lights" if texels is None else "environment"
+                print(f"{'ok  ' if holds else 'BAD '} {name}, {kind}: against the measurement ours {lost:.2f}, three.js {of_host:.2f};"
+                      f" three.js against ours {apart:.2f}", flush=True)
+                if not holds and texels is None:
+                    failures.append(name)
+                by = exposure(reference)
+                row += [displayed(of, by) for of in pictures]
+            rows.append(np.concatenate(row, axis=1))
+    finally:
+        page.close()
+if len(sys.argv) > 3:
+    from PIL import Image
+    Image.fromarray(np.concatenate(rows)).save(sys.argv[3])
+sys.exit(bool(failures))

@@ -55,9 +55,9 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
                        const ProgressToken& progress = {});
 
 struct PbrFit {
-    PbrModel model;             ///< every number rounded to a 16-bit float
-    PbrModel unrounded;         ///< before rounding
-    double loss = 0;            ///< the mean over pixels of ρ(ΔE_ITP), or without pictures Σ w |f−f̂|², of `model`
+    PbrModel model;      ///< every number rounded to a 16-bit float
+    PbrModel unrounded;  ///< before rounding
+    double loss = 0;     ///< the mean over pixels of ρ(ΔE_ITP), or without pictures Σ w |f−f̂|², of `model`
     double unrounded_loss = 0;  ///< of `unrounded`
 };
 

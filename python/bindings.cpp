@@ -26,7 +26,16 @@ Array render(const Held& brdf, const std::string& lighting, int size, bool is_sk
 
 void convert(const Held& brdf, const std::string& path, bool spectra, int threads) {
     const TableFormatRow* row = table_format(path);
-    if (!row) throw py::value_error("path: expected a name that ends in .binary, .bsdf, .mbsdf or .csv, found " + path);
+    if (!row) {
+        std::string extensions;
+        for (const TableFormatRow& known : k_table_formats)
+            extensions += (extensions.empty() ? "" : ", ") + std::string(known.extension);
+        throw py::value_error("path: expected a name that ends in one of " + extensions + ", found " + path);
+    }
+    if (!spectra && row->format != TableFormat::rgl)
+        throw py::value_error("spectra: False only with a path that ends in .bsdf, found " + path);
+    if (threads != 0 && row->format == TableFormat::csv)
+        throw py::value_error("threads: not with a path that ends in .csv, found " + path);
     required(in_background(py::none(), [&](const ProgressToken& token) -> Result<Done> {
         const auto bytes =
             table_file(brdf.content(), row->format, {.spectra = spectra, .threads = threads, .progress = token});
@@ -77,6 +86,7 @@ PYBIND11_MODULE(_srbf, module) {
         .def("pickled", &pickled)
         .def("numbers", &numbers)
         .def("is_model", [](const Held& brdf) { return brdf.model() != nullptr; })
+        .def("is_searched", &Held::is_searched)
         .def("isotropic", &Held::isotropic)
         .def("wavelengths",
              [](const Held& brdf) {

@@ -38,6 +38,14 @@ class Held {
     bool isotropic() const {
         return std::visit([](const auto& of) { return is_isotropic(of); }, *content_);
     }
+    /// Whether each value is searched for among samples, slices or patches, which takes up to twelve times as long as
+    /// from a table or a model.
+    bool is_searched() const {
+        if (!measured()) return false;
+        const auto& table = measured()->table;
+        return !std::holds_alternative<MerlTable>(table) && !std::holds_alternative<RglTable>(table) &&
+               !std::holds_alternative<UtiaTable>(table) && !std::holds_alternative<MbsdfTable>(table);
+    }
     /// It shares the content.
     Evaluate evaluate() const {
         const auto kept = content_;

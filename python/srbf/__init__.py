@@ -160,8 +160,19 @@ class Brdf:
         return self._held.nbytes()
 
     def _repr_png_(self) -> bytes:
-        picture = _srbf.render(self._held, "studio", 160, True)
+        picture = _doubled(_srbf.render(self._held, "studio", 64, True)) if self._held.is_searched() else \
+            _srbf.render(self._held, "studio", 160, True)
         return png(picture * (0.75 / max(float(np.percentile(picture.max(axis=-1), 90)), 1e-9)))
+
+
+def _doubled(picture: Array) -> Array:
+    """With twice as many pixels along each side, interpolated."""
+    for axis in (0, 1):
+        n = picture.shape[axis]
+        nearest = np.repeat(np.arange(n), 2)
+        next_one = np.clip(nearest + np.tile([-1, 1], n), 0, n - 1)
+        picture = np.float32(0.75) * np.take(picture, nearest, axis) + np.float32(0.25) * np.take(picture, next_one, axis)
+    return picture
 
 
 class Measurement(Brdf):
@@ -376,7 +387,7 @@ def load_texels(path: Path) -> list[Fit]:
 def errors(reference: Brdf, other: Brdf, *, max_theta: float = 80, threads: int = 0) -> dict[str, Any]:
     """The measures of docs/accuracy.md of `other` against `reference`, both directions within `max_theta` [degrees] of the normal, as
     `srbf compare --json` names them."""
-    theta, count = _options.option("max_theta", max_theta), _options.option("threads", threads)
+    theta, count = _options.number("max_theta", max_theta, 1, 90), _options.option("threads", threads)
     return _srbf.errors(reference._held, other._held, theta, count)
 
 
@@ -406,8 +417,9 @@ def render(brdf: Brdf, lighting: Lighting = "studio", size: int = 256) -> Array:
 
 
 def convert(brdf: Brdf, path: Path, *, spectra: bool = True, threads: int = 0) -> None:
-    """Writes the BRDF as a table: MERL (.binary), RGL (.bsdf), MDL (.mbsdf) or samples (.csv), by the ending of `path`. RGL files have
-    spectra of the same material beside the colours unless `spectra` is False, as Mitsuba's RGB variants need it."""
+    """Writes the BRDF as a table: MERL (.binary), RGL (.bsdf), MDL (.mbsdf), samples (.csv), WINDOW and Radiance (.xml), Zemax
+    (.zemax.bsdf), Speos (.anisotropicbsdf) or OpenMATERIAL (.xompt), by the ending of `path`. RGL files have spectra of the same
+    material beside the colours unless `spectra` is False, as Mitsuba's RGB variants need it. `threads`: of all but samples."""
     _srbf.convert(brdf._held, os.fspath(path), _options.flag("spectra", spectra), _options.option("threads", threads))
 
 

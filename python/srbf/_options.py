@@ -53,11 +53,15 @@ def flag(name: str, value: Any) -> bool:
     return bool(value)
 
 
+def _quoted(name: str) -> str:
+    return f'"{name}"'
+
+
 def option(name: str, value: Any, model: str = "pm", or_else: str = "") -> Any:
     """The value of an option of the table, of models of that kind; `or_else` is what else is taken, for the message."""
     kinds = [kind for option, kind in _RANGES if option == name]
     if "" not in kinds and model not in kinds:
-        raise ValueError(f'{name}: only with model="{kinds[0]}", found model="{model}"')
+        raise ValueError(f'{name}: only with model={" or ".join(map(_quoted, kinds))}, found model={_quoted(model)}')
     least, most, is_whole = _RANGES[name, "" if "" in kinds else model]
     if least > most:
         return one_of(name, value, _srbf.forms()) if name == "form" else flag(name, value)
@@ -93,4 +97,6 @@ def request(model: str, *, lobes: Any, objective: Optional[str], channels: str, 
     for name, value in options.items():
         if value is not None:
             setattr(made, name, option(name, value, model))
+    if made.reciprocal and (variates := options.get("variates")) is not None and variates % 2 == 1:
+        raise ValueError(f"variates: expected an even number with reciprocal=True, found {variates}")
     return made

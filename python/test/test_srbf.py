@@ -240,7 +240,8 @@ class NotRead(srbf.Measurement):
     ("lobes", 3, {"model": "ggx"}), ("lobes", "auto", {"model": "su"}), ("lobes", 65, {"model": "su"}), ("seed", -1, {}),
     ("seed", 2**64, {}), ("seed", 1.5, {}), ("threads", -1, {}), ("threads", 1025, {}), ("variates", 0, {}), ("variates", 9, {}),
     ("form", "round", {}), ("objective", "best", {}), ("budget", 5, {}), ("target_error", 0, {}), ("target_error", 2, {}),
-    ("surface", "gltf", {}), ("surface", "usd", {"model": "pbr"}), ("target_delta_e", -1, {}), ("axial", "no", {}), ("reciprocal", 1, {}),
+    ("surface", "gltf", {}), ("surface", "usd", {"model": "pbr"}), ("target_delta_e", -1, {}), ("axial", "no", {}),
+    ("reciprocal", 1, {}), ("variates", 3, {"reciprocal": True}), ("lobes", 2, {"model": "pbr"}),
     *((option, value, {"model": kind}) for kind in ("su", "ggx") for option, value in (
         ("variates", 2), ("form", "horizon"), ("axial", True), ("reciprocal", True), ("budget", 100), ("target_error", 0.1),
         ("target_delta_e", 2.0))),
@@ -266,6 +267,8 @@ def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path)
     for name, wrong in (("max_theta", lambda: srbf.errors(paper, facets, max_theta=0)), ("threads", lambda: srbf.errors(paper, facets, threads=-1)),
                         ("lighting", lambda: srbf.render(paper, "dark")), ("size", lambda: srbf.render(paper, size=2.5)),
                         ("to", lambda: srbf.code(facets, "cobol")), ("threads", lambda: srbf.convert(paper, tmp_path / "a.csv", threads=-1)),
+                        ("threads", lambda: srbf.convert(paper, tmp_path / "a.csv", threads=2)),
+                        ("spectra", lambda: srbf.convert(paper, tmp_path / "a.csv", spectra=False)),
                         ("isotropic", lambda: srbf.from_arrays(wl, wl, wl, isotropic="no")),
                         ("lobes", lambda: srbf.fit_batch(wl, wl, wl[None], lobes="auto")), ("progress", lambda: srbf.fit_batch(wl, wl, wl[None], progress=1)),
                         ("picture", lambda: srbf.png(np.zeros((4, 4)))), ("picture", lambda: srbf.png(np.zeros((4, 3))))):
@@ -273,6 +276,9 @@ def test_options_of_other_functions_are_refused_by_name(paper, facets, tmp_path)
             wrong()
     with pytest.raises(TypeError, match="budget"):
         srbf.fit_batch(wl, wl, wl[None], budget=100)
+    with pytest.raises(ValueError, match='lobes: only with model="pm" or "su" or "ggx", found model="pbr"'):
+        srbf.fit(paper, model="pbr", lobes=2)
+    assert srbf.errors(facets, facets, max_theta=90)["heldout_squared_error_ratio_cosine"] == 0
 
 
 def test_literals_are_the_librarys_names():
@@ -409,29 +415,35 @@ def test_other_threads_run_while_arrays_are_indexed_and_tables_written(facets, t
 @pytest.mark.parametrize("work", ["srbf.render(paper, size=4096)", "paper.eval(w, w)", "paper.sample(w)", "[srbf.convert(paper, f'{folder}/x.bsdf') for _ in range(100)]",
                                   "srbf.convert(many, f'{folder}/x.csv')"])
 def test_an_interrupt_ends_long_calls(work, tmp_path):
-    script = (f"import signal, srbf, numpy as np\nfolder = {str(tmp_path)!r}\nsignal.signal(signal.SIGINT, signal.default_int_handler)\npaper = srbf.load({str(PAPER)!r})\n"
+    script = (f"import signal, srbf, time, numpy as np\nfolder = {str(tmp_path)!r}\nsignal.signal(signal.SIGINT, signal.default_int_handler)\npaper = srbf.load({str(PAPER)!r})\n"
               "w = np.broadcast_to(np.float32([0, 0.6, 0.8]), (20_000_000, 3))\npaper.sample(w[0])\n"
-              f"{'many = srbf.from_arrays(w[:4_000_000], w[:4_000_000], 0.2)' if 'many' in work else ''}\nprint('now', flush=True)\n"
-              f"try:\n    {work}\nexcept KeyboardInterrupt:\n    print('interrupted')")
+              f"{'many = srbf.from_arrays(w[:4_000_000], w[:4_000_000], 0.2)' if 'many' in work else ''}\nstart = time.process_time()\n"
+              f"try:\n    print('now', flush=True)\n    {work}\nexcept KeyboardInterrupt:\n    print('interrupted', time.process_time() - start)")
     with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout.readline() == "now\n"
         time.sleep(0.3)
-        sent = time.perf_counter()
         process.send_signal(signal.SIGINT)
-        assert process.communicate(timeout=60)[0] == "interrupted\n"
-        assert time.perf_counter() - sent < 3 and process.returncode == 0
+        words = process.communicate(timeout=300)[0].split()
+        # By the time of its processors, which a busy machine does not lengthen.
+        assert words[0] == "interrupted" and float(words[1]) < (0.3 + 2) * os.cpu_count() and process.returncode == 0
 
 
 def test_a_picture_is_shown_quickly(paper, facets):
-    seconds = []
-    for brdf in (paper, facets):
-        start = time.perf_counter()
-        shown = brdf._repr_png_()
-        seconds.append(time.perf_counter() - start)
-        assert shown == srbf.png(np.zeros((1, 1, 3)))[:8] + shown[8:]
-    start = time.perf_counter()
-    srbf.render(paper, size=200)
-    assert min(seconds) < 0.5 * (time.perf_counter() - start)  # what it took before: a sixth
+    wl, wv = directions(3000), directions(3000, seed=1)
+    samples = srbf.from_arrays(wl, wv, paper.eval(wl, wv))
+
+    def seconds(work, *arguments, **options):
+        start = time.process_time()
+        work(*arguments, **options)
+        return time.process_time() - start
+
+    for brdf, share in ((paper, 0.25), (facets, 0.25), (samples, 0.12)):  # of samples, which are searched, fewer pixels
+        assert brdf._repr_png_().startswith(b"\x89PNG")
+        assert min(seconds(brdf._repr_png_) for _ in range(2)) < share * seconds(srbf.render, brdf, size=200)
+    bright = srbf._doubled(np.float32(np.arange(12).reshape(2, 2, 3)))
+    assert bright.shape == (4, 4, 3)
+    np.testing.assert_allclose(bright[:, 0, 0], [0, 1.5, 4.5, 6])
+    np.testing.assert_allclose(bright[0, :, 2], [2, 2.75, 4.25, 5])
 
 
 def test_png_is_srgb():
@@ -477,7 +489,7 @@ def test_wrong_input(paper, facets, tmp_path):
                   lambda: srbf.fit(paper, model="mlp"), lambda: srbf.fit(paper, lobes=2, budget=100), lambda: srbf.fit(paper, max_theta=100),
                   lambda: srbf.fit(paper, channels="spectral"), lambda: srbf.convert(paper, tmp_path / "x.png"),
                   lambda: srbf.render(paper, "dark"), lambda: srbf.render(paper, size=0), lambda: srbf.code(facets, "cobol"),
-                  lambda: facets.albedo(0), lambda: facets.sample([0, 0, 1], [0, 0, 1]), lambda: srbf.errors(paper, facets, max_theta=90),
+                  lambda: facets.albedo(0), lambda: facets.sample([0, 0, 1], [0, 0, 1]), lambda: srbf.errors(paper, facets, max_theta=91),
                   lambda: srbf.from_arrays([[0, 0, 1]], [[0, 0, 1]], [np.nan]), lambda: facets.save(tmp_path / "no" / "m.srbf"),
                   lambda: srbf.fit_batch(directions(9), directions(9), np.zeros((2, 8, 3))),
                   lambda: srbf.fit(lambda wl, wv: np.zeros((3, 3)))):
@@ -534,7 +546,7 @@ def test_the_package_and_the_documentation_are_typed(tmp_path):
     pytest.importorskip("mypy", reason="needs mypy")
     settings = str(DATA.parent / "pyproject.toml")
     package = pathlib.Path(srbf.__file__).parent
-    for i, page in enumerate(PAGES):
+    for i, page in enumerate([*PAGES, "docs/formats.md"]):
         (tmp_path / f"page_{i}.py").write_text("\n".join(python_of(page)))
     pages = sorted(map(str, tmp_path.glob("page_*.py")))
     environment = {**os.environ, "MYPYPATH": str(package.parent), "PYTHONPATH": str(package.parent), "MYPY_CACHE_DIR": str(tmp_path / "cache")}

@@ -429,7 +429,7 @@ def test_an_interrupt_ends_long_calls(work, tmp_path):
 
 
 def test_a_picture_is_shown_quickly(paper, facets):
-    wl, wv = directions(3000), directions(3000, seed=1)
+    wl, wv = directions(800), directions(800, seed=1)
     samples = srbf.from_arrays(wl, wv, paper.eval(wl, wv))
 
     def seconds(work, *arguments, **options):
@@ -437,9 +437,9 @@ def test_a_picture_is_shown_quickly(paper, facets):
         work(*arguments, **options)
         return time.process_time() - start
 
-    for brdf, share in ((paper, 0.25), (facets, 0.25), (samples, 0.12)):  # of samples, which are searched, fewer pixels
+    for brdf in (paper, facets, samples):
         assert brdf._repr_png_().startswith(b"\x89PNG")
-        assert min(seconds(brdf._repr_png_) for _ in range(2)) < share * seconds(srbf.render, brdf, size=200)
+        assert min(seconds(brdf._repr_png_) for _ in range(2)) < 0.25 * seconds(srbf.render, brdf, size=200)
     bright = srbf._doubled(np.float32(np.arange(12).reshape(2, 2, 3)))
     assert bright.shape == (4, 4, 3)
     np.testing.assert_allclose(bright[:, 0, 0], [0, 1.5, 4.5, 6])

@@ -30,7 +30,7 @@ SIZE, SAMPLES = 128, 128
 ELEVATION, FIELD, MARGIN = math.radians(15), math.radians(30), 0.04
 DISTANCE = math.hypot(1, 1 / (math.tan(FIELD / 2) * (1 - MARGIN)))
 HOST_WITHIN = 0.3
-OWN_FORMULAS = {"cg_sunflower_rgb"}  # farther apart by formulas of the program's own, which docs/surface.md names
+OWN_FORMULAS = {"cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb"}  # farther apart by formulas of the program's own, which docs/surface.md names
 environment = Path(__file__).resolve().parent.parent.parent / "data/studio.hdr"
 
 

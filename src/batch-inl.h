@@ -270,6 +270,21 @@ struct Interleaved {
             hn::StoreU(blended(2 * q * N, 2 * q * N + 1, x, y, z).v, Lanes(), p + q * N);
     }
 };
+// f of all pairs by value(wl, wv), of batches; 0 where a direction is below the horizon.
+template <typename Pair, typename Colour, typename Value>
+HWY_INLINE void evaluate_pairs(const Pair* wl, const Pair* wv, Colour* f, std::size_t count, const Value& value) {
+    const Interleaved interleaved;
+    const Vec3<Batch> normal(Batch(0.0), Batch(0.0), Batch(1.0)), none(Batch(0.0), Batch(0.0), Batch(0.0));
+    const auto evaluate = [&](const Pair* from_wl, const Pair* from_wv, Colour* to, std::size_t n) HWY_ATTR {
+        for (std::size_t i = 0; i < n; i += Batch::size()) {
+            const Vec3<Batch> l = interleaved.load(&from_wl[i].x), v = interleaved.load(&from_wv[i].x);
+            const BatchMask above = hn::And(Batch(0.0) < l.z, Batch(0.0) < v.z);
+            const Vec3<Batch> of_pairs = value(select(above, l, normal), select(above, v, normal));
+            interleaved.store(select(above, of_pairs, none), &to[i].r);
+        }
+    };
+    in_whole_batches(Batch::size(), wl, wv, f, count, evaluate);
+}
 template <typename Real> using Triple = Vec3<Real>;
 #define SRBF_FN static HWY_INLINE
 #include "srbf/kernel_host.inl"

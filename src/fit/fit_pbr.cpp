@@ -378,6 +378,13 @@ constexpr int k_steps_without = 10;           ///< to adapt to a part that is dr
 constexpr double k_least_gain = 0.01;         ///< of the loss, by which a part is kept
 constexpr double k_unseen = 0.01;             ///< a loss of pixels, ΔE_ITP .1, for which no part is kept
 
+constexpr std::array<std::string_view, 3> k_film{"thin_film_weight", "thin_film_thickness", "thin_film_ior"};
+/// Variables without those of these parameters.
+std::vector<PbrVariable> without(std::vector<PbrVariable> variables, std::span<const std::string_view> names) {
+    std::erase_if(variables, [&](const PbrVariable& one) { return std::ranges::count(names, one.of->name) > 0; });
+    return variables;
+}
+
 /// A part of the surface that may be dropped: its variables, and a surface that has it at these numbers.
 struct PbrPart {
     std::vector<std::string_view> names;
@@ -385,7 +392,7 @@ struct PbrPart {
 };
 std::vector<PbrPart> pbr_parts(const PbrModel& defaults) {
     std::vector<PbrPart> parts{
-        {{"thin_film_weight", "thin_film_thickness", "thin_film_ior"}, defaults},
+        {{k_film.begin(), k_film.end()}, defaults},
         {{"fuzz_weight", "fuzz_color", "fuzz_roughness"}, defaults},
         {{"coat_weight", "coat_color", "coat_roughness", "coat_ior"}, defaults},
         {{"base_diffuse_roughness"}, defaults},
@@ -399,6 +406,29 @@ std::vector<PbrPart> pbr_parts(const PbrModel& defaults) {
     return parts;
 }
 
+/// A surface and what of it is searched.
+struct PbrFound {
+    PbrCandidate best;
+    std::vector<PbrVariable> variables;
+};
+/// Drops the parts without which the surface, adapted, is as good, or its loss at most `bearable`.
+void drop_unseen_parts(PbrFound& found, const PbrData& data, const PbrModel& defaults, double bearable) {
+    for (const PbrPart& part : pbr_parts(defaults)) {
+        PbrModel less = found.best.model;
+        for (const PbrParameter& of : k_pbr_parameters)
+            for (int c = 0; std::ranges::count(part.names, of.name) > 0 && c < of.count(); ++c)
+                number(less, of, c) = number(part.without, of, c);
+        if (less == found.best.model) continue;
+        const auto left = without(found.variables, part.names);
+        PbrProblem problem(data, left, less);
+        Eigen::VectorXd x = problem.x_of(less);
+        const double loss =
+            levenberg_marquardt(problem, x, {.max_iterations = k_steps_without, .adapts_to_bounds = true}).loss;
+        if (loss > std::max((1 + k_least_gain) * found.best.loss, bearable)) continue;
+        found = {{problem.model(x), loss}, left};
+    }
+}
+
 }  // namespace
 
 Result<PbrFit> fit_pbr(const Observations& observations, const PbrFitOptions& options, const ProgressToken& progress) {
@@ -407,12 +437,7 @@ Result<PbrFit> fit_pbr(const Observations& observations, const PbrFitOptions& op
     Observations weighed = observations;
     const PbrModel defaults = fixed_of(options.surface);
     const std::vector<PbrVariable> all = pbr_variables_of(options.surface);
-    const auto without = [&](std::vector<PbrVariable> variables, std::span<const std::string_view> names) {
-        std::erase_if(variables, [&](const PbrVariable& one) { return std::ranges::count(names, one.of->name) > 0; });
-        return variables;
-    };
-    const std::array<std::string_view, 3> of_film{"thin_film_weight", "thin_film_thickness", "thin_film_ior"};
-    const std::vector<PbrVariable> all_but_film = without(all, of_film);
+    const std::vector<PbrVariable> all_but_film = without(all, k_film);
 
     double done = 0;
     const auto problem_of = [&](const PbrData& data, const PbrCandidate& candidate) {
@@ -463,28 +488,11 @@ Result<PbrFit> fit_pbr(const Observations& observations, const PbrFitOptions& op
         if (const auto found = search(candidates, k_last_pbr_round); !found) return found.error();
     }
 
-    // Parts without which the surface, adapted, is as good.
     const PbrData data(weighed, 1);
-    PbrCandidate best = candidates[0];
-    std::vector<PbrVariable> variables = best.has_film() ? all : all_but_film;
-    for (const PbrPart& part : pbr_parts(defaults)) {
-        PbrModel less = best.model;
-        for (const PbrParameter& of : k_pbr_parameters)
-            for (int c = 0; std::ranges::count(part.names, of.name) > 0 && c < of.count(); ++c)
-                number(less, of, c) = number(part.without, of, c);
-        if (less == best.model) continue;
-        const auto left = without(variables, part.names);
-        PbrProblem problem(data, left, less);
-        Eigen::VectorXd x = problem.x_of(less);
-        const double loss =
-            levenberg_marquardt(problem, x, {.max_iterations = k_steps_without, .adapts_to_bounds = true}).loss;
-        const double bearable = observations.views.empty() ? 0 : k_unseen;
-        if (loss > std::max((1 + k_least_gain) * best.loss, bearable)) continue;
-        best = {problem.model(x), loss};
-        variables = left;
-    }
-    PbrProblem problem(data, variables, best.model);
-    PbrFit fit{{}, best.model, 0, problem.loss(best.model)};
+    PbrFound found{candidates[0], candidates[0].has_film() ? all : all_but_film};
+    drop_unseen_parts(found, data, defaults, observations.views.empty() ? 0 : k_unseen);
+    PbrProblem problem(data, found.variables, found.best.model);
+    PbrFit fit{{}, found.best.model, 0, problem.loss(found.best.model)};
     fit.model = rounded(fit.unrounded);
     fit.loss = problem.loss(fit.model);
     return fit;

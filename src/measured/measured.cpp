@@ -224,7 +224,7 @@ Evaluate signed_evaluator(const Measured& measured) {
     return [&measured](auto wl, auto wv, auto f) {
         const StandardArithmetic mode;
         if (measured.exchanged) std::swap(wl, wv);
-        const auto each = [&]<typename Table>(const Table& table) {
+        const auto each = [&](const auto& table) {
             if constexpr (requires { evaluate_signed(table, wl, wv, f); })
                 evaluate_signed(table, wl, wv, f);
             else

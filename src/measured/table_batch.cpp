@@ -158,22 +158,6 @@ HWY_INLINE Vec3<Batch> merl_value(const MerlTable& table, Vec3<Batch> wl, Vec3<B
     return {mean(sum.x), mean(sum.y), mean(sum.z)};
 }
 
-/// f_r of all pairs by `value`; 0 where a direction is below the horizon.
-template <typename Value>
-HWY_INLINE void evaluate_pairs(const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count, const Value& value) {
-    const Interleaved interleaved;
-    const Vec3<Batch> normal(Batch(0.0), Batch(0.0), Batch(1.0)), none(Batch(0.0), Batch(0.0), Batch(0.0));
-    const auto evaluate = [&](const Vec3f* from_wl, const Vec3f* from_wv, Rgb* to, std::size_t n) HWY_ATTR {
-        for (std::size_t i = 0; i < n; i += Batch::size()) {
-            const Vec3<Batch> l = interleaved.load(&from_wl[i].x), v = interleaved.load(&from_wv[i].x);
-            const BatchMask above = hn::And(Batch(0.0) < l.z, Batch(0.0) < v.z);
-            const Vec3<Batch> of_pairs = value(select(above, l, normal), select(above, v, normal));
-            interleaved.store(select(above, of_pairs, none), &to[i].r);
-        }
-    };
-    in_whole_batches(Batch::size(), wl, wv, f, count, evaluate);
-}
-
 void evaluate_rgl(const RglTable& table, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     evaluate_pairs(wl, wv, f, count,
                    [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR { return rgl_value(table, l, v); });

@@ -30,34 +30,16 @@ HWY_INLINE Formula::PbrFilm spread(const Kernel<float>::PbrFilm& of) {
     return {spread(of.weight), spread(of.thickness), spread(of.ior)};
 }
 
-template <bool has_film>
-HWY_INLINE void evaluate_as(const PbrModel& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
-    const auto surface = spread(kernel_surface(model));
-    [[maybe_unused]] const auto film = spread(kernel_film(model));
-    const Interleaved interleaved;
-    const Batch zero(0.0);
-    in_whole_batches(Batch::size(), wl, wv, f, count,
-                     [&](const Vec3f* from_wl, const Vec3f* from_wv, Rgb* to, std::size_t n) HWY_ATTR {
-                         for (std::size_t i = 0; i < n; i += Batch::size()) {
-                             const Vec3<Batch> l = interleaved.load(&from_wl[i].x), v = interleaved.load(&from_wv[i].x);
-                             Vec3<Batch> value;
-                             if constexpr (has_film)
-                                 value = Formula::pbr_film_value(surface, film, l, v);
-                             else
-                                 value = Formula::pbr_value(surface, l, v);
-                             const BatchMask above = zero < min(l.z, v.z);
-                             interleaved.store({select(above, value.x, zero), select(above, value.y, zero),
-                                                select(above, value.z, zero)},
-                                               &to[i].r);
-                         }
-                     });
-}
-
 void evaluate_surface(const PbrModel& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
+    const auto surface = spread(kernel_surface(model));
+    const auto film = spread(kernel_film(model));
     if (model.thin_film_weight > 0)
-        evaluate_as<true>(model, wl, wv, f, count);
+        evaluate_pairs(wl, wv, f, count, [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR {
+            return Formula::pbr_film_value(surface, film, l, v);
+        });
     else
-        evaluate_as<false>(model, wl, wv, f, count);
+        evaluate_pairs(wl, wv, f, count,
+                       [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR { return Formula::pbr_value(surface, l, v); });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -7,7 +7,6 @@ Arguments: the program, a folder with rgl/.
 """
 import base64
 import json
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -20,18 +19,14 @@ from MaterialX import PyMaterialXGenShader as shaders
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
 from seen import delta_e  # noqa: E402
+from surface_host import MATERIALS, holds, run  # noqa: E402
 
-program, data = sys.argv[1], Path(sys.argv[2])
-MATERIALS = ["cc_ibiza_sunset_rgb", "cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb", "vch_golden_yellow_rgb"]
+data = Path(sys.argv[2])
 LIGHTS = np.array([[-6 / 11, 6 / 11, 7 / 11], [7 / 9, 4 / 9, 4 / 9], [-2 / 11, 9 / 11, -6 / 11]])
-SIZE, HOST_WITHIN = 64, 0.3
-OWN_FORMULAS = {"vch_golden_yellow_rgb"}  # farther apart by formulas of the program's own, which docs/surface.md names
+SIZE = 64
+OWN_FORMULAS = {"vch_golden_yellow_rgb"}  # farther apart by formulas of MaterialX's own, which docs/surface.md names
 UNDECLARED = "const bool u_refractionTwoSided = false;\n"  # MaterialX 1.39.5 forgets it where there is no environment
 VARYINGS = "in vec3 normalWorld;\nin vec3 tangentWorld;\nin vec3 positionWorld;\n"
-
-
-def run(*words):
-    return subprocess.run([program, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 def generated(path):
@@ -154,10 +149,8 @@ try:
             by_shader = drawn(page, *generated(f"{folder}/{name}.mtlx"))
             (reference, inside), (ours, _) = evaluated(measured, folder), evaluated(model, folder)
             mean = lambda a, b: np.mean([delta_e(p[inside], q[inside]) for p, q in zip(a, b)])  # noqa: E731
-            lost, of_host, apart = mean(ours, reference), mean(by_shader, reference), mean(by_shader, ours)
-            holds = name in OWN_FORMULAS or abs(of_host / lost - 1) <= HOST_WITHIN
-            print(f"{'ok  ' if holds else 'BAD '} {name}: against the measurement ours {lost:.2f}, MaterialX {of_host:.2f}; MaterialX against ours {apart:.2f}", flush=True)
-            if not holds:
+            losses = mean(ours, reference), mean(by_shader, reference), mean(by_shader, ours)
+            if not holds(name, "MaterialX", losses, OWN_FORMULAS):
                 failures.append(name)
 finally:
     page.close()

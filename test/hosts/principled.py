@@ -8,7 +8,6 @@ Arguments: the program, a folder with rgl/.
 """
 import importlib.util
 import math
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -18,33 +17,13 @@ if importlib.util.find_spec("bpy") is None:
     sys.exit(0)
 import bpy
 import numpy as np
-import OpenEXR
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from seen import delta_e, displayed, exposure  # noqa: E402
+from seen import displayed, exposure  # noqa: E402
+from surface_host import DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, environment, holds, lost, on_sphere, pixels_of, run  # noqa: E402
 
-program, data = sys.argv[1], Path(sys.argv[2])
-MATERIALS = ["cc_ibiza_sunset_rgb", "cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb", "vch_golden_yellow_rgb"]
-SIZE, SAMPLES = 128, 128
-# The camera of `srbf render`: 15° above the horizon, 30° wide, the sphere within a margin of 4 %.
-ELEVATION, FIELD, MARGIN = math.radians(15), math.radians(30), 0.04
-DISTANCE = math.hypot(1, 1 / (math.tan(FIELD / 2) * (1 - MARGIN)))
-HOST_WITHIN = 0.3
-OWN_FORMULAS = {"cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb"}  # farther apart by formulas of the program's own, which docs/surface.md names
-environment = Path(__file__).resolve().parent.parent.parent / "data/studio.hdr"
-
-
-def run(*words):
-    return subprocess.run([program, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True).stdout
-
-
-def pixels_of(path):
-    """[SIZE, SIZE, 3] of an EXR."""
-    channels = OpenEXR.File(str(path)).channels()
-    if "RGBA" in channels or "RGB" in channels:
-        return np.asarray((channels.get("RGBA") or channels["RGB"]).pixels, dtype=float)[..., :3]
-    found = {name.split(".")[-1]: of.pixels for name, of in channels.items()}
-    return np.stack([np.asarray(found[c], dtype=float) for c in "RGB"], axis=-1)
+data = Path(sys.argv[2])
+OWN_FORMULAS = {"cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb"}  # farther apart by Cycles' own, which docs/surface.md names
 
 
 def drawn_by_cycles(script, out):
@@ -88,14 +67,6 @@ def drawn_by_cycles(script, out):
     return pixels_of(out)
 
 
-def on_sphere():
-    """The pixels that lie on the sphere whole."""
-    at = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1
-    x, y = np.meshgrid(at, at)
-    tangent = math.tan(FIELD / 2) * np.hypot(x, y)
-    return tangent < 0.97 / math.sqrt(DISTANCE**2 - 1)
-
-
 inside, rows, failures = on_sphere(), [], []
 with tempfile.TemporaryDirectory() as folder:
     for name in MATERIALS:
@@ -110,10 +81,7 @@ with tempfile.TemporaryDirectory() as folder:
             pictures.append(pixels_of(out))
         pictures.append(drawn_by_cycles(f"{folder}/{name}.py", f"{folder}/{name}-cycles.exr"))
         reference, surface, cycles = (of[inside] for of in pictures)
-        lost, of_host, apart = delta_e(surface, reference), delta_e(cycles, reference), delta_e(cycles, surface)
-        holds = name in OWN_FORMULAS or abs(of_host / lost - 1) <= HOST_WITHIN
-        print(f"{'ok  ' if holds else 'BAD '} {name}: against the measurement ours {lost:.2f}, Cycles {of_host:.2f}; Cycles against ours {apart:.2f}", flush=True)
-        if not holds:
+        if not holds(name, "Cycles", lost(reference, surface, cycles), OWN_FORMULAS):
             failures.append(name)
         by = exposure(reference)
         rows.append(np.concatenate([displayed(of, by) for of in pictures], axis=1))

@@ -11,7 +11,6 @@ import base64
 import importlib.util
 import math
 import shutil
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -20,36 +19,17 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
-from seen import delta_e, displayed, exposure, hdr_of  # noqa: E402
+from seen import displayed, exposure, hdr_of  # noqa: E402
+from surface_host import DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, environment, holds, lost, on_sphere, pixels_of, run  # noqa: E402
 
 found = next((Path(p) / "nicegui/elements/scene/dist" for p in sys.path if (Path(p) / "nicegui/elements/scene/dist/index.js").exists()), None)
 if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
     print("skipped: no three.js of nicegui, no Chromium or no OpenEXR")
     sys.exit(0)
-import OpenEXR  # noqa: E402
 
-program, data = sys.argv[1], Path(sys.argv[2])
-MATERIALS = ["cc_ibiza_sunset_rgb", "cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb", "vch_golden_yellow_rgb"]
-SIZE, SAMPLES, HOST_WITHIN = 128, 128, 0.3
-OWN_FORMULAS = {"cc_ibiza_sunset_rgb"}  # farther apart by formulas of the program's own, which docs/surface.md names
-# The camera of `srbf render`: 15° above the horizon, 30° wide, the sphere within a margin of 4 %; its lights in the camera's frame.
-ELEVATION, FIELD, MARGIN = math.radians(15), math.radians(30), 0.04
-DISTANCE = math.hypot(1, 1 / (math.tan(FIELD / 2) * (1 - MARGIN)))
-LIGHTS = [((-6 / 11, 6 / 11, 7 / 11), 3), ((6 / 7, 2 / 7, -3 / 7), 2), ((1 / 3, -2 / 3, 2 / 3), 0.5)]
-environment = Path(__file__).resolve().parent.parent.parent / "data/studio.hdr"
-
-
-def run(*words):
-    return subprocess.run([program, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True).stdout
-
-
-def pixels_of(path):
-    """[SIZE, SIZE, 3] of an EXR."""
-    channels = OpenEXR.File(str(path)).channels()
-    if "RGBA" in channels or "RGB" in channels:
-        return np.asarray((channels.get("RGBA") or channels["RGB"]).pixels, dtype=float)[..., :3]
-    of = {name.split(".")[-1]: channel.pixels for name, channel in channels.items()}
-    return np.stack([np.asarray(of[c], dtype=float) for c in "RGB"], axis=-1)
+data = Path(sys.argv[2])
+OWN_FORMULAS = {"cc_ibiza_sunset_rgb"}  # farther apart by three.js' own, which docs/surface.md names
+LIGHTS = [((-6 / 11, 6 / 11, 7 / 11), 3), ((6 / 7, 2 / 7, -3 / 7), 2), ((1 / 3, -2 / 3, 2 / 3), 0.5)]  # in the camera's frame
 
 
 PAGE = """<!doctype html><script type="module">
@@ -104,8 +84,7 @@ def drawn(page, glb, lights, texels):
     return pixels[::-1, :, :3].astype(float)
 
 
-at = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1
-inside = math.tan(FIELD / 2) * np.hypot(*np.meshgrid(at, at)) < 0.97 / math.sqrt(DISTANCE**2 - 1)
+inside = on_sphere()
 rows, failures = [], []
 with tempfile.TemporaryDirectory() as folder:
     shutil.copy(found / "index.js", folder + "/three.js")
@@ -129,12 +108,9 @@ with tempfile.TemporaryDirectory() as folder:
                     pictures.append(pixels_of(out))
                 pictures.append(drawn(page, glb, lights, texels))
                 reference, surface, three = (of[inside] for of in pictures)
-                lost, of_host, apart = delta_e(surface, reference), delta_e(three, reference), delta_e(three, surface)
-                holds = name in OWN_FORMULAS or abs(of_host / lost - 1) <= HOST_WITHIN
                 kind = "lights" if texels is None else "environment"
-                print(f"{'ok  ' if holds else 'BAD '} {name}, {kind}: against the measurement ours {lost:.2f}, three.js {of_host:.2f};"
-                      f" three.js against ours {apart:.2f}", flush=True)
-                if not holds and texels is None:
+                near = holds(name, f"three.js ({kind})", lost(reference, surface, three), OWN_FORMULAS)
+                if not near and texels is None:
                     failures.append(name)
                 by = exposure(reference)
                 row += [displayed(of, by) for of in pictures]

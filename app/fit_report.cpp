@@ -40,7 +40,7 @@ void describe(Json& json, const PbrModel& model) {
     json["form"] = "pbr";
     json["lobes"] = 1;
     json["variates"] = 1;
-    json["axial"] = true;
+    json["axial"] = model.specular_roughness_anisotropy == 0;
     for (const PbrParameter& of : k_pbr_parameters) {
         Json& numbers = json["parameters"][std::string(of.name)];
         if (of.colour)

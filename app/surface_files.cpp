@@ -41,6 +41,18 @@ PbrModel with_plain_coat(const PbrModel& model) {
     return plain;
 }
 
+/// The roughnesses α along and across the tangent (`pbr_anisotropic_value` of kernel.glsl), and its angle [turns].
+struct Anisotropy {
+    float along, across, rotation;
+    explicit Anisotropy(const PbrModel& model) : rotation(model.specular_rotation) {
+        const float alpha = model.specular_roughness * model.specular_roughness,
+                    share = 1 - model.specular_roughness_anisotropy;
+        along = std::min(alpha * std::sqrt(2 / (1 + share * share)), 1.f);
+        across = share * along;
+    }
+};
+bool is_anisotropic(const PbrModel& model) { return model.specular_roughness_anisotropy > 0; }
+
 // ---- MaterialX and USD ----
 
 /// A number or a colour as an input of a node.
@@ -53,22 +65,29 @@ Input input(std::string_view name, const Rgb& c) {
     return {std::string(name), fmt::format("{:.6g}, {:.6g}, {:.6g}", c.r, c.g, c.b), true};
 }
 
-/// The parameters of OpenPBR Surface have the names of ours.
+/// The parameters of OpenPBR Surface have the names of ours. Its tangent is a vector, for which there is a node.
 std::vector<Input> openpbr_inputs(const PbrModel& model) {
     std::vector<Input> inputs;
     for (const PbrParameter& of : k_pbr_parameters)
-        inputs.push_back(of.colour ? input(of.name, model.*of.colour) : input(of.name, model.*of.number));
+        if (of.name != "specular_rotation")
+            inputs.push_back(of.colour ? input(of.name, model.*of.colour) : input(of.name, model.*of.number));
     return inputs;
 }
-/// Standard Surface has no darkening of a coat and no weight of a film, whose thickness is in nanometres.
+/// MaterialX turns vectors clockwise [degrees].
+float clockwise(const PbrModel& model) { return -360 * model.specular_rotation; }
+/// Standard Surface has no darkening of a coat and no weight of a film, whose thickness is in nanometres. Its
+/// roughnesses are α / a along the tangent and α a across it, with a² = 1 − specular_anisotropy.
 std::vector<Input> standard_surface_inputs(const PbrModel& model) {
+    const Anisotropy facets(model);
     return {input("base", model.base_weight),
             input("base_color", model.base_color),
             input("diffuse_roughness", model.base_diffuse_roughness),
             input("metalness", model.base_metalness),
             input("specular", model.specular_weight),
             input("specular_color", model.specular_color),
-            input("specular_roughness", model.specular_roughness),
+            input("specular_roughness", std::sqrt(std::sqrt(facets.along * facets.across))),
+            input("specular_anisotropy", model.specular_roughness_anisotropy),
+            input("specular_rotation", is_anisotropic(model) ? 1 - facets.rotation : 0),
             input("specular_IOR", model.specular_ior),
             input("coat", model.coat_weight),
             input("coat_color", model.coat_color),
@@ -82,7 +101,7 @@ std::vector<Input> standard_surface_inputs(const PbrModel& model) {
 }
 
 std::string mtlx_text(const NamedModel& of, const char* node, const char* specification,
-                      const std::vector<Input>& inputs) {
+                      const std::vector<Input>& inputs, const std::string& tangent = {}) {
     std::string text = "<?xml version=\"1.0\"?>\n<!--\n";
     for (const std::string& line : notes(of)) {
         std::string safe = line;  // two hyphens would end the comment
@@ -90,9 +109,11 @@ std::string mtlx_text(const NamedModel& of, const char* node, const char* specif
         text += fmt::format("  {}\n", html_escaped(safe));
     }
     text += fmt::format(
-        "  {}, MaterialX 1.39.\n-->\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n"
+        "  {}, MaterialX 1.39.\n-->\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n{}"
         "  <{} name=\"{}_surface\" type=\"surfaceshader\">\n",
-        specification, node, of.name);
+        specification, tangent, node, of.name);
+    if (!tangent.empty())
+        text += "    <input name=\"geometry_tangent\" type=\"vector3\" nodename=\"turned_tangent\" />\n";
     for (const Input& input : inputs)
         text += fmt::format("    <input name=\"{}\" type=\"{}\" value=\"{}\" />\n", input.name,
                             input.is_colour ? "color3" : "float", input.numbers);
@@ -103,8 +124,45 @@ std::string mtlx_text(const NamedModel& of, const char* node, const char* specif
                       of.name, node);
 }
 
+/// The nodes of a tangent that is turned about the normal.
+std::string mtlx_tangent(const PbrModel& model) {
+    if (!is_anisotropic(model)) return "";
+    std::string text;
+    for (const char* name : {"tangent", "normal"})
+        text += fmt::format(
+            "  <{0} name=\"surface_{0}\" type=\"vector3\">\n    <input name=\"space\" type=\"string\" value=\"world\" "
+            "/>\n"
+            "  </{0}>\n",
+            name);
+    return text + fmt::format(
+                      "  <rotate3d name=\"turned_tangent\" type=\"vector3\">\n"
+                      "    <input name=\"in\" type=\"vector3\" nodename=\"surface_tangent\" />\n"
+                      "    <input name=\"amount\" type=\"float\" value=\"{:.6g}\" />\n"
+                      "    <input name=\"axis\" type=\"vector3\" nodename=\"surface_normal\" />\n  </rotate3d>\n",
+                      clockwise(model));
+}
+
 std::string usd_colour(const Rgb& of) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", of.r, of.g, of.b); }
 Rgb scaled(float weight, const Rgb& of) { return {weight * of.r, weight * of.g, weight * of.b}; }
+
+/// The nodes of `mtlx_tangent`.
+std::string usd_tangent(const std::string& name, const PbrModel& model) {
+    std::string text;
+    for (const auto& [prim, id] : {std::pair{"Tangent", "tangent"}, std::pair{"Normal", "normal"}})
+        text += fmt::format(
+            "\n            def Shader \"{}\"\n            {{\n                uniform token info:id = "
+            "\"ND_{}_vector3\"\n"
+            "                string inputs:space = \"world\"\n                float3 outputs:out\n            }}\n",
+            prim, id);
+    return text + fmt::format(
+                      "\n            def Shader \"Turned\"\n            {{\n"
+                      "                uniform token info:id = \"ND_rotate3d_vector3\"\n"
+                      "                float3 inputs:in.connect = </World/Materials/{0}/Tangent.outputs:out>\n"
+                      "                float inputs:amount = {1:.6g}\n"
+                      "                float3 inputs:axis.connect = </World/Materials/{0}/Normal.outputs:out>\n"
+                      "                float3 outputs:out\n            }}\n",
+                      name, clockwise(model));
+}
 
 std::string usd_text(const NamedModel& of, const PbrModel& model) {
     std::string text = "#usda 1.0\n(\n    defaultPrim = \"World\"\n    doc = \"\"\"";
@@ -139,14 +197,20 @@ std::string usd_text(const NamedModel& of, const PbrModel& model) {
     for (const Input& one : openpbr_inputs(model))
         preview(one.is_colour ? "color3f" : "float", one.name.c_str(),
                 one.is_colour ? "(" + one.numbers + ")" : one.numbers);
-    return text + "                token outputs:out\n            }\n        }\n    }\n}\n";
+    if (is_anisotropic(model))
+        text += fmt::format(
+            "                vector3f inputs:geometry_tangent.connect = </World/Materials/{}/Turned.outputs:out>\n",
+            of.name);
+    text += "                token outputs:out\n            }\n";
+    if (is_anisotropic(model)) text += usd_tangent(of.name, model);
+    return text + "        }\n    }\n}\n";
 }
 
 // ---- glTF ----
 
 /// A sphere of radius 1: positions, which are its normals too, and triangles.
 struct Sphere {
-    std::vector<float> positions;
+    std::vector<float> positions, tangents;  ///< these along the circles of latitude
     std::vector<std::uint16_t> indices;
 };
 Sphere sphere() {
@@ -157,6 +221,7 @@ Sphere sphere() {
             const double theta = k_pi * ring / k_rings, phi = 2 * k_pi * side / k_sides;
             const Vec3d w = spherical(theta, phi);
             made.positions.insert(made.positions.end(), {float(w.y), float(w.z), float(w.x)});  // y is up
+            made.tangents.insert(made.tangents.end(), {float(std::cos(phi)), 0, float(-std::sin(phi)), 1});
         }
     const auto vertex = [](int ring, int side) { return std::uint16_t(ring * (k_sides + 1) + side); };
     for (int ring = 0; ring < k_rings; ++ring)
@@ -192,6 +257,14 @@ Json gltf_material(const NamedModel& of, const PbrModel& model) {
     if (model.fuzz_weight > 0)
         extensions["KHR_materials_sheen"] = {{"sheenColorFactor", shown(scaled(model.fuzz_weight, model.fuzz_color))},
                                              {"sheenRoughnessFactor", shown(model.fuzz_roughness)}};
+    if (is_anisotropic(model)) {  // α along the tangent is that across it, blended with 1 by the square of a strength
+        const Anisotropy facets(model);
+        material["pbrMetallicRoughness"]["roughnessFactor"] = shown(std::sqrt(facets.across));
+        extensions["KHR_materials_anisotropy"] = {
+            {"anisotropyStrength",
+             shown(std::sqrt((facets.along - facets.across) / std::max(1 - facets.across, 1e-6f)))},
+            {"anisotropyRotation", shown(2 * float(k_pi) * facets.rotation)}};
+    }
     if (model.thin_film_weight > 0) {
         const double thickness = shown(k_nanometres * model.thin_film_thickness);  // without a texture the largest
         extensions["KHR_materials_iridescence"] = {{"iridescenceFactor", shown(model.thin_film_weight)},
@@ -212,13 +285,15 @@ Gltf gltf(const NamedModel& of, const PbrModel& model) {
     const auto add = [&](std::span<const std::byte> more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
     add(std::as_bytes(std::span(mesh.positions)));
     const std::size_t of_positions = bytes.size();
+    if (is_anisotropic(model)) add(std::as_bytes(std::span(mesh.tangents)));
+    const std::size_t of_vertices = bytes.size();
     add(std::as_bytes(std::span(mesh.indices)));
     const Json material = gltf_material(of, model);
     Json used = Json::array(), extras = Json::array();
     for (const auto& [name, value] : material["extensions"].items()) used.push_back(name);
     for (const std::string& line : notes(of)) extras.push_back(line);
     constexpr int k_array = 34962, k_elements = 34963, k_float = 5126, k_unsigned_short = 5123;  // of OpenGL
-    const Json json{
+    Json json{
         {"asset", {{"version", "2.0"}, {"generator", "srbf " SRBF_VERSION}, {"extras", {{"notes", extras}}}}},
         {"extensionsUsed", used},
         {"scene", 0},
@@ -241,11 +316,22 @@ Gltf gltf(const NamedModel& of, const PbrModel& model) {
         {"bufferViews",
          {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", of_positions}, {"target", k_array}},
           {{"buffer", 0},
-           {"byteOffset", of_positions},
-           {"byteLength", bytes.size() - of_positions},
+           {"byteOffset", of_vertices},
+           {"byteLength", bytes.size() - of_vertices},
            {"target", k_elements}}}},
         {"buffers", {{{"byteLength", bytes.size()}}}}};
-    return {json, bytes};
+    if (is_anisotropic(model)) {
+        json["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = json["accessors"].size();
+        json["accessors"].push_back({{"bufferView", json["bufferViews"].size()},
+                                     {"componentType", k_float},
+                                     {"count", mesh.tangents.size() / 4},
+                                     {"type", "VEC4"}});
+        json["bufferViews"].push_back({{"buffer", 0},
+                                       {"byteOffset", of_positions},
+                                       {"byteLength", of_vertices - of_positions},
+                                       {"target", k_array}});
+    }
+    return {std::move(json), bytes};
 }
 std::string gltf_text(Gltf of) {
     of.json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(of.bytes);
@@ -285,7 +371,11 @@ std::string blender_text(const NamedModel& of, const PbrModel& model) {
     };
     add_colour("Base Color", scaled(model.base_weight, model.base_color));
     add_number("Metallic", model.base_metalness);
-    add_number("Roughness", model.specular_roughness);
+    const Anisotropy facets(model);
+    // α / a along the tangent and α a across it, with a² = 1 − .9 of this number.
+    add_number("Roughness", std::sqrt(std::sqrt(facets.along * facets.across)));
+    add_number("Anisotropic", std::min(model.specular_roughness_anisotropy / 0.9f, 1.f));
+    add_number("Anisotropic Rotation", facets.rotation);
     add_number("IOR", model.specular_ior);
     add_number("Diffuse Roughness", model.base_diffuse_roughness);
     add_number("Specular IOR Level", 0.5f * model.specular_weight);  // .5 is the reflectance of the IOR itself
@@ -318,7 +408,8 @@ Result<std::string> surface_file(std::string_view kind, const NamedModel& of) {
                      ErrorCode::argument};
     if (model->is_exchanged)
         return Error{of.name, {}, "surface", "light and viewer as they are", "exchanged ones", ErrorCode::argument};
-    if (kind == "mtlx") return mtlx_text(of, "open_pbr_surface", "OpenPBR Surface 1.1", openpbr_inputs(*model));
+    if (kind == "mtlx")
+        return mtlx_text(of, "open_pbr_surface", "OpenPBR Surface 1.1", openpbr_inputs(*model), mtlx_tangent(*model));
     if (kind == "standard-surface")
         return mtlx_text(of, "standard_surface", "Autodesk Standard Surface 1.0.1",
                          standard_surface_inputs(with_plain_coat(*model)));

@@ -190,7 +190,7 @@ void add_model(std::string& text, const PbrModel& model) {
     for (const PbrParameter& of : k_pbr_parameters) {
         std::string numbers;
         for (int c = 0; c < of.count(); ++c) numbers += fmt::format("{}{:.4g}", c ? "  " : "", number(model, of, c));
-        text += fmt::format("  {:<24}{}\n", of.name, numbers);
+        text += fmt::format("  {:<30}{}\n", of.name, numbers);
     }
     if (model.is_exchanged) add_row(text, "exchanged", "light and viewer");
 }

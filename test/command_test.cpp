@@ -24,6 +24,13 @@ class OfModel : public CommandLine {
     }
     static void TearDownTestSuite() { fitted.reset(); }
 
+    /// What `export` writes of a surface.
+    std::string exported(const std::string& kind) {
+        const ProgramRun made = run(folder, {"export", "s.srbf", "--to", kind, "-o", "o"});
+        EXPECT_EQ(made.status, 0) << made.err;
+        return contents(folder / "o");
+    }
+
     /// Of a measurement, of samples or of a model.
     void expect_converted(const std::string& input, const std::string& output, const std::string& format) {
         Arguments convert{"convert", input, "-o", output};
@@ -278,11 +285,6 @@ TEST_F(OfModel, surfaces_are_exported_for_other_programs) {
     surface.coat_weight = 1, surface.coat_roughness = 0.5f;
     surface.thin_film_weight = 0.5f, surface.thin_film_thickness = 0.25f;
     ASSERT_TRUE(save_model({rounded(surface), {{"source", "a--b.bsdf"}}}, folder / "s.srbf").ok());
-    const auto exported = [&](const std::string& kind) {
-        const ProgramRun made = run(folder, {"export", "s.srbf", "--to", kind, "-o", "o"});
-        EXPECT_EQ(made.status, 0) << made.err;
-        return contents(folder / "o");
-    };
     const std::string openpbr = exported("mtlx"), standard = exported("standard-surface"), script = exported("blender");
     EXPECT_NE(openpbr.find("name=\"thin_film_thickness\" type=\"float\" value=\"0.25\""), openpbr.npos) << openpbr;
     EXPECT_NE(openpbr.find("name=\"specular_roughness\" type=\"float\" value=\"0.199951\""), openpbr.npos) << openpbr;
@@ -316,7 +318,35 @@ TEST_F(OfModel, surfaces_are_exported_for_other_programs) {
     EXPECT_EQ(glb.size(), 28 + text + number(20 + text));
 }
 
-/// A surface has one azimuth: of an anisotropic measurement it shows the mean.
+/// Facets that are rougher along a tangent than across it, as the other programs write them.
+TEST_F(OfModel, anisotropic_surfaces_are_exported_for_other_programs) {
+    PbrModel surface{.base_metalness = 1, .specular_roughness = 0.5f};
+    surface.specular_roughness_anisotropy = 0.5f, surface.specular_rotation = 0.125f;
+    ASSERT_TRUE(save_model({surface, {}}, folder / "s.srbf").ok());
+    const std::string openpbr = exported("mtlx"), usd = exported("usd"), script = exported("blender");
+    EXPECT_NE(openpbr.find("name=\"amount\" type=\"float\" value=\"-45\""), openpbr.npos) << openpbr;
+    EXPECT_NE(openpbr.find("name=\"geometry_tangent\""), openpbr.npos) << openpbr;
+    EXPECT_NE(usd.find("inputs:geometry_tangent.connect"), usd.npos) << usd;
+    // α along the tangent is .25 √(2 / 1.25) = .316228, and half of it across.
+    EXPECT_NE(script.find("\"Roughness\": 0.472871,"), script.npos) << script;    // the root of √(.316228 · .158114)
+    EXPECT_NE(script.find("\"Anisotropic\": 0.555556,"), script.npos) << script;  // (1 − ½) / .9
+
+    const Json gltf = Json::parse(exported("gltf"));
+    const Json& material = gltf["materials"][0];
+    const Json& anisotropy = material["extensions"]["KHR_materials_anisotropy"];
+    const double roughness = material["pbrMetallicRoughness"]["roughnessFactor"].get<double>(),
+                 strength = anisotropy["anisotropyStrength"].get<double>(), across = roughness * roughness;
+    EXPECT_PRED3(near, across, 0.158114, 1e-5);
+    EXPECT_PRED3(near, across + strength * strength * (1 - across), 0.316228, 1e-5);
+    EXPECT_PRED3(near, anisotropy["anisotropyRotation"].get<double>(), k_pi / 4, 1e-5);
+    const Json& tangents =
+        gltf["accessors"][gltf["meshes"][0]["primitives"][0]["attributes"]["TANGENT"].get<std::size_t>()];
+    EXPECT_EQ(tangents["count"], gltf["accessors"][0]["count"]);
+    std::size_t bytes = 0;
+    for (const Json& view : gltf["bufferViews"]) bytes += view["byteLength"].get<std::size_t>();
+    EXPECT_EQ(bytes, gltf["buffers"][0]["byteLength"].get<std::size_t>());
+}
+
 TEST_F(OfModel, a_surface_is_fitted_to_an_anisotropic_measurement) {
     write(folder / "a.bsdf", text_of(tensor_file(anisotropic_rgl())));
     const ProgramRun made = run(folder, {"fit", "a.bsdf", "--model", "pbr", "-o", "a.srbf"});

@@ -82,7 +82,9 @@ void main() {
     PbrFilm film = PbrFilm(u.x, u.y, 1.4);
     PbrBase base = pbr_base(surface);
     PbrFacets facets = pbr_facets(surface, base, wl, wv), filmed = pbr_film_facets(surface, film, base, wl, wv);
-    f += pbr_value(surface, wl, wv) + pbr_base_value(surface, base, facets, wl, wv) + blended(tinted(wl, wv), wl, u.x);
+    f += pbr_value(surface, wl, wv) + pbr_base_value(surface, base, facets, u.x, wl, wv);
+    f += blended(tinted(wl, wv), wl, u.x) * ggx_stretched_facets(wl, wv, u.x, u.y);
+    f += pbr_anisotropic_value(surface, film, PbrAnisotropy(u.x, u.y, 0.5), wl, wv);
     f += pbr_film_value(surface, film, wl, wv) + pbr_layers_value(surface, filmed.metal, wl, wv);
     f *= film_reflectance(film, wl, half_cosine(wl, wv)) + film_colour(u.x, wv) + scattered_again_by(wl, u.x);
     f *= film_order(film_base(u.x, 1.4, u.y), u.x, u.y, 0.5) + film_wave(u.x, 1.0, u.y, 0.5) + doubled(u.x) +

@@ -150,10 +150,20 @@ TEST(Merl, IsReciprocalIsotropicAndBounded) {
 
 TEST(Merl, BatchesHaveTheBitsOfSingleValues) {
     std::mt19937_64 random(7);
-    const auto sparse = [&](int, int, int, int c) { return c == 1 && uniform(random) < 0.5 ? -1 : 1e3 * uniform(random); };
-    const MerlTable tables[] = {multilinear_table(), merl_table(sparse), *read_merl(merl_file({1, 1, 1}, sparse), "one")};
-    const Vec3f special[] = {{0, 0, 1}, {1, 0, 0}, {0, 0, -1}, {0.6f, 0, 0.8f}, {-0.6f, 0, 0.8f}, {0, 0.6f, 0.8f},
-                             {1, 0, 1e-30f}, {std::nanf(""), 0, 1}, {0, 0, std::nanf("")}};
+    const auto sparse = [&](int, int, int, int c) {
+        return c == 1 && uniform(random) < 0.5 ? -1 : 1e3 * uniform(random);
+    };
+    const MerlTable tables[] = {multilinear_table(), merl_table(sparse),
+                                *read_merl(merl_file({1, 1, 1}, sparse), "one")};
+    const Vec3f special[] = {{0, 0, 1},
+                             {1, 0, 0},
+                             {0, 0, -1},
+                             {0.6f, 0, 0.8f},
+                             {-0.6f, 0, 0.8f},
+                             {0, 0.6f, 0.8f},
+                             {1, 0, 1e-30f},
+                             {std::nanf(""), 0, 1},
+                             {0, 0, std::nanf("")}};
     std::vector<Vec3f> wl, wv;
     for (const Vec3f l : special)
         for (const Vec3f v : special) wl.push_back(l), wv.push_back(v);

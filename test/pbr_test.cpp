@@ -30,11 +30,11 @@ Vec3f above(std::mt19937_64& random) {
 }
 
 /// What a known surface is made of.
-enum class Made { metal, coated, fuzzy, film };
+enum class Made { metal, coated, fuzzy, film, brushed };
 /// A coloured surface in several of its layers.
 PbrModel known(Made of) {
     PbrModel truth;
-    const bool is_metal = of == Made::metal || of == Made::film;
+    const bool is_metal = of == Made::metal || of == Made::film || of == Made::brushed;
     truth.base_color = is_metal ? Rgb{0.9f, 0.6f, 0.3f} : Rgb{0.5f, 0.15f, 0.1f};
     truth.base_metalness = is_metal ? 1.f : 0.f;
     truth.specular_roughness = is_metal ? 0.35f : 0.25f;
@@ -43,13 +43,15 @@ PbrModel known(Made of) {
         truth.fuzz_weight = 0.7f, truth.fuzz_color = {0.8f, 0.8f, 0.3f}, truth.fuzz_roughness = 0.4f,
         truth.specular_roughness = 0.4f;
     if (of == Made::film) truth.thin_film_weight = 1, truth.thin_film_thickness = 0.35f;
+    if (of == Made::brushed) truth.specular_roughness_anisotropy = 0.6f, truth.specular_rotation = 0.4f;
     return truth;
 }
 
-TEST(Pbr, IsIsotropicNeverNegativeAndFinite) {
+TEST(Pbr, TurnsWithItsTangentIsNeverNegativeAndFinite) {
     std::mt19937_64 random(1);
     for (int i = 0; i < 2000; ++i) {
-        const PbrModel model = random_pbr(random);
+        PbrModel model = random_pbr(random);
+        if (i % 2) model.specular_roughness_anisotropy = 0;
         const Vec3f wl = above(random), wv = above(random);
         const Rgb f = value(model, wl, wv);
         const double turn = 6 * uniform(random);
@@ -57,6 +59,7 @@ TEST(Pbr, IsIsotropicNeverNegativeAndFinite) {
             const auto c = float(elementary::cos(turn)), s = float(elementary::sin(turn));
             return Vec3f{c * w.x - s * w.y, s * w.x + c * w.y, w.z};
         };
+        model.specular_rotation += float(turn / (2 * k_pi));
         const Rgb g = value(model, turned(wl), turned(wv));
         for (int c = 0; c < 3; ++c) {
             EXPECT_GE(f[c], 0);
@@ -64,6 +67,48 @@ TEST(Pbr, IsIsotropicNeverNegativeAndFinite) {
         }
     }
     EXPECT_EQ(value(PbrModel{}, {0, 0, -1}, {0, 0, 1}), Rgb{});
+}
+
+/// D G / (4 cosθl cosθv) of GGX facets with a roughness along x and one along y, as it is in the literature.
+double stretched_facets(Vec3d l, Vec3d v, double along, double across) {
+    const Vec3d h = normalize(l + v);
+    const auto tan2 = [&](Vec3d w) { return (along * along * w.x * w.x + across * across * w.y * w.y) / (w.z * w.z); };
+    const double slope = h.x * h.x / (along * along) + h.y * h.y / (across * across) + h.z * h.z;
+    const double d = 1 / (k_pi * along * across * slope * slope);
+    const auto lambda = [&](Vec3d w) { return (std::sqrt(1 + tan2(w)) - 1) / 2; };
+    return d / ((1 + lambda(l) + lambda(v)) * 4 * l.z * v.z);
+}
+TEST(Pbr, FacetsAreRougherAlongTheTangent) {
+    std::mt19937_64 random(6);
+    for (int i = 0; i < 300; ++i) {
+        const Vec3f wl = above(random), wv = above(random);
+        const double along = 0.1 + 0.8 * uniform(random), across = along * (0.2 + 0.8 * uniform(random));
+        const double facets = stretched_facets({wl.x, wl.y, wl.z}, {wv.x, wv.y, wv.z}, along, across);
+        EXPECT_TRUE(near(K::ggx_stretched_facets(wl, wv, float(along), float(across)), facets, 2e-4 * facets)) << i;
+        EXPECT_TRUE(near(K::ggx_stretched_facets(wl, wv, float(along), float(along)),
+                         K::ggx_facets(wl, wv, float(along)), 1e-4 * double(K::ggx_facets(wl, wv, float(along)))));
+    }
+    // A metal of F0 1 has the facets' value but for what is scattered again, and that is the same at all azimuths.
+    PbrModel white;
+    white.base_color = {1, 1, 1}, white.base_metalness = 1, white.specular_roughness = 0.5f;
+    white.specular_roughness_anisotropy = 0.5f, white.specular_rotation = 0.125f;
+    const double along = 0.25 * std::sqrt(2 / 1.25), across = along / 2;
+    const auto at = [&](double azimuth, double rotation) {
+        const Vec3d w = spherical(0.4, azimuth);
+        const double ratio = stretched_facets(spherical(0.4, azimuth - 2 * k_pi * rotation), {0, 0, 1}, along, across);
+        return double(value(white, to_float(w), {0, 0, 1}).g) / ratio;
+    };
+    for (const double azimuth : {0.3, 0.8, 2.0, 4.0})
+        EXPECT_TRUE(near(at(azimuth, 0.125), at(0, 0.125), 1e-3)) << azimuth;
+    // A little of it is nearly none.
+    PbrModel little = known(Made::coated);
+    const PbrModel none = little;
+    little.specular_roughness_anisotropy = 1e-4f;
+    for (int i = 0; i < 100; ++i) {
+        const Vec3f wl = above(random), wv = above(random);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_TRUE(near(value(little, wl, wv)[c], value(none, wl, wv)[c], 1e-3 * double(value(none, wl, wv)[c])));
+    }
 }
 
 TEST(Pbr, ExchangedItTakesLightForViewer) {
@@ -159,10 +204,11 @@ TEST(Pbr, AFileHoldsAllItsNumbers) {
     }
     EXPECT_EQ(payload_bytes(PbrModel{}), 48u);
     EXPECT_EQ(payload_bytes(known(Made::film)), 54u);
+    EXPECT_EQ(payload_bytes(known(Made::brushed)), 52u);
 }
 
 TEST(Pbr, DamagedFilesAreRefused) {
-    for (const PbrModel& model : {PbrModel{}, known(Made::film)}) {
+    for (const PbrModel& model : {PbrModel{}, known(Made::film), known(Made::brushed)}) {
         const std::vector<std::byte> whole = write_model({model, {}});
         for (std::size_t size = 0; size < whole.size(); ++size)
             EXPECT_FALSE(read_model(std::span(whole).first(size), "a").ok()) << size;
@@ -178,11 +224,11 @@ TEST(Pbr, DamagedFilesAreRefused) {
 }
 
 TEST(Pbr, AKnownSurfaceIsFittedBack) {
-    for (const Made made : {Made::metal, Made::coated, Made::fuzzy, Made::film}) {
+    for (const Made made : {Made::metal, Made::coated, Made::fuzzy, Made::film, Made::brushed}) {
         const PbrModel truth = known(made);
         const auto observed = observe(evaluator(truth), {.count = 8192});
         ASSERT_TRUE(observed.ok());
-        const auto fit = fit_pbr(*observed, {});
+        const auto fit = fit_pbr(*observed, {.is_isotropic = made != Made::brushed});
         ASSERT_TRUE(fit.ok());
         const std::vector<Evaluate> fits{evaluator(fit->model)};
         EXPECT_LT(compare_pictures(evaluator(truth), fits)[0].mean.delta_e, 0.3) << int(made);
@@ -238,7 +284,10 @@ TEST(Pbr, AFitDoesNotDependOnThreads) {
     const PbrModel truth = known(Made::coated);
     const auto observed = observe(evaluator(truth), {.count = 2048});
     ASSERT_TRUE(observed.ok());
-    const auto one = fit_pbr(*observed, {PbrSurfaceKind::gltf, 1}), two = fit_pbr(*observed, {PbrSurfaceKind::gltf, 2});
+    const auto fit = [&](int threads) {
+        return fit_pbr(*observed, {.surface = PbrSurfaceKind::gltf, .threads = threads});
+    };
+    const auto one = fit(1), two = fit(2);
     ASSERT_TRUE(one.ok() && two.ok());
     EXPECT_EQ(one->model, two->model);
     EXPECT_EQ(one->loss, two->loss);

@@ -191,6 +191,8 @@ TEST_P(Raster, SurfacesLookAsOnTheCpu) {
     EXPECT_GE(psnr(model, sphere_scene()), 50);
     model.thin_film_weight = 0.8f, model.thin_film_thickness = 0.4f;
     EXPECT_GE(psnr(model, knot_scene(), PixelInput::surface), 50);
+    model.specular_roughness_anisotropy = 0.7f, model.specular_rotation = 0.1f;
+    EXPECT_GE(psnr(model, sphere_scene()), 50);
 }
 
 TEST_P(Raster, ViewByViewModelsLookAsOnTheCpu) {

@@ -40,7 +40,9 @@ const std::vector<Model>& models() {
         add(PmForm::extended, false);
         models.push_back({rounded(GgxModel{{0.1f, 0.2f, 0.3f}, {{0.3f, {0.04f, 0.05f, 0.06f}, 1}}}), {}});
         models.push_back({rounded(GgxModel{{}, {{0.1f, {0.9f, 0.5f, 0.2f}, 1}, {0.5f, {0, 0.03f, 0.2f}, 0.4f}}}), {}});
-        models.push_back({rounded(PbrModel{.base_metalness = 0.7f, .thin_film_weight = 0.8f}), {}});
+        PbrModel film{.base_metalness = 0.7f, .thin_film_weight = 0.8f};
+        film.specular_roughness_anisotropy = 0.6f, film.specular_rotation = 0.3f;
+        models.push_back({rounded(film), {}});
         models.push_back(
             {rounded(PbrModel{.base_color = {0.5f, 0.3f, 0.1f}, .coat_weight = 0.5f, .fuzz_weight = 0.3f}), {}});
         models.back().provenance["note"] = "a */ comment \\\nthat */ would end # early \\";
@@ -134,8 +136,8 @@ void expect_equal(const Answers& answers, const std::string& of) {
     for (std::size_t i = 0; i < library.size(); ++i) {
         const Answer &a = answers[i], &b = library[i];
         for (std::size_t c = 0; c < 3; ++c) {
-            const double bound = tolerance(models()[i % count]) *
-                                 std::max(1e-4 * double(b.value[c]), 1e-6 * double(peak[i % count]));
+            const double bound =
+                tolerance(models()[i % count]) * std::max(1e-4 * double(b.value[c]), 1e-6 * double(peak[i % count]));
             most_apart = std::max(most_apart, std::abs(double(a.value[c]) - double(b.value[c])) / bound);
             wrong += !near(double(a.value[c]), double(b.value[c]), bound);
             wrong += !near(double(a.albedo[c]), double(b.albedo[c]),

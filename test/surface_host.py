@@ -10,6 +10,8 @@ from seen import delta_e
 
 MATERIALS = ["cc_ibiza_sunset_rgb", "cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb", "vch_golden_yellow_rgb"]
 HOST_WITHIN = 0.3  # of what the surface loses against the measurement
+BRUSHED = Path(__file__).resolve().parent / "models/1/pbr_brushed.srbf"  # a surface with anisotropy: a host draws it as `srbf render` does
+BRUSHED_WITHIN = 10  # ΔE_ITP; turned by 18° more it is 37
 SIZE, SAMPLES = 128, 128
 # The camera of `srbf render`: 15° above the horizon, 30° wide, the sphere within a margin of 4 %.
 ELEVATION, FIELD, MARGIN = math.radians(15), math.radians(30), 0.04
@@ -41,6 +43,12 @@ def on_sphere():
 def lost(reference, surface, host):
     """ΔE_ITP of surface and host against the reference, and of the host against the surface, of pixels [n, 3]."""
     return delta_e(surface, reference), delta_e(host, reference), delta_e(host, surface)
+
+
+def draws_brushed(host, apart):
+    """Says how far a host's picture of the brushed surface is from ours, ΔE_ITP, and whether that is as near as expected."""
+    print(f"{'ok  ' if apart <= BRUSHED_WITHIN else 'BAD '} brushed metal: {host} against ours {apart:.2f}", flush=True)
+    return apart <= BRUSHED_WITHIN
 
 
 def holds(name, host, losses, own_formulas):

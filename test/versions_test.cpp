@@ -40,6 +40,10 @@ std::map<std::string, Model> models_of_today() {
     all["ggx_two"] = {GgxModel{{0.1f, 0.2f, 0.3f}, {{0.4f, {0.5f, 0.3f, 0.1f}, 1}, {0.1f, {0.2f, 0.2f, 0.2f}, 0.5f}}},
                       {}};
     all["pbr"] = {PbrModel{.base_color = {0.5f, 0.3f, 0.1f}, .coat_weight = 0.5f, .fuzz_weight = 0.25f}, {}};
+    PbrModel brushed{.base_color = {0.9f, 0.6f, 0.3f}, .base_metalness = 1, .specular_roughness = 0.4f};
+    brushed.specular_roughness_anisotropy = 0.7f, brushed.specular_rotation = 0.1f;
+    all["pbr_brushed"] = {rounded(brushed), {}};
+    all["pbr_film"] = {rounded(PbrModel{.base_metalness = 0.5f, .thin_film_weight = 0.75f}), {}};
     all["bsdf"] = {full_bsdf(), {}};
     return all;
 }

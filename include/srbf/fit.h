@@ -104,6 +104,7 @@ struct SuFitOptions {
 
 struct PbrFitOptions {
     PbrSurfaceKind surface = PbrSurfaceKind::openpbr;  ///< whose parameters are fitted; others keep their defaults
+    bool is_isotropic = true;                          ///< no anisotropy is fitted
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 

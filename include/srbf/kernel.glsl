@@ -603,6 +603,21 @@ SRBF_FN Real ggx_facets(Vec3 wl, Vec3 wv, Real roughness) {
     return alpha2 / (Real(SRBF_TWO_PI) * slope * slope * masking);
 }
 
+// The same of facets with roughness alpha_x along x and alpha_y along y [1/sr].
+SRBF_FN Real ggx_stretched_facets(Vec3 wl, Vec3 wv, Real alpha_x, Real alpha_y) {
+    Vec3 sum = wl + wv;
+    Real squared = max(dot(sum, sum), Real(1.0e-12));
+    Real product = alpha_x * alpha_y;
+    Real slope = (alpha_y / alpha_x * (sum.x * sum.x) + alpha_x / alpha_y * (sum.y * sum.y) + product * (sum.z * sum.z)) /
+                 squared;
+    Real cl = max(wl.z, Real(1.0e-6));
+    Real cv = max(wv.z, Real(1.0e-6));
+    Vec3 l = Vec3(alpha_x * wl.x, alpha_y * wl.y, cl);
+    Vec3 v = Vec3(alpha_x * wv.x, alpha_y * wv.y, cv);
+    Real masking = cv * sqrt(dot(l, l)) + cl * sqrt(dot(v, v));
+    return product / (Real(SRBF_TWO_PI) * slope * slope * masking);
+}
+
 // (1 - l.h)^5, in which Schlick's Fresnel term is linear (Schlick 1994).
 SRBF_FN Real schlick_weight(Vec3 wl, Vec3 wv) {
     Vec3 sum = wl + wv;
@@ -779,6 +794,14 @@ struct PbrFilm {
     Real ior;
 };
 
+// Facets of the base that are rougher along a tangent than across it: specular_roughness_anisotropy, and the cosine and
+// sine of the tangent's azimuth.
+struct PbrAnisotropy {
+    Real amount;
+    Real cosine;
+    Real sine;
+};
+
 // 1 - cos(x), |x| <= 128 pi: five times the double angle, 1 - cos(2 a) = 2 v (2 - v) with v = 1 - cos(a).
 SRBF_FN Real doubled(Real v) { return Real(2.0) * v * (Real(2.0) - v); }
 SRBF_FN Real one_minus_cos(Real x) {
@@ -899,8 +922,7 @@ SRBF_FN PbrFacets pbr_film_facets(PbrSurface of, PbrFilm film, PbrBase base, Vec
 SRBF_FN Vec3 scattered_again_by(Vec3 f0, Real again) {
     return Vec3(Real(1.0) + f0.x * again, Real(1.0) + f0.y * again, Real(1.0) + f0.z * again);
 }
-SRBF_FN Vec3 pbr_base_value(PbrSurface of, PbrBase base, PbrFacets facets, Vec3 wl, Vec3 wv) {
-    Real density = ggx_facets(wl, wv, base.alpha);
+SRBF_FN Vec3 pbr_base_value(PbrSurface of, PbrBase base, PbrFacets facets, Real density, Vec3 wl, Vec3 wv) {
     FacetAlbedo whole = facet_albedo(wv.z, base.alpha);
     Real again = scattered_again(whole);
     Vec3 f0 = facets.dielectric_f0;
@@ -943,10 +965,25 @@ SRBF_FN Vec3 pbr_layers_value(PbrSurface of, Vec3 base, Vec3 wl, Vec3 wv) {
 }
 SRBF_FN Vec3 pbr_value(PbrSurface of, Vec3 wl, Vec3 wv) {
     PbrBase base = pbr_base(of);
-    return pbr_layers_value(of, pbr_base_value(of, base, pbr_facets(of, base, wl, wv), wl, wv), wl, wv);
+    Real density = ggx_facets(wl, wv, base.alpha);
+    return pbr_layers_value(of, pbr_base_value(of, base, pbr_facets(of, base, wl, wv), density, wl, wv), wl, wv);
 }
 // The same with a film on the base.
 SRBF_FN Vec3 pbr_film_value(PbrSurface of, PbrFilm film, Vec3 wl, Vec3 wv) {
     PbrBase base = pbr_base(of);
-    return pbr_layers_value(of, pbr_base_value(of, base, pbr_film_facets(of, film, base, wl, wv), wl, wv), wl, wv);
+    PbrFacets facets = pbr_film_facets(of, film, base, wl, wv);
+    return pbr_layers_value(of, pbr_base_value(of, base, facets, ggx_facets(wl, wv, base.alpha), wl, wv), wl, wv);
+}
+// The same with a film, whose weight may be 0, on facets that are rougher along a tangent than across it. Their albedo
+// is taken for that of the geometric mean of both.
+SRBF_FN Vec3 pbr_anisotropic_value(PbrSurface of, PbrFilm film, PbrAnisotropy facets_of, Vec3 wl, Vec3 wv) {
+    PbrBase base = pbr_base(of);
+    Real share = Real(1.0) - facets_of.amount;
+    Real along = base.alpha * sqrt(Real(2.0) / (Real(1.0) + share * share));
+    Real across = max(share * along, Real(1.0 / 1024.0));
+    Real density = ggx_stretched_facets(turned(wl, facets_of.cosine, -facets_of.sine),
+                                        turned(wv, facets_of.cosine, -facets_of.sine), along, across);
+    base.alpha = sqrt(along * across);
+    PbrFacets facets = pbr_film_facets(of, film, base, wl, wv);
+    return pbr_layers_value(of, pbr_base_value(of, base, facets, density, wl, wv), wl, wv);
 }

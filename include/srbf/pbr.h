@@ -10,9 +10,9 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// The parameters of OpenPBR Surface 1.1 that an opaque isotropic surface has, with the specification's names and
-/// defaults (Academy Software Foundation 2025): fuzz over a coat over a base that blends a metal with a dielectric over
-/// rough diffuse reflection. Evaluated by `pbr_value` of kernel.glsl. Where the specification leaves a choice, layers
+/// The parameters of OpenPBR Surface 1.1 that an opaque surface has, with the specification's names and defaults
+/// (Academy Software Foundation 2025): fuzz over a coat over a base that blends a metal with a dielectric over rough
+/// diffuse reflection. Evaluated by `pbr_value` of kernel.glsl. Where the specification leaves a choice, layers
 /// scale what lies below by their directional albedo at the viewer, so that the surface is not reciprocal. Of the
 /// parameters of a base under a coat, the base's index of refraction is relative to the coat's. Colours are linear, in
 /// Rec.709 primaries. `write_model` describes the file encoding.
@@ -36,7 +36,9 @@ struct PbrModel {
     float thin_film_weight = 0;        ///< of the base that the film covers; see `film_reflectance` of kernel.glsl
     float thin_film_thickness = 0.5f;  ///< [1e-6 m]
     float thin_film_ior = 1.4f;
-    bool is_exchanged = false;  ///< light and viewer: ρ(wl, wv) is the formula's of (wv, wl)
+    float specular_roughness_anisotropy = 0;  ///< see `pbr_anisotropic_value` of kernel.glsl
+    float specular_rotation = 0;              ///< of the tangent, along which facets are rougher, from x to y [turns]
+    bool is_exchanged = false;                ///< light and viewer: ρ(wl, wv) is the formula's of (wv, wl)
     friend bool operator==(const PbrModel&, const PbrModel&) = default;
 };
 
@@ -48,7 +50,7 @@ struct PbrParameter {
     Rgb PbrModel::*colour = nullptr;
     constexpr int count() const { return colour ? 3 : 1; }
 };
-inline constexpr std::array<PbrParameter, 19> k_pbr_parameters{{
+inline constexpr std::array<PbrParameter, 21> k_pbr_parameters{{
     {"base_weight", 0, 1, &PbrModel::base_weight},
     {"base_color", 0, 1, nullptr, &PbrModel::base_color},
     {"base_metalness", 0, 1, &PbrModel::base_metalness},
@@ -68,6 +70,8 @@ inline constexpr std::array<PbrParameter, 19> k_pbr_parameters{{
     {"thin_film_weight", 0, 1, &PbrModel::thin_film_weight},
     {"thin_film_thickness", 0, 1, &PbrModel::thin_film_thickness},
     {"thin_film_ior", 1, 3, &PbrModel::thin_film_ior},
+    {"specular_roughness_anisotropy", 0, 1, &PbrModel::specular_roughness_anisotropy},
+    {"specular_rotation", 0, 1, &PbrModel::specular_rotation},
 }};
 /// Number c of a parameter, 0 ≤ c < count.
 inline float& number(PbrModel& model, const PbrParameter& of, int c) {
@@ -76,9 +80,11 @@ inline float& number(PbrModel& model, const PbrParameter& of, int c) {
 inline float number(const PbrModel& model, const PbrParameter& of, int c) {
     return of.colour ? (model.*of.colour)[c] : model.*of.number;
 }
-/// Whether a parameter is stored: those of a film only if there is one.
+/// Whether a parameter is stored: those of a film and of anisotropy only if there is one.
 constexpr bool is_stored(const PbrModel& model, const PbrParameter& of) {
-    return model.thin_film_weight > 0 || !of.name.starts_with("thin_film_");
+    if (of.name.starts_with("thin_film_")) return model.thin_film_weight > 0;
+    const bool is_of_anisotropy = of.name == "specular_roughness_anisotropy" || of.name == "specular_rotation";
+    return !is_of_anisotropy || model.specular_roughness_anisotropy > 0;
 }
 /// How many numbers a model has.
 constexpr std::size_t pbr_number_count(const PbrModel& model) {
@@ -90,7 +96,7 @@ constexpr std::size_t pbr_number_count(const PbrModel& model) {
 /// The surface models that a fit may be restricted to: the parameters that each has, at their other defaults.
 enum class PbrSurfaceKind {
     openpbr,     ///< all of them
-    gltf,        ///< glTF 2.0 with KHR_materials_specular, ior, clearcoat and sheen
+    gltf,        ///< glTF 2.0 with its extensions for specular, ior, clearcoat, sheen, iridescence and anisotropy
     principled,  ///< Blender's Principled BSDF
 };
 inline constexpr std::array<std::string_view, 3> k_pbr_surfaces{"openpbr", "gltf", "principled"};

@@ -95,8 +95,8 @@ std::vector<Float4> pm_numbers(const PmModel& model, bool open = false);
 /// F90 of the second).
 std::array<Float4, 4> ggx_numbers(const GgxModel& model);
 /// The uniform `pbr_numbers`: the 23 numbers of kernel.glsl's PbrSurface in its order; 1 if light and viewer are
-/// exchanged, otherwise 0; those of PbrFilm; 0.
-std::array<Float4, 7> pbr_numbers(const PbrModel& model);
+/// exchanged, otherwise 0; those of PbrFilm; 0; those of PbrAnisotropy; 0.
+std::array<Float4, 8> pbr_numbers(const PbrModel& model);
 
 /// The texels of a view-by-view model's textures, one row per view.
 struct SuTexels {

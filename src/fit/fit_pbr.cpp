@@ -21,7 +21,7 @@ struct FittedParameter {
         return kind == PbrSurfaceKind::openpbr ? openpbr : kind == PbrSurfaceKind::gltf ? gltf : principled;
     }
 };
-constexpr std::array<FittedParameter, 17> k_fitted_parameters{{
+constexpr std::array<FittedParameter, 19> k_fitted_parameters{{
     // base_weight is a factor of base_color, and coat_darkening one of what coat_color does.
     {"base_color", true, true, true},
     {"base_metalness", true, true, true},
@@ -42,6 +42,8 @@ constexpr std::array<FittedParameter, 17> k_fitted_parameters{{
     {"thin_film_weight", true, true, false},
     {"thin_film_thickness", true, true, false},
     {"thin_film_ior", true, true, false},
+    {"specular_roughness_anisotropy", true, true, true},
+    {"specular_rotation", true, true, true},
 }};
 
 /// A number of the surface as a variable of the search.
@@ -304,7 +306,7 @@ constexpr std::uint64_t k_seed_of_starts = 1;  ///< of the random numbers of a f
 
 /// Where the search may start: metals and dielectrics, from glossy to rough, without and with a coat; and drawn surfaces,
 /// the same for every fit but for the colour, of which every fourth has a film if `with_film`.
-std::vector<PbrCandidate> pbr_starts_of(const Observations& observations, bool with_film) {
+std::vector<PbrCandidate> pbr_starts_of(const Observations& observations, bool with_film, bool with_anisotropy) {
     const Rgb colour = typical_colour(observations);
     std::vector<PbrCandidate> starts;
     for (const float metalness : {0.f, 1.f})
@@ -348,6 +350,11 @@ std::vector<PbrCandidate> pbr_starts_of(const Observations& observations, bool w
         start.thin_film_thickness = within(0.1f, 0.9f);
         start.thin_film_ior = within(1.2f, 2.5f);
     }
+    for (PbrCandidate& start : starts) {
+        if (!with_anisotropy) break;
+        start.model.specular_roughness_anisotropy = within(0.02f, 0.9f);
+        start.model.specular_rotation = within(0.25f, 0.75f);  // half a turn, far from the bounds
+    }
     return starts;
 }
 
@@ -379,6 +386,7 @@ constexpr double k_least_gain = 0.01;         ///< of the loss, by which a part 
 constexpr double k_unseen = 0.01;             ///< a loss of pixels, ΔE_ITP .1, for which no part is kept
 
 constexpr std::array<std::string_view, 3> k_film{"thin_film_weight", "thin_film_thickness", "thin_film_ior"};
+constexpr std::array<std::string_view, 2> k_anisotropy{"specular_roughness_anisotropy", "specular_rotation"};
 /// Variables without those of these parameters.
 std::vector<PbrVariable> without(std::vector<PbrVariable> variables, std::span<const std::string_view> names) {
     std::erase_if(variables, [&](const PbrVariable& one) { return std::ranges::count(names, one.of->name) > 0; });
@@ -393,6 +401,7 @@ struct PbrPart {
 std::vector<PbrPart> pbr_parts(const PbrModel& defaults) {
     std::vector<PbrPart> parts{
         {{k_film.begin(), k_film.end()}, defaults},
+        {{k_anisotropy.begin(), k_anisotropy.end()}, defaults},
         {{"fuzz_weight", "fuzz_color", "fuzz_roughness"}, defaults},
         {{"coat_weight", "coat_color", "coat_roughness", "coat_ior"}, defaults},
         {{"base_diffuse_roughness"}, defaults},
@@ -436,7 +445,8 @@ Result<PbrFit> fit_pbr(const Observations& observations, const PbrFitOptions& op
     if (const auto valid = validate(observations, pbr_number_count(PbrModel{})); !valid) return valid.error();
     Observations weighed = observations;
     const PbrModel defaults = fixed_of(options.surface);
-    const std::vector<PbrVariable> all = pbr_variables_of(options.surface);
+    std::vector<PbrVariable> all = pbr_variables_of(options.surface);
+    if (options.is_isotropic) all = without(all, k_anisotropy);
     const std::vector<PbrVariable> all_but_film = without(all, k_film);
 
     double done = 0;
@@ -461,7 +471,7 @@ Result<PbrFit> fit_pbr(const Observations& observations, const PbrFitOptions& op
     };
 
     const bool with_film = all.size() > all_but_film.size();
-    std::vector<PbrCandidate> candidates = pbr_starts_of(observations, with_film);
+    std::vector<PbrCandidate> candidates = pbr_starts_of(observations, with_film, !options.is_isotropic);
     {
         const PbrData data(weighed, k_pbr_rounds[0].every);
         parallel_for(candidates.size(), options.threads, [&](std::size_t i) {

@@ -116,7 +116,7 @@ class SampleFits {
             if (!ggx) return ggx;
             outcome = *std::move(ggx);
         } else if (std::holds_alternative<PbrRequest>(request_.model)) {
-            auto pbr = fit_pbr(observed->samples, request_, progress);
+            auto pbr = fit_pbr(observed->samples, request_, samples_.isotropic, progress);
             if (!pbr) return pbr;
             outcome = *std::move(pbr);
         } else {

@@ -75,9 +75,10 @@ Result<FitOutcome> fit_ggx(const Observations& observations, const FitRequest& r
     return outcome_of(*std::move(fitted));
 }
 
-Result<FitOutcome> fit_pbr(const Observations& observations, const FitRequest& request, const ProgressToken& progress) {
+Result<FitOutcome> fit_pbr(const Observations& observations, const FitRequest& request, bool is_isotropic,
+                           const ProgressToken& progress) {
     const PbrSurfaceKind surface = std::get<PbrRequest>(request.model).surface;
-    auto fitted = fit_pbr(observations, {surface, request.threads}, progress);
+    auto fitted = fit_pbr(observations, {surface, is_isotropic, request.threads}, progress);
     if (!fitted) return fitted.error();
     return outcome_of(*std::move(fitted));
 }
@@ -285,7 +286,7 @@ class Fitter::Work {
         const ProgressToken fitting = quiet->part(k_observed, 1);
         auto outcome = std::holds_alternative<GgxRequest>(request.model) ? fit_ggx(observations, request, fitting)
                        : std::holds_alternative<PbrRequest>(request.model)
-                           ? fit_pbr(observations, request, fitting)
+                           ? fit_pbr(observations, request, looks_isotropic(request), fitting)
                            : fit_pm_to_table(observations, request, fitting);
         if (!outcome) return outcome;
         outcome->masked = observations.masked;

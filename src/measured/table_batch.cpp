@@ -128,7 +128,8 @@ HWY_INLINE Vec3<Batch> merl_value(const MerlTable& table, Vec3<Batch> wl, Vec3<B
     const Batch first_h = rounded_down(at_h), first_d = rounded_down(at_d);
     const Batch first_p = min(rounded_down(at_p), Batch(double(n_p - 1)));
     const Batch to_h = at_h - first_h, to_d = at_d - first_d, to_p = at_p - first_p;
-    const Batch next_h = min(first_h + one, Batch(double(n_h - 1))), next_d = min(first_d + one, Batch(double(n_d - 1)));
+    const Batch next_h = min(first_h + one, Batch(double(n_h - 1))),
+                next_d = min(first_d + one, Batch(double(n_d - 1)));
     const Batch next_p = select(first_p < Batch(double(n_p - 1)), first_p + one, none);
 
     Vec3<Batch> sum(none, none, none);
@@ -159,13 +160,11 @@ HWY_INLINE Vec3<Batch> merl_value(const MerlTable& table, Vec3<Batch> wl, Vec3<B
 }
 
 void evaluate_rgl(const RglTable& table, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
-    evaluate_pairs(wl, wv, f, count,
-                   [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR { return rgl_value(table, l, v); });
+    evaluate_pairs(wl, wv, f, count, [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR { return rgl_value(table, l, v); });
 }
 
 void evaluate_merl(const MerlTable& table, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
-    evaluate_pairs(wl, wv, f, count,
-                   [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR { return merl_value(table, l, v); });
+    evaluate_pairs(wl, wv, f, count, [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR { return merl_value(table, l, v); });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -29,11 +29,19 @@ HWY_INLINE Formula::PbrSurface spread(const Kernel<float>::PbrSurface& of) {
 HWY_INLINE Formula::PbrFilm spread(const Kernel<float>::PbrFilm& of) {
     return {spread(of.weight), spread(of.thickness), spread(of.ior)};
 }
+HWY_INLINE Formula::PbrAnisotropy spread(const Kernel<float>::PbrAnisotropy& of) {
+    return {spread(of.amount), spread(of.cosine), spread(of.sine)};
+}
 
 void evaluate_surface(const PbrModel& model, const Vec3f* wl, const Vec3f* wv, Rgb* f, std::size_t count) {
     const auto surface = spread(kernel_surface(model));
     const auto film = spread(kernel_film(model));
-    if (model.thin_film_weight > 0)
+    const auto anisotropy = spread(kernel_anisotropy(model));
+    if (model.specular_roughness_anisotropy > 0)
+        evaluate_pairs(wl, wv, f, count, [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR {
+            return Formula::pbr_anisotropic_value(surface, film, anisotropy, l, v);
+        });
+    else if (model.thin_film_weight > 0)
         evaluate_pairs(wl, wv, f, count, [&](Vec3<Batch> l, Vec3<Batch> v) HWY_ATTR {
             return Formula::pbr_film_value(surface, film, l, v);
         });

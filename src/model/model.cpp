@@ -246,7 +246,8 @@ bool is_isotropic(const Model& model) {
     const auto* pm = std::get_if<PmModel>(&model.model);
     const auto* bsdf = std::get_if<BsdfModel>(&model.model);
     if (bsdf) return std::ranges::all_of(bsdf->part, [](const auto& part) { return !part || is_isotropic(*part); });
-    return !pm || pm->axial;
+    const auto* pbr = std::get_if<PbrModel>(&model.model);
+    return pbr ? pbr->specular_roughness_anisotropy == 0 : !pm || pm->axial;
 }
 
 void exchange(Model& model) {

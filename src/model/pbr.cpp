@@ -45,8 +45,9 @@ std::map<std::string, Tensor16> encode_pbr(const PbrModel& model) {
 
 Result<PbrModel> decode_pbr(const std::map<std::string, Tensor16>& tensors, bool is_exchanged,
                             const std::string& file_name) {
-    PbrModel of_all;  // with a film if the file has one
+    PbrModel of_all;  // with a film and anisotropy if the file has them
     of_all.thin_film_weight = tensors.contains("thin_film_weight") ? 1 : 0;
+    of_all.specular_roughness_anisotropy = tensors.contains("specular_roughness_anisotropy") ? 1 : 0;
     std::map<std::string, TensorShape> expected;
     for (const PbrParameter& of : k_pbr_parameters)
         if (is_stored(of_all, of)) expected[std::string(of.name)] = {Type16::half, {std::uint64_t(of.count())}};

@@ -1,5 +1,6 @@
 // A surface as kernel.glsl has it.
 #pragma once
+#include "srbf/elementary.h"
 #include "srbf/kernel.h"
 #include "srbf/pbr.h"
 
@@ -25,6 +26,10 @@ inline Kernel<float>::PbrSurface kernel_surface(const PbrModel& model) {
 }
 inline Kernel<float>::PbrFilm kernel_film(const PbrModel& model) {
     return {model.thin_film_weight, model.thin_film_thickness, model.thin_film_ior};
+}
+inline Kernel<float>::PbrAnisotropy kernel_anisotropy(const PbrModel& model) {
+    const double azimuth = 2 * k_pi * double(model.specular_rotation);
+    return {model.specular_roughness_anisotropy, float(elementary::cos(azimuth)), float(elementary::sin(azimuth))};
 }
 
 }  // namespace srbf

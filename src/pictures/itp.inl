@@ -28,8 +28,7 @@ template <typename Real> struct Itp {
   private:
     static Triplet times(const Matrix3& m, const Triplet& x) {
         Triplet y;
-        for (std::size_t i = 0; i < 3; ++i)
-            y[i] = Real(m[i][0]) * x[0] + Real(m[i][1]) * x[1] + Real(m[i][2]) * x[2];
+        for (std::size_t i = 0; i < 3; ++i) y[i] = Real(m[i][0]) * x[0] + Real(m[i][1]) * x[1] + Real(m[i][2]) * x[2];
         return y;
     }
     // The perceptual quantiser of `x` times 100 cd/m², ((c1 + c2 y) / (1 + c3 y))^m2 with y a power of the luminance,

@@ -167,16 +167,18 @@ std::array<Float4, 4> ggx_numbers(const GgxModel& model) {
     return numbers;
 }
 
-std::array<Float4, 7> pbr_numbers(const PbrModel& model) {
+std::array<Float4, 8> pbr_numbers(const PbrModel& model) {
     const auto of = kernel_surface(model);
     const auto film = kernel_film(model);
+    const auto anisotropy = kernel_anisotropy(model);
     return {{{of.base_color.x, of.base_color.y, of.base_color.z, of.metalness},
              {of.diffuse_roughness, of.specular_weight, of.specular_color.x, of.specular_color.y},
              {of.specular_color.z, of.specular_roughness, of.specular_ior, of.coat_weight},
              {of.coat_color.x, of.coat_color.y, of.coat_color.z, of.coat_roughness},
              {of.coat_ior, of.coat_darkening, of.fuzz_weight, of.fuzz_color.x},
              {of.fuzz_color.y, of.fuzz_color.z, of.fuzz_roughness, model.is_exchanged ? 1.f : 0.f},
-             {film.weight, film.thickness, film.ior, 0}}};
+             {film.weight, film.thickness, film.ior, 0},
+             {anisotropy.amount, anisotropy.cosine, anisotropy.sine, 0}}};
 }
 
 std::vector<Float4> pm_numbers(const PmModel& of, bool open) {

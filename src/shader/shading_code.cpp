@@ -212,13 +212,21 @@ template <typename Number> std::string brdf_of(const PbrModel& model, const Numb
         }
     }
     const std::string directions = model.is_exchanged ? "wv, wl" : "wl, wv";
-    if (model.thin_film_weight == 0)
+    const bool is_anisotropic = model.specular_roughness_anisotropy > 0;
+    if (model.thin_film_weight == 0 && !is_anisotropic)
         return brdf_function(text + fmt::format("    return pbr_value(of, {});\n", directions));
-    text += "    PbrFilm film;\n";
-    ++at;  // past whether light and viewer are exchanged
-    for (const char* member : {"weight", "thickness", "ior"})
-        text += fmt::format("    film.{} = {};\n", member, number(numbers[at++]));
-    return brdf_function(text + fmt::format("    return pbr_film_value(of, film, {});\n", directions));
+    const auto add = [&](const char* type, const char* name, const std::array<const char*, 3>& of_type) {
+        ++at;  // past what fills the vector before
+        text += fmt::format("    {} {};\n", type, name);
+        for (const char* member : of_type)
+            text += fmt::format("    {}.{} = {};\n", name, member, number(numbers[at++]));
+    };
+    add("PbrFilm", "film", {"weight", "thickness", "ior"});
+    if (!is_anisotropic)
+        return brdf_function(text + fmt::format("    return pbr_film_value(of, film, {});\n", directions));
+    add("PbrAnisotropy", "anisotropy", {"amount", "cosine", "sine"});
+    return brdf_function(text +
+                         fmt::format("    return pbr_anisotropic_value(of, film, anisotropy, {});\n", directions));
 }
 std::string brdf_of(const PbrModel& model) { return brdf_of(model, real); }
 /// The same with its numbers in a table.

@@ -72,7 +72,7 @@ struct Function {
     Type type;
     std::vector<Variable> parameters;
     std::vector<Statement> body;  ///< empty: the host supplies it, and it must be a root
-    bool is_accessor = false;  ///< to be replaced by the value that it returns
+    bool is_accessor = false;     ///< to be replaced by the value that it returns
 };
 
 /// Everything is defined before its use.

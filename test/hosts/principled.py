@@ -19,8 +19,8 @@ import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from seen import displayed, exposure  # noqa: E402
-from surface_host import DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, environment, holds, lost, on_sphere, pixels_of, run  # noqa: E402
+from seen import delta_e, displayed, exposure  # noqa: E402
+from surface_host import BRUSHED, DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, draws_brushed, environment, holds, lost, on_sphere, pixels_of, run  # noqa: E402
 
 data = Path(sys.argv[2])
 OWN_FORMULAS = {"cg_sunflower_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb"}  # farther apart by Cycles' own, which docs/surface.md names
@@ -67,24 +67,30 @@ def drawn_by_cycles(script, out):
     return pixels_of(out)
 
 
+def drawn(subject, out):
+    """By `srbf render`."""
+    run("render", subject, "-o", out, "--mesh", "sphere", "--env", environment, "--no-ground", "--no-occlusion", "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
+    return pixels_of(out)
+
+
 inside, rows, failures = on_sphere(), [], []
 with tempfile.TemporaryDirectory() as folder:
     for name in MATERIALS:
         measured, model = data / f"rgl/{name}.bsdf", f"{folder}/{name}.srbf"
         run("fit", measured, "--model", "pbr", "--surface", "principled", "-o", model)
         run("export", model, "--to", "blender", "-o", f"{folder}/{name}.py")
-        pictures = []
-        for subject in (measured, model):
-            out = f"{folder}/{name}-{len(pictures)}.exr"
-            run("render", subject, "-o", out, "--mesh", "sphere", "--env", environment, "--no-ground", "--no-occlusion",
-                "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
-            pictures.append(pixels_of(out))
+        pictures = [drawn(subject, f"{folder}/{name}-{i}.exr") for i, subject in enumerate((measured, model))]
         pictures.append(drawn_by_cycles(f"{folder}/{name}.py", f"{folder}/{name}-cycles.exr"))
         reference, surface, cycles = (of[inside] for of in pictures)
         if not holds(name, "Cycles", lost(reference, surface, cycles), OWN_FORMULAS):
             failures.append(name)
         by = exposure(reference)
         rows.append(np.concatenate([displayed(of, by) for of in pictures], axis=1))
+    run("export", BRUSHED, "--to", "blender", "-o", f"{folder}/brushed.py")
+    ours, cycles = drawn(BRUSHED, f"{folder}/brushed.exr"), drawn_by_cycles(f"{folder}/brushed.py", f"{folder}/brushed-cycles.exr")
+    if not draws_brushed("Cycles", delta_e(cycles[inside], ours[inside])):
+        failures.append("brushed")
+    rows.append(np.concatenate([displayed(of, exposure(ours[inside])) for of in (0 * ours, ours, cycles)], axis=1))
 if len(sys.argv) > 3:
     from PIL import Image
     Image.fromarray(np.concatenate(rows)).save(sys.argv[3])

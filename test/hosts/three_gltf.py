@@ -4,13 +4,16 @@ Without nicegui's files nothing is tried.
 
 Fits a surface to measurements, writes it as binary glTF, and draws a sphere by three.js (MeshPhysicalMaterial): under three distant
 lights, and in an environment that it filters beforehand, beside the measurement and the surface that `srbf render` draws. Under lights,
-what three.js loses against the measurement is within 30 % of what the surface does. Argument 3, if given: a picture is written there.
+what three.js loses against the measurement is within 30 % of what the surface does; in the environment it is not, for its irradiance of a
+white sphere, which is compared with the integral, is another one. Argument 3, if given: a picture is written there.
 Arguments: the program, a folder with rgl/.
 """
 import base64
 import importlib.util
+import json
 import math
 import shutil
+import struct
 import sys
 import tempfile
 from pathlib import Path
@@ -19,8 +22,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from chromium import WEBGL, Chromium, program as chromium  # noqa: E402
-from seen import displayed, exposure, hdr_of  # noqa: E402
-from surface_host import DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, environment, holds, lost, on_sphere, pixels_of, run  # noqa: E402
+from seen import delta_e, displayed, exposure, hdr_of  # noqa: E402
+from surface_host import BRUSHED, DISTANCE, ELEVATION, FIELD, MATERIALS, SAMPLES, SIZE, draws_brushed, environment, holds, lost, on_sphere, pixels_of, run  # noqa: E402
 
 found = next((Path(p) / "nicegui/elements/scene/dist" for p in sys.path if (Path(p) / "nicegui/elements/scene/dist/index.js").exists()), None)
 if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is None:
@@ -28,7 +31,8 @@ if found is None or chromium() is None or importlib.util.find_spec("OpenEXR") is
     sys.exit(0)
 
 data = Path(sys.argv[2])
-OWN_FORMULAS = {"cc_ibiza_sunset_rgb"}  # farther apart by three.js' own, which docs/surface.md names
+OWN_FORMULAS = set(MATERIALS) - {"cg_sunflower_rgb"}  # farther apart by three.js' own, which docs/surface.md names
+THREE = ("--env", "none", "--lights", "three")
 LIGHTS = [((-6 / 11, 6 / 11, 7 / 11), 3), ((6 / 7, 2 / 7, -3 / 7), 2), ((1 / 3, -2 / 3, 2 / 3), 0.5)]  # in the camera's frame
 
 
@@ -84,6 +88,42 @@ def drawn(page, glb, lights, texels):
     return pixels[::-1, :, :3].astype(float)
 
 
+def rendered(subject, out, words):
+    run("render", subject, "-o", out, "--mesh", "sphere", *words, "--no-ground", "--no-occlusion", "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
+    return pixels_of(out)
+
+
+def write_white(glb, out):
+    """A file of binary glTF with its sphere diffuse and white."""
+    content = Path(glb).read_bytes()
+    end = 20 + struct.unpack_from("<I", content, 12)[0]
+    gltf = json.loads(content[20:end])
+    name = "KHR_materials_specular"
+    gltf["materials"] = [{"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {name: {"specularFactor": 0}}}]
+    gltf["extensionsUsed"] = [name]
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(content) - end, len(text), b"JSON")
+    Path(out).write_bytes(head + text + content[end:])
+
+
+def irradiance(texels):
+    """By π, at the pixels of the sphere, of an environment."""
+    eye = np.array([0, DISTANCE * math.sin(ELEVATION), DISTANCE * math.cos(ELEVATION)])
+    forward, right = -eye / DISTANCE, np.array([1.0, 0, 0])
+    at = math.tan(FIELD / 2) * ((np.arange(SIZE) + 0.5) / SIZE * 2 - 1)
+    x, y = (of[inside][:, None] for of in np.meshgrid(at, -at))
+    ray = forward + x * right + y * np.cross(right, forward)
+    ray /= np.linalg.norm(ray, axis=-1, keepdims=True)
+    along = ray @ eye
+    normal = eye + (-along - np.sqrt(along**2 - DISTANCE**2 + 1))[:, None] * ray
+    height, width = texels.shape[:2]
+    theta, phi = np.meshgrid((np.arange(height) + 0.5) / height * np.pi, (np.arange(width) + 0.5) / width * 2 * np.pi - np.pi, indexing="ij")
+    towards = np.stack([np.sin(theta) * np.sin(phi), np.cos(theta), -np.sin(theta) * np.cos(phi)], axis=-1).reshape(-1, 3)
+    light = (texels * np.sin(theta)[..., None] * 2 * np.pi**2 / (height * width)).reshape(-1, 3)
+    return np.concatenate([np.maximum(some @ towards.T, 0) @ light for some in np.array_split(normal, 100)]) / np.pi
+
+
 inside = on_sphere()
 rows, failures = [], []
 with tempfile.TemporaryDirectory() as folder:
@@ -100,21 +140,26 @@ with tempfile.TemporaryDirectory() as folder:
             run("fit", measured, "--model", "pbr", "--surface", "gltf", "-o", model)
             run("export", model, "--to", "glb", "-o", glb)
             row = []
-            for words, lights, texels in ((("--env", "none", "--lights", "three"), LIGHTS, None), (("--env", environment), [], hdr_of(environment))):
-                pictures = []
-                for subject in (measured, model):
-                    out = f"{folder}/{name}-{len(row)}-{len(pictures)}.exr"
-                    run("render", subject, "-o", out, "--mesh", "sphere", *words, "--no-ground", "--no-occlusion", "--size", f"{SIZE}x{SIZE}", "--spp", SAMPLES)
-                    pictures.append(pixels_of(out))
+            for words, lights, texels in ((THREE, LIGHTS, None), (("--env", environment), [], hdr_of(environment))):
+                pictures = [rendered(subject, f"{folder}/{name}-{len(row)}-{i}.exr", words) for i, subject in enumerate((measured, model))]
                 pictures.append(drawn(page, glb, lights, texels))
                 reference, surface, three = (of[inside] for of in pictures)
-                kind = "lights" if texels is None else "environment"
-                near = holds(name, f"three.js ({kind})", lost(reference, surface, three), OWN_FORMULAS)
-                if not near and texels is None:
+                kind, own = ("lights", OWN_FORMULAS) if texels is None else ("environment", MATERIALS)
+                if not holds(name, f"three.js ({kind})", lost(reference, surface, three), own):
                     failures.append(name)
                 by = exposure(reference)
                 row += [displayed(of, by) for of in pictures]
             rows.append(np.concatenate(row, axis=1))
+        run("export", BRUSHED, "--to", "glb", "-o", f"{folder}/brushed.glb")
+        ours, three = rendered(BRUSHED, f"{folder}/brushed.exr", THREE), drawn(page, f"{folder}/brushed.glb", LIGHTS, None)
+        if not draws_brushed("three.js", delta_e(three[inside], ours[inside])):
+            failures.append("brushed")
+        rows.append(np.concatenate([displayed(of, exposure(ours[inside])) for of in (0 * ours, ours, three, *3 * [0 * ours])], axis=1))
+        write_white(f"{folder}/brushed.glb", f"{folder}/white.glb")
+        texels = hdr_of(environment)
+        exact, three = irradiance(texels), drawn(page, f"{folder}/white.glb", [], texels)[inside]
+        ratio = three[:, 1] / exact[:, 1]
+        print(f"white diffuse sphere: three.js' irradiance is {ratio.min():.2f} to {ratio.max():.2f} times the integral; ΔE_ITP {delta_e(three, exact):.1f}")
     finally:
         page.close()
 if len(sys.argv) > 3:

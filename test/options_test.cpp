@@ -17,7 +17,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"a goal", "fit m.binary -o o.srbf --objective raw --budget 14"},
     {"view by view", "fit m.binary -o o.srbf --model su --directions 8 --lobes 1 --objective raw"},
     {"ggx", "fit m.binary -o o.srbf --model ggx --objective raw"},
-    {"pbr", "fit m.binary -o o.srbf --model pbr --objective raw"},
+    {"pbr", "fit m.binary -o o.srbf --model pbr --surface principled --objective raw"},
     {"a folder", "fit m.binary -o d/ --model su --directions 8 --lobes 1 --objective raw"},
     {"texels", "fit t.npy --pairs p.csv -o d " + k_fit},
     {"a library", "fit m.binary -o o.srbf --basis 2 --active 1 --variates 1"},

@@ -33,7 +33,9 @@ using Roughness = std::vector<double>;
 class GgxProblem {
   public:
     GgxProblem(const Observations& observations, std::size_t rows, int threads)
-        : observations_(observations), rows_(std::min(rows, observations.fitted())), threads_(threads) {}
+        : observations_(observations), rows_(std::min(rows, observations.fitted())), threads_(threads) {
+        grazing_ = column([](Vec3f wl, Vec3f wv) { return Kernel<float>::schlick_weight(wl, wv); });
+    }
 
     double loss(const Roughness& log_alpha) { return solve(log_alpha).loss; }
 
@@ -42,7 +44,7 @@ class GgxProblem {
         double loss = 0;  // Σ w |f−f̂|²
     };
     /// The best model with that roughness.
-    Solution solve(const Roughness& log_alpha) const {
+    Solution solve(const Roughness& log_alpha) {
         const Moments sums = moments(log_alpha);
         const auto L = log_alpha.size();
         const auto n = Eigen::Index(3 + 4 * L);
@@ -73,19 +75,39 @@ class GgxProblem {
     }
 
   private:
-    Moments moments(const Roughness& log_alpha) const {
+    template <typename Value> std::vector<float> column(const Value& value) const {
+        std::vector<float> values(rows_);
+        parallel_for_parts(rows_, k_rows_at_once, threads_, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t row = begin; row < end; ++row)
+                values[row] = value(observations_.wl[row], observations_.wv[row]);
+        });
+        return values;
+    }
+    /// D G / (4 cosθl cosθv) of each row.
+    const std::vector<float>& facets(double log_alpha) {
+        const auto at = std::ranges::find(facets_, log_alpha, &Facets::log_alpha);
+        std::rotate(facets_.begin(), std::min(at, facets_.end() - 1), std::min(at, facets_.end() - 1) + 1);
+        if (facets_[0].log_alpha != log_alpha) {
+            const auto alpha = float(elementary::exp2(log_alpha));
+            facets_[0] = {log_alpha,
+                          column([=](Vec3f wl, Vec3f wv) { return Kernel<float>::ggx_facets(wl, wv, alpha); })};
+        }
+        return facets_[0].of_rows;
+    }
+
+    Moments moments(const Roughness& log_alpha) {
         const std::size_t terms = 1 + 2 * log_alpha.size();
+        std::array<const float*, k_most_ggx_lobes> of_lobes{};
+        for (std::size_t i = 0; i < log_alpha.size(); ++i) of_lobes[i] = facets(log_alpha[i]).data();
         std::vector<Moments> parts(part_count(rows_, k_rows_at_once));
         parallel_for_parts(rows_, k_rows_at_once, threads_, [&](std::size_t begin, std::size_t end) {
             Moments& part = parts[begin / k_rows_at_once];
             for (std::size_t row = begin; row < end; ++row) {
-                const Vec3f wl = observations_.wl[row], wv = observations_.wv[row];
                 const double w = observations_.weight[row];
-                const auto s = double(Kernel<float>::schlick_weight(wl, wv));
+                const auto s = double(grazing_[row]);
                 std::array<double, k_most_terms> t{1 / k_pi};
                 for (std::size_t i = 0; i < log_alpha.size(); ++i) {
-                    const double facets =
-                        double(Kernel<float>::ggx_facets(wl, wv, float(elementary::exp2(log_alpha[i]))));
+                    const auto facets = double(of_lobes[i][row]);
                     t[1 + 2 * i] = facets * (1 - s);
                     t[2 + 2 * i] = facets * s;
                 }
@@ -111,6 +133,12 @@ class GgxProblem {
     const Observations& observations_;
     std::size_t rows_;
     int threads_;
+    std::vector<float> grazing_;  ///< s of each row
+    struct Facets {
+        double log_alpha = 1;  // of no lobe
+        std::vector<float> of_rows;
+    };
+    std::array<Facets, 4> facets_;  ///< of the roughnesses that were tried last: a search changes one at a time
 };
 
 constexpr double k_least_log = -10;  // of k_least_roughness

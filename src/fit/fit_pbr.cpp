@@ -379,11 +379,11 @@ struct PbrRound {
 constexpr std::array<PbrRound, 3> k_pbr_rounds{{{64, 10, 10}, {16, 5, 15}, {6, 2, 20}}};
 constexpr std::array<PbrRound, 3> k_film_rounds{{{64, 10, 10}, {8, 5, 15}, {3, 2, 20}}};
 constexpr PbrRound k_last_pbr_round{2, 1, 40};
-constexpr int k_weighed_rounds = 4;           ///< with weights adapted to errors, where no pictures are observed
-constexpr double k_most_weight_change = 100;  ///< of these
-constexpr int k_steps_without = 10;           ///< to adapt to a part that is dropped
-constexpr double k_least_gain = 0.01;         ///< of the loss, by which a part is kept
-constexpr double k_unseen = 0.01;             ///< a loss of pixels, ΔE_ITP .1, for which no part is kept
+constexpr int k_weighed_rounds = 4;             ///< with weights adapted to errors, where no pictures are observed
+constexpr double k_most_weight_change = 100;    ///< of these
+constexpr int k_steps_without = 10;             ///< to adapt to a part that is dropped
+constexpr double k_least_gain_of_parts = 0.01;  ///< of the loss, by which a part is kept
+constexpr double k_unseen = 0.01;               ///< a loss of pixels, ΔE_ITP .1, for which no part is kept
 
 constexpr std::array<std::string_view, 3> k_film{"thin_film_weight", "thin_film_thickness", "thin_film_ior"};
 constexpr std::array<std::string_view, 2> k_anisotropy{"specular_roughness_anisotropy", "specular_rotation"};
@@ -433,7 +433,7 @@ void drop_unseen_parts(PbrFound& found, const PbrData& data, const PbrModel& def
         Eigen::VectorXd x = problem.x_of(less);
         const double loss =
             levenberg_marquardt(problem, x, {.max_iterations = k_steps_without, .adapts_to_bounds = true}).loss;
-        if (loss > std::max((1 + k_least_gain) * found.best.loss, bearable)) continue;
+        if (loss > std::max((1 + k_least_gain_of_parts) * found.best.loss, bearable)) continue;
         found = {{problem.model(x), loss}, left};
     }
 }

@@ -129,7 +129,7 @@ Result<AngleBasis> basis_named(const Element& of, const std::vector<AngleBasis>&
         if (same(basis.name, name)) return basis;
     for (const KnownBasis& known : known_bases())
         if (same(known.name, name)) return made(known);
-    return of.error("angle basis", "one that the file defines, or one of Klems'", quoted(name));
+    return of.error("angle basis", "one that the file defines, or one of Klems'", srbf::quoted(name));
 }
 
 /// The numbers of a matrix, separated by white space and commas.

@@ -438,71 +438,101 @@ void drop_unseen_parts(PbrFound& found, const PbrData& data, const PbrModel& def
     }
 }
 
+/// From many starts to the best surfaces.
+class PbrSearch {
+  public:
+    PbrSearch(const Observations& observations, const PbrFitOptions& options, const ProgressToken& progress)
+        : observations_(observations),
+          weighed_(observations),
+          options_(options),
+          progress_(progress),
+          defaults_(fixed_of(options.surface)),
+          all_(pbr_variables_of(options.surface)) {
+        if (options.is_isotropic) all_ = without(all_, k_anisotropy);
+        all_but_film_ = without(all_, k_film);
+    }
+
+    /// The best surface with the parts of it that are seen.
+    Result<PbrFound> found() {
+        const bool with_film = all_.size() > all_but_film_.size();
+        std::vector<PbrCandidate> candidates = screened(with_film);
+        if (const auto done = search(candidates, k_pbr_rounds); !done) return done.error();
+        if (with_film) {
+            std::vector<PbrCandidate> films = under_films(candidates);
+            if (const auto done = search(films, k_film_rounds); !done) return done.error();
+            candidates.insert(candidates.end(), films.begin(), films.end());
+            std::ranges::stable_sort(candidates, {}, &PbrCandidate::loss);
+        }
+        if (const auto done = search(candidates, {&k_last_pbr_round, 1}); !done) return done.error();
+        // As of Lambert and GGX: weights that hold for small errors are adapted to large ones.
+        const bool is_weighed = observations_.views.empty() && traits(observations_.objective).seen;
+        for (int i = 0; i < k_weighed_rounds && is_weighed; ++i) {
+            weighed_.weight = observations_.weight;
+            weigh_large_errors(weighed_, evaluator(candidates[0].model), k_most_weight_change);
+            if (const auto done = search(candidates, {&k_last_pbr_round, 1}); !done) return done.error();
+        }
+        PbrFound found{candidates[0], variables_of(candidates[0])};
+        drop_unseen_parts(found, PbrData(weighed_, 1), defaults_, observations_.views.empty() ? 0 : k_unseen);
+        return found;
+    }
+    /// What was fitted to in the end.
+    PbrData data() const { return PbrData(weighed_, 1); }
+
+  private:
+    const std::vector<PbrVariable>& variables_of(const PbrCandidate& candidate) const {
+        return candidate.has_film() ? all_ : all_but_film_;
+    }
+    /// The starts with the least loss first.
+    std::vector<PbrCandidate> screened(bool with_film) const {
+        std::vector<PbrCandidate> starts = pbr_starts_of(observations_, with_film, !options_.is_isotropic);
+        const PbrData data(weighed_, k_pbr_rounds[0].every);
+        parallel_for(starts.size(), options_.threads, [&](std::size_t i) {
+            PbrProblem problem(data, variables_of(starts[i]), defaults_);
+            starts[i].model = problem.model(problem.x_of(starts[i].model));  // with what the surface lacks
+            starts[i].loss = problem.loss(starts[i].model);
+        });
+        std::ranges::stable_sort(starts, {}, &PbrCandidate::loss);
+        return starts;
+    }
+    Result<Done> search(std::vector<PbrCandidate>& candidates, std::span<const PbrRound> rounds) {
+        for (const PbrRound& round : rounds) {
+            if (!progress_.report("searching parameters", done_)) return cancelled_error("fit");
+            const PbrData data(weighed_, round.every);
+            candidates.resize(std::min(candidates.size(), round.candidates));
+            parallel_for(candidates.size(), options_.threads, [&](std::size_t i) {
+                PbrCandidate& candidate = candidates[i];
+                PbrProblem problem(data, variables_of(candidate), defaults_);
+                Eigen::VectorXd x = problem.x_of(candidate.model);
+                candidate.loss =
+                    levenberg_marquardt(problem, x, {.max_iterations = round.steps, .adapts_to_bounds = true}).loss;
+                candidate.model = problem.model(x);
+            });
+            std::ranges::stable_sort(candidates, {}, &PbrCandidate::loss);
+            done_ += 0.9 / double(k_pbr_rounds.size() + k_film_rounds.size() + k_weighed_rounds);
+        }
+        return Done{};
+    }
+
+    const Observations& observations_;
+    Observations weighed_;
+    const PbrFitOptions& options_;
+    const ProgressToken& progress_;
+    PbrModel defaults_;
+    std::vector<PbrVariable> all_, all_but_film_;
+    double done_ = 0;
+};
+
 }  // namespace
 
 Result<PbrFit> fit_pbr(const Observations& observations, const PbrFitOptions& options, const ProgressToken& progress) {
     const StandardArithmetic mode;
     if (const auto valid = validate(observations, pbr_number_count(PbrModel{})); !valid) return valid.error();
-    Observations weighed = observations;
-    const PbrModel defaults = fixed_of(options.surface);
-    std::vector<PbrVariable> all = pbr_variables_of(options.surface);
-    if (options.is_isotropic) all = without(all, k_anisotropy);
-    const std::vector<PbrVariable> all_but_film = without(all, k_film);
-
-    double done = 0;
-    const auto problem_of = [&](const PbrData& data, const PbrCandidate& candidate) {
-        return PbrProblem(data, candidate.has_film() ? all : all_but_film, defaults);
-    };
-    const auto search = [&](std::vector<PbrCandidate>& candidates, const PbrRound& round) -> Result<Done> {
-        const PbrData data(weighed, round.every);
-        if (!progress.report("searching parameters", done)) return cancelled_error("fit");
-        candidates.resize(std::min(candidates.size(), round.candidates));
-        parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
-            PbrCandidate& candidate = candidates[i];
-            PbrProblem problem = problem_of(data, candidate);
-            Eigen::VectorXd x = problem.x_of(candidate.model);
-            candidate.loss =
-                levenberg_marquardt(problem, x, {.max_iterations = round.steps, .adapts_to_bounds = true}).loss;
-            candidate.model = problem.model(x);
-        });
-        std::ranges::stable_sort(candidates, {}, &PbrCandidate::loss);
-        done += 0.9 / double(k_pbr_rounds.size() + k_film_rounds.size() + k_weighed_rounds);
-        return Done{};
-    };
-
-    const bool with_film = all.size() > all_but_film.size();
-    std::vector<PbrCandidate> candidates = pbr_starts_of(observations, with_film, !options.is_isotropic);
-    {
-        const PbrData data(weighed, k_pbr_rounds[0].every);
-        parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
-            PbrProblem problem = problem_of(data, candidates[i]);
-            candidates[i].model = problem.model(problem.x_of(candidates[i].model));  // with what the surface lacks
-            candidates[i].loss = problem.loss(candidates[i].model);
-        });
-        std::ranges::stable_sort(candidates, {}, &PbrCandidate::loss);
-    }
-    for (const PbrRound& round : k_pbr_rounds)
-        if (const auto found = search(candidates, round); !found) return found.error();
-    if (with_film) {
-        std::vector<PbrCandidate> films = under_films(candidates);
-        for (const PbrRound& round : k_film_rounds)
-            if (const auto found = search(films, round); !found) return found.error();
-        candidates.insert(candidates.end(), films.begin(), films.end());
-        std::ranges::stable_sort(candidates, {}, &PbrCandidate::loss);
-    }
-    if (const auto found = search(candidates, k_last_pbr_round); !found) return found.error();
-    // As of Lambert and GGX: weights that hold for small errors are adapted to large ones.
-    for (int i = 0; i < k_weighed_rounds && observations.views.empty() && traits(observations.objective).seen; ++i) {
-        weighed.weight = observations.weight;
-        weigh_large_errors(weighed, evaluator(candidates[0].model), k_most_weight_change);
-        if (const auto found = search(candidates, k_last_pbr_round); !found) return found.error();
-    }
-
-    const PbrData data(weighed, 1);
-    PbrFound found{candidates[0], candidates[0].has_film() ? all : all_but_film};
-    drop_unseen_parts(found, data, defaults, observations.views.empty() ? 0 : k_unseen);
-    PbrProblem problem(data, found.variables, found.best.model);
-    PbrFit fit{{}, found.best.model, 0, problem.loss(found.best.model)};
+    PbrSearch search(observations, options, progress);
+    const auto found = search.found();
+    if (!found) return found.error();
+    const PbrData data = search.data();
+    PbrProblem problem(data, found->variables, found->best.model);
+    PbrFit fit{{}, found->best.model, 0, problem.loss(found->best.model)};
     fit.model = rounded(fit.unrounded);
     fit.loss = problem.loss(fit.model);
     return fit;

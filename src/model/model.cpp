@@ -320,6 +320,27 @@ Safetensors content_of(const Model& model) {
     return content;
 }
 
+/// Of both sides, whose parts are taken out of the content.
+Result<Model> model_of(Safetensors content, bool may_be_bsdf, const std::string& file_name);
+Result<Model> bsdf_of(Safetensors content, const std::string& file_name) {
+    BsdfModel bsdf;
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        Safetensors of_part = take_part(content, Part(p));
+        if (of_part.tensors.empty() && of_part.metadata.empty()) continue;
+        auto part = model_of(std::move(of_part), false, file_name);
+        if (!part) {
+            Error of = part.error();
+            of.what = fmt::format("{}: {}", k_part_names[p], of.what);
+            return of;
+        }
+        bsdf.part[p] = std::make_shared<const Model>(*std::move(part));
+    }
+    auto beams = decode_beams(content.tensors, file_name);
+    if (!beams) return beams.error();
+    bsdf.beam = *std::move(beams);
+    return Model{std::move(bsdf), std::move(content.metadata)};
+}
+
 /// The model of these; `may_be_bsdf`: a part may not.
 Result<Model> model_of(Safetensors content, bool may_be_bsdf, const std::string& file_name) {
     auto& metadata = content.metadata;
@@ -333,24 +354,7 @@ Result<Model> model_of(Safetensors content, bool may_be_bsdf, const std::string&
     if (may_be_bsdf) kinds.push_back("bsdf");
     const std::string kind = take("model", kinds);
     if (error) return *error;
-    if (kind == "bsdf") {
-        BsdfModel bsdf;
-        for (std::size_t p = 0; p < k_parts; ++p) {
-            Safetensors of_part = take_part(content, Part(p));
-            if (of_part.tensors.empty() && of_part.metadata.empty()) continue;
-            auto part = model_of(std::move(of_part), false, file_name);
-            if (!part) {
-                Error of = part.error();
-                of.what = fmt::format("{}: {}", k_part_names[p], of.what);
-                return of;
-            }
-            bsdf.part[p] = std::make_shared<const Model>(*std::move(part));
-        }
-        auto beams = decode_beams(content.tensors, file_name);
-        if (!beams) return beams.error();
-        bsdf.beam = *std::move(beams);
-        return Model{std::move(bsdf), std::move(metadata)};
-    }
+    if (kind == "bsdf") return bsdf_of(std::move(content), file_name);
     if (kind == "su") {
         const auto discretise = take("discretise", {name(Discretise::view), name(Discretise::light)}),
                    interpolation =

@@ -334,9 +334,8 @@ int run(const std::vector<std::string>& arguments) {
             std::printf("%s, %d threads\n", sets[i].c_str(), golden.threads);
             // Narrow vectors take long: the next newest set has the default fit and a row of each kind, the next fewer,
             // the rest one.
-            const std::vector<std::string> some{"texels",     "film-lights", "film-3-general",
-                                                "film-ggx",   "film",        "film-views",
-                                                "both-sides", "film-pbr",    "film-samples-cube-root"};
+            const std::vector<std::string> some{"texels", "film-lights", "film-3-general", "film-ggx",
+                                                "film",   "film-views",  "film-pbr",       "film-samples-cube-root"};
             const std::ptrdiff_t count = every ? std::ssize(rows()) : i == 1 ? std::ssize(some) : i == 2 ? 3 : 1;
             const auto is_wanted = [&](const Row& row) {
                 return every || std::find(some.begin(), some.end(), row.name) - some.begin() < count;

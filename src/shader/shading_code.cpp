@@ -14,6 +14,7 @@
 #include "shader/syntax.h"
 #include "srbf/extended_light.h"
 #include "srbf/prepared.h"
+#include "srbf/shader.h"
 
 namespace srbf {
 namespace {

@@ -141,6 +141,7 @@ PYBIND11_MODULE(_srbf, module) {
     module.def("fit_batch", &fit_texels);
     module.def("load_stack", &load_stack);
     module.def("errors", &errors);
+    module.def("errors_of_function", &errors_of_function);
     module.def("render", &render);
     module.def("convert", &convert);
     module.def("code", &code);

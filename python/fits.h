@@ -1,8 +1,10 @@
 // Fits as Python asks for them, and their errors.
 #pragma once
+#include <array>
 #include <chrono>
 #include <cstring>
 #include <exception>
+#include <functional>
 
 #include "background.h"
 #include "brdf.h"
@@ -109,36 +111,54 @@ inline py::dict fit_brdf(const Held& brdf, const Request& asked, const py::objec
     return outcome_of(std::move(outcome));
 }
 
-/// `function(wl, wv)` returns f_r of n pairs as an array that broadcasts to [n, 3].
+/// A function of Python as a BRDF: `function(wl, wv)` returns f_r of n pairs as an array that broadcasts to [n, 3]. It
+/// keeps what the function raises, and then cancels the computation that asks it.
+class CalledFunction {
+  public:
+    CalledFunction(const py::function& function, const ProgressToken& token) : function_(function), token_(token) {}
+
+    void operator()(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        const py::gil_scoped_acquire acquired;
+        std::ranges::fill(f, Rgb{});
+        if (raised_) return;
+        try {
+            const auto n = py::ssize_t(wl.size());
+            const auto array = [n](std::span<const Vec3f> w) { return array_of({&w[0].x, 3 * w.size()}, {n, 3}); };
+            const py::object values = py::module_::import("numpy").attr("broadcast_to")(function_(array(wl), array(wv)),
+                                                                                        py::make_tuple(n, 3));
+            const auto numbers = py::array_t<float, py::array::c_style | py::array::forcecast>(values);
+            std::memcpy(f.data(), numbers.data(), f.size() * sizeof(Rgb));
+        } catch (...) {
+            raised_ = std::current_exception();
+            token_.cancel();
+        }
+    }
+    std::exception_ptr raised() const { return raised_; }
+
+  private:
+    const py::function& function_;
+    const ProgressToken& token_;
+    std::exception_ptr raised_;
+};
+
+/// Runs work(f, token) with `function` as the BRDF f, and raises what it raised.
+template <typename Work> auto with_function(const py::function& function, const py::object& progress, const Work& work) {
+    std::exception_ptr raised;
+    auto result = in_background(progress, [&](const ProgressToken& token) {
+        CalledFunction called(function, token);
+        auto worked = work(Evaluate(std::ref(called)), token);
+        raised = called.raised();
+        return worked;
+    });
+    if (raised) std::rethrow_exception(raised);
+    return result;
+}
+
 inline py::dict fit_function(const py::function& function, const Request& asked, const py::object& progress) {
     const FitRequest request = asked.fit_request();
-    std::exception_ptr raised;
-    const auto run = [&](const ProgressToken& token) {
-        return fit(
-            [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-                const py::gil_scoped_acquire acquired;
-                std::ranges::fill(f, Rgb{});
-                if (raised) return;
-                try {
-                    const auto n = py::ssize_t(wl.size());
-                    const auto array = [n](std::span<const Vec3f> w) {
-                        return array_of({&w[0].x, 3 * w.size()}, {n, 3});
-                    };
-                    const py::module_ numpy = py::module_::import("numpy");
-                    const py::object values =
-                        numpy.attr("broadcast_to")(function(array(wl), array(wv)), py::make_tuple(n, 3));
-                    const auto numbers = py::array_t<float, py::array::c_style | py::array::forcecast>(values);
-                    std::memcpy(f.data(), numbers.data(), f.size() * sizeof(Rgb));
-                } catch (...) {
-                    raised = std::current_exception();
-                    token.cancel();
-                }
-            },
-            request, token);
-    };
-    Result<FitOutcome> outcome = in_background(progress, run);
-    if (raised) std::rethrow_exception(raised);
-    return outcome_of(required(std::move(outcome)));
+    return outcome_of(required(with_function(function, progress, [&](const Evaluate& f, const ProgressToken& token) {
+        return fit(f, request, token);
+    })));
 }
 
 inline py::list fit_texels(const Array& wl, const Array& wv, const Array& f, const Request& asked, bool isotropic,
@@ -176,6 +196,15 @@ inline py::dict errors(const Held& reference, const Held& other, double max_thet
         other.model() ? matrix_directions(*other.model(), theta) : fibonacci_directions(k_matrix_directions, theta);
     return measures_of(in_background(py::none(), [&](const ProgressToken& token) {
         return compare(a, others, {theta, threads, token}, directions);
+    })[0]);
+}
+
+inline py::dict errors_of_function(const Held& reference, const py::function& other, double max_theta, int threads) {
+    const double theta = max_theta * k_degree;
+    const Evaluate a = reference.evaluate();
+    const std::vector<Vec3f> directions = fibonacci_directions(k_matrix_directions, theta);
+    return measures_of(with_function(other, py::none(), [&](const Evaluate& f, const ProgressToken& token) {
+        return compare(a, std::array{f}, {theta, threads, token}, directions);
     })[0]);
 }
 

@@ -384,11 +384,16 @@ def load_texels(path: Path) -> list[Fit]:
             for held, error, state in _srbf.load_stack(os.fspath(path))]
 
 
-def errors(reference: Brdf, other: Brdf, *, max_theta: float = 80, threads: int = 0) -> dict[str, Any]:
+def errors(reference: Brdf, other: Union[Brdf, Callable[[Array, Array], npt.ArrayLike]], *, max_theta: float = 80,
+           threads: int = 0) -> dict[str, Any]:
     """The measures of docs/accuracy.md of `other` against `reference`, both directions within `max_theta` [degrees] of the normal, as
-    `srbf compare --json` names them."""
+    `srbf compare --json` names them. `other` may be a function f(wl, wv) as `fit` takes one: a model of your own."""
     theta, count = _options.number("max_theta", max_theta, 1, 90), _options.option("threads", threads)
-    return _srbf.errors(reference._held, other._held, theta, count)
+    if isinstance(other, Brdf):
+        return _srbf.errors(reference._held, other._held, theta, count)
+    if not callable(other):
+        raise TypeError(f"other: expected a BRDF or a function, found {type(other).__name__}")
+    return _srbf.errors_of_function(reference._held, other, theta, count)
 
 
 def forms() -> list[str]:

@@ -152,6 +152,17 @@ def test_a_fit_tells_what_the_program_tells(paper):
     assert srbf.errors(paper, paper)["delta_e_itp"] == 0
 
 
+def test_errors_of_functions_are_those_of_their_values(paper):
+    facets = srbf.fit(paper, model="ggx").model
+    of_model, of_function = srbf.errors(paper, facets), srbf.errors(paper, lambda wl, wv: facets.eval(wl, wv))
+    for name in ("delta_e_itp", "rms", "heldout_squared_error_ratio_cosine", "albedo_error"):
+        assert of_function[name] == pytest.approx(of_model[name], rel=1e-3)
+    with pytest.raises(KeyError):
+        srbf.errors(paper, lambda wl, wv: {}["missing"])
+    with pytest.raises(TypeError, match="other: expected a BRDF or a function, found str"):
+        srbf.errors(paper, "paper.srbf")
+
+
 def test_functions_and_arrays_are_fitted():
     def lambert(wl, wv):
         assert wl.shape == wv.shape and wl.dtype == np.float32

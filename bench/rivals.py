@@ -1,0 +1,150 @@
+"""Every row of docs/comparison.csv: python3 bench/rivals.py FILE... [--networks FOLDER] [--codes FOLDER] > docs/comparison.csv
+
+Each measurement by each model, all compared with it by the same measures. Needs the package `srbf` (PYTHONPATH=build/release/python) and
+NumPy. Two published rivals are fitted to single materials by others; a row of them is written where a file has a material's name:
+
+--networks FOLDER  NAME.txt: 675 weights of a network of layers 6, 21, 21, 3 (Sztrajman, Rainer, Ritschel, Weyrich: Neural BRDF
+                   Representation and Importance Sampling, 2021)
+--codes FOLDER     decoder.f32 and latents.txt: seven numbers a material, and a decoder that all share (Zheng, Zheng, Wang, Zhao, Bao: A
+                   Compact Representation of Measured BRDFs Using Neural Processes, 2021)
+"""
+import argparse
+import csv
+import os
+import sys
+import tempfile
+
+import numpy as np
+import srbf
+
+FITS = {  # options of srbf.fit
+    "ggx": {"model": "ggx"},
+    "ggx-2": {"model": "ggx", "lobes": 2},
+    "openpbr": {"model": "pbr"},
+    "srbf-4": {"lobes": 4},
+    "srbf": {},
+    "srbf-16": {"lobes": 16},
+    "su": {"model": "su", "lobes": 5},
+}
+KINDS = {
+    "metal": "alum-bronze brass chrome-steel gold-metallic-paint3 grease-covered-steel nickel ilm_l3_37_metallic two-layer-silver",
+    "paint": "blue-metallic-paint color-changing-paint2 dark-red-paint purple-paint silver-metallic-paint irid_flake_paint1 aurora_white",
+    "plastic": "black-soft-plastic green-plastic nylon polyethylene red-plastic specular-green-phenolic specular-red-phenolic "
+               "specular-yellow-phenolic teflon white-acrylic yellow-matte-plastic yellow-plastic green-latex spectralon",
+    "fabric": "light-brown-fabric pink-felt red-fabric2 white-fabric2 acrylic_felt_green satin_blue",
+    "film": "cc_ibiza_sunset cc_amber_citrine cg_sunflower chm_mint cm_toxic_green vch_golden_yellow vch_frozen_amethyst vch_ultra_pink",
+    "wood, stone, paper": "aventurnine black-obsidian fruitwood-241 natural-209 pickled-oak-260 special-walnut-224 cardboard leaf_maple "
+                          "paper_red paper_white colodur_napoli_4f",
+}
+KIND_OF = {material: kind for kind, materials in KINDS.items() for material in materials.split()}
+ERRORS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms"]
+HELD_OUT = ["heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"]
+MAX_THETA = 80  # degrees, of what is held out
+
+
+def half_and_difference(wl, wv):
+    """The half vector at azimuth 0, and the light in its frame, of n pairs: two arrays [n, 3]."""
+    half = wl + wv
+    half /= np.maximum(np.linalg.norm(half, axis=1, keepdims=True), 1e-12)
+    sine = np.hypot(half[:, 0], half[:, 1])
+    azimuth = np.arctan2(half[:, 1], half[:, 0])
+    x = np.cos(azimuth) * wl[:, 0] + np.sin(azimuth) * wl[:, 1]
+    y = -np.sin(azimuth) * wl[:, 0] + np.cos(azimuth) * wl[:, 1]
+    difference = np.stack([half[:, 2] * x - sine * wl[:, 2], y, sine * x + half[:, 2] * wl[:, 2]], axis=1)
+    return np.stack([sine, np.zeros_like(sine), half[:, 2]], axis=1), difference
+
+
+def network(path):
+    """A network of a material as f(wl, wv). These are of RGL's files with their first direction, the light, as the viewer."""
+    weights = np.loadtxt(path)
+    first, second, last = (part.reshape(shape) for part, shape in zip(np.split(weights, [147, 609]), [(7, 21), (22, 21), (22, 3)]))
+
+    def value(wl, wv):
+        x = np.concatenate(half_and_difference(wv.astype(float), wl.astype(float)), axis=1)
+        for layer in (first, second):
+            x = np.maximum(x @ layer[:-1] + layer[-1], 0)
+        return np.maximum(np.expm1(x @ last[:-1] + last[-1]), 0)
+
+    return value
+
+
+def decoded(folder, name, work):
+    """A code as f(wl, wv): its values at the nodes of a table as MERL's, which holds f (cosθl + cosθv) / 2 of RGL's materials."""
+    codes = {line.split()[0]: np.array(line.split()[1:], np.float32) for line in open(os.path.join(folder, "latents.txt"))}
+    numbers = np.fromfile(os.path.join(folder, "decoder.f32"), np.float32)
+    layers = []
+    for inputs, outputs in [(11, 400)] + [(400, 400)] * 5 + [(400, 3)]:
+        layers.append((numbers[:inputs * outputs].reshape(inputs, outputs), numbers[inputs * outputs:(inputs + 1) * outputs]))
+        numbers = numbers[(inputs + 1) * outputs:]
+    phi, theta = np.pi * np.arange(180) / 180, np.arange(90) / 90
+    table = np.empty((3, 90, 90, 180))
+    for row in range(90):
+        x = np.empty((90, 180, 11), np.float32)
+        x[..., 0], x[..., 1] = 0.5 + 0.5 * np.cos(2 * phi), 0.5 + 0.5 * np.sin(2 * phi)
+        x[..., 2], x[..., 3], x[..., 4:] = (row / 90) ** 2, theta[:, None], codes[name]
+        x = x.reshape(-1, 11)
+        for matrix, offset in layers:
+            x = np.maximum(x @ matrix + offset, 0)
+        y = 0.15 * x.astype(float)
+        for _ in range(4):
+            y = np.expm1(y)
+        table[:, row] = y.T.reshape(3, 90, 180)
+    path = os.path.join(work, name + ".binary")
+    with open(path, "wb") as file:
+        file.write(np.array([90, 90, 180], np.int32).tobytes())
+        file.write((table * np.array([1500, 1500 / 1.15, 1500 / 1.66])[:, None, None, None]).tobytes())
+    nodes = srbf.load_measurement(path)
+    return lambda wl, wv: nodes.eval(wl, wv) * (2 / (wl[:, 2] + wv[:, 2]))[:, None]
+
+
+def symmetric_error(measured, other, count=100_000):
+    """The mean of |f - g| / (f + g) over pairs of uniform solid angle and colours, where f or g is not 0."""
+    random = np.random.default_rng(1)
+
+    def directions():
+        z, phi = 1 - random.random(count) * (1 - np.cos(np.radians(MAX_THETA))), 2 * np.pi * random.random(count)
+        return np.stack([np.sqrt(1 - z * z) * np.cos(phi), np.sqrt(1 - z * z) * np.sin(phi), z], axis=1).astype(np.float32)
+
+    wl, wv = directions(), directions()
+    f, g = measured.eval(wl, wv).astype(float), np.asarray(other(wl, wv), float)
+    return float(np.nanmean((abs(f - g) / (f + g))[f + g > 0]))
+
+
+def rows_of(path, networks, codes, work):
+    measured = srbf.load_measurement(path)
+    name = os.path.basename(path).rsplit(".", 1)[0].removesuffix("_rgb")
+    kind = KIND_OF.get(name, "other")
+
+    def row(model, brdf, function, payload, shared=0):
+        errors = srbf.errors(measured, brdf, max_theta=MAX_THETA)
+        numbers = [errors[key] for key in ERRORS] + [symmetric_error(measured, function)] + [errors[key] for key in HELD_OUT]
+        return [name, kind, model, payload, shared] + [f"{number:.4g}" for number in numbers]
+
+    for model, options in FITS.items():
+        fitted = srbf.fit(measured, **options).model
+        yield row(model, fitted, fitted.eval, fitted.nbytes)
+    weights = networks and os.path.join(networks, name + ".txt")
+    if weights and path.endswith("_rgb.bsdf") and os.path.exists(weights):
+        value = network(weights)
+        yield row("nbrdf", value, value, 4 * 675)
+    if codes and path.endswith("_rgb.bsdf"):
+        value = decoded(codes, name, work)
+        yield row("nps", value, value, 4 * 7, os.path.getsize(os.path.join(codes, "decoder.f32")))
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("files", nargs="+", metavar="FILE")
+    options.add_argument("--networks", metavar="FOLDER")
+    options.add_argument("--codes", metavar="FOLDER")
+    asked = options.parse_args()
+    out = csv.writer(sys.stdout, lineterminator="\n")
+    out.writerow(["material", "kind", "model", "payload", "shared"] + ERRORS + ["symmetric_error"] + HELD_OUT)
+    with tempfile.TemporaryDirectory() as work:
+        for path in asked.files:
+            out.writerows(rows_of(path, asked.networks, asked.codes, work))
+            sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -49,6 +49,7 @@ TEST(Excess, IsFoundWhereItIs) {
         EXPECT_EQ(where[next], i);
     }
     EXPECT_GE(where.size(), expected);
+    EXPECT_EQ(exceeding_lobes(o, 4096, with_spike()), std::vector<int>{1});
 }
 
 TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
@@ -69,6 +70,8 @@ TEST(Excess, ChecksBecomeObservationsAndThenWeighMore) {
     EXPECT_EQ(take_exceeded(o, first, with_spike(), 0.01), taken);
     EXPECT_EQ(o.bound_pairs, bound_pairs - taken);
     for (std::size_t i = 0; i < taken; ++i) EXPECT_EQ(o.weight[first + i], 4 * weight[i]);
+    reset_bound_weights(o, first, 0.01);
+    for (std::size_t i = 0; i < taken; ++i) EXPECT_EQ(o.weight[first + i], weight[i]);
 }
 
 // The search's subsets grow only by pairs at which a candidate exceeds the measurement.

@@ -126,7 +126,9 @@ class Options : public CommandLine {
         write(folder / "m.binary", small_merl());
         std::mt19937_64 random(1);
         ASSERT_TRUE(
-            save_model({random_model(random, {.axial = false, .lobes = 1, .variates = 1, .most_bandwidth = 20}), {}}, folder / "m.srbf").ok());
+            save_model({random_model(random, {.axial = false, .lobes = 1, .variates = 1, .most_bandwidth = 20}), {}},
+                       folder / "m.srbf")
+                .ok());
         ASSERT_TRUE(save_model({PbrModel{}, {}}, folder / "q.srbf").ok());
         ASSERT_TRUE(save_model({full_bsdf(), {}}, folder / "b.srbf").ok());
         std::string samples = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n", pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n";

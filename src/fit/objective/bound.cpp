@@ -36,6 +36,18 @@ std::vector<std::size_t> exceeded(const Observations& observations, std::size_t 
     return where;
 }
 
+std::vector<int> exceeding_lobes(const Observations& observations, std::size_t first, const PmModel& model) {
+    const double largest = largest_measured(observations);
+    std::vector<int> lobes;
+    for (int j = 0; j < model.lobes; ++j) {
+        PmModel one = model;
+        for (int k = 0; k < model.lobes; ++k)
+            if (k != j) one.coefficient[std::size_t(k)] = {};
+        if (!exceeded(observations, first, one, largest).empty()) lobes.push_back(j);
+    }
+    return lobes;
+}
+
 double bound_weight(const Observations& observations, std::size_t i, double loss, double largest) {
     return k_excess_weight * loss * elementary::square(bound_cosines(observations.wl[i], observations.wv[i]) / largest);
 }
@@ -54,6 +66,12 @@ std::size_t take_exceeded(Observations& observations, std::size_t first, const P
         --observations.bound_pairs;
     }
     return where.size();
+}
+
+void reset_bound_weights(Observations& observations, std::size_t first, double loss) {
+    const double largest = largest_measured(observations);
+    for (std::size_t i = first; i < observations.fitted(); ++i)
+        observations.weight[i] = bound_weight(observations, i, loss, largest);
 }
 
 }  // namespace srbf

@@ -15,11 +15,17 @@ double largest_measured(const Observations& observations);
 std::vector<std::size_t> exceeded(const Observations& observations, std::size_t first, const PmModel& model,
                                   double largest);
 
+/// Indices of the lobes of `model` that exceed it by themselves.
+std::vector<int> exceeding_lobes(const Observations& observations, std::size_t first, const PmModel& model);
+
 /// The weight of bound pair i when it becomes an observation, for a fit with this loss.
 double bound_weight(const Observations& observations, std::size_t i, double loss, double largest);
 
 /// Turns bound pairs that `model` exceeds into observations, and raises the weight of former ones that it still exceeds.
 /// Returns how many. `first` is the index of the first of them.
 std::size_t take_exceeded(Observations& observations, std::size_t first, const PmModel& model, double loss);
+
+/// Gives the observations that were bound pairs the weight again that they began with, for a fit with this loss.
+void reset_bound_weights(Observations& observations, std::size_t first, double loss);
 
 }  // namespace srbf

@@ -14,6 +14,8 @@ namespace srbf {
 namespace {
 
 constexpr int k_bound_rounds = 12;
+/// Rounds that raise the loss by this factor are given up.
+constexpr double k_costly_bounds = 2;
 /// The last steps run in batches of ten until one lowers the loss by less than this. Most fits need two batches; a fit
 /// whose narrow lobes must match a radiance needs twenty.
 constexpr int k_last_steps = 10, k_most_tens = 26;
@@ -56,6 +58,15 @@ LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, d
     return summary;
 }
 
+/// Those lobes without the factors by which they rise towards the horizon.
+Lobes without_features(Lobes lobes, std::span<const int> which) {
+    for (const int j : which) {
+        const auto begin = lobes.weight.begin() + j * lobes.shape.width();
+        std::fill(begin + lobes.shape.directional(), begin + lobes.shape.width(), 0.0);
+    }
+    return lobes;
+}
+
 }  // namespace
 
 PmFit finish(Lobes lobes, Observations all, const Importances& importance, const FitOptions& options,
@@ -64,6 +75,8 @@ PmFit finish(Lobes lobes, Observations all, const Importances& importance, const
     const bool spectral = !all.wavelengths.empty();
     if (spectral) weigh_for_spectra(all);
     const std::size_t first_bound = all.fitted();
+    Lobes first_lobes;
+    double first_loss = 0;
     for (int round = 0;; ++round) {
         const Rows rows(all, {.radiance_importance = importance.radiances,
                               .spectra = spectral,
@@ -90,7 +103,15 @@ PmFit finish(Lobes lobes, Observations all, const Importances& importance, const
         }
         fit.model = to_halves(to_model(problem, halves, options.log_scale, all.wavelengths), halves);
         if (round == k_bound_rounds || reporter.cancelled()) return fit;
-        if (take_exceeded(all, first_bound, fit.model, fit.loss) == 0) return fit;
+        if (round == 0) first_lobes = lobes, first_loss = fit.loss;
+        if (fit.loss > k_costly_bounds * first_loss) {
+            // Larger weights narrow a lobe that rises steeply towards the horizon, and the others suffer. Without those
+            // factors it begins below the bound, which then holds it there.
+            lobes = without_features(first_lobes, exceeding_lobes(all, first_bound, fit.model));
+            reset_bound_weights(all, first_bound, first_loss);
+        } else if (take_exceeded(all, first_bound, fit.model, fit.loss) == 0) {
+            return fit;
+        }
     }
 }
 

@@ -28,11 +28,12 @@ Evaluate with_error(const Observations& o, float error) {
             f[i] = {(1 + error) * o.f[i].r, (1 + error) * o.f[i].g, (1 + error) * o.f[i].b};
     };
 }
-/// What the added weights cost, relative to the others.
-double added_cost(float error) {
+/// What the added weights cost, relative to the others, if `most` of the loss counts.
+double added_cost(float error, double most = 1) {
     Observations o = coated();
     const Observations before = o;
-    add_point_lights(o, with_error(before, error));
+    const Evaluate fitted = with_error(before, error);
+    add_point_lights(o, fitted, most * loss_of(before, fitted));
     EXPECT_TRUE(o.point_light_weight.empty());
     double others = 0, added = 0;
     for (std::size_t i = 0; i < o.f.size(); ++i) {
@@ -45,6 +46,7 @@ double added_cost(float error) {
 TEST(PhaseWeights, CostLessWhereNothingMatches) {
     const double small = added_cost(0.01f);
     EXPECT_GT(small, 1);
+    EXPECT_TRUE(near_relative(added_cost(0.01f, 0.25), small / 4, 1e-9));
     EXPECT_TRUE(near(added_cost(0.2f), small, 1e-4 * small));
     EXPECT_TRUE(near(added_cost(0.5f), small / 4, 1e-4 * small));
     EXPECT_TRUE(near(added_cost(-1), small / 16, 1e-4 * small));

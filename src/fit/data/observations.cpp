@@ -44,6 +44,15 @@ void Observations::normalise() {
         for (double& w : weight) w /= energy;
 }
 
+double loss_of(const Observations& observations, const Evaluate& fitted) {
+    const std::size_t count = observations.fitted();
+    std::vector<Rgb> f(count);
+    fitted(std::span(observations.wl).first(count), std::span(observations.wv).first(count), f);
+    double loss = 0;
+    for (std::size_t i = 0; i < count; ++i) loss += observations.weight[i] * squared_distance(observations.f[i], f[i]);
+    return loss;
+}
+
 double largest_square(const Observations& observations) {
     double largest = 0;
     for (std::size_t i = 0; i < observations.f.size(); ++i)

@@ -77,6 +77,9 @@ struct Observations {
     void normalise();
 };
 
+/// Σ w |f−f̂|² of what is fitted, without the bound pairs, against `fitted`.
+double loss_of(const Observations& observations, const Evaluate& fitted);
+
 /// The largest |f|² (cosθl cosθv)² of the pairs.
 double largest_square(const Observations& observations);
 

@@ -76,7 +76,7 @@ std::vector<double> point_light_weights(std::span<const Vec3f> wl, std::span<con
     return weight;
 }
 
-void add_point_lights(Observations& observations, const Evaluate& fitted) {
+void add_point_lights(Observations& observations, const Evaluate& fitted, double most_loss) {
     const std::vector<double> added = std::exchange(observations.point_light_weight, {});
     const std::size_t count = added.size();
     std::vector<Rgb> f(count);
@@ -105,7 +105,8 @@ void add_point_lights(Observations& observations, const Evaluate& fitted) {
     }
     const double share =
         k_point_lights.multivariate * std::min(1.0, elementary::square(k_most_relative_rms * lit / relative));
-    for (std::size_t i = 0; i < count; ++i) observations.weight[i] += share * loss / sum * factor[phase[i]] * added[i];
+    for (std::size_t i = 0; i < count; ++i)
+        observations.weight[i] += share * std::min(loss, most_loss) / sum * factor[phase[i]] * added[i];
 }
 
 }  // namespace srbf

@@ -33,6 +33,9 @@ namespace {
 
 /// After the best candidate another one is finished only if its error is at most this much larger.
 constexpr double k_nearly_best = 0.01;
+/// What point lights cost is relative to the loss of the pairs. Errors that the last stage's rows missed count in it up to
+/// this many times the least that it can be.
+constexpr double k_missed = 2;
 
 Result<Done> validate(const Observations& observations, const FitOptions& options) {
     for (const auto& result : {require_range("fit", "number of lobes", options.lobes, 1, k_most_fitted_lobes),
@@ -153,7 +156,8 @@ class Fit {
             importances_.has_point_lights = !spectral() && !observations_.point_light_weight.empty();
         } else if (importances_.has_point_lights && last_) {  // cancelled, there may have been no steps
             with_lights_ = observations_;
-            add_point_lights(with_lights_, fitted(rows_of(*last_)));
+            const double least = loss_of(observations_, fitted(Rows(observations_)));
+            add_point_lights(with_lights_, fitted(rows_of(*last_)), k_missed * least);
         }
     }
     /// The best candidate, with coefficients for these rows.

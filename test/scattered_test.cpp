@@ -64,7 +64,7 @@ TEST(Astm, ReadsColumnsByName) {
     const auto other = read(read_astm, "VARS Y,theta_s,theta_i,phi_s,phi_i\n0.5,0.1,0.2,0.3,0.4\n");
     ASSERT_TRUE(other.ok()) << message(other.error());
     EXPECT_EQ(other->colour[0], (Rgb{0.5f, 0.5f, 0.5f}));
-    EXPECT_FALSE(other->isotropic);
+    EXPECT_TRUE(other->isotropic);  // its one light has one azimuth
     EXPECT_TRUE(near_direction(other->wl[0], spherical(0.2, 0.4)) && near_direction(other->wv[0], spherical(0.1, 0.3)));
 
     const auto xyz = read(read_astm, "VARS theta_i,theta_s,phi_s,X,Y,Z\n0.2,0.1,0.3,0.95047,1,1.08883\n");
@@ -202,6 +202,23 @@ TEST(Alta, ReadsHeadersAndOutputs) {
     has(error_of(read_alta, "#DIM 6 1\n#FORMAT binary\n"), "#FORMAT: expected text");
 }
 
+// Only differences of azimuths are known where all lights have one.
+TEST(Csv, IsIsotropicIfAllLightsHaveOneAzimuth) {
+    const auto is_isotropic = [](const std::string& text) {
+        const auto s = read(read_csv, text);
+        EXPECT_TRUE(s.ok()) << message(s.error());
+        return s.ok() && s->isotropic;
+    };
+    const std::string angles = "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value\n";
+    EXPECT_TRUE(is_isotropic(angles + "10,180,20,0,1\n60,180,20,180,2\n60,-180,30,0,2\n"));
+    EXPECT_TRUE(is_isotropic(angles + "0,0,20,0,1\n60,77,20,180,2\n"));  // along the normal there is none
+    EXPECT_FALSE(is_isotropic(angles + "10,180,20,0,1\n60,181,20,180,2\n"));
+    EXPECT_FALSE(is_isotropic(angles + "10,0,20,0,1\n60,180,20,180,2\n"));
+    const std::string vectors = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n";
+    EXPECT_TRUE(is_isotropic(vectors + "0,0,1,0.6,0,0.8,1\n0,-0.6,0.8,0,0.6,0.8,2\n0,-0.8,0.6,0,0.6,0.8,2\n"));
+    EXPECT_FALSE(is_isotropic(vectors + "0,0.6,0.8,0,0.6,0.8,2\n0,-0.6,0.8,0,0.6,0.8,2\n"));
+}
+
 TEST(Csv, ReadsNamedColumns) {
     const auto s = read(read_csv, k_small_csv);
     ASSERT_TRUE(s.ok()) << message(s.error());
@@ -214,7 +231,6 @@ TEST(Csv, ReadsNamedColumns) {
 
     const auto vectors = read(read_csv, "wv_x,wv_y,wv_z,wl_x,wl_y,wl_z,value\n0.6,0,0.8,0,0.6,0.8,2\n");
     ASSERT_TRUE(vectors.ok()) << message(vectors.error());
-    EXPECT_FALSE(vectors->isotropic);
     EXPECT_EQ(vectors->wl[0], (Vec3f{0, 0.6f, 0.8f}));
     EXPECT_EQ(vectors->colour[0], (Rgb{2, 2, 2}));
 

@@ -120,7 +120,7 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
     std::array<double, 4> angle{};
     std::vector<float> f(builder.width());
     std::uint64_t rows = 0;
-    bool turned = false;
+    LightAzimuths azimuths;
     while (auto line = lines.next()) {
         if (line->starts_with('#')) continue;
         ++rows;
@@ -133,13 +133,14 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
             const Rgb rgb = from_trinitron(f);
             f = {rgb.r, rgb.g, rgb.b};
         }
-        turned |= is_turned(angle[1]);
-        builder.add(spherical(angle[0], angle[1]), spherical(angle[2], angle[3]), f);
+        const Vec3d wl = spherical(angle[0], angle[1]);
+        azimuths.add(wl);
+        builder.add(wl, spherical(angle[2], angle[3]), f);
     }
     if (header->points && *header->points != rows)
         return Error{
             file_name, {}, "samples", fmt::format("{} (NUM_POINTS)", *header->points), fmt::format("{}", rows)};
-    return std::move(builder).finish(file_name, std::move(header->description), !turned);
+    return std::move(builder).finish(file_name, std::move(header->description), azimuths.are_one());
 }
 
 Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::string& file_name) {

@@ -124,8 +124,6 @@ namespace {
 /// The directions of a sample.
 struct Directions {
     Vec3d wl, wv;
-    bool has_azimuth;      ///< whether the light's differs from 0
-    double azimuth_l = 0;  ///< of the light, where columns give it [rad]
 };
 
 /// Tolerance of the length of a direction: it may be printed with two digits.
@@ -136,7 +134,7 @@ Directions directions_in(NumberRow& row, const Columns& columns) {
         std::array<double, 4> angle{};
         for (std::size_t a = 0; a < angle.size(); ++a)
             if (columns.angle[a] != k_absent) angle[a] = columns.unit * row.number<double>(columns.angle[a]);
-        return {spherical(angle[0], angle[1]), spherical(angle[2], angle[3]), is_turned(angle[1]), angle[1]};
+        return {spherical(angle[0], angle[1]), spherical(angle[2], angle[3])};
     }
     std::array<double, 6> x{};
     for (std::size_t c = 0; c < x.size(); ++c) x[c] = row.number<double>(columns.vector[c]);
@@ -146,7 +144,7 @@ Directions directions_in(NumberRow& row, const Columns& columns) {
         return normalize(w);
     };
     const Vec3d wl = unit("direction wl", {x[0], x[1], x[2]}), wv = unit("direction wv", {x[3], x[4], x[5]});
-    return {wl, wv, std::abs(wl.y) > k_azimuth_rounding};
+    return {wl, wv};
 }
 
 /// Samples as they are read; of both sides for each part, in its frame.
@@ -161,7 +159,8 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
     std::optional<NumberRow> row;
     Collected collected;
     std::vector<float> f;
-    bool is_isotropic = false, turned = false;
+    bool is_isotropic = false;
+    LightAzimuths azimuths;
     while (auto line = lines.next()) {
         if (line->starts_with('#')) {
             is_isotropic |= lower(trimmed(line->substr(1))) == "isotropic";
@@ -180,10 +179,10 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
             continue;
         }
         row->read(*line, lines.number());
-        const auto [wl, wv, has_azimuth, azimuth_l] = directions_in(*row, *columns);
+        const auto [wl, wv] = directions_in(*row, *columns);
         for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(row->number<double>(columns->value[v]));
         if (row->error()) return *row->error();
-        turned |= has_azimuth;
+        azimuths.add(wl);
         const auto part = both_sides ? folded(to_float(wl), to_float(wv)) : std::nullopt;
         if (part)
             collected.part[std::size_t(part->part)]->add({wl.x, wl.y, std::abs(wl.z)}, {wv.x, wv.y, std::abs(wv.z)}, f);
@@ -193,7 +192,7 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
     if (!collected.part[0])
         return at_line(file_name, std::max<std::uint64_t>(lines.number(), 1), "header", "names of columns",
                        "an empty file");
-    collected.isotropic = is_isotropic || !turned;
+    collected.isotropic = is_isotropic || azimuths.are_one();
     return collected;
 }
 
@@ -215,8 +214,7 @@ Result<ScatteredSamples> read_columns(std::span<const std::byte> bytes, const st
     SampleBuilder builder(columns->values, columns->wavelengths, bytes.size(), lines_of(bytes));
     std::vector<float> f(builder.width());
     std::string description;
-    std::optional<double> azimuth;
-    bool turned = false;
+    LightAzimuths azimuths;
     while (auto line = lines.next()) {
         if (line->starts_with('#')) {
             const std::string_view comment = trimmed(line->substr(1));
@@ -228,13 +226,10 @@ Result<ScatteredSamples> read_columns(std::span<const std::byte> bytes, const st
         const Directions at = directions_in(row, *columns);
         for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(row.number<double>(columns->value[v]));
         if (row.error()) return *row.error();
-        // A scan in one plane has one azimuth of the light, whichever it is.
-        const double of_light = columns->has_vectors ? elementary::atan2(at.wl.y, at.wl.x) : at.azimuth_l;
-        if (!azimuth) azimuth = of_light;
-        turned |= is_turned(of_light - *azimuth);
+        azimuths.add(at.wl);
         builder.add(at.wl, at.wv, f);
     }
-    return std::move(builder).finish(file_name, description.substr(0, 300), !turned);
+    return std::move(builder).finish(file_name, description.substr(0, 300), azimuths.are_one());
 }
 
 Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name) {

@@ -42,8 +42,7 @@ Result<ScatteredSamples> read_fred_samples(std::span<const std::byte> bytes, con
     FredFormat format;
     SampleBuilder builder(Values::grey, {}, bytes.size(), lines_of(bytes));
     std::optional<Vec3d> light;
-    std::optional<double> azimuth;
-    bool turned = false;
+    LightAzimuths azimuths;
     while (auto line = lines.next()) {
         if (line->starts_with("type") || line->starts_with("#")) continue;
         const auto wrong = [&](const char* what, std::string expected, std::string_view found) {
@@ -68,15 +67,14 @@ Result<ScatteredSamples> read_fred_samples(std::span<const std::byte> bytes, con
         if (count == 2) {
             // Azimuth 0 of the viewer is the side of the mirror direction.
             light = spherical(theta, phi + k_pi);
-            if (!azimuth) azimuth = phi;
-            turned |= is_turned(phi - *azimuth);
+            azimuths.add(*light);
             continue;
         }
         if (!light) return wrong("sample", "a line of the light before it", *line);
         const float f = float(numbers[2] * format.scale);
         builder.add(*light, spherical(theta, phi), std::span(&f, 1));
     }
-    return std::move(builder).finish(file_name, "FRED", !turned);
+    return std::move(builder).finish(file_name, "FRED", azimuths.are_one());
 }
 
 }  // namespace srbf

@@ -1,9 +1,13 @@
 // Collection of scattered samples: private to the readers.
 #pragma once
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 #include <string>
 
 #include "srbf/colour.h"
+#include "srbf/elementary.h"
 #include "srbf/measured.h"
 #include "srbf/text.h"
 
@@ -54,12 +58,25 @@ Result<ScatteredSamples> read_columns(std::span<const std::byte> bytes, const st
                                       const std::string& columns);
 Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
 
-/// Azimuths [rad] within this are 0: files state them with four digits or more.
+/// Azimuths [rad] within this are equal: files state them with four digits or more.
 inline constexpr double k_azimuth_rounding = 1e-4;
-/// Whether the azimuth of a light differs from 0. Where it never does, a file holds an isotropic measurement.
-template <typename Real> bool is_turned(Real azimuth) {
-    return std::abs(std::remainder(azimuth, Real(2 * k_pi))) > Real(k_azimuth_rounding);
-}
+/// The azimuths of the lights of a file. Where all have one, whichever it is, the file holds an isotropic measurement.
+class LightAzimuths {
+  public:
+    /// A light along the normal has no azimuth.
+    void add(const Vec3d& wl) {
+        const double sine = elementary::hypot(wl.x, wl.y);
+        if (sine <= k_azimuth_rounding) return;
+        if (!first_) first_ = {wl.x / sine, wl.y / sine};
+        const auto [x, y] = *first_;
+        one_ &= std::abs(x * wl.y - y * wl.x) <= k_azimuth_rounding && x * wl.x + y * wl.y > 0;
+    }
+    bool are_one() const { return one_; }
+
+  private:
+    std::optional<std::array<double, 2>> first_;
+    bool one_ = true;
+};
 
 /// A row of numbers with commas between them. After its first error, which is kept, its numbers are 0.
 class NumberRow {

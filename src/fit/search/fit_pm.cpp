@@ -34,8 +34,8 @@ namespace {
 /// After the best candidate another one is finished only if its error is at most this much larger.
 constexpr double k_nearly_best = 0.01;
 /// What point lights cost is relative to the loss of the pairs. Errors that the last stage's rows missed count in it up to
-/// this many times the least that it can be.
-constexpr double k_missed = 2;
+/// this many times the least that it can be: a lobe between its rows can raise it by thousands.
+constexpr double k_missed = 10;
 
 Result<Done> validate(const Observations& observations, const FitOptions& options) {
     for (const auto& result : {require_range("fit", "number of lobes", options.lobes, 1, k_most_fitted_lobes),

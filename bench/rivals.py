@@ -23,7 +23,11 @@ FITS = {  # options of srbf.fit
     "openpbr": {"model": "pbr"},
     "srbf-4": {"lobes": 4},
     "srbf": {},
+    "srbf-12": {"lobes": 12},
     "srbf-16": {"lobes": 16},
+    "cosine": {"objective": "cosine"},
+    "log": {"objective": "log"},
+    "cube-root": {"objective": "cube-root"},
     "su": {"model": "su", "lobes": 5},
 }
 KINDS = {
@@ -110,7 +114,7 @@ def symmetric_error(measured, other, count=100_000):
     return float(np.nanmean((abs(f - g) / (f + g))[f + g > 0]))
 
 
-def rows_of(path, networks, codes, work):
+def rows_of(path, models, networks, codes, work):
     measured = srbf.load_measurement(path)
     name = os.path.basename(path).rsplit(".", 1)[0].removesuffix("_rgb")
     kind = KIND_OF.get(name, "other")
@@ -120,8 +124,8 @@ def rows_of(path, networks, codes, work):
         numbers = [errors[key] for key in ERRORS] + [symmetric_error(measured, function)] + [errors[key] for key in HELD_OUT]
         return [name, kind, model, payload, shared] + [f"{number:.4g}" for number in numbers]
 
-    for model, options in FITS.items():
-        fitted = srbf.fit(measured, **options).model
+    for model in models:
+        fitted = srbf.fit(measured, **FITS[model]).model
         yield row(model, fitted, fitted.eval, fitted.nbytes)
     weights = networks and os.path.join(networks, name + ".txt")
     if weights and path.endswith("_rgb.bsdf") and os.path.exists(weights):
@@ -135,6 +139,7 @@ def rows_of(path, networks, codes, work):
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("files", nargs="+", metavar="FILE")
+    options.add_argument("--models", nargs="+", default=list(FITS), choices=FITS, metavar="NAME", help="instead of all: " + " ".join(FITS))
     options.add_argument("--networks", metavar="FOLDER")
     options.add_argument("--codes", metavar="FOLDER")
     asked = options.parse_args()
@@ -142,7 +147,7 @@ def main():
     out.writerow(["material", "kind", "model", "payload", "shared"] + ERRORS + ["symmetric_error"] + HELD_OUT)
     with tempfile.TemporaryDirectory() as work:
         for path in asked.files:
-            out.writerows(rows_of(path, asked.networks, asked.codes, work))
+            out.writerows(rows_of(path, asked.models, asked.networks, asked.codes, work))
             sys.stdout.flush()
 
 

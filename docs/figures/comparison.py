@@ -1,0 +1,212 @@
+"""The tables and the plot of docs/comparison.md, and a table of docs/accuracy.md, from docs/comparison.csv: 
+python3 docs/figures/comparison.py [--check]
+
+Writes docs/comparison.svg, and the tables of the pages after `<!-- NAME -->`. With --check nothing is written;
+the exit status is 1 if a page has other numbers.
+"""
+import csv
+import math
+import os
+import statistics
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+CSV, PAGE, PLOT, ACCURACY = (os.path.join(HERE, "..", name) for name in ("comparison.csv", "comparison.md", "comparison.svg", "accuracy.md"))
+MODELS = {  # name, and in the plot the curve that it belongs to
+    "ggx": ("Lambert, 1 GGX", "GGX"),
+    "ggx-2": ("Lambert, 2 GGX", "GGX"),
+    "openpbr": ("OpenPBR", "OpenPBR"),
+    "nbrdf": ("NBRDF", "NBRDF"),
+    "nps": ("neural process", "neural process"),
+    "srbf-4": ("srbf, 4 lobes", "srbf"),
+    "srbf": ("**srbf, 8 lobes**", "srbf"),
+    "srbf-16": ("srbf, 16 lobes", "srbf"),
+    "su": ("view by view, 5 lobes", "view by view"),
+}
+COLOURS = {"srbf": "#c0392b", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "NBRDF": "#7d3c98", "neural process": "#5d6d7e"}
+MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
+COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
+
+
+def read():
+    with open(CSV, encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        for key in row.keys() - {"material", "kind", "model"}:
+            row[key] = float(row[key])
+    return rows
+
+
+def text(value):
+    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+
+
+def table(heads, lines):
+    return "\n".join("| " + " | ".join(line) + " |" for line in [heads, ["---"] * len(heads), *lines])
+
+
+def of_model(rows, model):
+    return [row for row in rows if row["model"] == model]
+
+
+def mean(rows, key):
+    return statistics.fmean(row[key] for row in rows)
+
+
+def means_table(rows):
+    """A row a model: its bytes, and the means of its errors."""
+    lines = []
+    for model, (name, _) in MODELS.items():
+        of = of_model(rows, model)
+        if not of:
+            continue
+        shared = f" + {text(of[0]['shared'])} shared" if of[0]["shared"] else ""
+        payload = text(max(row["payload"] for row in of))
+        lines.append([name, payload + shared] + [text(mean(of, key)) for key in COLUMNS])
+    return table(["model", "bytes", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS", "symmetric", "albedo"], lines)
+
+
+def kinds_table(rows):
+    models = [model for model in MODELS if model not in ("nbrdf", "nps")]
+    lines = []
+    for kind in sorted({row["kind"] for row in rows}):
+        of_kind = [row for row in rows if row["kind"] == kind]
+        lines.append([kind, str(len(of_model(of_kind, "srbf")))] + [text(mean(of_model(of_kind, model), "delta_e_itp")) for model in models])
+    lines.append(["all", str(len(of_model(rows, "srbf")))] + [text(mean(of_model(rows, model), "delta_e_itp")) for model in models])
+    lines.append(["median of all", ""] + [text(statistics.median(row["delta_e_itp"] for row in of_model(rows, model))) for model in models])
+    return table(["kind", "materials"] + [MODELS[model][0] for model in models], lines)
+
+
+def measured_table(rows):
+    """ΔE_ITP of the measurements by all models."""
+    models = [model for model in MODELS if of_model(rows, model)]
+    lines = []
+    for material in MEASURED:
+        of = {row["model"]: row for row in rows if row["material"] == material}
+        lines.append([material] + [text(of[model]["delta_e_itp"]) if model in of else "" for model in models])
+    return table(["measurement"] + [MODELS[model][0] for model in models], lines)
+
+
+def worst_table(rows):
+    """The materials that the default errs most on."""
+    order = sorted(of_model(rows, "srbf"), key=lambda row: -row["delta_e_itp"])[:8]
+    lines = []
+    for row in order:
+        of = {other["model"]: other["delta_e_itp"] for other in rows if other["material"] == row["material"]}
+        lines.append([row["material"], row["kind"]] + [text(of[model]) for model in ("ggx-2", "openpbr", "srbf", "srbf-16", "su")])
+    return table(["material", "kind", "Lambert, 2 GGX", "OpenPBR", "srbf, 8 lobes", "srbf, 16 lobes", "view by view"], lines)
+
+
+def losses_table(rows):
+    """Where another model is nearer than the default."""
+    lines = []
+    for row in of_model(rows, "srbf"):
+        for other in rows:
+            if other["material"] == row["material"] and other["model"] in ("ggx", "ggx-2", "openpbr", "nbrdf", "nps"):
+                if other["delta_e_itp"] < row["delta_e_itp"]:
+                    lines.append([row["material"], MODELS[other["model"]][0], text(other["delta_e_itp"]), text(row["delta_e_itp"])])
+    return table(["material", "model", "its ΔE_ITP", "srbf, 8 lobes"], lines)
+
+
+OPTIONS = {"srbf": "**none: 8 lobes by what is seen**", "cosine": "`--objective cosine`", "log": "`--objective log`", "cube-root": "`--objective cube-root`",
+           "srbf-4": "`--lobes 4`", "srbf-12": "`--lobes 12`", "srbf-16": "`--lobes 16`", "su": "`--model su --lobes 5`",
+           "openpbr": "`--model pbr`", "ggx": "`--model ggx`"}
+
+
+def options_table(rows):
+    """Visible and other errors of the program's options: of the five measurements, and of all."""
+    lines = []
+    for model, name in OPTIONS.items():
+        of = of_model(rows, model)
+        five = [row for row in of if row["material"] in MEASURED]
+        columns = ["delta_e_itp", "flip", "psnr", "rms", "heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"]
+        percent = {"heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"}
+        lines.append([name, text(max(row["payload"] for row in of)), text(mean(five, "delta_e_itp"))]
+                     + [text(mean(of, key) * (100 if key in percent else 1)) for key in columns])
+    return table(["options", "bytes", "ΔE_ITP, five", "ΔE_ITP, all", "ꟻLIP", "PSNR, dB", "RMS", "f cosθl, %", "cube root, %", "albedo, %"], lines)
+
+
+def panel(rows, title, x0, y0, width, height):
+    """ΔE_ITP over bytes, both logarithmic; the dashed line is what is just noticeable."""
+    x = lambda value: x0 + width * (math.log10(value) - 1) / 4.3
+    y = lambda value: y0 + height * (1 - (math.log10(value) + 0.4) / 2)
+    parts = [f'<text x="{x0}" y="{y0 - 8}" font-weight="bold">{title}</text>',
+             f'<rect x="{x0}" y="{y0}" width="{width}" height="{height}" fill="none" stroke="#999"/>']
+    for value in (10, 100, 1000, 10_000, 100_000):
+        label = {1000: "1 k", 10_000: "10 k", 100_000: "100 k"}.get(value, str(value))
+        parts.append(f'<path d="M{x(value):.1f} {y0}v{height}" stroke="#eee"/>'
+                     f'<text x="{x(value):.1f}" y="{y0 + height + 15}" text-anchor="middle">{label}</text>')
+    for value in (1, 3, 10, 30):
+        dashes = ' stroke-dasharray="5 4"' if value == 1 else ""
+        parts.append(f'<path d="M{x0} {y(value):.1f}h{width}" stroke="{"#555" if value == 1 else "#eee"}"{dashes}/>'
+                     f'<text x="{x0 - 6}" y="{y(value) + 4:.1f}" text-anchor="end">{value}</text>')
+    for curve, colour in COLOURS.items():
+        points = []
+        for model, (_, its_curve) in MODELS.items():
+            of = of_model(rows, model)
+            if of and its_curve == curve:
+                points.append((x(mean(of, "payload") + mean(of, "shared") / len(of)), y(mean(of, "delta_e_itp"))))
+        line = " ".join(f"{a:.1f},{b:.1f}" for a, b in points)
+        parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
+        parts += [f'<circle cx="{a:.1f}" cy="{b:.1f}" r="4" fill="{colour}"/>' for a, b in points]
+    return "\n".join(parts)
+
+
+def plot(rows):
+    measured = [row for row in rows if row["material"] in MEASURED]
+    rest = [row for row in rows if row["model"] not in ("nbrdf", "nps")]
+    kinds = sorted({row["kind"] for row in rows})
+    panels = [("five measurements", measured)] + [(kind, [row for row in rest if row["kind"] == kind]) for kind in kinds]
+    parts = []
+    for i, (title, of) in enumerate(panels):
+        count = len(of_model(of, "srbf"))
+        name = title if i == 0 else f"{title} ({count})"
+        parts.append(panel(of, name, 50 + 290 * (i % 4), 40 + 240 * (i // 4), 230, 170))
+    for i, (curve, colour) in enumerate(COLOURS.items()):
+        top = 300 + 24 * i
+        parts.append(f'<circle cx="935" cy="{top - 4}" r="4" fill="{colour}"/><text x="948" y="{top}">{curve}</text>')
+    parts.append('<text x="600" y="500" text-anchor="middle">bytes of a material (that of a shared decoder divided among the five)</text>')
+    parts.append('<text transform="translate(14 240) rotate(-90)" text-anchor="middle">mean ΔE_ITP</text>')
+    return ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1200 515" font-family="DejaVu Sans, Verdana, sans-serif" font-size="13" fill="#222">'
+            '<rect width="1200" height="515" fill="#fff"/>\n' + "\n".join(parts) + "\n</svg>\n")
+
+
+def replaced(page, name, table_of):
+    """The table is the lines that begin with | after the mark."""
+    begin = page.index(f"<!-- {name} -->\n") + len(f"<!-- {name} -->\n")
+    end = begin
+    while page.startswith("|", end):
+        end = page.index("\n", end) + 1
+    return page[:begin] + table_of + "\n" + page[end:]
+
+
+def pages(rows):
+    """The pages with their tables, by path."""
+    measured = [row for row in rows if row["material"] in MEASURED]
+    tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("kinds", kinds_table(rows)),
+                     ("means of all", means_table([row for row in rows if row["model"] not in ("nbrdf", "nps")])),
+                     ("worst", worst_table(rows)), ("losses", losses_table(rows))],
+              ACCURACY: [("options", options_table(rows))]}
+    made = {}
+    for path, of_page in tables.items():
+        with open(path, encoding="utf-8") as file:
+            made[path] = file.read()
+        for name, table_of in of_page:
+            made[path] = replaced(made[path], name, table_of)
+    return made
+
+
+def main():
+    rows = read()
+    for path, content in {**pages(rows), PLOT: plot(rows)}.items():
+        if "--check" in sys.argv:
+            with open(path, encoding="utf-8") as file:
+                if file.read() != content:
+                    sys.exit(f"{os.path.basename(path)} has other numbers than comparison.csv: python3 docs/figures/comparison.py")
+        else:
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(content)
+
+
+if __name__ == "__main__":
+    main()

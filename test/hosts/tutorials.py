@@ -9,7 +9,6 @@ Arguments: the program, a folder that is not used, and names of pages; all pages
 import importlib.util
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -18,7 +17,7 @@ from pathlib import Path
 root = Path(__file__).resolve().parents[2]
 program = Path(sys.argv[1]).resolve()
 pages = [root / "docs/tutorials" / (name + ".md") for name in sys.argv[3:]] or sorted((root / "docs/tutorials").glob("*.md"))
-NEEDS = {"mitsuba": ["mitsuba"], "blender": ["bpy"], "radiance": ["pyradiance"], "three": ["nicegui"]}  # three.js is in the last
+NEEDS = {"mitsuba": ["mitsuba"], "blender": ["bpy"]}
 
 
 def has(package):
@@ -26,11 +25,8 @@ def has(package):
 
 
 def prepare(folder, page):
-    """The folder that a page begins in: the bundled measurements, and what it says that its reader has."""
+    """Makes the folder that a page begins in, and returns the environment: the program, its package, and where the library is installed."""
     (folder / "data").symlink_to(root / "data")
-    if page.stem == "three":
-        dist = next(Path(p) / "nicegui/elements/scene/dist" for p in sys.path if (Path(p) / "nicegui/elements/scene/dist").exists())
-        shutil.copy(dist / "index.js", folder / "three.module.js")
     environment = dict(os.environ, PATH=f"{program.parent}:{Path(sys.executable).parent}:{os.environ['PATH']}")
     environment["PYTHONPATH"] = os.pathsep.join([str(program.parent / "python"), *(p for p in sys.path if p)])
     environment["CMAKE_PREFIX_PATH"] = str(program.parent.parent / "hosts/prefix")

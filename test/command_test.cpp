@@ -116,6 +116,16 @@ TEST_F(OfModel, compare_of_a_file_with_itself_is_zero) {
         for (const std::string& key : {name, "heldout_" + name}) EXPECT_EQ(json.value(key, -1.0), 0.0) << key;
 }
 
+TEST_F(OfModel, info_gives_one_wavelength_no_colour) {
+    write(folder / "laser.csv",
+          "theta_l_deg,theta_v_deg,phi_v_deg,532nm\n10,10,180,0.5\n10,40,180,0.2\n40,40,180,0.6\n");
+    const ProgramRun run_of = run(folder, {"info", "laser.csv"});
+    EXPECT_EQ(run_of.status, 0) << run_of.err;
+    EXPECT_NE(run_of.out.find("value [1/sr]      0.2 to 0.6"), std::string::npos) << run_of.out;
+    EXPECT_NE(run_of.out.find("  albedo "), std::string::npos);
+    for (const char* word : {"albedo R", "[1/sr] R"}) EXPECT_EQ(run_of.out.find(word), std::string::npos) << word;
+}
+
 TEST_F(OfModel, info_tells_what_a_file_is) {
     const ProgramRun measured = run(*fitted, {"info", k_paper}), model = run(*fitted, {"info", "m.srbf"});
     EXPECT_EQ(measured.status + model.status, 0) << measured.err << model.err;

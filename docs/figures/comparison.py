@@ -128,12 +128,12 @@ def options_table(rows):
 
 def panel(rows, title, x0, y0, width, height):
     """ΔE_ITP over bytes, both logarithmic; the dashed line is what is just noticeable."""
-    x = lambda value: x0 + width * (math.log10(value) - 1) / 4.3
+    x = lambda value: x0 + width * (math.log10(value) - 1) / 5
     y = lambda value: y0 + height * (1 - (math.log10(value) + 0.4) / 2)
     parts = [f'<text x="{x0}" y="{y0 - 8}" font-weight="bold">{title}</text>',
              f'<rect x="{x0}" y="{y0}" width="{width}" height="{height}" fill="none" stroke="#999"/>']
-    for value in (10, 100, 1000, 10_000, 100_000):
-        label = {1000: "1 k", 10_000: "10 k", 100_000: "100 k"}.get(value, str(value))
+    for value in (10, 100, 1000, 10_000, 100_000, 1_000_000):
+        label = {1000: "1 k", 10_000: "10 k", 100_000: "100 k", 1_000_000: "1 M"}.get(value, str(value))
         parts.append(f'<path d="M{x(value):.1f} {y0}v{height}" stroke="#eee"/>'
                      f'<text x="{x(value):.1f}" y="{y0 + height + 15}" text-anchor="middle">{label}</text>')
     for value in (1, 3, 10, 30):

@@ -177,7 +177,7 @@ TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
 
 TEST_F(CommandLine, convert_refuses) {
     write(folder / "m.binary", small_merl());
-    write(folder / "a.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n");
+    write(folder / "a.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value\n0,0.6,0.8,0,0,1,1\n0.6,0,0.8,0,0,1,1\n");
     expect_failure(2, {"convert", "m.binary", "-o", "m.exr"}, "ends in .binary, .bsdf, .mbsdf, .csv");
     expect_failure(2, {"convert", "m.binary"}, "--output");
     expect_failure(1, {"convert", "m.binary", "-o", "m.binary"}, "another file than the input");
@@ -186,7 +186,7 @@ TEST_F(CommandLine, convert_refuses) {
     expect_failure(1, {"convert", "none.binary", "-o", "m.csv"}, "none.binary");
     expect_failure(1, {"convert", "m.binary", "-o", "no/folder.bsdf"}, "a folder that exists");
     expect_failure(1, {"fit", "m.binary", "--pairs", "a.csv", "-o", "d"}, "m.binary: at 0: magic");
-    expect_failure(1, {"fit", "a.csv"}, "samples at different directions: expected at least 5, found 1");
+    expect_failure(1, {"fit", "a.csv"}, "samples at different directions: expected at least 5, found 2");
 }
 
 TEST_F(CommandLine, render_refuses) {

@@ -173,9 +173,9 @@ void print_behaviour(const Subject& subject) {
     for (const double theta : k_info_theta) fmt::print("{:>9}°", theta);
     std::array<Rgb, k_info_theta.size()> of_theta;
     for (std::size_t i = 0; i < of_theta.size(); ++i) of_theta[i] = albedo(brdf, k_info_theta[i] * k_degree, k_pi / 2);
-    const bool grey = is_grey(of_theta);
-    for (int c = 0; c < (grey ? 1 : 3); ++c) {
-        fmt::print("\n  {:<18}", channel_name("albedo", c, grey));
+    const std::vector<std::string> names = channel_names("albedo", of_theta);
+    for (int c = 0; c < int(names.size()); ++c) {
+        fmt::print("\n  {:<18}", names[std::size_t(c)]);
         for (const Rgb& reflected : of_theta) fmt::print("{:>#10.4g}", reflected[c]);
     }
     fmt::print("\n");

@@ -28,23 +28,21 @@ struct Range {
     std::string text() const { return least > most ? "none" : fmt::format("{:.4g} to {:.4g}", least, most); }
 };
 
-/// Whether no pixel has a colour, as where there is one wavelength; NaN is a masked one. Such values are shown as one channel.
-template <typename Pixels> bool is_grey(const Pixels& pixels) {
-    return std::ranges::all_of(pixels,
-                               [](const Rgb& f) { return !(f.r < f.g || f.r > f.g || f.g < f.b || f.g > f.b); });
-}
-/// NAME R, G or B, or NAME alone.
-inline std::string channel_name(std::string_view name, int channel, bool grey) {
-    return grey ? std::string(name) : std::string(name) + " " + "RGB"[channel];
+/// The names of the channels to show: NAME R, G and B, or NAME alone where no pixel has a colour, as where there is one
+/// wavelength. NaN is a masked pixel.
+template <typename Pixels> std::vector<std::string> channel_names(const std::string& name, const Pixels& pixels) {
+    const bool grey =
+        std::ranges::all_of(pixels, [](const Rgb& f) { return !(f.r < f.g || f.r > f.g || f.g < f.b || f.g > f.b); });
+    if (grey) return {name};
+    return {name + " R", name + " G", name + " B"};
 }
 template <typename Pixels> void add_channel_ranges(std::string& text, std::string_view name, const Pixels& pixels) {
-    const bool grey = is_grey(pixels);
-    for (int c = 0; c < (grey ? 1 : 3); ++c) {
+    const std::vector<std::string> names = channel_names(std::string(name), pixels);
+    for (int c = 0; c < int(names.size()); ++c) {
         Range range;
         std::uint64_t negative = 0;
         for (const Rgb& f : pixels) range.add(f[c]), negative += f[c] < 0;
-        add_row(text, channel_name(name, c, grey),
-                range.text() + (negative ? ", " + grouped(negative) + " negative" : ""));
+        add_row(text, names[std::size_t(c)], range.text() + (negative ? ", " + grouped(negative) + " negative" : ""));
     }
 }
 

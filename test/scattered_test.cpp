@@ -231,6 +231,7 @@ TEST(Csv, ReadsNamedColumns) {
 
     const auto vectors = read(read_csv, "wv_x,wv_y,wv_z,wl_x,wl_y,wl_z,value\n0.6,0,0.8,0,0.6,0.8,2\n");
     ASSERT_TRUE(vectors.ok()) << message(vectors.error());
+    EXPECT_TRUE(vectors->isotropic);  // its one light has one azimuth
     EXPECT_EQ(vectors->wl[0], (Vec3f{0, 0.6f, 0.8f}));
     EXPECT_EQ(vectors->colour[0], (Rgb{2, 2, 2}));
 

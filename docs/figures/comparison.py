@@ -24,6 +24,8 @@ MODELS = {  # name, and in the plot the curve that it belongs to
     "su": ("view by view, 5 lobes", "view by view"),
 }
 COLOURS = {"srbf": "#c0392b", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "NBRDF": "#7d3c98", "neural process": "#5d6d7e"}
+NEURAL = {"nbrdf", "nps"}  # of which there are rows for the measurements alone
+LOBES = {"srbf", "view by view"}  # curves of models of this project
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
 COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
 
@@ -49,6 +51,19 @@ def of_model(rows, model):
     return [row for row in rows if row["model"] == model]
 
 
+def of_measured(rows):
+    return [row for row in rows if row["material"] in MEASURED]
+
+
+def without_neural(rows):
+    return [row for row in rows if row["model"] not in NEURAL]
+
+
+def models_in(rows):
+    present = {row["model"] for row in rows}
+    return [model for model in MODELS if model in present]
+
+
 def mean(rows, key):
     return statistics.fmean(row[key] for row in rows)
 
@@ -56,18 +71,16 @@ def mean(rows, key):
 def means_table(rows):
     """A row a model: its bytes, and the means of its errors."""
     lines = []
-    for model, (name, _) in MODELS.items():
+    for model in models_in(rows):
         of = of_model(rows, model)
-        if not of:
-            continue
         shared = f" + {text(of[0]['shared'])} shared" if of[0]["shared"] else ""
         payload = text(max(row["payload"] for row in of))
-        lines.append([name, payload + shared] + [text(mean(of, key)) for key in COLUMNS])
+        lines.append([MODELS[model][0], payload + shared] + [text(mean(of, key)) for key in COLUMNS])
     return table(["model", "bytes", "ΔE_ITP", "worst light", "ꟻLIP", "PSNR, dB", "RMS", "symmetric", "albedo"], lines)
 
 
 def kinds_table(rows):
-    models = [model for model in MODELS if model not in ("nbrdf", "nps")]
+    models = models_in(rows)
     lines = []
     for kind in sorted({row["kind"] for row in rows}):
         of_kind = [row for row in rows if row["kind"] == kind]
@@ -78,8 +91,8 @@ def kinds_table(rows):
 
 
 def measured_table(rows):
-    """ΔE_ITP of the measurements by all models."""
-    models = [model for model in MODELS if of_model(rows, model)]
+    """Their ΔE_ITP by all models."""
+    models = models_in(rows)
     lines = []
     for material in MEASURED:
         of = {row["model"]: row for row in rows if row["material"] == material}
@@ -89,12 +102,13 @@ def measured_table(rows):
 
 def worst_table(rows):
     """The materials that the default errs most on."""
+    models = ["ggx-2", "openpbr", "srbf", "srbf-16", "su"]
     order = sorted(of_model(rows, "srbf"), key=lambda row: -row["delta_e_itp"])[:8]
     lines = []
     for row in order:
         of = {other["model"]: other["delta_e_itp"] for other in rows if other["material"] == row["material"]}
-        lines.append([row["material"], row["kind"]] + [text(of[model]) for model in ("ggx-2", "openpbr", "srbf", "srbf-16", "su")])
-    return table(["material", "kind", "Lambert, 2 GGX", "OpenPBR", "srbf, 8 lobes", "srbf, 16 lobes", "view by view"], lines)
+        lines.append([row["material"], row["kind"]] + [text(of[model]) for model in models])
+    return table(["material", "kind"] + [MODELS[model][0] for model in models], lines)
 
 
 def losses_table(rows):
@@ -102,13 +116,13 @@ def losses_table(rows):
     lines = []
     for row in of_model(rows, "srbf"):
         for other in rows:
-            if other["material"] == row["material"] and other["model"] in ("ggx", "ggx-2", "openpbr", "nbrdf", "nps"):
-                if other["delta_e_itp"] < row["delta_e_itp"]:
-                    lines.append([row["material"], MODELS[other["model"]][0], text(other["delta_e_itp"]), text(row["delta_e_itp"])])
-    return table(["material", "model", "its ΔE_ITP", "srbf, 8 lobes"], lines)
+            name, curve = MODELS.get(other["model"], ("", "srbf"))
+            if other["material"] == row["material"] and curve not in LOBES and other["delta_e_itp"] < row["delta_e_itp"]:
+                lines.append([row["material"], name, text(other["delta_e_itp"]), text(row["delta_e_itp"])])
+    return table(["material", "model", "its ΔE_ITP", MODELS["srbf"][0]], lines)
 
 
-OPTIONS = {"srbf": "**none: 8 lobes by what is seen**", "cosine": "`--objective cosine`", "log": "`--objective log`", "cube-root": "`--objective cube-root`",
+OPTIONS = {"srbf": "**none**", "cosine": "`--objective cosine`", "log": "`--objective log`", "cube-root": "`--objective cube-root`",
            "srbf-4": "`--lobes 4`", "srbf-12": "`--lobes 12`", "srbf-16": "`--lobes 16`", "su": "`--model su --lobes 5`",
            "openpbr": "`--model pbr`", "ggx": "`--model ggx`"}
 
@@ -118,10 +132,9 @@ def options_table(rows):
     lines = []
     for model, name in OPTIONS.items():
         of = of_model(rows, model)
-        five = [row for row in of if row["material"] in MEASURED]
         columns = ["delta_e_itp", "flip", "psnr", "rms", "heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"]
         percent = {"heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"}
-        lines.append([name, text(max(row["payload"] for row in of)), text(mean(five, "delta_e_itp"))]
+        lines.append([name, text(max(row["payload"] for row in of)), text(mean(of_measured(of), "delta_e_itp"))]
                      + [text(mean(of, key) * (100 if key in percent else 1)) for key in columns])
     return table(["options", "bytes", "ΔE_ITP, five", "ΔE_ITP, all", "ꟻLIP", "PSNR, dB", "RMS", "f cosθl, %", "cube root, %", "albedo, %"], lines)
 
@@ -142,9 +155,9 @@ def panel(rows, title, x0, y0, width, height):
                      f'<text x="{x0 - 6}" y="{y(value) + 4:.1f}" text-anchor="end">{value}</text>')
     for curve, colour in COLOURS.items():
         points = []
-        for model, (_, its_curve) in MODELS.items():
-            of = of_model(rows, model)
-            if of and its_curve == curve:
+        for model in models_in(rows):
+            if MODELS[model][1] == curve:
+                of = of_model(rows, model)
                 points.append((x(mean(of, "payload") + mean(of, "shared") / len(of)), y(mean(of, "delta_e_itp"))))
         line = " ".join(f"{a:.1f},{b:.1f}" for a, b in points)
         parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
@@ -153,10 +166,9 @@ def panel(rows, title, x0, y0, width, height):
 
 
 def plot(rows):
-    measured = [row for row in rows if row["material"] in MEASURED]
-    rest = [row for row in rows if row["model"] not in ("nbrdf", "nps")]
+    rest = without_neural(rows)
     kinds = sorted({row["kind"] for row in rows})
-    panels = [("five measurements", measured)] + [(kind, [row for row in rest if row["kind"] == kind]) for kind in kinds]
+    panels = [("five measurements", of_measured(rows))] + [(kind, [row for row in rest if row["kind"] == kind]) for kind in kinds]
     parts = []
     for i, (title, of) in enumerate(panels):
         count = len(of_model(of, "srbf"))
@@ -182,9 +194,9 @@ def replaced(page, name, table_of):
 
 def pages(rows):
     """The pages with their tables, by path."""
-    measured = [row for row in rows if row["material"] in MEASURED]
-    tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("kinds", kinds_table(rows)),
-                     ("means of all", means_table([row for row in rows if row["model"] not in ("nbrdf", "nps")])),
+    measured, rest = of_measured(rows), without_neural(rows)
+    tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("kinds", kinds_table(rest)),
+                     ("means of all", means_table(rest)),
                      ("worst", worst_table(rows)), ("losses", losses_table(rows))],
               ACCURACY: [("options", options_table(rows))]}
     made = {}

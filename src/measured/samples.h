@@ -58,7 +58,7 @@ Result<ScatteredSamples> read_columns(std::span<const std::byte> bytes, const st
                                       const std::string& columns);
 Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
 
-/// Azimuths [rad] within this are equal: files state them with four digits or more.
+/// Azimuths [rad] within this are equal: files state them with four digits or more. Components of directions too.
 inline constexpr double k_azimuth_rounding = 1e-4;
 /// The azimuths of the lights of a file. Where all have one, whichever it is, the file holds an isotropic measurement.
 class LightAzimuths {

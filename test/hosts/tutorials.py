@@ -20,10 +20,6 @@ pages = [root / "docs/tutorials" / (name + ".md") for name in sys.argv[3:]] or s
 NEEDS = {"mitsuba": ["mitsuba"], "blender": ["bpy"]}
 
 
-def has(package):
-    return importlib.util.find_spec(package) is not None or any((Path(p) / package).exists() for p in sys.path)
-
-
 def prepare(folder, page):
     """Makes the folder that a page begins in, and returns the environment: the program, its package, and where the library is installed."""
     (folder / "data").symlink_to(root / "data")
@@ -63,7 +59,7 @@ def run(page):
 
 failed = False
 for page in pages:
-    missing = [package for package in NEEDS.get(page.stem, []) if not has(package)]
+    missing = [package for package in NEEDS.get(page.stem, []) if importlib.util.find_spec(package) is None]
     wrong = "" if missing else run(page)
     print(f"{page.stem}: " + (f"not run, without {', '.join(missing)}" if missing else wrong or "ok"), flush=True)
     failed |= bool(wrong)

@@ -1,5 +1,6 @@
-"""python3 report_page.py PAGE.html: what a browser has to say of a report, as JSON: problems, requests, pictures that show nothing, and how far
-the page is wider than a desktop's window and a phone's.
+"""python3 report_page.py GALLERY.html PAGE.html...: what a browser has to say of a report's pages, as JSON: problems, requests, how many
+pictures and plots each has, pictures that show nothing, how far pages are wider than a desktop's window and a phone's, and the order of the
+gallery's materials after a click.
 
 Exit status 77: there is no Chromium."""
 import json
@@ -11,14 +12,21 @@ if not program():
     print("no Chromium (Debian: chromium)")
     sys.exit(77)
 chromium = Chromium(["--disable-3d-apis"])
-too_wide = []
-for width, mobile in ((1280, False), (390, True)):
-    chromium.size(width, 800, mobile=mobile)
-    chromium.open(sys.argv[1])
-    too_wide.append(chromium.run("document.documentElement.scrollWidth - innerWidth"))
-answers = {"problems": chromium.problems, "requests": chromium.requests, "too_wide": too_wide,
-           "images": chromium.run("document.images.length"),
-           "blank": chromium.run("[...document.images].filter((i) => !i.complete || i.naturalWidth === 0).length"),
-           "plots": chromium.run("[...document.querySelectorAll('svg.slice')].filter((s) => s.getBoundingClientRect().height > 100).length")}
+answers = {"too_wide": [], "images": [], "plots": [], "blank": 0}
+for page in sys.argv[1:]:
+    for width, mobile in ((1280, False), (390, True)):
+        chromium.size(width, 800, mobile=mobile)
+        chromium.open(page)
+        answers["too_wide"].append(chromium.run("document.documentElement.scrollWidth - innerWidth"))
+    chromium.run("for (const image of document.images) image.loading = 'eager'")
+    chromium.run("Promise.all([...document.images].map((image) => image.decode().catch(() => {})))")
+    answers["images"].append(chromium.run("document.images.length"))
+    answers["blank"] += chromium.run("[...document.images].filter((i) => !i.complete || i.naturalWidth === 0).length")
+    answers["plots"].append(chromium.run("[...document.querySelectorAll('svg.slice')].filter((s) => s.getBoundingClientRect().height > 100).length"))
+chromium.open(sys.argv[1])
+for by in ("name", "error"):
+    answers["by_" + by] = chromium.run(f"(document.querySelector('[data-by={by}]').click(), [...document.querySelectorAll('.card')].map((c) => c.dataset.{by}))")
+answers["by_error"] = [float(error) for error in answers["by_error"]]
+answers.update(problems=chromium.problems, requests=chromium.requests)
 chromium.close()
 print(json.dumps(answers))

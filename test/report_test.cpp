@@ -1,4 +1,4 @@
-// `srbf report`: all numbers of the page are in its tables, and complete materials are skipped.
+// `srbf report`: all numbers of its pages are in its tables, and complete materials are skipped.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -41,10 +41,12 @@ Files files_of(const fs::path& report) {
         if (entry.is_regular_file()) all[fs::relative(entry.path(), report)] = contents(entry.path());
     return all;
 }
-/// Results that depend on time: in the folder of a material times.json and frames.json, beside it all files that
-/// contain them.
+/// Results that depend on time, in the folder of a material; and all files, its page too, that contain them.
+bool is_measured_time(const fs::path& file) {
+    return file.filename() == "times.json" || file.filename() == "frames.json";
+}
 bool is_of_clocks(const fs::path& file) {
-    return file.filename() == "times.json" || file.filename() == "frames.json" || !file.has_parent_path();
+    return is_measured_time(file) || file.filename() == "index.html" || !file.has_parent_path();
 }
 
 Arguments arguments(const std::string& output) {
@@ -59,17 +61,27 @@ class Report : public testing::Test {
         folder = std::make_unique<TemporaryFolder>();
         write_materials(*folder);
         first = run(*folder, arguments("whole"));
-        html = contents(*folder / "whole" / "index.html");
+        const fs::path whole = folder->path / "whole";
+        html = contents(whole / "index.html");
+        pages = {whole / "index.html", whole / "numbers.html", page_of("matt"), page_of("krylon_blue")};
+    }
+    /// The page of a material of that name.
+    static fs::path page_of(const std::string& name) {
+        for (const auto& entry : fs::directory_iterator(folder->path / "whole"))
+            if (entry.path().filename().string().starts_with(name + "-")) return entry.path() / "index.html";
+        return {};
     }
     static void TearDownTestSuite() { folder.reset(); }
 
     static std::unique_ptr<TemporaryFolder> folder;
     static ProgramRun first;
-    static std::string html;
+    static std::string html;  ///< the gallery
+    static std::vector<fs::path> pages;
 };
 std::unique_ptr<TemporaryFolder> Report::folder;
 ProgramRun Report::first;
 std::string Report::html;
+std::vector<fs::path> Report::pages;
 
 TEST_F(Report, OneMaterialThatFailsDoesNotStopTheOthers) {
     EXPECT_EQ(first.status, 1);
@@ -87,28 +99,46 @@ TEST_F(Report, OneMaterialThatFailsDoesNotStopTheOthers) {
 }
 
 TEST_F(Report, NeedsNothingButItself) {
-    for (const char* outside : {"<script", "http:", "https:", "<link", "url(", "{{", "Not <real>", "<so on>"})
-        EXPECT_EQ(html.find(outside), html.npos) << outside;
-    for (std::size_t at = 0; (at = html.find(" src=", at)) != html.npos; ++at)
-        EXPECT_EQ(html.compare(at, 16, " src='data:image"), 0) << html.substr(at, 40);
-    // What is linked to is there.
-    const std::regex link("href='([^'#][^']*)'");
     int links = 0;
-    for (std::sregex_iterator at(html.begin(), html.end(), link), end; at != end; ++at, ++links)
-        EXPECT_TRUE(fs::exists(folder->path / "whole" / std::string((*at)[1]))) << (*at)[1];
-    EXPECT_GT(links, 20);
-    const std::regex inner("href='#([^']*)'");
-    for (std::sregex_iterator at(html.begin(), html.end(), inner), end; at != end; ++at)
-        EXPECT_TRUE(std::regex_search(html, std::regex(fmt::format("id=['\"]{}['\"]", std::string((*at)[1])))))
-            << (*at)[1];
+    for (const fs::path& page : pages) {
+        const std::string text = contents(page);
+        for (const char* outside : {"<script ", "http:", "https:", "<link", "url(", "{{", "Not <real>", "<so on>"})
+            EXPECT_EQ(text.find(outside), text.npos) << page << ": " << outside;
+        // What is shown and linked to is there.
+        const std::regex link("(?:href|src)=['\"]([^'\"]*)['\"]");
+        for (std::sregex_iterator at(text.begin(), text.end(), link), end; at != end; ++at, ++links)
+            EXPECT_TRUE(fs::exists(page.parent_path() / std::string((*at)[1]))) << page << ": " << (*at)[1];
+    }
+    EXPECT_GT(links, 60);
+}
+
+TEST_F(Report, GivesTheDefaultFitToOtherPrograms) {
+    for (const char* name : {"matt", "krylon_blue"}) {
+        const fs::path at = page_of(name).parent_path();
+        const std::string page = contents(at / "index.html");
+        for (const char* ending : {".glsl", ".hlsl", ".wgsl", ".metal", ".h", ".js"}) {
+            EXPECT_NE(page.find(fmt::format("href='{}{}' download", name, ending)), page.npos) << ending;
+            EXPECT_NE(contents(at / (std::string(name) + ending)).find(name), page.npos) << ending;
+        }
+        // They are what `srbf export` makes of the model.
+        const std::string model = (at / "pm-source-2x2-raw.srbf").string(), code = std::string(name) + ".glsl";
+        fs::copy(model, *folder / (std::string(name) + ".srbf"));
+        EXPECT_EQ(
+            run(*folder, {"export", std::string(name) + ".srbf", "--to", "glsl", "--with", "sampling", "-o", code})
+                .status,
+            0);
+        EXPECT_EQ(contents(*folder / code), contents(at / code));
+        EXPECT_NE(contents(at / "page.html").find("<canvas"), page.npos);
+    }
 }
 
 TEST_F(Report, IsShownByABrowser) {
     const std::string script = (fs::path(SRBF_SOURCE_DIR) / "test" / "report_page.py").string();
-    const int status =
-        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 timeout 100 python3 '{}' '{}' > '{}' 2>&1", script,
-                                (*folder / "whole" / "index.html").string(), (*folder / "said").string())
-                        .c_str());
+    std::string files;
+    for (const fs::path& page : pages) files += fmt::format(" '{}'", page.string());
+    const int status = std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 timeout 100 python3 '{}'{} > '{}' 2>&1",
+                                               script, files, (*folder / "said").string())
+                                       .c_str());
     const std::string said = contents(*folder / "said");
     if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;
     ASSERT_EQ(status, 0) << said;
@@ -117,9 +147,13 @@ TEST_F(Report, IsShownByABrowser) {
     for (const std::string request : answers["requests"])
         EXPECT_TRUE(request.starts_with("file:") || request.starts_with("data:")) << request;
     for (const int pixels : answers["too_wide"]) EXPECT_LE(pixels, 0);
-    EXPECT_GT(answers["images"], 20);
+    EXPECT_EQ(answers["images"], nlohmann::json({2 * 3, 0, 2 * 7, 2 * 7}));
     EXPECT_EQ(answers["blank"], 0);
-    EXPECT_EQ(answers["plots"], 2 * (2 + 6));
+    EXPECT_EQ(answers["plots"], nlohmann::json({0, 0, 2 + 6, 2 + 6}));
+    // A click puts the materials into another order.
+    EXPECT_EQ(answers["by_name"], nlohmann::json({"krylon_blue", "matt"}));
+    auto by_error = answers["by_error"];
+    EXPECT_TRUE(std::ranges::is_sorted(by_error.get<std::vector<double>>())) << by_error;
 }
 
 /// All fields of all tables of a report.
@@ -144,10 +178,12 @@ std::set<std::string> fields_of(const fs::path& report) {
 
 TEST_F(Report, EveryNumberIsInTheTables) {
     const std::set<std::string> fields = fields_of(folder->path / "whole");
+    std::string all;
+    for (const fs::path& page : pages) all += contents(page);
     // Each number carries the field that it was rounded from.
     const std::regex number("<data value='([^']*)'>([^<]*)</data>");
     int numbers = 0;
-    for (std::sregex_iterator at(html.begin(), html.end(), number), end; at != end; ++at, ++numbers) {
+    for (std::sregex_iterator at(all.begin(), all.end(), number), end; at != end; ++at, ++numbers) {
         const std::string exact = (*at)[1];
         std::string shown = (*at)[2];
         EXPECT_TRUE(fields.contains(exact)) << exact;
@@ -161,12 +197,12 @@ TEST_F(Report, EveryNumberIsInTheTables) {
     // So does each point of a plot.
     const std::regex point("<circle[^>]*><title>[^:<]*: ([^<]*)</title>");
     int points = 0;
-    for (std::sregex_iterator at(html.begin(), html.end(), point), end; at != end; ++at, ++points)
+    for (std::sregex_iterator at(all.begin(), all.end(), point), end; at != end; ++at, ++points)
         EXPECT_TRUE(fields.contains((*at)[1])) << (*at)[1];
     EXPECT_GE(points, 3);
     // Nor is there a digit in a table, caption or card but in these, and in names.
     const std::string rest =
-        std::regex_replace(html, std::regex("<data [^>]*>[^<]*</data>|<img[^>]*>|<a [^>]*>[^<]*</a>"), "");
+        std::regex_replace(all, std::regex("<data [^>]*>[^<]*</data>|<img[^>]*>|<a [^>]*>[^<]*</a>"), "");
     const std::regex place("<(td|figcaption|article|p class='lead')[^>]*>([^]*?)</(td|figcaption|article|p)>");
     for (std::sregex_iterator at(rest.begin(), rest.end(), place), end; at != end; ++at) {
         const std::string text = std::regex_replace(std::string((*at)[2]), std::regex("<[^>]*>"), "");
@@ -196,19 +232,16 @@ TEST_F(Report, SaysWhereNoFramesCanBeTimed) {
     const ProgramRun done = run(blind, {"report", "matt.binary", "-o", "a", "--least"});
     ::unsetenv("__EGL_VENDOR_LIBRARY_FILENAMES");
     EXPECT_EQ(done.status, 0) << done.err;
-    const std::string page = contents(blind / "a" / "index.html");
+    const std::string page = contents(*finished(blind / "a").begin() / "index.html");
     EXPECT_NE(page.find("No frames were timed: "), page.npos);
     EXPECT_NE(page.find("Sizes, errors, seconds"), page.npos);
 }
 
 TEST_F(Report, NamesTheSourcesRowsBesideItsOwnMaterials) {
-    EXPECT_NE(html.find("Tsai 2009, multivariate"), html.npos);
-    const auto of = [&](const char* name) {
-        const auto begin = html.find(fmt::format("<section id='{}-", name));
-        return html.substr(begin, html.find("</section>", begin) - begin);
-    };
-    EXPECT_NE(of("krylon_blue").find("<data value='0.0102'>1.02 %</data>"), html.npos);
-    EXPECT_EQ(of("matt").find("Tsai 2009, "), html.npos);
+    const std::string krylon = contents(page_of("krylon_blue"));
+    EXPECT_NE(krylon.find("Tsai 2009, multivariate"), krylon.npos);
+    EXPECT_NE(krylon.find("<data value='0.0102'>1.02 %</data>"), krylon.npos);
+    EXPECT_EQ(contents(page_of("matt")).find("Tsai 2009, "), krylon.npos);
     // A file with the name of a material of Tsai 2009 is taken for that material, unless it is labelled. Its bytes are
     // those of a material that is complete.
     const TemporaryFolder metal;
@@ -219,11 +252,12 @@ TEST_F(Report, NamesTheSourcesRowsBesideItsOwnMaterials) {
                 fs::copy(done, metal.path / "a" / ("nickel-" + name.substr(5)), fs::copy_options::recursive);
     const Arguments again{"report", "nickel.binary", "-o", "a", "--least"};
     EXPECT_EQ(run(metal, again).status, 0);
-    EXPECT_NE(contents(metal / "a" / "index.html").find("<data value='0.0044'>0.44 %</data>"), html.npos);
+    const auto page = [&] { return contents(*finished(metal / "a").begin() / "index.html"); };
+    EXPECT_NE(page().find("<data value='0.0044'>0.44 %</data>"), html.npos);
     Arguments labelled = again;
     labelled.insert(labelled.begin() + 1, {"--label", "nickel=stand-in"});
     EXPECT_EQ(run(metal, labelled).status, 0);
-    EXPECT_EQ(contents(metal / "a" / "index.html").find("Tsai 2009, "), html.npos);
+    EXPECT_EQ(page().find("Tsai 2009, "), html.npos);
 }
 
 TEST_F(Report, GoesOnWhereItWasKilled) {
@@ -256,7 +290,7 @@ TEST_F(Report, GoesOnWhereItWasKilled) {
     for (const auto& [file, content] : whole) EXPECT_TRUE(is_of_clocks(file) || resumed[file] == content) << file;
     // And with the same times the page and the tables are the same bytes.
     for (const auto& [file, content] : whole)
-        if (is_of_clocks(file) && file.has_parent_path()) write(report / file, content);
+        if (is_measured_time(file)) write(report / file, content);
     EXPECT_EQ(run(*folder, arguments("killed")).status, first.status);
     resumed = files_of(report);
     for (const auto& [file, content] : whole) EXPECT_TRUE(resumed[file] == content) << file;

@@ -109,7 +109,7 @@ std::string over_lobes(const Tables& tables) {
 std::string pictures(const Tables& tables) {
     std::string text =
         "\n| measurement | multivariate | multivariate, cosine | view by view | 2 GGX |\n|---|---|---|---|---|\n";
-    const View view{tables, {}};
+    const View view{tables};
     for (const Json* material : view.done()) {
         text += fmt::format("| {} |", field(material->at("material")));
         for (const char* role : {"pm", "pm2", "su", "ggx"}) {

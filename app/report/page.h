@@ -1,4 +1,5 @@
-// The report as an HTML page, and its tables as Markdown.
+// The pages of a report, and its tables as Markdown. Each number of a table, card or caption is `<data value='V'>` with
+// a field V of one of the tables.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,11 +8,13 @@
 
 namespace srbf {
 
-/// The page, HTML in UTF-8, self-contained and without scripts; its links lead to the models and pictures in its
-/// folder. Each number of its tables and captions is `<data value='V'>` with a field V of one of the tables. Pictures
-/// are embedded up to `k_most_picture_bytes`, those of the ball first.
-std::string report_html(const std::vector<Reported>& materials, const Tables& tables, const std::string& note);
-inline constexpr std::size_t k_most_picture_bytes = 2200000;
+/// All materials, measured and fitted, in an order that the reader chooses: index.html.
+std::string gallery_html(const std::vector<Reported>& materials, const Tables& tables, const std::string& note);
+/// A material of the tables: its pictures, files to take away, errors, lobes: index.html in its folder.
+std::string material_html(const Tables& tables, const Json& material, const Study& study);
+/// The errors of all materials in one table, and their statistics: numbers.html.
+std::string numbers_html(const Tables& tables);
+inline constexpr char k_generator[] = "Written by srbf " SRBF_VERSION ".";
 
 /// Tables for a document: each form over all materials, each material, the baseline, view-by-view models over J.
 std::string report_markdown(const Tables& tables);

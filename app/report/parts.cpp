@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 
 #include "render/html.h"
-#include "srbf/file.h"
+#include "srbf/pictures.h"
 
 namespace srbf {
-
-namespace fs = std::filesystem;
 
 std::string number(const Json& value, Shown how) {
     if (!value.is_number()) return "–";
@@ -49,7 +46,7 @@ std::string measure_column(const std::string& objective, const Json& input) {
     return fmt::format("heldout_{}", measure_named_for(named).name);
 }
 std::string link_to(const Json& material) {
-    return fmt::format("<a href='#{}'>{}</a>", text_of(material, "folder"), text_of(material, "material"));
+    return fmt::format("<a href='{}/index.html'>{}</a>", text_of(material, "folder"), text_of(material, "material"));
 }
 std::string label_of(const Json& material) {
     const std::string label = material["label"];
@@ -64,8 +61,10 @@ bool is_of_table(const Json& fit) {
     return true;
 }
 
-std::string word(double flip) {
-    return fmt::format("<span class='{}'>{}</span>", likeness_word(flip), likeness_word(flip));
+std::string verdict_text(const Json& words) {
+    std::size_t k = 0;
+    while (k + 1 < k_verdicts && words != srbf::words(Verdict(k))) ++k;
+    return fmt::format("<span class='verdict v{}'>{}</span>", k, field(words));
 }
 
 std::string table(const std::vector<Head>& heads, const std::string& rows) {
@@ -92,17 +91,6 @@ std::string group(const std::string& text, std::size_t columns) {
     return fmt::format("<tr class='group'><th colspan='{}'>{}</th></tr>\n", columns, text);
 }
 
-std::string picture(const Album& album, const Json& material, const std::string& name, const std::string& alt) {
-    const fs::path folder = fs::path(field(material["folder"]));
-    const std::string file = html_escaped((folder / (name + ".png")).generic_string());
-    const bool is_held = album.is_whole || (name.starts_with("ball-") && !name.ends_with(".difference"));
-    const auto bytes = is_held ? read_file((fs::path(album.folder) / folder / (name + ".jpg")).string())
-                               : Result<std::vector<std::byte>>(std::vector<std::byte>());
-    if (!bytes || bytes->empty()) return fmt::format("<a href='{}'>{}.png</a>", file, html_escaped(name));
-    return fmt::format("<a href='{}'><img src='data:image/jpeg;base64,{}' alt='{}'></a>", file, base64(*bytes),
-                       html_escaped(alt));
-}
-
 Rows View::done() const { return rows_with(tables.materials, "status", "done"); }
 Rows View::fits(const Json& material) const { return rows_with(tables.fits, "material", material["material"]); }
 const Json* View::drawn(const Json& material, const std::string& role) const {
@@ -119,14 +107,13 @@ const Json* View::ball(const Json& material, const std::string& role) const {
     return row_with(pictures(material, "ball"), "role", role);
 }
 
-double View::flip(const Json& material) const {
-    const Json* of = ball(material, "pm");
-    return of != nullptr ? of->at("flip").get<double>() : std::numeric_limits<double>::infinity();
-}
-
-Rows View::by_likeness() const {
+Rows View::by_visible_error() const {
     Rows rows = done();
-    std::ranges::stable_sort(rows, {}, [&](const Json* material) { return flip(*material); });
+    std::ranges::stable_sort(rows, {}, [&](const Json* material) {
+        const Json* fit = drawn(*material, "pm");
+        const Json error = fit != nullptr ? fit->at("delta_e_itp") : Json();
+        return error.is_number() ? error.get<double>() : std::numeric_limits<double>::infinity();
+    });
     return rows;
 }
 

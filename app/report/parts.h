@@ -30,8 +30,9 @@ std::string role_title(const std::string& role);
 std::string measure_column(const std::string& objective, const Json& input);
 /// Whether a fit corresponds to one in Table 7.1 of Tsai 2009.
 bool is_of_table(const Json& fit);
-/// The word for a similarity, in its colour.
-std::string word(double flip);
+/// A verdict, in its colour.
+std::string verdict_text(const Json& words);
+/// The name of a material, with a link to its page.
 std::string link_to(const Json& material);
 std::string label_of(const Json& material);
 
@@ -50,18 +51,9 @@ std::string group(const std::string& text, std::size_t columns);
 
 // ---- Lookups ----
 
-/// The location of the pictures, and which of them the page embeds: all, or those of the ball without differences.
-struct Album {
-    std::string folder;  ///< of the report
-    bool is_whole = true;
-};
-/// A picture with a link to its file, or only the link.
-std::string picture(const Album& album, const Json& material, const std::string& name, const std::string& alt);
-
 /// The tables, by material.
 struct View {
     const Tables& tables;
-    Album album;
 
     Rows done() const;
     Rows fits(const Json& material) const;
@@ -69,13 +61,8 @@ struct View {
     const Json* drawn(const Json& material, const std::string& role) const;
     Rows pictures(const Json& material, const char* object) const;
     const Json* ball(const Json& material, const std::string& role) const;
-    /// Mean ꟻLIP of the ball with the default fit.
-    double flip(const Json& material) const;
-    /// The completed materials, most similar first.
-    Rows by_likeness() const;
+    /// The completed materials, by the visible error of the default fit.
+    Rows by_visible_error() const;
 };
-
-/// The section of a material.
-std::string material_section(const View& view, const Json& material, const Study& study);
 
 }  // namespace srbf

@@ -40,6 +40,8 @@ class Plan {
     void add(decltype(FitRequest::model) model, Objective objective, std::string id, std::string role) {
         FitRequest request;
         request.model = std::move(model), request.objective = objective, request.threads = threads_;
+        for (PlannedFit& other : fits)
+            if (!role.empty() && other.role == role) other.role.clear();
         const auto same = std::ranges::find(fits, id, &PlannedFit::id);
         if (same == fits.end())
             fits.push_back({request, std::move(id), std::move(role)});
@@ -51,33 +53,29 @@ class Plan {
 
 void plan_table(Plan& plan, bool quick) {
     using enum Objective;
-    // The sizes of Tsai 2009, those of this project's tables, and the default.
-    plan.pm(PmForm::gaussian, 6, 3, raw);
-    for (const Objective objective : {raw, cosine}) {
-        plan.pm(PmForm::gaussian, 8, 4, objective);
-        plan.pm(PmForm::horizon, 8, 4, objective);
-        plan.pm(PmForm::extended, 6, 4, objective);
-        plan.pm(PmForm::extended, 8, 4, objective, objective == cosine ? "pm2" : "");
-        plan.su(5, objective);
-        plan.ggx(1, objective);
-        plan.ggx(2, objective);
-    }
+    // What is drawn, the size of Tsai 2009, and sizes and objectives beside the default.
     for (const int lobes : {6, 8, 12}) plan.pm(PmForm::extended, lobes, 4, appearance, lobes == 8 ? "pm" : "");
+    plan.pm(PmForm::extended, 8, 4, cosine, "pm2");
     plan.su(5, appearance, "su");
     plan.ggx(1, appearance);
     plan.ggx(2, appearance, "ggx");
     plan.pbr(appearance);
+    plan.pm(PmForm::gaussian, 6, 3, raw);
+    plan.su(5, raw);
+    for (const int lobes : {2, 4, 8}) plan.pm(PmForm::extended, lobes, 4, raw);
+    if (quick) return;
+    for (const Objective objective : {raw, cosine}) {
+        plan.pm(PmForm::gaussian, 8, 4, objective);
+        plan.pm(PmForm::horizon, 8, 4, objective);
+        plan.pm(PmForm::extended, 6, 4, objective);
+        plan.pm(PmForm::extended, 8, 4, objective);
+        plan.su(5, objective);
+        plan.ggx(1, objective);
+        plan.ggx(2, objective);
+    }
     plan.pm(PmForm::extended, 8, 4, cube_root);
     plan.su_by_texture(5, raw);
     // For the plot of error over the number of lobes.
-    if (quick) {
-        for (const int lobes : {2, 4, 8}) {
-            for (const int variates : {2, 3, 4}) plan.pm(PmForm::gaussian, lobes, variates, raw);
-            plan.pm(PmForm::extended, lobes, 4, raw);
-            plan.su(lobes, raw);
-        }
-        return;
-    }
     for (const int lobes : {1, 2, 3, 4, 6, 8, 12, 16})
         for (const PmForm form : k_forms) {
             for (const int variates : {2, 3, 4}) plan.pm(form, lobes, variates, raw);
@@ -89,22 +87,19 @@ void plan_table(Plan& plan, bool quick) {
 
 void plan_samples(Plan& plan, bool quick) {
     using enum Objective;
-    plan.pm(PmForm::gaussian, 8, 4, raw);  // size of Krylon Blue in Tsai 2009
-    plan.su(4, raw);                       // size of Krylon Blue in Tsai 2009
-    plan.pm(PmForm::gaussian, 8, 4, cube_root);
-    plan.pm(PmForm::extended, 6, 4, cube_root);
-    plan.pm(PmForm::extended, 8, 4, cosine, "pm2");
     plan.pm(PmForm::extended, 8, 4, appearance, "pm");
+    plan.pm(PmForm::extended, 8, 4, cosine, "pm2");
+    plan.ggx(1, cube_root);
+    plan.ggx(2, cube_root, "ggx");
+    plan.pm(PmForm::gaussian, 8, 4, raw);  // size of Krylon Blue in Tsai 2009
+    plan.su(4, raw, "su");                 // size of Krylon Blue in Tsai 2009
+    if (quick) return;
     plan.su(4, cube_root);
     plan.su(4, appearance, "su");
-    for (const Objective objective : {raw, cube_root, appearance}) {
+    plan.pbr(appearance);
+    for (const Objective objective : {raw, appearance}) {
         plan.ggx(1, objective);
         plan.ggx(2, objective, objective == appearance ? "ggx" : "");
-    }
-    plan.pbr(appearance);
-    if (quick) {
-        plan.pm(PmForm::extended, 3, 4, cube_root);
-        return;
     }
     for (const Objective objective : {raw, cube_root}) {
         plan.pm(PmForm::horizon, 8, 4, objective);

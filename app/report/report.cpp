@@ -120,7 +120,12 @@ Result<Done> write_all(const ReportCommand& command, const std::vector<Reported>
     std::vector<std::pair<std::string, std::string>> texts;
     for (const Table* table : tables.all()) texts.emplace_back(table->name + ".csv", csv(*table));
     texts.emplace_back("accuracy.md", report_markdown(tables));
-    texts.emplace_back("index.html", report_html(materials, tables, command.note));
+    texts.emplace_back("numbers.html", numbers_html(tables));
+    for (const Json* material : rows_with(tables.materials, "status", "done")) {
+        const auto of = std::ranges::find(materials, field(material->at("material")), &Reported::name);
+        texts.emplace_back(field(material->at("folder")) + "/index.html", material_html(tables, *material, *of->study));
+    }
+    texts.emplace_back("index.html", gallery_html(materials, tables, command.note));
     for (const auto& [name, text] : texts)
         if (const auto written = write_file((fs::path(command.folder) / name).string(), as_bytes(text)); !written)
             return written.error();
@@ -128,18 +133,15 @@ Result<Done> write_all(const ReportCommand& command, const std::vector<Reported>
 }
 
 void print_summary(const ReportCommand& command, const Tables& tables) {
-    const View view{tables, {}};
-    fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10}\n", "material", "bytes", "image error", "raw error", "FLIP");
-    for (const Json* material : view.done()) {
-        const Json *fit = view.drawn(*material, "pm"), *ball = view.ball(*material, "pm");
-        if (fit == nullptr || ball == nullptr) continue;
-        const auto ratio = [&](const char* measure) {
-            const Json& value = fit->at(measure);
-            return value.is_number() ? percent(value) : std::string("-");
-        };
-        fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10.3f}\n", field(material->at("material")),
-                   fit->at("payload_bytes").get<int>(), ratio("heldout_squared_error_ratio_cosine"),
-                   ratio("heldout_squared_error_ratio"), ball->at("flip").get<double>());
+    const View view{tables};
+    fmt::print("{:<32}{:>10}{:>10}  {}\n", "material", "bytes", "ΔE_ITP", "difference");
+    for (const Json* material : view.by_visible_error()) {
+        const Json* fit = view.drawn(*material, "pm");
+        if (fit == nullptr) continue;
+        const Json& error = fit->at("delta_e_itp");
+        fmt::print("{:<32}{:>10}{:>10}  {}\n", field(material->at("material")), fit->at("payload_bytes").get<int>(),
+                   error.is_number() ? fmt::format("{:.3g}", error.get<double>()) : "-",
+                   field(material->at("verdict")));
     }
     fmt::print("\n  page      {}\n", (fs::path(command.folder) / "index.html").string());
 }

@@ -7,10 +7,13 @@
 #include <filesystem>
 
 #include "app/hash.h"
+#include "app/page_of.h"
 #include "app/path.h"
+#include "render/page.h"
 #include "render/slices.h"
 #include "srbf/file.h"
 #include "srbf/likeness.h"
+#include "srbf/shading_code.h"
 
 namespace srbf {
 namespace {
@@ -18,12 +21,22 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Version of the folder's content; to be incremented if it changes without a new version of the program.
-constexpr int k_edition = 7;
+constexpr int k_edition = 8;
 /// Pixels per side and paths per pixel of each sweep.
 struct PictureSize {
     int pixels, paths;
 };
 constexpr std::array<PictureSize, 3> k_pictures_of{{{240, 256}, {176, 48}, {16, 1}}};
+/// The shading code of the default fit in a folder.
+struct CodeFile {
+    CodeLanguage language;
+    const char *ending, *what;
+};
+constexpr std::array<CodeFile, 5> k_code_files{{{CodeLanguage::glsl, ".glsl", "GLSL"},
+                                                {CodeLanguage::hlsl, ".hlsl", "HLSL"},
+                                                {CodeLanguage::wgsl, ".wgsl", "WGSL"},
+                                                {CodeLanguage::msl, ".metal", "Metal"},
+                                                {CodeLanguage::c, ".h", "C, C++ and CUDA"}}};
 /// JPEG quality of pictures in the page, and of differences.
 constexpr int k_quality = 85, k_quality_of_differences = 70;
 
@@ -71,7 +84,8 @@ class Maker {
         const auto written = [&]() -> Result<Done> {
             if (const auto done = fit(study); !done) return done.error();
             if (const auto done = draw_lobes(study); !done) return done.error();
-            return draw_pictures(study);
+            if (const auto done = draw_pictures(study); !done) return done.error();
+            return write_exports(study, stem_of(file));
         }();
         if (!written) return written.error();
         study.times["study_seconds"] = watch.seconds();
@@ -179,6 +193,39 @@ class Maker {
             }
         }
         return Done{};
+    }
+
+    /// The default fit as files for other programs, and a page that shows it and GGX beside the measurement.
+    Result<Done> write_exports(Study& study, const std::string& stem) {
+        Json& exports = study.material["exports"] = Json::array();
+        const auto drawn = [&](std::string_view role) -> const Subject* {
+            const auto at = std::ranges::find(drawn_.roles, role);
+            return at == drawn_.roles.end() ? nullptr : &drawn_.subjects[std::size_t(at - drawn_.roles.begin())];
+        };
+        const Subject *fit = drawn("pm"), *ggx = drawn("ggx");
+        if (fit == nullptr) return Done{};
+        const auto add = [&](const std::string& file, const char* what,
+                             const Result<std::string>& text) -> Result<Done> {
+            if (!text) return text.error();
+            exports.push_back({{"file", file}, {"what", what}});
+            return write_file(path(file), as_bytes(*text));
+        };
+        exports.push_back({{"file", fit->path}, {"what", "the model"}});
+        const NamedModel named{identifier(stem), &std::get<Model>(fit->content)};
+        const std::span<const NamedModel> one(&named, 1);
+        for (const auto& [language, ending, what] : k_code_files) {
+            const CodeOptions options{.language = language, .sampling = true, .threads = options_.threads};
+            if (const auto done = add(plain(stem) + ending, what, shading_code(one, named.name, options)); !done)
+                return done;
+        }
+        if (const auto done = add(plain(stem) + ".js", "three.js", three_module(one, named.name, options_.threads));
+            !done)
+            return done;
+        if (is_two_sided(drawn_.subjects[0].content)) return Done{};
+        std::vector<Subject> models{{"fitted", fit->content}};
+        if (ggx != nullptr) models.push_back({"GGX", ggx->content});
+        return add(k_page_file, "a page with both, to turn and to light",
+                   page_html(page_of(models, &drawn_.subjects[0])));
     }
 
     /// As a PNG, and as a JPEG for the page.

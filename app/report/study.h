@@ -13,6 +13,7 @@
 
 namespace srbf {
 
+inline constexpr char k_page_file[] = "page.html";
 /// Polar angle of the light in plots of lobes [degrees].
 inline constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};
 
@@ -30,6 +31,7 @@ struct StudyOptions {
 ///   times.json     durations
 ///   frames.json    frames per second; made later, while nothing else runs
 ///   *.srbf *.png *.jpg lobes.csv
+///   the default fit as shading code, and as a page beside the measurement: `k_page_file`
 /// A folder is created under a temporary name and renamed, so that an existing one is complete.
 struct Study {
     std::string folder;  ///< its path

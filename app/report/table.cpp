@@ -10,6 +10,7 @@
 
 #include "srbf/fit_samples.h"
 #include "srbf/metrics.h"
+#include "srbf/pictures.h"
 
 namespace srbf {
 
@@ -57,8 +58,6 @@ std::string csv(const Table& table) {
     }
     return text;
 }
-
-const char* likeness_word(double flip) { return flip <= k_alike ? "alike" : flip <= k_close ? "close" : "differs"; }
 
 std::vector<const Json*> rows_with(const Table& table, const std::string& column, const Json& value) {
     std::vector<const Json*> rows;
@@ -118,6 +117,17 @@ std::string source_material(const Reported& of) {
     return name == "nickel" ? name : "";
 }
 
+/// What the default fit's difference means: by its pictures of a sphere, or where it has none by that of the ball.
+std::string_view verdict_of(const Study& study) {
+    PictureErrors errors;
+    for (const Json& fit : study.material.at("fits"))
+        if (const auto of = fit.find("pictures"); fit["role"] == "pm" && of != fit.end())
+            return errors.delta_e = of->at("delta_e_itp"), errors.flip = of->at("flip"), words(verdict(errors));
+    for (const Json& picture : study.material.at("pictures"))
+        if (picture["object"] == "ball" && picture["role"] == "pm") errors.flip = picture["flip"];
+    return words(verdict(errors));
+}
+
 void add_material(Tables& tables, const Reported& of) {
     Json row{{"material", of.name}, {"label", of.label}, {"file", std::filesystem::path(of.file).filename().string()}};
     if (!of.study) {
@@ -131,8 +141,7 @@ void add_material(Tables& tables, const Reported& of) {
     row["folder"] = std::filesystem::path(study.folder).filename().string();
     row["status"] = "done";
     row["source_material"] = source_material(of);
-    for (const Json& picture : study.material.at("pictures"))
-        if (picture["object"] == "ball" && picture["role"] == "pm") row["likeness"] = likeness_word(picture["flip"]);
+    row["verdict"] = verdict_of(study);
     const Json &fits = study.material.at("fits"), &failures = study.material.at("failures");
     row["masked_samples"] = fits[0]["masked_samples"], row["clamped_samples"] = fits[0]["clamped_samples"];
     row["fits"] = fits.size(), row["failed_fits"] = failures.size();
@@ -216,16 +225,14 @@ Tables tables_of(const std::vector<Reported>& materials) {
                         {"name", "value"},
                         {{{"name", "matrix_directions"}, {"value", k_matrix_directions}},
                          {{"name", "heldout_pairs"}, {"value", k_heldout_pairs}},
-                         {{"name", "folds"}, {"value", k_folds}},
-                         {{"name", "alike"}, {"value", k_alike}},
-                         {{"name", "close"}, {"value", k_close}}}};
+                         {{"name", "folds"}, {"value", k_folds}}}};
     for (const double theta : k_albedo_theta)
         tables.constants.rows.push_back({{"name", "albedo_theta"}, {"value", theta}});
     for (const double theta : k_lobe_theta) tables.constants.rows.push_back({{"name", "lobe_theta"}, {"value", theta}});
     tables.summary = {"summary", {"what", "materials"}, {}};
     tables.materials = {
         "materials",
-        {"material",        "label",        "likeness",    "file",         "format",          "input",
+        {"material",        "label",        "verdict",     "file",         "format",          "input",
          "isotropic",       "source_bytes", "status",      "error",        "source_material", "masked_samples",
          "clamped_samples", "fits",         "failed_fits", "pixels",       "paths",           "load_seconds",
          "study_seconds",   "threads",      "jobs",        "frames_error", "sweep",           "version",
@@ -297,12 +304,12 @@ Tables tables_of(const std::vector<Reported>& materials) {
     }
     for (const Reported& of : materials) add_material(tables, of);
     add_statistics(tables);
-    const auto count = [&](const char* column, const char* value) {
+    const auto count = [&](const char* column, std::string_view value) {
         tables.summary.rows.push_back(
             {{"what", value}, {"materials", rows_with(tables.materials, column, value).size()}});
     };
     for (const char* status : {"done", "failed"}) count("status", status);
-    for (const char* word : {"alike", "close", "differs"}) count("likeness", word);
+    for (std::size_t k = 0; k < k_verdicts; ++k) count("verdict", words(Verdict(k)));
     return tables;
 }
 

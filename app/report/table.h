@@ -30,7 +30,7 @@ struct Reported {
 
 struct Tables {
     Table constants;  ///< constants of the page's text: directions, pairs, folds, angles, limits
-    Table summary;    ///< numbers of materials, of failures, and of similar, close and different ones
+    Table summary;    ///< numbers of materials, of failures, and of those of each verdict
     Table materials;  ///< for each file: its origin, masked and clamped values, failures
     Table fits;       ///< for each fit: its kind, bytes, seconds and errors
     Table failures;   ///< fits that failed
@@ -45,10 +45,6 @@ struct Tables {
     }
 };
 Tables tables_of(const std::vector<Reported>& materials);
-
-/// Similarity of a fit's picture by its mean ꟻLIP: "alike", "close" or "differs".
-const char* likeness_word(double flip);
-inline constexpr double k_alike = 0.03, k_close = 0.07;
 
 /// The rows of a table with that value in that column.
 std::vector<const Json*> rows_with(const Table& table, const std::string& column, const Json& value);

@@ -59,12 +59,13 @@ struct PictureErrors {
 PictureErrors picture_errors(const Image& reference, const Image& other);
 
 /// What an error of pictures means to those who look: the worse of what ΔE_ITP and ꟻLIP say.
-enum class Verdict {
-    alike,    ///< ΔE_ITP ≤ 1, which is just noticeable (ITU-R BT.2124), and ꟻLIP ≤ 0.03
-    close,    ///< ≤ 3 and ≤ 0.07
-    differs,  ///< ≤ 10 and ≤ 0.15
-    other,    ///< above
+enum class Verdict { alike, close, differs, other };
+inline constexpr std::size_t k_verdicts = 4;
+/// The most that a verdict but the last allows; of ΔE_ITP 1 is just noticeable (ITU-R BT.2124).
+struct VerdictLimits {
+    double delta_e, flip;
 };
+inline constexpr std::array<VerdictLimits, k_verdicts - 1> k_verdict_limits{{{1, 0.03}, {3, 0.07}, {10, 0.15}}};
 Verdict verdict(const PictureErrors& errors);
 /// "hardly visible", "visible if looked for", "visible beside each other", "visible at once".
 std::string_view words(Verdict verdict);

@@ -64,16 +64,14 @@ PictureErrors picture_errors(const Image& reference, const Image& other) {
 }
 
 Verdict verdict(const PictureErrors& errors) {
-    // Of ΔE_ITP and of ꟻLIP: the most that each verdict but the last allows.
-    constexpr std::array<std::array<double, 2>, 3> k_most{{{1, 0.03}, {3, 0.07}, {10, 0.15}}};
-    for (std::size_t k = 0; k < k_most.size(); ++k)
-        if (errors.delta_e <= k_most[k][0] && errors.flip <= k_most[k][1]) return Verdict(k);
+    for (std::size_t k = 0; k < k_verdict_limits.size(); ++k)
+        if (errors.delta_e <= k_verdict_limits[k].delta_e && errors.flip <= k_verdict_limits[k].flip) return Verdict(k);
     return Verdict::other;
 }
 
 std::string_view words(Verdict verdict) {
-    constexpr std::array<std::string_view, 4> k_words{"hardly visible", "visible if looked for",
-                                                      "visible beside each other", "visible at once"};
+    constexpr std::array<std::string_view, k_verdicts> k_words{"hardly visible", "visible if looked for",
+                                                               "visible beside each other", "visible at once"};
     return k_words[std::size_t(verdict)];
 }
 

@@ -1,9 +1,9 @@
+// The numbers of a report over all materials, as a page.
 #include "app/report/page.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "app/report/parts.h"
 #include "render/html.h"
@@ -13,81 +13,13 @@
 namespace srbf {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// Whether all pictures fit into the page.
-bool fit_into_a_page(const std::vector<Reported>& materials) {
-    std::uintmax_t bytes = 0;
-    for (const Reported& of : materials)
-        if (of.study)
-            for (std::error_code none; const auto& entry : fs::directory_iterator(of.study->folder, none))
-                if (entry.path().extension() == ".jpg") bytes += entry.file_size(none);
-    return bytes <= k_most_picture_bytes;
-}
-
-std::string lead_of(const View& view, const std::string& note) {
-    std::string html;
-    if (!note.empty()) html += fmt::format("<p class='wrong'>{}</p>\n", html_escaped(note));
-    const auto count = [&](const char* what) {
-        return number(rows_with(view.tables.summary, "what", what)[0], "materials", Shown::whole);
-    };
-    const Rows done = view.done();
-    html += "<p class='lead'>";
-    if (done.size() == 1)
-        html += fmt::format("The fit looks {}.", word(view.flip(*done[0])));
-    else
-        html += fmt::format("{} materials; the fit looks {} for {}, {} for {} and {} for {}.", count("done"), word(0),
-                            count("alike"), word(k_close), count("close"), word(1), count("differs"));
-    // For the default fits of tables, which have the same size.
-    const auto statistics =
-        rows_with(view.tables.statistics, "id", fmt::format("pm-extended-8x4-{}", name(k_default_objective)));
-    if (const Json* of = row_with(statistics, "measure", "delta_e_itp")) {
-        const Json* fit = rows_with(view.tables.fits, "id", of->at("id"))[0];
-        html += fmt::format(
-            " The default fit of a table takes {} bytes where the raw data take {}."
-            " Its ΔE_ITP is {} in the median, {} at most ({}).",
-            number(of, "payload_bytes", Shown::whole), number(fit, "raw_bytes", Shown::whole),
-            number(of, "median", Shown::plain), number(of, "worst", Shown::plain), text_of(*of, "worst_material"));
-    }
-    return html + "</p>";
-}
-
-std::string failed_of(const View& view) {
-    std::string html;
-    for (const Json* material : rows_with(view.tables.materials, "status", "failed"))
-        html += fmt::format("<li><b>{}</b>{}: {}</li>\n", text_of(*material, "material"), label_of(*material),
-                            text_of(*material, "error"));
-    if (html.empty()) return html;
-    return fmt::format(
-        "<div class='wrong' id='failed'>Not in this report, for something is wrong with:<ul>\n{}</ul></div>", html);
-}
-
-std::string card_of(const View& view, const Json& material) {
-    const Json *measured = view.ball(material, "measured"), *ball = view.ball(material, "pm"),
-               *other = view.ball(material, "pm2"), *fit = view.drawn(material, "pm");
-    if (measured == nullptr || ball == nullptr || fit == nullptr) return {};
-    const std::string name = field(material["material"]);
-    const auto minimised = std::ranges::find(k_measure_texts, measure_column(fit->at("objective"), fit->at("input")),
-                                             [](const MeasureText& measure) { return std::string(measure.column); });
-    return fmt::format(
-        "<article class='card'><div class='pair'>{}{}<small>measured</small><small>{} "
-        "bytes</small></div>\n<p>{}{}</p>\n"
-        "<p>{}, ꟻLIP {}{}</p>\n<p>{} {}</p></article>\n",
-        picture(view.album, material, field(measured->at("picture")), name + ", measured"),
-        picture(view.album, material, field(ball->at("picture")), name + ", fitted"),
-        number(fit, "payload_bytes", Shown::whole), link_to(material), label_of(material), word(view.flip(material)),
-        number(ball, "flip", Shown::plain),
-        other == nullptr ? "" : fmt::format("; {} by cosine", number(other, "flip", Shown::plain)), minimised->title,
-        number(fit, minimised->column, shown_as(*minimised)));
-}
-
 /// The three models of the comparisons.
 constexpr const char* k_compared[] = {"pm", "su", "ggx"};
 const std::vector<std::string> k_compared_names{"multi­variate", "view by view", "GGX"};
 
 std::string all_of(const View& view) {
     std::string rows;
-    for (const Json* material : view.by_likeness()) {
+    for (const Json* material : view.by_visible_error()) {
         std::vector<std::string> cells;
         for (const char* role : k_compared) cells.push_back(number(view.ball(*material, role), "flip", Shown::plain));
         for (const char* column : {"heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio"})
@@ -237,44 +169,21 @@ std::string made_of(const View& view) {
 
 }  // namespace
 
-std::string report_html(const std::vector<Reported>& materials, const Tables& tables, const std::string& note) {
-    View view{tables, {"", fit_into_a_page(materials)}};
-    std::string cards, sections, links;
-    for (const Reported& of : materials)
-        if (of.study) view.album.folder = fs::path(of.study->folder).parent_path().string();
-    for (const Json* material : view.by_likeness()) {
-        cards += card_of(view, *material);
-        if (!links.empty()) links += ", ";
-        links += link_to(*material);
-        const auto of = std::ranges::find(materials, field(material->at("material")), &Reported::name);
-        sections += material_section(view, *material, *of->study);
-    }
-    const std::string title =
-        materials.size() == 1 ? materials[0].name + ": measured and fitted" : "Measured materials and their fits";
-    const auto constant = [&](const char* name, Shown how) {
-        return number(rows_with(tables.constants, "name", name)[0], "value", how);
-    };
+std::string numbers_html(const Tables& tables) {
+    const View view{tables};
+    const Json& directions = *rows_with(tables.constants, "name", "matrix_directions")[0];
     const std::pair<std::string_view, std::string> parts[] = {
-        {"title", html_escaped(title)},
         {"style", k_style_text},
         {"report_style", k_report_style_text},
-        {"lead", lead_of(view, note)},
-        {"failed", failed_of(view)},
-        {"alike", constant("alike", Shown::plain)},
-        {"close", constant("close", Shown::plain)},
-        {"directions", constant("matrix_directions", Shown::whole)},
+        {"directions", number(&directions, "value", Shown::whole)},
         {"default_fit", "the default fit (of scattered samples: eight lobes)"},
-        {"cards", cards},
-        {"links", links},
         {"all", all_of(view)},
         {"spread", spread_of(view)},
         {"measures", measures_of()},
-        {"materials", sections},
         {"made", made_of(view)},
-        {"generator",
-         "Written by srbf " SRBF_VERSION ". This page is one file; its links lead to what lies beside it."},
+        {"generator", k_generator},
     };
-    return filled(k_report_text, parts);
+    return filled(k_numbers_text, parts);
 }
 
 }  // namespace srbf

@@ -1,14 +1,22 @@
-// The section of a material in the page.
+// The page of a material.
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "app/report/page.h"
 #include "app/report/parts.h"
 #include "render/chart.h"
 #include "render/html.h"
+#include "render/page_text.h"
+#include "render/report_text.h"
 
 namespace srbf {
 namespace {
+
+/// A picture of the material's folder, in its small form with a link to the whole one.
+std::string picture(const Json& row, const char* column, const std::string& alt) {
+    return fmt::format("<a href='{0}.png'><img src='{0}.jpg' alt='{1}'></a>", text_of(row, column), html_escaped(alt));
+}
 
 std::string pictures_of(const View& view, const Json& material) {
     std::string html;
@@ -19,19 +27,17 @@ std::string pictures_of(const View& view, const Json& material) {
             if (of == nullptr) continue;
             const Json* fit = view.drawn(material, role);
             figures += fmt::format(
-                "<figure>{}<figcaption><b>{}</b>{}</figcaption>",
-                picture(view.album, material, field(of->at("picture")), role_title(role)),
+                "<figure>{}<figcaption><b>{}</b>{}</figcaption>", picture(*of, "picture", role_title(role)),
                 html_escaped(role_title(role)),
                 fit == nullptr ? "" : fmt::format(", {} bytes", number(fit, "payload_bytes", Shown::whole)));
             if (of->contains("difference"))
-                figures += fmt::format(
-                    "{}<figcaption>ꟻLIP {}, PSNR {} dB, SSIM {}</figcaption>",
-                    picture(view.album, material, field(of->at("difference")), role_title(role) + ", difference"),
-                    number(of, "flip", Shown::plain), number(of, "psnr", Shown::plain),
-                    number(of, "ssim", Shown::plain));
+                figures += fmt::format("{}<figcaption>ꟻLIP {}, PSNR {} dB, SSIM {}</figcaption>",
+                                       picture(*of, "difference", role_title(role) + ", difference"),
+                                       number(of, "flip", Shown::plain), number(of, "psnr", Shown::plain),
+                                       number(of, "ssim", Shown::plain));
             figures += "</figure>\n";
         }
-        html += fmt::format("<h3>{}</h3>\n<div class='row'>\n{}</div>\n", what, figures);
+        html += fmt::format("<h2>{}</h2>\n<div class='row'>\n{}</div>\n", what, figures);
     }
     return html +
            "<p class='note'>Under each fit: where it differs visibly from the measured picture (ꟻLIP), from black, not "
@@ -220,42 +226,79 @@ std::string lobes_of(const View& view, const Json& material, const Study& study)
         legend, linear, logarithmic);
 }
 
-}  // namespace
-
-std::string material_section(const View& view, const Json& material, const Study& study) {
-    std::string html = fmt::format("<section id='{}'>\n<h2>{}{} <a class='back' href='#contents'>contents</a></h2>\n",
-                                   text_of(material, "folder"), text_of(material, "material"), label_of(material));
+std::string lead_of(const View& view, const Json& material) {
     const Json* fit = view.fits(material)[0];
-    html += fmt::format(
-        "<p>{}, a file of {} bytes; {}, {} bytes. {} fits; masked {}, clamped {}. Models, pictures and the lobes' "
-        "numbers are "
-        "in <a href='{}/'>{}</a>.</p>\n",
+    const Json *drawn = view.drawn(material, "pm"), error = drawn == nullptr ? Json() : drawn->at("delta_e_itp");
+    return fmt::format(
+        "<p class='lead'>The difference between measurement and fit is {}{}.</p>\n<p>{}, a file of {} bytes; {}, {} "
+        "bytes. {} fits; masked {}, clamped {}.</p>",
+        verdict_text(material["verdict"]),
+        error.is_number() ? fmt::format(": ΔE_ITP {} on average, {} in the worst of eight lightings",
+                                        number(error, Shown::plain), number(drawn, "worst_delta_e_itp", Shown::plain))
+                          : "",
         text_of(material, "format"), number(&material, "source_bytes", Shown::whole),
         material["input"] == "samples" ? number(fit, "samples", Shown::whole) + " samples as RGB floats"
-                                       : "the source's raw data, 1536 × 1536 pairs of directions as RGB floats",
+                                       : "as a matrix of pairs of directions in RGB floats",
         number(fit, "raw_bytes", Shown::whole), number(&material, "fits", Shown::whole),
-        number(&material, "masked_samples", Shown::whole), number(&material, "clamped_samples", Shown::whole),
-        text_of(material, "folder"), text_of(material, "folder"));
+        number(&material, "masked_samples", Shown::whole), number(&material, "clamped_samples", Shown::whole));
+}
+
+std::string failures_of(const View& view, const Json& material) {
+    std::string html;
     for (const Json* failure : rows_with(view.tables.failures, "material", material["material"]))
         html +=
             fmt::format("<p class='wrong'>{} failed: {}</p>\n", text_of(*failure, "id"), text_of(*failure, "error"));
-    html += pictures_of(view, material);
-    html += "<h3>Sizes, errors, seconds</h3>\n" + errors_of(view, material, false);
+    return html;
+}
+
+std::string exports_of(const Study& study) {
+    std::string html = "<ul class='exports'>\n";
+    for (const Json& of : study.material.at("exports"))
+        html += fmt::format("<li><a href='{}'{}>{}</a></li>\n", text_of(of, "file"),
+                            of["file"] == k_page_file ? "" : " download", text_of(of, "what"));
+    return html +
+           "</ul>\n<p class='note'>Each is of the default fit. The other models are in <a href='.'>this "
+           "folder</a>, with the pictures and the lobes' numbers.</p>";
+}
+
+std::string errors_with_note(const View& view, const Json& material) {
+    std::string html = errors_of(view, material, false);
     if (!field(material["source_material"]).empty())
         html += material["input"] == "samples"
                     ? "<p class='note'>Tsai 2009 resampled the samples to a matrix of 1536 × 1536 pairs; its error is "
-                      "against that "
-                      "interpolation. Ours are at the samples themselves, and held out.</p>\n"
+                      "against that interpolation. Ours are at the samples themselves, and held out.</p>\n"
                     : "<p class='note'>Tsai 2009 fitted the same material, resampled in its own way.</p>\n";
-    html += "<h3>Error over lobes and bytes</h3>\n" + charts_of(view, material);
-    html += "<h3>Lobes</h3>\n" + lobes_of(view, material, study);
-    html += "<h3>Bytes and frames a second</h3>\n" + frames_of(view, material);
+    return html;
+}
+
+std::string all_fits_of(const View& view, const Json& material) {
     const std::string fits = number(&material, "fits", Shown::whole);
-    html += material["fits"] > k_most_listed
-                ? fmt::format("<p>All {} fits are in <a href='fits.csv'>fits.csv</a>.</p>\n", fits)
-                : fmt::format("<details><summary>All {} fits</summary>{}</details>\n", fits,
-                              errors_of(view, material, true));
-    return html + "</section>\n";
+    if (material["fits"] > k_most_listed)
+        return fmt::format("<p>All {} fits are in <a href='../fits.csv'>fits.csv</a>.</p>\n", fits);
+    return fmt::format("<details><summary>All {} fits</summary>{}</details>\n", fits, errors_of(view, material, true));
+}
+
+}  // namespace
+
+std::string material_html(const Tables& tables, const Json& material, const Study& study) {
+    const View view{tables};
+    const std::pair<std::string_view, std::string> parts[] = {
+        {"title", text_of(material, "material")},
+        {"style", k_style_text},
+        {"report_style", k_report_style_text},
+        {"label", label_of(material)},
+        {"lead", lead_of(view, material)},
+        {"failures", failures_of(view, material)},
+        {"exports", exports_of(study)},
+        {"pictures", pictures_of(view, material)},
+        {"errors", errors_with_note(view, material)},
+        {"charts", charts_of(view, material)},
+        {"lobes", lobes_of(view, material, study)},
+        {"frames", frames_of(view, material)},
+        {"all", all_fits_of(view, material)},
+        {"generator", k_generator},
+    };
+    return filled(k_material_text, parts);
 }
 
 }  // namespace srbf

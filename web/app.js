@@ -36,6 +36,7 @@ function begin() {
   worker.onmessage = ({ data }) => {
     if (mine !== worker) return;
     if ("progress" in data) return show_progress(data);
+    if ("draft" in data) return show_draft(data.draft);
     const question = open_questions.get(data.id);
     open_questions.delete(data.id);
     if (data.is_trap) ready = null;
@@ -101,6 +102,13 @@ function words_of({ seen, smoothed, twoSided, energyError }) {
       "lightings (1 is just noticeable).";
   return `The difference is ${smoothed.verdict} once the measurement's noise is smoothed: ΔE_ITP ${figures(smoothed.deltaE)}, and ` +
     `${figures(seen.deltaE)} with the noise (1 is just noticeable).`;
+}
+function show_draft(of) {
+  $("verdict").className = "";
+  $("verdict").textContent = of.last ? `The fit of ${grouped(of.bytes)} bytes is shown. Its errors are being measured.`
+    : `A first draft of ${grouped(of.bytes)} bytes is shown. The fit goes on.`;
+  show_slices(of.slices);
+  if (draws) viewer.set_material(1, of.material);
 }
 function show_fit(of) {
   const { seen, smoothed } = of, level = seen ? k_level[(smoothed ?? seen).level] : of.energyError <= 0.02 ? "good" : "fair";

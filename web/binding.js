@@ -68,6 +68,8 @@ async function new_srbf(module, progress = () => true) {
     // A measurement or a model from the bytes of a file of that name.
     open: (name, bytes) => described(checked(with_bytes([name, bytes], c.srbf_open))),
     close: (number) => c.srbf_close(number),
+    // A first model of a measurement of one side, soon.
+    draft: (number, options = {}) => described(checked(with_bytes([JSON.stringify(options)], (at, size) => c.srbf_draft(number, at, size)))),
     // A model of the measurement, with a report.
     fit: (number, options = {}) => described(checked(with_bytes([JSON.stringify(options)], (at, size) => c.srbf_fit(number, at, size)))),
     model_file: (number) => (checked(c.srbf_model_file(number)), content()),

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -34,6 +35,7 @@ namespace srbf {
 namespace {
 
 std::vector<std::unique_ptr<Subject>> g_subjects;
+std::map<int, Fitter> g_fitters;  // of measurements, for as long as these are kept: what was observed serves further fits
 std::vector<std::byte> g_content;
 Image g_studio(1, 1);  // before the host gives the bundled environment
 
@@ -161,6 +163,11 @@ Result<FitRequest> request_of(std::string_view text) {
 
 // ---- Fits --------------------------------------------------------------------------------------------------------
 
+/// Share of the time of a fit until its errors are measured, about.
+constexpr double k_fitted = 0.75;
+
+Fitter& fitter_of(int number, const Measured& measured) { return g_fitters.try_emplace(number, measured).first->second; }
+
 /// What is seen of a fit and what it takes, for people.
 Json summary_of(const Measured& measured, const Model& model) {
     return {{"format", measured.format}, {"sourceBytes", measured.bytes}, {"bytes", payload_bytes(model)}};
@@ -177,7 +184,7 @@ struct Fitted {
     Model model;
     Json report;
 };
-Result<Fitted> fitted(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
+Result<Fitted> fitted(int number, const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
     if (std::holds_alternative<BsdfTable>(measured.table)) {
         auto sides = fit_bsdf(measured, request, progress);
         if (!sides) return sides.error();
@@ -197,8 +204,10 @@ Result<Fitted> fitted(const Measured& measured, const FitRequest& request, const
         report["twoSided"] = true, report["energyError"] = worst, report["seconds"] = sides->fit_seconds;
         return Fitted{std::move(sides->model), std::move(report)};
     }
-    auto outcome = fit(measured, request, progress);
+    Fitter& fitter = fitter_of(number, measured);
+    auto outcome = fitter.fit(request, progress.part(0, k_fitted));
     if (!outcome) return outcome.error();
+    if (const auto done = fitter.measure(*outcome, request, progress.part(k_fitted, 1)); !done) return done.error();
     Json report = summary_of(measured, outcome->model);
     report["twoSided"] = false, report["seconds"] = outcome->fit_seconds;
     add_seen(report, "seen", outcome->errors->appearance);
@@ -206,6 +215,12 @@ Result<Fitted> fitted(const Measured& measured, const FitRequest& request, const
     if (outcome->samples) report["samples"] = *outcome->samples;
     if (outcome->noise && outcome->against_smoothed) add_seen(report, "smoothed", *outcome->against_smoothed);
     return Fitted{std::move(outcome->model), std::move(report)};
+}
+
+ProgressToken host_progress() {
+    return [](const Progress& now) {
+        return srbf_host_progress(now.stage.data(), now.stage.size(), now.fraction) != 0;
+    };
 }
 
 std::string text_of(const char* text, std::size_t size) { return std::string(text, size); }
@@ -245,7 +260,25 @@ SRBF_EXPORT(open) int open(const char* name, std::size_t name_size, const std::b
     return keep({path, *std::move(measured)});
 }
 SRBF_EXPORT(close) void close(int number) {
+    g_fitters.erase(number);
     if (subject_of(number)) g_subjects[std::size_t(number) - 1].reset();
+}
+
+/// A first model of a measurement of one side, soon; the content is what it takes, as JSON.
+SRBF_EXPORT(draft) int draft(int number, const char* options, std::size_t size) {
+    const Subject* subject = subject_of(number);
+    const Measured* measured = measured_of(subject);
+    if (!measured) return fail(unknown("that of a measurement"));
+    auto request = request_of({options, size});
+    if (!request) return fail(request.error());
+    // The errors of a fit to samples take five more fits: its last draft is the fit without them.
+    const bool of_samples = std::holds_alternative<ScatteredSamples>(measured->table);
+    auto outcome = fitter_of(number, *measured).draft(*request, of_samples ? Fitter::k_drafts - 1 : 0, host_progress());
+    if (!outcome) return fail(outcome.error());
+    Json report = summary_of(*measured, outcome->model);
+    report["last"] = of_samples;
+    give_json(report);
+    return keep({stem_of(subject->path) + ".srbf", std::move(outcome->model)});
 }
 
 /// Fits a measurement by options, JSON; the content is a report, as JSON.
@@ -255,10 +288,7 @@ SRBF_EXPORT(fit) int fit_subject(int number, const char* options, std::size_t si
     if (!measured) return fail(unknown("that of a measurement"));
     const auto request = request_of({options, size});
     if (!request) return fail(request.error());
-    const ProgressToken progress = [](const Progress& now) {
-        return srbf_host_progress(now.stage.data(), now.stage.size(), now.fraction) != 0;
-    };
-    auto made = fitted(*measured, *request, progress);
+    auto made = fitted(number, *measured, *request, host_progress());
     if (!made) {
         Error error = made.error();
         if (error.code != ErrorCode::cancelled) error.source = subject->path;

@@ -297,6 +297,12 @@ function draw_picture({ of, width, height, scene }) {
   if (of < 2) keep_shown(of, width, height);
 }
 
+// Waits until all that was asked of the graphics is done.
+function finish() {
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+}
+
 // One round of pictures; a difference needs those of both.
 function draw_all({ number, pictures }) {
   const difference = pictures.find(({ of }) => of === "difference"), round = pictures.filter(({ of }) => of !== "difference");
@@ -315,12 +321,12 @@ function draw_all({ number, pictures }) {
     }
     ++drawn;
     if (picture.hidden) continue;
+    finish(); // a page that is given an unfinished picture waits for it
     const image = surface.transferToImageBitmap ? surface.transferToImageBitmap() : surface;
     post({ kind: "picture", of, image }, image === surface ? [] : [image]);
   }
   if (drawn && pictures[0].scene.around) ++samples;
-  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // the pictures are there before the next are begun
+  finish(); // the pictures are there before the next are begun
   post({ kind: "drawn", number, samples, exposure });
   return drawn;
 }

@@ -1,6 +1,6 @@
 // The page's worker: it reads, fits and writes, so that the page itself never waits. A function of its own text.
 // It takes { kind: "begin", module, studio }, both packed or as it gave them back, then { kind, id, .. } with a name of `actions`, and gives back { id, result } or
-// { id, error }; and { progress, stage } while it fits.
+// { id, error }; while it fits { progress, stage }, and once { draft }, a first model.
 "use strict";
 function working() {
 "use strict";
@@ -34,6 +34,11 @@ const actions = {
     return { ...measured, material: material_of(measured), slices: srbf.slices(measured.number, 0) };
   },
   fit({ options }) {
+    if (!measured.twoSided) {
+      const { number, ...report } = srbf.draft(measured.number, options), material = material_of({ number });
+      postMessage({ draft: { ...report, material, slices: srbf.slices(measured.number, number) } }, [material.bytes.buffer]);
+      srbf.close(number);
+    }
     const fitted = srbf.fit(measured.number, options);
     if (model) srbf.close(model.number);
     model = fitted;

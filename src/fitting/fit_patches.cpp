@@ -21,8 +21,8 @@ namespace {
 constexpr std::size_t k_fitted_points = 8;
 /// Points of an outgoing patch in directional-hemispherical sums.
 constexpr std::size_t k_hemisphere_points = 4;
-/// Rounds of expectation and maximisation: each but the first begins from the previous one's errors, and another one
-/// follows if the error has fallen by that share.
+/// Rounds of expectation and maximisation: each but the first begins from the previous one's errors and lobes, and
+/// another one follows if the error has fallen by that share.
 constexpr int k_most_rounds = 3;
 constexpr double k_least_gain_of_round = 0.02;
 /// Most matrices are smooth, and a fit is repeated.
@@ -35,6 +35,10 @@ struct Size {
 };
 constexpr Size k_sizes[] = {{1, 1}, {1, 2}, {2, 2}, {3, 2}, {4, 3}, {6, 3}, {8, 4}};
 constexpr double k_good_error = 1e-3, k_good_share = 0.01, k_good_sum = 0.001;
+/// From an error so many times as large no size between leads to a good one.
+constexpr double k_far = 100;
+/// The least width of a lobe in those of the narrowest ring of patches.
+constexpr double k_finest = 0.5;
 
 /// The directions of a pair of points (bsdf.h, `KlemsTable`).
 Vec3f light_at(Vec3d p) { return to_float({p.x, -p.y, p.z}); }
@@ -86,6 +90,14 @@ bool is_good(const Hemispherical& sum) {
     return std::abs(sum.fitted - sum.measured) <= std::max(k_good_share * sum.measured, k_good_sum);
 }
 
+/// The width of the narrowest ring; that of the cap at the normal is its diameter.
+double least_width(const AngleBasis& basis) {
+    double least = k_pi / 2;
+    for (const AngleBasis::Ring& ring : basis.rings)
+        least = std::min(least, double(ring.from > 0 ? ring.to - ring.from : 2 * ring.to));
+    return least;
+}
+
 /// Fits to one matrix.
 class PatchFits {
   public:
@@ -97,28 +109,31 @@ class PatchFits {
         return srbf::fit_ggx(observed(means_), request_, progress);  // reciprocal
     }
 
-    /// A fit of this size in several rounds, the best of them.
+    /// A fit of this size in several rounds, the best of them. A search that is no better than a smaller size is repeated
+    /// with other random numbers.
     Result<Done> fit_size(FitOptions options, const Size& size, const ProgressToken& progress) {
         options.lobes = size.lobes, options.variates = size.variates;
         if (options.reciprocal) options.variates += options.variates % 2;
         std::vector<Rgb> values = means_;
-        std::optional<FitOutcome> best;
-        double least = 0;
+        std::optional<PmModel> begin;
         for (int round = 0; round < k_most_rounds; ++round) {
             auto fit = fit_pm(observed(values), options,
-                              progress.part(double(round) / k_most_rounds, (round + 1.0) / k_most_rounds));
+                              progress.part(double(round) / k_most_rounds, (round + 1.0) / k_most_rounds),
+                              begin ? &*begin : nullptr);
             if (!fit) return fit.error();
+            if (progress.cancelled()) return cancelled_error("fit");
+            PmModel lobes = fit->unrounded;
             FitOutcome outcome = outcome_of(*std::move(fit));
             exchange(outcome.model), exchange(outcome.unrounded);
             const Evaluate fitted = evaluator(outcome.model);
-            const double error = measured_.error_ratio(fitted);
-            values = expected_values(fitted);
-            const bool pays = !best || error < (1 - k_least_gain_of_round) * least;
-            if (!best || error < least) best = outcome, least = error;
-            if (!pays || progress.cancelled()) break;
+            const double error = measured_.error_ratio(fitted), before = best_ ? error_ : 2 * error;
+            if (error < before) best_ = outcome, error_ = error;
+            if (begin && !(error < (1 - k_least_gain_of_round) * before)) break;
+            if (error < before)
+                begin = std::move(lobes), values = expected_values(fitted);
+            else
+                ++options.seed;
         }
-        if (progress.cancelled()) return cancelled_error("fit");
-        if (!best_ || least < error_) best_ = std::move(best), error_ = least;
         return Done{};
     }
     /// Whether the best fit so far is good enough.
@@ -126,6 +141,7 @@ class PatchFits {
         return error_ <= k_good_error &&
                std::ranges::all_of(scattered(table_, radiances_, evaluator(best_->model)), is_good);
     }
+    double error() const { return error_; }
     FitOutcome best() { return *std::move(best_); }
 
   private:
@@ -235,13 +251,16 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
     }
     std::vector<Size> sizes(std::begin(k_sizes), std::end(k_sizes));
     if (const auto lobes = lobes_of(*pm)) sizes = {{*lobes, pm->variates}};
-    const FitOptions options =
+    FitOptions options =
         in_short(pm_options(request, pm->axial.value_or(is_isotropic(table))), k_starts, k_perturbations);
+    // The mean of a patch does not tell lobes narrower than the patch from each other.
+    options.finest = k_finest * least_width(table.outgoing);
     const double all = double(sizes.size());
     for (std::size_t i = 0; i < sizes.size(); ++i) {
         const auto done = fits.fit_size(options, sizes[i], progress.part(double(i) / all, double(i + 1) / all));
         if (!done) return done.error();
         if (fits.is_enough()) break;
+        if (fits.error() > k_far * k_good_error) i = std::max(i, sizes.size() - 2);  // the largest is next
     }
     FitOutcome outcome = fits.best();
     outcome.fit_seconds = seconds_since(start);

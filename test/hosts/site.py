@@ -89,9 +89,11 @@ def written(path):
 def compared(page, file, folder):
     """Opens, fits and saves a file on the page and by the program."""
     page.give(file)
+    page.wait(file.name, lambda of: of["failure"] or of["working"])
+    _, seen = page.wait(file.name, lambda of: of["failure"] or of["verdict"])  # of a first draft, or of both sides the last
     state, seconds = page.wait(file.name, lambda of: of["failure"] or of["name"] == file.name)
     longest = page.longest_task()
-    print(f"  {file.name}: {seconds:.1f} s, {state['memory'] / 2**20:.0f} MB, at most {longest} ms without an answer: "
+    print(f"  {file.name}: a fit after {seen:.1f} s, the last after {seen + seconds:.1f} s, {state['memory'] / 2**20:.0f} MB, at most {longest} ms without an answer: "
           f"{state['failure'] or state['verdict']}")
     check(longest <= LONGEST_TASK, f"{file.name}: the page does not answer for {longest} ms")
     check(not state["failure"], f"{file.name} is refused: {state['failure']}")

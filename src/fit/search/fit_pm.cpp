@@ -77,10 +77,12 @@ Effort effort_of(const Observations& observations, const FitOptions& options) {
 /// The fit of one material, on the threads of the caller's `on_threads`.
 class Fit {
   public:
-    Fit(const Observations& observations, const FitOptions& options, Reporter& reporter)
+    /// The candidates are those of the options' starts, or the lobes of `begin`.
+    Fit(const Observations& observations, const FitOptions& options, const PmModel* begin, Reporter& reporter)
         : observations_(observations), options_(options), reporter_(reporter) {
-        found.resize(std::size_t(starts_of(options)));
+        found.resize(begin ? 1 : std::size_t(starts_of(options)));
         for (std::size_t start = 0; start < found.size(); ++start) found[start].start = int(start);
+        if (begin) found[0].lobes = to_lobes(*begin, shape_of(options));
     }
 
     /// Candidates and weights for a stage.
@@ -235,7 +237,7 @@ Result<Done> search(Fits fits, const Stage& stage, const FitOptions& options, Wh
 }  // namespace
 
 Result<std::vector<PmFit>> fit_pm(std::span<const Observations* const> observations, const FitOptions& options,
-                                  Where where, const ProgressToken& progress) {
+                                  Where where, const ProgressToken& progress, const PmModel* begin) {
     const StandardArithmetic mode;
     if (observations.empty()) return std::vector<PmFit>{};
     const bool with_pictures = !observations[0]->views.empty();
@@ -251,10 +253,12 @@ Result<std::vector<PmFit>> fit_pm(std::span<const Observations* const> observati
     Result<Done> result = Done{};
     on_threads(options.threads, [&] {
         std::vector<std::unique_ptr<Fit>> fits(observations.size());
-        parallel_for(fits.size(),
-                     [&](std::size_t i) { fits[i] = std::make_unique<Fit>(*observations[i], options, reporter); });
+        parallel_for(fits.size(), [&](std::size_t i) {
+            fits[i] = std::make_unique<Fit>(*observations[i], options, begin, reporter);
+        });
         for (const Stage& stage : schedule(with_pictures)) {
             if (!result) return;
+            if (begin && (stage.work == Work::grow || stage.work == Work::perturb)) continue;
             if (stage.work == Work::steps)
                 parallel_for(fits.size(), [&](std::size_t i) { fits[i]->take_steps(stage); });
             else if (stage.work == Work::finish)
@@ -267,9 +271,11 @@ Result<std::vector<PmFit>> fit_pm(std::span<const Observations* const> observati
     return done;
 }
 
-Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress) {
+Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress,
+                     const PmModel* begin) {
     const Observations* const one = &observations;
-    auto fits = fit_pm({&one, 1}, options, options.device == Device::cuda ? Where::cuda : Where::processor, progress);
+    auto fits =
+        fit_pm({&one, 1}, options, options.device == Device::cuda ? Where::cuda : Where::processor, progress, begin);
     if (!fits) return fits.error();
     return std::move(fits->front());
 }

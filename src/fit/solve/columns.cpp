@@ -116,6 +116,8 @@ HWY_INLINE void sum_lanes(const Batch (&x)[4], float* to) {
 // Products in tiles of 4 columns and as many rows as leave registers for the sums, the rows' numbers and one column's.
 #if HWY_TARGET <= HWY_AVX3 || HWY_ARCH_ARM_A64
 constexpr std::size_t k_tile = 6;
+#elif HWY_ARCH_WASM  // browsers keep some of the sixteen registers for themselves
+constexpr std::size_t k_tile = 2;
 #else
 constexpr std::size_t k_tile = 3;
 #endif

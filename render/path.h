@@ -64,8 +64,7 @@ struct PathPicture {
 /// directional ones.
 PathPicture render_paths(const PathScene& scene, const PathOptions& options);
 
-/// A square on the ground below a mesh, `size` times as wide as the mesh, with its upper side towards `up`; by default up
-/// to the horizon of a camera that looks down on the mesh.
-Mesh ground_below(const Mesh& mesh, Vec3d up, double size = 4000);
+/// A square on the ground below a mesh, `size` times as wide as the mesh, with its upper side towards `up`.
+Mesh ground_below(const Mesh& mesh, Vec3d up, double size = 40);
 
 }  // namespace srbf

@@ -248,8 +248,8 @@ TEST(Lobes, TheirSumIsTheModelAndTheirSharesAreOne) {
 TEST(Slice, IsTheFunctionTimesTheCosine) {
     const auto subject = load(k_film);
     ASSERT_TRUE(subject);
-    const Slice of = slice(evaluator(*subject), 30 * k_degree, false);
-    const Slice around = slice(evaluator(*subject), 30 * k_degree, true);
+    const Slice of = slice(evaluator(*subject), 30 * k_degree, 0, false);
+    const Slice around = slice(evaluator(*subject), 30 * k_degree, 0, true);
     EXPECT_EQ(around.f.size(), 2 * of.f.size());
     EXPECT_TRUE(std::equal(of.f.begin(), of.f.end(), around.f.begin(),
                            [](const Rgb& a, const Rgb& b) { return a == b || !is_finite(a); }));
@@ -257,6 +257,13 @@ TEST(Slice, IsTheFunctionTimesTheCosine) {
     for (std::size_t i = 0; i < of.f.size(); i += 13) {
         const Vec3f wv{std::sin(of.angle[i]), 0, std::cos(of.angle[i])};
         EXPECT_TRUE(near_relative(of.f[i].g, value(*subject, wl, wv).g * wv.z, 1e-3)) << of.angle[i];
+    }
+    // Across the plane of incidence an isotropic material is the same to both sides.
+    const Slice across = slice(evaluator(*subject), 30 * k_degree, 90 * k_degree, false);
+    for (std::size_t i = 0; i < across.f.size(); i += 13) {
+        const Vec3f wv{0, std::sin(across.angle[i]), std::cos(across.angle[i])};
+        EXPECT_TRUE(near_relative(across.f[i].g, value(*subject, wl, wv).g * wv.z, 1e-3)) << across.angle[i];
+        EXPECT_TRUE(near_relative(across.f[i].g, across.f[across.f.size() - 1 - i].g, 1e-3)) << across.angle[i];
     }
 }
 

@@ -298,7 +298,7 @@ std::string material_html(const Tables& tables, const Json& material, const Stud
         {"all", all_fits_of(view, material)},
         {"generator", k_generator},
     };
-    return filled(k_material_text, parts);
+    return filled(k_material_page_text, parts);
 }
 
 }  // namespace srbf

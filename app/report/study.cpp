@@ -27,6 +27,8 @@ struct PictureSize {
     int pixels, paths;
 };
 constexpr std::array<PictureSize, 3> k_pictures_of{{{240, 256}, {176, 48}, {16, 1}}};
+/// Of the eye [rad]: high enough that the ground fills the picture.
+constexpr double k_elevation = 20 * k_degree;
 /// The shading code of the default fit in a folder.
 struct CodeFile {
     CodeLanguage language;
@@ -166,7 +168,7 @@ class Maker {
         for (std::size_t object = 0; object < objects.size(); ++object) {
             auto mesh = load_mesh(objects[object].second);
             if (!mesh) return mesh.error();
-            const Viewpoint viewpoint{.z_up = object > 0 && options_.z_up};
+            const Viewpoint viewpoint{.elevation = k_elevation, .z_up = object > 0 && options_.z_up};
             const Scene scene = scene_of(*std::move(mesh), viewpoint, 1);
             const auto pictures = command.render(scene, drawn_.subjects, size, size, [&](double part) {
                 progress_("pictures", k_fits + k_pictures * (double(object) + part) / double(objects.size()));

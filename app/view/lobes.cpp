@@ -158,7 +158,7 @@ float Slice::most() const {
     return most;
 }
 
-Slice slice(const Evaluate& brdf, double theta_l, bool both_sides) {
+Slice slice(const Evaluate& brdf, double theta_l, double phi, bool both_sides) {
     constexpr int steps = 356;  // half a degree
     Slice all;
     all.both_sides = both_sides;
@@ -168,7 +168,8 @@ Slice slice(const Evaluate& brdf, double theta_l, bool both_sides) {
             const double angle = (normal - 89 + 178.0 * i / steps) * k_degree;
             all.angle.push_back(float(angle));
             wl.push_back(to_float(spherical(theta_l, k_pi)));
-            wv.push_back(to_float(Vec3d{std::sin(angle), 0, std::cos(angle)}));
+            const double s = std::sin(angle);
+            wv.push_back(to_float(Vec3d{s * std::cos(phi), s * std::sin(phi), std::cos(angle)}));
         }
     all.f.resize(wl.size());
     brdf(wl, wv, all.f);

@@ -29,14 +29,15 @@ struct SeenLobe {
 std::vector<SeenLobe> seen_lobes(const Model& model, Vec3f wl);
 bool is_seen_over_lights(const Model& model);
 
-/// f |cosθv| in the plane of incidence for light at θl: `angle` from −89° to 89°, positive on the mirror direction's
-/// side; of both sides also from 91° to 269°, where 180° is the normal of the back.
+/// f |cosθv| for light at θl in a plane through the normal, turned by φ from that of incidence: `angle` from −89° to 89°,
+/// positive on the mirror direction's side for φ = 0; of both sides also from 91° to 269°, where 180° is the normal of
+/// the back.
 struct Slice {
     std::vector<float> angle;  ///< [rad]
     std::vector<Rgb> f;        ///< f |cosθv| [1/sr]; NaN: not measured
     bool both_sides = false;
     float most() const;  ///< maximum over values and channels
 };
-Slice slice(const Evaluate& f, double theta_l, bool both_sides);
+Slice slice(const Evaluate& f, double theta_l, double phi, bool both_sides);
 
 }  // namespace srbf

@@ -132,6 +132,8 @@ constexpr Key k_keys[] = {
     {"Shift+X", "", [](Look& look, Session&) { turn_environment(look, -k_turn); }},
     {"C", "the three lights beside the environment", [](Look& look, Session&) { look.lamps = !look.lamps; }},
     {"W", "wipe: measured and fit in one picture", [](Look& look, Session&) { look.wipe = !look.wipe; }},
+    {"U", "flip: measured or fit alone",
+     [](Look& look, Session&) { look.divider = look.wipe && look.divider > 0.5f ? 0.f : 1.f, look.wipe = true; }},
     {"Z", "move the divider", [](Look& look, Session&) { look.divider = std::max(look.divider - 0.02f, 0.f); }},
     {"Shift+Z", "", [](Look& look, Session&) { look.divider = std::min(look.divider + 0.02f, 1.f); }},
     {"B", "keep view and lights as a bookmark", [](Look& look, Session&) { keep(look); }},

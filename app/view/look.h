@@ -38,6 +38,7 @@ struct Look {
     float unit() const { return in_delta_e ? 100.f : 1.f; }
     std::string mesh = "ball";
     double theta_l = 45 * k_degree;  ///< for slices and lobes, 0 to 85°
+    double phi_v = 0;                ///< of slices: their plane's angle from that of the light [rad], 0 to π/2
     bool logarithmic = true;         ///< slices, over k_decades; otherwise linear
     bool help = false;
     // Requests to the window, which resets them:

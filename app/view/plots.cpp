@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/view/look.h"
 #include "srbf/vec.h"
@@ -26,16 +27,19 @@ ImU32 lobe_colour(std::size_t k, float alpha) {
     return ImColor::HSV(std::fmod(0.58f + 0.381966f * float(k), 1.f), 0.75f, 1.f, alpha);
 }
 
-void draw_slices(const Slice* reference, const Slice* fit, double theta_l, bool logarithmic, float width) {
+double draw_slices(const Slice* reference, const Slice* fit, double theta_l, double phi, bool logarithmic,
+                   float width) {
+    constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     // Of both sides a full circle, half as large.
     const bool whole = (reference && reference->both_sides) || (fit && fit->both_sides);
     const float margin = ImGui::GetTextLineHeight(), radius = (width / 2 - margin) * (whole ? 0.5f : 1.f);
     const ImVec2 centre{corner.x + width / 2, corner.y + radius + margin};
     ImGui::Dummy({width, (whole ? 2 : 1) * radius + 2 * margin});
+    const bool is_hovered = ImGui::IsItemHovered();
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float most = reference ? reference->most() : fit ? fit->most() : 0;
-    if (!(most > 0)) return label(list, corner, "nothing to plot");
+    if (!(most > 0)) return label(list, corner, "nothing to plot"), k_none;
 
     // The light's side is on the left.
     const auto place = [&](double angle, double r) {
@@ -60,9 +64,11 @@ void draw_slices(const Slice* reference, const Slice* fit, double theta_l, bool 
     for (int degrees = -60; degrees <= (whole ? 270 : 60); degrees += 30)
         list.AddLine(centre, place(degrees * k_degree, 1), k_line);
     list.AddLine(place(-90 * k_degree, 1), place(90 * k_degree, 1), k_line);
-    list.AddLine(centre, place(-theta_l, 1.04), k_light, 2);
-    const ImVec2 at_light = place(-theta_l, 1.1);
-    label(list, {at_light.x - 34, at_light.y - 6}, "light", k_light);
+    if (phi == 0) {  // otherwise the light is not in the plane
+        list.AddLine(centre, place(-theta_l, 1.04), k_light, 2);
+        const ImVec2 at_light = place(-theta_l, 1.1);
+        label(list, {at_light.x - 34, at_light.y - 6}, "light", k_light);
+    }
 
     for (int c = 0; c < 3; ++c) {
         if (fit) {
@@ -80,6 +86,13 @@ void draw_slices(const Slice* reference, const Slice* fit, double theta_l, bool 
                     list.AddCircleFilled(place(double(reference->angle[i]), length(reference->f[i][c])), 1.9f,
                                          k_channel[c], 6);
     }
+
+    const ImVec2 mouse = ImGui::GetMousePos();
+    const double x = double(mouse.x - centre.x), up = double(centre.y - mouse.y);
+    if (!is_hovered || std::hypot(x, up) > double(radius) || (up < 0 && !whole)) return k_none;
+    const double angle = std::atan2(x, up);
+    list.AddLine(centre, place(angle, 1), k_ink);
+    return angle < -k_pi / 2 ? angle + 2 * k_pi : angle;
 }
 
 void draw_lobes(const std::vector<SeenLobe>& lobes, const char* other, double theta_l, double azimuth, double elevation,

@@ -8,9 +8,10 @@
 
 namespace srbf {
 
-/// f_r cosθv of reference (dots) and fit (lines) over the view's angle in the plane of incidence, in a half disc of the
-/// given width. Logarithmic: the centre is `k_decades` below the reference's maximum.
-void draw_slices(const Slice* reference, const Slice* fit, double theta_l, bool logarithmic, float width);
+/// f_r cosθv of reference (dots) and fit (lines) over the view's angle in their plane, at φ from that of incidence, in a
+/// half disc of the given width. Logarithmic: the centre is `k_decades` below the reference's maximum. Returns the view's
+/// angle under the mouse [rad]; NaN: none.
+double draw_slices(const Slice* reference, const Slice* fit, double theta_l, double phi, bool logarithmic, float width);
 
 /// The hemisphere of view directions, rotated by `azimuth` and seen from `elevation` [rad], with the contour of each
 /// lobe at half of its peak. `other`: the name of the direction at `theta_l`.

@@ -8,6 +8,7 @@
 #include "app/view/ink.h"
 #include "app/view/plots.h"
 #include "render/image.h"
+#include "srbf/pictures.h"
 
 namespace srbf {
 namespace {
@@ -19,34 +20,57 @@ std::string latin(std::string text) {
     return text;
 }
 
+/// The values of both at the view's angle [rad].
+std::string values_text(const Slice* reference, const Slice* fit, double angle) {
+    std::string text = fmt::format("{:.1f}\xC2\xB0", angle / k_degree);
+    const auto add = [&](const char* name, const Slice* of) {
+        if (of == nullptr || of->angle.empty()) return;
+        const auto nearest =
+            std::ranges::min_element(of->angle, {}, [&](float a) { return std::abs(double(a) - angle); });
+        const Rgb f = of->f[std::size_t(nearest - of->angle.begin())];
+        text += is_finite(f) ? fmt::format("\n{}: {:.4g} {:.4g} {:.4g}", name, f.r, f.g, f.b)
+                             : fmt::format("\n{}: not measured", name);
+    };
+    add("reference", reference), add("fit", fit);
+    return text;
+}
+
 }  // namespace
 
-void Readings::take(const Session& session, double theta_l, bool swapped) {
+void Readings::take(const Session& session, const Look& look, bool swapped) {
     const bool is_gone = !session.fitted() && slice_of_fit_;
-    if (!swapped && !is_gone && reference_ == session.reference() && theta_l_ == theta_l) return;
+    const bool is_same = theta_l_ == look.theta_l && phi_v_ == look.phi_v;
+    if (!swapped && !is_gone && reference_ == session.reference() && is_same) return;
     reference_ = session.reference();
-    theta_l_ = theta_l;
+    theta_l_ = look.theta_l, phi_v_ = look.phi_v;
     if (reference_ >= 0) {
         const Subject& reference = *session.subjects()[std::size_t(reference_)];
-        slice_of_reference_ = slice(evaluator(reference), theta_l, is_two_sided(reference.content));
+        slice_of_reference_ = slice(evaluator(reference), theta_l_, phi_v_, is_two_sided(reference.content));
     }
     slice_of_fit_.reset();
     lobes_.clear();
     if (const auto& fitted = session.fitted()) {
-        slice_of_fit_ = slice(evaluator(fitted->model), theta_l, is_two_sided(fitted->model));
-        lobes_ = seen_lobes(fitted->model, to_float(spherical(theta_l, k_pi)));
+        slice_of_fit_ = slice(evaluator(fitted->model), theta_l_, phi_v_, is_two_sided(fitted->model));
+        lobes_ = seen_lobes(fitted->model, to_float(spherical(theta_l_, k_pi)));
     }
 }
 
 void Readings::draw_slice(Look& look, float width, float height) const {
-    ImGui::TextColored(k_hint, "Slice: f cos(theta_v), plane of the light");
-    ImGui::SetNextItemWidth(0.45f * width);
-    float degrees = float(look.theta_l / k_degree);
-    if (ImGui::SliderFloat("light theta_l", &degrees, 0, 85, "%.0f\xC2\xB0")) look.theta_l = double(degrees) * k_degree;
+    ImGui::TextColored(k_hint, "Slice: f cos(theta_v) over the view's angle");
+    const auto slider = [&](const char* name, double& angle, float most) {
+        ImGui::SetNextItemWidth(0.4f * width);
+        float shown = float(angle / k_degree);
+        if (ImGui::SliderFloat(name, &shown, 0, most, "%.0f\xC2\xB0")) angle = double(shown) * k_degree;
+    };
+    slider("light theta_l", look.theta_l, 85);
     ImGui::SameLine();
     ImGui::Checkbox("log", &look.logarithmic);
-    draw_slices(slice_of_reference_ ? &*slice_of_reference_ : nullptr, slice_of_fit_ ? &*slice_of_fit_ : nullptr,
-                look.theta_l, look.logarithmic, std::min(width, 1.7f * (height - 110)));
+    slider("plane, from the light's", look.phi_v, 90);
+    const Slice *reference = slice_of_reference_ ? &*slice_of_reference_ : nullptr,
+                *fit = slice_of_fit_ ? &*slice_of_fit_ : nullptr;
+    const double under_mouse =
+        draw_slices(reference, fit, look.theta_l, look.phi_v, look.logarithmic, std::min(width, 1.7f * (height - 130)));
+    if (std::isfinite(under_mouse)) ImGui::SetTooltip("%s", values_text(reference, fit, under_mouse).c_str());
     ImGui::TextColored(k_dim, "dots: reference, lines: fit; red, green, blue");
 }
 
@@ -67,23 +91,35 @@ void Readings::draw_dome(const Session& session, double theta_l, float width, fl
     }
 }
 
+void Readings::draw_verdict(const Session& session) const {
+    const auto& fitted = session.fitted();
+    ImGui::TextColored(k_hint, "Visible error");
+    if (!fitted) return ImGui::Text("none yet");
+    if (!fitted->errors) return ImGui::Text("...");
+    const Appearance& seen = fitted->errors->appearance;
+    ImGui::TextWrapped("%s", fmt::format("{}: Delta E {:.3g} on average, {:.3g} in the worst of eight lightings",
+                                         words(verdict(seen.mean)), seen.mean.delta_e, seen.worst_delta_e)
+                                 .c_str());
+}
+
 void Readings::draw_measures(const Session& session) const {
     const auto& fitted = session.fitted();
     const Subject* reference = reference_ < 0 ? nullptr : session.subjects()[std::size_t(reference_)].get();
     const auto* measured = reference ? std::get_if<Measured>(&reference->content) : nullptr;
     const bool is_scattered = measured && std::holds_alternative<ScatteredSamples>(measured->table);
-    ImGui::TextColored(k_hint, "%s",
-                       fmt::format("Errors within {:.0f}\xC2\xB0, against {}", session.max_theta() / k_degree,
+    ImGui::TextColored(k_dim, "%s",
+                       fmt::format("within {:.0f}\xC2\xB0, against {}", session.max_theta() / k_degree,
                                    is_scattered                                    ? "samples; albedo: completed ones"
                                    : reference && is_two_sided(reference->content) ? "the front's reflection"
                                    : measured                                      ? "measured"
                                                                                    : "the reference")
                            .c_str());
-    if (!fitted) return ImGui::Text("none yet");
+    if (!fitted) return;
     if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_SizingStretchProp)) {
+        const float number = ImGui::CalcTextSize("0.01359 ").x;
         ImGui::TableSetupColumn("measure", ImGuiTableColumnFlags_WidthStretch);
-        ImGui::TableSetupColumn("matrix", ImGuiTableColumnFlags_WidthFixed, 66);
-        ImGui::TableSetupColumn("held out", ImGuiTableColumnFlags_WidthFixed, 66);
+        ImGui::TableSetupColumn("matrix", ImGuiTableColumnFlags_WidthFixed, number);
+        ImGui::TableSetupColumn("held out", ImGuiTableColumnFlags_WidthFixed, number);
         ImGui::TableHeadersRow();
         for (const MeasureName& measure : k_measures) {
             ImGui::TableNextColumn();
@@ -99,15 +135,6 @@ void Readings::draw_measures(const Session& session) const {
         ImGui::Text("albedo error");
         ImGui::TableNextColumn();
         ImGui::Text("%s", fitted->errors ? percent(fitted->errors->albedo_error).c_str() : "...");
-        ImGui::TableNextRow();
-        ImGui::TableNextColumn();
-        ImGui::Text("pictures: Delta E, worst");
-        for (const bool worst : {false, true}) {
-            const Appearance* seen = fitted->errors ? &fitted->errors->appearance : nullptr;
-            ImGui::TableNextColumn();
-            ImGui::Text("%s",
-                        seen ? fmt::format("{:.3g}", worst ? seen->worst_delta_e : seen->mean.delta_e).c_str() : "...");
-        }
         ImGui::EndTable();
     }
     ImGui::TextColored(k_dim, "Yellow: what the objective follows.");
@@ -143,20 +170,25 @@ void Readings::draw_lobe_table() const {
 void Readings::draw(const Session& session, Look& look, ImVec2 at, ImVec2 size) {
     ImGui::SetNextWindowPos(at), ImGui::SetNextWindowSize(size);
     ImGui::Begin("plots", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
-    const float gap = ImGui::GetStyle().ItemSpacing.x,
-                width = std::floor((ImGui::GetContentRegionAvail().x - 2 * gap - 40) / 3);
-    ImGui::BeginGroup();
-    draw_slice(look, width, size.y);
-    ImGui::EndGroup();
-    ImGui::SameLine(width + 2 * gap);
-    ImGui::BeginGroup();
-    draw_dome(session, look.theta_l, width, size.y);
-    ImGui::EndGroup();
-    ImGui::SameLine(2 * (width + gap) + gap);
-    ImGui::BeginGroup();
-    draw_measures(session);
-    draw_lobe_table();
-    ImGui::EndGroup();
+    const ImVec2 all = ImGui::GetContentRegionAvail();
+    const float gap = ImGui::GetStyle().ItemSpacing.x, width = std::floor((all.x - 2 * gap) / 3);
+    // A column clips what is too wide for it, and scrolls what is too long.
+    const auto column = [&](const char* name, const auto& draw) {
+        ImGui::BeginChild(name, {width, all.y});
+        draw();
+        ImGui::EndChild();
+    };
+    column("slice", [&] { draw_slice(look, width, size.y); });
+    ImGui::SameLine();
+    column("lobes", [&] { draw_dome(session, look.theta_l, width, size.y); });
+    ImGui::SameLine();
+    column("errors", [&] {
+        draw_verdict(session);
+        if (!ImGui::BeginTabBar("tables")) return;
+        if (ImGui::BeginTabItem("errors")) draw_measures(session), ImGui::EndTabItem();
+        if (ImGui::BeginTabItem("lobes")) draw_lobe_table(), ImGui::EndTabItem();
+        ImGui::EndTabBar();
+    });
     ImGui::End();
 }
 

@@ -18,6 +18,9 @@
 namespace srbf {
 namespace {
 
+/// Of the monitor that a window takes which opens as large as it sensibly can.
+constexpr double k_share_of_monitor = 0.8;
+
 /// The name of a key for `press`; empty: not used.
 std::string name_of(int key, int scancode, int modifiers) {
     std::string name;
@@ -85,7 +88,7 @@ Screen::~Screen() {
     glfwTerminate();
 }
 
-Result<Done> Screen::open(int width, int height) {
+Result<Done> Screen::open(int width, int height, bool fills) {
     const auto found = [] {
         const char* text = nullptr;
         glfwGetError(&text);
@@ -96,6 +99,12 @@ Result<Done> Screen::open(int width, int height) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+    if (GLFWmonitor* const monitor = fills ? glfwGetPrimaryMonitor() : nullptr) {
+        int x = 0, y = 0, across = 0, down = 0;
+        glfwGetMonitorWorkarea(monitor, &x, &y, &across, &down);
+        width = std::max(width, int(k_share_of_monitor * across)),
+        height = std::max(height, int(k_share_of_monitor * down));
+    }
     window_ = glfwCreateWindow(width, height, "srbf view", nullptr, nullptr);
     if (!window_)
         return Error{"window",

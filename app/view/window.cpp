@@ -132,7 +132,8 @@ void write_screenshot(const Screen& screen, Session& session) {
 
 Result<Done> run_window(Session& session, Look& look, const WindowOptions& options) {
     Screen screen;
-    if (const auto opened = screen.open(options.width, options.height); !opened) return opened.error();
+    const bool fills = options.screenshot.empty() && options.timed_refits == 0;
+    if (const auto opened = screen.open(options.width, options.height, fills); !opened) return opened.error();
     screen.set_paced(options.timed_refits == 0);
     auto panels = Panels::make(Dialect::gl_450);
     if (!panels) return panels.error();
@@ -158,7 +159,7 @@ Result<Done> run_window(Session& session, Look& look, const WindowOptions& optio
         const bool swapped = session.poll();
         if (options.timed_refits > 0) refits.step(session, look);
         pictures.take(session, look, swapped);
-        readings.take(session, look.theta_l, swapped);
+        readings.take(session, look, swapped);
 
         screen.begin_frame();
         const ImVec2 all = ImGui::GetIO().DisplaySize;

@@ -209,6 +209,23 @@ TEST(FitBsdf, SmallShade) {
     EXPECT_FALSE(fit_bsdf(Measured{"f", "CSV", 0, ScatteredSamples{}}, {.model = PmRequest{}}).ok());
 }
 
+/// A matrix that few lobes cannot follow.
+TEST(FitPatches, WhatNoLobesFollowHasAnAnswer) {
+    const std::string text = small_shade();
+    const auto measured = read_measured(as_bytes(text), "f");
+    ASSERT_TRUE(measured.ok());
+    const auto& part = std::get<BsdfTable>(measured->table).band().part[std::size_t(Part::transmission_front)];
+    KlemsTable table = std::get<KlemsTable>(part->table);
+    for (std::size_t i = 0; i < table.cells.size(); ++i) table.cells[i] = i % 7 == 0 ? Rgb{5, 5, 5} : Rgb{};
+    const auto one = fit_patches(table, {.model = PmRequest{.variates = 1, .size = LobeCount{1}}}),
+               any = fit_patches(table, {.model = PmRequest{}});
+    ASSERT_TRUE(one.ok()) << message(one.error());
+    ASSERT_TRUE(any.ok()) << message(any.error());
+    EXPECT_EQ(std::get<PmModel>(one->model.model).lobes, 1);
+    const PatchSums sums = sums_of(table, k_measured_points);
+    EXPECT_LE(sums.error_ratio(evaluator(any->model)), sums.error_ratio(evaluator(one->model)));
+}
+
 // ---- The roller shade ----
 
 struct Shade {

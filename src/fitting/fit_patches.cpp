@@ -260,7 +260,7 @@ Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& reques
         const auto done = fits.fit_size(options, sizes[i], progress.part(double(i) / all, double(i + 1) / all));
         if (!done) return done.error();
         if (fits.is_enough()) break;
-        if (fits.error() > k_far * k_good_error) i = std::max(i, sizes.size() - 2);  // the largest is next
+        if (fits.error() > k_far * k_good_error && i + 2 < sizes.size()) i = sizes.size() - 2;  // the largest is next
     }
     FitOutcome outcome = fits.best();
     outcome.fit_seconds = seconds_since(start);

@@ -35,7 +35,8 @@ namespace srbf {
 namespace {
 
 std::vector<std::unique_ptr<Subject>> g_subjects;
-std::map<int, Fitter> g_fitters;  // of measurements, for as long as these are kept: what was observed serves further fits
+std::map<int, Fitter>
+    g_fitters;  // of measurements, for as long as these are kept: what was observed serves further fits
 std::vector<std::byte> g_content;
 Image g_studio(1, 1);  // before the host gives the bundled environment
 
@@ -166,7 +167,9 @@ Result<FitRequest> request_of(std::string_view text) {
 /// Share of the time of a fit until its errors are measured, about.
 constexpr double k_fitted = 0.75;
 
-Fitter& fitter_of(int number, const Measured& measured) { return g_fitters.try_emplace(number, measured).first->second; }
+Fitter& fitter_of(int number, const Measured& measured) {
+    return g_fitters.try_emplace(number, measured).first->second;
+}
 
 /// What is seen of a fit and what it takes, for people.
 Json summary_of(const Measured& measured, const Model& model) {
@@ -218,9 +221,8 @@ Result<Fitted> fitted(int number, const Measured& measured, const FitRequest& re
 }
 
 ProgressToken host_progress() {
-    return [](const Progress& now) {
-        return srbf_host_progress(now.stage.data(), now.stage.size(), now.fraction) != 0;
-    };
+    return
+        [](const Progress& now) { return srbf_host_progress(now.stage.data(), now.stage.size(), now.fraction) != 0; };
 }
 
 std::string text_of(const char* text, std::size_t size) { return std::string(text, size); }

@@ -4,7 +4,6 @@
 #include "app/report/page.h"
 #include "app/report/parts.h"
 #include "render/html.h"
-#include "render/page_text.h"
 #include "render/report_text.h"
 #include "srbf/pictures.h"
 
@@ -81,12 +80,9 @@ std::string gallery_html(const std::vector<Reported>& materials, const Tables& t
     for (const Json* material : view.by_visible_error()) cards += card_of(view, *material);
     const std::string title =
         materials.size() == 1 ? materials[0].name + ": measured and fitted" : "Measured materials and their fits";
-    const std::pair<std::string_view, std::string> parts[] = {
-        {"title", html_escaped(title)}, {"style", k_style_text},     {"report_style", k_report_style_text},
-        {"lead", lead_of(view, note)},  {"failed", failed_of(view)}, {"cards", cards},
-        {"verdicts", verdicts_text()},  {"generator", k_generator},
-    };
-    return filled(k_gallery_text, parts);
+    return page(
+        html_escaped(title), k_gallery_text,
+        {{"lead", lead_of(view, note)}, {"failed", failed_of(view)}, {"cards", cards}, {"verdicts", verdicts_text()}});
 }
 
 }  // namespace srbf

@@ -7,7 +7,6 @@
 #include "app/report/parts.h"
 #include "render/chart.h"
 #include "render/html.h"
-#include "render/page_text.h"
 #include "render/report_text.h"
 
 namespace srbf {
@@ -282,23 +281,17 @@ std::string all_fits_of(const View& view, const Json& material) {
 
 std::string material_html(const Tables& tables, const Json& material, const Study& study) {
     const View view{tables};
-    const std::pair<std::string_view, std::string> parts[] = {
-        {"title", text_of(material, "material")},
-        {"style", k_style_text},
-        {"report_style", k_report_style_text},
-        {"label", label_of(material)},
-        {"lead", lead_of(view, material)},
-        {"failures", failures_of(view, material)},
-        {"exports", exports_of(study)},
-        {"pictures", pictures_of(view, material)},
-        {"errors", errors_with_note(view, material)},
-        {"charts", charts_of(view, material)},
-        {"lobes", lobes_of(view, material, study)},
-        {"frames", frames_of(view, material)},
-        {"all", all_fits_of(view, material)},
-        {"generator", k_generator},
-    };
-    return filled(k_material_page_text, parts);
+    return page(text_of(material, "material"), k_material_page_text,
+                {{"label", label_of(material)},
+                 {"lead", lead_of(view, material)},
+                 {"failures", failures_of(view, material)},
+                 {"exports", exports_of(study)},
+                 {"pictures", pictures_of(view, material)},
+                 {"errors", errors_with_note(view, material)},
+                 {"charts", charts_of(view, material)},
+                 {"lobes", lobes_of(view, material, study)},
+                 {"frames", frames_of(view, material)},
+                 {"all", all_fits_of(view, material)}});
 }
 
 }  // namespace srbf

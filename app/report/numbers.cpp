@@ -7,7 +7,6 @@
 
 #include "app/report/parts.h"
 #include "render/html.h"
-#include "render/page_text.h"
 #include "render/report_text.h"
 
 namespace srbf {
@@ -172,18 +171,13 @@ std::string made_of(const View& view) {
 std::string numbers_html(const Tables& tables) {
     const View view{tables};
     const Json& directions = *rows_with(tables.constants, "name", "matrix_directions")[0];
-    const std::pair<std::string_view, std::string> parts[] = {
-        {"style", k_style_text},
-        {"report_style", k_report_style_text},
-        {"directions", number(&directions, "value", Shown::whole)},
-        {"default_fit", "the default fit (of scattered samples: eight lobes)"},
-        {"all", all_of(view)},
-        {"spread", spread_of(view)},
-        {"measures", measures_of()},
-        {"made", made_of(view)},
-        {"generator", k_generator},
-    };
-    return filled(k_numbers_text, parts);
+    return page("The numbers of all materials", k_numbers_text,
+                {{"directions", number(&directions, "value", Shown::whole)},
+                 {"default_fit", "the default fit (of scattered samples: eight lobes)"},
+                 {"all", all_of(view)},
+                 {"spread", spread_of(view)},
+                 {"measures", measures_of()},
+                 {"made", made_of(view)}});
 }
 
 }  // namespace srbf

@@ -14,7 +14,6 @@ std::string gallery_html(const std::vector<Reported>& materials, const Tables& t
 std::string material_html(const Tables& tables, const Json& material, const Study& study);
 /// The errors of all materials in one table, and their statistics: numbers.html.
 std::string numbers_html(const Tables& tables);
-inline constexpr char k_generator[] = "Written by srbf " SRBF_VERSION ".";
 
 /// Tables for a document: each form over all materials, each material, the baseline, view-by-view models over J.
 std::string report_markdown(const Tables& tables);

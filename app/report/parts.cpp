@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "render/html.h"
+#include "render/page_text.h"
+#include "render/report_text.h"
 #include "srbf/pictures.h"
 
 namespace srbf {
@@ -89,6 +91,17 @@ std::string row(const std::string& head, const std::vector<std::string>& cells, 
 }
 std::string group(const std::string& text, std::size_t columns) {
     return fmt::format("<tr class='group'><th colspan='{}'>{}</th></tr>\n", columns, text);
+}
+
+std::string page(const std::string& title, std::string_view body,
+                 std::vector<std::pair<std::string_view, std::string>> parts) {
+    parts.emplace_back("title", title);
+    const std::pair<std::string_view, std::string> whole[] = {{"title", title},
+                                                              {"style", k_style_text},
+                                                              {"report_style", k_report_style_text},
+                                                              {"body", filled(body, parts)},
+                                                              {"generator", "Written by srbf " SRBF_VERSION "."}};
+    return filled(k_report_page_text, whole);
 }
 
 Rows View::done() const { return rows_with(tables.materials, "status", "done"); }

@@ -1,6 +1,8 @@
 // Building blocks of the report's page.
 #pragma once
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "app/report/table.h"
@@ -48,6 +50,12 @@ std::string table(const std::vector<Head>& heads, const std::string& rows);
 std::string row(const std::string& head, const std::vector<std::string>& cells, const char* kind = "");
 /// A line that describes the rows below it.
 std::string group(const std::string& text, std::size_t columns);
+
+// ---- Pages ----
+
+/// A page of that title, which is HTML, whose body is a template with these parts and the title.
+std::string page(const std::string& title, std::string_view body,
+                 std::vector<std::pair<std::string_view, std::string>> parts);
 
 // ---- Lookups ----
 

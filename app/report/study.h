@@ -13,6 +13,7 @@
 
 namespace srbf {
 
+/// The page of the default fit beside the measurement.
 inline constexpr char k_page_file[] = "page.html";
 /// Polar angle of the light in plots of lobes [degrees].
 inline constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};

@@ -29,7 +29,7 @@ struct Reported {
 };
 
 struct Tables {
-    Table constants;  ///< constants of the page's text: directions, pairs, folds, angles, limits
+    Table constants;  ///< constants of the pages' text: directions, pairs, folds, angles
     Table summary;    ///< numbers of materials, of failures, and of those of each verdict
     Table materials;  ///< for each file: its origin, masked and clamped values, failures
     Table fits;       ///< for each fit: its kind, bytes, seconds and errors

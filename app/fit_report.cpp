@@ -162,7 +162,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     if (is_smoothed(outcome)) json["smoothed_pictures"] = json_of(*outcome.against_smoothed);
     if (outcome.samples) {
         json["samples"] = *outcome.samples;
-        json["folds"] = k_folds;
+        json["folds"] = outcome.incidences > 0 ? std::min(outcome.incidences, k_folds) : k_folds;
     }
     if (outcome.filled) json["filled_between_samples"] = *outcome.filled;
     if (const auto goal = goal_of(request)) {
@@ -200,9 +200,9 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     print_measures({{"as stored", &*outcome.errors}, {"before rounding", &*outcome.unrounded_errors}});
     if (outcome.samples) {
         fmt::print(
-            "  Matrix: at the samples themselves. Held out: {}-fold cross-validated. Albedo and pictures: against "
-            "completed samples.\n",
-            k_folds);
+            "  Matrix: at the samples themselves. Held out: {}. Albedo and pictures: against completed samples.\n",
+            outcome.incidences > 0 ? fmt::format("cross-validated over {} incidences", outcome.incidences)
+                                   : fmt::format("{}-fold cross-validated", k_folds));
         if (outcome.filled && *outcome.filled)
             fmt::print("  Between samples the fit follows {} values.\n",
                        completes(request) ? "completed" : "interpolated");

@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "app/read_options.h"
 #include "app/rows.h"
+#include "render/slices.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
@@ -66,13 +67,10 @@ void print_table(const MbsdfTable& table) {
 
 /// What a fit may lack: other planes than that of incidence, views on one side of it, values above the instrument's floor.
 void print_geometry(const ScatteredSamples& samples) {
-    constexpr float in_plane = 0.01f;  // of the sine out of the plane of incidence: half a degree
     std::size_t inside = 0, at_least = 0;
     float least = std::numeric_limits<float>::infinity();
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
-        const Vec3f wl = samples.wl[i], wv = samples.wv[i];
-        const float s = std::hypot(wl.x, wl.y), across = wl.x * wv.y - wl.y * wv.x;
-        inside += std::abs(across) <= in_plane * s || s <= in_plane;
+        inside += is_in_plane(samples.wl[i], samples.wv[i]);
         if (samples.colour[i].g < least) least = samples.colour[i].g, at_least = 0;
         at_least += samples.colour[i].g == least;
     }

@@ -74,7 +74,7 @@ int run_program(int argc, char** argv) {
         "srbf", "srbf " SRBF_VERSION " (" SRBF_DATE ")",
         "srbf: measured BRDFs as a few spherical radial basis functions.\n"
         "Reads measurements (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax,\n"
-        "FRED, Speos, OpenMATERIAL), fits models to them and reports the errors; evaluates, compares, converts,\n"
+        "FRED, Speos, OpenMATERIAL, BiRD), fits models to them and reports the errors; evaluates, compares, converts,\n"
         "renders and exports BRDFs.",
         "Example:\n  srbf fit paper_white_rgb.bsdf --preview paper.png\n\n"
         "Exit status: 0 done; 2 wrong usage, which is so whatever files hold; 1 any other error, of a file, a folder\n"

@@ -253,6 +253,7 @@ inline const NamedTarget k_targets[] = {
     {"zemax", check_zemax},
     {"speos", check_speos},
     {"openmaterial", [](auto bytes) { check_measured(read_openmaterial(bytes, "f")); }},
+    {"bird", [](auto bytes) { check_measured(read_bird(bytes, "f")); }},
     {"columns",
      [](auto bytes) {
          check_answers(read_measured(bytes, "f", {"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,532nm", true, 1e-4f}));

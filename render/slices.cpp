@@ -131,6 +131,77 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
     return svg + "</svg>\n";
 }
 
+bool is_in_plane(Vec3f wl, Vec3f wv) {
+    constexpr float most = 0.01f;
+    const float s = std::hypot(wl.x, wl.y), across = wl.x * wv.y - wl.y * wv.x;
+    return std::abs(across) <= most * s || s <= most;
+}
+
+std::vector<Scan> scans_in_plane(const ScatteredSamples& samples) {
+    constexpr double k_apart = 0.1;  // degrees
+    constexpr std::size_t k_fewest = 8;
+    struct Point {
+        double light, view, luminance;
+    };
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        const Vec3f wl = samples.wl[i], wv = samples.wv[i];
+        if (!is_in_plane(wl, wv)) continue;
+        const double side = wl.x * wv.x + wl.y * wv.y > 0 ? -1 : 1;
+        const auto theta = [](Vec3f w) { return std::atan2(std::hypot(w.x, w.y), w.z) / float(k_degree); };
+        points.push_back({double(theta(wl)), side * double(theta(wv)), luminance(samples.colour[i])});
+    }
+    std::ranges::stable_sort(points, {}, &Point::light);
+    std::vector<Scan> scans;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (i == 0 || points[i].light - points[i - 1].light > k_apart) scans.emplace_back().theta_l = points[i].light;
+        scans.back().degrees.push_back(points[i].view), scans.back().luminance.push_back(points[i].luminance);
+    }
+    std::erase_if(scans, [](const Scan& scan) { return scan.degrees.size() < k_fewest; });
+    return scans;
+}
+
+std::string scan_drawing(const Scan& scan, std::span<const SliceCurve> models) {
+    constexpr double k_around = 1;  // decade
+    constexpr int k_most_decades = 12;
+    double most = 0, least = std::numeric_limits<double>::infinity();
+    for (const double y : scan.luminance)
+        if (y > 0 && std::isfinite(y)) most = std::max(most, y), least = std::min(least, y);
+    const double around = std::pow(10.0, k_around);
+    const Decades decades(least / around, most * around, k_most_decades);
+    const double left = -90 - scan.theta_l, right = 90 - scan.theta_l;
+    const auto x_of = [&](double at) { return k_left + (at - left) / (right - left) * (k_right - k_left); };
+    const auto y_of = [&](double y) { return k_bottom - std::clamp(decades.share(y), 0.0, 1.0) * (k_bottom - k_top); };
+    std::string svg = fmt::format(
+        "<svg class='slice' viewBox='0 0 {} {}' role='img' aria-label='Scan of f for light at {:.3g}° from the "
+        "normal'>",
+        k_width, k_height, scan.theta_l);
+    svg +=
+        svg_text(k_left, 14, "start", fmt::format("<tspan font-weight='bold'>light at {:.3g}°</tspan>", scan.theta_l));
+    for (int exponent = decades.lowest; exponent <= decades.highest; ++exponent) {
+        const double y = y_of(std::pow(10.0, exponent));
+        svg += svg_line("grid", k_left, y, k_right, y) + svg_text(k_left - 5, y + 4, "end", power_of_ten(exponent));
+    }
+    constexpr int k_tick = 30;
+    for (int at = int(std::ceil(left / k_tick)) * k_tick; at <= right; at += k_tick)
+        svg += svg_line("grid", x_of(at), k_bottom, x_of(at), k_bottom + 4) +
+               svg_text(x_of(at), k_bottom + 16, "middle", fmt::format("{}°", at));
+    svg += svg_line("axis", x_of(0), k_top, x_of(0), k_bottom);
+    svg += svg_text((k_left + k_right) / 2, k_height - 8, "middle", "angle from the mirror direction; f in 1/sr");
+    for (std::size_t i = 0; i < scan.degrees.size(); ++i)
+        if (scan.luminance[i] > 0)
+            svg += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='1.6' style='fill:var(--measured)'/>",
+                               x_of(scan.degrees[i] - scan.theta_l), y_of(scan.luminance[i]));
+    for (const SliceCurve& model : models) {
+        const LuminanceSlice slice = luminance_slice(model.brdf, scan.theta_l * k_degree);
+        Outline outline;
+        for (std::size_t i = 0; i < slice.degrees.size(); ++i)
+            outline.add(x_of(slice.degrees[i] - scan.theta_l), y_of(slice.luminance[i]), 0);
+        svg += drawn(model, outline, false);
+    }
+    return svg + "</svg>\n";
+}
+
 std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, LobeScale scale) {
     constexpr double radius = 140, x0 = 180, outside = 1.04, least_step = 1.5, counted = 85;
     const bool whole = std::ranges::any_of(curves, &SliceCurve::both_sides);

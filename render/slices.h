@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "srbf/brdf.h"
+#include "srbf/measured.h"
 
 namespace srbf {
 
@@ -31,6 +32,20 @@ struct SliceCurve {
 /// where its value is NaN. The first curve is drawn widest and below the others.
 std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l);
 inline constexpr int k_slice_decades = 6;
+
+/// Whether the sine of the angle between wv and the plane of wl and the normal is at most 0.01: half a degree.
+bool is_in_plane(Vec3f wl, Vec3f wv);
+/// Samples of one angle of incidence, seen in its plane.
+struct Scan {
+    double theta_l = 0;             ///< [degrees]
+    std::vector<double> degrees;    ///< of wv, positive on the mirror's side, ascending
+    std::vector<double> luminance;  ///< [1/sr]
+};
+/// The scans of eight samples and more, by ascending θl.
+std::vector<Scan> scans_in_plane(const ScatteredSamples& samples);
+/// A drawing (SVG) of log f over the angle from the mirror direction, θv − θl, as scatter is shown: the samples as points,
+/// models as curves. The scale is of the samples, a decade more at either end.
+std::string scan_drawing(const Scan& scan, std::span<const SliceCurve> models);
 
 enum class LobeScale { linear, logarithmic };
 /// The same in polar coordinates: the distance from the point of incidence is the value in that direction. The first

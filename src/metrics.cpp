@@ -41,6 +41,7 @@ struct Sums {
                 std::sqrt(ratio(errors.logarithm.apart, errors.area)),
                 of(errors.root),
                 of(errors.sixth_root),
+                std::sqrt(ratio(errors.decades.apart, errors.decades.whole)) / elementary::log(10.0),
                 pairs,
                 masked};
     }

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "srbf/elementary.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "metrics_sums.cpp"
 #include <hwy/foreach_target.h>
@@ -37,12 +39,19 @@ HWY_INLINE Batch cube_root(Batch x) {
     return select(Batch(0x1p-120) < size, select(is_below_infinity(size), root, x), x);
 }
 
+// log x; of x below 2^-120 that of 2^-120.
+HWY_INLINE Batch log_of(Batch x) {
+    const Batch positive = select(Batch(0x1p-120) < x, x, Batch(0x1p-120));
+    return select(is_below_infinity(x), log(positive), x);
+}
+
 void see(const PairCosines& cosines, SeenValues& seen) {
     for (std::size_t i = 0; i < k_pair_block; i += Batch::size()) {
         const Batch f = Batch::load(&seen.f[i]), lit = f * Batch::load(&cosines.light[i]);
         log_of_1_plus(lit).store(&seen.logarithm[i]);
         cube_root(f).store(&seen.root[i]);
         sqrt(cube_root(lit)).store(&seen.sixth_root[i]);
+        log_of(f).store(&seen.own_logarithm[i]);
     }
 }
 
@@ -82,10 +91,11 @@ struct SquareBatch {
 ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const SeenValues& f,
                      const SeenValues& other) {
     constexpr Doubles d;
-    LanesOfSquares plain, cosine, logarithm, root, sixth_root;
+    const double most_apart = -elementary::log(k_least_share);
+    LanesOfSquares plain, cosine, logarithm, root, sixth_root, decades;
     LanesOfSum whole_area;
     for (std::size_t lane = 0; lane < std::size(whole_area.lanes); lane += hn::MaxLanes(d)) {
-        SquareBatch of_plain, of_cosine, of_logarithm, of_root, of_sixth_root;
+        SquareBatch of_plain, of_cosine, of_logarithm, of_root, of_sixth_root, of_decades;
         DoubleBatch of_area = hn::Zero(d);
         for (std::size_t i = lane; i < k_pair_block; i += std::size(whole_area.lanes)) {
             const DoubleBatch w = load(weight, i), cos_l = load(cosines.light, i);
@@ -103,13 +113,20 @@ ErrorSums error_sums(const PairCosines& cosines, const PairColumn& weight, const
             add(area, f.logarithm, other.logarithm, of_logarithm);
             add(w, f.root, other.root, of_root);
             add(area, f.sixth_root, other.sixth_root, of_sixth_root);
+            const DoubleBatch own = load(f.own_logarithm, i);
+            const DoubleBatch least = hn::Sub(own, hn::Set(d, most_apart));
+            const DoubleBatch apart = hn::Sub(own, hn::Max(load(other.own_logarithm, i), least));
+            const auto is_above_0 = hn::And(counts, hn::Gt(load(f.f, i), hn::Zero(d)));
+            of_decades.add(hn::IfThenElseZero(is_above_0, w), hn::IfThenElseZero(is_above_0, hn::Mul(apart, apart)),
+                           hn::Set(d, 1.0));
             of_area = hn::Add(of_area, area);
         }
         of_plain.store(plain, lane), of_cosine.store(cosine, lane), of_logarithm.store(logarithm, lane);
         of_root.store(root, lane), of_sixth_root.store(sixth_root, lane);
+        of_decades.store(decades, lane);
         hn::Store(of_area, d, whole_area.lanes + lane);
     }
-    return {plain.sum(), cosine.sum(), logarithm.sum(), root.sum(), sixth_root.sum(), whole_area.sum()};
+    return {plain.sum(), cosine.sum(), logarithm.sum(), root.sum(), sixth_root.sum(), decades.sum(), whole_area.sum()};
 }
 
 }  // namespace HWY_NAMESPACE

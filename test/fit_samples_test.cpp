@@ -153,6 +153,23 @@ TEST(Folds, TheBrightestAreLeftOutOneByOne) {
     EXPECT_NE(*fold, *assign_folds(samples, k_cap, 4));
 }
 
+TEST(Folds, ScansAreLeftOutWhole) {
+    ScatteredSamples scans;
+    constexpr double incidences[] = {60, 5, 41.4};
+    for (const double theta : incidences)
+        for (int view = -80; view <= 80; view += 5) {
+            scans.wl.push_back(to_float(spherical(theta * k_degree, k_pi)));
+            scans.wv.push_back(to_float(spherical(view * k_degree, 0.0)));
+            scans.colour.push_back({1, 1, 1});
+        }
+    const auto folds = incidence_folds(scans);
+    ASSERT_TRUE(folds);
+    EXPECT_EQ(folds->incidences, 3);
+    constexpr int expected[] = {2, 0, 1};
+    for (std::size_t i = 0; i < folds->of.size(); ++i) EXPECT_EQ(folds->of[i], expected[i / (folds->of.size() / 3)]);
+    EXPECT_FALSE(incidence_folds(samples_of(300, 0, 2)));  // of incidences at random
+}
+
 TEST(Folds, FewGroupsAreAnError) {
     ScatteredSamples samples = samples_of(4, 0, 3);
     for (int i = 0; i < 4; ++i)

@@ -245,14 +245,15 @@ TEST(FitSu, EachObjectiveIsTheBestByItsOwnMeasure) {
         {Objective::raw, &Measures::squared_error_ratio},
         {Objective::cosine, &Measures::squared_error_ratio_cosine},
         {Objective::log, &Measures::log_rms_cosine},
-        {Objective::cube_root, &Measures::cube_root_error_ratio}};
+        {Objective::cube_root, &Measures::cube_root_error_ratio},
+        {Objective::relative, &Measures::log10_rms}};
     const auto matrix = tabulate(signed_evaluator(bundled("cc_ibiza_sunset_rgb")), {.directions = 256, .between = 0});
     ASSERT_TRUE(matrix);
     std::vector<SuModel> models;
     for (const auto& [objective, measure] : objectives)
         models.push_back(fit_su(*matrix, {.lobes = 2, .objective = objective, .max_theta = k_cap})->model);
-    for (std::size_t k = 0; k < 4; ++k)
-        for (std::size_t other = 0; other < 4; ++other) {
+    for (std::size_t k = 0; k < std::size(objectives); ++k)
+        for (std::size_t other = 0; other < std::size(objectives); ++other) {
             const auto error = [&](std::size_t i) {
                 return matrix_error(evaluator(bundled("cc_ibiza_sunset_rgb")), models[i], objectives[k].second);
             };

@@ -201,7 +201,8 @@ TEST(Fit, OfEachObjectiveIsTheBestByItsOwnMeasure) {
     const std::pair<Objective, double Measures::*> own[] = {{Objective::raw, &Measures::squared_error_ratio},
                                                             {Objective::cosine, &Measures::squared_error_ratio_cosine},
                                                             {Objective::log, &Measures::log_rms_cosine},
-                                                            {Objective::cube_root, &Measures::cube_root_error_ratio}};
+                                                            {Objective::cube_root, &Measures::cube_root_error_ratio},
+                                                            {Objective::relative, &Measures::log10_rms}};
     const Measured& film = bundled("cc_ibiza_sunset_rgb");
     const double cap = 80 * k_degree;
     std::vector<Measures> measures;
@@ -212,8 +213,8 @@ TEST(Fit, OfEachObjectiveIsTheBestByItsOwnMeasure) {
         const Evaluate others[] = {evaluator(fit->model)};
         measures.push_back(measure_heldout(evaluator(film), others, {cap, 0})[0]);
     }
-    for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t i = 0; i < std::size(own); ++i)
+        for (std::size_t k = 0; k < std::size(own); ++k) {
             const auto measure = own[i].second;
             EXPECT_LE(measures[i].*measure, measures[k].*measure)
                 << name(own[i].first) << " by its measure against " << name(own[k].first);
@@ -221,8 +222,7 @@ TEST(Fit, OfEachObjectiveIsTheBestByItsOwnMeasure) {
 }
 
 TEST(Fit, ObjectivesAndStopReasonsHaveNames) {
-    for (const Objective objective : {Objective::raw, Objective::cosine, Objective::log, Objective::cube_root})
-        EXPECT_EQ(objective_named(name(objective)), objective);
+    for (const Objective objective : objectives()) EXPECT_EQ(objective_named(name(objective)), objective);
     EXPECT_FALSE(objective_named("cubed"));
     for (const StopReason reason : {StopReason::converged, StopReason::iterations, StopReason::cancelled})
         EXPECT_FALSE(name(reason).empty());

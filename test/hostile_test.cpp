@@ -75,6 +75,8 @@ TEST_F(Hostile, SmallPartsTakeNoMoreMemoryThanPromised) {
         {"dim.alta", "#DIM ", "1 ", ""},
         {"rows.xompt", "{\"x\":\"OpenMATERIAL\",\"brdf\":{\"lookupTable\":[", "[5e-7,1,1,1,1],", "[5e-7,1,1,1,1]]}}"},
         {"deep.xompt", "{\"x\":\"OpenMATERIAL\",\"brdf\":{\"lookupTable\":[", "[", ""},
+        {"values.json", "{\"theta_i\":0,\"data\":{\"BRDF\":{\"values\":[1", ",1", "]}}}"},
+        {"deep.json", "{\"theta_i\":", "{\"a\":", ""},
         {"values.zemax", "Source Measured\nScatterRadial 3600\n", "1 ", ""},
         {"rows.fred", "type bsdf_data\n0 0\n", "1 1 1\n", ""},
         {"unknown", "", "unknown\1", ""},

@@ -46,9 +46,9 @@ Measures heldout(const auto& reference, const auto& other, MeasureOptions option
     return measure_heldout(evaluator(reference), others, options, 50000)[0];
 }
 
-constexpr double Measures::*k_all[] = {&Measures::squared_error_ratio, &Measures::squared_error_ratio_cosine,
-                                       &Measures::log_rms_cosine, &Measures::cube_root_error_ratio,
-                                       &Measures::sixth_root_error_ratio};
+constexpr double Measures::*k_all[] = {&Measures::squared_error_ratio,    &Measures::squared_error_ratio_cosine,
+                                       &Measures::log_rms_cosine,         &Measures::cube_root_error_ratio,
+                                       &Measures::sixth_root_error_ratio, &Measures::log10_rms};
 
 TEST(Metrics, OfABrdfAgainstItselfAreZero) {
     const Glossy glossy;
@@ -65,6 +65,7 @@ TEST(Metrics, OfAScaledBrdfAreTheirClosedForms) {
         EXPECT_TRUE(near_relative(m.squared_error_ratio, 0.01, 1e-5));
         EXPECT_TRUE(near_relative(m.squared_error_ratio_cosine, 0.01, 1e-5));
         EXPECT_TRUE(near_relative(m.cube_root_error_ratio, std::pow(std::cbrt(1.1) - 1, 2), 1e-4));
+        EXPECT_TRUE(near_relative(m.log10_rms, std::log10(1.1), 1e-4));
     }
     EXPECT_TRUE(near_relative(albedo_error(evaluator(glossy), evaluator(scaled), k_cap), 0.1, 1e-4));
     EXPECT_TRUE(near_relative(albedo_error(evaluator(scaled), evaluator(glossy), k_cap), 0.1 / 1.1, 1e-4));
@@ -142,10 +143,11 @@ TEST(Metrics, HeldOutPairsAreOfTheSeedAndTheCount) {
 // Of values over many magnitudes, a number of samples that fills no block, some of them not measured.
 TEST(Metrics, OfSamplesAreTheirFormulas) {
     std::mt19937_64 random(3);
+    const auto is_root = [](std::size_t k) { return !k_measures[k].is_ratio; };
     for (const std::size_t count : {1u, 7u, 1000u}) {
         std::vector<Vec3f> wl, wv;
         std::vector<float> f, g;
-        std::array<double, 5> apart{}, whole{};
+        std::array<double, 6> apart{}, whole{};
         for (std::size_t i = 0; i < count; ++i) {
             wl.push_back(to_float(spherical(1.3 * uniform(random), 1.0)));
             wv.push_back(to_float(spherical(1.3 * uniform(random), 2.0)));
@@ -153,22 +155,26 @@ TEST(Metrics, OfSamplesAreTheirFormulas) {
             g.push_back(i % 10 == 4 ? std::numeric_limits<float>::quiet_NaN() : float(1 + uniform(random)) * f[i]);
             if (std::isnan(g[i])) continue;
             const double l = double(wl[i].z), v = double(wv[i].z), a = double(f[i]), b = double(g[i]);
-            const double seen[5][3] = {{1, a, b},
+            const bool is_lit = a > 0;
+            const double seen[6][3] = {{1, a, b},
                                        {v, a * l, b * l},
                                        {v, std::log1p(a * l), std::log1p(b * l)},
                                        {1, std::cbrt(a), std::cbrt(b)},
-                                       {v, std::sqrt(std::cbrt(a * l)), std::sqrt(std::cbrt(b * l))}};
-            for (std::size_t k = 0; k < 5; ++k) {
+                                       {v, std::sqrt(std::cbrt(a * l)), std::sqrt(std::cbrt(b * l))},
+                                       {is_lit ? 1.0 : 0.0, is_lit ? std::log10(a) : 0, is_lit ? std::log10(b) : 0}};
+            for (std::size_t k = 0; k < 6; ++k) {
                 apart[k] += seen[k][0] * std::pow(seen[k][1] - seen[k][2], 2);
-                whole[k] += seen[k][0] * (k == 2 ? 1 : seen[k][1] * seen[k][1]);
+                whole[k] += seen[k][0] * (is_root(k) ? 1 : seen[k][1] * seen[k][1]);
             }
         }
         const Measures measures = measure_samples(wl, wv, f, g, 80 * k_degree);
         EXPECT_EQ(measures.masked, (count + 5) / 10);
         EXPECT_EQ(measures.pairs + measures.masked, count);
-        for (std::size_t k = 0; k < 5; ++k) {
-            const double ratio = apart[k] / whole[k], expected = k == 2 ? std::sqrt(ratio) : ratio;
-            EXPECT_TRUE(near_relative(measures.*k_measures[k].member, expected, 2e-6)) << count << " " << k;
+        for (std::size_t k = 0; k < 6; ++k) {
+            const double ratio = apart[k] / whole[k], expected = is_root(k) ? std::sqrt(ratio) : ratio;
+            // Logarithms from −60 on are rounded to 4e-6; they differ by up to 0.7.
+            const double bound = k_measures[k].member == &Measures::log10_rms ? 1e-4 : 2e-6;
+            EXPECT_TRUE(near_relative(measures.*k_measures[k].member, expected, bound)) << count << " " << k;
         }
     }
 }
@@ -182,6 +188,12 @@ TEST(Metrics, LogarithmsOfSmallNumbersAreExact) {
             << f;
         EXPECT_EQ(measure_samples(up, up, a, a, k_cap).log_rms_cosine, 0);
     }
+}
+
+TEST(Metrics, DecadesAreOfWhatIsAboveZeroAndAtMostSix) {
+    const std::vector<Vec3f> up(4, Vec3f(0, 0, 1));
+    const std::vector<float> f{1e-3f, 1e4f, 0, 2}, g{1e-2f, 0, 5, 2};
+    EXPECT_TRUE(near_relative(measure_samples(up, up, f, g, k_cap).log10_rms, std::sqrt((1 + 36 + 0) / 3.0), 1e-6));
 }
 
 TEST(Metrics, InfiniteValuesAreNeverNear) {

@@ -150,6 +150,46 @@ TEST(Slices, AreLogarithmicAndPeakAtTheMirrorDirection) {
     EXPECT_GT(curves[3].size(), 150u);
 }
 
+// Two scans over eight decades, one sample out of the plane: points where the model's curve is.
+TEST(Slices, ScansShowSamplesOverTheAngleFromTheMirror) {
+    const auto peak = [](double from_mirror) { return 1e4 * std::pow(10.0, -std::abs(from_mirror) / 10); };
+    const Evaluate model = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> out) {
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            const double l = std::atan2(wl[i].x, wl[i].z), v = std::atan2(-wv[i].x, wv[i].z);
+            out[i].r = out[i].g = out[i].b = float(peak((v - l) / k_degree));
+        }
+    };
+    ScatteredSamples samples;
+    const auto add = [&](double theta_l, double theta_v, double phi) {
+        samples.wl.push_back(to_float(spherical(theta_l * k_degree, 1.0)));
+        samples.wv.push_back(to_float(spherical(theta_v * k_degree, 1 + phi)));
+        const auto f = float(peak(theta_v - theta_l));
+        samples.colour.push_back({f, f, f});
+    };
+    for (const double theta_l : {60.0, 30.0})
+        for (double theta_v = -80; theta_v <= 80; theta_v += 4) add(theta_l, theta_v, k_pi);
+    add(30, 40, 1.0);
+    EXPECT_FALSE(is_in_plane(samples.wl.back(), samples.wv.back()));
+    const std::vector<Scan> scans = scans_in_plane(samples);
+    ASSERT_EQ(scans.size(), 2u);
+    EXPECT_TRUE(near(scans[0].theta_l, 30, 1e-4) && near(scans[1].theta_l, 60, 1e-4));
+    const SliceCurve models[] = {{"fit", "red", model}};
+    for (const Scan& scan : scans) {
+        ASSERT_EQ(scan.degrees.size(), 41u);
+        const std::string svg = scan_drawing(scan, models);
+        const auto curve = curves_of(svg)[0];
+        const std::regex circle("cx='([-0-9.]+)' cy='([-0-9.]+)'");
+        std::size_t points = 0;
+        for (std::sregex_iterator at(svg.begin(), svg.end(), circle), none; at != none; ++at, ++points) {
+            const double x = std::stod((*at)[1]), y = std::stod((*at)[2]);
+            const auto nearest =
+                std::ranges::min(curve, {}, [&](const auto& p) { return std::hypot(p[0] - x, p[1] - y); });
+            EXPECT_LT(std::hypot(nearest[0] - x, nearest[1] - y), 1) << scan.theta_l << " " << x;
+        }
+        EXPECT_EQ(points, 41u);
+    }
+}
+
 TEST(Slices, LobesReachAsFarAsTheyAreBright) {
     const auto constant = [](float f) -> Evaluate {
         return [f](auto, auto, std::span<Rgb> out) { std::ranges::fill(out, Rgb{f, f, f}); };

@@ -242,6 +242,50 @@ TEST(OpenMaterial, RowsAreSpectra) {
     EXPECT_NE(error_of("{\"OpenMATERIAL\":" + std::string(100000, '[')), "");
 }
 
+/// Two polarizations of two points at one wavelength, a third point with twice the uncertainty; what is not read is nested.
+const std::string k_bird =
+    R"({"metadata": {"schema": "brdf_json_schema_v1.0.json", "description": "spectralon", "data": {"BRDF": {"values": ["no"]}}},
+ "data": {"theta_i": {"unit": "deg", "values": [45, 45, 45, 45, 30]}, "phi_i": {"unit": "deg", "values": [90, 90, 90, 90, 90]},
+ "theta_r": {"unit": "rad", "values": [0.5, 0.5, 1, 1, 0.25]}, "phi_r": {"unit": "\u00b0", "values": [270, 270, 0, 0, 0]},
+ "wavelength_i": {"unit": "\u03bcm", "values": [0.55, 0.55, 0.55, 0.55, 0.55]},
+ "polarization_i": {"notation": "inStokes", "values": [[1, 1, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], [1, -1, 0, 0], [1, 0, 0, 0]]},
+ "BRDF": {"unit": "1/sr", "values": [0.25, 0.35, 0.5, 0.7, 0.4]},
+ "uBRDF": {"unit": "%", "values": [1, 1, 1, 1, 2]}}})";
+
+TEST(Bird, PointsAreSamplesOfMeanPolarization) {
+    const auto of = read(k_bird);
+    ASSERT_TRUE(of.ok()) << message(of.error());
+    EXPECT_EQ(of->format, "BiRD");
+    const auto& samples = std::get<ScatteredSamples>(of->table);
+    EXPECT_EQ(samples.description, "spectralon");
+    EXPECT_TRUE(samples.isotropic);
+    ASSERT_EQ(samples.wl.size(), 3u);  // by ascending angle of the light
+    EXPECT_PRED3(near, samples.wavelengths[0], 550, 1e-3);
+    constexpr float f[] = {0.4f, 0.3f, 0.6f};
+    const Vec3d wv[] = {spherical(0.25, 0.0), spherical(0.5, -k_pi / 2), spherical(1.0, 0.0)};
+    const auto at = [&](const Vec3d& w) {
+        return std::size_t(std::ranges::max_element(samples.wv, {}, [&](Vec3f v) { return dot(w, to_double(v)); }) -
+                           samples.wv.begin());
+    };
+    for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_PRED3(near, double(dot(wv[k], to_double(samples.wv[at(wv[k])]))), 1, 1e-6);
+        EXPECT_PRED3(near, samples.spectrum[at(wv[k])], f[k], 1e-6);
+        EXPECT_PRED3(near, samples.weight[at(wv[k])], k == 0 ? 0.4 : 1, 1e-6);  // 2 / (1 + 2²)
+    }
+    for (std::size_t size = 0; size < k_bird.size(); ++size) EXPECT_NE(error_of(k_bird.substr(0, size)), "") << size;
+    for (const auto& [what, by] : std::initializer_list<std::array<std::string, 2>>{{"[45, 45, 45, 45, 30]", "[45]"},
+                                                                                    {"[45, 45", "[null, 45"},
+                                                                                    {"[45, 45", "[[45], 45"},
+                                                                                    {"\"rad\"", "\"grad\""},
+                                                                                    {"\"1/sr\"", "\"\""},
+                                                                                    {"theta_r", "theta_s"},
+                                                                                    {"0.25,", "\"0.25\","}}) {
+        std::string text = k_bird;
+        EXPECT_NE(error_of(text.replace(text.find(what), what.size(), by)), "") << by;
+    }
+    EXPECT_NE(error_of("{\"theta_i\":" + std::string(100000, '[')), "");
+}
+
 const std::string k_fred =
     "type bsdf_data\nformat angles=deg bsdf=value scale=2\n10 0\n0 0 0.5\n10 0 3\n10 180 1\n30 0\n30 0 4\n";
 

@@ -153,7 +153,7 @@ Result<FitRequest> request_of(std::string_view text) {
     if (const auto word = options.word("objective")) {
         const auto objective = objective_named(*word);
         if (objective) request.objective = *objective;
-        if (!objective) options.refuse("objective", "appearance, cosine, raw, log or cube-root", *word);
+        if (!objective) options.refuse("objective", "appearance, cosine, raw, log, cube-root or relative", *word);
     }
     if (const auto seed = options.number("seed", 0, 9e15, true)) request.seed = std::uint64_t(*seed);
     if (const auto theta = option_of(options, "maxTheta", fit_option("max_theta")))

@@ -85,7 +85,7 @@ std::string errors_of(const View& view, const Json& material, bool whole) {
     }
     heads.push_back({"seconds", {}});
     std::string rows = whole ? "" : source_rows(view, material, heads.size());
-    for (const char* objective : {"appearance", "raw", "cosine", "cube-root"}) {
+    for (const char* objective : {"appearance", "raw", "cosine", "cube-root", "relative"}) {
         std::string of_objective;
         Json theta;
         for (const Json* fit : view.fits(material)) {
@@ -206,6 +206,16 @@ std::string frames_of(const View& view, const Json& material) {
                number(&first, "triangles", Shown::whole), text_of(first, "renderer"));
 }
 
+std::string scans_of(const Study& study) {
+    if (!study.material.contains("scans")) return {};
+    std::string drawings;
+    for (const Json& scan : study.material.at("scans")) drawings += scan.get<std::string>();
+    return fmt::format(
+        "<h3>Scans</h3>\n<p>Samples in the plane of incidence, as points, and the fits.</p>\n<div "
+        "class='polar'>{}</div>\n",
+        drawings);
+}
+
 std::string lobes_of(const View& view, const Json& material, const Study& study) {
     std::string linear, logarithmic, legend;
     for (const char* role : k_drawn) {
@@ -221,8 +231,8 @@ std::string lobes_of(const View& view, const Json& material, const Study& study)
         "<p>Reflected light by direction, as the distance from the point of incidence. The thick line is the "
         "measurement. "
         "Beyond the largest angle of its objective a model is only constrained to the order of magnitude.</p><p "
-        "class='legend'>{}</p>\n<div class='polar'>{}</div>\n<div class='polar'>{}</div>\n",
-        legend, linear, logarithmic);
+        "class='legend'>{}</p>\n<div class='polar'>{}</div>\n<div class='polar'>{}</div>\n{}",
+        legend, linear, logarithmic, scans_of(study));
 }
 
 std::string lead_of(const View& view, const Json& material) {

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ranges>
+
+#include "render/slices.h"
 
 namespace srbf {
 namespace {
@@ -17,6 +20,12 @@ class Plan {
         pm.form = form, pm.variates = variates, pm.size = LobeCount{lobes};
         add(pm, objective, fmt::format("pm-{}-{}x{}-{}", stored_name(form), lobes, variates, name(objective)),
             std::move(role));
+    }
+    /// Of two variates, equal with light and viewer exchanged: of scans, from whose incidences few are left out.
+    void reciprocal(int lobes, Objective objective, std::string role = {}) {
+        PmRequest pm;
+        pm.variates = 2, pm.reciprocal = true, pm.size = LobeCount{lobes};
+        add(pm, objective, fmt::format("pm-reciprocal-{}x2-{}", lobes, name(objective)), std::move(role));
     }
     void su(int lobes, Objective objective, std::string role = {}, int directions = SuRequest{}.directions) {
         SuRequest su;
@@ -111,10 +120,30 @@ void plan_samples(Plan& plan, bool quick) {
     }
 }
 
+/// Scans of an instrument: over decades, and what is seen of them.
+void plan_scans(Plan& plan, bool quick) {
+    using enum Objective;
+    for (const int lobes : {3, 6, 9}) plan.reciprocal(lobes, relative, lobes == 6 ? "pm" : "");
+    plan.pm(PmForm::extended, 8, 4, appearance, "pm2");
+    plan.ggx(1, relative);
+    plan.ggx(2, relative, "ggx");
+    if (quick) return;
+    for (const int lobes : {2, 4, 12}) plan.reciprocal(lobes, relative);
+    for (const Objective objective : {raw, cube_root, appearance}) plan.ggx(2, objective);
+}
+
 void plan_least(Plan& plan) {
     plan.pm(PmForm::gaussian, 2, 2, Objective::raw, "pm");
     plan.su(1, Objective::raw, "su", 16);
     plan.ggx(1, Objective::cosine, "ggx");
+}
+
+/// Samples in the plane of incidence alone.
+bool is_of_scans(const Measured& measured) {
+    const auto* samples = std::get_if<ScatteredSamples>(&measured.table);
+    return samples != nullptr &&
+           std::ranges::all_of(std::views::iota(std::size_t(0), samples->wl.size()),
+                               [&](std::size_t i) { return is_in_plane(samples->wl[i], samples->wv[i]); });
 }
 
 }  // namespace
@@ -127,6 +156,8 @@ std::vector<PlannedFit> plan(const Measured& measured, Sweep sweep, int threads)
     Plan all(threads);
     if (sweep == Sweep::least)
         plan_least(all);
+    else if (is_of_scans(measured))
+        plan_scans(all, sweep == Sweep::quick);
     else if (std::holds_alternative<ScatteredSamples>(measured.table))
         plan_samples(all, sweep == Sweep::quick);
     else

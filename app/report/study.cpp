@@ -154,7 +154,18 @@ class Maker {
                             : fmt::format("{},{:g},{:.4g},\n", curve.name, theta, of.degrees[i]);
             }
         }
+        draw_scans(study, std::span(curves).subspan(1));
         return write_file(path("lobes.csv"), as_bytes(csv));
+    }
+
+    /// Of samples in the plane of incidence, at most `k_most_scans` of the angles.
+    void draw_scans(Study& study, std::span<const SliceCurve> models) {
+        const auto* samples = std::get_if<ScatteredSamples>(&std::get<Measured>(drawn_.subjects[0].content).table);
+        if (samples == nullptr) return;
+        const std::vector<Scan> scans = scans_in_plane(*samples);
+        const std::size_t step = (scans.size() + k_most_scans - 1) / k_most_scans;
+        for (std::size_t i = 0; i < scans.size(); i += step)
+            study.material["scans"].push_back(scan_drawing(scans[i], models));
     }
 
     Result<Done> draw_pictures(Study& study) {

@@ -17,6 +17,7 @@ namespace srbf {
 inline constexpr char k_page_file[] = "page.html";
 /// Polar angle of the light in plots of lobes [degrees].
 inline constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};
+inline constexpr std::size_t k_most_scans = 6;  ///< that are drawn
 
 /// Options of studies; all but the threads are part of a study's key.
 struct StudyOptions {

@@ -31,6 +31,7 @@ const std::vector<MeasureText> k_measure_texts{
     {"heldout_sixth_root_error_ratio", "sixth-root error",
      "The same of the sixth root of f cosθl with a small constant added, nearer still to the eye.", true},
     {"heldout_log_rms_cosine", "log error", "Root mean square of the differences of log(1 + f cosθl).", false},
+    {"heldout_log10_rms", "decades", "Root mean square of the differences of log10 f, as scatter is judged.", false},
     {"albedo_error", "albedo error",
      "The largest relative error of the share of light that comes back at all, from 0, 30, 60 and 75°.", true},
 };

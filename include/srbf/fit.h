@@ -24,6 +24,8 @@ enum class Objective {
     // The next three are second-order approximations in f − f̂, with the mean of the channels in place of each channel:
     log,        ///< Σ (log(1 + f cosθl) − log(1 + f̂ cosθl))² cosθv
     cube_root,  ///< Σ (∛f − ∛f̂)²; where f is below a hundredth of its mean, with the weight at that value
+    /// Σ (log f − log f̂)² over what is above 0: an error of a tenth counts alike in the dark and in a peak
+    relative,
     /// What is seen of a picture: Σ (⁶√(f cosθl + s) − ⁶√(f̂ cosθl + s))² cosθv, s = k_dark_share times the upper
     /// quartile q of f cosθl; as much of Σ (∛(f cosθl + q) − ∛(f̂ cosθl + q))² cosθv and 0.03 of cosine's sum, each
     /// scaled to Σ w |f|² = 1; and for a multivariate model ΔE_ITP of pictures of a sphere. The eye's response to a

@@ -114,6 +114,8 @@ struct FitOutcome {
     std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
     /// for scattered samples, PM: whether the fit follows values between them, completed or interpolated
     std::optional<bool> filled;
+    /// for scattered samples, objective `relative`: the number of angles of incidence, whose samples are in one fold each
+    int incidences = 0;
     std::vector<Step> path;  ///< models that were tried in choosing the size
     bool reached = true;     ///< whether the requested error or size was reached
     /// Errors of `model` and `unrounded` against the measurement; empty until they are measured. For scattered samples

@@ -125,7 +125,9 @@ struct ScatteredSamples {
     std::vector<Vec3f> wl, wv;       ///< unit vectors, above the horizon
     std::vector<Rgb> colour;         ///< f_r [1/sr] of each sample, negative channels not yet clamped
     std::vector<float> spectrum;     ///< f_r [1/sr], samples × wavelengths
-    std::uint64_t masked = 0;        ///< samples of the file that were dropped: not finite, or below the horizon
+    /// what each counts in a fit, by its uncertainty; empty: 1
+    std::vector<float> weight;
+    std::uint64_t masked = 0;  ///< samples of the file that were dropped: not finite, or below the horizon
     /// search structure for `value`; `make_index` builds it from wl, wv and colour
     std::shared_ptr<const SampleIndex> index;
 };
@@ -373,6 +375,10 @@ Result<std::array<std::optional<ScatterTable>, 2>> read_speos(std::span<const st
 /// Reads a BRDF table of ASAM OpenMATERIAL 3D: rows of wavelength [m], θ_l, θ_v, φ_v relative to the light [rad], f [1/sr].
 /// Pairs of directions that lack a wavelength are masked.
 Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, const std::string& file_name);
+
+/// Reads the JSON of the project BiRD (national metrology institutes): theta_i, phi_i, theta_r, phi_r, wavelength_i, BRDF, a
+/// number a point. Polarizations of a pair are averaged; uBRDF weighs samples.
+Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// What a file of samples does not state.
 struct ReadOptions {

@@ -27,6 +27,8 @@ struct Measures {
     /// Σ(⁶√g−⁶√ĝ)² / Σ∛g of g = f cosθl, each pair weighted by cosθv: differences of dark and bright as a display shows
     /// them.
     double sixth_root_error_ratio = 0;
+    /// √ of the mean of (log₁₀ f − log₁₀ f̂)² over f > 0: decades, as scatter is judged. f̂ counts as at least 1e-6 f.
+    double log10_rms = 0;
     std::uint64_t pairs = 0;   ///< number of pairs compared
     std::uint64_t masked = 0;  ///< number of pairs skipped
 };
@@ -38,12 +40,13 @@ struct MeasureName {
     double Measures::*member;
     bool is_ratio;  ///< printed in per cent
 };
-inline constexpr std::array<MeasureName, 5> k_measures{{
+inline constexpr std::array<MeasureName, 6> k_measures{{
     {"squared_error_ratio", "squared error ratio", &Measures::squared_error_ratio, true},
     {"squared_error_ratio_cosine", "  of f cosθl", &Measures::squared_error_ratio_cosine, true},
     {"log_rms_cosine", "RMS of log(1 + f cosθl)", &Measures::log_rms_cosine, false},
     {"cube_root_error_ratio", "cube root error ratio", &Measures::cube_root_error_ratio, true},
     {"sixth_root_error_ratio", "sixth root error ratio", &Measures::sixth_root_error_ratio, true},
+    {"log10_rms", "RMS of log10 f", &Measures::log10_rms, false},
 }};
 
 struct MeasureOptions {

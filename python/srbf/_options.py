@@ -14,7 +14,7 @@ Kind = Literal["pm", "su", "ggx", "pbr"]
 Form = Literal["gaussian", "horizon", "extended"]
 #: whose parameters a surface (model "pbr") has: all of OpenPBR, those of glTF, or of Blender's Principled BSDF
 Surface = Literal["openpbr", "gltf", "principled"]
-Objective = Literal["raw", "cosine", "log", "cube-root", "appearance"]
+Objective = Literal["raw", "cosine", "log", "cube-root", "relative", "appearance"]
 Channels = Literal["rgb", "spectral"]
 Lighting = Literal["overcast", "window", "sunset", "studio", "flash", "lamp", "side", "back"]
 Language = Literal["glsl", "hlsl", "wgsl", "msl", "c"]

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "fit/data/folds.h"
 #include "fit/data/observe_samples.h"
 #include "fit/objective/objective.h"
 #include "fitting/requests.h"
@@ -50,7 +51,9 @@ class SampleFits {
             return std::move(one->front());
         }
         const std::vector<int> lobes = tried_lobes(*pm);
-        auto all = completes(request_) ? fit_completed(lobes) : fit_alone_or_filled(lobes, lobes_of(*pm));
+        auto all = completes(request_)                     ? fit_completed(lobes)
+                   : traits(request_.objective).of_scatter ? fit_alone(lobes)
+                                                           : fit_alone_or_filled(lobes, lobes_of(*pm));
         if (!all) return all.error();
         return chosen(*all);
     }
@@ -83,6 +86,12 @@ class SampleFits {
         std::vector<Variant> candidates;
         for (const int j : lobes)
             if (goal_ || j == lobes.back()) candidates.push_back({j, true});
+        validations_ = double(candidates.size());
+        return judged(candidates);
+    }
+    Result<std::vector<FitOutcome>> fit_alone(const std::vector<int>& lobes) {
+        std::vector<Variant> candidates;
+        for (const int j : lobes) candidates.push_back({j, false});
         validations_ = double(candidates.size());
         return judged(candidates);
     }
@@ -245,9 +254,13 @@ ObserveSamplesOptions observe_options(const FitRequest& request) {
 
 Result<FitOutcome> fit_to_samples(const ScatteredSamples& samples, const SampleObservations* observed,
                                   const FitRequest& request, const ProgressToken& progress) {
-    auto fold = assign_folds(samples, request.theta(), request.seed);
+    const auto of_incidences =
+        traits(request.objective).of_scatter ? incidence_folds(samples) : std::optional<IncidenceFolds>{};
+    auto fold = of_incidences ? Result(of_incidences->of) : assign_folds(samples, request.theta(), request.seed);
     if (!fold) return fold.error();
-    return SampleFits(samples, observed, request, *std::move(fold), progress).run();
+    auto outcome = SampleFits(samples, observed, request, *std::move(fold), progress).run();
+    if (outcome && of_incidences) outcome->incidences = of_incidences->incidences;
+    return outcome;
 }
 
 Result<FitOutcome> draft_of_samples(const ScatteredSamples& samples, const SampleObservations& observed,

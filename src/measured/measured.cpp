@@ -40,7 +40,7 @@ constexpr const char *k_bsdf_xml = "BSDF XML", *k_bsdf_tree = "BSDF tree";
 
 bool is_known_text(std::string_view text) {
     return is_alta(text) || is_astm(text) || is_xml(text) || is_csv(text) || is_cornell(text) || is_zemax(text) ||
-           is_speos(text) || is_openmaterial(text);
+           is_speos(text) || is_openmaterial(text) || is_bird(text);
 }
 
 /// A scatter table of reflection is a BRDF; one of transmission, or both, a BSDF.
@@ -86,6 +86,7 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
         if (is_fred(text)) return labelled(read_fred_samples(bytes, file_name), file_name, "FRED", bytes.size());
         if (is_openmaterial(text))
             return labelled(read_openmaterial_samples(bytes, file_name), file_name, "OpenMATERIAL", bytes.size());
+        if (is_bird(text)) return labelled(read_bird_samples(bytes, file_name), file_name, "BiRD", bytes.size());
         if (is_alta(text)) return labelled(read_alta_samples(bytes, file_name), file_name, "ALTA", bytes.size());
         if (is_astm(text)) return labelled(read_astm_samples(bytes, file_name), file_name, "ASTM E1392", bytes.size());
         if (is_xml(text)) {
@@ -102,11 +103,12 @@ Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::str
     if (is_safetensors(bytes))
         return Error{file_name, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
     if (is_utia(bytes)) return labelled(read_utia(bytes, file_name), file_name, "UTIA", bytes.size());
-    return Error{file_name,
-                 {},
-                 "unknown format",
-                 "MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax, FRED, Speos or OpenMATERIAL",
-                 opening(bytes)};
+    return Error{
+        file_name,
+        {},
+        "unknown format",
+        "MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax, FRED, Speos, OpenMATERIAL or BiRD",
+        opening(bytes)};
 }
 
 Result<Measured> indexed(Result<Measured> measured) {
@@ -126,12 +128,14 @@ Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
                                            : std::min({f.r, f.g, f.b}) <= options.floor;
         if (options.floor > 0 && is_bound) continue;
         samples.wl[kept] = samples.wl[i], samples.wv[kept] = samples.wv[i], samples.colour[kept] = f;
+        if (!samples.weight.empty()) samples.weight[kept] = samples.weight[i];
         std::ranges::copy(spectrum, samples.spectrum.begin() + std::ptrdiff_t(kept * channels));
         ++kept;
     }
     samples.masked += samples.wl.size() - kept;
     samples.wl.resize(kept), samples.wv.resize(kept), samples.colour.resize(kept),
         samples.spectrum.resize(kept * channels);
+    if (!samples.weight.empty()) samples.weight.resize(kept);
     if (kept == 0) return Error{{}, {}, "samples", "at least one above the floor", "none"};
     if (!options.factors) return Done{};
     for (float& f : samples.spectrum) f = float(double(f) / k_pi);

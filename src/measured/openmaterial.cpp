@@ -9,6 +9,7 @@
 
 #include "measured/limits.h"
 #include "measured/samples.h"
+#include "measured/spectral_rows.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
@@ -17,8 +18,6 @@ namespace srbf {
 
 namespace {
 
-/// θ_l, θ_v, φ_v [rad], wavelength [nm], f [1/sr], which is −1 for null.
-using OpenRow = std::array<float, 5>;
 constexpr double k_nanometre = 1e-9;
 
 /// Takes the rows of "lookupTable" in "brdf" and "name" in "metadata"; the rest is passed over.
@@ -28,22 +27,23 @@ struct OpenMaterialSax : nlohmann::json_sax<nlohmann::json> {
     std::string last_key, name, wrong;
     bool in_table = false, has_table = false;
     std::size_t table_depth = 0, column = 0;
-    OpenRow row{};
-    std::vector<OpenRow> rows;
+    SpectralRow row{};
+    std::vector<SpectralRow> rows;
 
     static constexpr std::size_t k_deepest = 64;
+    /// The columns of a file: wavelength, θ_l, θ_v, φ_v, f.
+    static constexpr std::array<std::size_t, 5> k_order{k_of_wavelength, 0, 2, 3, k_of_value};
 
     bool refuse(std::string what) { return wrong = std::move(what), false; }
     bool take(double x) {
         if (!in_table) return true;
         if (open.size() != table_depth + 2) return refuse("a number outside of a row");
-        if (column == row.size()) return refuse("a row of more than five numbers");
-        constexpr std::array<std::size_t, 5> place{3, 0, 1, 2, 4};  // in a file the wavelength is first
-        row[place[column]] = float(column == 0 ? x / k_nanometre : x);
+        if (column == k_order.size()) return refuse("a row of more than five numbers");
+        row[k_order[column]] = float(column == 0 ? x / k_nanometre : x);
         ++column;
         return true;
     }
-    bool null() override { return take(-1); }
+    bool null() override { return take(double(k_nan)); }
     bool boolean(bool) override { return !in_table || refuse("a truth value in a row"); }
     bool number_integer(number_integer_t x) override { return take(double(x)); }
     bool number_unsigned(number_unsigned_t x) override { return take(double(x)); }
@@ -82,7 +82,10 @@ struct OpenMaterialSax : nlohmann::json_sax<nlohmann::json> {
         open.pop_back();
         if (!in_table) return true;
         if (open.size() == table_depth) return in_table = false, true;
-        if (column != row.size()) return refuse("a row of fewer than five numbers");
+        if (column != k_order.size()) return refuse("a row of fewer than five numbers");
+        // The light's azimuth is 0; f is not below 0.
+        row[1] = 0, row[k_of_weight] = 1;
+        if (row[k_of_value] < 0) row[k_of_value] = k_nan;
         rows.push_back(row);
         return true;
     }
@@ -90,34 +93,6 @@ struct OpenMaterialSax : nlohmann::json_sax<nlohmann::json> {
         return refuse(fmt::format("a mistake at byte {}", at));
     }
 };
-
-/// Pairs of directions with their spectra.
-Result<ScatteredSamples> openmaterial_samples(std::vector<OpenRow>& rows, std::size_t bytes,
-                                              const std::string& file_name, std::string name) {
-    std::vector<float> wavelengths;
-    std::ranges::sort(rows, {}, [](const OpenRow& row) { return row[3]; });
-    for (const OpenRow& row : rows)
-        if (wavelengths.empty() || row[3] != wavelengths.back()) wavelengths.push_back(row[3]);
-    if (wavelengths.size() > k_most_columns || !are_wavelengths(wavelengths))
-        return Error{
-            file_name, {}, "wavelengths", fmt::format("at most {}, from 1e-7 to 1e-4 m", k_most_columns), "others"};
-    std::ranges::sort(rows);
-    const std::size_t n = wavelengths.size();
-    // Rows take memory beside the samples: less is left for these.
-    SampleBuilder builder(Values::spectrum, wavelengths, bytes / 2, rows.size() / n + 1);
-    std::vector<float> f(n);
-    for (std::size_t i = 0; i < rows.size();) {
-        // A geometry that lacks a wavelength, or has null there, is masked.
-        std::ranges::fill(f, k_nan);
-        const OpenRow& at = rows[i];
-        for (; i < rows.size() && std::equal(at.begin(), at.begin() + 3, rows[i].begin()); ++i) {
-            const auto k = std::size_t(std::ranges::lower_bound(wavelengths, rows[i][3]) - wavelengths.begin());
-            f[k] = rows[i][4] < 0 ? k_nan : rows[i][4];
-        }
-        builder.add(spherical(double(at[0]), 0.0), spherical(double(at[1]), double(at[2])), f);
-    }
-    return std::move(builder).finish(file_name, std::move(name), true);
-}
 
 }  // namespace
 
@@ -134,11 +109,11 @@ Result<ScatteredSamples> read_openmaterial_samples(std::span<const std::byte> by
     if (!parsed)
         return Error{file_name, {}, "OpenMATERIAL", "JSON with rows of five numbers in brdf.lookupTable", sax.wrong};
     if (sax.rows.empty()) return Error{file_name, {}, "OpenMATERIAL", "rows in brdf.lookupTable", "none"};
-    for (OpenRow& row : sax.rows)
-        for (std::size_t c = 0; c < 4; ++c)
+    for (const SpectralRow& row : sax.rows)
+        for (std::size_t c = 0; c < k_of_value; ++c)
             if (!std::isfinite(row[c]))
                 return Error{file_name, {}, "OpenMATERIAL", "a wavelength and three angles in each row", "others"};
-    return openmaterial_samples(sax.rows, bytes.size(), file_name, sax.name);
+    return samples_of_rows(sax.rows, bytes.size(), file_name, sax.name, true);
 }
 
 Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, const std::string& file_name) {

@@ -32,7 +32,7 @@ class SampleBuilder {
     }
     /// Adds a sample with values f[width()]. It is masked if a number is not finite or a direction is below the
     /// horizon.
-    void add(Vec3d wl, Vec3d wv, std::span<const float> f);
+    void add(Vec3d wl, Vec3d wv, std::span<const float> f, float weight = 1);
     bool empty() const { return samples_.wl.empty(); }
     /// The samples, without an index. Errors: no samples are left; there were too many.
     Result<ScatteredSamples> finish(const std::string& file_name, std::string description, bool isotropic) &&;
@@ -51,6 +51,7 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
 Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> read_openmaterial_samples(std::span<const std::byte> bytes, const std::string& file_name);
+Result<ScatteredSamples> read_bird_samples(std::span<const std::byte> bytes, const std::string& file_name);
 /// FRED's text: `type bsdf_data`, `format angles=deg bsdf=value scale=1`, then lines of θ_l φ_l and of θ_v φ_v f [1/sr].
 Result<ScatteredSamples> read_fred_samples(std::span<const std::byte> bytes, const std::string& file_name);
 /// Rows of numbers whose columns `columns` names.
@@ -139,5 +140,6 @@ bool is_csv_of_both_sides(std::string_view text);
 bool is_xml(std::string_view text);
 bool is_fred(std::string_view text);
 bool is_openmaterial(std::string_view text);
+bool is_bird(std::string_view text);
 
 }  // namespace srbf

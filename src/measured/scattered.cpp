@@ -224,7 +224,7 @@ SampleBuilder::SampleBuilder(Values values, std::vector<float> wavelengths, std:
     samples_.wavelengths = std::move(wavelengths);
     // Memory holds the text and the samples together, then the samples and their index.
     constexpr std::size_t slack = 32 << 20, index = 36;
-    const std::size_t sample = 2 * sizeof(Vec3f) + sizeof(Rgb) + sizeof(float) * weights_.size();
+    const std::size_t sample = 2 * sizeof(Vec3f) + sizeof(Rgb) + sizeof(float) * (weights_.size() + 1);
     most_ = std::min((3 * bytes + slack) / sample, (4 * bytes + slack) / (sample + index));
     const std::size_t most = std::min(rows, most_);
     samples_.wl.reserve(most);
@@ -233,7 +233,7 @@ SampleBuilder::SampleBuilder(Values values, std::vector<float> wavelengths, std:
     samples_.spectrum.reserve(most * weights_.size());
 }
 
-void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f) {
+void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f, float weight) {
     assert(f.size() == width());
     const auto is_value = [](float x) { return std::abs(x) <= k_largest_value; };
     const auto is_direction = [](Vec3d w) { return w.z > 1e-6 && std::abs(dot(w, w) - 1) < 1e-3; };
@@ -247,6 +247,8 @@ void SampleBuilder::add(Vec3d wl, Vec3d wv, std::span<const float> f) {
     }
     samples_.wl.push_back(to_float(wl));
     samples_.wv.push_back(to_float(wv));
+    if (weight != 1 && samples_.weight.empty()) samples_.weight.resize(samples_.wl.size() - 1, 1);
+    if (weight != 1 || !samples_.weight.empty()) samples_.weight.push_back(weight);
     switch (values_) {
         case Values::grey:
             samples_.colour.push_back({f[0], f[0], f[0]});

@@ -5,7 +5,7 @@ export interface FitOptions {
   lobes?: number;
   variates?: number;
   form?: "gaussian" | "horizon" | "extended";
-  objective?: "appearance" | "cosine" | "raw" | "log" | "cube-root";
+  objective?: "appearance" | "cosine" | "raw" | "log" | "cube-root" | "relative";
   seed?: number;
   /** Largest angle from the normal [degrees]. */
   maxTheta?: number;

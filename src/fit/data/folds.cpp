@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <optional>
 
 #include "fit/data/near_samples.h"
 #include "parallel.h"
+#include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
@@ -85,6 +87,27 @@ Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, const Sam
     return of_sample;
 }
 
+std::optional<IncidenceFolds> incidence_folds(const ScatteredSamples& samples) {
+    constexpr double k_apart = 0.1 * k_degree;
+    constexpr std::size_t k_fewest = 3, k_most = 64, k_fewest_samples = 8;
+    std::vector<std::size_t> order(samples.wl.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return samples.wl[i].z; });
+    IncidenceFolds folds{std::vector<int>(order.size()), 0};
+    std::vector<std::size_t> first;  // of each incidence, by the order
+    const auto theta = [&](std::size_t k) { return elementary::acos(std::min(double(samples.wl[order[k]].z), 1.0)); };
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        if (k == 0 || theta(k) - theta(k - 1) > k_apart) first.push_back(k);
+        folds.of[order[k]] = int(first.size() - 1) % k_folds;
+    }
+    if (first.size() < k_fewest || first.size() > k_most) return std::nullopt;
+    folds.incidences = int(first.size());
+    first.push_back(order.size());
+    for (std::size_t k = 1; k < first.size(); ++k)
+        if (first[k] - first[k - 1] < k_fewest_samples) return std::nullopt;
+    return folds;
+}
+
 ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const int> fold, int left_out) {
     ScatteredSamples rest;
     rest.description = samples.description;
@@ -96,6 +119,7 @@ ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const i
         rest.wl.push_back(samples.wl[i]);
         rest.wv.push_back(samples.wv[i]);
         rest.colour.push_back(samples.colour[i]);
+        if (!samples.weight.empty()) rest.weight.push_back(samples.weight[i]);
         const auto spectrum = samples.spectrum.begin() + std::ptrdiff_t(i * C);
         if (!samples.spectrum.empty())
             rest.spectrum.insert(rest.spectrum.end(), spectrum, spectrum + std::ptrdiff_t(C));
@@ -108,10 +132,12 @@ Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& s
                                                        const FitToSamples& fit) {
     std::array<std::optional<Result<std::vector<Model>>>, k_folds> models;
     const StandardArithmetic mode;
-    parallel_for(std::size_t(k_folds),
+    // As many as there are; incidences may be fewer than five.
+    const int folds = 1 + *std::ranges::max_element(fold);
+    parallel_for(std::size_t(folds),
                  [&](std::size_t left_out) { models[left_out] = fit(without_fold(samples, fold, int(left_out))); });
     std::vector<std::vector<float>> predicted;
-    for (int left_out = 0; left_out < k_folds; ++left_out) {
+    for (int left_out = 0; left_out < folds; ++left_out) {
         const auto& of_fold = *models[std::size_t(left_out)];
         if (!of_fold) return of_fold.error();
         predicted.resize(of_fold->size());

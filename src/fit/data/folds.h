@@ -1,5 +1,6 @@
 // Groups of close samples, for cross-validation.
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "srbf/fit_samples.h"
@@ -17,5 +18,13 @@ SampleGroups group_samples(const ScatteredSamples& samples);
 /// `assign_folds` for known groups.
 Result<std::vector<int>> assign_folds(const ScatteredSamples& samples, const SampleGroups& groups, double max_theta,
                                       std::uint64_t seed);
+
+/// Scans: samples of 3 to 64 angles of incidence, 8 or more of each. Of these a fold holds whole incidences, the k-th of
+/// them in ascending order in fold k mod k_folds, since a sample's neighbours in its scan foretell it. Nothing: others.
+struct IncidenceFolds {
+    std::vector<int> of;  ///< the fold of each sample
+    int incidences = 0;
+};
+std::optional<IncidenceFolds> incidence_folds(const ScatteredSamples& samples);
 
 }  // namespace srbf

@@ -151,8 +151,9 @@ Observations observations_of(const ScatteredSamples& samples, std::span<const st
         std::vector<float> spectrum(measured, measured + std::ptrdiff_t(C));
         const int of_colour = clamp_negative(f), of_spectrum = clamp_negative(spectrum);
         all.clamped += std::uint64_t(spectral ? of_spectrum : of_colour);
-        all.add(samples.wl[i], samples.wv[i], f, 1, spectrum);
-        if (both_ways) all.add(samples.wv[i], samples.wl[i], f, 1, spectrum);
+        const double weight = samples.weight.empty() ? 1 : double(samples.weight[i]);
+        all.add(samples.wl[i], samples.wv[i], f, weight, spectrum);
+        if (both_ways) all.add(samples.wv[i], samples.wl[i], f, weight, spectrum);
     }
     return all;
 }

@@ -14,6 +14,8 @@ namespace srbf {
 namespace {
 
 constexpr double k_bright_quantile = 0.75;
+/// The least fitted value that `relative` tells from 0, of the mean.
+constexpr double k_darkest = 1e-9;
 
 double cosine_weight(double, double, double cos_l, double cos_v) { return cos_l * cos_l * cos_v; }
 double cube_root_weight(double f, double mean, double, double) {
@@ -67,6 +69,15 @@ constexpr ObjectiveTraits k_traits[] = {
      .weight = cube_root_weight,
      .seen = [](double f, double, double) { return elementary::cbrt(f); },
      .slope = cube_root_slope},
+    {.objective = Objective::relative,
+     .name = "relative",
+     .summary = "squared error of the logarithm of f",
+     .measure = &Measures::log10_rms,
+     .max_theta = 80,
+     .weight = [](double f, double, double, double) { return f > 0 ? elementary::square(1 / f) : 0; },
+     .seen = [](double f, double mean, double) { return elementary::log(std::max(f, k_darkest * mean)); },
+     .slope = [](double f, double, double) { return f > 0 ? 1 / f : 0; },
+     .of_scatter = true},
     {.objective = Objective::appearance,
      .name = "appearance",
      .summary = "what is seen of a picture, about the sixth root of f cos(theta_l)",

@@ -32,6 +32,9 @@ struct ObjectiveTraits {
     /// `large_error_weight` corrects them elsewhere. null: weights hold for errors of any size.
     double (*seen)(double f, double typical, double cos_l) = nullptr;
     double (*slope)(double f, double typical, double cos_l) = nullptr;
+    /// Over decades, where a sample on the flank of a peak determines its width: lobes may be narrower than the samples
+    /// are apart, and what is interpolated between samples is not fitted.
+    bool of_scatter = false;
     bool of_pictures = false;  ///< relative to f cosθl, the radiance seen under a light; also observes extended lights
 };
 const ObjectiveTraits& traits(Objective objective);

@@ -17,6 +17,9 @@ namespace {
 constexpr int k_short_starts = 4, k_short_perturbations = 10;
 /// The largest factor of a weight for an error that is not small.
 constexpr double k_most_change = 3;
+/// The narrowest lobe of scatter, of the distance of its samples: at its root a half, f falls to a tenth between two of
+/// them. Of a peak of half a degree, sampled at every degree, the RMS of log10 f is 0.06 by it, 0.19 by the distance.
+constexpr double k_finest_of_scatter = 0.25;
 
 /// The observations of a fit in which the grid between the samples has this weight.
 Observations together(const SampleObservations& from, double weight_between, std::uint64_t seed) {
@@ -44,7 +47,8 @@ Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOpti
     const auto& [objective, max_theta, seed, spectral, complete, threads, only_completed] = observations.options;
     const bool completed = !observations.completed.f.empty();
     FitOptions bounded = options.pm;
-    if (!completed) bounded.finest = std::max(bounded.finest, observations.finest);
+    const double finest = observations.finest * (traits(objective).of_scatter ? k_finest_of_scatter : 1);
+    if (!completed) bounded.finest = std::max(bounded.finest, finest);
     const std::size_t parameters = parameter_count(bounded), values = 3 * observations.groups;
     if (values < parameters)
         return Error{"fit", {}, "samples", fmt::format("at least {} values", parameters), fmt::format("{}", values)};

@@ -1,0 +1,159 @@
+// BRDFs of national metrology institutes as JSON: the format of the project BiRD.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "measured/limits.h"
+#include "measured/samples.h"
+#include "measured/spectral_rows.h"
+
+namespace srbf {
+namespace {
+
+/// The arrays of "data" that are read, in the order of a row; all have one number a point.
+constexpr std::array<std::string_view, std::tuple_size_v<SpectralRow>> k_names{"theta_i",      "phi_i", "theta_r", "phi_r",
+                                                        "wavelength_i", "BRDF",  "uBRDF"};
+
+/// Takes "unit" and "values" of these arrays in "data", and "description" in "metadata"; the rest is passed over.
+struct BirdSax : nlohmann::json_sax<nlohmann::json> {
+    struct Array {
+        std::string unit;
+        std::vector<float> values;
+    };
+    std::vector<std::string> path;  ///< keys of what is open, of arrays too
+    std::string last_key, description, wrong;
+    std::array<Array, k_names.size()> arrays;
+    Array* filled = nullptr;  ///< the array whose numbers come
+
+    static constexpr std::size_t k_deepest = 64;
+
+    bool refuse(std::string what) { return wrong = std::move(what), false; }
+    bool take(double x) {
+        if (filled) filled->values.push_back(float(x));
+        return true;
+    }
+    /// The array whose object is open.
+    Array* array() {
+        if (path.size() != 3 || path[1] != "data") return nullptr;
+        const auto found = std::ranges::find(k_names, path[2]);
+        return found == k_names.end() ? nullptr : &arrays[std::size_t(found - k_names.begin())];
+    }
+    bool null() override { return take(double(k_nan)); }
+    bool boolean(bool) override { return take(double(k_nan)); }
+    bool number_integer(number_integer_t x) override { return take(double(x)); }
+    bool number_unsigned(number_unsigned_t x) override { return take(double(x)); }
+    bool number_float(number_float_t x, const string_t&) override { return take(x); }
+    bool string(string_t& text) override {
+        if (filled) return refuse("a text among values");
+        if (Array* of = array(); of && last_key == "unit") of->unit = text.substr(0, 20);
+        if (path.size() == 2 && path[1] == "metadata" && last_key == "description") description = text.substr(0, 200);
+        return true;
+    }
+    bool binary(binary_t&) override { return refuse("bytes"); }
+    bool key(string_t& text) override { return last_key = text.substr(0, 100), true; }
+    bool start() {
+        if (filled) return refuse("something else than numbers among values");
+        if (path.size() == k_deepest) return refuse("more than 64 levels");
+        path.push_back(last_key);
+        return true;
+    }
+    bool end() { return path.pop_back(), true; }
+    bool start_object(std::size_t) override { return start(); }
+    bool end_object() override { return end(); }
+    bool start_array(std::size_t) override {
+        Array* const of = array();
+        if (!start()) return false;
+        if (!of || last_key != "values") return true;
+        if (!of->values.empty()) return refuse("the same values again");
+        filled = of;
+        return true;
+    }
+    bool end_array() override { return filled = nullptr, end(); }
+    bool parse_error(std::size_t at, const std::string&, const nlohmann::detail::exception&) override {
+        return refuse(fmt::format("a mistake at byte {}", at));
+    }
+};
+
+/// What values are multiplied by to have radians, nanometres or 1/sr; 0: no such unit.
+double factor_of(std::size_t column, const std::string& unit) {
+    switch (column) {
+        case k_of_wavelength:
+            return unit == "nm" ? 1 : unit == "\u03bcm" || unit == "\u00b5m" ? 1000 : 0;  // Greek mu, micro sign
+        case k_of_value:
+            return unit == "1/sr" || unit == "sr^-1" ? 1 : 0;
+        case k_of_weight:
+            return unit == "1/sr" || unit == "sr^-1" ? 1 : unit == "%" ? 0.01 : 0;
+        default:
+            return unit == "rad" ? 1 : unit == "deg" || unit == "\u00b0" ? k_degree : 0;
+    }
+}
+
+/// The weights of rows, which are their relative uncertainties u for now: 2 / (1 + (u / ū)²) with the median ū, so that none
+/// is worth more than twice what most are. An uncertainty that is not known is ū.
+void weigh(std::vector<SpectralRow>& rows) {
+    std::vector<float> known;
+    for (const SpectralRow& row : rows)
+        if (row[k_of_weight] > 0 && std::isfinite(row[k_of_weight])) known.push_back(row[k_of_weight]);
+    const auto middle = known.begin() + std::ptrdiff_t(known.size() / 2);
+    if (!known.empty()) std::nth_element(known.begin(), middle, known.end());
+    for (SpectralRow& row : rows) {
+        float& u = row[k_of_weight];
+        const double share = known.empty() || !std::isfinite(u) ? 1 : double(u) / double(*middle);
+        u = float(2 / (1 + share * share));
+    }
+}
+
+}  // namespace
+
+bool is_bird(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+    const std::string_view head = text.substr(0, 4096);
+    return first != text.npos && text[first] == '{' &&
+           (head.find("brdf_json_schema") != head.npos || head.find("\"theta_i\"") != head.npos);
+}
+
+Result<ScatteredSamples> read_bird_samples(std::span<const std::byte> bytes, const std::string& file_name) {
+    BirdSax sax;
+    const std::string_view text = as_text(bytes);
+    const auto error = [&](std::string what, std::string expected, std::string found) {
+        return Error{file_name, {}, std::move(what), std::move(expected), std::move(found)};
+    };
+    if (!nlohmann::json::sax_parse(text.begin(), text.end(), &sax))
+        return error("BiRD", "JSON with arrays of numbers in data", sax.wrong);
+    const std::size_t n = sax.arrays[k_of_value].values.size();
+    for (std::size_t c = 0; c < k_names.size(); ++c) {
+        auto& [unit, values] = sax.arrays[c];
+        const std::string name(k_names[c]);
+        if (c == k_of_weight && values.empty()) continue;
+        if (values.empty() || values.size() != n)
+            return error("data." + name, fmt::format("{} values", n ? fmt::format("{}", n) : "some"),
+                         fmt::format("{}", values.size()));
+        const double factor = factor_of(c, unit);
+        if (!(factor > 0)) return error("unit of data." + name, "one of the format", srbf::quoted(unit));
+        for (float& x : values) x = float(double(x) * factor);
+        if (c <= k_of_wavelength && !std::ranges::all_of(values, [](float x) { return std::isfinite(x); }))
+            return error("data." + name, "finite numbers", "others");
+    }
+    std::vector<SpectralRow> rows(n);
+    LightAzimuths lights;
+    const auto& u = sax.arrays[k_of_weight];
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t c = 0; c < k_of_weight; ++c) rows[i][c] = sax.arrays[c].values[i];
+        lights.add(spherical(double(rows[i][0]), double(rows[i][1])));
+        rows[i][k_of_weight] = u.values.empty() ? k_nan
+                               : u.unit == "%"  ? u.values[i]
+                                                : u.values[i] / std::abs(rows[i][k_of_value]);
+    }
+    for (auto& [unit, values] : sax.arrays) std::vector<float>().swap(values);
+    weigh(rows);
+    return samples_of_rows(rows, bytes.size(), file_name, std::move(sax.description), lights.are_one());
+}
+
+Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::string& file_name) {
+    return indexed(read_bird_samples(bytes, file_name));
+}
+
+}  // namespace srbf

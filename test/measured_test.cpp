@@ -146,7 +146,7 @@ TEST(DamagedInput, IsToldInPlainWords) {
     EXPECT_EQ(
         say({}),
         "f: unknown format: expected MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax, FRED, "
-        "Speos or OpenMATERIAL, found "
+        "Speos, OpenMATERIAL or BiRD, found "
         "an empty file");
     EXPECT_NE(say(as_bytes("theta phi\n1 2\n")).find("unknown format"), std::string::npos);
 

@@ -34,6 +34,9 @@ class Panels {
     static constexpr int k_converged = 1024;
     /// A picture as a texture, rows from the bottom.
     unsigned texture(Which which) const { return of(which).shown ? of(which).shown->texture() : 0; }
+    /// The radiance that a picture shows at (u, v), shares of its width and height from the upper left corner. None: no
+    /// material, or nothing of the mesh.
+    std::optional<Rgb> radiance_at(Which which, float u, float v) const;
     const Bounds& bounds() const { return mesh_->bounds(); }
     bool has(Which which) const { return of(which).material.has_value(); }
 

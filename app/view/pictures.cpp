@@ -185,6 +185,18 @@ std::string Pictures::caption(const Session& session, const Look& look, Panels::
                 : std::filesystem::path(session.subjects()[std::size_t(reference_)]->path).filename().string());
 }
 
+/// The radiances under the mouse, of both materials.
+void Pictures::draw_reading(ImVec2 corner, float width, float height) const {
+    const ImVec2 mouse = ImGui::GetMousePos();
+    const float u = (mouse.x - corner.x) / width, v = (mouse.y - corner.y) / height;
+    std::string text;
+    for (const auto& [which, name] : {std::pair(Panels::reference, "reference"), {Panels::fit, "fit"}})
+        if (const auto seen = panels_.radiance_at(which, u, v))
+            text +=
+                fmt::format("{}{}: {:.3g}, {:.3g}, {:.3g}", text.empty() ? "" : "\n", name, seen->r, seen->g, seen->b);
+    if (!text.empty()) ImGui::SetTooltip("%s", text.c_str());
+}
+
 /// One picture, measured to the left of a divider and the fit to the right of it.
 void Pictures::draw_wipe(const Session& session, Look& look, float width, float height) {
     ImGui::TextColored(k_white, "%s", caption(session, look, Panels::reference).c_str());
@@ -215,6 +227,7 @@ void Pictures::draw_wipe(const Session& session, Look& look, float width, float 
     ImGui::PushClipRect(corner, {corner.x + width, corner.y + height}, true);
     if (look.has_lights()) draw_lights(look, corner, width, height, hovered && !drags_divider_);
     ImGui::PopClipRect();
+    if (hovered && !active && !near_divider) draw_reading(corner, width, height);
     if (active && !drags_divider_) drag(look, height);
     if (const float wheel = ImGui::GetIO().MouseWheel; hovered && wheel != 0) zoom(look, std::pow(1.1, double(wheel)));
     ImGui::TextColored(k_dim, "drag the line, or the picture to orbit   W: side by side   %s",
@@ -246,6 +259,7 @@ void Pictures::draw_picture(const Session& session, Look& look, Panels::Which wh
         draw_lights(look, corner, width, height, hovered);
     }
     ImGui::PopClipRect();
+    if (hovered && !active) draw_reading(corner, width, height);
     if (active) drag(look, height);
     if (const float wheel = ImGui::GetIO().MouseWheel; hovered && wheel != 0) zoom(look, std::pow(1.1, double(wheel)));
     if (which == Panels::difference)

@@ -34,6 +34,7 @@ class Pictures {
     void draw_picture(const Session& session, Look& look, Panels::Which which, float width, float height);
     void draw_wipe(const Session& session, Look& look, float width, float height);
     std::string caption(const Session& session, const Look& look, Panels::Which which) const;
+    void draw_reading(ImVec2 corner, float width, float height) const;
     void draw_lights(Look& look, ImVec2 corner, float width, float height, bool can_drag);
     void drag(Look& look, float height);
 

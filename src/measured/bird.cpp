@@ -14,8 +14,8 @@ namespace srbf {
 namespace {
 
 /// The arrays of "data" that are read, in the order of a row; all have one number a point.
-constexpr std::array<std::string_view, std::tuple_size_v<SpectralRow>> k_names{"theta_i",      "phi_i", "theta_r", "phi_r",
-                                                        "wavelength_i", "BRDF",  "uBRDF"};
+constexpr std::array<std::string_view, std::tuple_size_v<SpectralRow>> k_names{
+    "theta_i", "phi_i", "theta_r", "phi_r", "wavelength_i", "BRDF", "uBRDF"};
 
 /// Takes "unit" and "values" of these arrays in "data", and "description" in "metadata"; the rest is passed over.
 struct BirdSax : nlohmann::json_sax<nlohmann::json> {

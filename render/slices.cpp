@@ -147,7 +147,9 @@ std::vector<Scan> scans_in_plane(const ScatteredSamples& samples) {
     for (std::size_t i = 0; i < samples.wl.size(); ++i) {
         const Vec3f wl = samples.wl[i], wv = samples.wv[i];
         if (!is_in_plane(wl, wv)) continue;
-        const double side = wl.x * wv.x + wl.y * wv.y > 0 ? -1 : 1;
+        // The normal has no mirror's side: that of +x.
+        const float along = std::hypot(wl.x, wl.y) > 1e-4f ? -(wl.x * wv.x + wl.y * wv.y) : wv.x;
+        const double side = along < 0 ? -1 : 1;
         const auto theta = [](Vec3f w) { return std::atan2(std::hypot(w.x, w.y), w.z) / float(k_degree); };
         points.push_back({double(theta(wl)), side * double(theta(wv)), luminance(samples.colour[i])});
     }

@@ -38,7 +38,7 @@ bool is_in_plane(Vec3f wl, Vec3f wv);
 /// Samples of one angle of incidence, seen in its plane.
 struct Scan {
     double theta_l = 0;             ///< [degrees]
-    std::vector<double> degrees;    ///< of wv, positive on the mirror's side, ascending
+    std::vector<double> degrees;    ///< of wv, positive on the mirror's side
     std::vector<double> luminance;  ///< [1/sr]
 };
 /// The scans of eight samples and more, by ascending θl.

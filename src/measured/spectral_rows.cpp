@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 
 #include "measured/limits.h"
 #include "srbf/directions.h"
@@ -19,10 +21,14 @@ Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::si
     if (wavelengths.size() > k_most_columns || !are_wavelengths(wavelengths))
         return Error{
             file_name, {}, "wavelengths", fmt::format("at most {}, from 1e-7 to 1e-4 m", k_most_columns), "others"};
-    const auto before = [](const SpectralRow& a, const SpectralRow& b) {
-        return std::lexicographical_compare(a.begin(), a.begin() + k_of_value, b.begin(), b.begin() + k_of_value);
+    // By bits where all else is equal, so that sums have one order; a number may be NaN.
+    const auto key = [](const SpectralRow& row) {
+        return std::array{std::bit_cast<std::uint32_t>(row[k_of_value]), std::bit_cast<std::uint32_t>(row[k_of_weight])};
     };
-    std::ranges::stable_sort(rows, before);
+    std::ranges::sort(rows, [&](const SpectralRow& a, const SpectralRow& b) {
+        const auto [of_a, of_b] = std::mismatch(a.begin(), a.begin() + k_of_value, b.begin());
+        return of_a == a.begin() + k_of_value ? key(a) < key(b) : *of_a < *of_b;
+    });
     const std::size_t n = wavelengths.size();
     // Rows take memory beside the samples: less is left for these.
     SampleBuilder builder(Values::spectrum, wavelengths, bytes / 2, rows.size() / n + 1);

@@ -17,8 +17,8 @@ namespace {
 constexpr int k_short_starts = 4, k_short_perturbations = 10;
 /// The largest factor of a weight for an error that is not small.
 constexpr double k_most_change = 3;
-/// The narrowest lobe of scatter, of the distance of its samples: at its root a half, f falls to a tenth between two of
-/// them. Of a peak of half a degree, sampled at every degree, the RMS of log10 f is 0.06 by it, 0.19 by the distance.
+/// The narrowest lobe of scatter, as a share of the distance of its samples. Scans at every degree of a peak that falls to a
+/// hundredth within two degrees are fitted with an RMS of log10 f of 0.06; by a share of 1 with 0.19.
 constexpr double k_finest_of_scatter = 0.25;
 
 /// The observations of a fit in which the grid between the samples has this weight.

@@ -23,7 +23,8 @@ Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::si
             file_name, {}, "wavelengths", fmt::format("at most {}, from 1e-7 to 1e-4 m", k_most_columns), "others"};
     // By bits where all else is equal, so that sums have one order; a number may be NaN.
     const auto key = [](const SpectralRow& row) {
-        return std::array{std::bit_cast<std::uint32_t>(row[k_of_value]), std::bit_cast<std::uint32_t>(row[k_of_weight])};
+        return std::array{std::bit_cast<std::uint32_t>(row[k_of_value]),
+                          std::bit_cast<std::uint32_t>(row[k_of_weight])};
     };
     std::ranges::sort(rows, [&](const SpectralRow& a, const SpectralRow& b) {
         const auto [of_a, of_b] = std::mismatch(a.begin(), a.begin() + k_of_value, b.begin());

@@ -153,6 +153,7 @@ class RasterTarget {
     void begin() const;
     /// The picture with its samples averaged: rows from the top, RGBA.
     std::vector<Float4> read_floats() const;
+    Float4 read_pixel(int x, int y) const;  ///< of them; (0, 0) is the upper left one
     Image8 read_bytes() const;
     int samples() const { return samples_; }
     /// The picture as a texture; requires one sample per pixel.

@@ -133,6 +133,15 @@ std::vector<Float4> RasterTarget::read_floats() const {
     return read_colour(GL_COLOR_ATTACHMENT0, width_, height_);
 }
 
+Float4 RasterTarget::read_pixel(int x, int y) const {
+    assert(format_ == Format::floats);
+    resolve();
+    Float4 pixel{};
+    glReadBuffer(GL_COLOR_ATTACHMENT0);
+    glReadPixels(x, height_ - 1 - y, 1, 1, GL_RGBA, GL_FLOAT, pixel.data());
+    return pixel;
+}
+
 Image8 RasterTarget::read_bytes() const {
     assert(format_ == Format::bytes);
     resolve();

@@ -15,6 +15,7 @@ namespace srbf {
 namespace {
 
 /// The frame of the plot within the drawing.
+constexpr int k_tick = 30;  // degrees
 constexpr double k_width = 360, k_height = 250, k_left = 40, k_right = 344, k_top = 36, k_bottom = 210;
 
 /// Of one side about its normal at `normal` [degrees], with the mirror direction, or that straight through, at `peak`.
@@ -63,6 +64,43 @@ struct Decades {
     }
 };
 
+/// A plot of values over degrees, on a scale of decades.
+struct DecadePlot {
+    Decades decades;
+    double left, right;  ///< [degrees]
+
+    double x_of(double at) const { return k_left + (at - left) / (right - left) * (k_right - k_left); }
+    double y_of(double value) const {
+        const double share = decades.share(value);
+        return std::isnan(share) ? share : k_bottom - std::clamp(share, 0.0, 1.0) * (k_bottom - k_top);
+    }
+    /// The opening of the drawing, its heading, and a line for each power of ten.
+    std::string begin(const std::string& label, const std::string& heading) const {
+        std::string svg =
+            fmt::format("<svg class='slice' viewBox='0 0 {} {}' role='img' aria-label='{}'>", k_width, k_height, label);
+        svg += svg_text(k_left, 14, "start", fmt::format("<tspan font-weight='bold'>{}</tspan>", heading));
+        for (int exponent = decades.lowest; exponent <= decades.highest; ++exponent) {
+            const double y = y_of(std::pow(10.0, exponent));
+            svg += svg_line("grid", k_left, y, k_right, y) + svg_text(k_left - 5, y + 4, "end", power_of_ten(exponent));
+        }
+        return svg;
+    }
+    std::string tick(double at, const std::string& name) const {
+        return svg_line("grid", x_of(at), k_bottom, x_of(at), k_bottom + 4) +
+               svg_text(x_of(at), k_bottom + 16, "middle", name);
+    }
+    std::string caption(const std::string& text) const {
+        return svg_text((k_left + k_right) / 2, k_height - 8, "middle", text);
+    }
+    /// A slice, whose degrees are those of the plot plus `shift`.
+    std::string drawn(const SliceCurve& curve, const LuminanceSlice& slice, double shift, bool is_first) const {
+        Outline outline;
+        for (std::size_t i = 0; i < slice.degrees.size(); ++i)
+            outline.add(x_of(slice.degrees[i] - shift), y_of(slice.luminance[i]), 0);
+        return srbf::drawn(curve, outline, is_first);
+    }
+};
+
 }  // namespace
 
 LuminanceSlice luminance_slice(const Evaluate& brdf, double theta_l, bool both_sides) {
@@ -95,25 +133,11 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
         for (const double y : slices.back().luminance)
             if (y > 0 && std::isfinite(y)) most = std::max(most, y), least = std::min(least, y);
     }
-    const Decades decades(least, most, k_slice_decades);
-    const auto x_of = [&](double at) { return k_left + (at + 90) / 180 * (k_right - k_left); };
-    const auto y_of = [&](double y) {
-        const double share = decades.share(y);
-        return std::isnan(share) ? share : k_bottom - std::clamp(share, 0.0, 1.0) * (k_bottom - k_top);
-    };
-
-    std::string svg = fmt::format(
-        "<svg class='slice' viewBox='0 0 {} {}' role='img' aria-label='Reflectance for light at {:g}° from the "
-        "normal'>",
-        k_width, k_height, light);
-    svg += svg_text(k_left, 14, "start", fmt::format("<tspan font-weight='bold'>light at {:g}°</tspan>", light));
-    for (int exponent = decades.lowest; exponent <= decades.highest; ++exponent) {
-        const double y = y_of(std::pow(10.0, exponent));
-        svg += svg_line("grid", k_left, y, k_right, y) + svg_text(k_left - 5, y + 4, "end", power_of_ten(exponent));
-    }
-    for (int at = -90; at <= 90; at += 30)
-        svg += svg_line("grid", x_of(at), k_bottom, x_of(at), k_bottom + 4) +
-               svg_text(x_of(at), k_bottom + 16, "middle", fmt::format("{}°", std::abs(at)));
+    const DecadePlot plot{Decades(least, most, k_slice_decades), -90, 90};
+    const auto x_of = [&](double at) { return plot.x_of(at); };
+    std::string svg = plot.begin(fmt::format("Reflectance for light at {:g}° from the normal", light),
+                                 fmt::format("light at {:g}°", light));
+    for (int at = -90; at <= 90; at += k_tick) svg += plot.tick(at, fmt::format("{}°", std::abs(at)));
     svg += svg_line("axis", x_of(0), k_top, x_of(0), k_bottom);
     if (light > 0) {
         svg += svg_line("mark", x_of(light), k_top, x_of(light), k_bottom) +
@@ -121,13 +145,8 @@ std::string slice_drawing(std::span<const SliceCurve> curves, double theta_l) {
         svg +=
             svg_text(x_of(-light), k_top - 4, "middle", "light") + svg_text(x_of(light), k_top - 4, "middle", "mirror");
     }
-    svg += svg_text((k_left + k_right) / 2, k_height - 8, "middle", "seen from this angle; light comes from the left");
-    for (std::size_t c = 0; c < curves.size(); ++c) {
-        Outline outline;
-        for (std::size_t i = 0; i < slices[c].degrees.size(); ++i)
-            outline.add(x_of(slices[c].degrees[i]), y_of(slices[c].luminance[i]), 0);
-        svg += drawn(curves[c], outline, c == 0);
-    }
+    svg += plot.caption("seen from this angle; light comes from the left");
+    for (std::size_t c = 0; c < curves.size(); ++c) svg += plot.drawn(curves[c], slices[c], 0, c == 0);
     return svg + "</svg>\n";
 }
 
@@ -170,37 +189,20 @@ std::string scan_drawing(const Scan& scan, std::span<const SliceCurve> models) {
     for (const double y : scan.luminance)
         if (y > 0 && std::isfinite(y)) most = std::max(most, y), least = std::min(least, y);
     const double around = std::pow(10.0, k_around);
-    const Decades decades(least / around, most * around, k_most_decades);
-    const double left = -90 - scan.theta_l, right = 90 - scan.theta_l;
-    const auto x_of = [&](double at) { return k_left + (at - left) / (right - left) * (k_right - k_left); };
-    const auto y_of = [&](double y) { return k_bottom - std::clamp(decades.share(y), 0.0, 1.0) * (k_bottom - k_top); };
-    std::string svg = fmt::format(
-        "<svg class='slice' viewBox='0 0 {} {}' role='img' aria-label='Scan of f for light at {:.3g}° from the "
-        "normal'>",
-        k_width, k_height, scan.theta_l);
-    svg +=
-        svg_text(k_left, 14, "start", fmt::format("<tspan font-weight='bold'>light at {:.3g}°</tspan>", scan.theta_l));
-    for (int exponent = decades.lowest; exponent <= decades.highest; ++exponent) {
-        const double y = y_of(std::pow(10.0, exponent));
-        svg += svg_line("grid", k_left, y, k_right, y) + svg_text(k_left - 5, y + 4, "end", power_of_ten(exponent));
-    }
-    constexpr int k_tick = 30;
-    for (int at = int(std::ceil(left / k_tick)) * k_tick; at <= right; at += k_tick)
-        svg += svg_line("grid", x_of(at), k_bottom, x_of(at), k_bottom + 4) +
-               svg_text(x_of(at), k_bottom + 16, "middle", fmt::format("{}°", at));
-    svg += svg_line("axis", x_of(0), k_top, x_of(0), k_bottom);
-    svg += svg_text((k_left + k_right) / 2, k_height - 8, "middle", "angle from the mirror direction; f in 1/sr");
+    const DecadePlot plot{Decades(least / around, most * around, k_most_decades), -90 - scan.theta_l,
+                          90 - scan.theta_l};
+    std::string svg = plot.begin(fmt::format("Scan of f for light at {:.3g}° from the normal", scan.theta_l),
+                                 fmt::format("light at {:.3g}°", scan.theta_l));
+    for (int at = int(std::ceil(plot.left / k_tick)) * k_tick; at <= plot.right; at += k_tick)
+        svg += plot.tick(at, fmt::format("{}°", at));
+    svg += svg_line("axis", plot.x_of(0), k_top, plot.x_of(0), k_bottom);
+    svg += plot.caption("angle from the mirror direction; f in 1/sr");
     for (std::size_t i = 0; i < scan.degrees.size(); ++i)
         if (scan.luminance[i] > 0)
             svg += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='1.6' style='fill:var(--measured)'/>",
-                               x_of(scan.degrees[i] - scan.theta_l), y_of(scan.luminance[i]));
-    for (const SliceCurve& model : models) {
-        const LuminanceSlice slice = luminance_slice(model.brdf, scan.theta_l * k_degree);
-        Outline outline;
-        for (std::size_t i = 0; i < slice.degrees.size(); ++i)
-            outline.add(x_of(slice.degrees[i] - scan.theta_l), y_of(slice.luminance[i]), 0);
-        svg += drawn(model, outline, false);
-    }
+                               plot.x_of(scan.degrees[i] - scan.theta_l), plot.y_of(scan.luminance[i]));
+    for (const SliceCurve& model : models)
+        svg += plot.drawn(model, luminance_slice(model.brdf, scan.theta_l * k_degree), scan.theta_l, false);
     return svg + "</svg>\n";
 }
 

@@ -85,7 +85,7 @@ std::string errors_of(const View& view, const Json& material, bool whole) {
     }
     heads.push_back({"seconds", {}});
     std::string rows = whole ? "" : source_rows(view, material, heads.size());
-    for (const char* objective : {"appearance", "raw", "cosine", "cube-root", "relative"}) {
+    for (const char* objective : k_listed_objectives) {
         std::string of_objective;
         Json theta;
         for (const Json* fit : view.fits(material)) {

@@ -116,8 +116,7 @@ std::string spread_of(const View& view) {
     std::string html;
     for (const char* input : {"table", "samples"}) {
         html += spread_of_compared(view, input);
-        for (const char* objective : {"appearance", "raw", "cosine", "cube-root", "relative"})
-            html += spread_of_all(view, input, objective);
+        for (const char* objective : k_listed_objectives) html += spread_of_all(view, input, objective);
     }
     return html.empty() ? "<p>There is but one material of a kind.</p>" : html;
 }

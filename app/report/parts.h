@@ -48,6 +48,8 @@ struct Head {
 /// A table whose first column is a name.
 std::string table(const std::vector<Head>& heads, const std::string& rows);
 std::string row(const std::string& head, const std::vector<std::string>& cells, const char* kind = "");
+/// The objectives whose fits are listed, in this order.
+inline constexpr const char* k_listed_objectives[] = {"appearance", "raw", "cosine", "cube-root", "relative"};
 /// A line that describes the rows below it.
 std::string group(const std::string& text, std::size_t columns);
 

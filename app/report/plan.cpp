@@ -120,7 +120,7 @@ void plan_samples(Plan& plan, bool quick) {
     }
 }
 
-/// Scans of an instrument: over decades, and what is seen of them.
+/// Scans of an instrument: by the logarithm of f, and by appearance.
 void plan_scans(Plan& plan, bool quick) {
     using enum Objective;
     for (const int lobes : {3, 6, 9}) plan.reciprocal(lobes, relative, lobes == 6 ? "pm" : "");

@@ -90,9 +90,7 @@ int Panels::samples() const {
 
 std::optional<Rgb> Panels::radiance_at(Which which, float u, float v) const {
     if (!has(which) || !(u >= 0 && u < 1 && v >= 0 && v < 1)) return std::nullopt;
-    const std::vector<Float4> pixels = of(which).seen().read_floats();
-    const auto x = std::size_t(u * float(width_)), y = std::size_t(v * float(height_));
-    const Float4& pixel = pixels[y * std::size_t(width_) + x];
+    const Float4 pixel = of(which).seen().read_pixel(int(u * float(width_)), int(v * float(height_)));
     if (!(pixel[3] > 0)) return std::nullopt;
     return Rgb{pixel[0], pixel[1], pixel[2]};
 }

@@ -52,7 +52,7 @@ class SampleFits {
         }
         const std::vector<int> lobes = tried_lobes(*pm);
         auto all = completes(request_)                     ? fit_completed(lobes)
-                   : traits(request_.objective).of_scatter ? fit_alone(lobes)
+                   : traits(request_.objective).of_scatter ? fit_each(lobes, false)
                                                            : fit_alone_or_filled(lobes, lobes_of(*pm));
         if (!all) return all.error();
         return chosen(*all);
@@ -83,15 +83,11 @@ class SampleFits {
     /// Completed samples constrain any number of lobes. Without a goal the most look best; held-out samples, which are
     /// few and crowded about highlights, prefer fewer half of the time.
     Result<std::vector<FitOutcome>> fit_completed(const std::vector<int>& lobes) {
-        std::vector<Variant> candidates;
-        for (const int j : lobes)
-            if (goal_ || j == lobes.back()) candidates.push_back({j, true});
-        validations_ = double(candidates.size());
-        return judged(candidates);
+        return fit_each(goal_ ? lobes : std::vector{lobes.back()}, true);
     }
-    Result<std::vector<FitOutcome>> fit_alone(const std::vector<int>& lobes) {
+    Result<std::vector<FitOutcome>> fit_each(const std::vector<int>& lobes, bool fill) {
         std::vector<Variant> candidates;
-        for (const int j : lobes) candidates.push_back({j, false});
+        for (const int j : lobes) candidates.push_back({j, fill});
         validations_ = double(candidates.size());
         return judged(candidates);
     }

@@ -19,7 +19,8 @@ uniform float exposure;
 // branches, so that the compiler shares common subexpressions between lights. Lights have no width: beams show none.
 vec4 scattered(SurfaceFrame frame, Vec3 wv, Vec3 towards, Vec3 irradiance) {
     Vec3 wl = to_surface(frame, towards);
-    vec4 lit = vec4(abs(wl.z) * bsdf(wl, wv) * irradiance, is_measured ? 0.0 : 1.0);
+    Vec3 f = bsdf(wl, wv);  // on its own, for it sets is_measured
+    vec4 lit = vec4(abs(wl.z) * f * irradiance, is_measured ? 0.0 : 1.0);
     return SIDES == 2 || wl.z > 0.0 ? lit : vec4(0.0);
 }
 

@@ -30,7 +30,7 @@ struct FitCommand {
     std::size_t width = 0;
     ReadOptions read;
     std::size_t first = 0, last = 0, slab = TexelFits{}.slab;
-    std::string device = "auto", model = "pm", surface = std::string(name(PbrRequest{}.surface)),
+    std::string model = "pm", surface = std::string(name(PbrRequest{}.surface)),
                 form = std::string(name(PmRequest{}.form)), objective = std::string(name(FitRequest{}.objective)),
                 discretise = std::string(name(SuRequest{}.discretise)),
                 interpolation = std::string(name(SuRequest{}.interpolation)), with_index, channels = "rgb", band;
@@ -77,7 +77,6 @@ struct FitCommand {
         if (max_theta > 0) request.max_theta = max_theta * k_degree;
         request.spectral = is_spectral();
         request.seed = seed, request.threads = threads;
-        request.device = device == "cuda" ? Device::cuda : device == "cpu" ? Device::cpu : Device::automatic;
         return request;
     }
     bool is_spectral() const { return channels == "spectral"; }
@@ -114,7 +113,7 @@ struct FitCommand {
     }
     /// All options that a model depends on.
     std::string options_text() const {
-        return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", device == "cuda",
+        return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}",
                            model == "pbr" ? "pbr " + surface : model, form, objective, discretise, interpolation,
                            with_index, channels, axial, no_scale, reciprocal, lobes_auto, exchange, max_theta, lobes,
                            variates, directions, between, neighbours, seed, target_error, target_delta_e, budget,
@@ -480,13 +479,6 @@ void add_fit(CommandLine& app, int& status) {
                             .type_name("SEED")
                             .check(within(std::uint64_t(0), std::numeric_limits<std::uint64_t>::max()))
                             .capture_default_str();
-    const Option device =
-        sub.add_option("--device", command->device,
-                       "pm: what searches for lobes: the processor, which auto is too, or CUDA, which has\n"
-                       "been tried in emulation only")
-            .type_name("NAME")
-            .one_of({"auto", "cpu", "cuda"})
-            .capture_default_str();
     const Option explained = sub.add_flag("--explain", command->explain,
                                           "pm: print the terms that a fit minimises and its stages, and fit nothing");
     const Option threads = sub.add_option("--threads", command->threads,
@@ -512,7 +504,7 @@ void add_fit(CommandLine& app, int& status) {
             status = command->run();
         },
         {
-            {{form, variates, axial, reciprocal, no_scale, target_error, target_delta_e, budget, device, explained},
+            {{form, variates, axial, reciprocal, no_scale, target_error, target_delta_e, budget, explained},
              "only with --model pm",
              [=] { return command->model == "pm"; }},
             {{discretise, directions, interpolation, neighbours, between, with_index},
@@ -541,8 +533,8 @@ void add_fit(CommandLine& app, int& status) {
              [=] { return !lobes.given(); }},
             {{lobes}, "auto only with --model pm", [=] { return !command->lobes_auto || command->model == "pm"; }},
             {{lobes}, "of ggx 1 or 2", [=] { return command->model != "ggx" || command->lobes <= k_most_ggx_lobes; }},
-            {{form,   axial, reciprocal, no_scale, target_error, target_delta_e, budget,   picture, json, output,
-              resume, pairs, texels,     slab,     exchanged,    band,           channels, device,  seed, threads},
+            {{form, axial, reciprocal, no_scale, target_error, target_delta_e, budget, picture, json, output, resume,
+              pairs, texels, slab, exchanged, band, channels, seed, threads},
              "not with --explain, which fits nothing",
              [=] { return !command->explain; }},
             {{lobes},
@@ -560,7 +552,7 @@ void add_fit(CommandLine& app, int& status) {
             {{active},
              "at most the number of shared lobes",
              [=] { return command->active <= to_number<int>(command->basis).value_or(k_most_basis_lobes); }},
-            {{lobes, reciprocal, no_scale, target_error, target_delta_e, budget, picture, json, exchanged, band, device,
+            {{lobes, reciprocal, no_scale, target_error, target_delta_e, budget, picture, json, exchanged, band,
               channels, explained, objective},
              "not with --basis",
              [=] { return !basis.given(); }},

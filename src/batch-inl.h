@@ -29,8 +29,42 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::ScalableTag<float>;
 
 template <typename Real> struct Vec3;
-#define SRBF_FUSED HWY_INLINE
-#include "fused.inl"
+
+// Products that become fused multiply-adds, always the same ones whatever a compiler prefers, for number types B with
+// product, multiply_add, multiply_subtract and subtract_product, whose a * b is a Product<B>.
+
+// The product a b, not yet evaluated: adding to it gives a fused multiply-add, always the same one.
+template <typename B> struct Product {
+    B a, b;
+    HWY_INLINE Product(B a_, B b_) : a(a_), b(b_) {}
+    HWY_INLINE operator B() const { return product(a, b); }
+    HWY_INLINE void store(float* p) const { product(a, b).store(p); }
+    friend HWY_INLINE B operator+(Product p, B c) { return multiply_add(p.a, p.b, c); }
+    friend HWY_INLINE B operator+(B c, Product p) { return multiply_add(p.a, p.b, c); }
+    friend HWY_INLINE B operator+(Product p, Product q) { return multiply_add(q.a, q.b, product(p.a, p.b)); }
+    friend HWY_INLINE B operator-(Product p, B c) { return multiply_subtract(p.a, p.b, c); }
+    friend HWY_INLINE B operator-(B c, Product p) { return subtract_product(c, p.a, p.b); }
+    friend HWY_INLINE B operator-(Product p, Product q) { return subtract_product(product(p.a, p.b), q.a, q.b); }
+};
+
+// s v.
+template <typename B> struct Scaled {
+    B s;
+    Vec3<B> v;
+    HWY_INLINE Scaled(B s_, Vec3<B> v_) : s(s_), v(v_) {}
+    HWY_INLINE operator Vec3<B>() const { return {s * v.x, s * v.y, s * v.z}; }
+    friend HWY_INLINE Vec3<B> operator+(Vec3<B> u, Scaled p) {
+        return {u.x + p.s * p.v.x, u.y + p.s * p.v.y, u.z + p.s * p.v.z};
+    }
+    friend HWY_INLINE Vec3<B> operator-(Vec3<B> u, Scaled p) {
+        return {u.x - p.s * p.v.x, u.y - p.s * p.v.y, u.z - p.s * p.v.z};
+    }
+    friend HWY_INLINE Vec3<B> operator-(Scaled p, Vec3<B> u) {
+        return {p.s * p.v.x - u.x, p.s * p.v.y - u.y, p.s * p.v.z - u.z};
+    }
+    friend HWY_INLINE Vec3<B> operator+(Scaled p, Scaled q) { return Vec3<B>(p) + q; }
+    friend HWY_INLINE Vec3<B> operator-(Scaled p, Scaled q) { return Vec3<B>(p) - q; }
+};
 
 // c_0 + x (c_1 + x (c_2 + ...))
 template <typename B> HWY_INLINE B polynomial(B, double c) { return B(c); }

@@ -78,7 +78,6 @@ const std::map<std::string, std::string> k_argument{
     {"--active", "2"},
     {"--width", "1"},
     {"--seed", "1"},
-    {"--device", "cuda"},
     {"--explain", ""},
     {"--threads", "1"},
     {"--rgb-alone", ""},

@@ -150,8 +150,6 @@ TEST_F(CommandLine, usage_errors_name_what_is_wrong) {
         {{"fit", k_paper, "two"}, "--output"},
         {{"fit", k_paper, "--resume"}, "--output"},
         {{"fit", k_paper, "two", "-o", "d", "--json", "r.json"}, "--json"},
-        {{"fit", k_paper, "--device", "gpu"}, "expected auto or cpu or cuda, found gpu"},
-        {{"fit", k_paper, "--device", "cuda", "--model", "ggx"}, "only with --model pm"},
         {{"fit", k_paper, "--texels", "0:1"}, "only with --pairs"},
         {{"fit", k_paper, "--pairs", "p.csv"}, "--output"},
         {{"fit", k_paper, "--pairs", "p.csv", "-o", "d", "--model", "ggx"}, "--pairs"},

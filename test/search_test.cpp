@@ -38,8 +38,8 @@ FitOptions options_of(std::uint64_t seed) {
 
 Candidate improved(Candidate candidate, const FitOptions& options, int perturbations) {
     Reporter reporter({}, 1);
-    ProcessorSolver solver(rows(), shape_of(options), k_no_peak_limit);
-    EXPECT_TRUE(perturb(solver, options, perturbations, {&candidate, 1}, reporter));
+    LobeProblem problem(rows(), shape_of(options), false, k_no_peak_limit);
+    perturb(problem, options, perturbations, candidate, reporter);
     return candidate;
 }
 
@@ -61,8 +61,8 @@ TEST(Search, GrowsWhatMadeTheData) {
     for (int start = 0; start < 10; ++start) {
         Reporter reporter({}, 1);
         Candidate candidate{.start = start};
-        ProcessorSolver solver(rows(), shape_of(options_of(3)), k_no_peak_limit);
-        EXPECT_TRUE(grow(solver, options_of(3), {&candidate, 1}, reporter));
+        LobeProblem problem(rows(), shape_of(options_of(3)), false, k_no_peak_limit);
+        grow(problem, options_of(3), candidate, reporter);
         EXPECT_EQ(candidate.lobes.count(), 2);
         found += improved(candidate, options_of(3), 16).loss <= 1e-6;
     }

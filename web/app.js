@@ -175,6 +175,7 @@ async function take(name, bytes) {
 }
 async function take_file(of) {
   const mine = ++run;
+  fail("");
   if (of.size > k_most_bytes) return fail(`${of.name}: size: expected at most ${grouped(k_most_bytes)} bytes, found ${grouped(of.size)}`);
   const bytes = await of.arrayBuffer().catch((error) => (fail(`${of.name}: cannot be read: ${error.message}`), null));
   if (bytes && mine === run) await take(of.name, new Uint8Array(bytes));

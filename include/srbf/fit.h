@@ -52,13 +52,6 @@ struct TabulateOptions {
 };
 inline constexpr std::size_t k_most_between = 4096;
 
-/// What searches for lobes.
-enum class Device {
-    automatic,  ///< today the processor: the search on CUDA has been run in emulation only
-    cpu,
-    cuda,  ///< the first CUDA device; the rest of a fit remains on the processor
-};
-
 struct FitOptions {
     PmForm form = PmForm::extended;
     bool axial = true;  ///< only centres at +z or −z, sufficient for isotropic data
@@ -80,8 +73,6 @@ struct FitOptions {
     std::optional<int> perturbations = {};
     std::uint64_t seed = 0;  ///< of the random numbers
     int threads = 0;         ///< 0: as many as the machine has; the result does not depend on it
-    /// Models that CUDA finds are other ones, of about the same loss: the order of sums differs.
-    Device device = Device::automatic;
 };
 inline constexpr int k_most_fitted_lobes = 64;
 

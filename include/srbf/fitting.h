@@ -65,7 +65,6 @@ struct FitRequest {
     bool spectral = false;                 ///< a coefficient for each wavelength of the measurement; PM only
     std::uint64_t seed = 0;                ///< of the random numbers
     int threads = 0;                       ///< 0: as many as the machine has; the outcome does not depend on it
-    Device device = Device::automatic;     ///< PM only, see FitOptions
 
     double theta() const { return max_theta.value_or(default_max_theta(objective)); }  ///< [rad]
 };

@@ -23,8 +23,7 @@ struct PmFit {
 /// residual (Kaufman 1975) over the others. Lobes are grown one by one. With spectral observations the search uses the
 /// colours; its best lobes are polished with a coefficient per wavelength. Details: docs/fitting.md.
 /// `begin`: a model of this size and form, whose lobes are polished instead of the search's.
-/// Errors: options out of range, fewer observations than parameters, values that are not finite; CUDA requested without
-/// a device or in a build without it.
+/// Errors: options out of range, fewer observations than parameters, values that are not finite.
 Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress = {},
                      const PmModel* begin = nullptr);
 

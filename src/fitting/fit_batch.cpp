@@ -5,7 +5,6 @@
 
 #include "fit/data/errors.h"
 #include "fit/data/observe_samples.h"
-#include "fit/search/fit_pm.h"
 #include "fitting/requests.h"
 #include "parallel.h"
 #include "reporter.h"
@@ -38,10 +37,6 @@ Result<Batch> batch_of(const SharedPairs& pairs, const BatchOptions& options) {
     if (pairs.wl.empty() || pairs.wl.size() != pairs.wv.size())
         return refused("pairs of directions", "as many to the light as to the viewer, at least 1",
                        fmt::format("{} and {}", pairs.wl.size(), pairs.wv.size()));
-    if (options.request.device == Device::cuda) {
-        if (!completes(options.request)) return refused("objective", "one of pictures on CUDA", "another");
-        if (const auto device = cuda_device(); !device) return device.error();
-    }
     Batch batch{pairs, options.request, {}, true, {}};
     for (std::size_t i = 0; i < pairs.wl.size(); ++i)
         batch.all_above = batch.all_above && above_horizon(pairs.wl[i], pairs.wv[i]);
@@ -92,80 +87,34 @@ TexelFit without(const Batch& batch, TexelState state, std::optional<Error> fail
     return {black_model(batch.options), state, {}, {}, std::move(failure)};
 }
 
-/// A texel before its fit: what is observed of its samples, or the fit of one without values.
-struct Texel {
-    ScatteredSamples samples;
-    std::optional<SampleObservations> observed;
-    TexelFit fit;
-};
-
-Texel observed_texel(const Batch& batch, std::span<const Rgb> f, const ProgressToken& progress) {
-    Texel texel{samples_of(batch, f), {}, {}};
-    if (texel.samples.wl.empty()) {
-        texel.fit = without(batch, TexelState::failed, no_data_error("texel", "values"));
-        return texel;
-    }
-    if (std::ranges::all_of(texel.samples.colour, [](const Rgb& of) { return !(largest_of(of) > 0); })) {
-        texel.fit = without(batch, TexelState::black, {});
-        return texel;
-    }
+TexelFit fit_texel(const Batch& batch, std::span<const Rgb> f, const ProgressToken& progress) {
+    const ScatteredSamples samples = samples_of(batch, f);
+    if (samples.wl.empty()) return without(batch, TexelState::failed, no_data_error("texel", "values"));
+    if (std::ranges::all_of(samples.colour, [](const Rgb& of) { return !(largest_of(of) > 0); }))
+        return without(batch, TexelState::black, {});
     ObserveSamplesOptions observing{batch.request.objective, batch.request.theta(), batch.request.seed};
     observing.threads = 1, observing.only_completed = k_texel_pairs;
-    auto observed = observe(texel.samples, observing, progress);
-    if (observed)
-        texel.observed = *std::move(observed);
-    else
-        texel.fit = without(batch, TexelState::failed, observed.error());
-    return texel;
-}
-
-TexelFit fitted_texel(const Batch& batch, const ScatteredSamples& samples, Result<PmFit> fitted) {
+    const auto observed = observe(samples, observing, progress);
+    if (!observed) return without(batch, TexelState::failed, observed.error());
+    auto fitted = fit_pm(*observed, {batch.options, false}, progress);
     if (!fitted) return without(batch, TexelState::failed, fitted.error());
     TexelFit fit{std::move(fitted->model), TexelState::fitted, {}, fitted->stop, {}};
     fit.errors = measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit.model), batch.request.theta());
     return fit;
 }
 
-/// The searches of all texels together, on CUDA.
-Result<Done> fit_in_batches(const Batch& batch, std::vector<Texel>& texels, int threads, Reporter& reporter) {
-    std::vector<const Observations*> observations;
-    std::vector<Texel*> with_them;
-    for (Texel& texel : texels)
-        if (texel.observed) observations.push_back(&texel.observed->completed), with_them.push_back(&texel);
-    FitOptions options = batch.options;
-    options.threads = threads;
-    auto fits = fit_pm(observations, options, Where::cuda, [&](const Progress&) { return !reporter.cancelled(); });
-    if (!fits) return fits.error();
-    parallel_for(with_them.size(), threads, [&](std::size_t i) {
-        with_them[i]->fit = fitted_texel(batch, with_them[i]->samples, std::move((*fits)[i]));
-        reporter.advance("fitting texels", 1);
-    });
-    return Done{};
-}
-
 Result<std::vector<TexelFit>> fit_batch(const Batch& batch, std::span<const Rgb> f, int threads, Reporter& reporter) {
     const StandardArithmetic mode;
     const std::size_t M = batch.pairs.wl.size();
-    const bool is_cuda = batch.options.device == Device::cuda;
-    std::vector<Texel> texels(f.size() / M);
-    parallel_for(texels.size(), threads, [&](std::size_t i) {
+    std::vector<TexelFit> fits(f.size() / M);
+    parallel_for(fits.size(), threads, [&](std::size_t i) {
         if (reporter.cancelled()) return;
         // Each stops when all do.
         const ProgressToken progress([&](const Progress&) { return !reporter.cancelled(); });
-        Texel texel = observed_texel(batch, f.subspan(i * M, M), progress);
-        const bool waits = is_cuda && texel.observed;
-        if (texel.observed && !is_cuda) {
-            texel.fit = fitted_texel(batch, texel.samples, fit_pm(*texel.observed, {batch.options, false}, progress));
-            texel.observed.reset();
-        }
-        texels[i] = std::move(texel);
-        if (!waits) reporter.advance("fitting texels", 1);
+        fits[i] = fit_texel(batch, f.subspan(i * M, M), progress);
+        reporter.advance("fitting texels", 1);
     });
-    if (is_cuda && !reporter.cancelled())
-        if (const auto done = fit_in_batches(batch, texels, threads, reporter); !done) return done.error();
     if (reporter.cancelled()) return cancelled_error("fit_batch");
-    std::vector<TexelFit> fits;
-    for (Texel& texel : texels) fits.push_back(std::move(texel.fit));
     return fits;
 }
 

@@ -34,7 +34,6 @@ inline FitOptions pm_options(const FitRequest& request, bool axial) {
     options.log_scale = pm.log_scale;
     options.seed = request.seed;
     options.threads = request.threads;
-    options.device = request.device;
     return options;
 }
 

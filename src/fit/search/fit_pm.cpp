@@ -1,9 +1,9 @@
-#include "fit/search/fit_pm.h"
+#include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 
 #include "fit/data/errors.h"
+#include "fit/fits.h"
 #include "fit/objective/point_lights.h"
 #include "fit/search/finish.h"
 #include "fit/search/schedule.h"
@@ -80,37 +80,67 @@ class Fit {
     /// The candidates are those of the options' starts, or the lobes of `begin`.
     Fit(const Observations& observations, const FitOptions& options, const PmModel* begin, Reporter& reporter)
         : observations_(observations), options_(options), reporter_(reporter) {
-        found.resize(begin ? 1 : std::size_t(starts_of(options)));
-        for (std::size_t start = 0; start < found.size(); ++start) found[start].start = int(start);
-        if (begin) found[0].lobes = to_lobes(*begin, shape_of(options));
+        found_.resize(begin ? 1 : std::size_t(starts_of(options)));
+        for (std::size_t start = 0; start < found_.size(); ++start) found_[start].start = int(start);
+        if (begin) found_[0].lobes = to_lobes(*begin, shape_of(options));
     }
 
-    /// Candidates and weights for a stage.
-    void prepare(const Stage& stage) {
-        if (stage.bounds) subsets_.add_exceeded(found, options_, log_peak_limit_);
-        if (stage.lights) add_lights(stage);
-        found.resize(std::min(found.size(), stage.candidates(options_)));
+    /// A stage of the search, a candidate a thread.
+    void search(const Stage& stage) {
+        prepare(stage);
+        const Rows rows = rows_of(stage);
+        parallel_for(found_.size(), [&](std::size_t i) {
+            LobeProblem problem(rows, shape_of(options_), false, log_peak_limit_);
+            search(stage, problem, found_[i]);
+        });
+        sort();
+        if (stage.work == Work::polish) polished();
     }
-    Rows rows_of(const Stage& stage) const {
-        if (stage.pairs > 0) return subsets_.rows(stage, importances_.pictures);
-        return Rows(all(), {.radiance_importance = subsets_.radiance_importance(importances_.has_point_lights),
-                            .picture_importance = stage.pictures ? importances_.pictures : 0});
-    }
-    void sort() { std::ranges::stable_sort(found, {}, &Candidate::loss); }
-
     /// A stage without a search.
     void take_steps(const Stage& stage) {
         if (!reporter_.cancelled()) {
             prepare(stage);
             const Rows rows = rows_of(stage);
-            parallel_for(found.size(), [&](std::size_t i) {
-                if (!reporter_.cancelled()) take_steps(stage, rows, found[i]);
+            parallel_for(found_.size(), [&](std::size_t i) {
+                if (!reporter_.cancelled()) take_steps(stage, rows, found_[i]);
             });
             sort();
             last_ = &stage;
         }
         polished();
     }
+    /// The last stage: the first candidate, or of those that are nearly as good the best.
+    PmFit finished(const Stage& stage) {
+        if (stage.lights) add_lights(stage);
+        if (!stage.pictures) sort_by_all();
+        found_.resize(std::min(found_.size(), stage.most));
+        PmFit fit;
+        for (std::size_t i = 0; i < found_.size(); ++i) {
+            if (i > 0 && (found_[i].loss > (1 + k_nearly_best) * fit.loss || reporter_.cancelled())) break;
+            const double channels = spectral() ? double(observations_.wavelengths.size()) : 3;
+            Importances importances = importances_;
+            importances.radiances = subsets_.radiance_importance(importances_.has_point_lights) * 3 / channels;
+            PmFit next = finish(found_[i].lobes, all(), importances, options_, log_peak_limit_, reporter_);
+            if (i == 0 || next.loss < fit.loss) fit = std::move(next);
+        }
+        if (!reporter_.advance("polishing", effort_.rest)) fit.stop = StopReason::cancelled;
+        return fit;
+    }
+
+  private:
+    /// Candidates and weights for a stage.
+    void prepare(const Stage& stage) {
+        if (stage.bounds) subsets_.add_exceeded(found_, options_, log_peak_limit_);
+        if (stage.lights) add_lights(stage);
+        found_.resize(std::min(found_.size(), stage.candidates(options_)));
+    }
+    Rows rows_of(const Stage& stage) const {
+        if (stage.pairs > 0) return subsets_.rows(stage, importances_.pictures);
+        return Rows(all(), {.radiance_importance = subsets_.radiance_importance(importances_.has_point_lights),
+                            .picture_importance = stage.pictures ? importances_.pictures : 0});
+    }
+    void sort() { std::ranges::stable_sort(found_, {}, &Candidate::loss); }
+
     /// Tells that a stage between the search and the last is done.
     void polished() {
         const auto stages = std::ranges::count_if(schedule(!observations_.views.empty()), [](const Stage& stage) {
@@ -118,27 +148,14 @@ class Fit {
         });
         reporter_.advance("polishing", effort_.rest / double(stages));
     }
-    /// The last stage: the first candidate, or of those that are nearly as good the best.
-    PmFit finished(const Stage& stage) {
-        if (stage.lights) add_lights(stage);
-        if (!stage.pictures) sort_by_all();
-        found.resize(std::min(found.size(), stage.most));
-        PmFit fit;
-        for (std::size_t i = 0; i < found.size(); ++i) {
-            if (i > 0 && (found[i].loss > (1 + k_nearly_best) * fit.loss || reporter_.cancelled())) break;
-            const double channels = spectral() ? double(observations_.wavelengths.size()) : 3;
-            Importances importances = importances_;
-            importances.radiances = subsets_.radiance_importance(importances_.has_point_lights) * 3 / channels;
-            PmFit next = finish(found[i].lobes, all(), importances, options_, log_peak_limit_, reporter_);
-            if (i == 0 || next.loss < fit.loss) fit = std::move(next);
-        }
-        if (!reporter_.advance("polishing", effort_.rest)) fit.stop = StopReason::cancelled;
-        return fit;
+    void search(const Stage& stage, LobeProblem& problem, Candidate& candidate) const {
+        if (stage.work == Work::grow)
+            grow(problem, options_, candidate, reporter_);
+        else if (stage.work == Work::perturb)
+            perturb(problem, options_, stage.perturbations_until(options_), candidate, reporter_);
+        else
+            polish(problem, options_, candidate);
     }
-
-    std::vector<Candidate> found;
-
-  private:
     void take_steps(const Stage& stage, const Rows& rows, Candidate& candidate) const {
         LobeProblem problem(rows, shape_of(options_), false, log_peak_limit_);
         Eigen::VectorXd x = pack(candidate.lobes);
@@ -154,7 +171,7 @@ class Fit {
     void add_lights(const Stage& stage) {
         if (stage.pairs > 0) {
             subsets_.add_lights(fitted(rows_of(stage)));  // without pixels, which have no importance yet
-            importances_.pictures = subsets_.picture_importance(found.front(), stage, options_, log_peak_limit_);
+            importances_.pictures = subsets_.picture_importance(found_.front(), stage, options_, log_peak_limit_);
             importances_.has_point_lights = !spectral() && !observations_.point_light_weight.empty();
         } else if (importances_.has_point_lights && last_) {  // cancelled, there may have been no steps
             with_lights_ = observations_;
@@ -165,19 +182,20 @@ class Fit {
     /// The best candidate, with coefficients for these rows.
     Evaluate fitted(const Rows& rows) const {
         LobeProblem problem(rows, shape_of(options_), true, log_peak_limit_);
-        problem.loss(pack(found.front().lobes));
-        return evaluator(to_model(problem, found.front().lobes, options_.log_scale, {}));
+        problem.loss(pack(found_.front().lobes));
+        return evaluator(to_model(problem, found_.front().lobes, options_.log_scale, {}));
     }
     void sort_by_all() {
         const Rows all(observations_, {.radiance_importance = subsets_.radiance_importance()});
         LobeProblem problem(all, shape_of(options_), true, log_peak_limit_);
-        for (Candidate& candidate : found) candidate.loss = problem.loss(pack(candidate.lobes));
+        for (Candidate& candidate : found_) candidate.loss = problem.loss(pack(candidate.lobes));
         sort();
     }
 
     const Observations& observations_;
     const FitOptions& options_;
     Reporter& reporter_;
+    std::vector<Candidate> found_;
     double log_peak_limit_ = log_peak_limit_of(options_);
     Effort effort_ = effort_of(observations_, options_);
     Subsets subsets_{observations_};
@@ -186,98 +204,27 @@ class Fit {
     const Stage* last_ = nullptr;  ///< the last stage of steps
 };
 
-using Fits = std::span<const std::unique_ptr<Fit>>;
-
-/// One stage of the search, for the candidates of all fits.
-template <Solver S>
-Result<Done> searched(S& solver, const Stage& stage, const FitOptions& options, std::span<Candidate> candidates,
-                      Reporter& reporter) {
-    switch (stage.work) {
-        case Work::grow:
-            return grow(solver, options, candidates, reporter);
-        case Work::perturb:
-            return perturb(solver, options, stage.perturbations_until(options), candidates, reporter);
-        default:
-            return polish(solver, options, candidates);
-    }
-}
-
-/// The same on this processor, a candidate a thread, or on a device, all of them together.
-Result<Done> search(Fits fits, const Stage& stage, const FitOptions& options, Where where, Reporter& reporter) {
-    std::vector<std::unique_ptr<Rows>> rows(fits.size());
-    parallel_for(fits.size(), [&](std::size_t i) {
-        fits[i]->prepare(stage);
-        rows[i] = std::make_unique<Rows>(fits[i]->rows_of(stage));
-    });
-    std::vector<Candidate> all;
-    for (std::size_t i = 0; i < fits.size(); ++i)
-        for (Candidate& of : fits[i]->found) of.rows = i, all.push_back(std::move(of));
-    Result<Done> done = Done{};
-    if (where == Where::processor) {
-        parallel_for(all.size(), [&](std::size_t i) {
-            ProcessorSolver solver(*rows[all[i].rows], shape_of(options), log_peak_limit_of(options));
-            [[maybe_unused]] const auto never_fails = searched(solver, stage, options, {&all[i], 1}, reporter);
-        });
-    } else {
-        std::vector<const Rows*> pointers;
-        for (const auto& of : rows) pointers.push_back(of.get());
-        auto solver = DeviceSolver::make(where, pointers, log_peak_limit_of(options));
-        if (!solver) return solver.error();
-        done = searched(*solver, stage, options, all, reporter);
-    }
-    for (const auto& fit : fits) fit->found.clear();
-    for (Candidate& of : all) fits[of.rows]->found.push_back(std::move(of));
-    for (const auto& fit : fits) {
-        fit->sort();
-        if (stage.work == Work::polish) fit->polished();
-    }
-    return done;
-}
-
 }  // namespace
-
-Result<std::vector<PmFit>> fit_pm(std::span<const Observations* const> observations, const FitOptions& options,
-                                  Where where, const ProgressToken& progress, const PmModel* begin) {
-    const StandardArithmetic mode;
-    if (observations.empty()) return std::vector<PmFit>{};
-    const bool with_pictures = !observations[0]->views.empty();
-    double effort = 0;
-    for (const Observations* of : observations) {
-        if (const auto valid = validate(*of, options); !valid) return valid.error();
-        if (of->views.empty() == with_pictures)
-            return argument_error("fit", "observations", "with views, or without any", "both");
-        effort += effort_of(*of, options).all();
-    }
-    Reporter reporter(progress, effort);
-    std::vector<PmFit> done(observations.size());
-    Result<Done> result = Done{};
-    on_threads(options.threads, [&] {
-        std::vector<std::unique_ptr<Fit>> fits(observations.size());
-        parallel_for(fits.size(), [&](std::size_t i) {
-            fits[i] = std::make_unique<Fit>(*observations[i], options, begin, reporter);
-        });
-        for (const Stage& stage : schedule(with_pictures)) {
-            if (!result) return;
-            if (begin && (stage.work == Work::grow || stage.work == Work::perturb)) continue;
-            if (stage.work == Work::steps)
-                parallel_for(fits.size(), [&](std::size_t i) { fits[i]->take_steps(stage); });
-            else if (stage.work == Work::finish)
-                parallel_for(fits.size(), [&](std::size_t i) { done[i] = fits[i]->finished(stage); });
-            else
-                result = search(fits, stage, options, where, reporter);
-        }
-    });
-    if (!result) return result.error();
-    return done;
-}
 
 Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options, const ProgressToken& progress,
                      const PmModel* begin) {
-    const Observations* const one = &observations;
-    auto fits =
-        fit_pm({&one, 1}, options, options.device == Device::cuda ? Where::cuda : Where::processor, progress, begin);
-    if (!fits) return fits.error();
-    return std::move(fits->front());
+    const StandardArithmetic mode;
+    if (const auto valid = validate(observations, options); !valid) return valid.error();
+    Reporter reporter(progress, effort_of(observations, options).all());
+    PmFit done;
+    on_threads(options.threads, [&] {
+        Fit fit(observations, options, begin, reporter);
+        for (const Stage& stage : schedule(!observations.views.empty())) {
+            if (begin && (stage.work == Work::grow || stage.work == Work::perturb)) continue;
+            if (stage.work == Work::steps)
+                fit.take_steps(stage);
+            else if (stage.work == Work::finish)
+                done = fit.finished(stage);
+            else
+                fit.search(stage);
+        }
+    });
+    return done;
 }
 
 }  // namespace srbf

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "fit/cuda/device_solver.h"
 #include "fit/solve/least_squares.h"
 #include "srbf/directions.h"
 
@@ -17,81 +16,48 @@ constexpr int k_lobe_perturbations = 3;
 /// A lobe whose absence would cost less than this share of the loss is useless.
 constexpr double k_useless = 1e-4;
 
-using Candidates = std::span<Candidate* const>;
-using Generators = std::span<std::mt19937_64>;
-
-Trial trial_of(const Candidate& candidate, int steps = 0) {
-    Trial trial;
-    trial.rows = candidate.rows, trial.lobes = candidate.lobes, trial.steps = steps;
-    return trial;
+/// Optimises these lobes in at most so many steps, and makes them the candidate's. It stops where it is unlikely to fall
+/// below `target`.
+void optimise(LobeProblem& problem, Candidate& candidate, const Lobes& lobes, int steps,
+              double target = LevenbergMarquardtOptions{}.target) {
+    Eigen::VectorXd x = pack(lobes);
+    candidate.loss = levenberg_marquardt(problem, x, {.max_iterations = steps, .target = target}).loss;
+    candidate.lobes = unpack(x, lobes.shape);
+    candidate.beta = problem.beta(), candidate.gram = problem.gram();
 }
-void take(Candidate& candidate, Trial& trial) {
-    candidate.lobes = std::move(trial.lobes), candidate.loss = trial.loss;
-    candidate.beta = std::move(trial.beta), candidate.gram = std::move(trial.gram);
-}
-
-template <Solver S> Result<Done> optimise(S& solver, std::span<Candidate> candidates, int steps) {
-    std::vector<Trial> trials;
-    for (const Candidate& candidate : candidates) trials.push_back(trial_of(candidate, steps));
-    if (const auto done = solver.optimise(trials); !done) return done;
-    for (std::size_t i = 0; i < trials.size(); ++i) take(candidates[i], trials[i]);
-    return Done{};
+/// Optimises these lobes; they become the candidate's if they are better.
+void keep_if_better(LobeProblem& problem, Candidate& candidate, const Lobes& lobes) {
+    Candidate other = candidate;
+    optimise(problem, other, lobes, k_perturbation_steps, candidate.loss);
+    if (other.loss < candidate.loss) candidate = std::move(other);
 }
 
-/// Adds the best of many random lobes to each.
-template <Solver S> Result<Done> add_lobes(S& solver, std::span<Trial> trials, Generators random) {
-    for (std::size_t i = 0; i < trials.size(); ++i) trials[i].additions = random_candidates(random[i], trials[i].lobes);
-    if (const auto done = solver.best_additions(trials); !done) return done;
-    for (Trial& trial : trials) {
-        trial.lobes = with_lobe(std::move(trial.lobes), trial.addition);
-        trial.additions.clear();
-    }
-    return Done{};
+/// With the best of many random lobes.
+Lobes with_best_lobe(LobeProblem& problem, Lobes lobes, std::mt19937_64& random) {
+    const auto additions = random_candidates(random, lobes);
+    problem.loss(pack(lobes));
+    return with_lobe(std::move(lobes), problem.best_addition(additions));
 }
 
-/// Optimises the trials and keeps those that are better than the candidates they came from.
-template <Solver S> Result<Done> keep_better(S& solver, Candidates candidates, std::span<Trial> trials) {
-    for (std::size_t i = 0; i < trials.size(); ++i)
-        trials[i].steps = k_perturbation_steps, trials[i].target = candidates[i]->loss;
-    if (const auto done = solver.optimise(trials); !done) return done;
-    for (std::size_t i = 0; i < trials.size(); ++i)
-        if (trials[i].loss < candidates[i]->loss) take(*candidates[i], trials[i]);
-    return Done{};
-}
-
-/// Drops the least useful lobe of each and adds another.
-template <Solver S> Result<Done> replace_lobes(S& solver, Candidates candidates, Generators random) {
-    std::vector<Trial> trials;
-    for (const Candidate* of : candidates) {
-        const std::vector<double> cost = cost_of_dropping(of->gram, of->beta);
-        trials.push_back(trial_of(*of));
-        trials.back().lobes =
-            without_lobe(std::move(trials.back().lobes), std::ranges::min_element(cost) - cost.begin());
-    }
-    if (const auto added = add_lobes(solver, trials, random); !added) return added;
-    return keep_better(solver, candidates, trials);
+/// Drops the least useful lobe and adds another, if that is better.
+void replace_lobe(LobeProblem& problem, Candidate& candidate, std::mt19937_64& random) {
+    const std::vector<double> cost = cost_of_dropping(candidate.gram, candidate.beta);
+    Lobes lobes = without_lobe(candidate.lobes, std::ranges::min_element(cost) - cost.begin());
+    keep_if_better(problem, candidate, with_best_lobe(problem, std::move(lobes), random));
 }
 
 /// The same for the least useful variate: its weights become 0, and its parameterization becomes a random one. Steps
 /// alone rarely rotate a parameterization far, since no lobe fits in between.
-template <Solver S> Result<Done> replace_variates(S& solver, Candidates candidates, Generators random) {
-    std::vector<Trial> without, trials;
-    for (const Candidate* of : candidates)
-        for (int n = 0; n < of->lobes.shape.variates; ++n) {
-            without.push_back(trial_of(*of));
-            without.back().lobes = without_variate(std::move(without.back().lobes), n);
-        }
-    if (const auto done = solver.optimise(without); !done) return done;
-    auto of_candidate = std::span(without);
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-        const auto variates = of_candidate.first(std::size_t(candidates[i]->lobes.shape.variates));
-        const auto least = std::size_t(std::ranges::min_element(variates, {}, &Trial::loss) - variates.begin());
-        trials.push_back(trial_of(*candidates[i]));
-        trials.back().lobes = std::move(variates[least].lobes);
-        trials.back().lobes.angle[least] = k_pi * uniform(random[i]);
-        of_candidate = of_candidate.subspan(variates.size());
+void replace_variate(LobeProblem& problem, Candidate& candidate, std::mt19937_64& random) {
+    std::vector<Lobes> without;
+    std::vector<double> loss;
+    for (int n = 0; n < candidate.lobes.shape.variates; ++n) {
+        without.push_back(without_variate(candidate.lobes, n));
+        loss.push_back(problem.loss(pack(without.back())));
     }
-    return keep_better(solver, candidates, trials);
+    const auto least = std::size_t(std::ranges::min_element(loss) - loss.begin());
+    without[least].angle[least] = k_pi * uniform(random);
+    keep_if_better(problem, candidate, without[least]);
 }
 
 bool has_useless_lobe(const Candidate& candidate) {
@@ -100,64 +66,33 @@ bool has_useless_lobe(const Candidate& candidate) {
 
 }  // namespace
 
-template <Solver S>
-Result<Done> grow(S& solver, const FitOptions& options, std::span<Candidate> candidates, Reporter& reporter) {
-    std::vector<std::mt19937_64> random;
-    for (Candidate& candidate : candidates) {
-        random.push_back(generator(options.seed, candidate.start, 0));
-        candidate.lobes = without_lobes(shape_of(options), candidate.start, random.back());
-    }
+void grow(LobeProblem& problem, const FitOptions& options, Candidate& candidate, Reporter& reporter) {
+    std::mt19937_64 random = generator(options.seed, candidate.start, 0);
+    candidate.lobes = without_lobes(shape_of(options), candidate.start, random);
     for (int j = 0; j < options.lobes; ++j) {
-        std::vector<Trial> trials;
-        for (const Candidate& candidate : candidates)
-            trials.push_back(trial_of(candidate, j + 1 < options.lobes ? k_growth_steps : k_grown_steps));
-        if (const auto added = add_lobes(solver, trials, random); !added) return added;
-        if (const auto done = solver.optimise(trials); !done) return done;
-        for (std::size_t i = 0; i < trials.size(); ++i) take(candidates[i], trials[i]);
-        if (!reporter.advance("growing lobes", double(candidates.size()))) break;
+        const Lobes lobes = with_best_lobe(problem, std::move(candidate.lobes), random);
+        optimise(problem, candidate, lobes, j + 1 < options.lobes ? k_growth_steps : k_grown_steps);
+        if (!reporter.advance("growing lobes", 1)) break;
     }
-    return Done{};
 }
 
-template <Solver S>
-Result<Done> perturb(S& solver, const FitOptions& options, int until, std::span<Candidate> candidates,
-                     Reporter& reporter) {
-    if (candidates.empty() || candidates[0].perturbations >= until || reporter.cancelled()) return Done{};
-    if (const auto done = optimise(solver, candidates, k_first_steps); !done) return done;
-    std::vector<Candidate*> all;
-    for (Candidate& candidate : candidates) all.push_back(&candidate);
-    while (candidates[0].perturbations < until) {
-        std::vector<std::mt19937_64> random;
-        for (Candidate& candidate : candidates)
-            random.push_back(generator(options.seed, candidate.start, 2 + candidate.perturbations++));
-        const bool of_variates = candidates[0].perturbations % (k_lobe_perturbations + 1) == 0;
-        const auto done =
-            of_variates ? replace_variates(solver, all, random) : replace_lobes(solver, Candidates(all), random);
-        if (!done) return done;
-        if (!reporter.advance("replacing lobes", double(candidates.size()))) break;
+void perturb(LobeProblem& problem, const FitOptions& options, int until, Candidate& candidate, Reporter& reporter) {
+    if (candidate.perturbations >= until || reporter.cancelled()) return;
+    optimise(problem, candidate, candidate.lobes, k_first_steps);
+    while (candidate.perturbations < until) {
+        std::mt19937_64 random = generator(options.seed, candidate.start, 2 + candidate.perturbations++);
+        const bool of_variates = candidate.perturbations % (k_lobe_perturbations + 1) == 0;
+        (of_variates ? replace_variate : replace_lobe)(problem, candidate, random);
+        if (!reporter.advance("replacing lobes", 1)) break;
     }
-    return Done{};
 }
 
-template <Solver S> Result<Done> polish(S& solver, const FitOptions& options, std::span<Candidate> candidates) {
-    if (const auto done = optimise(solver, candidates, k_polish_steps); !done) return done;
-    std::vector<std::vector<std::mt19937_64>> random;
-    for (const Candidate& candidate : candidates) random.push_back({generator(options.seed, candidate.start, 1)});
+void polish(LobeProblem& problem, const FitOptions& options, Candidate& candidate) {
+    optimise(problem, candidate, candidate.lobes, k_polish_steps);
+    std::mt19937_64 random = generator(options.seed, candidate.start, 1);
     // On more rows than it was found on, a lobe may become useless.
-    for (std::size_t i = 0; i < candidates.size(); ++i)
-        for (int attempt = 0; attempt < k_polish_attempts && has_useless_lobe(candidates[i]); ++attempt) {
-            Candidate* const one = &candidates[i];
-            if (const auto done = replace_lobes(solver, Candidates(&one, 1), random[i]); !done) return done;
-        }
-    return Done{};
+    for (int attempt = 0; attempt < k_polish_attempts && has_useless_lobe(candidate); ++attempt)
+        replace_lobe(problem, candidate, random);
 }
-
-#define SRBF_INSTANTIATE(S)                                                                     \
-    template Result<Done> grow(S&, const FitOptions&, std::span<Candidate>, Reporter&);         \
-    template Result<Done> perturb(S&, const FitOptions&, int, std::span<Candidate>, Reporter&); \
-    template Result<Done> polish(S&, const FitOptions&, std::span<Candidate>);
-SRBF_INSTANTIATE(ProcessorSolver)
-SRBF_INSTANTIATE(DeviceSolver)
-#undef SRBF_INSTANTIATE
 
 }  // namespace srbf

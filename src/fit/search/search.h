@@ -1,39 +1,35 @@
-// The search for lobes: candidates grow lobe by lobe and are perturbed.
+// The search for lobes: a candidate grows lobe by lobe and is perturbed.
 #pragma once
+#include <Eigen/Dense>
 #include <limits>
 
 #include "fit/options.h"
 #include "fit/search/random_lobes.h"
-#include "fit/search/solver.h"
+#include "fit/solve/lobe_problem.h"
 #include "reporter.h"
 
 namespace srbf {
 
 /// A candidate of the search.
 struct Candidate {
-    int start = 0;         ///< index of its start, which determines its random numbers together with the seed
-    std::size_t rows = 0;  ///< index of its observations, of those that the solver has
+    int start = 0;  ///< index of its start, which determines its random numbers together with the seed
     Lobes lobes = {};
     double loss = std::numeric_limits<double>::infinity();  ///< most recent value
     Eigen::MatrixXd beta = {}, gram = {};                   ///< with that loss: J × C; E·E
     int perturbations = 0;                                  ///< number of perturbations so far
 };
 
-// Each of these takes all candidates forward together, step by step; candidates are independent of each other. Errors:
-// those of the solver. Cancelled, they return early.
+// Each of these takes a candidate forward on the rows of a problem. Cancelled, they return early.
 
 /// Grows J lobes one by one.
-template <Solver S>
-Result<Done> grow(S& solver, const FitOptions& options, std::span<Candidate> candidates, Reporter& reporter);
+void grow(LobeProblem& problem, const FitOptions& options, Candidate& candidate, Reporter& reporter);
 
-/// Optimises the candidates, possibly on other rows than before. Then perturbs them until they have had `until`
+/// Optimises the candidate, possibly on other rows than before. Then perturbs it until it has had `until`
 /// perturbations: each drops the least useful lobe and adds another, and is kept if the loss falls. Every fourth one
 /// replaces a variate instead.
-template <Solver S>
-Result<Done> perturb(S& solver, const FitOptions& options, int until, std::span<Candidate> candidates,
-                     Reporter& reporter);
+void perturb(LobeProblem& problem, const FitOptions& options, int until, Candidate& candidate, Reporter& reporter);
 
 /// Optimises on more rows; lobes that become useless there are replaced.
-template <Solver S> Result<Done> polish(S& solver, const FitOptions& options, std::span<Candidate> candidates);
+void polish(LobeProblem& problem, const FitOptions& options, Candidate& candidate);
 
 }  // namespace srbf

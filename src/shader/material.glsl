@@ -1,5 +1,5 @@
 // The BRDF or BSDF of a material, to follow its macros, host.glsl, kernel.glsl and, of a BSDF, its code.
-bool is_measured = true;  // whether the last value was measured
+bool is_measured = true;  // whether the last value was measured; not to be read in the expression that asks for it
 
 // f_r(wl, wv) [1/sr] for R, G, B, of unit vectors in the local frame with wl.z, wv.z > 0.
 #if defined PM_LOBES

@@ -14,8 +14,8 @@
 namespace srbf {
 namespace {
 
-/// The frame of the plot within the drawing.
 constexpr int k_tick = 30;  // degrees
+/// The frame of the plot within the drawing.
 constexpr double k_width = 360, k_height = 250, k_left = 40, k_right = 344, k_top = 36, k_bottom = 210;
 
 /// Of one side about its normal at `normal` [degrees], with the mirror direction, or that straight through, at `peak`.

@@ -8,7 +8,9 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/page_of.h"
+#include "app/path.h"
 #include "app/surface_files.h"
+#include "render/filtered_environment.h"
 #include "render/page.h"
 #include "srbf/file.h"
 #include "srbf/shading_code.h"
@@ -16,11 +18,15 @@
 namespace srbf {
 namespace {
 
+/// The kind of a filtered environment.
+constexpr const char* k_filtered = "dds";
+
 struct ExportCommand {
     std::vector<std::string> files, with;
     std::string to, reference, mesh, up = "y", output;
 
     int run() const;
+    int filter_environment() const;
     Result<std::string> page(const std::vector<Subject>& models, const std::optional<Subject>& measured) const;
     std::vector<NamedModel> named(const std::vector<Subject>& models) const;
     static std::vector<NamedModel> with_parts(const std::vector<NamedModel>& named);
@@ -37,6 +43,7 @@ Mesh turned_upright(Mesh mesh) {
 }
 
 int ExportCommand::run() const {
+    if (to == k_filtered) return filter_environment();
     std::vector<std::string> inputs = files;
     std::vector<Subject> models;
     for (const std::string& file : files) {
@@ -74,6 +81,25 @@ int ExportCommand::run() const {
                 return complain(written.error());
         }
     const auto written = write_file(output, as_bytes(*text));
+    return written ? int(k_done) : complain(written.error());
+}
+
+int ExportCommand::filter_environment() const {
+    if (files.size() != 1)
+        return complain({output, {}, "inputs", "one environment", std::to_string(files.size()), ErrorCode::argument});
+    if (const auto writable = check_outputs(files, {output}); !writable) return complain(writable.error());
+    const auto environment = load_light(files[0]);
+    if (!environment) return complain(environment.error());
+    if (!*environment) return complain({files[0], {}, "input", "an environment", "none", ErrorCode::argument});
+    ProgressLine line;
+    const FilteredEnvironment filtered(**environment, FilteredEnvironment::k_usual_size, 0,
+                                       [&](double part) { line.show("filtering", part); });
+    line.clear();
+    const CubeFile file = to_dds(filtered);
+    if (file.clamped > 0)
+        fmt::print(stderr, "srbf: {}: {} texels are brighter than 65504, the largest 16-bit float, and are set to it\n",
+                   output, grouped(file.clamped));
+    const auto written = write_file(output, file.bytes);
     return written ? int(k_done) : complain(written.error());
 }
 
@@ -153,13 +179,16 @@ void add_export(CommandLine& app, int& status) {
     const auto command = std::make_shared<ExportCommand>();
     const Subcommand sub =
         app.add_subcommand("export", "Export models as shading code, or as a page to look at and to share");
-    sub.add_option("MODEL", command->files, "Fitted models, side by side").type_name("").required();
+    sub.add_option("MODEL", command->files, "Fitted models, side by side; for dds an environment")
+        .type_name("")
+        .required();
     std::vector<std::string> languages;
     for (const CodeLanguageRow& row : k_code_languages) languages.emplace_back(row.name);
     std::vector<std::string> kinds{"html"};
     kinds.insert(kinds.end(), languages.begin(), languages.end());
     kinds.emplace_back("three");
     kinds.emplace_back("radiance");
+    kinds.emplace_back(k_filtered);
     kinds.insert(kinds.end(), k_surface_files.begin(), k_surface_files.end());
     sub.add_option(
            "--to", command->to,
@@ -172,6 +201,7 @@ void add_export(CommandLine& app, int& status) {
                "mtlx, standard-surface, gltf, glb, usd, blender: a surface (fit --model pbr) as a document of\n"
                "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
                "Blender's material\n"
+               "dds: an environment (.hdr, .exr or studio) filtered for NAME_environment, a cube map of 16-bit floats\n"
                "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF the functions are\n"
                "NAME_bsdf, of directions on either side, and NAME_beam, the share of light that passes unscattered;\n"
                "for three.js each of its parts is a material",
@@ -200,6 +230,7 @@ void add_export(CommandLine& app, int& status) {
     sub.add_option("-o,--output", command->output, "The file to write").type_name("FILE").required();
     sub.footer(
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
+        "  srbf export studio.hdr --to dds -o studio.dds\n"
         "  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
     const auto is_page = [command] { return command->to == "html"; };
     sub.callback([command, &status] { status = command->run(); },
@@ -207,7 +238,7 @@ void add_export(CommandLine& app, int& status) {
                    "is for source code",
                    [=] {
                        return !is_page() && command->to != "three" && command->to != "radiance" &&
-                              !is_surface_file(command->to);
+                              command->to != k_filtered && !is_surface_file(command->to);
                    }},
                   {{reference, mesh, up}, "is for --to html", is_page},
                   {{up}, "only with --mesh", [command] { return !command->mesh.empty(); }}});

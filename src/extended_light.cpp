@@ -15,41 +15,50 @@
 namespace srbf {
 namespace {
 
+double roughness_of_level(int level) { return elementary::square(double(level) / (ExtendedLight::k_levels - 1)); }
+
 using Lobe = ExtendedLight::Lobe;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// 1 / ∫ c / (1 + α² − (1 − α²) c)² dω over the hemisphere.
-double kernel_scale(double roughness) {
-    const double a = roughness * roughness * roughness * roughness, b = 1 - a;
-    const double integral = b < 1e-4 ? 1.0 / 8 : ((1 + a) / (2 * a) - 1 + elementary::log(2 * a / (1 + a))) / (b * b);
-    return 1 / (2 * k_pi * integral);
-}
-double kernel_shape(double roughness, double cosine) {
-    const double a = roughness * roughness * roughness * roughness, d = 1 + a - (1 - a) * cosine;
-    return cosine > 0 ? cosine / (d * d) : 0;
-}
+/// GGX's kernel at a level of a filtered map, whose first level is the environment itself but for a kernel that nothing resolves.
+/// With a = α² = r⁴ it is scale c / (1 + a − (1 − a) c)², c > 0.
+class LevelKernel {
+  public:
+    explicit LevelKernel(double roughness) : a_(elementary::square(elementary::square(std::max(roughness, 0.01)))) {
+        const double b = 1 - a_;
+        const double integral =
+            b < 1e-4 ? 1.0 / 8 : ((1 + a_) / (2 * a_) - 1 + elementary::log(2 * a_ / (1 + a_))) / (b * b);
+        scale_ = 1 / (2 * k_pi * integral);
+    }
+    double operator()(double c) const { return c > 0 ? scale_ * c / elementary::square(1 + a_ - (1 - a_) * c) : 0; }
+    /// A density that is higher where K is, over all directions: (a / π) (1 + a − (1 − a) c)⁻².
+    double density(double c) const { return a_ / (k_pi * elementary::square(1 + a_ - (1 - a_) * c)); }
+    /// The cosine below which that share of the density is, from the axis.
+    double cosine(double share) const { return (1 - share - a_ * share) / (1 - share + a_ * share); }
 
-/// Directions about z that stand for K, with equal shares of the density (1 + α² − (1 − α²) c)⁻² and weights that sum to 1; half of
-/// them, y > 0, for the others are mirrored.
+  private:
+    double a_, scale_ = 0;
+};
+
+/// A direction about z that stands for a kernel, and its weight.
 struct KernelDraw {
     Vec3d w;
     double weight;
 };
-std::vector<KernelDraw> draws_of_kernel(double roughness) {
+KernelDraw draw_at(double cosine, double azimuth, double weight) {
+    const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
+    return {{sine * elementary::cos(azimuth), sine * elementary::sin(azimuth), cosine}, weight};
+}
+/// Equal shares of `density` with weights that sum to 1; half of them, y > 0, for the others are mirrored.
+std::vector<KernelDraw> draws_of_kernel(const LevelKernel& kernel) {
     constexpr int k_rings = 64, k_of_ring = 16;
-    const double a = roughness * roughness * roughness * roughness;
     std::vector<KernelDraw> draws;
     double sum = 0;
     for (int i = 0; i < k_rings; ++i) {
-        const double x = (i + 0.5) / k_rings, c = (1 - x - a * x) / (1 - x + a * x);
+        const double c = kernel.cosine((i + 0.5) / k_rings);
         if (!(c > 0)) continue;
-        const double s = std::sqrt(1 - c * c);
-        for (int j = 0; j < k_of_ring; ++j) {
-            const double phi = k_pi * (j + 0.5) / k_of_ring;
-            draws.push_back({{s * elementary::cos(phi), s * elementary::sin(phi), c}, c});
-            sum += c;
-        }
+        for (int j = 0; j < k_of_ring; ++j) draws.push_back(draw_at(c, k_pi * (j + 0.5) / k_of_ring, c)), sum += c;
     }
     for (KernelDraw& draw : draws) draw.weight /= sum;
     return draws;
@@ -60,78 +69,96 @@ std::vector<KernelDraw> draws_of_kernel(double roughness) {
 constexpr std::array<double, 6> k_light_sizes{0.12, 0.25, 0.4, 0.6, 0.8, 1};
 constexpr int k_lights_of_a_size = 96;   ///< placed for each view
 constexpr int k_draws_of_a_view = 2048;  ///< of what the BRDF reflects: albedos within about .3 %
-/// Of luminance in the scale of a channel's errors, so that a channel that hardly reflects is not fitted as closely as the others.
-constexpr double k_luminance_share = 0.3;
+constexpr int k_draws_of_a_light = 64;   ///< of what a light sends
+/// Errors are relative to what is seen, as the eye's are: of luminance in it, so that a channel that hardly reflects is not fitted as
+/// closely as the others; and of what else lights the surface, which is this all round where the light has radiance 1. With .03 and
+/// .4 pictures of glossy paints and films err by a tenth to a quarter more, those of white paper by a quarter more and less.
+constexpr double k_luminance_share = 0.3, k_ambient = 0.1 / k_pi;
 constexpr int k_lobe_starts = 12;
-constexpr int k_view_sweeps =
-    2;  ///< over all views, each towards the mean of its neighbours; a third changes pictures by less than .01 ΔE_ITP
-/// Of squared distances of p and r from the neighbours', beside squared errors over the albedo of 1e-5 to 1e-3: 30 times as much made
-/// pictures of metals err by twice as much, a tenth changed nothing.
-constexpr double k_smoothness = 1e-3;
+/// Over all views, each towards the mean of its neighbours; a third changes pictures by less than .01 ΔE_ITP.
+constexpr int k_view_sweeps = 2;
+/// Of squared distances of p and r from the neighbours', beside relative squared errors of .02 to .2: 30 times as much changed the
+/// errors of pictures by less than 4 %.
+constexpr double k_smoothness = 1e-2;
 constexpr double k_most_axis = 1.3;  ///< |p|: beyond the mirror direction by as much as off-specular peaks are
+
+/// K of a light, and draws of its density all round.
+struct LightKernel {
+    LevelKernel kernel;
+    std::vector<KernelDraw> draws;
+    explicit LightKernel(double roughness) : kernel(roughness) {
+        RSequence<2> numbers;
+        for (int i = 0; i < k_draws_of_a_light; ++i) {
+            const auto u = numbers.next();
+            draws.push_back(draw_at(kernel.cosine(u[0]), 2 * k_pi * u[1], 1));
+        }
+    }
+};
+const std::vector<LightKernel>& light_kernels() {
+    static const std::vector<LightKernel> all(k_light_sizes.begin(), k_light_sizes.end());
+    return all;
+}
 
 /// ∫ K(roughness, a · w) K(k_light_sizes[size], b · w) dω of the angle between a and b.
 class BlurredKernels {
   public:
-    explicit BlurredKernels(int threads) : values_(k_light_sizes.size() * k_roughnesses * k_angles) {
-        parallel_for(k_light_sizes.size() * k_roughnesses, threads, [&](std::size_t i) {
-            const double size = k_light_sizes[i / k_roughnesses], roughness = roughness_of(double(i % k_roughnesses));
-            const auto draws = draws_of_kernel(std::min(size, roughness));
-            const double wider = std::max(size, roughness), scale = kernel_scale(wider);
+    explicit BlurredKernels(int threads) : values_(k_light_sizes.size() * k_levels * k_angles) {
+        parallel_for(k_light_sizes.size() * k_levels, threads, [&](std::size_t i) {
+            const double size = k_light_sizes[i / k_levels], roughness = roughness_of_level(int(i % k_levels));
+            const auto draws = draws_of_kernel(LevelKernel(std::min(size, roughness)));
+            const LevelKernel wider(std::max(size, roughness));
             for (std::size_t angle = 0; angle < k_angles; ++angle) {
                 const double u = double(angle) / (k_angles - 1), sine = u * u;  // of half the angle
                 const double c = 1 - 2 * sine * sine, s = 2 * sine * std::sqrt(1 - sine * sine);
                 double sum = 0;
-                for (const KernelDraw& draw : draws)
-                    sum += draw.weight * kernel_shape(wider, s * draw.w.x + c * draw.w.z);
-                values_[i * k_angles + angle] = scale * sum;
+                for (const KernelDraw& draw : draws) sum += draw.weight * wider(s * draw.w.x + c * draw.w.z);
+                values_[i * k_angles + angle] = sum;
             }
         });
     }
-    /// Linear between nodes, with its derivatives by roughness and by the cosine between the axes.
+    /// Linear between levels, with its derivatives by roughness and by the cosine between the axes.
     struct Value {
         double value, by_roughness, by_cosine;
     };
     Value at(std::size_t size, double roughness, double cosine) const {
         const double sine2 = std::clamp((1 - cosine) / 2, 1e-12, 1.0);  // of half the angle
         const double sine = std::sqrt(sine2), u = std::sqrt(sine);
-        const double x = (roughness - k_least) / (1 - k_least) * (k_roughnesses - 1), y = u * (k_angles - 1);
-        const auto i = std::size_t(std::clamp(int(x), 0, int(k_roughnesses) - 2)),
+        const double root = std::sqrt(roughness), x = root * (k_levels - 1), y = u * (k_angles - 1);
+        const auto i = std::size_t(std::min(int(x), int(k_levels) - 2)),
                    j = std::size_t(std::min(int(y), int(k_angles) - 2));
         const double s = x - double(i), t = y - double(j);
-        const double* of = &values_[(size * k_roughnesses + i) * k_angles + j];
+        const double* of = &values_[(size * k_levels + i) * k_angles + j];
         const double low = of[0] + t * (of[1] - of[0]), high = of[k_angles] + t * (of[k_angles + 1] - of[k_angles]);
         const double by_y = (1 - s) * (of[1] - of[0]) + s * (of[k_angles + 1] - of[k_angles]);
         // u⁴ = (1 − cosine) / 2
-        return {low + s * (high - low), (high - low) * (k_roughnesses - 1) / (1 - k_least),
+        return {low + s * (high - low), (high - low) * (k_levels - 1) / (2 * root),
                 -by_y * (k_angles - 1) / (8 * u * sine)};
     }
 
   private:
-    static constexpr std::size_t k_roughnesses = 25, k_angles = 129;
-    static constexpr double k_least = ExtendedLight::k_least_roughness;
-    static double roughness_of(double i) { return k_least + (1 - k_least) * i / (k_roughnesses - 1); }
+    static constexpr std::size_t k_levels = ExtendedLight::k_levels, k_angles = 129;
     std::vector<double> values_;
 };
 
-/// A light of K's shape about a direction, with its weight in the sum of squares.
+/// A light of K's shape about a direction, with the root of its share in the mean over directions.
 struct Light {
     std::size_t size;
     Vec3d centre;
-    double weight;
+    double share;
 };
 
 /// What a view shows of the lights.
 struct View {
     Vec3d wv;
-    Vec3d scale;  ///< of the errors of R, G, B
     std::vector<Light> lights;
-    MatrixXd seen;  ///< lights × 3: weight × radiance / scale
+    MatrixXd weight;  ///< lights × 3, of errors of R, G, B
+    MatrixXd seen;    ///< lights × 3: weight × radiance
 };
 
-/// Light that is reflected to the view from direction w, an equal share of the draws.
+/// Light that is reflected to the view from direction w, drawn with that density, an equal share of the draws.
 struct Reflected {
     Vec3d w, share;
+    double density;
 };
 std::vector<Reflected> reflected_to(const PreparedBrdf& brdf, const Vec3f& wv) {
     std::vector<Reflected> all;
@@ -141,13 +168,13 @@ std::vector<Reflected> reflected_to(const PreparedBrdf& brdf, const Vec3f& wv) {
         const LightSample drawn = sample(brdf, wv, {float(u[0]), float(u[1])}, float(u[2]));
         if (!(drawn.pdf > 0)) continue;
         const Vec3d weight{drawn.weight.r, drawn.weight.g, drawn.weight.b};
-        all.push_back({to_double(drawn.wl), 1.0 / k_draws_of_a_view * weight});
+        all.push_back({to_double(drawn.wl), 1.0 / k_draws_of_a_view * weight, double(drawn.pdf)});
     }
     return all;
 }
 
-/// Half of them where light is reflected from, half of them anywhere. What is estimated is the mean over directions of the squared
-/// error under a light of radiance 1, whose share of the sphere goes with r⁴, for each size.
+/// Half of them where light is reflected from, half of them anywhere. What is estimated is, for each size, the mean over directions of
+/// the squared error under a light of radiance 1.
 std::vector<Light> lights_about(const PreparedBrdf& brdf, const Vec3f& wv, const std::vector<Reflected>& reflected) {
     std::vector<Light> lights;
     RSequence<2> anywhere;
@@ -162,11 +189,37 @@ std::vector<Light> lights_about(const PreparedBrdf& brdf, const Vec3f& wv, const
                 const double c = 1 - 2 * u[0], s = std::sqrt(std::max(1 - c * c, 0.0)), phi = 2 * k_pi * u[1];
                 centre = {s * elementary::cos(phi), s * elementary::sin(phi), c};
             }
-            const double density = 0.5 * pdf(brdf, to_float(centre), wv) + 0.5 / (4 * k_pi),
-                         r2 = k_light_sizes[size] * k_light_sizes[size];
-            lights.push_back({size, centre, r2 / std::sqrt(density * k_lights_of_a_size)});
+            const double density = 0.5 * pdf(brdf, to_float(centre), wv) + 0.5 / (4 * k_pi);
+            lights.push_back({size, centre, 1 / std::sqrt(density * k_lights_of_a_size)});
         }
     return lights;
+}
+
+/// ∫ K(size, centre · w) f cosθ dω by draws of the BRDF and of the light, with the balance heuristic (Veach & Guibas 1995): those of
+/// the BRDF alone seldom meet a small light, and their noise would be fitted.
+Vec3d shown_of(const Light& light, const PreparedBrdf& brdf, const Vec3f& wv, const std::vector<Reflected>& reflected) {
+    const auto& [kernel, draws] = light_kernels()[light.size];
+    const auto all_draws = [](double of_brdf, double of_light) {
+        return k_draws_of_a_view * of_brdf + k_draws_of_a_light * of_light;
+    };
+    Vec3d sum{};
+    for (const auto& [w, share, density] : reflected) {
+        // An isotropic BRDF reflects the same from both sides of the plane of incidence.
+        const double along = w.x * light.centre.x + w.z * light.centre.z, across = w.y * light.centre.y;
+        for (const double c : {along + across, along - across})
+            if (c > 0)
+                sum =
+                    sum + 0.5 * k_draws_of_a_view * density * kernel(c) / all_draws(density, kernel.density(c)) * share;
+    }
+    const Frame axes = frame_about(light.centre);
+    for (const KernelDraw& drawn : draws) {
+        const Vec3f w = to_float(axes.from(drawn.w));
+        if (!(w.z > 0)) continue;
+        const double c = drawn.w.z, scale = kernel(c) * double(w.z) / all_draws(pdf(brdf, w, wv), kernel.density(c));
+        const Rgb f = value(brdf, w, wv);
+        sum = sum + scale * Vec3d{double(f.r), double(f.g), double(f.b)};
+    }
+    return sum;
 }
 
 View view_of(const PreparedBrdf& brdf, double cosine) {
@@ -176,26 +229,20 @@ View view_of(const PreparedBrdf& brdf, double cosine) {
     const std::vector<Reflected> reflected = reflected_to(brdf, wv);
     Vec3d albedo{};
     for (const Reflected& of : reflected) albedo = albedo + of.share;
-    const double luminance = srbf::luminance(Rgb{float(albedo.x), float(albedo.y), float(albedo.z)});
-    const auto scale = [&](double of) {
-        return std::max((1 - k_luminance_share) * of + k_luminance_share * luminance, 1e-9);
-    };
-    view.scale = {scale(albedo.x), scale(albedo.y), scale(albedo.z)};
     view.lights = lights_about(brdf, wv, reflected);
     view.seen.resize(Eigen::Index(view.lights.size()), 3);
+    view.weight.resize(Eigen::Index(view.lights.size()), 3);
     for (std::size_t i = 0; i < view.lights.size(); ++i) {
         const Light& light = view.lights[i];
-        const double roughness = k_light_sizes[light.size];
-        Vec3d sum{};
-        for (const auto& [w, share] : reflected) {
-            // An isotropic BRDF reflects the same from both sides of the plane of incidence.
-            const double along = w.x * light.centre.x + w.z * light.centre.z, across = w.y * light.centre.y;
-            sum =
-                sum + 0.5 * (kernel_shape(roughness, along + across) + kernel_shape(roughness, along - across)) * share;
-        }
-        const double by = light.weight * kernel_scale(roughness);
-        view.seen.row(Eigen::Index(i)) << by * sum.x / view.scale.x, by * sum.y / view.scale.y,
-            by * sum.z / view.scale.z;
+        const Vec3d sum = shown_of(light, brdf, wv, reflected);
+        const Vec3d seen = sum + k_ambient * albedo;
+        const double luminance = srbf::luminance(Rgb{float(seen.x), float(seen.y), float(seen.z)});
+        const auto weight = [&](double of) {
+            return light.share / std::max((1 - k_luminance_share) * of + k_luminance_share * luminance, 1e-9);
+        };
+        view.weight.row(Eigen::Index(i)) << weight(seen.x), weight(seen.y), weight(seen.z);
+        view.seen.row(Eigen::Index(i)) =
+            view.weight.row(Eigen::Index(i)).cwiseProduct(Eigen::RowVector3d(sum.x, sum.y, sum.z));
     }
     return view;
 }
@@ -215,12 +262,14 @@ class LobesOfView {
         const auto n = Eigen::Index(view_.lights.size());
         A_.resize(n, lobes_), by_axis_.resize(n, lobes_), by_roughness_.resize(n, lobes_);
         for (int k = 0; k < lobes_; ++k) k == 0 ? set_column(0, 0, 1) : set_column(k, x[2 * k - 2], x[2 * k - 1]);
-        gram_ = A_.transpose() * A_;
         double sum = smoothness_ * (x - near_).squaredNorm();
         const VectorXd unbounded = VectorXd::Constant(lobes_, std::numeric_limits<double>::infinity());
-        for (int c = 0; c < 3; ++c) {
-            weights_[std::size_t(c)] = bounded_least_squares(gram_, A_.transpose() * view_.seen.col(c), unbounded);
-            sum += (A_ * weights_[std::size_t(c)] - view_.seen.col(c)).squaredNorm();
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto seen = view_.seen.col(Eigen::Index(c));
+            weighted_[c] = view_.weight.col(Eigen::Index(c)).asDiagonal() * A_;
+            gram_[c] = weighted_[c].transpose() * weighted_[c];
+            weights_[c] = bounded_least_squares(gram_[c], weighted_[c].transpose() * seen, unbounded);
+            sum += (weighted_[c] * weights_[c] - seen).squaredNorm();
         }
         return sum;
     }
@@ -232,15 +281,16 @@ class LobesOfView {
             for (int k = 0; k < lobes_; ++k) {
                 if (weights_[c][k] > 0) positive.push_back(k);
                 if (k == 0) continue;
-                J.col(2 * k - 2) = weights_[c][k] * by_axis_.col(k);
-                J.col(2 * k - 1) = weights_[c][k] * by_roughness_.col(k);
+                const auto weight = view_.weight.col(Eigen::Index(c));
+                J.col(2 * k - 2) = weights_[c][k] * weight.cwiseProduct(by_axis_.col(k));
+                J.col(2 * k - 1) = weights_[c][k] * weight.cwiseProduct(by_roughness_.col(k));
             }
             if (!positive.empty()) {  // the weights adapt
-                const MatrixXd A = A_(Eigen::all, positive);
-                J -= A * ridged(gram_(positive, positive)).ldlt().solve(A.transpose() * J);
+                const MatrixXd A = weighted_[c](Eigen::all, positive);
+                J -= A * ridged(gram_[c](positive, positive)).ldlt().solve(A.transpose() * J);
             }
             H += J.transpose() * J;
-            g += J.transpose() * (A_ * weights_[c] - view_.seen.col(Eigen::Index(c)));
+            g += J.transpose() * (weighted_[c] * weights_[c] - view_.seen.col(Eigen::Index(c)));
         }
     }
     VectorXd lower(const VectorXd& x) const { return each(x, -most_axis(), ExtendedLight::k_least_roughness); }
@@ -269,9 +319,9 @@ class LobesOfView {
         for (Eigen::Index i = 0; i < A_.rows(); ++i) {
             const Light& light = view_.lights[std::size_t(i)];
             const auto at = kernels_.at(light.size, r, dot(axis, light.centre));
-            A_(i, k) = light.weight * at.value;
-            by_axis_(i, k) = light.weight * at.by_cosine * dot(by_p, light.centre);
-            by_roughness_(i, k) = light.weight * at.by_roughness;
+            A_(i, k) = at.value;
+            by_axis_(i, k) = at.by_cosine * dot(by_p, light.centre);
+            by_roughness_(i, k) = at.by_roughness;
         }
     }
     double most_axis() const { return std::min(k_most_axis, 0.999 / std::max(view_.wv.x, 1e-3)); }  // above the horizon
@@ -286,7 +336,8 @@ class LobesOfView {
     VectorXd near_;
     int lobes_;
     double smoothness_;
-    MatrixXd A_, by_axis_, by_roughness_, gram_;
+    MatrixXd A_, by_axis_, by_roughness_;
+    std::array<MatrixXd, 3> weighted_, gram_;  ///< A_ by the weights of a channel's errors, and its AᵀA
     std::array<VectorXd, 3> weights_;
 };
 
@@ -364,7 +415,10 @@ Vec3f axis_of(const Lobe& lobe, const Vec3f& wv) {
 }
 
 float filter_kernel(float roughness, float cosine) {
-    return float(kernel_scale(roughness) * kernel_shape(roughness, cosine));
+    const double x = std::sqrt(double(roughness)) * (ExtendedLight::k_levels - 1);
+    const int below = std::min(int(x), ExtendedLight::k_levels - 2);
+    const auto at = [&](int level) { return LevelKernel(roughness_of_level(level))(double(cosine)); };
+    return float(at(below) + (x - below) * (at(below + 1) - at(below)));
 }
 
 ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOptions& options) {

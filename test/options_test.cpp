@@ -37,6 +37,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"raster, environment", "render m.srbf -o o.exr --size 9x8 --renderer raster --env studio --spp 1"},
     {"code", "export m.srbf --to glsl -o o.glsl"},
     {"three.js", "export m.srbf --to three -o o.js"},
+    {"an environment", "export studio --to dds -o o.dds"},
     {"a surface", "export q.srbf --to mtlx -o o.mtlx"},
     {"page", "export m.srbf --to html -o o.html"},
     {"page, mesh", "export m.srbf --to html -o o.html --mesh m.obj"},

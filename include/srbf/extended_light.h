@@ -11,12 +11,15 @@ namespace [[gnu::visibility("default")]] srbf {
 
 /// The lobes of f(wl, wv) cosθl over the light wl, for views wv at some cosines to the normal:
 ///   f cosθl ≈ Σ_k weight_k K(roughness_k, axis_k · wl)
-///   K(r, c) ∝ c / (1 + α² − (1 − α²) c)² for c > 0 and 0 below, α = r², ∫ K dω = 1 [1/sr]
 ///   axis_k = (−p_k wv.x, −p_k wv.y, √(1 − p_k² (1 − wv.z²)))
-/// K is what engines filter environment maps with for GGX of roughness r seen along the normal (Karis 2013), so that the
-/// light that leaves towards wv is a sum of look-ups, Σ_k weight_k radiance(axis_k, roughness_k). The axes lie in the plane of
-/// incidence: p = 1 is the mirror direction, 0 the normal, −1 the viewer. The first lobe of each view is the cosine about the
-/// normal, p = 0 and r = 1, which is irradiance / π. Weights are not negative and sum to the directional albedo.
+/// K is what a filtered environment map holds, so that the light that leaves towards wv is a sum of look-ups,
+/// Σ_k weight_k radiance(axis_k, roughness_k). At the roughness r of one of the map's `k_levels` levels,
+///   level = (k_levels − 1) √r,
+/// it is what engines filter with for GGX of that roughness seen along the normal (Karis 2013),
+///   K(r, c) ∝ c / (1 + α² − (1 − α²) c)² for c > 0 and 0 below, α = r², ∫ K dω = 1 [1/sr],
+/// and between two levels it is linear in the level, as a graphics library looks it up. The axes lie in the plane of incidence: p = 1
+/// is the mirror direction, 0 the normal, −1 the viewer. The first lobe of each view is the cosine about the normal, p = 0 and r = 1,
+/// which is irradiance / π. Weights are not negative and sum to the directional albedo.
 struct ExtendedLight {
     static constexpr int k_views = 32;
     struct Lobe {
@@ -25,6 +28,7 @@ struct ExtendedLight {
         Rgb weight;
     };
     static constexpr float k_least_roughness = 0.05f;
+    static constexpr int k_levels = 6;  ///< of a filtered map, by roughness 0, 0.04, 0.16, 0.36, 0.64, 1
     int lobes = 0;
     std::vector<Lobe> lobe;  ///< k_views × lobes, the views from the horizon to the normal
 
@@ -44,7 +48,7 @@ struct ExtendedLightOptions {
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 /// The lobes of an isotropic BRDF; of an anisotropic one those of its mean over azimuths. What is minimised is the error under lights
-/// of several sizes everywhere, see docs/pictures.md.
+/// of several sizes everywhere, relative to what is seen of them.
 ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOptions& options = {});
 
 }  // namespace srbf

@@ -2,7 +2,7 @@
 //   light_lobes  for each of EXTENDED_NODES nodes, placed as those of albedos, and each of EXTENDED_LOBES lobes: p, roughness,
 //                weight R, G, B
 
-// A lobe of f_r cos(theta_l) over the light for a view: what an environment, blurred as for GGX of that roughness seen
+// A lobe of f_r cos(theta_l) over the light for a view: what an environment, filtered as for GGX of that roughness seen
 // along the normal, shows in the direction `axis` is reflected with `weight`.
 struct LightLobe {
     Vec3 axis;
@@ -24,8 +24,9 @@ LightLobe environment_lobe(Vec3 wv, int k) {
     return lobe;
 }
 
-// The radiance of the environment, which the host supplies: in a direction of the local frame, blurred as for GGX of a
-// roughness, as an engine's filtered maps hold it. At roughness 1 it is irradiance / pi.
+// The radiance of the environment, which the host supplies: in a direction of the local frame, filtered as for GGX of a
+// roughness, as an engine's maps hold it. At roughness 1 it is irradiance / pi. Lobes are fitted to maps of
+// EXTENDED_LEVELS levels, of which level (EXTENDED_LEVELS - 1) sqrt(roughness) is looked up, between levels linearly.
 Vec3 radiance(Vec3 direction, Real roughness);
 // The radiance that leaves towards the viewer.
 Vec3 environment(Vec3 wv) {
@@ -79,21 +80,31 @@ Real cosine_over(Polygon of) {
     }
     return abs(sum) * Real(0.15915494);
 }
-// The integral of a lobe's part of weight 1 over a polygon. The lobe is nearly a cosine about its axis whose directions are
-// drawn together, and the polygon's are drawn apart instead (Heitz et al. 2016).
-Real lobe_over(LightLobe lobe, Polygon of) {
-    Real r = lobe.roughness;
+// The integral over a polygon of what a level of a filtered map shows about an axis. It is nearly a cosine about the axis whose
+// directions are drawn together, and the polygon's are drawn apart instead (Heitz et al. 2016).
+Real level_over(Vec3 axis, int level, Polygon of) {
+    Real root = Real(level) / Real(EXTENDED_LEVELS - 1);
+    Real r = max(root * root, Real(0.01));
     Real apart = sqrt(Real(1.0) + Real(3.0) * r * r * r) / (Real(2.0) * r * r);
-    Real x = lobe.axis.x;
-    Real y = lobe.axis.y;
-    Real s = Real(1.0) / (Real(1.0) + lobe.axis.z);
+    Real x = axis.x;
+    Real y = axis.y;
+    Real s = Real(1.0) / (Real(1.0) + axis.z);
     Polygon about = of;
     for (int i = 0; i < of.count; ++i) {
         Vec3 p = of.corner[i];
         about.corner[i] = Vec3(apart * dot(Vec3(Real(1.0) - x * x * s, -x * y * s, -x), p),
-                               apart * dot(Vec3(-x * y * s, Real(1.0) - y * y * s, -y), p), dot(lobe.axis, p));
+                               apart * dot(Vec3(-x * y * s, Real(1.0) - y * y * s, -y), p), dot(axis, p));
     }
     return cosine_over(above_horizon(about));
+}
+// Of a lobe's part of weight 1, between levels.
+Real lobe_over(LightLobe lobe, Polygon of) {
+    Real at = sqrt(lobe.roughness) * Real(EXTENDED_LEVELS - 1);
+    int below = int(min(at, Real(EXTENDED_LEVELS - 2)));
+    Real part = at - Real(below);
+    Real sum = part * level_over(lobe.axis, below + 1, of);
+    if (part < Real(1.0)) sum = sum + (Real(1.0) - part) * level_over(lobe.axis, below, of);
+    return sum;
 }
 // The radiance that leaves towards the viewer from a quadrilateral of radiance 1 on either side, whose corners follow
 // each other: from the point of the surface, in the local frame.

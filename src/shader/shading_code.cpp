@@ -324,7 +324,8 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
                                                {"ALBEDO_NODES", std::to_string(k_albedo_nodes)},
                                                {"EXTENDED_NODES", std::to_string(ExtendedLight::k_views)},
-                                               {"EXTENDED_LOBES", std::to_string(ExtendedLightOptions{}.lobes)}};
+                                               {"EXTENDED_LOBES", std::to_string(ExtendedLightOptions{}.lobes)},
+                                               {"EXTENDED_LEVELS", std::to_string(ExtendedLight::k_levels)}};
     const bool is_mixture = options.sampling || options.albedo || options.environment || options.area;
     const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string();
     syntax::parse(k_handles + accessors, program, defines, true);

@@ -1,0 +1,314 @@
+// How far pictures by a few lobes for each view (srbf/extended_light.h) are from the path tracer's, without occlusion.
+//   usage: extended_light MESH ENVIRONMENT.. MODEL..      files of environments end with .hdr or .exr, those of models with .srbf
+// Prints for each model, and in the mean: mean ΔE_ITP and PSNR over the environments, for several numbers of lobes; for
+// three rectangles of light; the two kinds of path-traced pictures that are beside them are the noise.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "render/filtered_environment.h"
+#include "render/path.h"
+#include "render/rays.h"
+#include "render/shading.h"
+#include "srbf/convert.h"
+#include "srbf/extended_light.h"
+#include "srbf/kernel.h"
+#include "srbf/likeness.h"
+#include "srbf/load.h"
+#include "srbf/pictures.h"
+#include "src/albedo_nodes.h"
+#include "src/parallel.h"
+
+namespace srbf {
+namespace kernel {
+
+template <Number Real> Real acos(Real x) { return std::acos(x); }
+template <Number Real> Real abs(Real x) { return std::abs(x); }
+
+inline Triple<float> triple_of(const Rgb& c) { return {c.r, c.g, c.b}; }
+
+/// The text of exported code, as C++.
+struct ExportedLight {
+    using Real = float;
+    using Vec3 = Triple<float>;
+    struct NodesAbout {
+        int below;
+        float beyond;
+    };
+    static NodesAbout nodes_about(float coordinate, int count) {
+        const float at = std::clamp(coordinate, 0.f, 1.f) * float(count - 1);
+        const int below = std::min(int(at), count - 2);
+        return {below, at - float(below)};
+    }
+    static float elevation_coordinate(float cosine) { return srbf::elevation_coordinate(std::clamp(cosine, 0.f, 1.f)); }
+    std::vector<float> light_lobes;
+    int EXTENDED_LOBES;
+    static constexpr int EXTENDED_NODES = ExtendedLight::k_views, EXTENDED_LEVELS = ExtendedLight::k_levels;
+    const FilteredEnvironment* map = nullptr;
+    Frame map_axes{};
+    static inline thread_local const Frame* surface = nullptr;  ///< of the point that is shaded
+    explicit ExportedLight(const ExtendedLight& of) : EXTENDED_LOBES(of.lobes) {
+        for (const ExtendedLight::Lobe& lobe : of.lobe)
+            light_lobes.insert(light_lobes.end(),
+                               {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
+    }
+#include "src/shader/extended.glsl"
+};
+Triple<float> ExportedLight::radiance(Vec3 direction, float roughness) {
+    return triple_of(map->at(to_float(map_axes.to(surface->from(to_double(direction)))), roughness));
+}
+
+}  // namespace kernel
+
+namespace {
+
+constexpr int k_size = 64, k_points = 6;  ///< points along a pixel
+constexpr int k_paths = 2048;
+
+/// What a pixel shows at its points: the local frame, and the direction to the viewer in it.
+struct Point {
+    Vec3f position;
+    Frame axes;
+    Vec3f wv;
+};
+struct Pixel {
+    std::size_t index;
+    std::vector<Point> points;
+};
+/// The pixels that show nothing but the surface.
+std::vector<Pixel> pixels_of(const Mesh& mesh, const Camera& camera) {
+    const Rays rays({&mesh});
+    std::vector<Pixel> pixels;
+    for (int y = 0; y < k_size; ++y)
+        for (int x = 0; x < k_size; ++x) {
+            Pixel pixel{std::size_t(y) * k_size + std::size_t(x), {}};
+            for (int k = 0; k < k_points * k_points; ++k) {
+                const double s = 2 * (x + (k % k_points + 0.5) / k_points) / k_size - 1,
+                             t = 1 - 2 * (y + (k / k_points + 0.5) / k_points) / k_size;
+                const Vec3f direction = to_float(direction_through(camera, 1, s, t));
+                const Vec3f to_viewer = -1.f * direction;
+                const auto hit = rays.closest(to_float(camera.eye), direction);
+                if (!hit) break;
+                const Triangle& triangle = mesh.triangles[hit->triangle];
+                const auto at = [&](const std::vector<Vec3f>& of) {
+                    return (1.f - hit->u - hit->v) * of[triangle[0]] + hit->u * of[triangle[1]] +
+                           hit->v * of[triangle[2]];
+                };
+                Vec3f normal = at(mesh.normals);
+                if (dot(normal, hit->geometric_normal) < 0) normal = -1.f * normal;
+                normal = Shading<float>::visible_normal(normal, to_viewer);
+                const Frame axes = surface_frame(to_double(normal));
+                pixel.points.push_back({at(mesh.positions), axes, to_float(axes.to(to_double(to_viewer)))});
+            }
+            if (pixel.points.size() == k_points * k_points) pixels.push_back(std::move(pixel));
+        }
+    return pixels;
+}
+
+template <typename F> Image drawn(const std::vector<Pixel>& pixels, const F& radiance) {
+    Image image(k_size, k_size);
+    parallel_for(pixels.size(), 0, [&](std::size_t i) {
+        Rgb& pixel = image.pixels[pixels[i].index];
+        for (const Point& point : pixels[i].points) {
+            const Rgb of = radiance(point);
+            for (int c = 0; c < 3; ++c) pixel[c] += of[c] / float(pixels[i].points.size());
+        }
+    });
+    return image;
+}
+Image only(const std::vector<Pixel>& pixels, const Image& of) {
+    Image image(k_size, k_size);
+    for (const Pixel& pixel : pixels) image.pixels[pixel.index] = of.pixels[pixel.index];
+    return image;
+}
+
+struct Errors {
+    double delta_e = 0, squares = 0, psnr = 0, count = 0;
+    void add(const Errors& of) { delta_e += of.delta_e, psnr += of.psnr, count += of.count; }
+    std::string text() const { return fmt::format("{:.2f}, {:.1f}", delta_e / count, psnr / count); }
+};
+/// As displayed with the reference's exposure, over the pixels.
+Errors errors_of(const std::vector<Pixel>& pixels, const Image& reference, const Image& other) {
+    const float exposure = exposure_to(reference, k_exposed_value);
+    Errors errors;
+    double squares = 0;
+    const auto shown = [&](const Rgb& c) {
+        return Rgb{std::clamp(exposure * c.r, 0.f, 1.f), std::clamp(exposure * c.g, 0.f, 1.f),
+                   std::clamp(exposure * c.b, 0.f, 1.f)};
+    };
+    for (const Pixel& pixel : pixels) {
+        const Rgb a = shown(reference.pixels[pixel.index]), b = shown(other.pixels[pixel.index]);
+        errors.delta_e += delta_e_itp(a, b) / double(pixels.size());
+        for (int c = 0; c < 3; ++c) squares += std::pow(double(srgb_encoded(a[c]) - srgb_encoded(b[c])), 2) / 3;
+    }
+    errors.psnr = std::min(-10 * std::log10(squares / double(pixels.size())), 100.0);
+    errors.count = 1;
+    return errors;
+}
+
+/// The practice of engines for Lambert and one lobe of GGX: irradiance, and one look-up along the mirror direction, bent to the
+/// normal as three.js bends it, scaled to the directional albedo.
+Rgb split_sum(const GgxModel& model, const PreparedBrdf& brdf, const FilteredEnvironment& map, const Frame& to_map,
+              const Point& at) {
+    const float roughness = std::sqrt(model.lobes[0].roughness);
+    const Vec3f mirrored{-at.wv.x, -at.wv.y, at.wv.z};
+    const float bend = roughness * roughness;
+    Vec3d axis = to_double((1 - bend) * mirrored) + Vec3d{0, 0, double(bend)};
+    const auto look = [&](const Vec3d& w, float r) {
+        return map.at(to_float(to_map.to(at.axes.from(normalize(w)))), r);
+    };
+    const Rgb whole = albedo(brdf, at.wv.z), glossy = look(axis, roughness), diffuse = look({0, 0, 1}, 1);
+    Rgb sum;
+    for (int c = 0; c < 3; ++c) {
+        const float of_body = std::min(model.diffuse[c], whole[c]);
+        sum[c] = of_body * diffuse[c] + (whole[c] - of_body) * glossy[c];
+    }
+    return sum;
+}
+
+constexpr std::array<int, 5> k_lobe_counts{2, 3, 4, 6, 8};
+constexpr std::size_t k_usual = 2;
+/// From small to large; the last is near, seen at grazing angles, and goes below the horizon of most points. About a sphere of radius 1
+/// that is seen from +z, out of the picture.
+const std::array<AreaLight, 3> k_rectangles{{
+    {{-1.2f, 2, 2.2f}, {0.1f, 0.2f, -0.1f}, {0.25f, 0, 0.25f}, {1, 1, 1}},
+    {{-2.5f, 2.5f, -1}, {3, 0, 0}, {0, 0, 3}, {1, 1, 1}},
+    {{1.35f, -1.5f, -1.2f}, {0, 0, 2.4f}, {0, 3, 0}, {1, 1, 1}},
+}};
+
+struct Map {
+    std::string name;
+    Environment environment;
+    FilteredEnvironment filtered;
+};
+struct Object {
+    std::string name;
+    Mesh mesh;
+    Camera camera;
+    std::vector<Pixel> pixels;
+};
+/// Of a model, over environments and objects.
+struct Row {
+    std::array<Errors, k_lobe_counts.size()> by_lobes;
+    Errors split, noise;
+    std::array<Errors, k_rectangles.size()> by_rectangle;  ///< with k_usual lobes
+    void add(const Row& of) {
+        for (std::size_t k = 0; k < by_lobes.size(); ++k) by_lobes[k].add(of.by_lobes[k]);
+        for (std::size_t i = 0; i < by_rectangle.size(); ++i) by_rectangle[i].add(of.by_rectangle[i]);
+        split.add(of.split), noise.add(of.noise);
+    }
+    void print(const std::string& name) const {
+        fmt::print("| {} |", name);
+        for (const Errors& of : by_lobes) fmt::print(" {} |", of.text());
+        fmt::print(" {} | {} |", split.count > 0 ? split.text() : "", noise.text());
+        for (const Errors& of : by_rectangle) fmt::print(" {} |", of.text());
+        fmt::print("\n");
+        std::fflush(stdout);
+    }
+};
+
+Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<Object>& objects) {
+    const PreparedBrdf brdf = prepare(model);
+    const auto* ggx = std::get_if<GgxModel>(&model.model);
+    std::vector<kernel::ExportedLight> lights;
+    for (const int lobes : k_lobe_counts) lights.emplace_back(extended_light(brdf, {.lobes = lobes}));
+    const auto traced = [&](const Object& object, const Environment* environment, std::vector<AreaLight> rectangle,
+                            std::uint64_t seed) {
+        const PathScene scene{{{&object.mesh, 0}}, {brdf}, object.camera, {}, std::move(rectangle), environment};
+        return only(object.pixels, render_paths(scene, {.width = k_size,
+                                                        .height = k_size,
+                                                        .samples = k_paths,
+                                                        .occlusion = false,
+                                                        .seed = seed,
+                                                        .progress = {}})
+                                       .rendering.radiance);
+    };
+    Row row;
+    for (const Object& object : objects) {
+        const Frame axes = environment_frame(object.camera);
+        for (const Map& map : maps) {
+            const Image reference = traced(object, &map.environment, {}, 0);
+            for (std::size_t k = 0; k < lights.size(); ++k) {
+                lights[k].map = &map.filtered, lights[k].map_axes = axes;
+                const Image picture = drawn(object.pixels, [&](const Point& at) {
+                    kernel::ExportedLight::surface = &at.axes;
+                    const Vec3f c = lights[k].environment(at.wv);
+                    return Rgb{c.x, c.y, c.z};
+                });
+                row.by_lobes[k].add(errors_of(object.pixels, reference, picture));
+            }
+            if (ggx && ggx->lobes.size() == 1)
+                row.split.add(errors_of(object.pixels, reference, drawn(object.pixels, [&](const Point& at) {
+                                            return split_sum(*ggx, brdf, map.filtered, axes, at);
+                                        })));
+            if (&map == &maps[0])
+                row.noise.add(errors_of(object.pixels, reference, traced(object, &map.environment, {}, 1)));
+        }
+    }
+    const Object& sphere = objects[0];
+    for (std::size_t i = 0; i < k_rectangles.size(); ++i) {
+        const AreaLight& of = k_rectangles[i];
+        const Image reference = traced(sphere, nullptr, {of}, 0);
+        row.by_rectangle[i].add(errors_of(sphere.pixels, reference, drawn(sphere.pixels, [&](const Point& at) {
+                                              const auto corner = [&](const Vec3f& add) {
+                                                  return to_float(at.axes.to(to_double(of.corner + add - at.position)));
+                                              };
+                                              const Vec3f c = lights[k_usual].area(at.wv, corner({}), corner(of.x),
+                                                                                   corner(of.x + of.y), corner(of.y));
+                                              return Rgb{c.x, c.y, c.z};
+                                          })));
+    }
+    return row;
+}
+
+Result<Done> print_tables(int count, char** arguments) {
+    std::vector<Map> maps;
+    std::vector<Object> objects;
+    std::vector<std::pair<std::string, Model>> models;
+    for (int i = 1; i < count; ++i) {
+        const std::filesystem::path path = arguments[i];
+        const std::string name = path.stem().string(), kind = path.extension().string();
+        if (kind == ".hdr" || kind == ".exr") {
+            auto environment = load_environment(path.string());
+            if (!environment) return environment.error();
+            FilteredEnvironment filtered(*environment);
+            maps.push_back({name, *std::move(environment), std::move(filtered)});
+        } else if (kind == ".srbf") {
+            auto model = load_brdf(path.string());
+            if (!model) return model.error();
+            models.emplace_back(name, std::get<Model>(*std::move(model)));
+        } else {
+            auto mesh = load_mesh(path.string());
+            if (!mesh) return mesh.error();
+            objects.push_back({name, *std::move(mesh), {}, {}});
+        }
+    }
+    objects.insert(objects.begin(), {"sphere", sphere(128), {}, {}});
+    for (Object& object : objects) {
+        object.camera = camera_of(object.mesh, {.elevation = 0}, 1);
+        object.pixels = pixels_of(object.mesh, object.camera);
+    }
+    fmt::print(
+        "| mean ΔE_ITP, PSNR [dB] | {} lobes | split sum | two path tracings | small rectangle | large | near |\n",
+        fmt::join(k_lobe_counts, " | "));
+    Row mean;
+    for (const auto& [name, model] : models) {
+        const Row row = row_of(model, maps, objects);
+        row.print(name);
+        mean.add(row);
+    }
+    mean.print("mean");
+    return Done{};
+}
+
+}  // namespace
+}  // namespace srbf
+
+int main(int count, char** arguments) {
+    const auto printed = srbf::print_tables(count, arguments);
+    if (!printed) fmt::print(stderr, "{}\n", srbf::message(printed.error()));
+    return printed ? 0 : 1;
+}

@@ -1,6 +1,6 @@
 // Pictures of the raster renderer under an environment.
-//   usage: environment errors|frames MESH ENVIRONMENT FILE...
-// errors: against the path tracer, by the number of samples; frames: until they are clean. FILE is a measurement, drawn
+//   usage: environment errors|samples MESH ENVIRONMENT FILE...
+// errors: against the path tracer, by the number of samples; samples: until they are clean. FILE is a measurement, drawn
 // from a table in Rusinkiewicz coordinates, or a model.
 #include <fmt/format.h>
 
@@ -102,12 +102,6 @@ class Progress {
 Image8 displayed(const Image& image, float exposure) {
     return shown({image, std::vector<float>(image.pixels.size(), 1)}, exposure);
 }
-Image between(const Image& a, const Image& b, float share) {
-    Image mixed = a;
-    for (std::size_t i = 0; i < mixed.pixels.size(); ++i)
-        for (int c = 0; c < 3; ++c) mixed.pixels[i][c] += share * (b.pixels[i][c] - a.pixels[i][c]);
-    return mixed;
-}
 
 /// PSNR against the path tracer, by strategy and number of samples.
 Result<Done> print_errors(const OffscreenContext& context, const Mesh& mesh, const Environment& environment,
@@ -124,8 +118,7 @@ Result<Done> print_errors(const OffscreenContext& context, const Mesh& mesh, con
     if (!progress) return progress.error();
     for (const auto& [title, draws] : {std::pair("both", LightDraws::both),
                                        {"BRDF alone", LightDraws::material},
-                                       {"environment alone", LightDraws::light},
-                                       {"filtered", LightDraws::filtered}}) {
+                                       {"environment alone", LightDraws::light}}) {
         fmt::print("| {} | {} |", name, title);
         progress->restart();
         for (int i = 1; i <= k_counts.back(); ++i) {
@@ -134,7 +127,6 @@ Result<Done> print_errors(const OffscreenContext& context, const Mesh& mesh, con
                 const Likeness alike = likeness(expected, displayed(progress->read(), exposure));
                 fmt::print(" {:.1f}, {:.3f} |", alike.psnr, alike.flip);
             }
-            if (draws == LightDraws::filtered) break;
         }
         fmt::print("\n");
         std::fflush(stdout);
@@ -142,42 +134,30 @@ Result<Done> print_errors(const OffscreenContext& context, const Mesh& mesh, con
     return Done{};
 }
 
-/// Frames until the picture differs by less than `k_clean` from the converged one: the mean alone, and as shown, which
-/// begins with the filtered picture.
-Result<Done> print_frames(const OffscreenContext& context, const Mesh& mesh, const Environment& environment,
-                          const Subject& of, const std::string& name) {
+/// Samples until the picture differs by less than `k_clean` from the converged one.
+Result<Done> print_samples(const OffscreenContext& context, const Mesh& mesh, const Environment& environment,
+                           const Subject& of, const std::string& name) {
     constexpr int width = 640, height = 480;
     const Scene scene = scene_of(mesh, {}, double(width) / height);
     auto progress = Progress::make(context, scene, environment, of.sampled, width, height);
     if (!progress) return progress.error();
-    progress->add(LightDraws::filtered);
+    progress->add(LightDraws::both);
+    progress->restart();
     const auto start = std::chrono::steady_clock::now();
-    progress->restart();
-    progress->add(LightDraws::filtered);
-    const Image filtered = progress->read();
-    const double first = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    progress->restart();
     std::vector<Image> means;
     for (int i = 1; i <= k_converged; ++i) {
         progress->add(LightDraws::both);
         if (i <= 64) means.push_back(progress->read());
     }
     const Image converged = progress->read();
-    const double each =
-        (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - first) / k_converged;
+    const double each = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / k_converged;
     const float exposure = automatic_exposure(converged);
     const Image8 expected = displayed(converged, exposure);
     const auto flip = [&](const Image& image) { return likeness(expected, displayed(image, exposure)).flip; };
-    int mean_clean = 0, shown_clean = 0;
-    for (int i = 1; i <= int(means.size()) && !(mean_clean && shown_clean); ++i) {
-        const Image& mean = means[std::size_t(i - 1)];
-        if (!mean_clean && flip(mean) < k_clean) mean_clean = i;
-        const float share = std::min(float(i - 1) / k_filtered_samples, 1.f);
-        if (!shown_clean && flip(between(filtered, mean, share)) < k_clean) shown_clean = i;
-    }
-    const auto text = [](int frames) { return frames ? std::to_string(frames) : "> 64"; };
-    fmt::print("| {} | {:.3f} | {:.3f} | {:.3f} | {} | {} | {:.0f} | {:.0f} |\n", name, flip(filtered), flip(means[0]),
-               flip(means[15]), text(mean_clean), text(shown_clean), 1000 * first, 1000 * each);
+    const auto clean = std::ranges::find_if(means, [&](const Image& mean) { return flip(mean) < k_clean; });
+    fmt::print("| {} | {:.3f} | {:.3f} | {:.3f} | {} | {:.0f} |\n", name, flip(means[0]),
+               flip(means[k_first_samples - 1]), flip(means[15]),
+               clean == means.end() ? "> 64" : std::to_string(clean - means.begin() + 1), 1000 * each);
     std::fflush(stdout);
     return Done{};
 }
@@ -203,11 +183,10 @@ Result<Done> print_tables(const std::vector<std::string>& arguments) {
         return Done{};
     }
     fmt::print(
-        "| 640 × 480 | ꟻLIP, filtered | 1 sample | 16 samples | frames until {}: mean alone | as shown | filtered "
-        "[ms] | sample [ms] |\n|---|---|---|---|---|---|---|---|\n",
-        k_clean);
+        "| 640 × 480, ꟻLIP | 1 sample | {} | 16 | samples until {} | a sample [ms] |\n|---|---|---|---|---|---|\n",
+        k_first_samples, k_clean);
     for (const auto& [name, of] : subjects)
-        if (const auto done = print_frames(*context, *mesh, *environment, of, name); !done) return done;
+        if (const auto done = print_samples(*context, *mesh, *environment, of, name); !done) return done;
     return Done{};
 }
 
@@ -215,7 +194,7 @@ Result<Done> print_tables(const std::vector<std::string>& arguments) {
 }  // namespace srbf
 
 int main(int argc, char** argv) {
-    if (argc < 5) return fmt::print(stderr, "usage: environment errors|frames MESH ENVIRONMENT FILE...\n"), 2;
+    if (argc < 5) return fmt::print(stderr, "usage: environment errors|samples MESH ENVIRONMENT FILE...\n"), 2;
     if (const auto printed = srbf::print_tables({argv + 1, argv + argc}); !printed) {
         fmt::print(stderr, "{}\n", srbf::message(printed.error()));
         return 1;

@@ -5,7 +5,6 @@ out vec4 pixel;
 uniform sampler2D radiance;  // and coverage
 uniform sampler2D other;  // also with coverage, of the same surface
 uniform float exposure;
-uniform float share;       // of `other` in what is shown
 uniform float full_scale;  // difference of exposed luminances with full colour; 0: show the radiance
 uniform vec3 background;  // sRGB
 uniform vec3 darker;
@@ -30,8 +29,7 @@ void main() {
     vec4 of_other = texelFetch(other, at, 0);
     vec4 difference = of_other - seen;
     bool is_measured = !isnan(seen.r) && !(full_scale > 0.0 && isnan(of_other.r));
-    vec3 mixed = share > 0.0 ? mix(seen.rgb, of_other.rgb, share) : seen.rgb;
-    Vec3 shown = displayed(mixed);
+    Vec3 shown = displayed(seen.rgb);
     shown = Vec3(srgb_transfer(shown.x), srgb_transfer(shown.y), srgb_transfer(shown.z));
     float luminance = dot(difference.rgb, Vec3(0.2126, 0.7152, 0.0722));
     if (in_delta_e && is_measured)

@@ -1,5 +1,5 @@
 // One more sample of a pixel under an environment, and directional lights beside it; to follow proposal_text,
-// shading.glsl, environment.glsl, LIGHTS and FILTERED_DRAWS. It covers the picture: where there is no surface the
+// shading.glsl, environment.glsl and LIGHTS. It covers the picture: where there is no surface the
 // environment is seen.
 out vec4 pixel;  // the mean of the samples so far
 
@@ -156,45 +156,6 @@ Vec3 by_environment(Vec3 wl, Vec3 wv, LitLobes lit, float side, EnvironmentSampl
     return weight / density * reflectance(wl, wv) * drawn.radiance;
 }
 
-// Without noise: the same draws in every pixel, FILTERED_LIGHTS by the environment and FILTERED_DRAWS by each of the
-// BRDF's lobes, whose weights change smoothly over a surface. A draw by the BRDF stands for a solid angle, its share of
-// the draws over their density, over which the environment is averaged. The light is that on one side.
-Vec3 filtered_radiance(SurfaceFrame frame, Vec3 wv, float side) {
-    choose_part(side, wv);
-    Vec3 v = to_part(wv);
-    NodesAbout nodes = mixture_nodes(v);
-    float of_material = float(FILTERED_DRAWS);
-    float of_light = float(FILTERED_LIGHTS);
-    // The integral of the environment's luminance, to which its draws are in proportion, also in means over an angle.
-    float whole = 4.0 * k_pi_ * luminance(environment_radiance(vec2(0.5), 32.0));
-    Vec3 sum = Vec3(0.0);
-    for (int k = 0; k < SRBF_PROPOSAL_LOBES; ++k) {
-        float weight = mixture_between(k, nodes);
-        if (weight <= 0.0) continue;
-        for (int i = 0; i < FILTERED_DRAWS; ++i) {
-            float u1 = (float(i) + 0.5) / float(FILTERED_DRAWS);
-            Vec3 drawn = sample_of_lobe(k, v, u1, fract(0.6180339887 * float(i) + 0.37 * float(k)));
-            float density = drawn.z > 0.0 ? light_pdf(drawn, v) : 0.0;
-            if (density <= 0.0) continue;
-            Vec3 wl = to_side(drawn, side);
-            float solid_angle = weight / (float(FILTERED_DRAWS) * density);
-            Vec3 arriving =
-                environment_radiance(environment_place(from_surface(frame, wl)), environment_level(solid_angle));
-            float by_light = of_light * luminance(arriving) / max(whole, 1.0e-30);
-            float share_ = power_share(of_material * density, by_light);
-            sum += share_ * solid_angle * reflectance(wl, wv) * arriving;
-        }
-    }
-    for (int i = 0; i < FILTERED_LIGHTS; ++i) {
-        EnvironmentSample drawn = sample_environment((float(i) + 0.5) / of_light, fract(0.6180339887 * float(i) + 0.5));
-        Vec3 wl = to_surface(frame, drawn.towards);
-        if (side * wl.z <= 0.0 || drawn.pdf <= 0.0) continue;
-        float share_ = power_share(of_light * drawn.pdf, of_material * light_pdf(to_part(wl), v));
-        sum += share_ / (of_light * drawn.pdf) * reflectance(wl, wv) * drawn.radiance;
-    }
-    return sum;
-}
-
 // `normal` as of surface_pixel.glsl, `index` of the points that directions are drawn from. Both sides of a surface have
 // their own draws by the material.
 Vec3 scattered_radiance(Vec3 position, vec4 normal, int index) {
@@ -202,28 +163,23 @@ Vec3 scattered_radiance(Vec3 position, vec4 normal, int index) {
     SurfaceFrame frame = surface_frame_about((SIDES == 2 ? normal.w : 1.0) * visible_normal(normal.xyz, to_viewer));
     Vec3 wv = to_surface(frame, to_viewer);
     Vec3 sum = Vec3(0.0);
-    if (draws == 3) {
-        sum += filtered_radiance(frame, wv, 1.0);
-        if (SIDES == 2) sum += filtered_radiance(frame, wv, -1.0);
-    } else {
-        uint seed = hashed(uint(gl_FragCoord.x) + hashed(uint(gl_FragCoord.y)));
-        vec2 of_material = point_at(index, seed + 2u);
-        LitLobes front = lit_lobes(frame, wv, 1.0);
-        if (draws != 2) sum += by_material(frame, wv, front, 1.0, of_material);
+    uint seed = hashed(uint(gl_FragCoord.x) + hashed(uint(gl_FragCoord.y)));
+    vec2 of_material = point_at(index, seed + 2u);
+    LitLobes front = lit_lobes(frame, wv, 1.0);
+    if (draws != 2) sum += by_material(frame, wv, front, 1.0, of_material);
 #if SIDES == 2
-        LitLobes back = lit_lobes(frame, wv, -1.0);
-        if (draws != 2) sum += by_material(frame, wv, back, -1.0, of_material);
+    LitLobes back = lit_lobes(frame, wv, -1.0);
+    if (draws != 2) sum += by_material(frame, wv, back, -1.0, of_material);
 #endif
-        for (int i = 0; i < LIGHT_DRAWS && draws != 1; ++i) {
-            vec2 u = point_at(LIGHT_DRAWS * index + i, seed);
-            EnvironmentSample drawn = sample_environment(u.x, u.y);
-            Vec3 wl = to_surface(frame, drawn.towards);
-            if (drawn.pdf <= 0.0) continue;
+    for (int i = 0; i < LIGHT_DRAWS && draws != 1; ++i) {
+        vec2 u = point_at(LIGHT_DRAWS * index + i, seed);
+        EnvironmentSample drawn = sample_environment(u.x, u.y);
+        Vec3 wl = to_surface(frame, drawn.towards);
+        if (drawn.pdf <= 0.0) continue;
 #if SIDES == 2
-            if (wl.z < 0.0) sum += by_environment(wl, wv, back, -1.0, drawn);
+        if (wl.z < 0.0) sum += by_environment(wl, wv, back, -1.0, drawn);
 #endif
-            if (wl.z > 0.0) sum += by_environment(wl, wv, front, 1.0, drawn);
-        }
+        if (wl.z > 0.0) sum += by_environment(wl, wv, front, 1.0, drawn);
     }
 #if SIDES == 2
     sum += straight_beam(wv) * environment_radiance(environment_place(-to_viewer), 0.0);
@@ -271,7 +227,7 @@ bool is_edge(ivec2 pixel_) {
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    int points = draws != 3 && is_edge(at) ? 4 : 1;
+    int points = is_edge(at) ? 4 : 1;
     vec3 sum = vec3(0.0);
     for (int k = 0; k < points; ++k) sum += radiance_at(at, k);
     vec4 now = vec4(sum / float(points), 1.0);

@@ -139,7 +139,7 @@ Json common_data(bool two_sided) {
     data["environment_pixel"] = pixel_text({.environment = true});
     if (two_sided) data["environment_pixel_of_both_sides"] = pixel_text({.environment = true, .two_sided = true});
     data["knee"] = k_knee;
-    data["filtered_samples"] = k_filtered_samples;
+    data["first_samples"] = k_first_samples;
     const Image studio = page_environment();
     data["environment"] = {{"width", studio.width}, {"height", studio.height}, {"rgbe", base64_of(to_rgbe(studio))}};
     return data;

@@ -12,9 +12,7 @@ std::string pixel_text(const ShaderOptions& options) {
     assert(options.lights >= 1);
     if (options.environment) {
         return proposal_text(options.two_sided ? int(k_parts) : 1) + k_shading_text + k_environment_text +
-               fmt::format("#define LIGHTS {}\n#define FILTERED_DRAWS {}\n#define FILTERED_LIGHTS {}\n", options.lights,
-                           k_filtered_draws, k_filtered_lights) +
-               k_environment_pixel_text;
+               fmt::format("#define LIGHTS {}\n", options.lights) + k_environment_pixel_text;
     }
     std::string each_light;
     for (int k = 0; k < options.lights; ++k) each_light += fmt::format(" f({})", k);

@@ -24,15 +24,9 @@ enum class LightDraws {
     both,      ///< two by the environment and one by the BRDF, combined with the power heuristic (Veach & Guibas 1995)
     material,  ///< one by the BRDF
     light,     ///< one by the environment
-    /// `k_filtered_lights` by the environment and `k_filtered_draws` by each lobe of the BRDF's mixture, the same in
-    /// every pixel; the latter each for the solid angle that is its share: the environment's mip level follows from the
-    /// density (Krivanek & Colbert 2008). A picture without noise, but biased.
-    filtered,
 };
-inline constexpr int k_filtered_draws = 1, k_filtered_lights = 16;
-/// The number of samples from which on a picture at rest is their mean alone: before, the share of the filtered picture
-/// falls linearly.
-inline constexpr int k_filtered_samples = 8;
+/// Samples that a picture begins with, and is drawn by while it moves.
+inline constexpr int k_first_samples = 4;
 
 struct ShaderOptions {
     Dialect dialect = Dialect::gl_450;

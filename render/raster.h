@@ -200,22 +200,18 @@ class RasterDevelopment {
 
     static Result<RasterDevelopment> make(Dialect dialect);
     /// Displays a target of floats in the current framebuffer of the same size, like `shown`.
-    void draw(const RasterTarget& radiance, float exposure) const { draw(radiance, radiance, exposure, 0, false, 0); }
-    /// The same of a mixture, with that share of `other`.
-    void draw_mixed(const RasterTarget& radiance, const RasterTarget& other, float share, float exposure) const {
-        draw(radiance, other, exposure, 0, false, share);
-    }
+    void draw(const RasterTarget& radiance, float exposure) const { draw(radiance, radiance, exposure, 0, false); }
     /// Displays exposure (other − reference) of the luminances, or ΔE_ITP / 100 of the displayed colours (from
     /// `k_equal` to `k_brighter`); `full_scale` > 0 has the full colour.
     void draw_difference(const RasterTarget& reference, const RasterTarget& other, float exposure, float full_scale,
                          bool in_delta_e = false) const {
-        draw(reference, other, exposure, full_scale, in_delta_e, 0);
+        draw(reference, other, exposure, full_scale, in_delta_e);
     }
 
   private:
     RasterDevelopment() = default;
     void draw(const RasterTarget& radiance, const RasterTarget& other, float exposure, float full_scale,
-              bool in_delta_e, float share) const;
+              bool in_delta_e) const;
     GlObject program_, no_array_;
 };
 

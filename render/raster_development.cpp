@@ -14,7 +14,7 @@ Result<RasterDevelopment> RasterDevelopment::make(Dialect dialect) {
 }
 
 void RasterDevelopment::draw(const RasterTarget& radiance, const RasterTarget& other, float exposure, float full_scale,
-                             bool in_delta_e, float share) const {
+                             bool in_delta_e) const {
     glUseProgram(program_.id());
     const auto place = [&](const char* uniform) { return glGetUniformLocation(program_.id(), uniform); };
     const auto set = [&](const char* uniform, Rgb c) { glUniform3f(place(uniform), c.r, c.g, c.b); };
@@ -24,7 +24,6 @@ void RasterDevelopment::draw(const RasterTarget& radiance, const RasterTarget& o
     glUniform1f(place("exposure"), exposure);
     glUniform1f(place("full_scale"), full_scale);
     glUniform1i(place("in_delta_e"), in_delta_e);
-    glUniform1f(place("share"), share);
     glUniform1i(place("radiance"), 0), glUniform1i(place("other"), 1);
     bind_texture(0, GL_TEXTURE_2D, radiance.colour_);
     bind_texture(1, GL_TEXTURE_2D, other.colour_);

@@ -205,7 +205,7 @@ void RasterMaterial::draw(const RasterSurface& surface, const RasterView& view, 
     set_axes("into_environment", light.axes.x, light.axes.y, light.axes.z, true);
     set_axes("picture_axes", half * view.aspect * camera.x, half * camera.y, camera.z, false);
     glUniform1f(place("environment_scale"), environment.scale_);
-    glUniform1f(place("share"), light.draws == LightDraws::filtered ? 1.f : 1 / float(index + 1));
+    glUniform1f(place("share"), 1 / float(index + 1));
     glUniform1i(place("sample_index"), index);
     glUniform1i(place("draws"), int(light.draws));
     glUniform2f(place("picture_size"), float(surface.width_), float(surface.height_));

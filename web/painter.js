@@ -208,16 +208,16 @@ function draw_surface(now, width, height, shift) {
   gl.viewport(0, 0, width, height);
 }
 
-// Buffers of a material: first the filtered picture, then two that take turns as the mean of samples.
+// Buffers of a material, which take turns as the mean of samples.
 function means_of(index, width, height) {
   const of = means[index];
   if (of && of[0].width === width && of[0].height === height) return of;
   if (of) for (const buffer of of) light.delete_buffer(gl, buffer);
-  return means[index] = [0, 1, 2].map(() => light.new_buffer(gl, width, height, 1, false));
+  return means[index] = [0, 1].map(() => light.new_buffer(gl, width, height, 1, false));
 }
 
-// Draws one more sample (`draws` 0), or the filtered picture (3), from what `draw_surface` saw.
-function draw_sample(index, now, draws, from, to, shift) {
+// Draws sample `count` of a mean from what `draw_surface` saw.
+function draw_sample(index, now, count, from, to, shift) {
   const lit = under_environment(index), { width, height } = to, { place } = lit, { scale, textures } = environment;
   gl.bindFramebuffer(gl.FRAMEBUFFER, to.framebuffer);
   use_material(index, lit, now);
@@ -227,35 +227,35 @@ function draw_sample(index, now, draws, from, to, shift) {
   gl.uniformMatrix3fv(place("picture_axes"), false,
     [...now.frame[0].map((x) => x * now.half[0]), ...now.frame[1].map((x) => x * now.half[1]), ...now.frame[2]]);
   gl.uniform1f(place("environment_scale"), scale);
-  gl.uniform1f(place("share"), draws === 3 ? 1 : 1 / (samples + 1));
-  gl.uniform1i(place("sample_index"), draws === 3 ? 0 : samples);
-  gl.uniform1i(place("draws"), draws);
+  gl.uniform1f(place("share"), 1 / (count + 1));
+  gl.uniform1i(place("sample_index"), count);
+  gl.uniform1i(place("draws"), 0);
   gl.uniform2f(place("picture_size"), width, height);
   gl.uniform2f(place("shift"), ...shift);
   draw_whole(lit, { surface_positions: visible.textures[0], surface_normals: visible.textures[1], before: from.textures[0],
     ...textures }, materials[index].textures.length);
 }
 
-// One more sample, and the picture so far: filtered at first, then the mean alone.
+// How many samples the next picture adds: one that begins is noisy, and has some at once.
+const samples_added = () => samples === 0 ? data.first_samples : 1;
+// These samples, and the picture so far.
 function draw_under_environment(index, now, width, height) {
   environment ??= light.new_environment(gl, image);
   develop ??= new_program(data.whole, data.develop);
-  const [filtered, ...mean] = means_of(index, width, height);
-  if (samples === 0) {
-    draw_surface(now, width, height, [0, 0]);
-    draw_sample(index, now, 3, mean[0], filtered, [0, 0]);
-    if (!is_exposed) exposure = light.exposure_of(gl, filtered, visible, data.knee), is_exposed = true;
+  const mean = means_of(index, width, height), end = samples + samples_added();
+  for (let count = samples; count < end; ++count) {
+    const shift = light.shift_of(count);
+    draw_surface(now, width, height, shift);
+    draw_sample(index, now, count, mean[count % 2], mean[(count + 1) % 2], shift);
   }
-  const shift = light.shift_of(samples);
-  draw_surface(now, width, height, shift);
-  draw_sample(index, now, 0, mean[samples % 2], mean[(samples + 1) % 2], shift);
+  const picture = mean[end % 2];
+  if (!is_exposed) exposure = light.exposure_of(gl, picture, visible, data.knee), is_exposed = true;
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.useProgram(develop.program);
   gl.uniform3f(develop.place("background"), ...data.background);
   gl.uniform1f(develop.place("exposure"), exposure * now.stops);
   gl.uniform1f(develop.place("full_scale"), 0);
-  gl.uniform1f(develop.place("share"), Math.min(samples / data.filtered_samples, 1));
-  draw_whole(develop, { radiance: filtered.textures[0], other: mean[(samples + 1) % 2].textures[0] }, 0);
+  draw_whole(develop, { radiance: picture.textures[0], other: picture.textures[0] }, 0);
 }
 
 
@@ -325,7 +325,7 @@ function draw_all({ number, pictures }) {
     const image = surface.transferToImageBitmap ? surface.transferToImageBitmap() : surface;
     post({ kind: "picture", of, image }, image === surface ? [] : [image]);
   }
-  if (drawn && pictures[0].scene.around) ++samples;
+  if (drawn && pictures[0].scene.around) samples += samples_added();
   finish(); // the pictures are there before the next are begun
   post({ kind: "drawn", number, samples, exposure });
   return drawn;

@@ -95,12 +95,7 @@ std::optional<Rgb> Panels::radiance_at(Which which, float u, float v) const {
     return Rgb{pixel[0], pixel[1], pixel[2]};
 }
 
-EnvironmentLight Panels::light_of(const Look& look, LightDraws draws) const {
-    const double s = std::sin(look.turned), c = std::cos(look.turned);
-    return {&*environment_, {{c, 0, -s}, {0, 1, 0}, {s, 0, c}}, draws};
-}
-
-Result<Done> Panels::draw_filtered(Panel& panel, const RasterView& view, const Look& look) {
+Result<Done> Panels::begin_mean(Panel& panel) {
     if (!panel.is_proposed) {
         const ShaderOptions options{.dialect = dialect_, .lights = 3, .environment = true, .open = true};
         if (const auto done = make_or_update(panel.lit, panel.lit_text, *panel.content, options); !done)
@@ -114,8 +109,6 @@ Result<Done> Panels::draw_filtered(Panel& panel, const RasterView& view, const L
         panel.mean.emplace(*std::move(mean));
     }
     panel.mean->restart();
-    panel.radiance->begin();
-    panel.lit->draw(*surface_, view, light_of(look, LightDraws::filtered), panel.mean->picture(), 0);
     return Done{};
 }
 
@@ -125,10 +118,12 @@ void Panels::add_samples(const Look& look, RasterView view) {
     if (index >= k_converged) return;
     view.shift = sample_shift(index, width_, height_);
     surface_->draw(*mesh_, view);
+    const double s = std::sin(look.turned), c = std::cos(look.turned);
+    const EnvironmentLight light{&*environment_, {{c, 0, -s}, {0, 1, 0}, {s, 0, c}}, LightDraws::both};
     for (const Which which : k_materials) {
         Panel& panel = of(which);
         if (panel.material && panel.mean && panel.mean->samples() == index)
-            panel.mean->add(*panel.lit, *surface_, view, light_of(look, LightDraws::both));
+            panel.mean->add(*panel.lit, *surface_, view, light);
     }
 }
 
@@ -177,24 +172,20 @@ Result<Done> Panels::draw(Look& look, int width, int height, bool expose, bool m
         panel.radiance->begin();
         if (!panel.material) continue;
         if (environment_) {
-            if (const auto drawn = draw_filtered(panel, view, look); !drawn) return drawn.error();
+            if (const auto begun = begin_mean(panel); !begun) return begun.error();
         } else {
             panel.material->draw(*surface_, view);
         }
     }
+    if (environment_)
+        for (int more = samples() == 0 ? k_first_samples : moving ? 0 : 1; more > 0; --more) add_samples(look, view);
     if (expose && look.automatic)
         if (const Which which = has(reference) ? reference : fit; has(which))
-            look.exposure = exposure_of(*of(which).radiance, width, height);
-    if (environment_ && !moving) add_samples(look, view);
+            look.exposure = exposure_of(of(which).seen(), width, height);
     for (const Which which : k_materials) {
         const Panel& panel = of(which);
         panel.shown->begin();
-        if (panel.mean && panel.mean->samples() > 0)
-            development_->draw_mixed(*panel.radiance, panel.mean->picture(),
-                                     std::min(1.f, float(panel.mean->samples() - 1) / k_filtered_samples),
-                                     look.exposure);
-        else
-            development_->draw(*panel.radiance, look.exposure);
+        development_->draw(panel.seen(), look.exposure);
     }
     of(difference).shown->begin();
     if (has(reference) && has(fit))

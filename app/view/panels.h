@@ -27,7 +27,7 @@ class Panels {
 
     /// Redraws what has changed since the last call; each picture has width × height pixels. Automatic exposure is
     /// updated only with `expose`, since it would flicker during rotation. Under an environment the pictures begin
-    /// filtered; if they are not `moving`, each call adds a sample.
+    /// with `k_first_samples`; if they are not `moving`, each call adds one.
     Result<Done> draw(Look& look, int width, int height, bool expose, bool moving);
     /// Of the pictures under an environment; `k_converged` without one.
     int samples() const;
@@ -48,20 +48,17 @@ class Panels {
         std::string text;  ///< of its shader
         bool is_stale = true;
         std::optional<RasterTarget> radiance, shown;
-        // Under an environment, where `radiance` is the filtered picture; made when there is one.
+        // Under an environment, instead of `radiance`; made when there is one.
         std::optional<Material> content;
         std::function<Proposals()> propose;
         std::optional<RasterMaterial> lit;
         std::string lit_text;
         bool is_proposed = false;
         std::optional<RasterMean> mean;
-        const RasterTarget& seen() const {
-            return mean && mean->samples() >= k_filtered_samples ? mean->picture() : *radiance;
-        }
+        const RasterTarget& seen() const { return mean && mean->samples() > 0 ? mean->picture() : *radiance; }
     };
-    Result<Done> draw_filtered(Panel& panel, const RasterView& view, const Look& look);
+    Result<Done> begin_mean(Panel& panel);
     void add_samples(const Look& look, RasterView view);
-    EnvironmentLight light_of(const Look& look, LightDraws draws) const;
     Panel& of(Which which) { return panels_[which]; }
     const Panel& of(Which which) const { return panels_[which]; }
 

@@ -146,6 +146,51 @@ TEST(Speos, ValuesAreRelative) {
     EXPECT_PRED3(near_relative, value(*b, wl, wv).g, value(*a, wl, wv).g, 0.02);
 }
 
+/// Lambert's BSDF by wavelength, of `share` and `percent` for each; transmission half as much.
+std::string spectral_speos(const std::vector<std::array<double, 2>>& share_and_percent, bool passes) {
+    std::string text = fmt::format("OPTIS - brdf surface file v8.0\n0\nby hand\n5\n-----\n1\t{:d}\n1\n2\t{}\n0 60\n",
+                                   passes, share_and_percent.size());
+    for (std::size_t k = 0; k < share_and_percent.size(); ++k) text += fmt::format("{} ", 450 + 200 * k);
+    for (int side = 0; side < 1 + int(passes); ++side)
+        for (int incidence = 0; incidence < 2; ++incidence)
+            for (const auto& [share, percent] : share_and_percent) {
+                const double part = side == 0 ? 1 : 0.5;
+                text += fmt::format("\n{}\n3\t2\n\t0\t360", part * percent);
+                for (int row = 0; row < 3; ++row)
+                    text += fmt::format("\n{}\t{}\t{}", 90 * side + 45 * row, part * share, part * share);
+            }
+    return text + "\n";
+}
+
+TEST(Speos, FilesByWavelength) {
+    const Vec3f wl = to_float(spherical(0.5, 0.3)), wv = to_float(spherical(0.7, 2.8));
+    const auto one = read(spectral_speos({{0.3, 30}}, true) + "End of file\n");
+    ASSERT_TRUE(one.ok()) << message(one.error());
+    EXPECT_EQ(one->format, "Speos");
+    EXPECT_PRED3(near_relative, value(*one, wl, wv).g, 0.3 / k_pi, 1e-3);
+    EXPECT_PRED3(near_relative, value(*one, wl, to_side(wv, -1)).g, 0.15 / k_pi, 1e-3);
+    // Values are relative to each percentage; the end may be missing.
+    const auto relative = read(spectral_speos({{7, 30}}, false));
+    ASSERT_TRUE(relative.ok()) << message(relative.error());
+    EXPECT_TRUE(is_isotropic(*relative));
+    EXPECT_PRED3(near_relative, value(*relative, wl, wv).g, 0.3 / k_pi, 0.01);
+    // Blue and red: the mean, tinted.
+    const auto two = read(spectral_speos({{0.1, 10}, {0.3, 30}}, false));
+    ASSERT_TRUE(two.ok()) << message(two.error());
+    const Rgb f = value(*two, wl, wv);
+    EXPECT_GT(f.r, f.g);
+    EXPECT_GT(f.g, f.b);
+    EXPECT_GT(f.g, 0.1f / float(k_pi));
+    EXPECT_LT(f.g, 0.3f / float(k_pi));
+
+    const std::string text = spectral_speos({{0.1, 10}, {0.3, 30}}, true);
+    EXPECT_NE(error_of(text.substr(0, text.rfind("\n3\t2")) + "\n3\t2\n\t0\t180\n90 1 1\n135 1 1\n180 1 1\n")
+                  .find("those of the first wavelength"),
+              std::string::npos);
+    for (std::size_t size = 0; size + 4 < text.size(); size += 29)
+        EXPECT_NE(error_of(text.substr(0, size)), "") << size;
+}
+
 TEST(Scatter, RefusesBadFiles) {
     for (const auto& [what, by, error] : std::initializer_list<std::array<std::string, 3>>{
              {"PlaneSymmetrical", "Round", "one of PlaneSymmetrical, Asymmetrical, Asymmetrical4D, found 'Round'"},

@@ -1,4 +1,4 @@
-// Speos' text of anisotropic BSDFs, `.anisotropicbsdf`.
+// Speos' texts of anisotropic BSDFs, `.anisotropicbsdf`, and of isotropic ones by wavelength, `.brdf`.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,8 @@ namespace srbf {
 
 namespace {
 
-constexpr std::string_view k_speos_title = "OPTIS - Anisotropic BSDF surface file";
+constexpr std::string_view k_anisotropic_title = "OPTIS - Anisotropic BSDF surface file",
+                           k_spectral_title = "OPTIS - brdf surface file";
 /// Limits on what a header may count.
 constexpr std::size_t k_most_rotations = 3600, k_most_incidences = 3600, k_most_grid = 10000, k_most_percents = 10000;
 /// Values are relative to the percentage. Where their own integral is within this of it, they are taken as they are: the
@@ -37,6 +38,13 @@ void read_speos_angles(ScatterText& text, SpeosSide& side) {
             text.angles("incidence", text.count("number of incidences", k_most_incidences), 0, 90));
 }
 
+float speos_percentage(ScatterText& text) {
+    const auto percent = text.number<float>("percentage");
+    if (!text.error() && !(percent >= 0 && percent <= 1000))
+        text.fail("percentage", "0 to 1000", fmt::format("{}", percent));
+    return percent;
+}
+
 void read_speos_percents(ScatterText& text, SpeosSide& side) {
     side.theta = text.number<double>("theta of the spectrum") * k_degree;
     text.number<double>("phi of the spectrum");
@@ -44,11 +52,17 @@ void read_speos_percents(ScatterText& text, SpeosSide& side) {
     const std::size_t n = text.count("number of wavelengths", k_most_percents);
     for (std::size_t i = 0; i < n && !text.error(); ++i) {
         side.wavelength.push_back(text.number<float>("wavelength"));
-        side.percent.push_back(text.number<float>("percentage"));
-        if (!text.error() && !(side.percent.back() >= 0 && side.percent.back() <= 1000))
-            text.fail("percentage", "0 to 1000", fmt::format("{}", side.percent.back()));
+        side.percent.push_back(speos_percentage(text));
     }
     if (!text.error() && !are_wavelengths(side.wavelength)) text.fail("wavelengths", "rising ones in nm", "others");
+}
+
+/// Turns intensities, which have the cosine and nothing at the horizon, into f up to a factor.
+void divide_by_cosine(ScatterTable::Slice& slice) {
+    for (std::size_t k = 0; k < slice.f.size(); ++k) {
+        const double c = elementary::cos(double(slice.polar[k / slice.azimuth.size()]));
+        slice.f[k] = c > 1e-4 ? float(double(slice.f[k]) / c) : 0.f;
+    }
 }
 
 /// A block of values: θ rises from the normal in reflection, from 90 to 180° in transmission, which is turned round.
@@ -73,30 +87,36 @@ ScatterTable::Slice read_speos_slice(ScatterText& text, const SpeosSide& side, f
         for (float& theta : slice.polar) theta = float(k_pi - double(theta));
     }
     for (const auto& row : rows) slice.f.insert(slice.f.end(), row.begin(), row.end());
+    if (!are_bsdf) divide_by_cosine(slice);
     return slice;
 }
 
+/// What values are to be multiplied by, whose own integral is `own` and whose share of light is `stated`.
+double speos_scale(double own, double stated) {
+    return own > 0 && stated > 0 && !(std::abs(own - stated) <= k_same_percentage * stated) ? stated / own : 1;
+}
+
+/// Percentages by wavelength tint all values.
+void tint_speos(ScatterTable& table, const std::vector<float>& wavelength, const std::vector<float>& percent) {
+    double mean = 0;
+    for (const float p : percent) mean += double(p) / 100 / double(percent.size());
+    const bool is_flat = std::ranges::all_of(percent, [&](float p) { return p == percent[0]; });
+    if (is_flat || !(mean > 0)) return;
+    const Rgb tint = to_rgb(percent, rgb_weights(wavelength));
+    for (int c = 0; c < 3; ++c) table.tint[c] = float(double(tint[c]) / 100 / mean);
+}
+
 /// Turns values of a side into f [1/sr].
-void scale_speos(ScatterTable& table, const SpeosSide& side, bool are_bsdf) {
-    for (ScatterTable::Slice& slice : table.slices)
-        for (std::size_t k = 0; k < slice.f.size() && !are_bsdf; ++k) {
-            const double c = elementary::cos(double(slice.polar[k / slice.azimuth.size()]));
-            // An intensity has the cosine, and nothing at the horizon.
-            slice.f[k] = c > 1e-4 ? float(double(slice.f[k]) / c) : 0.f;
-        }
+void scale_speos(ScatterTable& table, const SpeosSide& side) {
     mask_gaps(table);
     const auto nearest = std::ranges::min_element(
         table.slices, {}, [&](const ScatterTable::Slice& of) { return std::abs(double(of.theta_l) - side.theta); });
     double mean = 0;
     for (const float percent : side.percent) mean += double(percent) / 100 / double(side.percent.size());
-    const double own = scatter_integral(table, *nearest, true);
-    if (own > 0 && mean > 0 && !(std::abs(own - mean) <= k_same_percentage * mean))
-        for (ScatterTable::Slice& slice : table.slices)
-            for (float& f : slice.f) f = float(double(f) * mean / own);
-    const bool is_flat = std::ranges::all_of(side.percent, [&](float p) { return p == side.percent[0]; });
-    if (is_flat || !(mean > 0)) return;
-    const Rgb tint = to_rgb(side.percent, rgb_weights(side.wavelength));
-    for (int c = 0; c < 3; ++c) table.tint[c] = float(double(tint[c]) / 100 / mean);
+    const double scale = speos_scale(scatter_integral(table, *nearest, true), mean);
+    for (ScatterTable::Slice& slice : table.slices)
+        for (float& f : slice.f) f = float(scale * double(f));
+    tint_speos(table, side.wavelength, side.percent);
 }
 
 std::optional<Error> check_values(const ScatterTable& table, const std::string& file_name) {
@@ -107,21 +127,84 @@ std::optional<Error> check_values(const ScatterTable& table, const std::string& 
     return {};
 }
 
+using SpeosTables = std::array<std::optional<ScatterTable>, 2>;
+/// What follows the type of values of an anisotropic file: each side's rotations and incidences, each side's percentages, and slices.
+void read_anisotropic(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_bsdf, SpeosTables& tables) {
+    for (SpeosSide& side : sides)
+        if (side.is_there) read_speos_angles(text, side);
+    for (SpeosSide& side : sides)
+        if (side.is_there) read_speos_percents(text, side);
+    for (std::size_t s = 0; s < 2 && !text.error(); ++s) {
+        if (!sides[s].is_there) continue;
+        ScatterTable& table = tables[s].emplace();
+        table.transmission = s == 1, table.rotation = sides[s].rotation, table.first = {0};
+        for (const auto& incidences : sides[s].incidence) {
+            for (const float theta : incidences) {
+                if (text.error()) break;
+                table.slices.push_back(read_speos_slice(text, sides[s], theta, are_bsdf));
+            }
+            table.first.push_back(std::uint32_t(table.slices.size()));
+        }
+        if (!text.error()) scale_speos(table, sides[s]);
+    }
+}
+
+/// The same of a file by wavelength: incidences and wavelengths of both sides, then for each of them, side by side, a percentage and a
+/// slice. A table keeps the mean over wavelengths, and the tint of the percentages.
+void read_spectral(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_bsdf, SpeosTables& tables) {
+    const std::size_t n_incidences = text.count("number of incidences", k_most_incidences),
+                      n_wavelengths = text.count("number of wavelengths", k_most_percents);
+    const auto incidences = text.angles("incidence", n_incidences, 0, 90);
+    std::vector<float> wavelength;
+    for (std::size_t k = 0; k < n_wavelengths && !text.error(); ++k)
+        wavelength.push_back(text.number<float>("wavelength"));
+    if (!text.error() && !are_wavelengths(wavelength)) text.fail("wavelengths", "rising ones in nm", "others");
+    for (std::size_t s = 0; s < 2 && !text.error(); ++s) {
+        if (!sides[s].is_there) continue;
+        ScatterTable& table = tables[s].emplace();
+        table.transmission = s == 1, table.rotation = {0};
+        std::vector<float> percent(n_wavelengths);
+        for (const float theta : incidences)
+            for (std::size_t k = 0; k < n_wavelengths && !text.error(); ++k) {
+                const float share = speos_percentage(text);
+                ScatterTable::Slice slice = read_speos_slice(text, sides[s], theta, are_bsdf);
+                if (text.error()) return;
+                percent[k] += share / float(n_incidences);
+                const double scale = speos_scale(scatter_integral(table, slice, true), double(share) / 100);
+                for (float& f : slice.f) f = float(scale / double(n_wavelengths) * double(f));
+                if (k == 0) {
+                    table.slices.push_back(std::move(slice));
+                    continue;
+                }
+                ScatterTable::Slice& mean = table.slices.back();
+                if (slice.polar != mean.polar || slice.azimuth != mean.azimuth)
+                    return text.fail("angles", "those of the first wavelength", "others");
+                for (std::size_t i = 0; i < mean.f.size(); ++i) mean.f[i] += slice.f[i];
+            }
+        table.first = {0, std::uint32_t(table.slices.size())};
+        mask_gaps(table);
+        if (n_wavelengths > 1) tint_speos(table, wavelength, percent);
+    }
+}
+
 }  // namespace
 
-bool is_speos(std::string_view text) { return text.starts_with(k_speos_title); }
+bool is_speos(std::string_view text) {
+    return text.starts_with(k_anisotropic_title) || text.starts_with(k_spectral_title);
+}
 
 Result<std::array<std::optional<ScatterTable>, 2>> read_speos(std::span<const std::byte> bytes,
                                                               const std::string& file_name) {
     ScatterText text(as_text(bytes), file_name, false);
-    if (const auto title = text.raw_line(); !title.starts_with(k_speos_title))
-        text.fail("title", std::string(k_speos_title), quoted(title));
+    const auto title = text.raw_line();
+    const bool is_spectral = title.starts_with(k_spectral_title);
+    if (!is_speos(title)) text.fail("title", std::string(k_anisotropic_title), quoted(title));
     if (const auto flag = text.raw_line(); flag != "0")
         text.fail("second line", "0, a file of text", flag.starts_with('1') ? "1, a binary file" : quoted(flag));
     text.raw_line();  // a comment
     const auto length = text.number<std::uint32_t>("length of the description");
     text.raw_line(), text.skip(length), text.raw_line();
-    for (int i = 0; i < 3; ++i) text.number<double>("anisotropy vector");
+    for (int i = 0; i < 3 && !is_spectral; ++i) text.number<double>("anisotropy vector");
     std::array<SpeosSide, 2> sides;
     for (std::size_t s = 0; s < 2; ++s)
         sides[s].is_there = text.number<int>("flags of reflection and transmission") != 0,
@@ -130,27 +213,14 @@ Result<std::array<std::optional<ScatterTable>, 2>> read_speos(std::span<const st
     if (!text.error() && !(type == 0 || type == 1)) text.fail("type of values", "0 or 1", fmt::format("{}", type));
     if (!text.error() && !sides[0].is_there && !sides[1].is_there)
         text.fail("flags", "reflection or transmission", "neither");
-    for (SpeosSide& side : sides)
-        if (side.is_there) read_speos_angles(text, side);
-    for (SpeosSide& side : sides)
-        if (side.is_there) read_speos_percents(text, side);
-    std::array<std::optional<ScatterTable>, 2> tables;
-    for (std::size_t s = 0; s < 2 && !text.error(); ++s) {
-        if (!sides[s].is_there) continue;
-        ScatterTable& table = tables[s].emplace();
-        table.transmission = s == 1, table.rotation = sides[s].rotation, table.first = {0};
-        for (const auto& incidences : sides[s].incidence) {
-            for (const float theta : incidences) {
-                if (text.error()) break;
-                table.slices.push_back(read_speos_slice(text, sides[s], theta, type == 1));
-            }
-            table.first.push_back(std::uint32_t(table.slices.size()));
-        }
-        if (text.error()) break;
-        scale_speos(table, sides[s], type == 1);
-        if (auto error = check_values(table, file_name)) return *std::move(error);
-    }
-    if (const auto word = text.word(); word != "End")
+    SpeosTables tables;
+    (is_spectral ? read_spectral : read_anisotropic)(text, sides, type == 1, tables);
+    if (text.error()) return *text.error();
+    for (const auto& table : tables)
+        if (table)
+            if (auto error = check_values(*table, file_name)) return *std::move(error);
+    // Other makers of files by wavelength leave the end out.
+    if (const auto word = text.word(); word != "End" && !(is_spectral && word.empty()))
         text.fail("data", "End of file", word.empty() ? "the end of the file" : quoted(word));
     if (text.error()) return *text.error();
     return tables;
@@ -160,7 +230,7 @@ std::string write_speos(std::span<const ScatterTable* const> tables) {
     const auto has = [&](bool transmission) {
         return std::ranges::any_of(tables, [&](const ScatterTable* of) { return of->transmission == transmission; });
     };
-    std::string text = fmt::format("{} v8.0\n0\nBSDF by srbf\n0\n\n1\t0\t0\n{}\t{}\n1\n", k_speos_title,
+    std::string text = fmt::format("{} v8.0\n0\nBSDF by srbf\n0\n\n1\t0\t0\n{}\t{}\n1\n", k_anisotropic_title,
                                    int(has(false)), int(has(true)));
     const auto line = [&](const std::vector<float>& angles) {
         for (const float angle : angles) text += written_degrees(angle) + '\t';

@@ -155,17 +155,50 @@ struct View {
     MatrixXd seen;    ///< lights × 3: weight × radiance
 };
 
+/// A BRDF whose draws are each of another azimuth if it is anisotropic, so that their sum is that of its mean over azimuths.
+class TurnedBrdf {
+  public:
+    TurnedBrdf(const PreparedBrdf& brdf, bool isotropic) : brdf_(brdf), isotropic_(isotropic) {}
+    const PreparedBrdf& brdf() const { return brdf_; }
+    LightSample sample(int draw, const Vec3f& wv, Vec2f u, float selector) const {
+        const double azimuth = azimuth_of(draw);
+        LightSample drawn = srbf::sample(brdf_, turned(wv, azimuth), u, selector);
+        drawn.wl = turned(drawn.wl, -azimuth);
+        return drawn;
+    }
+    struct At {
+        Rgb f;
+        double density;
+    };
+    At at(int draw, const Vec3f& wl, const Vec3f& wv) const {
+        const double azimuth = azimuth_of(draw);
+        const Vec3f l = turned(wl, azimuth), v = turned(wv, azimuth);
+        return {value(brdf_, l, v), double(pdf(brdf_, l, v))};
+    }
+
+  private:
+    static constexpr double k_golden_angle = 2.39996322972865332;
+    double azimuth_of(int draw) const { return isotropic_ ? 0 : k_golden_angle * draw; }
+    Vec3f turned(const Vec3f& w, double azimuth) const {
+        if (isotropic_) return w;
+        const float c = float(elementary::cos(azimuth)), s = float(elementary::sin(azimuth));
+        return {c * w.x - s * w.y, s * w.x + c * w.y, w.z};
+    }
+    const PreparedBrdf& brdf_;
+    bool isotropic_;
+};
+
 /// Light that is reflected to the view from direction w, drawn with that density, an equal share of the draws.
 struct Reflected {
     Vec3d w, share;
     double density;
 };
-std::vector<Reflected> reflected_to(const PreparedBrdf& brdf, const Vec3f& wv) {
+std::vector<Reflected> reflected_to(const TurnedBrdf& brdf, const Vec3f& wv) {
     std::vector<Reflected> all;
     RSequence<3> numbers;
     for (int i = 0; i < k_draws_of_a_view; ++i) {
         const auto u = numbers.next();
-        const LightSample drawn = sample(brdf, wv, {float(u[0]), float(u[1])}, float(u[2]));
+        const LightSample drawn = brdf.sample(i, wv, {float(u[0]), float(u[1])}, float(u[2]));
         if (!(drawn.pdf > 0)) continue;
         const Vec3d weight{drawn.weight.r, drawn.weight.g, drawn.weight.b};
         all.push_back({to_double(drawn.wl), 1.0 / k_draws_of_a_view * weight, double(drawn.pdf)});
@@ -197,7 +230,7 @@ std::vector<Light> lights_about(const PreparedBrdf& brdf, const Vec3f& wv, const
 
 /// ∫ K(size, centre · w) f cosθ dω by draws of the BRDF and of the light, with the balance heuristic (Veach & Guibas 1995): those of
 /// the BRDF alone seldom meet a small light, and their noise would be fitted.
-Vec3d shown_of(const Light& light, const PreparedBrdf& brdf, const Vec3f& wv, const std::vector<Reflected>& reflected) {
+Vec3d shown_of(const Light& light, const TurnedBrdf& brdf, const Vec3f& wv, const std::vector<Reflected>& reflected) {
     const auto& [kernel, draws] = light_kernels()[light.size];
     const auto all_draws = [](double of_brdf, double of_light) {
         return k_draws_of_a_view * of_brdf + k_draws_of_a_light * of_light;
@@ -212,24 +245,25 @@ Vec3d shown_of(const Light& light, const PreparedBrdf& brdf, const Vec3f& wv, co
                     sum + 0.5 * k_draws_of_a_view * density * kernel(c) / all_draws(density, kernel.density(c)) * share;
     }
     const Frame axes = frame_about(light.centre);
-    for (const KernelDraw& drawn : draws) {
-        const Vec3f w = to_float(axes.from(drawn.w));
+    for (std::size_t i = 0; i < draws.size(); ++i) {
+        const Vec3f w = to_float(axes.from(draws[i].w));
         if (!(w.z > 0)) continue;
-        const double c = drawn.w.z, scale = kernel(c) * double(w.z) / all_draws(pdf(brdf, w, wv), kernel.density(c));
-        const Rgb f = value(brdf, w, wv);
+        const auto [f, density] = brdf.at(int(i), w, wv);
+        if (!is_finite(f)) continue;  // not measured
+        const double c = draws[i].w.z, scale = kernel(c) * double(w.z) / all_draws(density, kernel.density(c));
         sum = sum + scale * Vec3d{double(f.r), double(f.g), double(f.b)};
     }
     return sum;
 }
 
-View view_of(const PreparedBrdf& brdf, double cosine) {
+View view_of(const TurnedBrdf& brdf, double cosine) {
     View view;
     view.wv = {std::sqrt(1 - cosine * cosine), 0, cosine};
     const Vec3f wv = to_float(view.wv);
     const std::vector<Reflected> reflected = reflected_to(brdf, wv);
     Vec3d albedo{};
     for (const Reflected& of : reflected) albedo = albedo + of.share;
-    view.lights = lights_about(brdf, wv, reflected);
+    view.lights = lights_about(brdf.brdf(), wv, reflected);
     view.seen.resize(Eigen::Index(view.lights.size()), 3);
     view.weight.resize(Eigen::Index(view.lights.size()), 3);
     for (std::size_t i = 0; i < view.lights.size(); ++i) {
@@ -424,10 +458,11 @@ float filter_kernel(float roughness, float cosine) {
 ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOptions& options) {
     assert(options.lobes >= k_least_extended_lobes && options.lobes <= k_most_extended_lobes);
     const BlurredKernels kernels(options.threads);
+    const TurnedBrdf turned(brdf, options.isotropic);
     std::vector<View> views(ExtendedLight::k_views);
     // At the horizon and along the normal views have no limit, or no plane of incidence.
     const auto cosine = [](std::size_t v) { return std::clamp(ExtendedLight::cosine(int(v)), 1e-4, 0.9999); };
-    parallel_for(views.size(), options.threads, [&](std::size_t v) { views[v] = view_of(brdf, cosine(v)); });
+    parallel_for(views.size(), options.threads, [&](std::size_t v) { views[v] = view_of(turned, cosine(v)); });
     const Tracks tracks(views, kernels, options.lobes, options.threads);
     ExtendedLight light{options.lobes, {}};
     for (std::size_t v = 0; v < views.size(); ++v) {

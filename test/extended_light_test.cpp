@@ -7,6 +7,7 @@
 
 #include "models.h"
 #include "properties.h"
+#include "srbf/pbr.h"
 
 namespace srbf::extended_light_test {
 namespace {
@@ -95,6 +96,39 @@ TEST(ExtendedLight, LambertIsTheCosine) {
         const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine};
         const double half = looked_up(light, wv, [&](const Vec3d& w) { return dot(w, away) > 0 ? 1.0 : 0; });
         EXPECT_NEAR(half, 0.25 * (1 + away.z), 0.005) << cosine;
+    }
+}
+
+// An anisotropic BRDF is reflected by its mean over azimuths, and over both sides of the plane of incidence, in which lobes lie.
+TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {
+    PbrModel metal;
+    metal.base_metalness = 1, metal.specular_roughness = 0.5f, metal.specular_roughness_anisotropy = 0.8f;
+    const Model model{metal, {}};
+    const PreparedBrdf brdf = prepare(model);
+    const ExtendedLight light = extended_light(brdf, {.isotropic = false});
+    const Vec3d away = normalize(Vec3d{-1, 0.4, 0.2}), mirrored{away.x, -away.y, away.z};
+    for (const float cosine : {0.3f, 0.9f}) {
+        const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine};
+        constexpr int k_azimuths = 12;
+        double lit = 0, whole = 0, first = 0;  // by half a sphere, by all of it, the share at azimuth 0
+        for (int i = 0; i < k_azimuths; ++i) {
+            const double s = std::sin(2 * k_pi * i / k_azimuths), c = std::cos(2 * k_pi * i / k_azimuths);
+            const auto turned = [&](const Vec3d& w) { return Vec3d{c * w.x - s * w.y, s * w.x + c * w.y, w.z}; };
+            const auto reflected = [&](const auto& share) {
+                const Vec3f v = to_float(turned(to_double(wv)));
+                return hemisphere_integral(
+                    [&](const Vec3d& w) { return share(w) * double(value(brdf, to_float(w), v).g) * w.z; }, 100, 200);
+            };
+            const double half = reflected(
+                [&](const Vec3d& w) { return 0.5 * ((dot(w, turned(away)) > 0) + (dot(w, turned(mirrored)) > 0)); });
+            const double all = reflected([](const Vec3d&) { return 1.0; });
+            lit += half, whole += all;
+            if (i == 0) first = half / all;
+        }
+        const double looked = looked_up(light, wv, [&](const Vec3d&w) { return dot(w, away) > 0 ? 1.0 : 0; }),
+                     of_all = looked_up(light, wv, [](const Vec3d&) { return 1.0; });
+        EXPECT_GT(std::abs(first - lit / whole), 0.05);
+        EXPECT_NEAR(looked / of_all, lit / whole, 0.015) << cosine;
     }
 }
 

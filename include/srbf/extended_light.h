@@ -44,10 +44,11 @@ float filter_kernel(float roughness, float cosine);
 
 inline constexpr int k_least_extended_lobes = 2, k_most_extended_lobes = 8;
 struct ExtendedLightOptions {
-    int lobes = 4;    ///< with the cosine, from `k_least_extended_lobes` to `k_most_extended_lobes`
-    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+    int lobes = 4;          ///< with the cosine, from `k_least_extended_lobes` to `k_most_extended_lobes`
+    bool isotropic = true;  ///< otherwise the lobes are those of the BRDF's mean over azimuths
+    int threads = 0;        ///< 0: as many as the machine has; the result does not depend on it
 };
-/// The lobes of an isotropic BRDF; of an anisotropic one those of its mean over azimuths. What is minimised is the error under lights
+/// The lobes of a BRDF. What is minimised is the error under lights
 /// of several sizes everywhere, relative to what is seen of them.
 ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOptions& options = {});
 

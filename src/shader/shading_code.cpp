@@ -272,7 +272,8 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
     }
     Table light{"A row for each lobe of each node: p, roughness, weight (R, G, B).", "light_lobes", {}, 5};
     if (options.environment || options.area)
-        for (const ExtendedLight::Lobe& lobe : extended_light(prepare(model), {.threads = options.threads}).lobe)
+        for (const ExtendedLight::Lobe& lobe :
+             extended_light(prepare(model), {.isotropic = is_isotropic(model), .threads = options.threads}).lobe)
             light.numbers.insert(light.numbers.end(),
                                  {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
     program.tables.push_back(std::move(lobes));

@@ -1,7 +1,8 @@
 // How far pictures by a few lobes for each view (srbf/extended_light.h) are from the path tracer's, without occlusion.
-//   usage: extended_light MESH ENVIRONMENT.. MODEL..      files of environments end with .hdr or .exr, those of models with .srbf
-// Prints for each model, and in the mean: mean ΔE_ITP and PSNR over the environments, for several numbers of lobes; for
-// three rectangles of light; the two kinds of path-traced pictures that are beside them are the noise.
+//   usage: extended_light [MESH..] [ENVIRONMENT..] MODEL..    files of environments end with .hdr or .exr, of models with .srbf
+// Prints for each model, and in the mean: ΔE_ITP and PSNR of a sphere and the meshes under the environments, by the number of
+// lobes; beside them those of the split sum, for models of one lobe of GGX, and of a second path tracing, the noise; and those
+// of a sphere under three rectangles of light.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -22,7 +22,7 @@ struct CubeImage {
 class FilteredEnvironment {
   public:
     static constexpr int k_levels = ExtendedLight::k_levels;
-    /// With 256 texels irradiance has 8 along a side: pictures of white paper in a studio are off by ΔE_ITP 6.4, not 3.4.
+    /// With 256 texels irradiance has 8 along a side: pictures of white paper in a studio are off by ΔE_ITP 6.1, not 4.0.
     static constexpr int k_usual_size = 512, k_least_size = 64, k_largest_size = 2048;
     /// `size` is a power of two in that range; `progress` is called as in PathOptions.
     explicit FilteredEnvironment(const Environment& of, int size = k_usual_size, int threads = 0,

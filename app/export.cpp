@@ -21,6 +21,19 @@ namespace {
 /// The kind of a filtered environment.
 constexpr const char* k_filtered = "dds";
 
+std::vector<std::string> names_of_languages() {
+    std::vector<std::string> names;
+    for (const CodeLanguageRow& row : k_code_languages) names.emplace_back(row.name);
+    return names;
+}
+std::vector<std::string> names_of_kinds() {
+    std::vector<std::string> kinds = names_of_languages();
+    kinds.insert(kinds.begin(), "html");
+    kinds.insert(kinds.end(), {"three", "radiance", k_filtered});
+    kinds.insert(kinds.end(), k_surface_files.begin(), k_surface_files.end());
+    return kinds;
+}
+
 struct ExportCommand {
     std::vector<std::string> files, with;
     std::string to, reference, mesh, up = "y", output;
@@ -182,14 +195,7 @@ void add_export(CommandLine& app, int& status) {
     sub.add_option("MODEL", command->files, "Fitted models, side by side; for dds an environment")
         .type_name("")
         .required();
-    std::vector<std::string> languages;
-    for (const CodeLanguageRow& row : k_code_languages) languages.emplace_back(row.name);
-    std::vector<std::string> kinds{"html"};
-    kinds.insert(kinds.end(), languages.begin(), languages.end());
-    kinds.emplace_back("three");
-    kinds.emplace_back("radiance");
-    kinds.emplace_back(k_filtered);
-    kinds.insert(kinds.end(), k_surface_files.begin(), k_surface_files.end());
+    const std::vector<std::string> languages = names_of_languages();
     sub.add_option(
            "--to", command->to,
            fmt::format(
@@ -208,7 +214,7 @@ void add_export(CommandLine& app, int& status) {
                fmt::join(languages, ", ")))
         .type_name("KIND")
         .required()
-        .one_of(kinds);
+        .one_of(names_of_kinds());
     const Option with =
         sub.add_option(
                "--with", command->with,
@@ -233,13 +239,9 @@ void add_export(CommandLine& app, int& status) {
         "  srbf export studio.hdr --to dds -o studio.dds\n"
         "  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
     const auto is_page = [command] { return command->to == "html"; };
+    const auto is_code = [command, languages] { return std::ranges::find(languages, command->to) != languages.end(); };
     sub.callback([command, &status] { status = command->run(); },
-                 {{{with},
-                   "is for source code",
-                   [=] {
-                       return !is_page() && command->to != "three" && command->to != "radiance" &&
-                              command->to != k_filtered && !is_surface_file(command->to);
-                   }},
+                 {{{with}, "is for source code", is_code},
                   {{reference, mesh, up}, "is for --to html", is_page},
                   {{up}, "only with --mesh", [command] { return !command->mesh.empty(); }}});
 }

@@ -1,23 +1,20 @@
 // How far pictures by a few lobes for each view (srbf/extended_light.h) are from the path tracer's, without occlusion.
 //   usage: extended_light [MESH..] [ENVIRONMENT..] MODEL..    files of environments end with .hdr or .exr, of models with .srbf
-// Prints for each model, and in the mean: ΔE_ITP and PSNR of a sphere and the meshes under the environments, by the number of
-// lobes; beside them those of the split sum, for models of one lobe of GGX, and of a second path tracing, the noise; and those
-// of a sphere under three rectangles of light.
+// Prints for each model, and in the mean: ΔE_ITP and PSNR of a sphere and the meshes under the environments, by the
+// number of lobes; beside them those of the split sum, for models of one lobe of GGX, and of a second path tracing, the
+// noise; and those of a sphere under three rectangles of light.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <optional>
 
 #include "render/filtered_environment.h"
 #include "render/path.h"
 #include "render/rays.h"
 #include "render/shading.h"
-#include "srbf/convert.h"
 #include "srbf/extended_light.h"
 #include "srbf/kernel.h"
-#include "srbf/likeness.h"
 #include "srbf/load.h"
 #include "srbf/pictures.h"
 #include "src/albedo_nodes.h"
@@ -28,8 +25,6 @@ namespace kernel {
 
 template <Number Real> Real acos(Real x) { return std::acos(x); }
 template <Number Real> Real abs(Real x) { return std::abs(x); }
-
-inline Triple<float> triple_of(const Rgb& c) { return {c.r, c.g, c.b}; }
 
 /// The text of exported code, as C++.
 struct ExportedLight {
@@ -59,7 +54,8 @@ struct ExportedLight {
 #include "src/shader/extended.glsl"
 };
 Triple<float> ExportedLight::radiance(Vec3 direction, float roughness) {
-    return triple_of(map->at(to_float(map_axes.to(surface->from(to_double(direction)))), roughness));
+    const Rgb light = map->at(to_float(map_axes.to(surface->from(to_double(direction)))), roughness);
+    return {light.r, light.g, light.b};
 }
 
 }  // namespace kernel
@@ -127,7 +123,7 @@ Image only(const std::vector<Pixel>& pixels, const Image& of) {
 }
 
 struct Errors {
-    double delta_e = 0, squares = 0, psnr = 0, count = 0;
+    double delta_e = 0, psnr = 0, count = 0;
     void add(const Errors& of) { delta_e += of.delta_e, psnr += of.psnr, count += of.count; }
     std::string text() const { return fmt::format("{:.2f}, {:.1f}", delta_e / count, psnr / count); }
 };
@@ -150,8 +146,8 @@ Errors errors_of(const std::vector<Pixel>& pixels, const Image& reference, const
     return errors;
 }
 
-/// The practice of engines for Lambert and one lobe of GGX: irradiance, and one look-up along the mirror direction, bent to the
-/// normal as three.js bends it, scaled to the directional albedo.
+/// The practice of engines for Lambert and one lobe of GGX: irradiance, and one look-up along the mirror direction,
+/// bent to the normal as three.js bends it, scaled to the directional albedo.
 Rgb split_sum(const GgxModel& model, const PreparedBrdf& brdf, const FilteredEnvironment& map, const Frame& to_map,
               const Point& at) {
     const float roughness = std::sqrt(model.lobes[0].roughness);
@@ -172,8 +168,8 @@ Rgb split_sum(const GgxModel& model, const PreparedBrdf& brdf, const FilteredEnv
 
 constexpr std::array<int, 5> k_lobe_counts{2, 3, 4, 6, 8};
 constexpr std::size_t k_usual = 2;
-/// From small to large; the last is near, seen at grazing angles, and goes below the horizon of most points. About a sphere of radius 1
-/// that is seen from +z, out of the picture.
+/// From small to large; the last is near, seen at grazing angles, and goes below the horizon of most points. About a
+/// sphere of radius 1 that is seen from +z, out of the picture.
 const std::array<AreaLight, 3> k_rectangles{{
     {{-1.2f, 2, 2.2f}, {0.1f, 0.2f, -0.1f}, {0.25f, 0, 0.25f}, {1, 1, 1}},
     {{-2.5f, 2.5f, -1}, {3, 0, 0}, {0, 0, 3}, {1, 1, 1}},

@@ -15,8 +15,8 @@
 namespace srbf {
 namespace {
 
-/// Draws of K for each texel; small levels, whose kernels are wide, have more. Eight times as many change ΔE_ITP of pictures of
-/// glossy paints by .1 of 8.
+/// Draws of K for each texel; small levels, whose kernels are wide, have more. Eight times as many change ΔE_ITP of
+/// pictures of glossy paints by .1 of 8.
 constexpr int k_least_draws = 256, k_most_draws = 8192, k_draws_of_level = 1 << 24;
 /// A draw reads texels this many times as large as its share of the directions, so that neighbours overlap.
 constexpr double k_overlap = 2;
@@ -110,8 +110,8 @@ struct Draw {
     Vec3d w;
     double weight, level;
 };
-/// They stand as close as they are far from z: K falls slowly, and a lamp in what it is far from may be brighter by as much. With
-/// t = tan(θ/2), u uniform in [0, 1): t = α/2 ((1 + 2/α)ᵘ − 1), α = r².
+/// They stand as close as they are far from z: K falls slowly, and a lamp in what it is far from may be brighter by as
+/// much. With t = tan(θ/2), u uniform in [0, 1): t = α/2 ((1 + 2/α)ᵘ − 1), α = r².
 std::vector<Draw> draws_of(float roughness, int count, const Pyramid& pyramid, double texel) {
     constexpr double k_golden_angle = 2.39996322972865332;
     const double half = 0.5 * std::pow(double(roughness), 2), range = std::log1p(1 / half);
@@ -171,10 +171,10 @@ FilteredEnvironment::FilteredEnvironment(const Environment& of, int size, int th
     double done = 0;
     for (int k = 1; k < k_levels; ++k) {
         const int side = size >> k;
-        const double root = double(k) / (k_levels - 1), texel = 4 * k_pi / (6.0 * side * side);
+        const double texel = 4 * k_pi / (6.0 * side * side);
         const std::vector<Draw> draws =
-            draws_of(float(root * root), std::clamp(k_draws_of_level / (6 * side * side), k_least_draws, k_most_draws),
-                     pyramid, texel);
+            draws_of(float(ExtendedLight::roughness_of_level(k)),
+                     std::clamp(k_draws_of_level / (6 * side * side), k_least_draws, k_most_draws), pyramid, texel);
         CubeImage& level = levels_.emplace_back(CubeImage{side, std::vector<Rgb>(std::size_t(6 * side * side))});
         const double share = k == 1 ? k_share_of_first : (1 - k_share_of_first) / (k_levels - 2);
         parallel_for(std::size_t(6 * side), threads, [&](std::size_t row) {

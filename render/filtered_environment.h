@@ -9,7 +9,8 @@
 
 namespace srbf {
 
-/// An image on the faces of a cube, +x −x +y −y +z −z, each of `side` × `side` texels in rows as OpenGL and Direct3D have them.
+/// An image on the faces of a cube, +x −x +y −y +z −z, each of `side` × `side` texels in rows as OpenGL and Direct3D
+/// have them.
 struct CubeImage {
     int side = 0;
     std::vector<Rgb> texels;  ///< 6 side²
@@ -17,8 +18,9 @@ struct CubeImage {
     Rgb at(const Vec3d& w) const;
 };
 
-/// A cube map of an environment whose levels are blurred by K of srbf/extended_light.h, more and more: level k for roughness
-/// (k / (k_levels − 1))², with size / 2ᵏ texels along a side. Level 0 is the environment itself, the last irradiance / π.
+/// A cube map of an environment whose levels are blurred by K of srbf/extended_light.h, more and more: level k for
+/// roughness (k / (k_levels − 1))², with size / 2ᵏ texels along a side. Level 0 is the environment itself, the last
+/// irradiance / π.
 class FilteredEnvironment {
   public:
     static constexpr int k_levels = ExtendedLight::k_levels;
@@ -36,8 +38,8 @@ class FilteredEnvironment {
     std::vector<CubeImage> levels_;
 };
 
-/// A DirectDraw Surface (.dds) of a filtered environment: a cube map with its levels, 16-bit floats R, G, B, A = 1. What is larger than
-/// these hold, 65504, is set to that; `clamped` is the number of such texels.
+/// A DirectDraw Surface (.dds) of a filtered environment: a cube map with its levels, 16-bit floats R, G, B, A = 1.
+/// What is larger than these hold, 65504, is set to that; `clamped` is the number of such texels.
 struct CubeFile {
     std::vector<std::byte> bytes;
     std::size_t clamped = 0;

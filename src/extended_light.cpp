@@ -15,14 +15,12 @@
 namespace srbf {
 namespace {
 
-double roughness_of_level(int level) { return elementary::square(double(level) / (ExtendedLight::k_levels - 1)); }
-
 using Lobe = ExtendedLight::Lobe;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// GGX's kernel at a level of a filtered map, whose first level is the environment itself but for a kernel that nothing resolves.
-/// With a = α² = r⁴ it is scale c / (1 + a − (1 − a) c)², c > 0.
+/// GGX's kernel at a level of a filtered map, whose first level is the environment itself but for a kernel that nothing
+/// resolves. With a = α² = r⁴ it is scale c / (1 + a − (1 − a) c)², c > 0.
 class LevelKernel {
   public:
     explicit LevelKernel(double roughness) : a_(elementary::square(elementary::square(std::max(roughness, 0.01)))) {
@@ -70,15 +68,16 @@ constexpr std::array<double, 6> k_light_sizes{0.12, 0.25, 0.4, 0.6, 0.8, 1};
 constexpr int k_lights_of_a_size = 96;   ///< placed for each view
 constexpr int k_draws_of_a_view = 2048;  ///< of what the BRDF reflects: albedos within about .3 %
 constexpr int k_draws_of_a_light = 64;   ///< of what a light sends
-/// Errors are relative to what is seen, as the eye's are: of luminance in it, so that a channel that hardly reflects is not fitted as
-/// closely as the others; and of what else lights the surface, which is this all round where the light has radiance 1. With .03 and
-/// .4 pictures of glossy paints and films err by a tenth to a quarter more, those of white paper by a quarter more and less.
+/// Errors are relative to the radiance, as the eye's are: of luminance in it, so that a channel that hardly reflects is
+/// not fitted as closely as the others; and of what else lights the surface, which is this all round where the light
+/// has radiance 1. With .03 and .4 pictures of glossy paints and films err by a tenth to a quarter more, those of white
+/// paper by a quarter more and less.
 constexpr double k_luminance_share = 0.3, k_ambient = 0.1 / k_pi;
 constexpr int k_lobe_starts = 12;
 /// Over all views, each towards the mean of its neighbours; a third changes pictures by less than .01 ΔE_ITP.
 constexpr int k_view_sweeps = 2;
-/// Of squared distances of p and r from the neighbours', beside relative squared errors of .02 to .2: 30 times as much changed the
-/// errors of pictures by less than 4 %.
+/// Of squared distances of p and r from the neighbours', beside relative squared errors of .02 to .2: 30 times as much
+/// changed the errors of pictures by less than 4 %.
 constexpr double k_smoothness = 1e-2;
 constexpr double k_most_axis = 1.3;  ///< |p|: beyond the mirror direction by as much as off-specular peaks are
 
@@ -104,7 +103,8 @@ class BlurredKernels {
   public:
     explicit BlurredKernels(int threads) : values_(k_light_sizes.size() * k_levels * k_angles) {
         parallel_for(k_light_sizes.size() * k_levels, threads, [&](std::size_t i) {
-            const double size = k_light_sizes[i / k_levels], roughness = roughness_of_level(int(i % k_levels));
+            const double size = k_light_sizes[i / k_levels],
+                         roughness = ExtendedLight::roughness_of_level(int(i % k_levels));
             const auto draws = draws_of_kernel(LevelKernel(std::min(size, roughness)));
             const LevelKernel wider(std::max(size, roughness));
             for (std::size_t angle = 0; angle < k_angles; ++angle) {
@@ -155,7 +155,8 @@ struct View {
     MatrixXd seen;    ///< lights × 3: weight × radiance
 };
 
-/// A BRDF whose draws are each of another azimuth if it is anisotropic, so that their sum is that of its mean over azimuths.
+/// A BRDF whose draws are each of another azimuth if it is anisotropic, so that their sum is that of its mean over
+/// azimuths.
 class TurnedBrdf {
   public:
     TurnedBrdf(const PreparedBrdf& brdf, bool isotropic) : brdf_(brdf), isotropic_(isotropic) {}
@@ -206,8 +207,8 @@ std::vector<Reflected> reflected_to(const TurnedBrdf& brdf, const Vec3f& wv) {
     return all;
 }
 
-/// Half of them where light is reflected from, half of them anywhere. What is estimated is, for each size, the mean over directions of
-/// the squared error under a light of radiance 1.
+/// Half of them where light is reflected from, half of them anywhere. What is estimated is, for each size, the mean
+/// over directions of the squared error under a light of radiance 1.
 std::vector<Light> lights_about(const PreparedBrdf& brdf, const Vec3f& wv, const std::vector<Reflected>& reflected) {
     std::vector<Light> lights;
     RSequence<2> anywhere;
@@ -228,8 +229,8 @@ std::vector<Light> lights_about(const PreparedBrdf& brdf, const Vec3f& wv, const
     return lights;
 }
 
-/// ∫ K(size, centre · w) f cosθ dω by draws of the BRDF and of the light, with the balance heuristic (Veach & Guibas 1995): those of
-/// the BRDF alone seldom meet a small light, and their noise would be fitted.
+/// ∫ K(size, centre · w) f cosθ dω by draws of the BRDF and of the light, with the balance heuristic (Veach & Guibas
+/// 1995): those of the BRDF alone seldom meet a small light, and their noise would be fitted.
 Vec3d shown_of(const Light& light, const TurnedBrdf& brdf, const Vec3f& wv, const std::vector<Reflected>& reflected) {
     const auto& [kernel, draws] = light_kernels()[light.size];
     const auto all_draws = [](double of_brdf, double of_light) {
@@ -237,7 +238,7 @@ Vec3d shown_of(const Light& light, const TurnedBrdf& brdf, const Vec3f& wv, cons
     };
     Vec3d sum{};
     for (const auto& [w, share, density] : reflected) {
-        // An isotropic BRDF reflects the same from both sides of the plane of incidence.
+        // An isotropic BRDF reflects the same from either half of the hemisphere, beside the plane of incidence.
         const double along = w.x * light.centre.x + w.z * light.centre.z, across = w.y * light.centre.y;
         for (const double c : {along + across, along - across})
             if (c > 0)
@@ -451,7 +452,7 @@ Vec3f axis_of(const Lobe& lobe, const Vec3f& wv) {
 float filter_kernel(float roughness, float cosine) {
     const double x = std::sqrt(double(roughness)) * (ExtendedLight::k_levels - 1);
     const int below = std::min(int(x), ExtendedLight::k_levels - 2);
-    const auto at = [&](int level) { return LevelKernel(roughness_of_level(level))(double(cosine)); };
+    const auto at = [&](int level) { return LevelKernel(ExtendedLight::roughness_of_level(level))(double(cosine)); };
     return float(at(below) + (x - below) * (at(below + 1) - at(below)));
 }
 

@@ -99,7 +99,8 @@ TEST(ExtendedLight, LambertIsTheCosine) {
     }
 }
 
-// An anisotropic BRDF is reflected by its mean over azimuths, and over both sides of the plane of incidence, in which lobes lie.
+// An anisotropic BRDF is reflected by its mean over azimuths, and over the two halves beside the plane of incidence, in
+// which lobes lie.
 TEST(ExtendedLight, AnisotropicIsTheMeanOverAzimuths) {
     PbrModel metal;
     metal.base_metalness = 1, metal.specular_roughness = 0.5f, metal.specular_roughness_anisotropy = 0.8f;

@@ -229,7 +229,6 @@ function draw_sample(index, now, count, from, to, shift) {
   gl.uniform1f(place("environment_scale"), scale);
   gl.uniform1f(place("share"), 1 / (count + 1));
   gl.uniform1i(place("sample_index"), count);
-  gl.uniform1i(place("draws"), 0);
   gl.uniform2f(place("picture_size"), width, height);
   gl.uniform2f(place("shift"), ...shift);
   draw_whole(lit, { surface_positions: visible.textures[0], surface_normals: visible.textures[1], before: from.textures[0],

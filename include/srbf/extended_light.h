@@ -17,9 +17,10 @@ namespace [[gnu::visibility("default")]] srbf {
 ///   level = (k_levels − 1) √r,
 /// it is what engines filter with for GGX of that roughness seen along the normal (Karis 2013),
 ///   K(r, c) ∝ c / (1 + α² − (1 − α²) c)² for c > 0 and 0 below, α = r², ∫ K dω = 1 [1/sr],
-/// and between two levels it is linear in the level, as a graphics library looks it up. The axes lie in the plane of incidence: p = 1
-/// is the mirror direction, 0 the normal, −1 the viewer. The first lobe of each view is the cosine about the normal, p = 0 and r = 1,
-/// which is irradiance / π. Weights are not negative and sum to the directional albedo.
+/// and between two levels it is linear in the level, as a graphics library looks it up. The axes lie in the plane of
+/// incidence: p = 1 is the mirror direction, 0 the normal, −1 the viewer. The first lobe of each view is the cosine
+/// about the normal, p = 0 and r = 1, which is irradiance / π. Weights are not negative and sum to the directional
+/// albedo.
 struct ExtendedLight {
     static constexpr int k_views = 32;
     struct Lobe {
@@ -28,7 +29,12 @@ struct ExtendedLight {
         Rgb weight;
     };
     static constexpr float k_least_roughness = 0.05f;
-    static constexpr int k_levels = 6;  ///< of a filtered map, by roughness 0, 0.04, 0.16, 0.36, 0.64, 1
+    static constexpr int k_levels = 6;  ///< of a filtered map
+    /// Of a level: 0, 0.04, 0.16, 0.36, 0.64, 1.
+    static constexpr double roughness_of_level(int level) {
+        const double root = double(level) / (k_levels - 1);
+        return root * root;
+    }
     int lobes = 0;
     std::vector<Lobe> lobe;  ///< k_views × lobes, the views from the horizon to the normal
 
@@ -49,7 +55,7 @@ struct ExtendedLightOptions {
     int threads = 0;        ///< 0: as many as the machine has; the result does not depend on it
 };
 /// The lobes of a BRDF. What is minimised is the error under lights
-/// of several sizes everywhere, relative to what is seen of them.
+/// of several sizes everywhere, relative to the radiance that they show.
 ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOptions& options = {});
 
 }  // namespace srbf

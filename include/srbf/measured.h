@@ -367,9 +367,10 @@ Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::s
 /// Reads Zemax' text of BSDFs: PlaneSymmetrical, Asymmetrical or Asymmetrical4D, Monochrome, BRDF or BTDF. The TIS that it states
 /// is not used.
 Result<ScatterTable> read_zemax(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads Speos' texts of anisotropic BSDFs, and of isotropic ones by wavelength: reflection and transmission of light from the front,
-/// of which at least one is there. Values are π f or f cosθ; where their integral is off the percentage that the file states by more
-/// than a tenth of it, they are scaled to it. By wavelength the table is the mean, tinted by the percentages. Errors: a binary file.
+/// Reads Speos' texts of anisotropic BSDFs, and of isotropic ones by wavelength: reflection and transmission of light
+/// from the front, of which at least one is there. Values are π f or f cosθ; where their integral is off the percentage
+/// that the file states by more than a tenth of it, they are scaled to it. By wavelength the table is the mean, tinted
+/// by the percentages. Errors: a binary file.
 Result<std::array<std::optional<ScatterTable>, 2>> read_speos(std::span<const std::byte> bytes,
                                                               const std::string& file_name);
 /// Reads a BRDF table of ASAM OpenMATERIAL 3D: rows of wavelength [m], θ_l, θ_v, φ_v relative to the light [rad], f [1/sr].

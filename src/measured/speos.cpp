@@ -128,7 +128,8 @@ std::optional<Error> check_values(const ScatterTable& table, const std::string& 
 }
 
 using SpeosTables = std::array<std::optional<ScatterTable>, 2>;
-/// What follows the type of values of an anisotropic file: each side's rotations and incidences, each side's percentages, and slices.
+/// What follows the type of values of an anisotropic file: each side's rotations and incidences, each side's
+/// percentages, and slices.
 void read_anisotropic(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_bsdf, SpeosTables& tables) {
     for (SpeosSide& side : sides)
         if (side.is_there) read_speos_angles(text, side);
@@ -149,8 +150,8 @@ void read_anisotropic(ScatterText& text, std::array<SpeosSide, 2>& sides, bool a
     }
 }
 
-/// The same of a file by wavelength: incidences and wavelengths of both sides, then for each of them, side by side, a percentage and a
-/// slice. A table keeps the mean over wavelengths, and the tint of the percentages.
+/// The same of a file by wavelength: incidences and wavelengths, then those of reflection and those of transmission,
+/// for each a percentage and a slice. A table keeps the mean over wavelengths, and the tint of the percentages.
 void read_spectral(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_bsdf, SpeosTables& tables) {
     const std::size_t n_incidences = text.count("number of incidences", k_most_incidences),
                       n_wavelengths = text.count("number of wavelengths", k_most_percents);

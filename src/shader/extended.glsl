@@ -80,8 +80,8 @@ Real cosine_over(Polygon of) {
     }
     return abs(sum) * Real(0.15915494);
 }
-// The integral over a polygon of what a level of a filtered map shows about an axis. It is nearly a cosine about the axis whose
-// directions are drawn together, and the polygon's are drawn apart instead (Heitz et al. 2016).
+// The integral over a polygon of what a level of a filtered map shows about an axis. It is nearly a cosine about the
+// axis whose directions are drawn together, and the polygon's are drawn apart instead (Heitz et al. 2016).
 Real level_over(Vec3 axis, int level, Polygon of) {
     Real root = Real(level) / Real(EXTENDED_LEVELS - 1);
     Real r = max(root * root, Real(0.01));

@@ -14,6 +14,12 @@
 #include "srbf/printable.h"
 
 namespace srbf {
+namespace {
+
+/// As degrees, rounded to four digits after the point.
+double degrees_of(double radians) { return std::round(radians / k_degree * 1e4) / 1e4; }
+
+}  // namespace
 
 Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome) {
     Json json{{"source", fit.input},
@@ -38,7 +44,8 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
                 {"black", part.black},
                 {"squared_error_ratio", part.squared_error_ratio}};
         for (const Hemispherical& sum : part.hemispherical)
-            of["hemispherical"].push_back({{"theta", std::round(sum.theta / k_degree * 1e4) / 1e4},
+            of["hemispherical"].push_back({{"theta", degrees_of(sum.theta)},
+                                           {"phi", degrees_of(sum.phi)},
                                            {"measured", sum.measured},
                                            {"fitted", sum.fitted}});
         json["parts"].push_back(std::move(of));
@@ -78,8 +85,8 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
     for (std::size_t b = 0; b < beams.size(); ++b)
         if (!beams[b].empty())
             fmt::print("  {:<20} {:>7}   unscattered light, {:.3g} % at 0°, stored as it is\n",
-                       fmt::format("beam, {}", k_beam_names[b]), 8 * beams[b].theta.size(),
-                       100 * double(share_at(beams[b], 1).g));
+                       fmt::format("beam, {}", k_beam_names[b]), payload_bytes(beams[b]),
+                       100 * double(share_at(beams[b], {0, 0, 1}).g));
     fmt::print("\n  reflected and transmitted: at most {} of the light, measured {}\n", percent(outcome.most_fitted),
                percent(outcome.most_measured));
     fmt::print("  model     {}\n", fit.output);

@@ -222,7 +222,7 @@ void print_sides(const Subject& subject) {
         for (std::size_t i = 0; i < k_info_theta.size(); ++i) {
             const double theta = k_info_theta[i] * k_degree;
             const double sum = double(albedo(exchanged, theta, k_pi / 2).g) +
-                               double(share_at(beams[beam_of(part)], float(std::cos(theta))).g);
+                               double(share_at(beams, part, to_float(spherical(theta, 0.0))).g);
             of_side[std::size_t(is_back(part))][i] += sum;
             fmt::print("{:>#10.4g}", sum);
         }

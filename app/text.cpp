@@ -69,9 +69,14 @@ void add_beams(std::string& text, const Beams& beams) {
     for (std::size_t b = 0; b < beams.size(); ++b) {
         if (beams[b].empty()) continue;
         std::string row;
-        for (std::size_t i = 0; i < beams[b].theta.size(); ++i)
-            row += fmt::format("{}{:.4g} at {:.3g}°", i ? ", " : "", beams[b].share[i].g,
-                               double(beams[b].theta[i]) / k_degree);
+        for (std::size_t ring = 0, first = 0; ring < beams[b].theta.size(); ++ring) {
+            const auto nodes = std::span(beams[b].share).subspan(first, std::size_t(beams[b].nodes(ring)));
+            const auto [least, most] = std::ranges::minmax(nodes, {}, &Rgb::g);
+            row += fmt::format("{}{:.4g}{} at {:.3g}°", ring ? ", " : "", least.g,
+                               nodes.size() > 1 ? fmt::format(" to {:.4g}", most.g) : "",
+                               double(beams[b].theta[ring]) / k_degree);
+            first += nodes.size();
+        }
         add_row(text, "beam", fmt::format("{}: {}", k_beam_names[b], row));
     }
 }

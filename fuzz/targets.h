@@ -124,9 +124,9 @@ inline void check_bsdf_xml(std::span<const std::byte> bytes) {
     auto table = read_bsdf_xml(bytes, "f");
     if (table) {
         for (const Beam& beam : table->band().beam)
-            for (const float cosine : {0.f, 1e-4f, 0.3f, 1.f})
+            for (const Vec3f& wl : {Vec3f{1, 0, 0}, {-0.5f, -0.5f, 1e-4f}, {0.6f, -0.7f, 0.3f}, {0, 0, 1}})
                 for (int c = 0; c < 3; ++c)
-                    require(share_at(beam, cosine)[c] >= 0 && share_at(beam, cosine)[c] <= 1, "a share");
+                    require(share_at(beam, wl)[c] >= 0 && share_at(beam, wl)[c] <= 1, "a share");
         const auto& parts = table->band().part;
         if (std::ranges::none_of(parts,
                                  [](const auto& of) { return of && std::holds_alternative<TreeTable>(of->table); }))

@@ -30,7 +30,9 @@ inline py::dict parameters(const Held& brdf) {
             const std::string beam_name = "beam_" + std::string(k_beam_names[b]);
             const auto n = py::ssize_t(beam.theta.size());
             add((beam_name + "_angle").c_str(), beam.theta, {n});
-            add((beam_name + "_share").c_str(), floats(beam.share), {n, 3});
+            add((beam_name + "_share").c_str(), floats(beam.share), {py::ssize_t(beam.share.size()), 3});
+            if (!beam.azimuths.empty()) 
+                add((beam_name + "_azimuths").c_str(), std::vector<float>(beam.azimuths.begin(), beam.azimuths.end()), {n});
         }
     } else if (const auto* pm = std::get_if<PmModel>(&model)) {
         const py::ssize_t J = pm->lobes, N = pm->variates, F = features(pm->form);
@@ -159,6 +161,8 @@ inline BsdfModel bsdf_of(const py::dict& of) {
         const std::string beam = "beam_" + std::string(k_beam_names[b]);
         if (!of.contains(py::str(beam + "_angle"))) continue;
         bsdf.beam[b] = {vector_of<float>(of, (beam + "_angle").c_str()), vector_of<Rgb>(of, (beam + "_share").c_str())};
+        if (const std::string azimuths = beam + "_azimuths"; of.contains(py::str(azimuths)))
+            for (const float n : vector_of<float>(of, azimuths.c_str())) bsdf.beam[b].azimuths.push_back(int(n));
     }
     return bsdf;
 }

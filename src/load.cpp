@@ -146,13 +146,13 @@ std::vector<std::byte> table_bytes(const AnyBrdf& brdf, const Evaluate& values, 
 }
 
 /// A part as a matrix of that basis: the measured one, if it has it.
-KlemsTable klems_of(const std::shared_ptr<const Measured>& own, const Evaluate& part, const Beam& beam,
+KlemsTable klems_of(const std::shared_ptr<const Measured>& own, const Evaluate& values, const Beams& beams, Part part,
                     const TableOptions& options) {
     const AngleBasis basis = klems_basis(options.basis);
     const auto* matrix = own ? std::get_if<KlemsTable>(&own->table) : nullptr;
     if (matrix && matrix->incident.name == basis.name && matrix->outgoing.name == basis.name) return *matrix;
-    KlemsTable table = to_klems(part, basis, options.threads);
-    add_beam(table, beam);
+    KlemsTable table = to_klems(part_of(values, part), basis, options.threads);
+    add_beam(table, beams, part);
     return table;
 }
 
@@ -169,7 +169,7 @@ BsdfTable patches_of(const AnyBrdf& brdf, const TableOptions& options) {
         for (std::size_t p = 0; p < k_parts; ++p)
             if (const Part part = Part(p); has_part(of, part))
                 band.part[p] = std::make_shared<const Measured>(
-                    Measured{{}, {}, 0, klems_of(own[p], part_of(values, part), beams[beam_of(part)], options)});
+                    Measured{{}, {}, 0, klems_of(own[p], values, beams, part, options)});
     };
     if (const auto* measured = std::get_if<Measured>(&brdf)) {
         const auto* bsdf = std::get_if<BsdfTable>(&measured->table);

@@ -45,6 +45,7 @@ Rgb value(const PreparedBsdf& bsdf, Vec3f wl, Vec3f wv) {
 
 PreparedBsdf::Chances PreparedBsdf::chances(Vec3f wv) const {
     const bool back = wv.z < 0;
+    const Vec3f straight = mirror(wv);  // from where a beam comes, in a part's frame
     // The light that is transmitted to the viewer comes from the other side.
     Chances all{{back ? Part::reflection_back : Part::reflection_front,
                  back ? Part::transmission_front : Part::transmission_back},
@@ -56,7 +57,7 @@ PreparedBsdf::Chances PreparedBsdf::chances(Vec3f wv) const {
         const auto part = std::size_t(all.part[k]);
         // With one choice alone its albedo, which takes time to make, does not matter.
         if (parts_[part]) all.of_part[k] = is_brdf_ ? 1 : float(luminance(albedo(*parts_[part], std::abs(wv.z))));
-        all.beam[k] = share_at(beams_[beam_of(all.part[k])], wv.z);
+        all.beam[k] = share_at(beams_, all.part[k], straight);
         all.of_beam[k] = float(luminance(all.beam[k]));
         sum += all.of_part[k] + all.of_beam[k];
     }

@@ -138,7 +138,11 @@ TEST(Bsdf, SamplingIsThatOfItsDensity) {
         const double mean = scattered / count, deviation = std::sqrt((squares / count - mean * mean) / count);
         EXPECT_PRED3(near, mean, whole, 4 * deviation + 2e-3 * whole);
         const Beams beam = full_bsdf().beam;
-        const double of_beams = double(share_at(beam[theta < 90 ? 0 : 1], wv.z).r) + double(share_at(beam[2], wv.z).r);
+        const Vec3f from = mirror(wv);
+        const bool front = theta < 90;
+        const double of_beams =
+            double(share_at(beam, front ? Part::reflection_front : Part::reflection_back, from).r) +
+            double(share_at(beam, front ? Part::transmission_back : Part::transmission_front, from).r);
         EXPECT_PRED3(near_relative, by_beam / count, of_beams, 0.03);
     }
 }

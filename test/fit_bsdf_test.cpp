@@ -110,10 +110,11 @@ double expect_furnace(const Model& model) {
     for (std::size_t i = 15 * 32; i < 17 * 32; ++i) {
         const auto cosine = cosine_at(once, i);
         if (!cosine) continue;
-        double due =
-            double(share_at(bsdf.beam[0], float(*cosine)).g) + double(share_at(bsdf.beam[2], float(*cosine)).g);
+        double due = 0;
+        const Vec3f from = to_float(spherical(elementary::acos(*cosine), 0.0));
         for (const Part part : {Part::reflection_front, Part::transmission_back})
-            due += double(albedo(part_of(values, part), elementary::acos(*cosine), k_pi / 2).g);
+            due += double(share_at(bsdf.beam, part, from).g) +
+                   double(albedo(part_of(values, part), elementary::acos(*cosine), k_pi / 2).g);
         const double seen = double(once.rendering.radiance.pixels[i].g);
         sum += seen, expected += due;
         most_apart = std::max(most_apart, std::abs(seen - due));
@@ -253,7 +254,7 @@ double light_behind(const Evaluate& f, const Beam& beam, const std::vector<std::
         for (const Vec3f& v : views) below.push_back(to_side(v, -1));
         std::vector<Rgb> values(below.size());
         f(std::vector<Vec3f>(below.size(), wl), below, values);
-        double through = double(share_at(beam, wl.z).g);
+        double through = double(share_at(beam, wl).g);
         for (std::size_t k = 0; k < values.size(); ++k)
             through += double(values[k].g) * double(views[k].z) * 2 * k_pi / n;
         sum += irradiance * through;

@@ -62,7 +62,9 @@ inline BsdfModel full_bsdf(double most_bandwidth = 30) {
     for (std::size_t p = 0; p < k_parts; ++p)
         bsdf.part[p] = random_part(p + 1, {.lobes = 3, .most_bandwidth = most_bandwidth, .form = form});
     bsdf.beam[0] = {{0.f, 1.f}, {{0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}}};
-    bsdf.beam[2] = {{0.5f}, {{0.3f, 0.2f, 0.1f}}};
+    bsdf.beam[2] = {
+        {0.5f, 0.9f}, {{0.3f, 0.2f, 0.1f}, {0.1f, 0.2f, 0.1f}, {0.2f, 0.1f, 0.3f}, {0.4f, 0.1f, 0}}, {1, 3}};
+    bsdf.beam[3] = {{0.25f}, {{0.1f, 0.1f, 0.1f}, {0.3f, 0.3f, 0.3f}}, {2}};
     return bsdf;
 }
 

@@ -212,6 +212,7 @@ TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
     for (const double degrees : {20.0, 60.0, 110.0, 150.0}) {
         if (is_es && degrees != 60 && degrees != 110) continue;
         const Vec3f wv = to_float(spherical(degrees * k_degree, 0.0));
+        const Vec3f from = mirror(wv);
         const bool back = wv.z < 0;
         const Part reflected = back ? Part::reflection_back : Part::reflection_front,
                    transmitted = back ? Part::transmission_front : Part::transmission_back;
@@ -220,8 +221,8 @@ TEST_P(RasterEnvironments, UniformLightShowsTheDirectionalAlbedo) {
         const auto through = quadrature(evaluator(*parts[std::size_t(transmitted)]), {wv.x, wv.y, std::abs(wv.z)},
                                         uniform_light, k_world);
         for (std::size_t c = 0; c < 3; ++c)
-            for (const double more : {through[c], double(share_at(beams[back ? 1 : 0], wv.z)[int(c)]),
-                                      double(share_at(beams[2], wv.z)[int(c)])})
+            for (const double more : {through[c], double(share_at(beams, reflected, from)[int(c)]),
+                                      double(share_at(beams, transmitted, from)[int(c)])})
                 expected[c] += more;
         for (const LightDraws draws : {LightDraws::both, LightDraws::material, LightDraws::light}) {
             const Mean found = mean_of(

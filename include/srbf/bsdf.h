@@ -111,33 +111,35 @@ inline Evaluate part_of(Evaluate bsdf, Part part) {
     };
 }
 
-/// Light that is not scattered: in a part's frame the share τ(θ) [1] of it goes on in the mirror direction, which is
-/// straight through in a transmission. It is not a part of f, whose peak it would be without width:
-///   L(wv) = ∫ f(wl, wv) L(wl) |cosθl| dωl + τ(θv) L(mirror(wv)).
-/// Linear in θ between nodes, constant before the first, 0 beyond 90°.
+/// Light that is not scattered: in a part's frame the share τ(wl) [1] of the light from wl goes on in the mirror
+/// direction, which is straight through in a transmission. It is not a part of f, whose peak it would be without width:
+///   L(wv) = ∫ f(wl, wv) L(wl) |cosθl| dωl + τ(mirror(wv)) L(mirror(wv)).
+/// τ has nodes on rings of one θ each. It is linear in the azimuth between the nodes of a ring, and in θ between rings;
+/// constant before the first ring, 0 beyond 90°.
 struct Beam {
-    std::vector<float> theta;  ///< [rad], increasing, 0..π/2
-    std::vector<Rgb> share;    ///< 0..1 each
+    std::vector<float> theta;        ///< of each ring [rad], increasing, 0..π/2
+    std::vector<Rgb> share;          ///< of the nodes, ring by ring, 0..1 each
+    std::vector<int> azimuths = {};  ///< of each ring the number n of its nodes, at 2πk/n; empty: 1 each
     bool empty() const { return theta.empty(); }
+    int nodes(std::size_t ring) const { return azimuths.empty() ? 1 : azimuths[ring]; }
     friend bool operator==(const Beam&, const Beam&) = default;
 };
-/// τ at that cosine.
-inline Rgb share_at(const Beam& beam, float cosine) {
-    if (beam.empty()) return {};
-    const float theta = elementary::acos(std::fmin(std::abs(cosine), 1.f));
-    std::size_t next = 0;
-    while (next < beam.theta.size() && beam.theta[next] <= theta) ++next;
-    if (next == 0) return beam.share.front();
-    const bool is_last = next == beam.theta.size();
-    const float from = beam.theta[next - 1], to = is_last ? float(k_pi / 2) : beam.theta[next];
-    const float part = to > from ? std::fmin((theta - from) / (to - from), 1.f) : 0.f;
-    const Rgb a = beam.share[next - 1], b = is_last ? Rgb{} : beam.share[next];
-    return {a.r + part * (b.r - a.r), a.g + part * (b.g - a.g), a.b + part * (b.b - a.b)};
-}
+/// In files, of rings, and of nodes of a ring.
+inline constexpr std::size_t k_most_beam_rings = 256, k_most_beam_nodes = 2048;
+/// τ of a beam at the direction to the light, in the part's frame on either side.
+Rgb share_at(const Beam& beam, Vec3f wl);
 
-/// The beams of a BSDF: of the reflections, and one of transmission, which is the same both ways.
-using Beams = std::array<Beam, 3>;
-inline constexpr std::array<std::string_view, 3> k_beam_names{"reflection_front", "reflection_back", "transmission"};
-constexpr std::size_t beam_of(Part part) { return is_transmission(part) ? 2 : std::size_t(part); }
+/// The beams of a BSDF, in the order of `Part`. An empty one is 0, but that of a transmission is its counterpart's by
+/// reciprocity, τ(mirror(wl)).
+using Beams = std::array<Beam, k_parts>;
+/// In files: `transmission` is of both transmissions if there is no `transmission_back`.
+inline constexpr std::array<std::string_view, k_parts> k_beam_names{"reflection_front", "reflection_back",
+                                                                    "transmission", "transmission_back"};
+/// τ of a part at the direction to the light, in the part's frame on either side.
+inline Rgb share_at(const Beams& beams, Part part, Vec3f wl) {
+    const Beam& own = beams[std::size_t(part)];
+    if (own.empty() && is_transmission(part)) return share_at(beams[std::size_t(counterpart(part))], mirror(wl));
+    return share_at(own, wl);
+}
 
 }  // namespace srbf

@@ -45,8 +45,8 @@ MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options = {});
 /// A part of a BSDF, in its own frame, as means over pairs of patches of `basis`, weighted by both cosines: of 256 points of a
 /// pair, about the mirror direction 4096. What is not known is left out of a mean.
 KlemsTable to_klems(const Evaluate& part, const AngleBasis& basis, int threads = 0);
-/// Gives each incident patch the share of the beam at its ring.
-void add_beam(KlemsTable& table, const Beam& beam);
+/// Gives each incident patch the share of the part's beam at its middle.
+void add_beam(KlemsTable& table, const Beams& beams, Part part);
 
 /// `brdf` at all pairs of n directions of the Fibonacci set on the cap θ ≤ θmax [rad], without the pairs that were not
 /// measured.

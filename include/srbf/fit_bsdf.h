@@ -9,9 +9,10 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// Light that leaves a surface at a polar angle of the incident light.
+/// Light that leaves a surface for a direction of the incident light.
 struct Hemispherical {
     double theta = 0;     ///< of the incident light [rad]
+    double phi = 0;       ///< its azimuth in the part's frame [rad]
     double measured = 0;  ///< Σ over outgoing directions of f cosθ dω, with the beam; green [1]
     double fitted = 0;
 };
@@ -71,7 +72,8 @@ PatchSums sums_of(const KlemsTable& table, std::size_t points);
 /// or 0.001 of every directional-hemispherical sum.
 Result<FitOutcome> fit_patches(const KlemsTable& table, const FitRequest& request, const ProgressToken& progress = {});
 
-/// The directional-hemispherical sums of a matrix for each incident ring, and those of `f` for the same angles.
-std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate& f, const Beam& beam);
+/// The directional-hemispherical sums of a matrix for each incident ring, of an anisotropic one for each incident patch,
+/// and those of `f` and the part's beam for light from the middles of these patches.
+std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate& f, const Beams& beams, Part part);
 
 }  // namespace srbf

@@ -142,6 +142,7 @@ struct AngleBasis {
         float theta = 0;             ///< [rad], by which the file names it
         float from = 0, to = 0;      ///< [rad]
         std::uint32_t azimuths = 1;  ///< number of patches
+        friend bool operator==(const Ring&, const Ring&) = default;
     };
     std::string name;
     std::vector<Ring> rings;  ///< from 0 to π/2

@@ -97,6 +97,7 @@ Channels channels(const Model& model);
 Channels channels(const Model&&) = delete;
 
 std::size_t payload_bytes(const BsdfModel& model);
+std::size_t payload_bytes(const Beam& beam);
 std::size_t auxiliary_bytes(const BsdfModel& model);
 /// Size of a model's stored numbers, and of the tables that it needs in addition at run time.
 std::size_t payload_bytes(const Model& model);
@@ -129,7 +130,8 @@ PmModel rounded(const PmModel& model);
 /// A surface of renderers' parameters has a tensor for each row of `k_pbr_parameters`, [1] or [3], those of a film
 /// and of anisotropy only if it has one, and the metadata `exchanged_surface`, "true" or "false". A BSDF has the tensors and the metadata of
 /// each part's model after the part's name and a point, as in `transmission_front.bandwidth`, and for each of its beams,
-/// named by `k_beam_names`, `beam.NAME.angle` [n] and `beam.NAME.share` [n,3].
+/// named by `k_beam_names`, `beam.NAME.angle` [rings] and `beam.NAME.share` [rings,3]; if a ring has several nodes
+/// `beam.NAME.azimuths` [rings], their numbers, and `share` [nodes,3], of a grey beam [nodes,1].
 std::vector<std::byte> write_model(const Model& model);
 /// Errors: not a model file; tensors that are missing, of another type or shape, overlapping or with gaps between them;
 /// numbers that are not finite or out of range; `wrong_kind`: a measurement, a stack. `file_name` appears in errors only.

@@ -17,7 +17,7 @@ _SU: dict[str, Shape] = {"bandwidth": ("n", "J"), "coefficient": ("n", "J", 3), 
 _GGX: dict[str, Shape] = {"roughness": ("L",), "diffuse": (3,), "f0": ("L", 3), "f90": ("L",)}
 _PBR: dict[str, Shape] = {name: (size,) for name, size in _srbf.pbr_parameters().items()}
 _PARTS = ("reflection_front", "reflection_back", "transmission_front", "transmission_back")
-_BEAMS = ("reflection_front", "reflection_back", "transmission")
+_BEAMS = ("reflection_front", "reflection_back", "transmission", "transmission_back")
 
 
 def _text(shape: Shape) -> str:
@@ -111,11 +111,13 @@ def _pbr(given: Mapping[str, Any]) -> dict[str, Any]:
 def _bsdf(given: Mapping[str, Any]) -> dict[str, Any]:
     beams: dict[str, Shape] = {}
     for beam in _BEAMS:
-        beams |= {f"beam_{beam}_angle": (beam, ), f"beam_{beam}_share": (beam, 3)}
+        nodes = f"{beam} nodes" if f"beam_{beam}_azimuths" in given else beam
+        beams |= {f"beam_{beam}_angle": (beam, ), f"beam_{beam}_azimuths": (beam, ), f"beam_{beam}_share": (nodes, 3)}
     _require(given, [], [*_PARTS, *beams])
     of, _ = _arrays(given, beams)
-    for name in of:
-        _require(given, [name.replace("_angle", "_share"), name.replace("_share", "_angle")], list(given))
+    for beam in _BEAMS:
+        if any(name.startswith(f"beam_{beam}_a") or name == f"beam_{beam}_share" for name in of):
+            _require(given, [f"beam_{beam}_angle", f"beam_{beam}_share"], list(given))
     return of | {part: held_of(given[part], {}) for part in _PARTS if part in given}
 
 

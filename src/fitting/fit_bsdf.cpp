@@ -58,16 +58,17 @@ bool alike(const Input& front, const Input& back, Part part) {
 /// A model of 0, where the counterpart must not answer.
 Model black() { return {GgxModel{{}, {GgxModel::Lobe{}}}, {}}; }
 
-std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beam& beam) {
-    if (input.patches()) return srbf::hemispherical(*input.patches(), fitted, beam);
+std::vector<Hemispherical> hemispherical(const Input& input, const Evaluate& fitted, const Beams& beams, Part part) {
+    if (input.patches()) return srbf::hemispherical(*input.patches(), fitted, beams, part);
     const auto exchanged = [](const Evaluate& f) -> Evaluate {
         return [&f](auto wl, auto wv, auto to) { f(wv, wl, to); };
     };
     std::vector<Hemispherical> all;
     for (const double degrees : k_incidences) {
-        const double theta = degrees * k_degree, of_beam = double(share_at(beam, float(elementary::cos(theta))).g);
+        const double theta = degrees * k_degree,
+                     of_beam = double(share_at(beams, part, to_float(spherical(theta, 0.0))).g);
         const auto sum = [&](const Evaluate& f) { return double(albedo(exchanged(f), theta, k_pi / 2).g) + of_beam; };
-        all.push_back({theta, sum(input.f), sum(fitted)});
+        all.push_back({theta, 0, sum(input.f), sum(fitted)});
     }
     return all;
 }
@@ -118,7 +119,7 @@ void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
         else
             of.exchanged ? evaluate(*of.brdf, wv, wl, f) : evaluate(*of.brdf, wl, wv, f);
     };
-    fit.hemispherical = hemispherical(input, fitted, bsdf.beam[beam_of(fit.part)]);
+    fit.hemispherical = hemispherical(input, fitted, bsdf.beam, fit.part);
     if (input.patches()) {
         fit.squared_error_ratio = sums_of(*input.patches(), k_measured_points).error_ratio(fitted);
     } else if (!fit.black) {
@@ -127,16 +128,23 @@ void measure(PartFit& fit, const Input& input, const BsdfModel& bsdf) {
     }
 }
 
+/// Whether sums are of several azimuths.
+bool is_turned(const std::vector<Hemispherical>& sums) {
+    return std::ranges::any_of(sums, [](const Hemispherical& sum) { return sum.phi != 0; });
+}
+
 /// The largest sums of reflection and transmission of light from one side.
 void add_largest_sums(BsdfOutcome& outcome) {
     for (const PartFit& a : outcome.parts)
         for (const PartFit& b : outcome.parts) {
             if (is_transmission(a.part) || !is_transmission(b.part) || is_back(a.part) != is_back(b.part)) continue;
-            for (std::size_t k = 0; k < std::min(a.hemispherical.size(), b.hemispherical.size()); ++k) {
-                const Hemispherical &r = a.hemispherical[k], &t = b.hemispherical[k];
-                outcome.most_measured = std::max(outcome.most_measured, r.measured + t.measured);
-                outcome.most_fitted = std::max(outcome.most_fitted, r.fitted + t.fitted);
-            }
+            const bool one_azimuth = is_turned(a.hemispherical) != is_turned(b.hemispherical);
+            for (const Hemispherical& r : a.hemispherical)
+                for (const Hemispherical& t : b.hemispherical) {
+                    if (r.theta != t.theta || (r.phi != t.phi && !one_azimuth)) continue;
+                    outcome.most_measured = std::max(outcome.most_measured, r.measured + t.measured);
+                    outcome.most_fitted = std::max(outcome.most_fitted, r.fitted + t.fitted);
+                }
         }
 }
 

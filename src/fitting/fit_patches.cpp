@@ -1,6 +1,7 @@
 // Fits to averages over patches.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "fit/data/pairs.h"
@@ -44,14 +45,22 @@ constexpr double k_finest = 0.5;
 Vec3f light_at(Vec3d p) { return to_float({p.x, -p.y, p.z}); }
 Vec3f view_at(Vec3d p) { return to_float({-p.x, p.y, p.z}); }
 
-/// f cosθ summed over the outgoing patches, for light from the middle of each incident ring.
-std::vector<RadianceObservation> hemispheres(const KlemsTable& table) {
+/// The first incident patch of each ring.
+std::vector<std::size_t> first_patches(const KlemsTable& table) {
+    std::vector<std::size_t> patches;
+    for (std::size_t ring = 0; ring < table.incident.rings.size(); ++ring)
+        patches.push_back(table.incident.first_of(ring));
+    return patches;
+}
+
+/// f cosθ summed over the outgoing patches, for light from the middles of incident patches.
+std::vector<RadianceObservation> hemispheres(const KlemsTable& table, std::span<const std::size_t> incident) {
     std::vector<RadianceObservation> all;
     const AngleBasis &in = table.incident, &out = table.outgoing;
-    for (std::size_t ring = 0; ring < in.rings.size(); ++ring) {
-        const std::size_t i = in.first_of(ring);
+    for (const std::size_t i : incident) {
         // Light and viewer are exchanged: a radiance has one view direction.
-        RadianceObservation sum{light_at(spherical(double(in.rings[ring].theta), in.azimuth_of(i))), {}, {}, {}, {}};
+        RadianceObservation sum{
+            light_at(spherical(double(in.rings[in.ring_of(i)].theta), in.azimuth_of(i))), {}, {}, {}, {}};
         RSequence<2> points;
         for (std::size_t o = 0; o < out.patches(); ++o) {
             const Rgb f = table.cell(o, i);
@@ -69,12 +78,11 @@ std::vector<RadianceObservation> hemispheres(const KlemsTable& table) {
 }
 
 /// The sums without beams.
-std::vector<Hemispherical> scattered(const KlemsTable& table, const std::vector<RadianceObservation>& sums,
-                                     const Evaluate& f) {
+std::vector<Hemispherical> scattered(const std::vector<RadianceObservation>& sums, const Evaluate& f) {
     std::vector<Hemispherical> all;
-    for (std::size_t ring = 0; ring < sums.size(); ++ring) {
-        const RadianceObservation& of = sums[ring];
-        Hemispherical sum{double(table.incident.rings[ring].theta), 0, 0};
+    for (const RadianceObservation& of : sums) {
+        const auto light = angles(of.wv);
+        Hemispherical sum{double(light.theta), double(light.phi), 0, 0};
         std::vector<Rgb> fitted(of.f.size());
         f(std::vector<Vec3f>(of.f.size(), of.wv), of.wl, fitted);
         for (std::size_t k = 0; k < of.f.size(); ++k) {
@@ -138,8 +146,7 @@ class PatchFits {
     }
     /// Whether the best fit so far is good enough.
     bool is_enough() const {
-        return error_ <= k_good_error &&
-               std::ranges::all_of(scattered(table_, radiances_, evaluator(best_->model)), is_good);
+        return error_ <= k_good_error && std::ranges::all_of(scattered(radiances_, evaluator(best_->model)), is_good);
     }
     double error() const { return error_; }
     FitOutcome best() { return *std::move(best_); }
@@ -184,7 +191,7 @@ class PatchFits {
     const KlemsTable& table_;
     const FitRequest& request_;
     const PatchSums points_ = sums_of(table_, k_fitted_points), measured_ = sums_of(table_, k_measured_points);
-    const std::vector<RadianceObservation> radiances_ = hemispheres(table_);
+    const std::vector<RadianceObservation> radiances_ = hemispheres(table_, first_patches(table_));
     std::vector<Rgb> means_;  // of the patches, at each of the points
     std::optional<FitOutcome> best_;
     double error_ = 0;
@@ -226,11 +233,17 @@ double PatchSums::error_ratio(const Evaluate& f) const {
     return energy > 0 ? error / energy : 0;
 }
 
-std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate& f, const Beam& beam) {
-    std::vector<Hemispherical> all = scattered(table, hemispheres(table), f);
-    for (std::size_t ring = 0; ring < all.size(); ++ring) {
-        if (!table.beam.empty()) all[ring].measured += double(table.beam[table.incident.first_of(ring)].g);
-        all[ring].fitted += double(share_at(beam, elementary::cos(table.incident.rings[ring].theta)).g);
+std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate& f, const Beams& beams, Part part) {
+    std::vector<std::size_t> incident = first_patches(table);
+    if (!is_isotropic(table)) {
+        incident.resize(table.incident.patches());
+        std::iota(incident.begin(), incident.end(), std::size_t(0));
+    }
+    const auto sums = hemispheres(table, incident);
+    std::vector<Hemispherical> all = scattered(sums, f);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        if (!table.beam.empty()) all[k].measured += double(table.beam[incident[k]].g);
+        all[k].fitted += double(share_at(beams, part, sums[k].wv).g);
     }
     return all;
 }

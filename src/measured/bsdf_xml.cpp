@@ -281,7 +281,12 @@ Result<std::vector<NamedXmlBlocks>> read_bands(const Element& layer, const Defin
 BsdfTable::Band band_of(std::string name, XmlBlocks&& blocks, const std::string& file_name) {
     BsdfTable::Band band;
     band.name = std::move(name);
-    std::array<std::vector<const KlemsTable*>, 3> with_beams;
+    const auto matrix_of = [&](Part part) {
+        auto& block = blocks[std::size_t(part)];
+        return block ? std::get_if<KlemsTable>(&*block) : nullptr;
+    };
+    KlemsTable *front = matrix_of(Part::transmission_front), *back = matrix_of(Part::transmission_back);
+    if (front && back) separate_beams(*front, *back);
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (!blocks[p]) continue;
         if (auto* tree = std::get_if<TreeTable>(&*blocks[p])) {
@@ -289,11 +294,11 @@ BsdfTable::Band band_of(std::string name, XmlBlocks&& blocks, const std::string&
             continue;
         }
         auto& matrix = std::get<KlemsTable>(*blocks[p]);
-        separate_beam(matrix);
+        if (!(front && back && is_transmission(Part(p)))) separate_beam(matrix, beam_patches(matrix));
+        band.beam[p] = beam_of(matrix);
         band.part[p] = std::make_shared<const Measured>(Measured{file_name, "BSDF XML", 0, std::move(matrix)});
-        with_beams[beam_of(Part(p))].push_back(&std::get<KlemsTable>(band.part[p]->table));
     }
-    for (std::size_t b = 0; b < band.beam.size(); ++b) band.beam[b] = beam_of(std::span(with_beams[b]));
+    unite_transmissions(band.beam);
     return band;
 }
 

@@ -142,75 +142,131 @@ Neighbours neighbours(const AngleBasis& basis, std::size_t patch) {
     return found;
 }
 
-}  // namespace
-
-void separate_beam(KlemsTable& table) {
-    const AngleBasis &in = table.incident, &out = table.outgoing;
-    const std::size_t I = in.patches();
-    std::vector<Rgb> beam(I);
-    bool any = false;
-    for (std::size_t ring = 0; ring < in.rings.size(); ++ring) {
-        struct Peak {
-            std::size_t patch;
-            float around;
-        };
-        std::vector<Peak> peaks;
-        double peak = 0, around = 0, typical = 0;
-        for (std::size_t i = in.first_of(ring); i < in.first_of(ring + 1); ++i) {
-            const auto [theta, phi] = std::pair(double(in.rings[ring].theta), in.azimuth_of(i));
-            const std::size_t o = out.patch_of(to_float(spherical(theta, phi)));
-            float most = 0, sum = 0;
-            const auto near = neighbours(out, o);
-            for (const std::size_t n : near.all) most = std::max(most, table.cell(n, i).g);
-            for (const std::size_t n : near.of_ring) sum += table.cell(n, i).g;
-            std::vector<float> column;
-            for (std::size_t k = 0; k < out.patches(); ++k) column.push_back(table.cell(k, i).g);
-            std::ranges::nth_element(column, column.begin() + std::ptrdiff_t(column.size() / 2));
-            peak += double(table.cell(o, i).g), around += double(most), typical += double(column[column.size() / 2]);
-            peaks.push_back({o, sum / float(near.of_ring.size())});
-        }
-        const double rise = peak - around;
-        if (!(rise > double(k_least_rise) * std::max(around, 0.0)) ||
-            !(rise > double(k_narrow) * std::max(around - typical, 0.0)))
-            continue;
-        any = true;
-        for (std::size_t k = 0; k < peaks.size(); ++k) {
-            const std::size_t i = in.first_of(ring) + k, o = peaks[k].patch;
-            Rgb& cell = table.cells[o * I + i];
-            const float of_patch = float(out.projected_solid_angle(out.ring_of(o)));
-            for (int c = 0; c < 3; ++c) {
-                beam[i][c] = std::clamp((cell[c] - peaks[k].around) * of_patch, 0.f, 1.f);
-                cell[c] -= beam[i][c] / of_patch;
-            }
-        }
+/// What an incident patch sees straight ahead: the patch there, its value, the largest of those about it, the median of
+/// all, and the mean of those about it in its ring. Sums of several are judged alike.
+struct Peak {
+    std::size_t patch = 0;
+    double value = 0, most = 0, typical = 0;
+    float around = 0;
+    bool is_beam() const {
+        const double rise = value - most;
+        return rise > double(k_least_rise) * std::max(most, 0.0) &&
+               rise > double(k_narrow) * std::max(most - typical, 0.0);
     }
-    if (any) table.beam = std::move(beam);
+};
+Peak peak_of(const KlemsTable& table, std::size_t i) {
+    const AngleBasis &in = table.incident, &out = table.outgoing;
+    Peak peak;
+    peak.patch = out.patch_of(to_float(spherical(double(in.rings[in.ring_of(i)].theta), in.azimuth_of(i))));
+    peak.value = double(table.cell(peak.patch, i).g);
+    const auto near = neighbours(out, peak.patch);
+    for (const std::size_t n : near.all) peak.most = std::max(peak.most, double(table.cell(n, i).g));
+    float sum = 0;
+    for (const std::size_t n : near.of_ring) sum += table.cell(n, i).g;
+    peak.around = sum / float(near.of_ring.size());
+    std::vector<float> column;
+    for (std::size_t k = 0; k < out.patches(); ++k) column.push_back(table.cell(k, i).g);
+    std::ranges::nth_element(column, column.begin() + std::ptrdiff_t(column.size() / 2));
+    peak.typical = double(column[column.size() / 2]);
+    return peak;
 }
 
-Beam beam_of(std::span<const KlemsTable* const> tables) {
-    Beam beam;
-    for (const KlemsTable* table : tables) {
-        if (table->beam.empty()) continue;
-        const AngleBasis& basis = table->incident;
-        for (std::size_t ring = 0; ring < basis.rings.size(); ++ring) {
-            std::array<double, 3> sum{};
-            for (std::size_t i = basis.first_of(ring); i < basis.first_of(ring + 1); ++i)
-                for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(table->beam[i][c]);
-            const double n = basis.rings[ring].azimuths;
-            Rgb mean{float(sum[0] / n), float(sum[1] / n), float(sum[2] / n)};
-            const float theta = basis.rings[ring].theta;
-            const auto at = std::ranges::lower_bound(beam.theta, theta);
-            const auto k = at - beam.theta.begin();
-            if (at != beam.theta.end() && *at == theta) {
-                for (int c = 0; c < 3; ++c)
-                    beam.share[std::size_t(k)][c] = 0.5f * (beam.share[std::size_t(k)][c] + mean[c]);
-            } else {
-                beam.theta.insert(at, theta);
-                beam.share.insert(beam.share.begin() + k, mean);
-            }
+}  // namespace
+
+std::vector<bool> beam_patches(const KlemsTable& table) {
+    const AngleBasis& in = table.incident;
+    std::vector<bool> is_beam;
+    for (std::size_t ring = 0; ring < in.rings.size(); ++ring) {
+        std::vector<Peak> peaks;
+        Peak whole;
+        for (std::size_t i = in.first_of(ring); i < in.first_of(ring + 1); ++i) {
+            peaks.push_back(peak_of(table, i));
+            whole.value += peaks.back().value, whole.most += peaks.back().most, whole.typical += peaks.back().typical;
+        }
+        for (const Peak& peak : peaks) is_beam.push_back(whole.is_beam() || peak.is_beam());
+    }
+    return is_beam;
+}
+
+void separate_beam(KlemsTable& table, const std::vector<bool>& patches) {
+    if (std::ranges::find(patches, true) == patches.end()) return;
+    table.beam.assign(patches.size(), Rgb{});
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+        if (!patches[i]) continue;
+        const Peak peak = peak_of(table, i);
+        Rgb& cell = table.cells[peak.patch * patches.size() + i];
+        const float of_patch = float(table.outgoing.projected_solid_angle(table.outgoing.ring_of(peak.patch)));
+        for (int c = 0; c < 3; ++c) {
+            table.beam[i][c] = std::clamp((cell[c] - peak.around) * of_patch, 0.f, 1.f);
+            cell[c] -= table.beam[i][c] / of_patch;
         }
     }
+}
+
+void separate_beams(KlemsTable& front, KlemsTable& back) {
+    auto of_front = beam_patches(front), of_back = beam_patches(back);
+    if (front.incident.rings == back.incident.rings)
+        for (std::size_t i = 0; i < of_front.size(); ++i) {
+            const Vec3d p =
+                spherical(double(front.incident.rings[front.incident.ring_of(i)].theta), front.incident.azimuth_of(i));
+            const std::size_t turned = front.incident.patch_of(to_float(mirror(p)));
+            of_front[i] = of_back[turned] = of_front[i] || of_back[turned];
+        }
+    separate_beam(front, of_front);
+    separate_beam(back, of_back);
+}
+
+namespace {
+
+/// Shares of a ring, and of both sides, are one if they differ by no more than this or by so much of their mean: as
+/// near as a fit is to a sum.
+constexpr float k_same_share = 0.01f, k_same_beam = 0.001f;
+bool alike(float a, float b) { return std::abs(a - b) <= std::max(k_same_share * 0.5f * (a + b), k_same_beam); }
+bool alike(const Rgb& a, const Rgb& b) { return alike(a.r, b.r) && alike(a.g, b.g) && alike(a.b, b.b); }
+
+Rgb mean_of(std::span<const Rgb> values) {
+    std::array<double, 3> sum{};
+    for (const Rgb& value : values)
+        for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(value[c]);
+    const double n = double(values.size());
+    return {float(sum[0] / n), float(sum[1] / n), float(sum[2] / n)};
+}
+
+}  // namespace
+
+Beam beam_of(const KlemsTable& table) {
+    Beam beam;
+    if (table.beam.empty()) return beam;
+    for (std::size_t ring = 0; ring < table.incident.rings.size(); ++ring) {
+        const auto n = std::size_t(table.incident.rings[ring].azimuths);
+        std::vector<Rgb> nodes(n);
+        // A patch at the azimuth φ of the basis has its light at −φ in the frame of a part.
+        for (std::size_t k = 0; k < n; ++k) nodes[(n - k) % n] = table.beam[table.incident.first_of(ring) + k];
+        const Rgb mean = mean_of(nodes);
+        if (n > k_most_beam_nodes || std::ranges::all_of(nodes, [&](const Rgb& node) { return alike(node, mean); }))
+            nodes = {mean};
+        beam.theta.push_back(table.incident.rings[ring].theta);
+        beam.azimuths.push_back(int(nodes.size()));
+        beam.share.insert(beam.share.end(), nodes.begin(), nodes.end());
+    }
+    if (std::ranges::all_of(beam.azimuths, [](int n) { return n == 1; })) beam.azimuths.clear();
     return beam;
+}
+
+void unite_transmissions(Beams& beams) {
+    Beam &front = beams[std::size_t(Part::transmission_front)], &back = beams[std::size_t(Part::transmission_back)];
+    if (front.empty() || back.empty()) return;
+    const Beams backwards{Beam{}, Beam{}, Beam{}, back};  // answers for light from the front by reciprocity
+    std::vector<Rgb> means;
+    for (std::size_t ring = 0; ring < front.theta.size(); ++ring)
+        for (int k = 0; k < front.nodes(ring); ++k) {
+            const Vec3f wl = to_float(spherical(double(front.theta[ring]), 2 * k_pi * k / front.nodes(ring)));
+            const Rgb a = front.share[means.size()], b = share_at(backwards, Part::transmission_front, wl);
+            if (!alike(a, b)) return;
+            means.push_back(mean_of(std::array{a, b}));
+        }
+    front.share = std::move(means);
+    back = {};
 }
 
 }  // namespace srbf

@@ -17,9 +17,15 @@ struct PatchClass {
 /// `isotropic`: classes as above; otherwise each pair is one. What is not measured is left out.
 std::vector<PatchClass> patch_classes(const KlemsTable& table, bool isotropic);
 
-/// Moves what is a beam from the cells to `beam`. Rings are judged as a whole.
-void separate_beam(KlemsTable& table);
-/// The mean over the azimuths of one or two matrices.
-Beam beam_of(std::span<const KlemsTable* const> tables);
+/// Which incident patches have a beam: a ring is judged as a whole, and each of its patches alone.
+std::vector<bool> beam_patches(const KlemsTable& table);
+/// Moves the beams of these incident patches from the cells to `beam`.
+void separate_beam(KlemsTable& table, const std::vector<bool>& patches);
+/// The same of both transmissions: what is a beam one way is one the other way.
+void separate_beams(KlemsTable& front, KlemsTable& back);
+/// The beam of a matrix: a node for each incident patch, or one for a ring whose nodes hardly differ.
+Beam beam_of(const KlemsTable& table);
+/// If the beams of both transmissions are one by reciprocity, their mean is that of the front, and the back's is empty.
+void unite_transmissions(Beams& beams);
 
 }  // namespace srbf

@@ -71,12 +71,14 @@ KlemsTable to_klems(const Evaluate& part, const AngleBasis& basis, int threads) 
     return table;
 }
 
-void add_beam(KlemsTable& table, const Beam& beam) {
-    if (beam.empty()) return;
-    const AngleBasis& in = table.incident;
+void add_beam(KlemsTable& table, const Beams& beams, Part part) {
+    if (beams[std::size_t(part)].empty() && !(is_transmission(part) && !beams[std::size_t(counterpart(part))].empty()))
+        return;
     table.beam.clear();
-    for (const AngleBasis::Ring& ring : in.rings)
-        table.beam.insert(table.beam.end(), ring.azimuths, share_at(beam, float(elementary::cos(double(ring.theta)))));
+    for (std::size_t i = 0; i < table.incident.patches(); ++i) {
+        const Vec3d middle = middle_of(table.incident, i);
+        table.beam.push_back(share_at(beams, part, to_float({middle.x, -middle.y, middle.z})));
+    }
 }
 
 namespace {

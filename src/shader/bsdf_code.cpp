@@ -24,60 +24,98 @@ Call call_of(const BsdfModel& bsdf, Part part, bool sampling) {
     return {std::string(name(is_own ? part : counterpart(part))), of.exchanged && !is_own};
 }
 
-/// The nodes of a beam: angle, R, G, B; the first at 0, the last at 90 degrees, where a beam without a node is 0.
-syntax::Table nodes_of(const Beam& beam, std::string_view name) {
-    syntax::Table nodes{"The share of unscattered light: angle to the normal and R, G, B, a row for each node.",
-                        fmt::format("{}_nodes", name),
-                        {},
-                        4};
-    const auto add = [&](float theta, const Rgb& share) {
-        nodes.numbers.insert(nodes.numbers.end(), {theta, share.r, share.g, share.b});
+constexpr const char* k_black = "Vec3(Real(0.0), Real(0.0), Real(0.0))";
+
+/// The rings of a beam and their nodes: the first ring at 0, the last at 90 degrees, where a beam without a ring is 0.
+struct BeamTables {
+    syntax::Table rings, nodes;
+};
+BeamTables tables_of(const Beam& beam, std::string_view name) {
+    BeamTables of{{"Rings of nodes: angle to the normal, index of the first node, number of nodes.",
+                   fmt::format("{}_rings", name),
+                   {},
+                   3},
+                  {"The share of unscattered light at each node: R, G, B.", fmt::format("{}_nodes", name), {}, 3}};
+    const auto add = [](syntax::Table& table, auto... numbers) {
+        table.numbers.insert(table.numbers.end(), {float(numbers)...});
     };
-    if (beam.theta.front() > 0) add(0, beam.share.front());
-    for (std::size_t i = 0; i < beam.theta.size(); ++i) add(beam.theta[i], beam.share[i]);
-    if (beam.theta.back() < float(k_pi / 2)) add(float(k_pi / 2), {});
-    if (nodes.numbers.size() == 4) add(float(k_pi / 2), beam.share.back());
-    return nodes;
+    std::size_t first = 0;
+    if (beam.theta.front() > 0) add(of.rings, 0, 0, beam.nodes(0));
+    for (std::size_t ring = 0; ring < beam.theta.size(); ++ring) {
+        add(of.rings, beam.theta[ring], first, beam.nodes(ring));
+        first += std::size_t(beam.nodes(ring));
+    }
+    for (const Rgb& share : beam.share) add(of.nodes, share.r, share.g, share.b);
+    if (beam.theta.back() < float(k_pi / 2)) {
+        add(of.rings, k_pi / 2, first, 1);
+        add(of.nodes, 0, 0, 0);
+    } else if (of.rings.numbers.size() == 3) {
+        of.rings.numbers.insert(of.rings.numbers.begin(), {0, 0, float(beam.nodes(0))});
+    }
+    return of;
 }
 
-constexpr const char* k_black = "Vec3(Real(0.0), Real(0.0), Real(0.0))";
+/// The share of a beam for light from wl, in the frame of its part.
+std::string beam_text(const Beam& beam, const std::string& name, Program& program) {
+    const BeamTables tables = tables_of(beam, name);
+    program.tables.push_back(tables.rings);
+    program.tables.push_back(tables.nodes);
+    constexpr const char* at_azimuth =
+        "    Real planar = sqrt(wl.x * wl.x + wl.y * wl.y);\n"
+        "    Real turns = acos(min(max(wl.x / max(planar, Real(1.0e-20)), Real(-1.0)), Real(1.0))) / Real(6.2831853);\n"
+        "    if (wl.y < Real(0.0)) turns = Real(1.0) - turns;\n";
+    return fmt::format(
+        "Vec3 {0}_node(int i) {{ return Vec3({0}_nodes[3 * i], {0}_nodes[3 * i + 1], {0}_nodes[3 * i + 2]); }}\n"
+        "// On a ring, for an azimuth in turns.\n"
+        "Vec3 {0}_ring(int ring, Real turns) {{\n"
+        "    int first = int({0}_rings[3 * ring + 1]);\n"
+        "    int count = int({0}_rings[3 * ring + 2]);\n"
+        "    Real at = turns * Real(count);\n"
+        "    int below = at < Real(count - 1) ? int(at) : count - 1;\n"
+        "    int above = below + 1 < count ? below + 1 : 0;\n"
+        "    Real beyond = at - Real(below);\n"
+        "    return (Real(1.0) - beyond) * {0}_node(first + below) + beyond * {0}_node(first + above);\n"
+        "}}\n"
+        "Vec3 {0}(Vec3 wl) {{\n"
+        "    Real theta = acos(min(abs(wl.z), Real(1.0)));\n"
+        "{2}"
+        "    int below = 0;\n"
+        "    for (int i = 1; i < {1}; ++i) {{\n"
+        "        if ({0}_rings[3 * i] <= theta) below = i;\n"
+        "    }}\n"
+        "    Real from = {0}_rings[3 * below];\n"
+        "    Real beyond = min((theta - from) / ({0}_rings[3 * below + 3] - from), Real(1.0));\n"
+        "    return (Real(1.0) - beyond) * {0}_ring(below, turns) + beyond * {0}_ring(below + 1, turns);\n"
+        "}}\n",
+        name, tables.rings.numbers.size() / 3 - 1,
+        beam.azimuths.empty() ? "    Real turns = Real(0.0);\n" : at_azimuth);
+}
+
+/// The call that answers for a part's beam at the direction from which it comes to the viewer.
+std::string call_of(const Beams& beams, Part part) {
+    const auto of = [](Part which) { return fmt::format("{}_beam", k_beam_names[std::size_t(which)]); };
+    if (!beams[std::size_t(part)].empty()) return of(part) + "(Vec3(-wv.x, -wv.y, wv.z))";
+    const Part other = counterpart(part);
+    if (is_transmission(part) && !beams[std::size_t(other)].empty()) return of(other) + "(wv)";
+    return k_black;
+}
 
 /// The functions `beam` and `mirror_beam`.
 std::string beams_text(const Beams& beams, Program& program) {
     std::string text;
-    for (std::size_t b = 0; b < beams.size(); ++b) {
-        if (beams[b].empty()) continue;
-        const std::string of = fmt::format("{}_beam", k_beam_names[b]);
-        program.tables.push_back(nodes_of(beams[b], of));
-        text += fmt::format(
-            "Vec3 {0}(Real cosine) {{\n"
-            "    Real theta = acos(min(abs(cosine), Real(1.0)));\n"
-            "    int below = 0;\n"
-            "    for (int i = 1; i < {1}; ++i) {{\n"
-            "        if ({0}_nodes[4 * i] <= theta) below = 4 * i;\n"
-            "    }}\n"
-            "    Real first = {0}_nodes[below];\n"
-            "    Real beyond = min((theta - first) / ({0}_nodes[below + 4] - first), Real(1.0));\n"
-            "    Vec3 a = Vec3({0}_nodes[below + 1], {0}_nodes[below + 2], {0}_nodes[below + 3]);\n"
-            "    Vec3 b = Vec3({0}_nodes[below + 5], {0}_nodes[below + 6], {0}_nodes[below + 7]);\n"
-            "    return (Real(1.0) - beyond) * a + beyond * b;\n"
-            "}}\n",
-            of, program.tables.back().numbers.size() / 4 - 1);
-    }
-    if (!beams[2].empty())
-        text +=
-            "// The share for R, G, B of the light from -wv that passes unscattered to the viewer, on either side.\n"
-            "Vec3 beam(Vec3 wv) { return transmission_beam(wv.z); }\n";
-    if (!beams[0].empty() || !beams[1].empty()) {
-        const auto side = [&](std::size_t b) {
-            return beams[b].empty() ? std::string(k_black) : fmt::format("{}_beam(wv.z)", k_beam_names[b]);
-        };
-        text += fmt::format(
-            "// The share for R, G, B of the light from the mirror direction that is reflected unscattered.\n"
-            "Vec3 mirror_beam(Vec3 wv) {{\n"
-            "    if (wv.z > Real(0.0)) return {};\n    return {};\n}}\n",
-            side(0), side(1));
-    }
+    for (std::size_t b = 0; b < beams.size(); ++b)
+        if (!beams[b].empty()) text += beam_text(beams[b], fmt::format("{}_beam", k_beam_names[b]), program);
+    const auto function = [&](std::string_view name, std::string_view what, Part above, Part below) {
+        if (beams[std::size_t(above)].empty() && beams[std::size_t(below)].empty()) return;
+        text += fmt::format("// {}\nVec3 {}(Vec3 wv) {{\n    if (wv.z > Real(0.0)) return {};\n    return {};\n}}\n",
+                            what, name, call_of(beams, above), call_of(beams, below));
+    };
+    function("beam",
+             "The share for R, G, B of the light from -wv that passes unscattered to the viewer, on either side.",
+             Part::transmission_back, Part::transmission_front);
+    function("mirror_beam",
+             "The share for R, G, B of the light from the mirror direction that is reflected unscattered.",
+             Part::reflection_front, Part::reflection_back);
     return text;
 }
 
@@ -239,7 +277,7 @@ std::string beam_code(const std::string& name, const Beams& beams, CodeLanguage 
 std::vector<std::string> bsdf_functions(const NamedModel& of, bool sampling) {
     const Beams& beams = bsdf_of(of).beam;
     std::vector<std::string> names{"bsdf"};
-    if (!beams[2].empty()) names.push_back("beam");
+    if (!beams[2].empty() || !beams[3].empty()) names.push_back("beam");
     if (!beams[0].empty() || !beams[1].empty()) names.push_back("mirror_beam");
     if (sampling) names.insert(names.end(), {"sample", "pdf"});
     for (std::string& name : names) name = of.name + "_" + name;

@@ -86,7 +86,7 @@ std::string shape(const GgxModel&) { return "#define GGX 1\n"; }
 std::string shape(const PbrModel&) { return "#define PBR 1\n"; }
 
 std::string beams_shape(const Beams& beams) {
-    return fmt::format("#define HAS_BEAM {:d}\n#define HAS_MIRROR_BEAM {:d}\n", !beams[2].empty(),
+    return fmt::format("#define HAS_BEAM {:d}\n#define HAS_MIRROR_BEAM {:d}\n", !beams[2].empty() || !beams[3].empty(),
                        !beams[0].empty() || !beams[1].empty());
 }
 std::string shape(const BsdfModel& model) { return beams_shape(model.beam); }

@@ -331,6 +331,10 @@ def test_models_of_both_sides_are_made_of_their_parameters(model, facets):
     with pytest.raises(ValueError, match="^beam_transmission_share: missing"):
         srbf.Model.from_parameters({"reflection_front": facets.parameters, "beam_transmission_angle": [0, 1]})
     assert both.kind == "bsdf" and srbf.Model.from_parameters(both.parameters) == both
+    turned = both.parameters | {"beam_transmission_azimuths": [1, 2], "beam_transmission_share": [[0.5] * 3, [0.25] * 3, [0.125] * 3]}
+    assert srbf.Model.from_parameters(srbf.Model.from_parameters(turned).parameters) == srbf.Model.from_parameters(turned) != both
+    with pytest.raises(ValueError, match="share.: shape: expected"):
+        srbf.Model.from_parameters(turned | {"beam_transmission_share": [[0.5] * 3]})
     assert pickle.loads(pickle.dumps(both)) == both
 
 

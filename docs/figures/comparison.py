@@ -136,7 +136,7 @@ def options_table(rows):
         percent = {"heldout_squared_error_ratio_cosine", "heldout_cube_root_error_ratio", "albedo_error"}
         lines.append([name, text(max(row["payload"] for row in of)), text(mean(of_measured(of), "delta_e_itp"))]
                      + [text(mean(of, key) * (100 if key in percent else 1)) for key in columns])
-    return table(["options", "bytes", "ΔE_ITP, five", "ΔE_ITP, all", "ꟻLIP", "PSNR, dB", "RMS", "f cosθl, %", "cube root, %", "albedo, %"], lines)
+    return table(["options", "bytes", "ΔE_ITP, five", "ΔE_ITP, all", "ꟻLIP", "PSNR, dB", "RMS", "f cosθl ≤ 80°, %", "cube root ≤ 80°, %", "albedo ≤ 80°, %"], lines)
 
 
 def panel(rows, title, x0, y0, width, height):

@@ -6,7 +6,7 @@ import sys
 folder = sys.argv[1]
 PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "data/README.md"] + sorted(
     os.path.join(where, name)[len(folder) + 1:] for where, _, names in os.walk(os.path.join(folder, "docs")) for name in names if name.endswith(".md"))
-EDITED = ["README.md", "docs/using.md"]  # a page joins this list when it has been edited
+EDITED = ["README.md", "docs/using.md", "docs/choosing.md", "docs/limits.md", "docs/engines.md"]  # a page joins this list when it has been edited
 PRIVATE = ["glance", "guard sample", "at hand", "what is seen", "both sides", "by what is seen"]  # as terms
 
 

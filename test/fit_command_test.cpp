@@ -23,6 +23,10 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
         "channels": 3, "objective": "appearance", "max_theta": 89.0, "raw_bytes": 28311552, "auxiliary_bytes": 0, "seed": 0,
         "threads": 1, "masked_samples": 0, "clamped_samples": 0})");
     EXPECT_EQ(json.value("payload_bytes", std::size_t(0)), payload_bytes(pm));
+    EXPECT_NE(first.out.find(fmt::format("  stored    48 bytes (file {}), source file 658,928 bytes, 1 : 13,727\n",
+                                         contents(*fitted / "m.srbf").size())),
+              std::string::npos)
+        << first.out;
     for (const auto& [key, value] : expected.items()) EXPECT_EQ(json.value(key, Json()), value) << key;
     EXPECT_GT(json.value("fit_seconds", 0.0), 0.0);
     EXPECT_GT(json.value("load_seconds", 0.0), 0.0);

@@ -189,9 +189,11 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
                name(request.objective), degrees(outcome.max_theta), outcome.fit_seconds,
                outcome.stop ? name(*outcome.stop) : "solved");
     const std::size_t payload = payload_bytes(outcome.model), auxiliary = auxiliary_bytes(outcome.model);
+    const double ratio = double(measured.bytes) / double(payload);
     fmt::print("  stored    {} bytes (file {}), source file {} bytes{}, 1 : {}\n", grouped(payload),
                grouped(write_model(outcome.model).size()), grouped(measured.bytes),
-               outcome.samples ? " of " + grouped(*outcome.samples) + " samples" : "", grouped(measured.bytes / payload));
+               outcome.samples ? " of " + grouped(*outcome.samples) + " samples" : "",
+               ratio < 10 ? fmt::format("{:.2g}", ratio) : grouped(measured.bytes / payload));
     if (auxiliary > 0) fmt::print("  run time  {} bytes of index texture and direction table\n", grouped(auxiliary));
     if (outcome.empty_directions > 0) fmt::print("  empty     {} directions without data\n", outcome.empty_directions);
     if (outcome.masked > 0) fmt::print("  masked    {} samples that were not measured\n", grouped(outcome.masked));

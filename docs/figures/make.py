@@ -1,6 +1,6 @@
 """The picture of the front page: python3 docs/figures/make.py SRBF OUT.png [METAL PLASTIC] [--compose], as `./run figures` calls it.
 
-The bundled materials, each measured, fitted by srbf and fitted by Lambert and one GGX lobe, on the same object under the same
+The bundled materials, each measured, fitted by srbf and fitted by Lambert and two GGX lobes, on the same object under the same
 environment; before them a metal and a plastic, if their files are given. Those of docs/front.png are stand-ins: tables of MERL's layout,
 computed from the networks that Sztrajman et al. published for brass and specular-red-phenolic. Chromium sets the text, so that it is
 drawn from outlines. With --compose only the text is set, about pictures drawn before.
@@ -21,7 +21,7 @@ HEAD = 150  # pixels of the names of the rows
 BUNDLED = [("White paper", "paper_white", os.path.join(data, "paper_white_rgb.bsdf")),
            ("Vinyl film", "cc_ibiza_sunset", os.path.join(data, "cc_ibiza_sunset_rgb.bsdf"))]
 GIVEN = [("Brass (stand-in)", "metal"), ("Red plastic (stand-in)", "plastic")]
-ROWS = ["the table", "srbf,<br>208 bytes", "Lambert,<br>GGX,<br>16 bytes"]
+ROWS = ["the table", "srbf,<br>208 bytes", "Lambert,<br>two GGX,<br>26 bytes"]
 STYLE = f"""body {{ margin: 0; background: #fff; color: #222; font: 24px DejaVu Sans, sans-serif }} div {{ display: flex; align-items: center }}
     b {{ width: {PANEL}px; text-align: center; font-weight: normal; padding: 10px 0 }} p {{ width: {HEAD}px; margin: 0; padding-left: 10px;
     box-sizing: border-box }} i {{ width: {PANEL}px; height: {SHOWN}px }}"""
@@ -31,7 +31,7 @@ def draw(program, materials, work):
     run = lambda *words: subprocess.run([program, *words], cwd=work, check=True, stdout=subprocess.DEVNULL)
     for _, stem, measured in materials:
         run("fit", measured, "-o", stem + ".srbf")
-        run("fit", measured, "--model", "ggx", "-o", stem + "_ggx.srbf")
+        run("fit", measured, "--model", "ggx", "--lobes", "2", "-o", stem + "_ggx.srbf")
         run("render", measured, stem + ".srbf", stem + "_ggx.srbf", "--size", f"{PANEL}x{PANEL}", "--spp", str(PATHS), "-o", stem + ".png")
 
 

@@ -206,8 +206,10 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
             outcome.incidences > 0 ? fmt::format("cross-validated over {} incidences", outcome.incidences)
                                    : fmt::format("{}-fold cross-validated", k_folds));
         if (outcome.filled && *outcome.filled)
-            fmt::print("  Between samples the fit follows {} values.\n",
-                       completes(request) ? "completed" : "interpolated");
+            fmt::print("  Between samples the fit follows {}.\n", request.objective == Objective::relative
+                                                                      ? "microfacets"
+                                                                  : completes(request) ? "completed values"
+                                                                                       : "interpolated values");
     }
     print_path(request, outcome);
     if (const auto goal = goal_of(request); goal && !outcome.reached)

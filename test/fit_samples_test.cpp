@@ -1,6 +1,7 @@
 // Fits to scattered samples: folds, spacing, errors away from the samples.
 #include "srbf/fit_samples.h"
 
+#include <functional>
 #include <set>
 
 #include "fit/data/folds.h"
@@ -8,6 +9,7 @@
 #include "fit/data/observe_samples.h"
 #include "properties.h"
 #include "srbf/directions.h"
+#include "srbf/fitting.h"
 
 namespace srbf::fit_samples_test {
 namespace {
@@ -168,6 +170,59 @@ TEST(Folds, ScansAreLeftOutWhole) {
     constexpr int expected[] = {2, 0, 1};
     for (std::size_t i = 0; i < folds->of.size(); ++i) EXPECT_EQ(folds->of[i], expected[i / (folds->of.size() / 3)]);
     EXPECT_FALSE(incidence_folds(samples_of(300, 0, 2)));  // of incidences at random
+}
+
+/// f of a rough surface with a glossy layer: Lambert and GGX lobes whose roughnesses are not those of the fitted mixture.
+const GgxModel k_two_lobes{{0.05f, 0.05f, 0.05f},
+                           {{0.013f, {0.5f, 0.5f, 0.5f}, 1}, {0.17f, {0.05f, 0.05f, 0.05f}, 0.3f}}};
+
+/// In-plane scans of `f` at every second degree, with a relative error of at most `noise`.
+ScatteredSamples scans_of(const std::function<float(Vec3f wl, Vec3f wv)>& f, std::span<const double> incidences,
+                          double noise) {
+    std::mt19937_64 random(1);
+    ScatteredSamples scans;
+    scans.isotropic = true;
+    for (const double theta : incidences)
+        for (int view = -78; view <= 78; view += 2) {
+            const Vec3f wl = to_float(spherical(theta * k_degree, k_pi)),
+                        wv = to_float(spherical(view * k_degree, 0.0));
+            const float measured = f(wl, wv) * float(1 + noise * (2 * uniform(random) - 1));
+            scans.wl.push_back(wl), scans.wv.push_back(wv), scans.colour.push_back({measured, measured, measured});
+        }
+    make_index(scans);
+    return scans;
+}
+
+// Of microfacets, scans determine f at all pairs of directions, also out of their plane and at other incidences.
+TEST(ObserveSamples, ScatterBetweenScansIsThatOfMicrofacets) {
+    constexpr double incidences[] = {5, 40, 60, 75};
+    const auto f = [](Vec3f wl, Vec3f wv) { return value(k_two_lobes, wl, wv).g; };
+    const auto observed = observe(scans_of(f, incidences, 0.05), {.objective = Objective::relative});
+    ASSERT_TRUE(observed.ok()) << message(observed.error());
+    const Observations& between = observed->between;
+    double squares = 0;
+    for (std::size_t i = 0; i < between.f.size(); ++i)
+        squares +=
+            elementary::square(elementary::log(double(between.f[i].g) / double(f(between.wl[i], between.wv[i]))));
+    EXPECT_LT(std::sqrt(squares / double(between.f.size())), 0.1);
+}
+
+// Of a distribution that is not GGX, at incidences that were left out.
+TEST(FitToSamples, ScatterAtOtherIncidencesIsNearerThanByGgx) {
+    constexpr double incidences[] = {10, 30, 50, 70};
+    const auto abg = [](Vec3f wl, Vec3f wv) {  // Lambert and A / (B + |Δ sinθ|^g)
+        const double apart = std::hypot(double(wl.x + wv.x), double(wl.y + wv.y));
+        return float(0.02 + 0.01 / (0.001 + elementary::pow(apart, 1.8)));
+    };
+    const Measured scans{"", "", 0, scans_of(abg, incidences, 0.05)};
+    const auto heldout = [&](const auto& model) {
+        const auto outcome = fit(scans, {.model = model, .objective = Objective::relative});
+        EXPECT_TRUE(outcome.ok());
+        return outcome.ok() ? outcome->errors->heldout.log10_rms : INFINITY;
+    };
+    PmRequest four;
+    four.size = LobeCount{4};
+    EXPECT_LT(heldout(four), heldout(GgxRequest{}));
 }
 
 TEST(Folds, FewGroupsAreAnError) {

@@ -70,7 +70,7 @@ struct FitRequest {
 };
 
 /// Whether a fit of this request to scattered samples follows the completed samples: PM in colours, by an objective of
-/// pictures. Other fits of PM follow interpolated values if cross-validation finds them useful.
+/// pictures. Others follow interpolated values, or by `relative` microfacets, if cross-validation finds them useful.
 bool completes(const FitRequest& request);
 
 /// What the size is chosen by; none: it is a number of lobes or automatic, or the model is not multivariate.
@@ -111,7 +111,7 @@ struct FitOutcome {
         0;                     ///< of f in floats at all pairs of 1536 (SU: the sampled) directions, or at the samples
     int empty_directions = 0;  ///< SU: number of sampled directions without data
     std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
-    /// for scattered samples, PM: whether the fit follows values between them, completed or interpolated
+    /// for scattered samples, PM: whether the fit follows values between them: completed, interpolated, of microfacets
     std::optional<bool> filled;
     /// for scattered samples, objective `relative`: the number of angles of incidence, whose samples are in one fold each
     int incidences = 0;

@@ -1,9 +1,11 @@
 #include "fit/data/observe_samples.h"
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include "fit/data/errors.h"
+#include "fit/data/facets.h"
 #include "fit/data/folds.h"
 #include "fit/data/pairs.h"
 #include "fit/objective/objective.h"
@@ -76,12 +78,38 @@ Result<Observations> observe_completed(const ScatteredSamples& samples, const Ob
     return all;
 }
 
-/// Adds the interpolated value at a pair, and the spectrum to observations of spectra.
-void add_interpolated(Observations& to, const ScatteredSamples& samples, const DirectionPair& pair, double weight) {
+/// What is expected between the samples: R, G and B at a pair of directions, and of spectra f at each wavelength.
+using Expected = std::function<Rgb(const DirectionPair&, std::span<float> spectrum)>;
+
+Expected interpolated(const ScatteredSamples& samples) {
+    return [&samples](const DirectionPair& pair, std::span<float> spectrum) {
+        if (!spectrum.empty()) signed_spectrum(samples, pair.wl, pair.wv, spectrum);
+        clamp_negative(spectrum);
+        return value(samples, pair.wl, pair.wv);
+    };
+}
+Expected of_facets(FacetMixture mixture) {
+    return [mixture = std::move(mixture)](const DirectionPair& pair, std::span<float> spectrum) {
+        std::vector<float> f(3 + spectrum.size());
+        evaluate(mixture, pair.wl, pair.wv, f);
+        std::ranges::copy(std::span(f).subspan(3), spectrum.begin());
+        return Rgb{f[0], f[1], f[2]};
+    };
+}
+
+void add_expected(Observations& to, const Expected& expected, const DirectionPair& pair, double weight) {
     std::vector<float> spectrum(to.wavelengths.size());
-    if (!spectrum.empty()) signed_spectrum(samples, pair.wl, pair.wv, spectrum);
-    clamp_negative(spectrum);
-    to.add(pair.wl, pair.wv, value(samples, pair.wl, pair.wv), weight, spectrum);
+    const Rgb f = expected(pair, spectrum);
+    to.add(pair.wl, pair.wv, f, weight, spectrum);
+}
+
+/// Pairs about the mirror direction and elsewhere.
+std::vector<DirectionPair> mirror_pairs(std::size_t count, double max_theta, std::mt19937_64& random) {
+    std::vector<DirectionPair> pairs;
+    const MirrorMixture lights(max_theta);
+    for (RSequence<6> points = random_sequence(random); pairs.size() < count;)
+        if (const auto pair = pair_within(lights, points.next())) pairs.push_back(*pair);
+    return pairs;
 }
 
 /// Errors of the interpolation of each sample from those of the other folds. None: cancelled.
@@ -98,35 +126,37 @@ std::optional<Measures> interpolation_errors(const ScatteredSamples& samples, co
     return measure_samples(samples.wl, samples.wv, samples.colour, interpolated, max_theta);
 }
 
-/// Adds what is interpolated: to `between` pairs of the grid within θmax, to `samples` horizon pairs and bound pairs.
-/// `largest`: the largest square of the samples. False: cancelled.
-bool observe_interpolated(SampleObservations& to, const ScatteredSamples& samples, double largest,
-                          const ProgressToken& progress) {
+/// Errors at the samples.
+Measures errors_of(const Expected& expected, const ScatteredSamples& samples, double max_theta) {
+    std::vector<Rgb> f;
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) f.push_back(expected({samples.wl[i], samples.wv[i]}, {}));
+    return measure_samples(samples.wl, samples.wv, samples.colour, f, max_theta);
+}
+
+/// Adds what is expected: to `between` pairs within θmax, of the grid or of scatter about the mirror direction, to `samples`
+/// horizon pairs and bound pairs. `largest`: the largest square of the samples. False: cancelled.
+bool observe_between(SampleObservations& to, const Expected& expected, double largest, const ProgressToken& progress) {
     std::mt19937_64 random(to.options.seed);
     const float cos_max = sample_cap(to.options.max_theta);
-    std::vector<DirectionPair> beyond;
+    const bool of_scatter = traits(to.options.objective).of_scatter;
+    std::vector<DirectionPair> within, beyond;
     if (!progress.report("interpolating", 0)) return false;
     for (const DirectionPair& pair : horizon_grid())
-        if (std::min(pair.wl.z, pair.wv.z) < cos_max)
-            beyond.push_back(pair);
-        else
-            add_interpolated(to.between, samples, pair, 1);
+        (std::min(pair.wl.z, pair.wv.z) < cos_max ? beyond : within).push_back(pair);
+    if (of_scatter) within = mirror_pairs(k_most_between_samples, to.options.max_theta, random);
+    for (const DirectionPair& pair : within) add_expected(to.between, expected, pair, 1);
     to.between.shuffle(random);
     to.between.resize(std::min(to.between.f.size(), k_most_between_samples));
     for (const DirectionPair& pair : beyond)
-        add_interpolated(
-            to.samples, samples, pair,
+        add_expected(
+            to.samples, expected, pair,
             horizon_weight(pair.wl, pair.wv, k_extrapolated_share * k_horizon_importance, beyond.size(), largest));
     to.samples.shuffle(random);
 
     if (!progress.report("interpolating", 0.5)) return false;
     const std::size_t fitted = to.samples.f.size();
-    std::vector<DirectionPair> bound = horizon_grid();
-    const std::size_t count = bound.size() + k_sampled_mirror_pairs;
-    const MirrorMixture lights(k_horizon_theta);
-    for (RSequence<6> points = random_sequence(random); bound.size() < count;)
-        if (const auto pair = pair_within(lights, points.next())) bound.push_back(*pair);
-    for (const DirectionPair& pair : bound) add_interpolated(to.samples, samples, pair, 0);
+    for (const auto& pairs : {horizon_grid(), mirror_pairs(k_sampled_mirror_pairs, k_horizon_theta, random)})
+        for (const DirectionPair& pair : pairs) add_expected(to.samples, expected, pair, 0);
     to.samples.bound_pairs = to.samples.f.size() - fitted;
     return true;
 }
@@ -199,12 +229,18 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         observed.completed = *std::move(completed);
         return observed;  // fits follow nothing else
     }
-    const auto errors = interpolation_errors(samples, within, *fold, *theta_max, progress.part(0, 0.5));
-    if (!errors) return cancelled_error("observe");
-    observed.interpolation = *errors;
+    Expected expected = interpolated(samples);
+    if (traits(options.objective).of_scatter) {
+        expected = of_facets(fit_facets(observed.samples));
+        observed.interpolation = errors_of(expected, samples, *theta_max);
+    } else {
+        const auto errors = interpolation_errors(samples, within, *fold, *theta_max, progress.part(0, 0.5));
+        if (!errors) return cancelled_error("observe");
+        observed.interpolation = *errors;
+    }
     observed.between.wavelengths = observed.samples.wavelengths;
     observed.between.objective = options.objective, observed.between.typical = typical;
-    if (!observe_interpolated(observed, samples, largest_square(once), progress.part(0.5, 1)))
+    if (!observe_between(observed, expected, largest_square(once), progress.part(0.5, 1)))
         return cancelled_error("observe");
     weigh_all(observed.between);
     return observed;

@@ -29,11 +29,14 @@ Observations observations_of(const ScatteredSamples& samples, std::span<const st
 struct SampleObservations {
     ObserveSamplesOptions options;
     Observations samples;  ///< within θmax, and horizon pairs beyond it; followed by bound pairs
-    Observations between;  ///< interpolated values on a grid of pairs within θmax, with Σ w |f|² = 1
+    /// Interpolated values on a grid of pairs within θmax, with Σ w |f|² = 1; of scatter those of a `FacetMixture`, at pairs
+    /// about the mirror direction and elsewhere
+    Observations between;
     /// The completed samples observed like a table, with as much weight again on the samples themselves, and pairs near
     /// the horizon; or none. A fit uses either these or all the others.
     Observations completed;
-    Measures interpolation;  ///< errors of interpolation at samples that were left out
+    /// Errors of interpolation at samples that were left out, or of the mixture at the samples.
+    Measures interpolation;
     double finest = 0;       ///< lower bound on the width of a lobe [rad]: the spacing of the samples
     std::size_t groups = 0;  ///< number of `SampleGroups` within θmax
 };
@@ -44,10 +47,10 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
 
 struct SampleFitOptions {
     FitOptions pm;
-    /// Whether a fit without completed samples also follows values interpolated between the samples. A short fit
-    /// without them estimates the remaining error; the grid's weight is the ratio of that error to the error of
-    /// interpolation, at most 1. The grid constrains lobes where samples are sparse, but is harmful where a fit is
-    /// better than interpolation. Cross-validation decides.
+    /// Whether a fit without completed samples also follows what is expected between the samples. A short fit
+    /// without it estimates the remaining error; its weight is the ratio of that error to the error of
+    /// what is expected, at most 1. It constrains lobes where samples are sparse, but is harmful where a fit is
+    /// better than it. Cross-validation decides.
     bool fill = false;
 };
 

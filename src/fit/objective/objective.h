@@ -33,7 +33,7 @@ struct ObjectiveTraits {
     double (*seen)(double f, double typical, double cos_l) = nullptr;
     double (*slope)(double f, double typical, double cos_l) = nullptr;
     /// Over decades, where a sample on the flank of a peak determines its width: lobes may be narrower than the samples
-    /// are apart, and what is interpolated between samples is not fitted.
+    /// are apart, and between samples a fit follows microfacets (`FacetMixture`), not interpolated values.
     bool of_scatter = false;
     bool of_pictures = false;  ///< relative to f cosθl, the radiance seen under a light; also observes extended lights
 };

@@ -60,18 +60,21 @@ double log_peak_limit_of(const FitOptions& options) {
 
 /// Work of a fit in grown lobes and perturbations: of the search, and of what follows.
 struct Effort {
-    double search = 0, rest = 0;
+    double search = 0, rest = 0, polish = 0;  ///< polish: of each stage between the search and the last
     double all() const { return search + 2 * rest; }
 };
+bool is_polish(const Stage& stage) { return stage.work == Work::steps || stage.work == Work::polish; }
 Effort effort_of(const Observations& observations, const FitOptions& options) {
-    int perturbations = 0, before = 0;
+    int perturbations = 0, before = 0, polishes = 0;
     for (const Stage& stage : schedule(!observations.views.empty())) {
+        polishes += is_polish(stage);
         if (stage.work != Work::perturb) continue;
         const int until = stage.perturbations_until(options);
         perturbations += int(stage.candidates(options)) * (until - before);
         before = until;
     }
-    return {double(starts_of(options) * options.lobes + perturbations), 0.2 * perturbations + 1};
+    const double rest = 0.2 * perturbations + 1;
+    return {double(starts_of(options) * options.lobes + perturbations), rest, rest / polishes};
 }
 
 /// The fit of one material, on the threads of the caller's `on_threads`.
@@ -85,29 +88,18 @@ class Fit {
         if (begin) found_[0].lobes = to_lobes(*begin, shape_of(options));
     }
 
-    /// A stage of the search, a candidate a thread.
+    /// A stage before the last, a candidate a thread.
     void search(const Stage& stage) {
+        if (stage.work == Work::steps && reporter_.cancelled()) return;
         prepare(stage);
         const Rows rows = rows_of(stage);
         parallel_for(found_.size(), [&](std::size_t i) {
             LobeProblem problem(rows, shape_of(options_), false, log_peak_limit_);
             search(stage, problem, found_[i]);
         });
-        sort();
-        if (stage.work == Work::polish) polished();
-    }
-    /// A stage without a search.
-    void take_steps(const Stage& stage) {
-        if (!reporter_.cancelled()) {
-            prepare(stage);
-            const Rows rows = rows_of(stage);
-            parallel_for(found_.size(), [&](std::size_t i) {
-                if (!reporter_.cancelled()) take_steps(stage, rows, found_[i]);
-            });
-            sort();
-            last_ = &stage;
-        }
-        polished();
+        std::ranges::stable_sort(found_, {}, &Candidate::loss);
+        if (stage.work == Work::steps) last_ = &stage;
+        if (is_polish(stage)) reporter_.advance("polishing", effort_.polish);
     }
     /// The last stage: the first candidate, or of those that are nearly as good the best.
     PmFit finished(const Stage& stage) {
@@ -139,27 +131,21 @@ class Fit {
         return Rows(all(), {.radiance_importance = subsets_.radiance_importance(importances_.has_point_lights),
                             .picture_importance = stage.pictures ? importances_.pictures : 0});
     }
-    void sort() { std::ranges::stable_sort(found_, {}, &Candidate::loss); }
 
-    /// Tells that a stage between the search and the last is done.
-    void polished() {
-        const auto stages = std::ranges::count_if(schedule(!observations_.views.empty()), [](const Stage& stage) {
-            return stage.work == Work::steps || stage.work == Work::polish;
-        });
-        reporter_.advance("polishing", effort_.rest / double(stages));
-    }
     void search(const Stage& stage, LobeProblem& problem, Candidate& candidate) const {
         if (stage.work == Work::grow)
             grow(problem, options_, candidate, reporter_);
         else if (stage.work == Work::perturb)
             perturb(problem, options_, stage.perturbations_until(options_), candidate, reporter_);
-        else
+        else if (stage.work == Work::polish)
             polish(problem, options_, candidate);
+        else if (!reporter_.cancelled())
+            take_steps(problem, stage.steps, candidate);
     }
-    void take_steps(const Stage& stage, const Rows& rows, Candidate& candidate) const {
-        LobeProblem problem(rows, shape_of(options_), false, log_peak_limit_);
+    /// Afterwards candidates are ordered by their pictures.
+    void take_steps(LobeProblem& problem, int steps, Candidate& candidate) const {
         Eigen::VectorXd x = pack(candidate.lobes);
-        levenberg_marquardt(problem, x, {.max_iterations = stage.steps});
+        levenberg_marquardt(problem, x, {.max_iterations = steps});
         candidate.lobes = unpack(x, candidate.lobes.shape);
         candidate.loss = problem.delta_e();
     }
@@ -189,7 +175,7 @@ class Fit {
         const Rows all(observations_, {.radiance_importance = subsets_.radiance_importance()});
         LobeProblem problem(all, shape_of(options_), true, log_peak_limit_);
         for (Candidate& candidate : found_) candidate.loss = problem.loss(pack(candidate.lobes));
-        sort();
+        std::ranges::stable_sort(found_, {}, &Candidate::loss);
     }
 
     const Observations& observations_;
@@ -216,9 +202,7 @@ Result<PmFit> fit_pm(const Observations& observations, const FitOptions& options
         Fit fit(observations, options, begin, reporter);
         for (const Stage& stage : schedule(!observations.views.empty())) {
             if (begin && (stage.work == Work::grow || stage.work == Work::perturb)) continue;
-            if (stage.work == Work::steps)
-                fit.take_steps(stage);
-            else if (stage.work == Work::finish)
+            if (stage.work == Work::finish)
                 done = fit.finished(stage);
             else
                 fit.search(stage);

@@ -13,38 +13,45 @@ namespace srbf {
 namespace {
 
 /// A parameter that fits vary, and of which surfaces. Colours are searched by their root, which is closer to what is
-/// seen; x is the share of the parameter's range or of the root's.
+/// seen; x is the share of the parameter's range or of the root's. A start has a number drawn from a range of its own.
 struct FittedParameter {
     std::string_view name;
     bool openpbr, gltf, principled;
+    float least = 0, most = 0;  ///< of a start
     bool is_fitted(PbrSurfaceKind kind) const {
         return kind == PbrSurfaceKind::openpbr ? openpbr : kind == PbrSurfaceKind::gltf ? gltf : principled;
     }
 };
 constexpr std::array<FittedParameter, 19> k_fitted_parameters{{
-    // base_weight is a factor of base_color, and coat_darkening one of what coat_color does.
+    // Starts have about the measurement's colour. base_weight is a factor of base_color, and coat_darkening one of what coat_color does.
     {"base_color", true, true, true},
-    {"base_metalness", true, true, true},
-    {"base_diffuse_roughness", true, false, true},
+    {"base_metalness", true, true, true, 0.02f, 0.98f},
+    {"base_diffuse_roughness", true, false, true, 0.05f, 0.9f},
     // Elsewhere it changes a dielectric alone, as the index of refraction does.
-    {"specular_weight", true, false, false},
-    {"specular_color", true, true, true},
-    {"specular_roughness", true, true, true},
-    {"specular_ior", true, true, true},
-    {"coat_weight", true, true, true},
-    {"coat_color", true, false, true},
-    {"coat_roughness", true, true, true},
-    {"coat_ior", true, false, true},
-    {"fuzz_weight", true, true, true},
+    {"specular_weight", true, false, false, 0.2f, 0.95f},
+    {"specular_color", true, true, true, 0.3f, 0.95f},
+    {"specular_roughness", true, true, true, 0.03f, 0.85f},
+    {"specular_ior", true, true, true, 1.1f, 2.9f},
+    {"coat_weight", true, true, true, 0.02f, 0.98f},
+    {"coat_color", true, false, true, 0.3f, 0.95f},
+    {"coat_roughness", true, true, true, 0.02f, 0.7f},
+    {"coat_ior", true, false, true, 1.1f, 2.9f},
+    {"fuzz_weight", true, true, true, 0.01f, 0.4f},
     {"fuzz_color", true, true, true},
-    {"fuzz_roughness", true, true, true},
+    {"fuzz_roughness", true, true, true, 0.1f, 0.95f},
     // Principled has no weight of a film.
-    {"thin_film_weight", true, true, false},
-    {"thin_film_thickness", true, true, false},
-    {"thin_film_ior", true, true, false},
-    {"specular_roughness_anisotropy", true, true, true},
-    {"specular_rotation", true, true, true},
+    {"thin_film_weight", true, true, false, 0.2f, 0.9f},
+    {"thin_film_thickness", true, true, false, 0.1f, 0.9f},
+    {"thin_film_ior", true, true, false, 1.2f, 2.5f},
+    {"specular_roughness_anisotropy", true, true, true, 0.02f, 0.9f},
+    {"specular_rotation", true, true, true, 0.25f, 0.75f},  // half a turn, far from the bounds
 }};
+/// The last rows of the table: of a film, and of anisotropy.
+constexpr std::span<const FittedParameter> k_film_rows = std::span(k_fitted_parameters).subspan(14, 3),
+                                           k_anisotropy_rows = std::span(k_fitted_parameters).subspan(17);
+const PbrParameter& parameter_of(const FittedParameter& row) {
+    return *std::ranges::find(k_pbr_parameters, row.name, &PbrParameter::name);
+}
 
 /// A number of the surface as a variable of the search.
 struct PbrVariable {
@@ -55,8 +62,8 @@ std::vector<PbrVariable> pbr_variables_of(PbrSurfaceKind kind) {
     std::vector<PbrVariable> all;
     for (const FittedParameter& row : k_fitted_parameters) {
         if (!row.is_fitted(kind)) continue;
-        const auto of = std::ranges::find(k_pbr_parameters, row.name, &PbrParameter::name);
-        for (int c = 0; c < of->count(); ++c) all.push_back({&*of, c});
+        const PbrParameter& of = parameter_of(row);
+        for (int c = 0; c < of.count(); ++c) all.push_back({&of, c});
     }
     return all;
 }
@@ -329,32 +336,20 @@ std::vector<PbrCandidate> pbr_starts_of(const Observations& observations, bool w
     const auto within = [&](float least, float most) {
         return least + (most - least) * float(double(random() >> 11) * 0x1p-53);
     };
+    const auto draw = [&](PbrModel& start, std::span<const FittedParameter> rows) {
+        for (const FittedParameter& row : rows)
+            for (int c = 0; row.most > 0 && c < parameter_of(row).count(); ++c)
+                number(start, parameter_of(row), c) = within(row.least, row.most);
+    };
     for (int i = 0; i < k_drawn_starts; ++i) {
         PbrModel& start = starts.emplace_back().model;
         for (int c = 0; c < 3; ++c) start.base_color[c] = std::clamp(colour[c] * within(0.5f, 1.5f), 0.02f, 0.95f);
-        start.base_metalness = within(0.02f, 0.98f);
-        start.base_diffuse_roughness = within(0.05f, 0.9f);
-        start.specular_weight = within(0.2f, 0.95f);
-        for (int c = 0; c < 3; ++c) start.specular_color[c] = within(0.3f, 0.95f);
-        start.specular_roughness = within(0.03f, 0.85f);
-        start.specular_ior = within(1.1f, 2.9f);
-        start.coat_weight = within(0.02f, 0.98f);
-        for (int c = 0; c < 3; ++c) start.coat_color[c] = within(0.3f, 0.95f);
-        start.coat_roughness = within(0.02f, 0.7f);
-        start.coat_ior = within(1.1f, 2.9f);
-        start.fuzz_weight = within(0.01f, 0.4f);
         start.fuzz_color = colour;
-        start.fuzz_roughness = within(0.1f, 0.95f);
-        if (i % 4 > 0 || !with_film) continue;
-        start.thin_film_weight = within(0.2f, 0.9f);
-        start.thin_film_thickness = within(0.1f, 0.9f);
-        start.thin_film_ior = within(1.2f, 2.5f);
+        draw(start, std::span(k_fitted_parameters).first<14>());
+        if (i % 4 == 0 && with_film) draw(start, k_film_rows);
     }
-    for (PbrCandidate& start : starts) {
-        if (!with_anisotropy) break;
-        start.model.specular_roughness_anisotropy = within(0.02f, 0.9f);
-        start.model.specular_rotation = within(0.25f, 0.75f);  // half a turn, far from the bounds
-    }
+    for (PbrCandidate& start : starts)
+        if (with_anisotropy) draw(start.model, k_anisotropy_rows);
     return starts;
 }
 
@@ -385,12 +380,15 @@ constexpr int k_steps_without = 10;             ///< to adapt to a part that is 
 constexpr double k_least_gain_of_parts = 0.01;  ///< of the loss, by which a part is kept
 constexpr double k_unseen = 0.01;               ///< a loss of pixels, ΔE_ITP .1, for which no part is kept
 
-constexpr std::array<std::string_view, 3> k_film{"thin_film_weight", "thin_film_thickness", "thin_film_ior"};
-constexpr std::array<std::string_view, 2> k_anisotropy{"specular_roughness_anisotropy", "specular_rotation"};
 /// Variables without those of these parameters.
 std::vector<PbrVariable> without(std::vector<PbrVariable> variables, std::span<const std::string_view> names) {
     std::erase_if(variables, [&](const PbrVariable& one) { return std::ranges::count(names, one.of->name) > 0; });
     return variables;
+}
+std::vector<std::string_view> names_of(std::span<const FittedParameter> rows) {
+    std::vector<std::string_view> names;
+    for (const FittedParameter& row : rows) names.push_back(row.name);
+    return names;
 }
 
 /// A part of the surface that may be dropped: its variables, and a surface that has it at these numbers.
@@ -400,8 +398,8 @@ struct PbrPart {
 };
 std::vector<PbrPart> pbr_parts(const PbrModel& defaults) {
     std::vector<PbrPart> parts{
-        {{k_film.begin(), k_film.end()}, defaults},
-        {{k_anisotropy.begin(), k_anisotropy.end()}, defaults},
+        {names_of(k_film_rows), defaults},
+        {names_of(k_anisotropy_rows), defaults},
         {{"fuzz_weight", "fuzz_color", "fuzz_roughness"}, defaults},
         {{"coat_weight", "coat_color", "coat_roughness", "coat_ior"}, defaults},
         {{"base_diffuse_roughness"}, defaults},
@@ -448,8 +446,8 @@ class PbrSearch {
           progress_(progress),
           defaults_(fixed_of(options.surface)),
           all_(pbr_variables_of(options.surface)) {
-        if (options.is_isotropic) all_ = without(all_, k_anisotropy);
-        all_but_film_ = without(all_, k_film);
+        if (options.is_isotropic) all_ = without(all_, names_of(k_anisotropy_rows));
+        all_but_film_ = without(all_, names_of(k_film_rows));
     }
 
     /// The best surface with the parts of it that are seen.

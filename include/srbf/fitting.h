@@ -70,7 +70,7 @@ struct FitRequest {
 };
 
 /// Whether a fit of this request to scattered samples follows the completed samples: PM in colours, by an objective of
-/// pictures. Others follow interpolated values, or by `relative` microfacets, if cross-validation finds them useful.
+/// pictures. Fits by `relative` follow microfacets, others interpolated values if cross-validation finds them useful.
 bool completes(const FitRequest& request);
 
 /// What the size is chosen by; none: it is a number of lobes or automatic, or the model is not multivariate.

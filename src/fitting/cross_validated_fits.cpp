@@ -12,8 +12,7 @@
 namespace srbf {
 namespace {
 
-/// Number of lobes for the decision whether to fill the gaps between samples. Of scatter it is the most: where samples
-/// determine these, their fit alone may be nearer than what microfacets have between them.
+/// Number of lobes for the decision whether to fill the gaps between samples.
 constexpr int k_first_tried = 6;
 /// The smallest model whose error is at most this times the least is chosen.
 constexpr double k_as_good = 1.03;
@@ -52,7 +51,9 @@ class SampleFits {
             return std::move(one->front());
         }
         const std::vector<int> lobes = tried_lobes(*pm);
-        auto all = completes(request_) ? fit_completed(lobes) : fit_alone_or_filled(lobes, lobes_of(*pm));
+        auto all = completes(request_)                     ? fit_completed(lobes)
+                   : traits(request_.objective).of_scatter ? fit_each(lobes, true)
+                                                           : fit_alone_or_filled(lobes, lobes_of(*pm));
         if (!all) return all.error();
         return chosen(*all);
     }
@@ -93,8 +94,7 @@ class SampleFits {
     /// Decides for one number of lobes whether to fill the gaps between samples, and fits the others alike.
     Result<std::vector<FitOutcome>> fit_alone_or_filled(const std::vector<int>& lobes, std::optional<int> asked) {
         validations_ = double(lobes.size()) + 1;
-        const int first = asked.value_or(traits(request_.objective).of_scatter ? lobes.back()
-                                                                               : std::min(lobes.back(), k_first_tried));
+        const int first = asked.value_or(std::min(lobes.back(), k_first_tried));
         auto both = judged({{first, false}, {first, true}});
         if (!both) return both;
         const bool fill = error((*both)[1]) < error((*both)[0]);

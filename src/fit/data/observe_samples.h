@@ -50,7 +50,7 @@ struct SampleFitOptions {
     /// Whether a fit without completed samples also follows what is expected between the samples. A short fit
     /// without it estimates the remaining error; its weight is the ratio of that error to the error of
     /// what is expected, at most 1. It constrains lobes where samples are sparse, but is harmful where a fit is
-    /// better than it. Cross-validation decides.
+    /// better than it. Cross-validation decides; of scatter it is always followed.
     bool fill = false;
 };
 

@@ -45,6 +45,7 @@ std::map<std::string, Model> models_of_today() {
     all["pbr_brushed"] = {rounded(brushed), {}};
     all["pbr_film"] = {rounded(PbrModel{.base_metalness = 0.5f, .thin_film_weight = 0.75f}), {}};
     all["bsdf"] = {full_bsdf(), {}};
+    all["bsdf_turned"] = {full_bsdf(), {}};  // whose beams depend on azimuth
     return all;
 }
 

@@ -162,7 +162,7 @@ inline BsdfModel bsdf_of(const py::dict& of) {
         if (!of.contains(py::str(beam + "_angle"))) continue;
         bsdf.beam[b] = {vector_of<float>(of, (beam + "_angle").c_str()), vector_of<Rgb>(of, (beam + "_share").c_str())};
         if (const std::string azimuths = beam + "_azimuths"; of.contains(py::str(azimuths)))
-            for (const float n : vector_of<float>(of, azimuths.c_str())) bsdf.beam[b].azimuths.push_back(int(n));
+            for (const float n : vector_of<float>(of, azimuths.c_str())) bsdf.beam[b].azimuths.push_back(n >= 1 && n <= float(k_most_beam_nodes) ? int(n) : 0);
     }
     return bsdf;
 }

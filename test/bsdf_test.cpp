@@ -89,6 +89,22 @@ TEST(Bsdf, FilesKeepAllParts) {
         EXPECT_FALSE(read_model(std::span(bytes).first(size), "m").ok());
 }
 
+/// The numbers of azimuths of a beam's rings are whole, above 0, and those of its nodes.
+TEST(Bsdf, RefusesBadBeams) {
+    const auto error_of = [](std::vector<int> azimuths, std::size_t nodes) {
+        BsdfModel bsdf = full_bsdf();
+        bsdf.beam[2] = {{0.25f, 0.5f}, std::vector<Rgb>(nodes, Rgb{0.1f, 0.2f, 0.3f}), std::move(azimuths)};
+        const auto again = read_model(write_model({bsdf, {}}), "f");
+        return again ? std::string() : message(again.error());
+    };
+    EXPECT_EQ(error_of({1, 3}, 4), "");
+    EXPECT_EQ(error_of({1, 3}, 3), "f: tensor 'beam.transmission.share': shape: expected [4, 3], found [3, 3]");
+    EXPECT_EQ(error_of({2, 0}, 2),
+              "f: tensor 'beam.transmission.azimuths': expected whole numbers from 1 to 2048, found 0");
+    EXPECT_EQ(error_of({2, 4096}, 2),
+              "f: tensor 'beam.transmission.azimuths': expected whole numbers from 1 to 2048, found 4096");
+}
+
 /// The density over the sphere integrates to 1 with the chances of beams and of draws without a direction, and draws
 /// follow it.
 TEST(Bsdf, SamplingIsThatOfItsDensity) {

@@ -164,8 +164,8 @@ struct BeamReader {
         if (const Tensor16* of = find(azimuths)) {
             expected[azimuths] = {Type16::half, {shape[0]}};
             nodes = 0;
-            for (const std::uint16_t n : of->data)
-                nodes += std::uint64_t(std::clamp(from_half(n), 0.f, float(k_most_beam_nodes)));
+            for (const std::uint16_t half : of->data)
+                if (const float n = from_half(half); n >= 1 && n <= float(k_most_beam_nodes)) nodes += std::uint64_t(n);
         }
         const Tensor16* of_share = find(share);
         const bool is_grey = find(azimuths) && of_share && of_share->shape.size() == 2 && of_share->shape[1] == 1;

@@ -1,6 +1,7 @@
 // Tensor trees: their text, their look-up, real ones, and what is refused; BSDF XML that is written.
 #include "measured/tensor_tree.h"
 #include "bsdf_files.h"
+#include "measured/tree_beam.h"
 #include "properties.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"
@@ -205,6 +206,40 @@ TEST(BsdfXml, MeansOverPatches) {
             EXPECT_PRED3(near_relative, sum, expected, 0.01) << ring;
         }
     }
+}
+
+/// An isotropic tree of one grid, 64 leaves wide, of f at i, j leaves from the one straight ahead.
+TreeTable tree_about_mirror(const std::function<double(int i, int j)>& f) {
+    constexpr int n = 64;
+    TreeTable tree{{3, TensorTree::grid(6, 0), {}, {}}, {}};
+    for (int of_light = 0; of_light < n; ++of_light)
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) {
+                // p = (|p|, 0) is at ((1 + |p|)/2, 1/2) of the square, where two leaves meet.
+                const double p = std::abs(1 - 2 * (of_light + 0.5) / n);
+                tree.y.leaves.push_back(float(f(i - int((1 + p) / 2 * n), j < n / 2 ? n / 2 - 1 - j : j - n / 2)));
+            }
+    return tree;
+}
+
+// The leaves straight ahead hold a share of the light, which is found again, and the level about them is what remains.
+TEST(TensorTree, ItsBeamIsSeparated) {
+    constexpr double share = 0.05, level = 0.01, leaf = k_pi / (64 * 64);
+    const TreeTable tree =
+        tree_about_mirror([](int i, int j) { return level + (i == 0 && j == 0 ? share / (2 * leaf) : 0); });
+    const auto separated = separated_beam(tree);
+    ASSERT_TRUE(separated);
+    for (const double degrees : {0.0, 10.0, 25.0, 40.0, 60.0}) {
+        const Vec3f wl = to_float(spherical(degrees * k_degree, 0.3)), wv = mirror(wl);
+        EXPECT_PRED3(near_relative, share_at(separated->beam, wl).g, share, 0.12) << degrees;
+        Rgb rest;
+        separated->rest(std::span(&wl, 1), std::span(&wv, 1), std::span(&rest, 1));
+        EXPECT_PRED3(near, rest.g, level, 1e-6) << degrees;
+    }
+    // A lobe some leaves wide is none, nor is an even level.
+    EXPECT_FALSE(
+        separated_beam(tree_about_mirror([](int i, int j) { return level + std::exp(-(i * i + j * j) / 50.); })));
+    EXPECT_FALSE(separated_beam(tree_about_mirror([](int, int) { return level; })));
 }
 
 }  // namespace

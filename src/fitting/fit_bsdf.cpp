@@ -5,6 +5,8 @@
 #include "fit/data/errors.h"
 #include "fitting/requests.h"
 #include "floating_point.h"
+#include "measured/klems.h"
+#include "measured/tree_beam.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/fit_bsdf.h"
@@ -175,9 +177,17 @@ Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request
     const auto* table = std::get_if<BsdfTable>(&measured.table);
     if (!table) return argument_error("fit", "measurement", "one of both sides", "one of a BRDF");
     Inputs inputs;
-    for (std::size_t p = 0; p < k_parts; ++p)
-        if (table->band().part[p]) inputs[p] = {evaluator(*table->band().part[p]), table->band().part[p]};
-    return fit_inputs(inputs, table->band().beam, request, progress);
+    Beams beams = table->band().beam;
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        const auto& part = table->band().part[p];
+        if (!part) continue;
+        inputs[p] = {evaluator(*part), part};
+        const auto* tree = std::get_if<TreeTable>(&part->table);
+        if (auto separated = tree ? separated_beam(*tree) : std::nullopt)
+            inputs[p] = {std::move(separated->rest), nullptr}, beams[p] = std::move(separated->beam);
+    }
+    unite_transmissions(beams);
+    return fit_inputs(inputs, beams, request, progress);
 }
 
 Result<BsdfOutcome> fit_bsdf(const std::array<Evaluate, k_parts>& parts, const FitRequest& request,

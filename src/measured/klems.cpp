@@ -115,11 +115,13 @@ bool is_isotropic(const KlemsTable& table) {
 
 // ---- Beams ----
 
-namespace {
+bool is_peak_of_beam(double value, double about, double typical) {
+    constexpr double k_least_rise = 0.5, k_narrow = 10;
+    const double rise = value - about;
+    return rise > k_least_rise * std::max(about, 0.0) && rise > k_narrow * std::max(about - typical, 0.0);
+}
 
-/// A peak is one of a beam if it rises above the patches about it by at least this share of what these see, and by so
-/// many times what these rise above the rest: a lobe as wide as a patch would reach them.
-constexpr float k_least_rise = 0.5f, k_narrow = 10;
+namespace {
 
 /// The patches that touch a patch: those of its ring, of a ring of one those of the next; and those of other rings at
 /// its azimuth.
@@ -148,11 +150,7 @@ struct Peak {
     std::size_t patch = 0;
     double value = 0, most = 0, typical = 0;
     float around = 0;
-    bool is_beam() const {
-        const double rise = value - most;
-        return rise > double(k_least_rise) * std::max(most, 0.0) &&
-               rise > double(k_narrow) * std::max(most - typical, 0.0);
-    }
+    bool is_beam() const { return is_peak_of_beam(value, most, typical); }
 };
 Peak peak_of(const KlemsTable& table, std::size_t i) {
     const AngleBasis &in = table.incident, &out = table.outgoing;

@@ -17,6 +17,9 @@ struct PatchClass {
 /// `isotropic`: classes as above; otherwise each pair is one. What is not measured is left out.
 std::vector<PatchClass> patch_classes(const KlemsTable& table, bool isotropic);
 
+/// Whether a peak is one of a beam: it rises above the largest value about it by at least half of that, and by ten times
+/// what that rises above a typical value. A lobe as wide as a patch would reach those about it.
+bool is_peak_of_beam(double value, double about, double typical);
 /// Which incident patches have a beam: a ring is judged as a whole, and each of its patches alone.
 std::vector<bool> beam_patches(const KlemsTable& table);
 /// Moves the beams of these incident patches from the cells to `beam`.

@@ -122,7 +122,7 @@ def rows_of(path, models, networks, codes, work):
     def row(model, brdf, function, payload, shared=0):
         errors = srbf.errors(measured, brdf, max_theta=MAX_THETA)
         numbers = [errors[key] for key in ERRORS] + [symmetric_error(measured, function)] + [errors[key] for key in HELD_OUT]
-        return [name, kind, model, payload, shared] + [f"{number:.4g}" for number in numbers]
+        return [name, kind, model, payload, shared] + [f"{number:.6g}" for number in numbers]
 
     for model in models:
         fitted = srbf.fit(measured, **FITS[model]).model

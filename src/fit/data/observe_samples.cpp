@@ -79,16 +79,16 @@ Result<Observations> observe_completed(const ScatteredSamples& samples, const Ob
 }
 
 /// What is expected between the samples: R, G and B at a pair of directions, and of spectra f at each wavelength.
-using Expected = std::function<Rgb(const DirectionPair&, std::span<float> spectrum)>;
+using ExpectedBetween = std::function<Rgb(const DirectionPair&, std::span<float> spectrum)>;
 
-Expected interpolated(const ScatteredSamples& samples) {
+ExpectedBetween interpolated(const ScatteredSamples& samples) {
     return [&samples](const DirectionPair& pair, std::span<float> spectrum) {
         if (!spectrum.empty()) signed_spectrum(samples, pair.wl, pair.wv, spectrum);
         clamp_negative(spectrum);
         return value(samples, pair.wl, pair.wv);
     };
 }
-Expected of_facets(FacetMixture mixture) {
+ExpectedBetween of_facets(FacetMixture mixture) {
     return [mixture = std::move(mixture)](const DirectionPair& pair, std::span<float> spectrum) {
         std::vector<float> f(3 + spectrum.size());
         evaluate(mixture, pair.wl, pair.wv, f);
@@ -97,7 +97,7 @@ Expected of_facets(FacetMixture mixture) {
     };
 }
 
-void add_expected(Observations& to, const Expected& expected, const DirectionPair& pair, double weight) {
+void add_expected(Observations& to, const ExpectedBetween& expected, const DirectionPair& pair, double weight) {
     std::vector<float> spectrum(to.wavelengths.size());
     const Rgb f = expected(pair, spectrum);
     to.add(pair.wl, pair.wv, f, weight, spectrum);
@@ -127,7 +127,7 @@ std::optional<Measures> interpolation_errors(const ScatteredSamples& samples, co
 }
 
 /// Errors at the samples.
-Measures errors_of(const Expected& expected, const ScatteredSamples& samples, double max_theta) {
+Measures errors_of(const ExpectedBetween& expected, const ScatteredSamples& samples, double max_theta) {
     std::vector<Rgb> f;
     for (std::size_t i = 0; i < samples.wl.size(); ++i) f.push_back(expected({samples.wl[i], samples.wv[i]}, {}));
     return measure_samples(samples.wl, samples.wv, samples.colour, f, max_theta);
@@ -135,7 +135,8 @@ Measures errors_of(const Expected& expected, const ScatteredSamples& samples, do
 
 /// Adds what is expected: to `between` pairs within θmax, of the grid or of scatter about the mirror direction, to `samples`
 /// horizon pairs and bound pairs. `largest`: the largest square of the samples. False: cancelled.
-bool observe_between(SampleObservations& to, const Expected& expected, double largest, const ProgressToken& progress) {
+bool observe_between(SampleObservations& to, const ExpectedBetween& expected, double largest,
+                     const ProgressToken& progress) {
     std::mt19937_64 random(to.options.seed);
     const float cos_max = sample_cap(to.options.max_theta);
     const bool of_scatter = traits(to.options.objective).of_scatter;
@@ -229,7 +230,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         observed.completed = *std::move(completed);
         return observed;  // fits follow nothing else
     }
-    Expected expected = interpolated(samples);
+    ExpectedBetween expected = interpolated(samples);
     if (traits(options.objective).of_scatter) {
         expected = of_facets(fit_facets(observed.samples));
         observed.interpolation = errors_of(expected, samples, *theta_max);

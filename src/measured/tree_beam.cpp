@@ -37,7 +37,7 @@ struct Peaked {
     Rgb f(Vec3f wl, Vec3f wv) const { return value(tree, wl, wv); }
     /// At the edge of the peak on the viewer's side, on the other one where that is below the horizon.
     Rgb rest(Vec3f wl, Vec3f wv) const {
-        const double x = double(wl.x) + double(wv.x), y = double(wl.y) + double(wv.y), apart = std::hypot(x, y);
+        const double x = double(wl.x) + double(wv.x), y = double(wl.y) + double(wv.y), apart = elementary::hypot(x, y);
         if (!(apart < reach) || !(wl.z > 0 && wv.z > 0)) return f(wl, wv);
         const double along_x = apart > 0 ? x / apart : 1, along_y = apart > 0 ? y / apart : 0;
         for (const double side : {reach, -reach})
@@ -53,7 +53,7 @@ struct Peaked {
             for (int j = 0; j < k_across_peak; ++j) {
                 const double x = (i + 0.5) * step - reach, y = (j + 0.5) * step - reach;
                 const auto wv = on_hemisphere(x - double(wl.x), y - double(wl.y));
-                if (!wv || !(std::hypot(x, y) < reach)) continue;
+                if (!wv || !(elementary::hypot(x, y) < reach)) continue;
                 const Rgb whole = f(wl, *wv), below = rest(wl, *wv);
                 for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(whole[c] - below[c]) * step * step;
             }

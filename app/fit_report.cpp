@@ -124,6 +124,12 @@ void print_repeatability(const FitOutcome& outcome) {
 /// An angle [rad] in degrees, rounded to what was given.
 double degrees(double angle) { return std::round(angle / k_degree * 1e9) / 1e9; }
 
+/// What the fit of a request follows between samples.
+std::string_view followed(const FitRequest& request) {
+    if (request.objective == Objective::relative) return "microfacets";
+    return completes(request) ? "completed values" : "interpolated values";
+}
+
 }  // namespace
 
 std::string_view kind_of(const FitRequest& request) {
@@ -205,11 +211,7 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
             "  Matrix: at the samples themselves. Held out: {}. Albedo and pictures: against completed samples.\n",
             outcome.incidences > 0 ? fmt::format("cross-validated over {} incidences", outcome.incidences)
                                    : fmt::format("{}-fold cross-validated", k_folds));
-        if (outcome.filled && *outcome.filled)
-            fmt::print("  Between samples the fit follows {}.\n", request.objective == Objective::relative
-                                                                      ? "microfacets"
-                                                                  : completes(request) ? "completed values"
-                                                                                       : "interpolated values");
+        if (outcome.filled && *outcome.filled) fmt::print("  Between samples the fit follows {}.\n", followed(request));
     }
     print_path(request, outcome);
     if (const auto goal = goal_of(request); goal && !outcome.reached)

@@ -14,6 +14,21 @@
 
 namespace srbf {
 
+/// The arrays of beams, by `add(name, numbers, shape)`.
+template <typename Add> void add_beams(const Beams& beams, const Add& add) {
+    for (std::size_t b = 0; b < beams.size(); ++b) {
+        const Beam& beam = beams[b];
+        if (beam.empty()) continue;
+        const std::string name = "beam_" + std::string(k_beam_names[b]);
+        const auto rings = py::ssize_t(beam.theta.size()), nodes = py::ssize_t(beam.share.size());
+        add((name + "_angle").c_str(), beam.theta, {rings});
+        add((name + "_share").c_str(), floats(beam.share), {nodes, 3});
+        if (beam.azimuths.empty()) continue;
+        const std::vector<float> azimuths(beam.azimuths.begin(), beam.azimuths.end());
+        add((name + "_azimuths").c_str(), azimuths, {rings});
+    }
+}
+
 inline py::dict parameters(const Held& brdf) {
     using Shape = std::vector<py::ssize_t>;
     py::dict of;
@@ -24,16 +39,7 @@ inline py::dict parameters(const Held& brdf) {
     if (const auto* bsdf = std::get_if<BsdfModel>(&model)) {
         for (std::size_t p = 0; p < k_parts; ++p)
             if (bsdf->part[p]) of[py::str(std::string(k_part_names[p]))] = parameters(Held(*bsdf->part[p]));
-        for (std::size_t b = 0; b < bsdf->beam.size(); ++b) {
-            const Beam& beam = bsdf->beam[b];
-            if (beam.empty()) continue;
-            const std::string beam_name = "beam_" + std::string(k_beam_names[b]);
-            const auto n = py::ssize_t(beam.theta.size());
-            add((beam_name + "_angle").c_str(), beam.theta, {n});
-            add((beam_name + "_share").c_str(), floats(beam.share), {py::ssize_t(beam.share.size()), 3});
-            if (!beam.azimuths.empty()) 
-                add((beam_name + "_azimuths").c_str(), std::vector<float>(beam.azimuths.begin(), beam.azimuths.end()), {n});
-        }
+        add_beams(bsdf->beam, add);
     } else if (const auto* pm = std::get_if<PmModel>(&model)) {
         const py::ssize_t J = pm->lobes, N = pm->variates, F = features(pm->form);
         of["form"] = std::string(name(pm->form));
@@ -158,11 +164,13 @@ inline BsdfModel bsdf_of(const py::dict& of) {
         if (const py::str part{std::string(k_part_names[p])}; of.contains(part))
             bsdf.part[p] = std::make_shared<const Model>(of[part].cast<Held>().require_model());
     for (std::size_t b = 0; b < bsdf.beam.size(); ++b) {
-        const std::string beam = "beam_" + std::string(k_beam_names[b]);
-        if (!of.contains(py::str(beam + "_angle"))) continue;
-        bsdf.beam[b] = {vector_of<float>(of, (beam + "_angle").c_str()), vector_of<Rgb>(of, (beam + "_share").c_str())};
-        if (const std::string azimuths = beam + "_azimuths"; of.contains(py::str(azimuths)))
-            for (const float n : vector_of<float>(of, azimuths.c_str())) bsdf.beam[b].azimuths.push_back(n >= 1 && n <= float(k_most_beam_nodes) ? int(n) : 0);
+        const std::string name = "beam_" + std::string(k_beam_names[b]);
+        const std::string angle = name + "_angle", share = name + "_share", azimuths = name + "_azimuths";
+        if (!of.contains(py::str(angle))) continue;
+        bsdf.beam[b] = {vector_of<float>(of, angle.c_str()), vector_of<Rgb>(of, share.c_str())};
+        if (!of.contains(py::str(azimuths))) continue;
+        for (const float n : vector_of<float>(of, azimuths.c_str()))  // what is not a number of nodes becomes 0, which is refused
+            bsdf.beam[b].azimuths.push_back(n >= 1 && n <= float(k_most_beam_nodes) ? int(n) : 0);
     }
     return bsdf;
 }

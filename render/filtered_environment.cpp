@@ -53,12 +53,6 @@ std::size_t index_of(int side, std::size_t face, int x, int y) {
     return (face * std::size_t(side) + std::size_t(y)) * std::size_t(side) + std::size_t(x);
 }
 
-Rgb mixed(const Rgb& a, const Rgb& b, float share) {
-    Rgb mean;
-    for (int c = 0; c < 3; ++c) mean[c] = a[c] + share * (b[c] - a[c]);
-    return mean;
-}
-
 /// The environment at texels of about that size, and at half as many along a side again and again.
 class Pyramid {
   public:

@@ -155,6 +155,8 @@ struct AngleBasis {
     std::size_t patch_of(Vec3f w) const;
     /// The middle of a patch in azimuth [rad].
     double azimuth_of(std::size_t patch) const;
+    /// The direction at the azimuth of a patch and the θ of its ring.
+    Vec3d middle_of(std::size_t patch) const;
     /// ∫ cosθ dω over a patch of the ring [sr].
     double projected_solid_angle(std::size_t ring) const;
     /// A point of a patch, (s, t) in [0, 1]²: uniform in ∫ cosθ dω.
@@ -176,6 +178,8 @@ struct KlemsTable {
     std::vector<Rgb> beam;     ///< of each incident patch: the share that was a peak within one patch; or empty
     std::uint64_t masked = 0;  ///< cells without a measurement, NaN: none in files
     Rgb cell(std::size_t o, std::size_t i) const { return cells[o * incident.patches() + i]; }
+    /// The outgoing patch of the mirror direction of an incident patch, or straight through.
+    std::size_t straight_ahead(std::size_t i) const;
 };
 
 /// A function on the unit cube of 3 or 4 dimensions that is constant over leaves, as in Radiance's tensor trees. A branch

@@ -143,9 +143,6 @@ class GgxProblem {
 
 constexpr double k_least_log = -10;  // of k_least_roughness
 
-constexpr int k_root_rounds = 8;
-constexpr double k_most_root_change = 100;
-
 /// The best roughness on a grid of half octaves; the first of two lobes is the narrower one.
 Roughness scanned(GgxProblem& problem, int lobes) {
     Roughness best;
@@ -192,12 +189,11 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
     Roughness log_alpha = scanned(sample, options.lobes);
     if (!progress.report("refining roughness", 0.2)) return cancelled_error("fit");
     refine(all, log_alpha);
-    // A model with so few parameters has large errors: weights that hold for small ones are adapted to them.
-    for (int round = 0; round < k_root_rounds && traits(observations.objective).seen; ++round) {
+    for (int round = 0; round < k_facet_rounds && traits(observations.objective).seen; ++round) {
         const GgxModel model = all.solve(log_alpha).model;
         weighed.weight = observations.weight;
-        weigh_large_errors(weighed, evaluator(model), k_most_root_change);
-        if (!progress.report("refining roughness", 0.3 + 0.7 * round / k_root_rounds)) return cancelled_error("fit");
+        weigh_large_errors(weighed, evaluator(model), k_most_facet_change);
+        if (!progress.report("refining roughness", 0.3 + 0.7 * round / k_facet_rounds)) return cancelled_error("fit");
         if (round == 0) log_alpha = scanned(sample, options.lobes);
         refine(all, log_alpha);
     }

@@ -56,11 +56,10 @@ std::vector<std::size_t> first_patches(const KlemsTable& table) {
 /// f cosθ summed over the outgoing patches, for light from the middles of incident patches.
 std::vector<RadianceObservation> hemispheres(const KlemsTable& table, std::span<const std::size_t> incident) {
     std::vector<RadianceObservation> all;
-    const AngleBasis &in = table.incident, &out = table.outgoing;
+    const AngleBasis& out = table.outgoing;
     for (const std::size_t i : incident) {
         // Light and viewer are exchanged: a radiance has one view direction.
-        RadianceObservation sum{
-            light_at(spherical(double(in.rings[in.ring_of(i)].theta), in.azimuth_of(i))), {}, {}, {}, {}};
+        RadianceObservation sum{light_at(table.incident.middle_of(i)), {}, {}, {}, {}};
         RSequence<2> points;
         for (std::size_t o = 0; o < out.patches(); ++o) {
             const Rgb f = table.cell(o, i);

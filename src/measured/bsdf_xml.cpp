@@ -281,24 +281,18 @@ Result<std::vector<NamedXmlBlocks>> read_bands(const Element& layer, const Defin
 BsdfTable::Band band_of(std::string name, XmlBlocks&& blocks, const std::string& file_name) {
     BsdfTable::Band band;
     band.name = std::move(name);
-    const auto matrix_of = [&](Part part) {
-        auto& block = blocks[std::size_t(part)];
-        return block ? std::get_if<KlemsTable>(&*block) : nullptr;
-    };
-    KlemsTable *front = matrix_of(Part::transmission_front), *back = matrix_of(Part::transmission_back);
-    if (front && back) separate_beams(*front, *back);
+    std::array<KlemsTable*, k_parts> matrices{};
+    for (std::size_t p = 0; p < k_parts; ++p) matrices[p] = blocks[p] ? std::get_if<KlemsTable>(&*blocks[p]) : nullptr;
+    band.beam = separate_beams(matrices);
     for (std::size_t p = 0; p < k_parts; ++p) {
         if (!blocks[p]) continue;
         if (auto* tree = std::get_if<TreeTable>(&*blocks[p])) {
             band.part[p] = std::make_shared<const Measured>(Measured{file_name, "BSDF tree", 0, std::move(*tree)});
             continue;
         }
-        auto& matrix = std::get<KlemsTable>(*blocks[p]);
-        if (!(front && back && is_transmission(Part(p)))) separate_beam(matrix, beam_patches(matrix));
-        band.beam[p] = beam_of(matrix);
-        band.part[p] = std::make_shared<const Measured>(Measured{file_name, "BSDF XML", 0, std::move(matrix)});
+        band.part[p] = std::make_shared<const Measured>(
+            Measured{file_name, "BSDF XML", 0, std::get<KlemsTable>(*std::move(blocks[p]))});
     }
-    unite_transmissions(band.beam);
     return band;
 }
 

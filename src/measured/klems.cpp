@@ -38,6 +38,10 @@ double AngleBasis::azimuth_of(std::size_t patch) const {
     return 2 * k_pi * double(patch - first_of(ring)) / rings[ring].azimuths;
 }
 
+Vec3d AngleBasis::middle_of(std::size_t patch) const {
+    return spherical(double(rings[ring_of(patch)].theta), azimuth_of(patch));
+}
+
 double AngleBasis::projected_solid_angle(std::size_t ring) const {
     const auto squared_sine = [](float theta) { return elementary::square(elementary::sin(double(theta))); };
     const Ring& of = rings[ring];
@@ -51,6 +55,10 @@ Vec3d AngleBasis::point_of(std::size_t patch, double s, double t) const {
     const double squared = std::max(from + s * (to - from), 0.0), r = std::sqrt(1 - squared);
     const double phi = azimuth_of(patch) + 2 * k_pi * (t - 0.5) / ring.azimuths;
     return {r * elementary::cos(phi), r * elementary::sin(phi), std::sqrt(squared)};
+}
+
+std::size_t KlemsTable::straight_ahead(std::size_t i) const {
+    return outgoing.patch_of(to_float(incident.middle_of(i)));
 }
 
 Rgb signed_value(const KlemsTable& table, Vec3f wl, Vec3f wv) {
@@ -153,9 +161,9 @@ struct Peak {
     bool is_beam() const { return is_peak_of_beam(value, most, typical); }
 };
 Peak peak_of(const KlemsTable& table, std::size_t i) {
-    const AngleBasis &in = table.incident, &out = table.outgoing;
+    const AngleBasis& out = table.outgoing;
     Peak peak;
-    peak.patch = out.patch_of(to_float(spherical(double(in.rings[in.ring_of(i)].theta), in.azimuth_of(i))));
+    peak.patch = table.straight_ahead(i);
     peak.value = double(table.cell(peak.patch, i).g);
     const auto near = neighbours(out, peak.patch);
     for (const std::size_t n : near.all) peak.most = std::max(peak.most, double(table.cell(n, i).g));
@@ -169,8 +177,7 @@ Peak peak_of(const KlemsTable& table, std::size_t i) {
     return peak;
 }
 
-}  // namespace
-
+/// Which incident patches have a beam: a ring is judged as a whole, and each of its patches alone.
 std::vector<bool> beam_patches(const KlemsTable& table) {
     const AngleBasis& in = table.incident;
     std::vector<bool> is_beam;
@@ -186,6 +193,15 @@ std::vector<bool> beam_patches(const KlemsTable& table) {
     return is_beam;
 }
 
+/// What is a beam one way is one the other way.
+void unite(const AngleBasis& basis, std::vector<bool>& front, std::vector<bool>& back) {
+    for (std::size_t i = 0; i < front.size(); ++i) {
+        const std::size_t turned = basis.patch_of(to_float(mirror(basis.middle_of(i))));
+        front[i] = back[turned] = front[i] || back[turned];
+    }
+}
+
+/// Moves the beams of these incident patches from the cells to `beam`.
 void separate_beam(KlemsTable& table, const std::vector<bool>& patches) {
     if (std::ranges::find(patches, true) == patches.end()) return;
     table.beam.assign(patches.size(), Rgb{});
@@ -201,22 +217,7 @@ void separate_beam(KlemsTable& table, const std::vector<bool>& patches) {
     }
 }
 
-void separate_beams(KlemsTable& front, KlemsTable& back) {
-    auto of_front = beam_patches(front), of_back = beam_patches(back);
-    if (front.incident.rings == back.incident.rings)
-        for (std::size_t i = 0; i < of_front.size(); ++i) {
-            const Vec3d p =
-                spherical(double(front.incident.rings[front.incident.ring_of(i)].theta), front.incident.azimuth_of(i));
-            const std::size_t turned = front.incident.patch_of(to_float(mirror(p)));
-            of_front[i] = of_back[turned] = of_front[i] || of_back[turned];
-        }
-    separate_beam(front, of_front);
-    separate_beam(back, of_back);
-}
-
-namespace {
-
-/// Shares of a ring, and of both sides, are one if they differ by no more than this or by so much of their mean: as
+/// Shares of a ring, and of the front and the back, are one if they differ by no more than this or by so much of their mean: as
 /// near as a fit is to a sum.
 constexpr float k_same_share = 0.01f, k_same_beam = 0.001f;
 bool alike(float a, float b) { return std::abs(a - b) <= std::max(k_same_share * 0.5f * (a + b), k_same_beam); }
@@ -230,8 +231,7 @@ Rgb mean_of(std::span<const Rgb> values) {
     return {float(sum[0] / n), float(sum[1] / n), float(sum[2] / n)};
 }
 
-}  // namespace
-
+/// A node for each incident patch, or one for a ring whose nodes hardly differ.
 Beam beam_of(const KlemsTable& table) {
     Beam beam;
     if (table.beam.empty()) return beam;
@@ -251,15 +251,33 @@ Beam beam_of(const KlemsTable& table) {
     return beam;
 }
 
+}  // namespace
+
+Beams separate_beams(const std::array<KlemsTable*, k_parts>& matrices) {
+    std::array<std::vector<bool>, k_parts> patches;
+    for (std::size_t p = 0; p < k_parts; ++p)
+        if (matrices[p]) patches[p] = beam_patches(*matrices[p]);
+    constexpr auto front = std::size_t(Part::transmission_front), back = std::size_t(Part::transmission_back);
+    if (matrices[front] && matrices[back] && matrices[front]->incident.rings == matrices[back]->incident.rings)
+        unite(matrices[front]->incident, patches[front], patches[back]);
+    Beams beams;
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        if (!matrices[p]) continue;
+        separate_beam(*matrices[p], patches[p]);
+        beams[p] = beam_of(*matrices[p]);
+    }
+    unite_transmissions(beams);
+    return beams;
+}
+
 void unite_transmissions(Beams& beams) {
     Beam &front = beams[std::size_t(Part::transmission_front)], &back = beams[std::size_t(Part::transmission_back)];
     if (front.empty() || back.empty()) return;
-    const Beams backwards{Beam{}, Beam{}, Beam{}, back};  // answers for light from the front by reciprocity
     std::vector<Rgb> means;
     for (std::size_t ring = 0; ring < front.theta.size(); ++ring)
         for (int k = 0; k < front.nodes(ring); ++k) {
             const Vec3f wl = to_float(spherical(double(front.theta[ring]), 2 * k_pi * k / front.nodes(ring)));
-            const Rgb a = front.share[means.size()], b = share_at(backwards, Part::transmission_front, wl);
+            const Rgb a = front.share[means.size()], b = share_at(back, mirror(wl));
             if (!alike(a, b)) return;
             means.push_back(mean_of(std::array{a, b}));
         }

@@ -20,10 +20,6 @@ constexpr std::size_t k_pair_points = 256, k_mirror_pair_points = 4096;
 /// Middles of patches that touch are at most this share of the sum of their widths apart, with some room.
 constexpr double k_touching = 0.6;
 
-Vec3d middle_of(const AngleBasis& basis, std::size_t patch) {
-    return spherical(double(basis.rings[basis.ring_of(patch)].theta), basis.azimuth_of(patch));
-}
-
 /// The larger of the widths of a patch in both angles [rad].
 double width_of(const AngleBasis& basis, std::size_t patch) {
     const AngleBasis::Ring& ring = basis.rings[basis.ring_of(patch)];
@@ -34,7 +30,7 @@ double width_of(const AngleBasis& basis, std::size_t patch) {
 
 bool are_near(const AngleBasis& basis, std::size_t a, std::size_t b) {
     const double apart = std::min(k_touching * (width_of(basis, a) + width_of(basis, b)), k_pi);
-    return dot(middle_of(basis, a), middle_of(basis, b)) > elementary::cos(apart);
+    return dot(basis.middle_of(a), basis.middle_of(b)) > elementary::cos(apart);
 }
 
 }  // namespace
@@ -76,7 +72,7 @@ void add_beam(KlemsTable& table, const Beams& beams, Part part) {
         return;
     table.beam.clear();
     for (std::size_t i = 0; i < table.incident.patches(); ++i) {
-        const Vec3d middle = middle_of(table.incident, i);
+        const Vec3d middle = table.incident.middle_of(i);
         table.beam.push_back(share_at(beams, part, to_float({middle.x, -middle.y, middle.z})));
     }
 }
@@ -123,9 +119,8 @@ double cell_with_beam(const KlemsTable& table, std::size_t o, std::size_t i) {
     const auto luminance_of = [](const Rgb& f) { return f.r == f.g && f.g == f.b ? double(f.g) : luminance(f); };
     double f = luminance_of(table.cell(o, i));
     if (table.beam.empty()) return f;
-    const double theta = double(table.incident.rings[table.incident.ring_of(i)].theta);
-    const std::size_t mirror = table.outgoing.patch_of(to_float(spherical(theta, table.incident.azimuth_of(i))));
-    if (o == mirror) f += luminance_of(table.beam[i]) / table.outgoing.projected_solid_angle(table.outgoing.ring_of(o));
+    if (o == table.straight_ahead(i))
+        f += luminance_of(table.beam[i]) / table.outgoing.projected_solid_angle(table.outgoing.ring_of(o));
     return f;
 }
 

@@ -34,9 +34,6 @@ std::size_t auxiliary_bytes(const BsdfModel& model) {
 
 namespace {
 std::string prefix_of(Part part) { return fmt::format("{}.", name(part)); }
-Rgb mixed(const Rgb& a, const Rgb& b, float part) {
-    return {a.r + part * (b.r - a.r), a.g + part * (b.g - a.g), a.b + part * (b.b - a.b)};
-}
 /// τ on a ring whose nodes begin at that index, for an azimuth in turns, 0..1.
 Rgb share_on_ring(const Beam& beam, std::size_t ring, std::size_t first, float turns) {
     const auto n = std::size_t(beam.nodes(ring));

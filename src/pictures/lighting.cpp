@@ -12,10 +12,6 @@ double smooth_step(double a, double b, double x) {
     x = std::clamp((x - a) / (b - a), 0.0, 1.0);
     return x * x * (3 - 2 * x);
 }
-Rgb mixed(const Rgb& a, const Rgb& b, double share_of_b) {
-    const auto share = float(share_of_b);
-    return {a.r + share * (b.r - a.r), a.g + share * (b.g - a.g), a.b + share * (b.b - a.b)};
-}
 
 constexpr double k_horizon_height = 0.1;  ///< height between sky and ground
 constexpr double k_soft_edge = 0.1;       ///< of a source, relative to the cosine's range over it
@@ -23,8 +19,8 @@ constexpr double k_soft_edge = 0.1;       ///< of a source, relative to the cosi
 }  // namespace
 
 Rgb radiance(const Lighting& lighting, Vec3d w) {
-    const Rgb sky = mixed(lighting.horizon, lighting.zenith, smooth_step(0, 1, w.y));
-    Rgb sum = mixed(lighting.ground, sky, smooth_step(-k_horizon_height, k_horizon_height, w.y));
+    const Rgb sky = mixed(lighting.horizon, lighting.zenith, float(smooth_step(0, 1, w.y)));
+    Rgb sum = mixed(lighting.ground, sky, float(smooth_step(-k_horizon_height, k_horizon_height, w.y)));
     for (const Lighting::Source& source : lighting.sources) {
         if (source.radius == 0) continue;
         const double cosine = dot(w, source.direction), radius = source.radius * k_degree;

@@ -17,9 +17,6 @@ namespace {
 /// Roughnesses in half octaves down to 1/1024, as in the scan of fits of Lambert and GGX.
 constexpr int k_roughnesses = 21;
 constexpr int k_terms = 1 + 2 * k_roughnesses;
-/// Weights are adapted to errors in so many rounds, each by at most this factor, as in fits of Lambert and GGX.
-constexpr int k_rounds = 8;
-constexpr double k_most_change = 100;
 
 using Terms = std::array<float, k_terms>;
 
@@ -64,7 +61,7 @@ FacetMixture fit_facets(const Observations& samples) {
     for (std::size_t i = 0; i < samples.fitted(); ++i) terms.push_back(terms_at(samples.wl[i], samples.wv[i]));
     FacetMixture mixture{{}, k_most_excess * largest_measured(samples)};
     mixture.amounts.resize(3 + samples.wavelengths.size());
-    for (int round = 0; round < k_rounds; ++round) {
+    for (int round = 0; round < k_facet_rounds; ++round) {
         for (std::size_t c = 0; c < mixture.amounts.size(); ++c) mixture.amounts[c] = solved(weighed, terms, c);
         const Evaluate fitted = [&](auto wl, auto wv, auto f) {
             std::vector<float> channels(mixture.amounts.size());
@@ -74,7 +71,7 @@ FacetMixture fit_facets(const Observations& samples) {
             }
         };
         weighed.weight = samples.weight;
-        weigh_large_errors(weighed, fitted, k_most_change);
+        weigh_large_errors(weighed, fitted, k_most_facet_change);
     }
     return mixture;
 }

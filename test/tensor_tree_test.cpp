@@ -231,7 +231,7 @@ TEST(TensorTree, ItsBeamIsSeparated) {
     ASSERT_TRUE(separated);
     for (const double degrees : {0.0, 10.0, 25.0, 40.0, 60.0}) {
         const Vec3f wl = to_float(spherical(degrees * k_degree, 0.3)), wv = mirror(wl);
-        EXPECT_PRED3(near_relative, share_at(separated->beam, wl).g, share, 0.12) << degrees;
+        EXPECT_PRED3(near_relative, share_at(separated->beam, wl).g, share, 0.05) << degrees;
         Rgb rest;
         separated->rest(std::span(&wl, 1), std::span(&wv, 1), std::span(&rest, 1));
         EXPECT_PRED3(near, rest.g, level, 1e-6) << degrees;

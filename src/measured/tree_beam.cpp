@@ -4,21 +4,24 @@
 #include <cmath>
 
 #include "measured/klems.h"
+#include "r_sequence.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
 namespace {
 
-/// A peak reaches from a leaf to those that touch it, so many widths of a leaf at most.
-constexpr double k_peak_reach = 2.5;
-/// Rings of a beam, 10 degrees apart, and nodes of a ring of an anisotropic tree.
-constexpr int k_beam_rings = 9, k_beam_nodes = 24;
-constexpr double k_ring_width = 10 * k_degree;
-/// Of a node the mean over so many angles within half a ring of it: from leaf to leaf the share is up to a tenth off.
-constexpr int k_beam_angles = 16;
-/// Directions about a peak and elsewhere, and points across it in each coordinate.
-constexpr int k_about_peak = 16, k_away_from_peak = 128, k_across_peak = 32;
+/// A peak reaches from a leaf to those that touch it, so many widths of a leaf: their far corners are 2.8 widths away where
+/// the disc does not stretch leaves, which it does by up to a quarter along the radius.
+constexpr double k_peak_reach = 3.5;
+/// Rings of a beam, 5 degrees apart, and nodes of a ring of an anisotropic tree.
+constexpr int k_beam_rings = 18, k_beam_nodes = 24;
+constexpr double k_ring_width = 5 * k_degree;
+/// Of a node the mean over so many points of the angles within half a ring of it and of the peak: from leaf to leaf the
+/// share is up to a tenth off.
+constexpr int k_share_points = 16384;
+/// Directions about a peak and elsewhere.
+constexpr int k_about_peak = 16, k_away_from_peak = 128;
 /// A direction counts as one of the hemisphere up to this sine.
 constexpr double k_most_disc_radius = 0.999;
 
@@ -45,21 +48,6 @@ struct Peaked {
                 return f(wl, *edge);
         return f(wl, wv);
     }
-    /// ∫ (f − rest) cosθv dωv over the peak.
-    Rgb share(Vec3f wl) const {
-        std::array<double, 3> sum{};
-        const double step = 2 * reach / k_across_peak;
-        for (int i = 0; i < k_across_peak; ++i)
-            for (int j = 0; j < k_across_peak; ++j) {
-                const double x = (i + 0.5) * step - reach, y = (j + 0.5) * step - reach;
-                const auto wv = on_hemisphere(x - double(wl.x), y - double(wl.y));
-                if (!wv || !(elementary::hypot(x, y) < reach)) continue;
-                const Rgb whole = f(wl, *wv), below = rest(wl, *wv);
-                for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(whole[c] - below[c]) * step * step;
-            }
-        const auto within = [](double x) { return float(std::clamp(x, 0.0, 1.0)); };
-        return {within(sum[0]), within(sum[1]), within(sum[2])};
-    }
     /// Whether it has the peak of a beam for light from this direction.
     bool is_beam(Vec3f wl) const {
         double most = 0;
@@ -76,18 +64,27 @@ struct Peaked {
     }
 };
 
-/// The mean share about an angle, over equal projected solid angles.
+/// The mean of ∫ (f − rest) cosθv dωv over the peak, within half a ring of an angle, over equal projected solid angles.
 Rgb mean_share(const Peaked& peaked, double theta, double phi) {
     const auto squared_sine = [](double angle) { return elementary::square(elementary::sin(angle)); };
     const double from = squared_sine(std::max(theta - k_ring_width / 2, 0.0)),
-                 to = squared_sine(std::min(theta + k_ring_width / 2, k_pi / 2));
-    Rgb mean;
-    for (int k = 0; k < k_beam_angles; ++k) {
-        const double sine = std::sqrt(from + (k + 0.5) / k_beam_angles * (to - from));
-        const Rgb share = peaked.share(to_float(spherical(elementary::asin(sine), phi)));
-        for (int c = 0; c < 3; ++c) mean[c] += share[c] / k_beam_angles;
+                 to = squared_sine(std::min(theta + k_ring_width / 2, k_pi / 2)), reach = peaked.reach;
+    std::array<double, 3> sum{};
+    RSequence<3> sequence;
+    for (int k = 0; k < k_share_points; ++k) {
+        const auto& u = sequence.next();
+        const double sine = std::sqrt(from + u[0] * (to - from)), x = (2 * u[1] - 1) * reach,
+                     y = (2 * u[2] - 1) * reach;
+        if (!(elementary::hypot(x, y) < reach)) continue;
+        const Vec3f wl = to_float(spherical(elementary::asin(sine), phi));
+        const auto wv = on_hemisphere(x - double(wl.x), y - double(wl.y));
+        if (!wv) continue;
+        const Rgb whole = peaked.f(wl, *wv), below = peaked.rest(wl, *wv);
+        for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += double(whole[c] - below[c]);
     }
-    return mean;
+    const double area = elementary::square(2 * reach) / k_share_points;
+    const auto share = [&](int c) { return float(std::clamp(sum[std::size_t(c)] * area, 0.0, 1.0)); };
+    return {share(0), share(1), share(2)};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "basis/active_lobes.h"
 #include "basis/shared_problem.h"
 #include "fit/data/errors.h"
 #include "fit/data/observe_samples.h"
@@ -28,6 +29,8 @@ namespace {
 
 /// Groups in which lobes are added, steps after each, and after the last.
 constexpr int k_basis_groups = 16, k_group_steps = 4, k_last_basis_steps = 16;
+/// Rounds in which active lobes are chosen and all lobes follow, and steps of each.
+constexpr int k_refinements = 3, k_refinement_steps = 6;
 /// The largest coefficient of a lobe: others may be 10⁶ times smaller and are normal 16-bit floats, those of materials
 /// that come later a thousand times larger.
 constexpr double k_largest_coefficient = 64;
@@ -71,12 +74,16 @@ Result<Measured> table_of(const LibrarySource& source) {
     return measured;
 }
 
+void optimise(SharedProblem& problem, Eigen::VectorXd& x, int steps) {
+    levenberg_marquardt(problem, x, {.max_iterations = steps, .adapts_to_bounds = true});
+}
+
 /// The lobes that materials with these rows share.
-Lobes shared_lobes(std::span<const std::unique_ptr<Rows>> rows, const BasisOptions& of, Reporter& reporter) {
+Lobes shared_lobes(std::span<SharedRows> materials, const BasisOptions& of, Reporter& reporter) {
     const LobeShape shape = shape_of(lobe_options(of));
     std::mt19937_64 random = generator(of.seed, 0, 0);
     Lobes lobes = without_lobes(shape, 0, random);
-    SharedProblem problem(rows, shape, k_log_peak_limit);
+    SharedProblem problem(materials, shape, k_log_peak_limit);
     const int group = std::max(1, of.lobes / k_basis_groups);
     while (lobes.count() < of.lobes && !reporter.cancelled()) {
         const int until = std::min(lobes.count() + group, of.lobes), before = lobes.count();
@@ -84,14 +91,25 @@ Lobes shared_lobes(std::span<const std::unique_ptr<Rows>> rows, const BasisOptio
             problem.loss(pack(lobes));
             if (lobes.count() == before) problem.weigh();
             lobes = with_lobe(std::move(lobes), problem.best_addition(random_candidates(random, lobes)));
+            if (of.active > 0) problem.offer(std::size_t(lobes.count()) - 1);
         }
         Eigen::VectorXd x = pack(lobes);
-        levenberg_marquardt(problem, x, {.max_iterations = until < of.lobes ? k_group_steps : k_last_basis_steps});
+        if (of.active > 0 && lobes.count() > of.active) {
+            problem.loss(x);
+            problem.activate(std::size_t(of.active));
+        }
+        optimise(problem, x, until < of.lobes ? k_group_steps : k_last_basis_steps);
         lobes = unpack(x, shape);
         reporter.advance("searching for shared lobes", double(until - before));
     }
+    return lobes;
+}
+
+/// The lobes as they are stored.
+Lobes rounded(const Lobes& lobes, const Rows& of_any) {
+    LobeProblem problem(of_any, lobes.shape, false, k_log_peak_limit);
     problem.loss(pack(lobes));
-    return to_lobes(to_halves(to_model(problem.problem(0), lobes, true), lobes), shape);
+    return to_lobes(to_halves(to_model(problem, lobes, true), lobes), lobes.shape);
 }
 
 /// The lobes of a material, and the logarithms of its coefficients of lobes of peak 1.
@@ -107,27 +125,6 @@ Lobes chosen_lobes(const Lobes& all, std::span<const std::size_t> which) {
     return some;
 }
 
-/// Drops the lobes without which the loss rises least, a quarter of the surplus at a time, until `most` remain.
-std::vector<std::size_t> active_lobes(const Rows& rows, const Lobes& all, std::size_t most) {
-    std::vector<std::size_t> which(std::size_t(all.count()));
-    for (std::size_t j = 0; j < which.size(); ++j) which[j] = j;
-    LobeProblem problem(rows, all.shape, false, k_log_peak_limit);
-    while (which.size() > most) {
-        problem.loss(pack(chosen_lobes(all, which)));
-        const std::vector<double> cost = cost_of_dropping(problem.gram(), problem.beta());
-        std::vector<std::size_t> order(which.size());
-        for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-        const auto useless = [&](std::size_t i) { return !(problem.beta().row(Eigen::Index(i)).maxCoeff() > 0); };
-        std::ranges::stable_sort(order, {}, [&](std::size_t i) { return useless(i) ? -1.0 : cost[i]; });
-        std::size_t drop = std::size_t(std::ranges::count_if(order, useless));
-        drop = std::min(std::max(drop, (which.size() - most + 3) / 4), which.size() - most);
-        std::set<std::size_t> dropped;
-        for (std::size_t i = 0; i < drop; ++i) dropped.insert(which[order[i]]);
-        std::erase_if(which, [&](std::size_t j) { return dropped.contains(j); });
-    }
-    return which;
-}
-
 LogCoefficients coefficients_in(const LobeProblem& problem, const Lobes& lobes, std::vector<std::size_t> which) {
     LogCoefficients of{std::move(which), Eigen::MatrixXd::Constant(lobes.count(), 3, k_none)};
     for (int j = 0; j < lobes.count(); ++j) {
@@ -140,26 +137,63 @@ LogCoefficients coefficients_in(const LobeProblem& problem, const Lobes& lobes, 
     return of;
 }
 
-/// The coefficients of one material, by all terms of its objective.
-LogCoefficients coefficients_of(const Observations& observations, const Lobes& all, const BasisOptions& of) {
-    const FitOptions options = lobe_options(of);
+/// The rows of one material by all terms of its objective, weighed for these lobes.
+std::unique_ptr<Rows> rows_of(const Observations& observations, const Lobes& lobes, const FitOptions& options) {
     Subsets subsets(observations);
-    std::vector<std::size_t> which =
-        active_lobes(subsets.rows(k_active_stage, 0), all, std::size_t(of.active > 0 ? of.active : all.count()));
     Candidate candidate;
-    candidate.lobes = chosen_lobes(all, which);
+    candidate.lobes = lobes;
     subsets.add_exceeded({candidate}, options, k_log_peak_limit);
-    const Rows by_pairs = subsets.rows(k_active_stage, 0);
-    LobeProblem first(by_pairs, all.shape, false, k_log_peak_limit);
-    first.loss(pack(candidate.lobes));
-    if (observations.views.empty()) return coefficients_in(first, candidate.lobes, std::move(which));
-    const PmModel fitted = to_model(first, candidate.lobes, true);
+    auto rows = std::make_unique<Rows>(subsets.rows(k_active_stage, 0));
+    if (observations.views.empty()) return rows;
+    LobeProblem by_pairs(*rows, lobes.shape, false, k_log_peak_limit);
+    by_pairs.loss(pack(lobes));
+    const PmModel fitted = to_model(by_pairs, lobes, true);
     subsets.add_lights(evaluator(fitted));
     const double importance = subsets.picture_importance(candidate, k_picture_stage, options, k_log_peak_limit);
-    const Rows with_pictures = subsets.rows(k_picture_stage, importance);
-    LobeProblem problem(with_pictures, all.shape, false, k_log_peak_limit);
-    problem.loss(pack(candidate.lobes));
-    return coefficients_in(problem, candidate.lobes, std::move(which));
+    return std::make_unique<Rows>(subsets.rows(k_picture_stage, importance));
+}
+
+/// A material as a sum of at most so many of the lobes.
+SharedRows material_of(const Observations& observations, const Lobes& all, const BasisOptions& of) {
+    const FitOptions options = lobe_options(of);
+    SharedRows material{rows_of(observations, all, options)};
+    LobeProblem problem(*material.rows, all.shape, false, k_log_peak_limit);
+    problem.loss(pack(all));
+    material.lobes = active_lobes(problem, std::size_t(of.active > 0 ? of.active : all.count()));
+    if (material.lobes.size() < std::size_t(all.count()))
+        material.rows = rows_of(observations, chosen_lobes(all, material.lobes), options);
+    return material;
+}
+
+/// The coefficients of one material, by all terms of its objective.
+LogCoefficients coefficients_of(const Observations& observations, const Lobes& all, const BasisOptions& of) {
+    SharedRows material = material_of(observations, all, of);
+    const Lobes lobes = chosen_lobes(all, material.lobes);
+    LobeProblem problem(*material.rows, all.shape, false, k_log_peak_limit);
+    problem.loss(pack(lobes));
+    return coefficients_in(problem, lobes, std::move(material.lobes));
+}
+
+/// Lets lobes follow all terms of the objectives of materials, each of which is a sum of its active ones.
+Lobes refined(Lobes lobes, std::span<const LibrarySource> sources, const BasisOptions& of, Reporter& reporter) {
+    for (int round = 0; round < k_refinements && !reporter.cancelled(); ++round) {
+        std::vector<SharedRows> materials(sources.size());
+        parallel_for(sources.size(), [&](std::size_t t) {
+            if (const auto measured = table_of(sources[t]))
+                if (const auto observations = observed_table(*measured, of))
+                    materials[t] = material_of(*observations, lobes, of);
+        });
+        std::erase_if(materials, [](const SharedRows& material) { return !material.rows; });
+        if (materials.empty()) break;
+        SharedProblem problem(materials, lobes.shape, k_log_peak_limit);
+        Eigen::VectorXd x = pack(lobes);
+        problem.loss(x);
+        problem.weigh();
+        optimise(problem, x, k_refinement_steps);
+        lobes = unpack(x, lobes.shape);
+        reporter.advance("refining the shared lobes", double(sources.size()) / k_refinements);
+    }
+    return lobes;
 }
 
 /// Log scales for which the largest coefficient of each lobe is k_largest_coefficient.
@@ -268,8 +302,8 @@ Result<Library> fit_library(std::span<const LibrarySource> sources, const BasisO
     const StandardArithmetic mode;
     if (const auto valid = check_options(options); !valid) return valid.error();
     if (const auto valid = check_names(sources); !valid) return valid.error();
-    Reporter reporter(progress, double(options.lobes) + 2 * double(sources.size()));
-    std::vector<std::unique_ptr<Rows>> rows(sources.size());
+    Reporter reporter(progress, double(options.lobes) + 3 * double(sources.size()));
+    std::vector<SharedRows> rows(sources.size());
     std::vector<std::optional<Error>> errors(sources.size());
     parallel_for(sources.size(), options.threads, [&](std::size_t t) {
         if (reporter.cancelled()) return;
@@ -277,14 +311,16 @@ Result<Library> fit_library(std::span<const LibrarySource> sources, const BasisO
         if (!measured) return void(errors[t] = measured.error());
         const auto observations = observed_table(*measured, options);
         if (!observations) return void(errors[t] = observations.error());
-        rows[t] = std::make_unique<Rows>(Subsets(*observations).rows(k_basis_stage, 0));
+        rows[t].rows = std::make_unique<Rows>(Subsets(*observations).rows(k_basis_stage, 0));
         reporter.advance("observing", 1);
     });
     for (const auto& error : errors)
         if (error) return *error;
     if (reporter.cancelled()) return cancelled_error("fit_library");
     Lobes lobes;
-    on_threads(options.threads, [&] { lobes = shared_lobes(rows, options, reporter); });
+    on_threads(options.threads, [&] {
+        lobes = rounded(refined(shared_lobes(rows, options, reporter), sources, options, reporter), *rows[0].rows);
+    });
     if (reporter.cancelled()) return cancelled_error("fit_library");
     rows.clear();
     return library_of(basis_model(lobes), false, sources, options, reporter);
@@ -308,7 +344,7 @@ Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f
     if (const auto valid = check_options(options); !valid) return valid.error();
     const std::size_t M = pairs.wl.size(), T = M > 0 ? f.size() / M : 0;
     Reporter reporter(progress, double(options.lobes) + double(T));
-    std::vector<std::unique_ptr<Rows>> rows(T);
+    std::vector<SharedRows> rows(T);
     std::vector<std::optional<Observations>> observed(T);
     parallel_for(T, options.threads, [&](std::size_t t) {
         if (reporter.cancelled()) return;
@@ -326,15 +362,15 @@ Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f
             options.seed};
         observing.threads = 1, observing.only_completed = k_completed_pairs;
         if (auto seen = observe(samples, observing)) observed[t] = std::move(seen->completed);
-        if (observed[t]) rows[t] = std::make_unique<Rows>(Subsets(*observed[t]).rows(k_basis_stage, 0));
+        if (observed[t]) rows[t].rows = std::make_unique<Rows>(Subsets(*observed[t]).rows(k_basis_stage, 0));
         reporter.advance("observing", 1);
     });
-    std::erase_if(rows, [](const auto& of) { return !of; });
+    std::erase_if(rows, [](const SharedRows& of) { return !of.rows; });
     std::erase_if(observed, [](const auto& of) { return !of; });
     if (reporter.cancelled()) return cancelled_error("fit_texel_basis");
     if (rows.empty()) return no_data_error("fit_texel_basis", "texels with values above 0");
     Lobes lobes;
-    on_threads(options.threads, [&] { lobes = shared_lobes(rows, options, reporter); });
+    on_threads(options.threads, [&] { lobes = rounded(shared_lobes(rows, options, reporter), *rows[0].rows); });
     if (reporter.cancelled()) return cancelled_error("fit_texel_basis");
     Library library;
     library.basis = basis_model(lobes);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "basis/active_lobes.h"
 #include "parallel.h"
 
 namespace srbf {
@@ -16,14 +17,36 @@ constexpr std::size_t k_hessians = 8;
 
 }  // namespace
 
-SharedProblem::SharedProblem(std::span<const std::unique_ptr<Rows>> rows, const LobeShape& shape,
-                             double log_peak_limit) {
-    for (const auto& of : rows) problems_.push_back(std::make_unique<LobeProblem>(*of, shape, false, log_peak_limit));
-    factor_.assign(rows.size(), 1.0), loss_.assign(rows.size(), 0.0);
+SharedProblem::SharedProblem(std::span<SharedRows> materials, const LobeShape& shape, double log_peak_limit)
+    : shape_(shape), materials_(materials) {
+    for (const SharedRows& of : materials)
+        problems_.push_back(std::make_unique<LobeProblem>(*of.rows, shape, false, log_peak_limit));
+    factor_.assign(materials.size(), 1.0), loss_.assign(materials.size(), 0.0);
+}
+
+std::vector<Eigen::Index> SharedProblem::variables(std::size_t t, Eigen::Index size) const {
+    const std::vector<std::size_t>& lobes = materials_[t].lobes;
+    std::vector<Eigen::Index> of;
+    for (Eigen::Index i = 0; i < (lobes.empty() ? size : shape_.variates); ++i) of.push_back(i);
+    for (const std::size_t j : lobes)
+        for (int k = 0; k < shape_.width(); ++k) of.push_back(shape_.variates + Eigen::Index(j) * shape_.width() + k);
+    return of;
+}
+
+Eigen::VectorXd SharedProblem::lower(const Eigen::VectorXd& x) const {
+    return problems_[0]->lower(x).cwiseMax(x - problems_[0]->longest_step(x));
+}
+
+Eigen::VectorXd SharedProblem::upper(const Eigen::VectorXd& x) const {
+    return problems_[0]->upper(x).cwiseMin(x + problems_[0]->longest_step(x));
+}
+
+Eigen::VectorXd SharedProblem::longest_step(const Eigen::VectorXd& x) const {
+    return Eigen::VectorXd::Constant(x.size(), std::numeric_limits<double>::infinity());
 }
 
 double SharedProblem::loss(const Eigen::VectorXd& x) {
-    parallel_for(problems_.size(), [&](std::size_t t) { loss_[t] = problems_[t]->loss(x); });
+    parallel_for(problems_.size(), [&](std::size_t t) { loss_[t] = problems_[t]->loss(x(variables(t, x.size()))); });
     double sum = 0;
     for (std::size_t t = 0; t < loss_.size(); ++t) sum += factor_[t] * loss_[t];
     return sum;
@@ -35,9 +58,13 @@ void SharedProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eige
     std::vector<Eigen::VectorXd> gradient(k_hessians);
     for (std::size_t first = 0; first < problems_.size(); first += k_hessians) {
         const std::size_t count = std::min(k_hessians, problems_.size() - first);
-        parallel_for(count, [&](std::size_t i) { problems_[first + i]->linearise(x, of_each[i], gradient[i]); });
-        for (std::size_t i = 0; i < count; ++i)
-            H += factor_[first + i] * of_each[i], g += factor_[first + i] * gradient[i];
+        parallel_for(count, [&](std::size_t i) {
+            problems_[first + i]->linearise(x(variables(first + i, x.size())), of_each[i], gradient[i]);
+        });
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto where = variables(first + i, x.size());
+            H(where, where) += factor_[first + i] * of_each[i], g(where) += factor_[first + i] * gradient[i];
+        }
     }
 }
 
@@ -45,6 +72,19 @@ void SharedProblem::weigh() {
     const double largest = std::sqrt(std::max(*std::ranges::max_element(loss_), 1e-12));
     for (std::size_t t = 0; t < loss_.size(); ++t)
         factor_[t] = 1 / std::max(std::sqrt(std::max(loss_[t], 0.0)), k_least_root * largest);
+}
+
+void SharedProblem::activate(std::size_t most) {
+    parallel_for(problems_.size(), [&](std::size_t t) {
+        std::vector<std::size_t> active = active_lobes(*problems_[t], most);
+        if (const auto& before = materials_[t].lobes; !before.empty())
+            for (std::size_t& j : active) j = before[j];
+        materials_[t].lobes = std::move(active);
+    });
+}
+
+void SharedProblem::offer(std::size_t j) {
+    for (SharedRows& of : materials_) of.lobes.push_back(j);
 }
 
 std::vector<double> SharedProblem::best_addition(const std::vector<std::vector<double>>& candidates) {

@@ -9,26 +9,42 @@
 
 namespace srbf {
 
-/// Σ_t L_t(x) / r_t over the problems of materials t, each with coefficients of its own. The variables are those of
-/// `LobeProblem`. Materials are computed side by side on the threads of the caller's `on_threads`.
+/// A material of a shared problem.
+struct SharedRows {
+    std::unique_ptr<Rows> rows;
+    std::vector<std::size_t> lobes = {};  ///< those that it is a sum of; empty: all
+};
+
+/// Σ_t L_t(x) / r_t over the problems of materials t, each with coefficients of its own. The variables x are those of
+/// `LobeProblem` for all lobes. Materials are computed side by side on the threads of the caller's `on_threads`.
 class SharedProblem {
   public:
-    SharedProblem(std::span<const std::unique_ptr<Rows>> rows, const LobeShape& shape, double log_peak_limit);
+    /// The materials must outlive it.
+    SharedProblem(std::span<SharedRows> materials, const LobeShape& shape, double log_peak_limit);
 
     double loss(const Eigen::VectorXd& x);
     void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g);
-    Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return problems_[0]->lower(x); }
-    Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return problems_[0]->upper(x); }
-    Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const { return problems_[0]->longest_step(x); }
+    /// Those of `LobeProblem`, and of the length of a step: a lobe that would change more ends there. Shortened as a whole,
+    /// steps of so many lobes would be short.
+    Eigen::VectorXd lower(const Eigen::VectorXd& x) const;
+    Eigen::VectorXd upper(const Eigen::VectorXd& x) const;
+    Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
     /// Sets r_t by the losses of the last call of `loss`: √L_t, at least k_least_root of the largest.
     void weigh();
+    /// Limits each material to its active lobes, so many at most; valid after `loss`.
+    void activate(std::size_t most);
+    /// Adds lobe j to those of each material.
+    void offer(std::size_t j);
     /// The one of `candidates` that would lower the loss most if added; valid after `loss`.
     std::vector<double> best_addition(const std::vector<std::vector<double>>& candidates);
 
-    const LobeProblem& problem(std::size_t t) const { return *problems_[t]; }
-
   private:
+    /// Where the variables of a material's lobes are among those of all; `size`: of all.
+    std::vector<Eigen::Index> variables(std::size_t t, Eigen::Index size) const;
+
+    LobeShape shape_;
+    std::span<SharedRows> materials_;
     std::vector<std::unique_ptr<LobeProblem>> problems_;
     std::vector<double> factor_, loss_;  ///< 1 / r_t; L_t
 };

@@ -104,6 +104,10 @@ LevenbergMarquardtSummary levenberg_marquardt(P& problem, Eigen::VectorXd& x,
             if (options.adapts_to_bounds) adapt_to_bounds(step, damped, g, lower - x, upper - x);
             step *= std::min(1.0, 1 / step.cwiseAbs().cwiseQuotient(problem.longest_step(x)).maxCoeff());
             const double predicted = -2 * step.dot(g) - step.dot(H * step);
+            if (options.adapts_to_bounds && predicted < 0) {  // what ends at bounds costs more than the rest gains
+                mu *= growth, growth *= 2;
+                continue;
+            }
             if (!(predicted > options.decrease_tolerance * summary.loss)) {
                 summary.stop = Stop::decrease;
                 break;

@@ -228,6 +228,18 @@ Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const Eigen::VectorXd& x, co
     return with_lobes;
 }
 
+Coefficients LobeProblem::by_coefficients() {
+    const Eigen::Index J = basis_.count(), C = channels();
+    Coefficients at(0, J * C);
+    if (rows_.views > 0) pixels_.loss(beta_, at);
+    const Eigen::MatrixXd products = products_with_data();
+    for (Eigen::Index c = 0; c < C; ++c) {
+        at.H.block(c * J, c * J, J, J) += gram_;
+        at.g.segment(c * J, J) += gram_ * beta_.col(c) - products.block(0, J + c, J, 1);
+    }
+    return at;
+}
+
 std::vector<Eigen::Index> LobeProblem::free_coefficients(Eigen::Index c) const {
     std::vector<Eigen::Index> free;
     for (Eigen::Index j = 0; j < beta_.rows(); ++j)

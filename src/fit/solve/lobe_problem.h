@@ -32,6 +32,8 @@ class LobeProblem {
     double delta_e() { return pixels_.delta_e(beta_); }    ///< mean ΔE_ITP of the views' pixels
     const Eigen::MatrixXd& beta() const { return beta_; }  ///< J × C, in multiples of `scale`
     const Eigen::MatrixXd& gram() const { return gram_; }  ///< E·E
+    /// The loss to second order in the coefficients alone: its Hessian and half its gradient, channel by channel.
+    Coefficients by_coefficients();
     double scale() const { return rows_.scale; }
     const std::vector<double>& offset() const { return basis_.offset(); }  ///< o_j
 

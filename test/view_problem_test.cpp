@@ -1,8 +1,6 @@
 // The lobes of one view as a least-squares problem: its loss and derivatives.
 #include "fit/views/view_problem.h"
 
-#include "fit/views/view_with_pixels.h"
-
 #include "fit/solve/least_squares.h"
 #include "properties.h"
 
@@ -42,7 +40,7 @@ TEST(ViewProblem, LossCountsPairsAndRadiances) {
     const ViewRows view = rows(true);
     ViewProblem problem(2);
     const double loss = problem.loss(problem.start(view, k_lobes));
-    const auto coefficient = problem.coefficients(problem.beta());
+    const auto coefficient = problem.coefficients();
     double expected = 0;
     for (int c = 0; c < 3; ++c) {
         double off[2]{};
@@ -147,60 +145,48 @@ TEST(ViewProblem, ShapesPassThroughZeroFromFitToFit) {
     EXPECT_NEAR(lobes[0].shape, 0.5, 1e-3);
 }
 
-/// The problem of these lobes, about which `problem` is, and of pixels that cost `importance` times the loss of pairs.
-ViewWithPixels with_pixels(ViewProblem& problem, const Eigen::VectorXd& lobes, double importance,
-                           bool only_coefficients = false) {
-    const double loss = problem.loss(lobes);
-    ViewWithPixels unweighted(problem, lobes, 1);
-    const double errors = unweighted.loss(unweighted.start(lobes)) - loss;
-    return {problem, lobes, importance * loss / errors, only_coefficients};
+/// What a pixel costs if all of them cost `importance` times the loss of pairs for these lobes.
+double share_of(ViewProblem& problem, const ViewRows& view, const std::vector<ViewLobe>& lobes, double importance) {
+    const Eigen::VectorXd x = problem.start(view, lobes);
+    const double loss = problem.loss(x);
+    return importance * loss / problem.pixel_errors(x);
 }
 
-TEST(ViewWithPixels, PixelsCostTheirShare) {
+TEST(ViewProblem, PixelsCostAtMostTheirShare) {
     const ViewRows view = rows_with_pixels();
     ViewProblem problem(2, true);
-    const Eigen::VectorXd lobes = problem.start(view, k_bent);
-    const double loss = problem.loss(lobes);
-    ViewWithPixels pixels = with_pixels(problem, lobes, 3);
-    EXPECT_TRUE(near_relative(pixels.loss(pixels.start(lobes)), 4 * loss, 1e-6));
+    const double share = share_of(problem, view, k_bent, 3);
+    const double loss = problem.loss(problem.start(view, k_bent));
+    const Eigen::VectorXd x = problem.start(view, k_bent, share);
+    const double with_pixels = problem.loss(x);  // coefficients adapt to them
+    EXPECT_GT(with_pixels, loss);
+    EXPECT_LT(with_pixels, 4 * loss);
+    // Pairs for coefficients that they alone would not have, and pixels.
+    EXPECT_GT(with_pixels, loss + share * problem.pixel_errors(x));
+    EXPECT_LE(problem.loss(x), with_pixels * (1 + 1e-6));
 }
 
-TEST(ViewWithPixels, GradientIsThatOfTheLoss) {
+TEST(ViewProblem, GradientWithPixelsIsThatOfTheLoss) {
     const ViewRows view = rows_with_pixels();
     ViewProblem problem(2, true);
-    const Eigen::VectorXd lobes = problem.start(view, k_bent);
-    ViewWithPixels pixels = with_pixels(problem, lobes, 3);
-    Eigen::VectorXd x = pixels.start(lobes);
-    x.tail(6) *= 0.9;  // inside the bounds
-    Eigen::MatrixXd H;
-    Eigen::VectorXd g;
-    const double loss = pixels.loss(x);
-    pixels.linearise(x, H, g);
-    EXPECT_TRUE(H.isApprox(H.transpose()));
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-        constexpr double step = 1e-3;
-        Eigen::VectorXd more = x, less = x;
-        more[i] += step, less[i] -= step;
-        const double difference = (pixels.loss(more) - pixels.loss(less)) / (2 * step);
-        EXPECT_TRUE(near(2 * g[i], difference, 1e-2 * loss)) << i << ' ' << 2 * g[i] << ' ' << difference;
+    for (const auto* lobes : {&k_bent, &k_narrowed}) {
+        const double share = share_of(problem, view, *lobes, 3);
+        const Eigen::VectorXd x = problem.start(view, *lobes, share);
+        problem.loss(x);
+        expect_gradient(problem, x, 0, 1e-2);
     }
 }
 
-TEST(ViewWithPixels, StepsLowerTheLoss) {
+TEST(ViewProblem, StepsWithPixelsLowerTheLoss) {
     const ViewRows view = rows_with_pixels();
     ViewProblem problem(2, true);
-    const Eigen::VectorXd lobes = problem.start(view, k_bent);
-    for (const bool only_coefficients : {true, false}) {
-        ViewWithPixels pixels = with_pixels(problem, lobes, 3, only_coefficients);
-        Eigen::VectorXd x = pixels.start(lobes);
-        const double before = pixels.loss(x), after = levenberg_marquardt(pixels, x, {}).loss;
-        EXPECT_LT(after, (only_coefficients ? 0.999 : 0.95) * before);
-        EXPECT_EQ(x.size(), (only_coefficients ? 0 : lobes.size()) + 6);
-        if (!only_coefficients) {
-            EXPECT_FALSE(x.head(lobes.size()) == lobes);
-        }
-        EXPECT_GE(x.tail(6).minCoeff(), 0);
-    }
+    const double share = share_of(problem, view, k_bent, 3);
+    Eigen::VectorXd x = problem.start(view, k_bent, share);
+    const double before = problem.loss(x);
+    const auto summary = levenberg_marquardt(problem, x, {.max_iterations = 4, .adapts_to_bounds = true});
+    EXPECT_LT(summary.loss, 0.95 * before);
+    for (const auto& of_lobe : problem.coefficients())
+        for (const double beta : of_lobe) EXPECT_GE(beta, 0);
 }
 
 }  // namespace

@@ -59,10 +59,12 @@ struct TwoTracks {
     }
 };
 
+constexpr std::size_t k_most = 64;
+
 TEST(Faded, PassesFromOneTrackToTheOther) {
     const TwoTracks two(1.2);
     ASSERT_EQ(viterbi_path(two.cost, two.between), two.path());
-    const Path faded_path = faded(two.path(), two.cost, two.between);
+    const Path faded_path = faded(two.path(), two.cost, two.between, k_most);
     // In windows of sixteen views the share of the second rises from none to all, by little from one to the next.
     double last = 0;
     for (std::size_t i = 0; i + 16 <= two.views; ++i) {
@@ -81,22 +83,22 @@ TEST(Faded, PassesFromOneTrackToTheOther) {
 
 TEST(Faded, FadesTheLargestEdgeFirst) {
     TwoTracks two(1.2);
-    const Path expected = faded(two.path(), two.cost, two.between);
+    const Path expected = faded(two.path(), two.cost, two.between, k_most);
     two.between[two.middle - 10](0, 0) = 0.3;  // seen too, and on the way
-    EXPECT_EQ(faded(two.path(), two.cost, two.between), expected);
+    EXPECT_EQ(faded(two.path(), two.cost, two.between, k_most), expected);
 }
 
 TEST(Faded, LeavesWhatCannotBeContinued) {
     const TwoTracks dear(3);
-    EXPECT_EQ(faded(dear.path(), dear.cost, dear.between), dear.path());
+    EXPECT_EQ(faded(dear.path(), dear.cost, dear.between, k_most), dear.path());
     TwoTracks alike(1.2);
     alike.between.assign(alike.views - 1, MatrixXd::Constant(2, 2, 0.1));  // nothing is seen of the edge
-    EXPECT_EQ(faded(alike.path(), alike.cost, alike.between), alike.path());
+    EXPECT_EQ(faded(alike.path(), alike.cost, alike.between, k_most), alike.path());
     TwoTracks broken(1.2);
     for (auto& edges : broken.between) edges = MatrixXd{{1, 1}, {1, 0.1}};  // neither goes on where the other is
     for (std::size_t i = 0; i < broken.middle; ++i) broken.between[i](0, 0) = 0.1, broken.between[i](1, 1) = 1;
-    EXPECT_EQ(faded(broken.path(), broken.cost, broken.between), broken.path());
-    EXPECT_TRUE(faded({}, {}, {}).empty());
+    EXPECT_EQ(faded(broken.path(), broken.cost, broken.between, k_most), broken.path());
+    EXPECT_TRUE(faded({}, {}, {}, k_most).empty());
 }
 
 }  // namespace

@@ -21,6 +21,21 @@ struct ActiveSet {
     std::vector<Place> place = std::vector<Place>(std::size_t(g.size()), at_zero);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(g.size());
 
+    /// Begins with another x within the bounds, of which the variables between their bounds are free.
+    void begin(const Eigen::VectorXd& from) {
+        for (Eigen::Index i = 0; i < g.size(); ++i) {
+            if (!(from[i] > 0 && G(i, i) > k_ridge)) continue;
+            place[std::size_t(i)] = from[i] < upper[i] ? free : at_upper;
+            x[i] = std::min(from[i], upper[i]);
+        }
+        improve();
+    }
+    /// Moves the free variables to their optimum, without those that reach a bound on the way.
+    void improve() {
+        for (Eigen::Index steps = 0; steps <= g.size() && step(); ++steps) {
+        }
+    }
+
     /// Frees the variable whose release decreases the sum fastest, if any does by more than the tolerance.
     bool release(double tolerance) {
         const Eigen::VectorXd descent = g - G * x;
@@ -40,6 +55,7 @@ struct ActiveSet {
         std::vector<Eigen::Index> passive;
         for (Eigen::Index i = 0; i < g.size(); ++i)
             if (place[std::size_t(i)] == free) passive.push_back(i);
+        if (passive.empty()) return false;
         Eigen::VectorXd held = x;
         for (const Eigen::Index i : passive) held[i] = 0;
         const Eigen::VectorXd target = G(passive, passive).ldlt().solve(Eigen::VectorXd((g - G * held)(passive)));
@@ -66,7 +82,7 @@ struct ActiveSet {
 }  // namespace
 
 Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::VectorXd& g_in,
-                                      const Eigen::VectorXd& upper_in) {
+                                      const Eigen::VectorXd& upper_in, const Eigen::VectorXd& from) {
     // Columns are scaled to unit length, so that the tolerances are relative.
     const Eigen::Index n = g_in.size();
     if (n == 0) return {};
@@ -78,9 +94,8 @@ Eigen::VectorXd bounded_least_squares(const Eigen::MatrixXd& G_in, const Eigen::
     const double tolerance = 1e-12 * g.cwiseAbs().maxCoeff();
 
     ActiveSet set{G, g, upper};
-    for (int round = 0; round < 6 * int(n) + 6 && set.release(tolerance); ++round)
-        for (int inner = 0; inner <= int(n) && set.step(); ++inner) {
-        }
+    if (from.size() > 0) set.begin(from.cwiseProduct(length));
+    for (int round = 0; round < 6 * int(n) + 6 && set.release(tolerance); ++round) set.improve();
     // Bounds are met exactly; scaling back and forth would lose a digit.
     Eigen::VectorXd x(n);
     for (Eigen::Index i = 0; i < n; ++i) {

@@ -35,10 +35,11 @@ Eigen::VectorXd LobeProblem::longest_step(const Eigen::VectorXd& x) const {
 
 double LobeProblem::loss(const Eigen::VectorXd& x) {
     basis_.evaluate(x);
-    const Eigen::MatrixXd products = products_with_data();
-    gram_ = products.topLeftCorner(basis_.count(), basis_.count());
     bound_coefficients(x);
-    fit_coefficients(products);
+    const bool of_pictures = rows_.views > 0;
+    if (of_pictures) pixels_.evaluate(false);
+    const PixelTerm pixels = pixels_.term();
+    coefficients_.fit(products_with_data(), of_pictures ? &pixels : nullptr);
     return loss_with_residuals();
 }
 
@@ -68,78 +69,29 @@ Eigen::MatrixXd LobeProblem::products_with_data() {
 
 void LobeProblem::bound_coefficients(const Eigen::VectorXd& x) {
     const int W = shape_.width();
-    beta_limit_.resize(basis_.count());
+    Eigen::VectorXd limit(basis_.count());
     for (int j = 0; j < basis_.count(); ++j) {
         const std::span<const double> of_lobe(x.data() + shape_.variates + j * W, std::size_t(W));
         const double factor = log_peak_factor(of_lobe, shape_, basis_.offset()[std::size_t(j)]);
-        beta_limit_[j] = elementary::exp(std::min(log_peak_limit_ - elementary::log(rows_.scale) - factor, 700.0));
+        limit[j] = elementary::exp(std::min(log_peak_limit_ - elementary::log(rows_.scale) - factor, 700.0));
     }
-}
-
-void LobeProblem::fit_coefficients(const Eigen::MatrixXd& products) {
-    const Eigen::Index J = basis_.count();
-    // With pixels the coefficients of the last call are a better start than those of the pairs alone.
-    if (rows_.views == 0 || beta_.rows() != J || beta_.cols() != channels()) {
-        beta_.resize(J, channels());
-        for (Eigen::Index c = 0; c < channels(); ++c)
-            beta_.col(c) = bounded_least_squares(gram_, products.block(0, J + c, J, 1), beta_limit_);
-    }
-    if (rows_.views > 0) fit_coefficients_to_pixels(products);
-}
-
-// By a few steps of Gauss and Newton: the gradient of what remains is part of `linearise`.
-void LobeProblem::fit_coefficients_to_pixels(const Eigen::MatrixXd& products) {
-    constexpr int k_most_steps = 2;
-    constexpr double k_tolerance = 1e-6, k_least_share = 0.05;
-    const Eigen::Index J = basis_.count(), C = channels();
-    pixels_.evaluate(false);
-    beta_ = beta_.cwiseMin(beta_limit_.replicate(1, C)).eval();
-    // The sum, its gradient and Hessian.
-    const auto loss_at = [&](const Eigen::MatrixXd& beta, double& of_pixels, Coefficients& at) {
-        of_pixels = pixels_.loss(beta, at);
-        double sum = of_pixels;
-        for (Eigen::Index c = 0; c < C; ++c) {
-            const Eigen::VectorXd of_data = products.block(0, J + c, J, 1), product = gram_ * beta.col(c);
-            sum += beta.col(c).dot(product - 2 * of_data) + products(J + c, J + c);
-            at.H.block(c * J, c * J, J, J) += gram_;
-            at.g.segment(c * J, J) += product - of_data;
-        }
-        return sum;
-    };
-    const Eigen::VectorXd most = beta_limit_.replicate(C, 1);
-    Coefficients at(0, beta_.size()), further = at;
-    double loss = loss_at(beta_, of_pixels_, at);
-    for (int step = 0; step < k_most_steps; ++step) {
-        const Eigen::Map<const Eigen::VectorXd> now(beta_.data(), beta_.size());
-        const Eigen::VectorXd towards = bounded_least_squares(at.H, at.H * now - at.g, most) - now;
-        const double predicted = -2 * towards.dot(at.g) - towards.dot(at.H * towards);
-        if (!(predicted > k_tolerance * loss)) return;
-        bool lowered = false;
-        for (double share = 1; share > k_least_share && !lowered; share /= 2) {
-            const Eigen::MatrixXd next = beta_ + share * Eigen::Map<const Eigen::MatrixXd>(towards.data(), J, C);
-            double of_pixels = 0;
-            const double whole = loss_at(next, of_pixels, further);
-            lowered = whole < loss;
-            if (lowered) beta_ = next, of_pixels_ = of_pixels, loss = whole, std::swap(at, further);
-        }
-        if (!lowered) return;
-    }
+    coefficients_.limit = limit.replicate(1, channels());
 }
 
 double LobeProblem::loss_with_residuals() {
     const auto J = std::size_t(basis_.count()), C = std::size_t(channels());
     std::vector<double> sums(rows_.chunks(), 0.0);
     rows_.for_chunks(sums.size(), basis_.parallel(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        std::vector<float> beta(J);
+        std::vector<float> of_channel(J);
         std::vector<const float*> columns(J);
         std::vector<double> radiance(C, 0.0);
         for (std::size_t block = begin; block < end; ++block) {
             for (std::size_t j = 0; j < J; ++j) columns[j] = basis_.lobe(block, int(j));
             for (std::size_t c = 0; c < C; ++c) {
-                for (std::size_t j = 0; j < J; ++j) beta[j] = float(beta_(Eigen::Index(j), Eigen::Index(c)));
+                for (std::size_t j = 0; j < J; ++j) of_channel[j] = float(beta()(Eigen::Index(j), Eigen::Index(c)));
                 float* const difference = rest(block, Eigen::Index(c));
                 const double squares =
-                    residual(&rows_.y[c][block * k_block], beta, columns, difference, rows_.rows_in(block));
+                    residual(&rows_.y[c][block * k_block], of_channel, columns, difference, rows_.rows_in(block));
                 if (rows_.observes_radiance(block))
                     radiance[c] += sum(difference);
                 else
@@ -148,7 +100,7 @@ double LobeProblem::loss_with_residuals() {
         }
         for (const double difference : radiance) sums[chunk] += difference * difference;
     });
-    double whole = of_pixels_;
+    double whole = coefficients_.of_pixels;
     for (const double part : sums) whole += part;
     return whole;
 }
@@ -158,36 +110,23 @@ double LobeProblem::loss_with_residuals() {
 // only the component of derivatives orthogonal to those lobes counts (Kaufman's approximation). A coefficient at its upper
 // bound follows the bound: β_j E_j is then a lobe of given peak, and the peak of exp(p·(ψ − ẑ)) is exp(|p| − p_z).
 void LobeProblem::linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) {
-    const DerivativeSums sums(basis_, x, beta_, rest_);
+    const DerivativeSums sums(basis_, x, beta(), rest_);
     H = Eigen::MatrixXd::Zero(x.size(), x.size());
     g = Eigen::VectorXd::Zero(x.size());
     set_derivatives(sums, H, g);
-    // With pixels the coefficients of all channels adapt together.
-    const bool together = rows_.views > 0;
-    const Eigen::Index J = basis_.count();
-    Coefficients adapting(x.size(), together ? beta_.size() : 0);
-    for (Eigen::Index c = 0; c < channels(); ++c) {
-        const Eigen::MatrixXd with_lobes = derivatives_with_lobes(x, sums, c, H, g);
-        const std::vector<Eigen::Index> free = free_coefficients(c);
-        if (together) {
-            const auto of_channel = Eigen::seqN(c * J, J);
-            adapting.across(Eigen::all, of_channel) = with_lobes;
-            adapting.H(of_channel, of_channel) = gram_;
-            adapting.g(of_channel) = -sums.rest_and_lobes(c);
-            for (const Eigen::Index j : free) adapting.free.push_back(c * J + j);
-        } else if (!free.empty()) {
-            eliminate(gram_(free, free), with_lobes(Eigen::all, free), H);
-        }
-    }
-    if (!together) return;
-    pixels_.add_derivatives(x, beta_, beta_limit_, H, g, adapting);
-    adapting.eliminate(H, g);
+    const auto with_lobes = [&](Eigen::Index c) { return derivatives_with_lobes(x, sums, c, H, g); };
+    const auto rest = [&](Eigen::Index c) { return sums.rest_and_lobes(c); };
+    const auto add_pixels = [&](CoefficientTerms& terms) {
+        pixels_.evaluate(true);
+        pixels_.term().add_derivatives(beta(), pixels_.derivatives(x, beta(), coefficients_.limit), H, g, terms);
+    };
+    coefficients_.adapt(rows_.views > 0, with_lobes, rest, add_pixels, H, g);
 }
 
 void LobeProblem::set_derivatives(const DerivativeSums& sums, Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
     const Eigen::Index J = basis_.count(), N = shape_.variates, W = shape_.width();
     const auto weight = [&](Eigen::Index j, Eigen::Index i) { return N + j * W + i; };
-    const Eigen::MatrixXd of_channels = beta_ * beta_.transpose();
+    const Eigen::MatrixXd of_channels = beta() * beta().transpose();
     for (Eigen::Index k = 0; k < J; ++k)
         for (Eigen::Index l = 0; l < W; ++l)
             for (Eigen::Index j = 0; j < J; ++j)
@@ -213,38 +152,31 @@ Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const Eigen::VectorXd& x, co
         for (Eigen::Index n = 0; n < N; ++n) with_lobes(n, k) = sums.angle_and_lobe(n, c, k);
         for (Eigen::Index j = 0; j < J; ++j)
             for (Eigen::Index i = 0; i < W; ++i)
-                with_lobes(N + j * W + i, k) = beta_(j, c) * sums.product(j, 1 + i, k, 0);
+                with_lobes(N + j * W + i, k) = beta()(j, c) * sums.product(j, 1 + i, k, 0);
     }
     for (Eigen::Index j = 0; j < J; ++j) {
-        if (!(beta_(j, c) > 0) || beta_(j, c) < beta_limit_[j]) continue;
+        if (!(beta()(j, c) > 0) || beta()(j, c) < coefficients_.limit(j, c)) continue;
         // The derivative by x_i has by β_jc E_j more.
         Eigen::VectorXd bound = Eigen::VectorXd::Zero(x.size());
-        for (const auto& [i, by] : slopes_of_limit(x, shape_, j)) bound[i] = by * beta_(j, c);
+        for (const auto& [i, by] : slopes_of_limit(x, shape_, j)) bound[i] = by * beta()(j, c);
         H += bound * with_lobes.col(j).transpose() + with_lobes.col(j) * bound.transpose() +
-             gram_(j, j) * bound * bound.transpose();
+             gram()(j, j) * bound * bound.transpose();
         g -= sums.rest_and_lobe(c, j) * bound;
-        with_lobes += bound * gram_.row(j);
+        with_lobes += bound * gram().row(j);
     }
     return with_lobes;
 }
 
-Coefficients LobeProblem::by_coefficients() {
+CoefficientTerms LobeProblem::by_coefficients() {
     const Eigen::Index J = basis_.count(), C = channels();
-    Coefficients at(0, J * C);
-    if (rows_.views > 0) pixels_.loss(beta_, at);
+    CoefficientTerms at(0, J * C);
+    if (rows_.views > 0) pixels_.term().loss(beta(), at);
     const Eigen::MatrixXd products = products_with_data();
     for (Eigen::Index c = 0; c < C; ++c) {
-        at.H.block(c * J, c * J, J, J) += gram_;
-        at.g.segment(c * J, J) += gram_ * beta_.col(c) - products.block(0, J + c, J, 1);
+        at.H.block(c * J, c * J, J, J) += gram();
+        at.g.segment(c * J, J) += gram() * beta().col(c) - products.block(0, J + c, J, 1);
     }
     return at;
-}
-
-std::vector<Eigen::Index> LobeProblem::free_coefficients(Eigen::Index c) const {
-    std::vector<Eigen::Index> free;
-    for (Eigen::Index j = 0; j < beta_.rows(); ++j)
-        if (beta_(j, c) > 0 && beta_(j, c) < beta_limit_[j]) free.push_back(j);
-    return free;
 }
 
 // The loss falls by (e·r)² / |e|² for each channel with e the candidate less its component along the present lobes, of
@@ -252,7 +184,7 @@ std::vector<Eigen::Index> LobeProblem::free_coefficients(Eigen::Index c) const {
 Eigen::VectorXd LobeProblem::gains(const std::vector<std::vector<double>>& candidates) {
     constexpr std::size_t k_group = 16;  // the values of so many candidates on all blocks fit in the cache
     constexpr double k_nothing = 1e-60, k_least_across = 1e-4;  // of |e|²: smaller shares are noise of floats
-    const Eigen::LDLT<Eigen::MatrixXd> factor(ridged(gram_));
+    const Eigen::LDLT<Eigen::MatrixXd> factor(ridged(gram()));
     Eigen::VectorXd gains = Eigen::VectorXd::Constant(Eigen::Index(candidates.size()), -1);
     for (std::size_t first = 0; first < candidates.size(); first += k_group) {
         const auto group = std::span(candidates).subspan(first, std::min(k_group, candidates.size() - first));

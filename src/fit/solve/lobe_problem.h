@@ -5,14 +5,13 @@
 #include <vector>
 
 #include "fit/model/lobe_basis.h"
+#include "fit/solve/coefficients.h"
 #include "fit/solve/derivative_sums.h"
-#include "fit/solve/pixel_term.h"
 
 namespace srbf {
 
 /// Σ w |f − Σ_j β_j E_j|² over C channels, over the rows of pairs, plus the squares of sums for radiances, plus the term
-/// of pixels where the rows have views. The variables are x = (angles, weights). β is eliminated: by non-negative least
-/// squares for each channel, with pixels by Gauss-Newton steps for all channels together.
+/// of pixels where the rows have views. The variables are x = (angles, weights); `Coefficients` are eliminated.
 class LobeProblem {
   public:
     /// `parallel`: loops over rows use several threads; the result does not depend on it.
@@ -29,11 +28,11 @@ class LobeProblem {
     Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const;
 
     // Results of the last call of `loss`:
-    double delta_e() { return pixels_.delta_e(beta_); }    ///< mean ΔE_ITP of the views' pixels
-    const Eigen::MatrixXd& beta() const { return beta_; }  ///< J × C, in multiples of `scale`
-    const Eigen::MatrixXd& gram() const { return gram_; }  ///< E·E
+    double delta_e() { return pixels_.term().delta_e(beta()); }         ///< mean ΔE_ITP of the views' pixels
+    const Eigen::MatrixXd& beta() const { return coefficients_.beta; }  ///< J × C, in multiples of `scale`
+    const Eigen::MatrixXd& gram() const { return coefficients_.gram; }  ///< E·E
     /// The loss to second order in the coefficients alone: its Hessian and half its gradient, channel by channel.
-    Coefficients by_coefficients();
+    CoefficientTerms by_coefficients();
     double scale() const { return rows_.scale; }
     const std::vector<double>& offset() const { return basis_.offset(); }  ///< o_j
 
@@ -52,8 +51,6 @@ class LobeProblem {
     /// Products of the lobes and the data with each other, (J + C)².
     Eigen::MatrixXd products_with_data();
     void bound_coefficients(const Eigen::VectorXd& x);
-    void fit_coefficients(const Eigen::MatrixXd& products);
-    void fit_coefficients_to_pixels(const Eigen::MatrixXd& products);
     /// Sets the residuals; returns the loss.
     double loss_with_residuals();
     /// The derivatives of variables if coefficients do not adapt.
@@ -62,7 +59,6 @@ class LobeProblem {
     /// their bounds contribute.
     Eigen::MatrixXd derivatives_with_lobes(const Eigen::VectorXd& x, const DerivativeSums& sums, Eigen::Index c,
                                            Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
-    std::vector<Eigen::Index> free_coefficients(Eigen::Index c) const;
     /// Products of lobes that could be added with the lobes and the residuals of pairs, (J + C) × candidates; `squares`:
     /// their products with themselves.
     Eigen::MatrixXd products_with_candidates(std::span<const std::vector<double>> candidates, Eigen::VectorXd& squares);
@@ -71,11 +67,9 @@ class LobeProblem {
     LobeShape shape_;
     double log_peak_limit_;
     LobeBasis basis_;
-    PixelTerm pixels_;
-    Aligned<float> rest_;          ///< residuals: blocks × C × k_block
-    double of_pixels_ = 0;         ///< their part of the last loss
-    Eigen::MatrixXd beta_, gram_;  ///< J × C; E·E
-    Eigen::VectorXd beta_limit_;   ///< J: bound on β from the bound on peaks
+    PixelMoments pixels_;
+    Aligned<float> rest_;  ///< residuals: blocks × C × k_block
+    Coefficients coefficients_;
 };
 
 }  // namespace srbf

@@ -8,18 +8,8 @@
 #include "parallel.h"
 
 namespace srbf {
-namespace {
 
-/// factor times the sum of what add_gram made of blocks, as a whole matrix.
-Eigen::MatrixXd summed(const std::vector<std::vector<double>>& parts, Eigen::Index columns, double factor) {
-    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(columns, columns);
-    for (const auto& part : parts) G += Eigen::Map<const Eigen::MatrixXd>(part.data(), columns, columns);
-    return factor * Eigen::MatrixXd(G.selfadjointView<Eigen::Upper>());
-}
-
-}  // namespace
-
-void Coefficients::eliminate(Eigen::MatrixXd& of_x, Eigen::VectorXd& by_x) const {
+void CoefficientTerms::eliminate(Eigen::MatrixXd& of_x, Eigen::VectorXd& by_x) const {
     if (free.empty()) return;
     srbf::eliminate(H(free, free), across(Eigen::all, free), of_x, g(free), by_x);
 }
@@ -37,7 +27,79 @@ Pixels::Colours combined(const Eigen::MatrixXd& beta, std::span<const float* con
     return colours;
 }
 
-void PixelTerm::evaluate(bool with_derivatives) {
+Pixels::Colours PixelTerm::colours(const Eigen::MatrixXd& beta, std::size_t block) const {
+    thread_local Aligned<float> columns;
+    std::vector<const float*> values;
+    for (Eigen::Index j = 0; j < beta.rows(); ++j) values.push_back(lobe(block, j));
+    return combined(beta, values, columns, rows_in_block(block, pixels.count()));
+}
+
+double PixelTerm::delta_e(const Eigen::MatrixXd& beta) const {
+    double sum = 0;
+    for (std::size_t block = 0; block < pixels.blocks(); ++block) sum += pixels.delta_e(block, colours(beta, block));
+    return sum / double(pixels.count());
+}
+
+Eigen::MatrixXd PixelTerm::products(const Eigen::MatrixXd& beta, Eigen::Index X, const SetByLobe& set_by_lobe,
+                                    double& term) const {
+    const Eigen::Index J = beta.rows(), columns = X + 3 * J + 1;
+    std::vector<double> errors(pixels.blocks());
+    std::vector<std::vector<double>> parts(errors.size(), std::vector<double>(std::size_t(columns * columns)));
+    for_each(errors.size(), parallel, [&](std::size_t block) {
+        thread_local PixelSlopes slopes;
+        thread_local Aligned<float> scratch;
+        scratch.resize(std::max(scratch.size(), std::size_t(columns) * k_block));
+        const auto column = [&](Eigen::Index i) { return &scratch[std::size_t(i) * k_block]; };
+        float* const of_lobe = column(columns - 1);
+        const std::size_t count = rows_in_block(block, pixels.count());
+        errors[block] = pixels.errors(block, colours(beta, block), slopes);
+        std::vector<const float*> all;
+        for (Eigen::Index i = 0; i + 1 < columns; ++i) all.push_back(column(i));
+        for (std::size_t component = 0; component < 3; ++component) {
+            const ByChannel by_channel = slopes.by(component);
+            std::fill_n(scratch.data(), std::size_t(X) * k_block, 0.f);
+            for (Eigen::Index j = 0; j < J; ++j) {
+                for (Eigen::Index c = 0; c < 3; ++c)
+                    multiply(by_channel[std::size_t(c)], lobe(block, j), column(X + c * J + j), count);
+                if (X == 0) continue;
+                const Eigen::VectorXf of_j = beta.row(j).cast<float>();
+                combine({of_j.data(), 3}, by_channel, of_lobe, count);
+                set_by_lobe(block, j, of_lobe, by_channel, scratch.data());
+            }
+            all.push_back(slopes.of(component));
+            add_gram(all, parts[block].data(), count);
+            all.pop_back();
+        }
+    });
+    term = 0;
+    for (const double error : errors) term += share * error;
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(columns, columns);
+    for (const auto& part : parts) G += Eigen::Map<const Eigen::MatrixXd>(part.data(), columns, columns);
+    return share * Eigen::MatrixXd(G.selfadjointView<Eigen::Upper>());
+}
+
+double PixelTerm::loss(const Eigen::MatrixXd& beta, CoefficientTerms& by_coefficients) const {
+    double term = 0;
+    const Eigen::MatrixXd G = products(beta, 0, {}, term);
+    by_coefficients = CoefficientTerms(0, beta.size());
+    by_coefficients.H = G.topLeftCorner(beta.size(), beta.size());
+    by_coefficients.g = G.topRightCorner(beta.size(), 1);
+    return term;
+}
+
+void PixelTerm::add_derivatives(const Eigen::MatrixXd& beta, const SetByLobe& set_by_lobe, Eigen::MatrixXd& H,
+                                Eigen::VectorXd& g, CoefficientTerms& by_coefficients) const {
+    const Eigen::Index X = g.size(), B = beta.size();
+    double term = 0;
+    const Eigen::MatrixXd G = products(beta, X, set_by_lobe, term);
+    H += G.topLeftCorner(X, X);
+    g += G.topRightCorner(X, 1);
+    by_coefficients.across += G.block(0, X, X, B);
+    by_coefficients.H += G.block(X, X, B, B);
+    by_coefficients.g += G.block(X, X + B, B, 1);
+}
+
+void PixelMoments::evaluate(bool with_derivatives) {
     const Rows& rows = basis_.rows();
     const std::size_t in_block = k_block / rows.view_rows;
     moment_.resize(pixels().blocks() * std::size_t(basis_.count() * columns_of_lobe()) * k_block);
@@ -48,7 +110,7 @@ void PixelTerm::evaluate(bool with_derivatives) {
 }
 
 // Under a single light a pixel is one row, under an extended one the product of its lights with the rows of its view.
-void PixelTerm::evaluate_view(std::size_t view, bool with_derivatives) {
+void PixelMoments::evaluate_view(std::size_t view, bool with_derivatives) {
     const Rows& rows = basis_.rows();
     const std::size_t J = std::size_t(basis_.count()), F = with_derivatives ? std::size_t(basis_.factors()) : 0,
                       count = rows.view_rows, row = rows.first_view_block() * k_block + view * count,
@@ -85,111 +147,33 @@ void PixelTerm::evaluate_view(std::size_t view, bool with_derivatives) {
             for (std::size_t i = 0; i <= F; ++i) store(p, j, i, *product++);
 }
 
-Pixels::Colours PixelTerm::colours(const Eigen::MatrixXd& beta, std::size_t block) {
-    thread_local Aligned<float> columns;
-    std::vector<const float*> moments;
-    for (Eigen::Index j = 0; j < basis_.count(); ++j) moments.push_back(moment(block, j));
-    return combined(beta, moments, columns, rows_in_block(block, pixels().count()));
+PixelTerm PixelMoments::term() {
+    return {pixels(), basis_.rows().picture_importance / double(pixels().count()), basis_.parallel(),
+            [this](std::size_t block, Eigen::Index j) { return moment(block, j); }};
 }
 
-double PixelTerm::delta_e(const Eigen::MatrixXd& beta) {
-    double sum = 0;
-    for (std::size_t block = 0; block < pixels().blocks(); ++block)
-        sum += pixels().delta_e(block, colours(beta, block));
-    return sum / double(pixels().count());
-}
-
-double PixelTerm::loss(const Eigen::MatrixXd& beta, Coefficients& by_coefficients) {
-    const Eigen::Index J = basis_.count(), columns = 3 * J + 1;
-    std::vector<double> errors(pixels().blocks());
-    std::vector<std::vector<double>> parts(errors.size(), std::vector<double>(std::size_t(columns * columns)));
-    for_each(errors.size(), basis_.parallel(), [&](std::size_t block) {
-        thread_local PixelSlopes slopes;
-        thread_local Aligned<float> scratch;
-        scratch.resize(std::max(scratch.size(), std::size_t(3 * J) * k_block));
+PixelTerm::SetByLobe PixelMoments::derivatives(const Eigen::VectorXd& x, const Eigen::MatrixXd& beta,
+                                               const Eigen::MatrixXd& limit) {
+    return [&, this](std::size_t block, Eigen::Index j, const float* of_lobe, const PixelTerm::ByChannel& by_channel,
+                     float* columns) {
+        const LobeShape& shape = basis_.shape();
+        const Eigen::Index N = shape.variates, C = shape.components(), W = shape.width();
         const std::size_t count = rows_in_block(block, pixels().count());
-        errors[block] = pixels().errors(block, colours(beta, block), slopes);
-        std::vector<const float*> all;
-        for (std::size_t component = 0; component < 3; ++component) {
-            all.clear();
-            for (std::size_t c = 0; c < 3; ++c)
-                for (Eigen::Index j = 0; j < J; ++j) {
-                    float* const column = &scratch[all.size() * k_block];
-                    multiply(slopes.by(component)[c], moment(block, j), column, count);
-                    all.push_back(column);
-                }
-            all.push_back(slopes.of(component));
-            add_gram(all, parts[block].data(), count);
-        }
-    });
-    const double share = basis_.rows().picture_importance / double(pixels().count());
-    double sum = 0;
-    for (const double error : errors) sum += share * error;
-    const Eigen::MatrixXd G = summed(parts, columns, share);
-    by_coefficients = Coefficients(0, beta.size());
-    by_coefficients.H = G.topLeftCorner(3 * J, 3 * J);
-    by_coefficients.g = G.topRightCorner(3 * J, 1);
-    return sum;
-}
-
-void PixelTerm::set_columns(const Eigen::VectorXd& x, const Eigen::MatrixXd& beta, const Eigen::VectorXd& limit,
-                            std::size_t block, const std::array<const float*, 3>& by_channel, float* columns) {
-    const LobeShape& shape = basis_.shape();
-    const Eigen::Index J = basis_.count(), N = shape.variates, C = shape.components(), W = shape.width(),
-                       F = basis_.factors(), X = x.size();
-    const std::size_t count = rows_in_block(block, pixels().count());
-    const auto column = [&](Eigen::Index i) { return &columns[std::size_t(i) * k_block]; };
-    const auto moment_of = [&](Eigen::Index j, Eigen::Index i) { return moment(block, J + j * F + i); };
-    float *const of_lobe = column(X + 3 * J), *const turned = column(X + 3 * J + 1);
-    const std::vector<const float*> of_one{of_lobe};
-    std::fill_n(columns, std::size_t(X + 3 * J) * k_block, 0.f);
-    for (Eigen::Index j = 0; j < J; ++j) {
-        const Pixels::Triplet of_j{beta(j, 0), beta(j, 1), beta(j, 2)};
-        combine(std::vector<float>(of_j.begin(), of_j.end()), by_channel, of_lobe, count);
-        for (Eigen::Index n = 0; n < W; ++n) multiply(of_lobe, moment_of(j, n), column(N + j * W + n), count);
-        for (Eigen::Index n = 0; n < N * C; ++n) {
-            combine(std::vector{float(x[N + j * W + n])}, of_one, turned, count);
-            add_product(turned, moment_of(j, W + n), column(n / C), count);
-        }
-        const float* const e = moment(block, j);
-        for (std::size_t c = 0; c < 3; ++c) {
-            multiply(by_channel[c], e, column(X + Eigen::Index(c) * J + j), count);
-            if (of_j[c] < limit[j]) continue;
-            for (const auto& [i, by] : slopes_of_limit(x, shape, j)) {
-                combine(std::vector{float(by * of_j[c])}, std::vector<const float*>{by_channel[c]}, turned, count);
-                add_product(turned, e, column(i), count);
-            }
-        }
-    }
-}
-
-// The columns of a block of pixels, of which `add_gram` makes the products, are the derivatives of the three components
-// of ΔE_ITP by x and by the coefficients, and the components' differences.
-void PixelTerm::add_derivatives(const Eigen::VectorXd& x, const Eigen::MatrixXd& beta, const Eigen::VectorXd& limit,
-                                Eigen::MatrixXd& H, Eigen::VectorXd& g, Coefficients& by_coefficients) {
-    const Eigen::Index J = basis_.count(), X = x.size(), columns = X + 3 * J + 1;
-    evaluate(true);
-    std::vector<std::vector<double>> parts(pixels().blocks(), std::vector<double>(std::size_t(columns * columns)));
-    for_each(parts.size(), basis_.parallel(), [&](std::size_t block) {
-        thread_local PixelSlopes slopes;
-        thread_local Aligned<float> scratch;
-        scratch.resize(std::max(scratch.size(), std::size_t(columns + 1) * k_block));
-        pixels().errors(block, colours(beta, block), slopes);
-        std::vector<const float*> all;
-        for (Eigen::Index i = 0; i + 1 < columns; ++i) all.push_back(&scratch[std::size_t(i) * k_block]);
-        for (std::size_t component = 0; component < 3; ++component) {
-            set_columns(x, beta, limit, block, slopes.by(component), scratch.data());
-            all.push_back(slopes.of(component));
-            add_gram(all, parts[block].data(), rows_in_block(block, pixels().count()));
-            all.pop_back();
-        }
-    });
-    const Eigen::MatrixXd G = summed(parts, columns, basis_.rows().picture_importance / double(pixels().count()));
-    H += G.topLeftCorner(X, X);
-    g += G.topRightCorner(X, 1);
-    by_coefficients.across += G.block(0, X, X, 3 * J);
-    by_coefficients.H += G.block(X, X, 3 * J, 3 * J);
-    by_coefficients.g += G.block(X, columns - 1, 3 * J, 1);
+        const auto column = [&](Eigen::Index i) { return &columns[std::size_t(i) * k_block]; };
+        const auto with_factor = [&](Eigen::Index i) {
+            return moment(block, basis_.count() + j * basis_.factors() + i);
+        };
+        thread_local Aligned<float> turned(k_block);
+        const auto add = [&](double weight, const float* of, const float* times, Eigen::Index to) {
+            combine(std::array{float(weight)}, std::array{of}, turned.data(), count);
+            add_product(turned.data(), times, column(to), count);
+        };
+        for (Eigen::Index n = 0; n < W; ++n) multiply(of_lobe, with_factor(n), column(N + j * W + n), count);
+        for (Eigen::Index n = 0; n < N * C; ++n) add(x[N + j * W + n], of_lobe, with_factor(W + n), n / C);
+        for (Eigen::Index c = 0; c < 3; ++c)
+            for (const auto& [i, by] : slopes_of_limit(x, shape, j))
+                if (!(beta(j, c) < limit(j, c))) add(by * beta(j, c), by_channel[std::size_t(c)], moment(block, j), i);
+    };
 }
 
 }  // namespace srbf

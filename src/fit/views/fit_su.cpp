@@ -59,7 +59,7 @@ struct ViewByView {
 
     /// All work of a fit, that of a view in the other stages being 1.
     static double work(std::size_t views, bool of_pictures) {
-        return double(views) * (of_pictures ? 1 + k_work_of_track * double(k_tracks) : 3 + k_work_of_passes);
+        return double(views) * (of_pictures ? 1 + k_work_of_track * double(k_tracks) : 2 + k_work_of_passes);
     }
 
     /// Calls body(problem, chain) for each chain of views, with working memory.
@@ -120,19 +120,6 @@ struct ViewByView {
         if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
     }
 
-    /// The coefficients of all views.
-    void finish() {
-        each_chain("finishing", [&](ViewProblem& problem, Chain chain) {
-            for (std::size_t i = chain.begin; i < chain.end; ++i)
-                if (!fits[i].is_empty()) fits[i].coefficient = coefficients(problem, i, fits[i].lobes);
-        });
-    }
-    std::vector<std::array<double, 3>> coefficients(ViewProblem& problem, std::size_t i,
-                                                    const std::vector<ViewLobe>& its_lobes) const {
-        const ViewRows& rows = views.rows(i);
-        return fit_coefficients(problem, rows, its_lobes, rows.pixels.reference.count() > 0 ? share : 0).coefficient;
-    }
-
     /// With pictures: one of the tracks in each view.
     void choose_tracks() {
         const auto done = [&](double views_done) {
@@ -166,7 +153,9 @@ struct ViewByView {
                 for (std::size_t k = i * lobes; k < (i + 1) * lobes; ++k)
                     stored.push_back(
                         {to_double(model.centre[k]), double(model.bandwidth[k]), shaped ? double(model.shape[k]) : 0});
-                const auto again = coefficients(problem, i, stored);
+                const ViewRows& rows = views.rows(i);
+                const double its_share = rows.pixels.reference.count() > 0 ? share : 0;
+                const auto again = fit_coefficients(problem, rows, stored, its_share).coefficient;
                 for (std::size_t j = 0; j < lobes; ++j) store_coefficient(model, i * lobes + j, again[j]);
             }
         });
@@ -222,7 +211,6 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
         } else {
             all.fit_views();
             all.compare_neighbours();
-            all.finish();
         }
         all.store(result->unrounded);
         // The nonlinear parameters are rounded, then the coefficients are solved again.

@@ -18,11 +18,14 @@ namespace {
 /// What an edge costs whose mean ΔE_ITP is 1, relative to as large an error of one view's pixels: as much as if that
 /// many views were off by it.
 constexpr double k_edge = 20;
-/// An edge is faded, over so many views on either side, if it exceeds the mean of the edges of so many nearby by this
-/// factor. What continues across it may have edges up to a factor times that mean, or up to a share of the faded one,
-/// and cost up to a factor more than the choice.
-constexpr std::size_t k_near = 16, k_most_faded = 64;
+/// An edge is faded if it exceeds the mean of the edges of so many nearby by this factor. What continues across it may
+/// have edges up to a factor times that mean, or up to a share of the faded one, and cost up to a factor more than the
+/// choice.
+constexpr std::size_t k_near = 16;
 constexpr double k_visible_edge = 1.5, k_continued_edge = 2, k_continued_share = 0.5, k_continued_cost = 2;
+/// The cosines of the views on either side that a fade is over differ by at most this, so that it is as wide however many
+/// views there are: 64 of the default 1536.
+constexpr double k_fade_range = 1.0 / 24;
 /// A track begins with this many more fits of its first view, each of a few steps with pixels.
 constexpr int k_first_fits = 4;
 /// A view's lobes are means over views whose cosines differ by less, unless their loss is larger by a factor.
@@ -119,20 +122,20 @@ std::vector<std::size_t> viterbi_path(std::span<const Eigen::VectorXd> cost, std
 }
 
 std::vector<std::size_t> faded(const std::vector<std::size_t>& path, std::span<const Eigen::VectorXd> cost,
-                               std::span<const Eigen::MatrixXd> between) {
+                               std::span<const Eigen::MatrixXd> between, std::size_t most) {
     const std::size_t n = path.size();
     std::vector<std::size_t> result = path;
     std::vector<bool> is_faded(n, false);
     // The largest first, since fades do not overlap.
     for (const auto& [i, height, near] : visible_edges(path, between)) {
         std::size_t free_below = 0, free_above = 0;
-        while (free_below < std::min(i, k_most_faded) && !is_faded[i - 1 - free_below]) ++free_below;
-        while (free_above < std::min(n - i, k_most_faded) && !is_faded[i + free_above]) ++free_above;
+        while (free_below < std::min(i, most) && !is_faded[i - 1 - free_below]) ++free_below;
+        while (free_above < std::min(n - i, most) && !is_faded[i + free_above]) ++free_above;
         const double most_edge = std::max(k_continued_edge * near, k_continued_share * height);
         // The tracks that look most like what this view shows, in the next views upwards or downwards.
-        const auto continued = [&](std::size_t view, bool upwards, std::size_t most) {
+        const auto continued = [&](std::size_t view, bool upwards, std::size_t free) {
             std::vector<std::size_t> tracks;
-            for (auto track = Eigen::Index(path[view]); tracks.size() < most; tracks.push_back(std::size_t(track))) {
+            for (auto track = Eigen::Index(path[view]); tracks.size() < free; tracks.push_back(std::size_t(track))) {
                 Eigen::VectorXd edges;
                 if (upwards) edges = between[view].row(track);
                 if (!upwards) edges = between[view - 1].col(track);
@@ -226,8 +229,10 @@ struct Tracks {
         return followed;
     }
 
-    /// Less than so many views on either side are part of a mean. Their cosines are 1/n apart.
-    std::size_t reach() const { return std::size_t(std::lround(k_mean_range * double(views.count()))); }
+    /// So many views have cosines that differ by this: they are 1/n apart.
+    std::size_t views_in(double range) const { return std::size_t(std::lround(range * double(views.count()))); }
+    /// Less than so many views on either side are part of a mean.
+    std::size_t reach() const { return views_in(k_mean_range); }
     /// The mean of a track's lobes in the views about i.
     std::vector<ViewLobe> mean(const Followed& followed, std::size_t i, std::size_t track) const {
         std::vector<ViewLobe> sum(std::size_t(lobes), ViewLobe{});  // of the logarithms of bandwidths
@@ -280,7 +285,7 @@ struct Tracks {
             for (ViewFit& fit : neighbours) fit.lobes = moved(fit.lobes, rows(i + 1).view, rows(i).view);
             between[i] = k_edge * area * share * edges(rows(i), followed[i], neighbours);
         });
-        return faded(viterbi_path(cost, between), cost, between);
+        return faded(viterbi_path(cost, between), cost, between, views_in(k_fade_range));
     }
 };
 

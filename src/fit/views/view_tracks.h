@@ -26,8 +26,9 @@ inline constexpr std::size_t k_tracks = 5;
 /// Viterbi's algorithm.
 std::vector<std::size_t> viterbi_path(std::span<const Eigen::VectorXd> cost, std::span<const Eigen::MatrixXd> between);
 /// The path with its larger edges faded: where what either side shows can be continued across an edge, more and more
-/// views take the other side's, in turn, so that views interpolated or seen together show a mean of both.
+/// of at most `most` views take the other side's, in turn, so that views interpolated or seen together show a mean of
+/// both.
 std::vector<std::size_t> faded(const std::vector<std::size_t>& path, std::span<const Eigen::VectorXd> cost,
-                               std::span<const Eigen::MatrixXd> between);
+                               std::span<const Eigen::MatrixXd> between, std::size_t most);
 
 }  // namespace srbf

@@ -23,7 +23,7 @@ Check one_of(const std::vector<std::string>& names);
 /// An option of a subcommand.
 class Option {
   public:
-    explicit Option(CLI::Option* option) : option_(option) {}
+    explicit Option(CLI::Option* option = nullptr) : option_(option) {}
 
     Option type_name(const std::string& name) const;
     Option required() const;

@@ -17,14 +17,12 @@
 namespace srbf {
 namespace {
 
-/// Number of consecutive views that are fitted one from the other; the first of them starts from clusterings.
+/// Number of consecutive views that are fitted one from the other; the first of them starts from nothing.
 constexpr std::size_t k_chain = 32;
-/// A view adopts the lobes of a neighbour whose loss is below this fraction of its own; it starts from clusterings if
-/// its loss exceeds the neighbour's by far, and what exact fits have, too.
-constexpr double k_better = 0.97, k_much_worse = 4, k_exact_loss = 1e-9;
-/// Work of trying neighbours' lobes beside fitting all views once, and of following one track beside finding all
-/// coefficients once; as measured.
-constexpr double k_work_of_passes = 0.3, k_work_of_track = 6;
+/// A view starts from nothing if its loss exceeds its predecessor's by far, and what exact fits have, too.
+constexpr double k_much_worse = 4, k_exact_loss = 1e-9;
+/// Work of following one track beside finding all coefficients once, as measured.
+constexpr double k_work_of_track = 6;
 
 Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, double theta_max) {
     const auto in_range = require_range<double>;
@@ -43,7 +41,6 @@ Result<Done> validate(const RawMatrix& matrix, const SuFitOptions& options, doub
 /// Consecutive views, from `begin` to before `end`.
 struct Chain {
     std::size_t begin, end;
-    bool has(std::size_t view) const { return view >= begin && view < end; }
 };
 
 /// The fit of all views, on the threads of the caller's `on_threads`: its stages, in the order in which they follow.
@@ -59,16 +56,16 @@ struct ViewByView {
 
     /// All work of a fit, that of a view in the other stages being 1.
     static double work(std::size_t views, bool of_pictures) {
-        return double(views) * (of_pictures ? 1 + k_work_of_track * double(k_tracks) : 2 + k_work_of_passes);
+        return double(views) * (of_pictures ? 1 + k_work_of_track * double(k_tracks) : 2);
     }
 
     /// Calls body(problem, chain) for each chain of views, with working memory.
-    template <typename Body> void each_chain(std::string_view stage, const Body& body, double work_of_view = 1) {
+    template <typename Body> void each_chain(std::string_view stage, const Body& body) {
         parallel_for_parts(views.count(), k_chain, [&](std::size_t begin, std::size_t end) {
             if (reporter.cancelled()) return;
             ViewProblem problem(options.lobes, shaped);
             body(problem, Chain{begin, end});
-            reporter.advance(stage, work_of_view * double(end - begin));
+            reporter.advance(stage, double(end - begin));
         });
     }
 
@@ -96,28 +93,6 @@ struct ViewByView {
                 last = i;
             }
         });
-    }
-
-    /// Neighbouring views try each other's lobes, once downwards and once upwards. Lobes pass from one chain to the next
-    /// once in a pass.
-    void compare_neighbours() {
-        for (const bool down : {true, false}) {
-            const std::vector<ViewFit> before = fits;
-            const auto compare = [&](ViewProblem& problem, Chain chain) {
-                for (std::size_t k = chain.begin; k < chain.end; ++k) {
-                    const std::size_t i = down ? chain.end - 1 - (k - chain.begin) : k, from = down ? i + 1 : i - 1;
-                    if (from >= views.count()) continue;  // beyond the first or last view
-                    try_lobes(problem, i, from, chain.has(from) ? fits[from] : before[from]);
-                }
-            };
-            each_chain("comparing views", compare, k_work_of_passes / 2);
-        }
-    }
-    /// View i tries the lobes of view `from` if they are better there.
-    void try_lobes(ViewProblem& problem, std::size_t i, std::size_t from, const ViewFit& neighbour) {
-        if (fits[i].is_empty() || neighbour.is_empty() || neighbour.loss > k_better * fits[i].loss) return;
-        ViewFit fit = from_view(problem, i, from, neighbour.lobes);
-        if (fit.loss < fits[i].loss) fits[i] = std::move(fit);
     }
 
     /// With pictures: one of the tracks in each view.
@@ -206,12 +181,10 @@ Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const
         }
         ViewByView all{views, options, reporter};
         result->unrounded = black_views(matrix, options, all.shaped);
-        if (all.of_pictures) {
+        if (all.of_pictures)
             all.choose_tracks();
-        } else {
+        else
             all.fit_views();
-            all.compare_neighbours();
-        }
         all.store(result->unrounded);
         // The nonlinear parameters are rounded, then the coefficients are solved again.
         result->model = rounded(result->unrounded);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "fit/objective/importances.h"
-#include "fit/views/vmf_clusters.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
@@ -12,7 +11,7 @@
 namespace srbf {
 namespace {
 
-/// Steps of Levenberg-Marquardt, at most: from a neighbour's lobes, which are nearly right; from a clustering, which is
+/// Steps of Levenberg-Marquardt, at most: from a neighbour's lobes, which are nearly right; from a beginning, which is
 /// not; and after a lobe was replaced, which shows by then whether that pays.
 constexpr int k_steps = 15, k_steps_from_scratch = 40, k_steps_after_perturbation = 12;
 /// A fit ends when a step is predicted to lower the loss by no more than this share: seeds change it by more.
@@ -28,8 +27,6 @@ constexpr int k_pixel_steps = 2;
 constexpr double k_bandwidth_factors[] = {3, 6, 30}, k_widest = 0.5, k_narrowest = 5e4;
 /// Bandwidth of lobes that begin far apart from each other: a width of 13°.
 constexpr double k_bandwidth_apart = 20;
-/// Rounds of clustering after which a fit begins: the beginning itself, and a mixture that is nearly the most likely.
-constexpr int k_cluster_rounds[] = {0, 8};
 
 /// A fit from these lobes; a neighbour's may be narrowed more than those of this view.
 ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start, int steps,
@@ -42,7 +39,7 @@ ViewFit optimised(ViewProblem& problem, const ViewRows& rows, const std::vector<
     return {problem.lobes(x), summary.loss, summary.stop, problem.coefficients()};
 }
 
-/// The rows of a view with positive weight, as input of clusterings.
+/// The rows of a view with positive weight.
 struct Weighted {
     std::vector<Vec3f> direction;
     std::vector<double> weight;  ///< w f, summed over the channels
@@ -98,12 +95,10 @@ ViewFit fit_view(ViewProblem& problem, const ViewRows& rows, const std::vector<V
 ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::size_t lobes, std::mt19937_64& random) {
     const Weighted points = weighted(rows);
     ViewFit best;
-    for (const auto& start : beginnings(points, lobes))
-        for (const int rounds : k_cluster_rounds) {
-            ViewFit fit = optimised(problem, rows, vmf_clusters(points.direction, points.weight, start, rounds),
-                                    k_steps_from_scratch);
-            if (fit.loss < best.loss) best = std::move(fit);
-        }
+    for (const auto& start : beginnings(points, lobes)) {
+        ViewFit fit = optimised(problem, rows, start, k_steps_from_scratch);
+        if (fit.loss < best.loss) best = std::move(fit);
+    }
     for (int perturbation = 0; perturbation < k_view_perturbations; ++perturbation) {
         problem.loss(problem.start(rows, best.lobes));
         const std::vector<double> cost = problem.cost_of_dropping();

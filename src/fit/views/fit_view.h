@@ -21,8 +21,8 @@ struct ViewFit {
 /// From these lobes, such as a neighbour's.
 ViewFit fit_view(ViewProblem& problem, const ViewRows& rows, const std::vector<ViewLobe>& start);
 
-/// The best of the fits from clusterings of the view's values, improved by repeatedly dropping the least useful lobe
-/// and adding a random one.
+/// The best of the fits from lobes of all sizes about the brightest direction or far apart from each other, improved by
+/// repeatedly dropping the least useful lobe and adding a random one.
 ViewFit fit_view_from_scratch(ViewProblem& problem, const ViewRows& rows, std::size_t lobes, std::mt19937_64& random);
 
 /// The lobes of the view `from` for the view `to` of a BRDF that is invariant under rotation of both directions.

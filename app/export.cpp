@@ -11,6 +11,7 @@
 #include "app/path.h"
 #include "app/surface_files.h"
 #include "render/filtered_environment.h"
+#include "render/map_layers.h"
 #include "render/page.h"
 #include "srbf/file.h"
 #include "srbf/shading_code.h"
@@ -20,6 +21,8 @@ namespace {
 
 /// The kind of a filtered environment.
 constexpr const char* k_filtered = "dds";
+/// The kinds of a map's textures.
+constexpr const char *k_ktx2 = "ktx2", *k_exr = "exr";
 
 std::vector<std::string> names_of_languages() {
     std::vector<std::string> names;
@@ -29,7 +32,7 @@ std::vector<std::string> names_of_languages() {
 std::vector<std::string> names_of_kinds() {
     std::vector<std::string> kinds = names_of_languages();
     kinds.insert(kinds.begin(), "html");
-    kinds.insert(kinds.end(), {"three", "radiance", k_filtered});
+    kinds.insert(kinds.end(), {"three", "radiance", k_filtered, k_ktx2, k_exr});
     kinds.insert(kinds.end(), k_surface_files.begin(), k_surface_files.end());
     return kinds;
 }
@@ -40,6 +43,13 @@ struct ExportCommand {
 
     int run() const;
     int filter_environment() const;
+    bool is_code() const {
+        return std::ranges::find(k_code_languages, std::string_view(to), &CodeLanguageRow::name) !=
+               std::end(k_code_languages);
+    }
+    bool is_layers() const { return to == k_ktx2 || to == k_exr; }
+    CodeOptions code_options() const;
+    int write_map(const Library& map) const;
     Result<std::string> page(const std::vector<Subject>& models, const std::optional<Subject>& measured) const;
     std::vector<NamedModel> named(const std::vector<Subject>& models) const;
     static std::vector<NamedModel> with_parts(const std::vector<NamedModel>& named);
@@ -55,8 +65,32 @@ Mesh turned_upright(Mesh mesh) {
     return mesh;
 }
 
+/// The library that is the only file, if it is one.
+Result<std::optional<Library>> library_of(const std::vector<std::string>& files) {
+    using Found = Result<std::optional<Library>>;
+    if (files.size() != 1) return std::optional<Library>();
+    return within_memory(files[0], [&]() -> Found {
+        const auto bytes = read_file(files[0], all_if(is_safetensors));
+        if (!bytes || !is_library(*bytes)) return std::optional<Library>();
+        auto library = read_library(*bytes, files[0]);
+        if (!library) return library.error();
+        return std::optional(*std::move(library));
+    });
+}
+
 int ExportCommand::run() const {
     if (to == k_filtered) return filter_environment();
+    if (is_code() || is_layers()) {
+        const auto map = library_of(files);
+        if (!map) return complain(map.error());
+        if (*map) return write_map(**map);
+        if (is_layers())
+            return complain({files[0],
+                             {},
+                             "input",
+                             "one library",
+                             files.size() == 1 ? "another file" : std::to_string(files.size()) + " files"});
+    }
     std::vector<std::string> inputs = files;
     std::vector<Subject> models;
     for (const std::string& file : files) {
@@ -94,6 +128,22 @@ int ExportCommand::run() const {
                 return complain(written.error());
         }
     const auto written = write_file(output, as_bytes(*text));
+    return written ? int(k_done) : complain(written.error());
+}
+
+/// Its lobes as code, or its coefficients as textures.
+int ExportCommand::write_map(const Library& map) const {
+    if (const auto valid = check_layers(map, files[0]); !valid) return complain(valid.error());
+    if (const auto writable = check_outputs(files, {output}); !writable) return complain(writable.error());
+    Result<Done> written = Done{};
+    if (is_code()) {
+        const auto text = map_code(map, identifier(stem_of(files[0])), code_options());
+        if (!text) return complain(text.error());
+        written = write_file(output, as_bytes(*text));
+    } else {
+        written = within_memory(
+            output, [&] { return to == k_exr ? write_map_exr(map, output) : write_file(output, map_ktx2(map)); });
+    }
     return written ? int(k_done) : complain(written.error());
 }
 
@@ -165,6 +215,10 @@ Result<std::string> ExportCommand::code(const std::vector<NamedModel>& named) co
     if (is_surface_file(to)) return surface(named);
     if (to == "three") return three_module(named, prefix);
     if (to == "radiance") return radiance_text(named);
+    return shading_code(named, prefix, code_options());
+}
+
+CodeOptions ExportCommand::code_options() const {
     CodeOptions options{
         .language = std::ranges::find(k_code_languages, std::string_view(to), &CodeLanguageRow::name)->language};
     const std::map<std::string, bool*> extras{{"sampling", &options.sampling},
@@ -172,7 +226,7 @@ Result<std::string> ExportCommand::code(const std::vector<NamedModel>& named) co
                                               {"environment", &options.environment},
                                               {"area", &options.area}};
     for (const std::string& extra : with) *extras.at(extra) = true;
-    return shading_code(named, prefix, options);
+    return options;
 }
 
 /// The file of one surface; prints what it loses.
@@ -192,7 +246,8 @@ void add_export(CommandLine& app, int& status) {
     const auto command = std::make_shared<ExportCommand>();
     const Subcommand sub =
         app.add_subcommand("export", "Export models as shading code, or as a page to look at and to share");
-    sub.add_option("MODEL", command->files, "Fitted models, side by side; for dds an environment")
+    sub.add_option("MODEL", command->files,
+                   "Fitted models, side by side, or a map of shared lobes; for dds an environment")
         .type_name("")
         .required();
     const std::vector<std::string> languages = names_of_languages();
@@ -208,6 +263,8 @@ void add_export(CommandLine& app, int& status) {
                "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
                "Blender's material\n"
                "dds: an environment (.hdr, .exr or studio) filtered for NAME_environment, a cube map of 16-bit floats\n"
+               "ktx2, exr: the coefficients of a map (fit --basis J --width W), as layers of a KTX 2 texture with its\n"
+               "levels, or as channels of OpenEXR; its code has NAME_brdf(wl, wv, NAME_coefficients(u, v))\n"
                "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF the functions are\n"
                "NAME_bsdf, of directions on either side, and NAME_beam, the share of light that passes unscattered;\n"
                "for three.js each of its parts is a material",
@@ -237,9 +294,10 @@ void add_export(CommandLine& app, int& status) {
     sub.footer(
         "Examples:\n  srbf export paper_white_rgb.srbf --to glsl -o paper_white.glsl\n"
         "  srbf export studio.hdr --to dds -o studio.dds\n"
+        "  srbf export map.srbf --to ktx2 -o map.ktx2\n"
         "  srbf export paper_white_rgb.srbf --to html --reference paper_white_rgb.bsdf -o paper.html");
     const auto is_page = [command] { return command->to == "html"; };
-    const auto is_code = [command, languages] { return std::ranges::find(languages, command->to) != languages.end(); };
+    const auto is_code = [command] { return command->is_code(); };
     sub.callback([command, &status] { status = command->run(); },
                  {{{with}, "is for source code", is_code},
                   {{reference, mesh, up}, "is for --to html", is_page},

@@ -73,6 +73,22 @@ Imf::Slice slice(const float* first, int width, int stride, std::int64_t x0, std
     return {Imf::FLOAT, const_cast<char*>(base), std::size_t(step), std::size_t(step * width)};
 }
 
+/// Writes what `frame` has of every pixel.
+Result<Done> write_frame(const Imf::Header& header, const Imf::FrameBuffer& frame, int height,
+                         const std::string& path) {
+    Sink sink;
+    try {
+        Imf::OutputFile file(sink, header);
+        file.setFrameBuffer(frame);
+        file.writePixels(height);
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        return Error{path, {}, "cannot be written as EXR", {}, said(error)};
+    }
+    return write_file(path, sink.bytes);
+}
+
 }  // namespace
 
 std::vector<Channel> channels_of(const Image& image, const std::string& layer, std::string_view names) {
@@ -85,23 +101,26 @@ std::vector<Channel> channels_of(const Image& image, const std::string& layer, s
 }
 
 Result<Done> write_exr(int width, int height, std::span<const Channel> channels, const std::string& path) {
-    Sink sink;
-    try {
-        Imf::Header header(width, height);
-        Imf::FrameBuffer frame;
-        for (const Channel& channel : channels) {
-            header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
-            frame.insert(channel.name, slice(channel.pixels.data(), width, 1, 0, 0));
-        }
-        Imf::OutputFile file(sink, header);
-        file.setFrameBuffer(frame);
-        file.writePixels(height);
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& error) {
-        return Error{path, {}, "cannot be written as EXR", {}, said(error)};
+    Imf::Header header(width, height);
+    Imf::FrameBuffer frame;
+    for (const Channel& channel : channels) {
+        header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+        frame.insert(channel.name, slice(channel.pixels.data(), width, 1, 0, 0));
     }
-    return write_file(path, sink.bytes);
+    return write_frame(header, frame, height, path);
+}
+
+Result<Done> write_half_exr(int width, int height, std::span<const std::string> names,
+                            std::span<const std::uint16_t> halves, const std::string& path) {
+    Imf::Header header(width, height);
+    Imf::FrameBuffer frame;
+    const std::size_t pixel = sizeof halves[0] * names.size();
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        auto* const first = const_cast<std::uint16_t*>(&halves[i]);
+        header.channels().insert(names[i], Imf::Channel(Imf::HALF));
+        frame.insert(names[i], {Imf::HALF, reinterpret_cast<char*>(first), pixel, pixel * std::size_t(width)});
+    }
+    return write_frame(header, frame, height, path);
 }
 
 bool is_exr(std::span<const std::byte> bytes) {

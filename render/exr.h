@@ -1,5 +1,6 @@
 // Reading and writing of OpenEXR files with float channels: level 5.
 #pragma once
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,6 +20,10 @@ std::vector<Channel> channels_of(const Image& image, const std::string& layer = 
 /// Writes the channels as 32-bit floats with lossless compression. Errors: those of write_file, and those of the
 /// library.
 Result<Done> write_exr(int width, int height, std::span<const Channel> channels, const std::string& path);
+
+/// The same as 16-bit floats: `halves` has a number for each of `names`, pixel after pixel.
+Result<Done> write_half_exr(int width, int height, std::span<const std::string> names,
+                            std::span<const std::uint16_t> halves, const std::string& path);
 
 /// Reads the channels R, G and B of an EXR file. Errors: not an EXR file, other channels, damaged, more than
 /// `k_most_texels` pixels. `file_name` appears in errors only.

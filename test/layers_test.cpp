@@ -37,7 +37,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/shader", "include/srbf/shading_code", "src/shader/"},
     {"render/shading"},
     {"render/image", "render/tone", "render/mesh", "render/exr", "render/environment", "render/filtered_environment",
-     "render/studio"},
+     "render/map_layers", "render/studio"},
     {"render/scene", "render/rays"},
     {"render/path", "render/room"},
     {"render/preview"},

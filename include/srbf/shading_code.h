@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "srbf/library.h"
 #include "srbf/model.h"
 
 namespace [[gnu::visibility("default")]] srbf {
@@ -75,6 +76,18 @@ std::string identifier(std::string_view text);
 /// interpolation, with sampling, or for Metal, which has no global buffers.
 Result<std::string> shading_code(std::span<const NamedModel> models, std::string_view prefix,
                                  const CodeOptions& options = {});
+
+/// The lobes of a dense library (library.h) as one source text, for coefficients from textures:
+///   struct NAME_Coefficients { Vec3 lobe[J]; }         a material: R, G, B of each lobe
+///   Vec3 NAME_layer(int j, float u, float v)           the coefficient of lobe j at (u, v) of the map, which the host
+///                                                      supplies: a look-up in layer j of its textures
+///   NAME_Coefficients NAME_coefficients(float u, float v)   those of all lobes, by NAME_layer
+///   Vec3 NAME_brdf(Vec3 wl, Vec3 wv, NAME_Coefficients)     f_r [1/sr], as above
+///   Vec3 NAME_albedo(float cosine, NAME_Coefficients)       with `albedo`
+/// f_r and the albedo are linear in the coefficients, so that what a texture's filter makes of texels is the mean of their
+/// BRDFs. Not for Metal, where a function sees no textures but its arguments: NAME_layer and NAME_coefficients. Errors, of
+/// code `argument`: a sparse library; sampling, environments and area lights, which are not linear in the coefficients.
+Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options = {});
 
 /// The functions of a model as Python for a library of arrays, see src/shader/print_python.h: brdf(wl, wv),
 /// chosen_lobe(wv, selector), sample_of_lobe(k, wv, u1, u2) for each of its 16 lobes k, light_pdf(wl, wv). The model's

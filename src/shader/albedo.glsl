@@ -1,6 +1,6 @@
 // Directional albedo, to follow mixture.glsl. What precedes:
-//   albedo_nodes  R, G, B of each of ALBEDO_NODES nodes, which are uniform in
-//                 sqrt(sqrt(cos(theta_v))) - sqrt(1 - cos(theta_v)), from the horizon to the normal
+//   albedo_node(pm, i)  R, G, B of each of ALBEDO_NODES nodes, which are uniform in
+//                       sqrt(sqrt(cos(theta_v))) - sqrt(1 - cos(theta_v)), from the horizon to the normal
 
 // From 0 at the horizon to 1 at the normal.
 Real elevation_coordinate(Real cosine) {
@@ -9,8 +9,7 @@ Real elevation_coordinate(Real cosine) {
 }
 // The integral of f_r cos(theta_l) over the directions to the light, for R, G, B, at the cosine of the view to the
 // normal.
-Vec3 albedo_node(int i) { return Vec3(albedo_nodes[3 * i], albedo_nodes[3 * i + 1], albedo_nodes[3 * i + 2]); }
-Vec3 directional_albedo(Real cosine) {
+Vec3 directional_albedo(Real cosine, Pm pm) {
     NodesAbout nodes = nodes_about(elevation_coordinate(cosine), ALBEDO_NODES);
-    return (Real(1.0) - nodes.beyond) * albedo_node(nodes.below) + nodes.beyond * albedo_node(nodes.below + 1);
+    return (Real(1.0) - nodes.beyond) * albedo_node(pm, nodes.below) + nodes.beyond * albedo_node(pm, nodes.below + 1);
 }

@@ -23,8 +23,8 @@ using syntax::Program;
 using syntax::Table;
 
 /// What kernel.glsl requires of a host, parsed as accessors: the handles, and what a model has none of.
+constexpr const char* k_no_numbers = "struct Pm { };\n";
 constexpr const char* k_handles = R"(
-struct Pm { };
 struct Su { };
 struct SuNearest { };
 int su_nearest(SuNearest nearest, int k) { return 0; }
@@ -39,27 +39,38 @@ Vec3 su_coefficient(Su su, int view, int j) { return Vec3(0.0, 0.0, 0.0); }
 Real su_shape(Su su, int view, int j) { return 0.0; }
 )";
 
+/// Where the numbers of a program are.
+enum class Numbers {
+    constants,  ///< of lobes in a table, of microfacets in the text
+    tables,     ///< of microfacets too
+    arguments,  ///< the coefficients of lobes are members of the handle, which the functions take
+};
+
 /// The exponents of a model are to the base e, those of kernel.glsl to the base 2.
 constexpr const char* k_log2_e = "1.4426950408889634";
 constexpr const char* k_half_log2_e = "0.7213475204444817";
 
-/// The tables and accessors of a multivariate model, whose lobes are rows of a table.
-std::string numbers_of(const PmModel& model, Program& program) {
+/// The handle, the tables and the accessors of a multivariate model, whose lobes are rows of a table.
+std::string numbers_of(const PmModel& model, Numbers where, Program& program) {
     const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
-    const std::size_t of_variate = model.axial ? 1 : 4, row = 4 + of_variate * N + F;
+    const bool has_coefficients = where != Numbers::arguments;
+    const std::size_t of_variate = model.axial ? 1 : 4, scale = has_coefficients ? 3 : 0, variates = scale + 1,
+                      row = variates + of_variate * N + F;
     const bool any_down =
         model.axial && std::ranges::any_of(model.centre, [](const Vec3f& centre) { return centre.z < 0; });
-    Table lobes{fmt::format("A row for each lobe: its coefficient (R, G, B) and log scale, {}{}.",
-                            !model.axial ? "the centre and bandwidth of each variate"
-                            : any_down   ? "a bandwidth for each variate, negative where its centre is -z"
-                                         : "a bandwidth for each variate",
-                            F > 0 ? ", exponents" : ""),
-                "lobes",
-                {},
-                row};
+    Table lobes{
+        fmt::format("A row for each lobe: its {}log scale, {}{}.", has_coefficients ? "coefficient (R, G, B) and " : "",
+                    !model.axial ? "the centre and bandwidth of each variate"
+                    : any_down   ? "a bandwidth for each variate, negative where its centre is -z"
+                                 : "a bandwidth for each variate",
+                    F > 0 ? ", exponents" : ""),
+        "lobes",
+        {},
+        row};
     for (std::size_t j = 0; j < J; ++j) {
         const Rgb& beta = model.coefficient[j];
-        for (const float number : {beta.r, beta.g, beta.b, model.log_scale[j]}) lobes.numbers.push_back(number);
+        if (has_coefficients) lobes.numbers.insert(lobes.numbers.end(), {beta.r, beta.g, beta.b});
+        lobes.numbers.push_back(model.log_scale[j]);
         for (std::size_t n = j * N; n < (j + 1) * N; ++n) {
             const Vec3f& xi = model.centre[n];
             if (!model.axial) lobes.numbers.insert(lobes.numbers.end(), {xi.x, xi.y, xi.z});
@@ -75,19 +86,25 @@ std::string numbers_of(const PmModel& model, Program& program) {
     const auto at = [&](std::size_t offset, const char* further = "") {
         return fmt::format("lobes[{} * j + {}{}]", row, offset, further);
     };
-    std::string text = fmt::format(
+    std::string text = has_coefficients ? k_no_numbers
+                                        : fmt::format(
+                                              "// The coefficients of a material: R, G, B of each lobe.\n"
+                                              "struct Pm {{ Vec3 lobe[{}]; }};\n",
+                                              J);
+    text += fmt::format(
         "int pm_lobes(Pm pm) {{ return {}; }}\n"
         "int pm_variates(Pm pm) {{ return {}; }}\n"
         "int pm_features(Pm pm) {{ return {}; }}\n"
         "bool pm_axial(Pm pm) {{ return {}; }}\n"
         "Real pm_weight_l(Pm pm, int n) {{ return variates[2 * n]; }}\n"
         "Real pm_weight_v(Pm pm, int n) {{ return variates[2 * n + 1]; }}\n"
-        "Vec3 pm_coefficient(Pm pm, int j) {{ return Vec3({}, {}, {}); }}\n"
+        "Vec3 pm_coefficient(Pm pm, int j) {{ return {}; }}\n"
         "Real pm_log2_scale(Pm pm, int j) {{ return {} * {}; }}\n"
         "Real pm_exponent(Pm pm, int j, int k) {{ return {} * {}; }}\n",
-        J, N, F, model.axial, at(0), at(1), at(2), k_log2_e, at(3), k_log2_e, at(4 + of_variate * N, " + k"));
+        J, N, F, model.axial, has_coefficients ? fmt::format("Vec3({}, {}, {})", at(0), at(1), at(2)) : "pm.lobe[j]",
+        k_log2_e, at(scale), k_log2_e, at(variates + of_variate * N, " + k"));
     if (model.axial) {
-        const std::string bandwidth = at(4, " + n");
+        const std::string bandwidth = at(variates, " + n");
         text += fmt::format(
             "Real pm_log2_falloff(Pm pm, int j, int n) {{ return {} * {}; }}\n"
             "bool pm_down(Pm pm, int j, int n) {{ return {}; }}\n"
@@ -98,24 +115,25 @@ std::string numbers_of(const PmModel& model, Program& program) {
             "Real pm_log2_falloff(Pm pm, int j, int n) {{ return {} * {}; }}\n"
             "bool pm_down(Pm pm, int j, int n) {{ return false; }}\n"
             "Vec3 pm_centre(Pm pm, int j, int n) {{ return Vec3({}, {}, {}); }}\n",
-            k_half_log2_e, at(7, " + 4 * n"), at(4, " + 4 * n"), at(5, " + 4 * n"), at(6, " + 4 * n"));
+            k_half_log2_e, at(variates + 3, " + 4 * n"), at(variates, " + 4 * n"), at(variates + 1, " + 4 * n"),
+            at(variates + 2, " + 4 * n"));
     }
     return text;
 }
 
-const std::string k_no_pm =
-    "int pm_lobes(Pm pm) { return 0; }\n"
-    "int pm_variates(Pm pm) { return 0; }\n"
-    "int pm_features(Pm pm) { return 0; }\n"
-    "bool pm_axial(Pm pm) { return true; }\n"
-    "bool pm_down(Pm pm, int j, int n) { return false; }\n"
-    "Real pm_weight_l(Pm pm, int n) { return 0.0; }\n"
-    "Real pm_weight_v(Pm pm, int n) { return 0.0; }\n"
-    "Real pm_log2_scale(Pm pm, int j) { return 0.0; }\n"
-    "Real pm_log2_falloff(Pm pm, int j, int n) { return 0.0; }\n"
-    "Real pm_exponent(Pm pm, int j, int k) { return 0.0; }\n"
-    "Vec3 pm_coefficient(Pm pm, int j) { return Vec3(0.0, 0.0, 0.0); }\n"
-    "Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, 1.0); }\n";
+const std::string k_no_pm = k_no_numbers + std::string(
+                                               "int pm_lobes(Pm pm) { return 0; }\n"
+                                               "int pm_variates(Pm pm) { return 0; }\n"
+                                               "int pm_features(Pm pm) { return 0; }\n"
+                                               "bool pm_axial(Pm pm) { return true; }\n"
+                                               "bool pm_down(Pm pm, int j, int n) { return false; }\n"
+                                               "Real pm_weight_l(Pm pm, int n) { return 0.0; }\n"
+                                               "Real pm_weight_v(Pm pm, int n) { return 0.0; }\n"
+                                               "Real pm_log2_scale(Pm pm, int j) { return 0.0; }\n"
+                                               "Real pm_log2_falloff(Pm pm, int j, int n) { return 0.0; }\n"
+                                               "Real pm_exponent(Pm pm, int j, int k) { return 0.0; }\n"
+                                               "Vec3 pm_coefficient(Pm pm, int j) { return Vec3(0.0, 0.0, 0.0); }\n"
+                                               "Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, 1.0); }\n");
 
 /// The accessors of a view-by-view model, whose numbers (`shading_data`) the host supplies.
 constexpr std::size_t k_of_view = 3, k_of_view_lobe = 8;
@@ -155,7 +173,7 @@ std::string brdf_function(const std::string& statements) {
     return "// f_r [1/sr] for R, G, B, of unit vectors in the local frame, wl towards the light, wv towards the "
            "viewer; "
            "0\n// where one of them is not above the horizon.\n"
-           "Vec3 brdf(Pm pm, Su su, Vec3 wl, Vec3 wv) {\n"
+           "Vec3 brdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {\n"
            "    if (wl.z <= Real(0.0) || wv.z <= Real(0.0)) return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
            statements + "}\n";
 }
@@ -246,13 +264,50 @@ std::string brdf_of(const GgxModel& model, Program& program) {
     return brdf_of(model, {"Diffuse colour, and of each lobe roughness, F0 (R, G, B), F90.", "facets", {}}, program);
 }
 
+/// Directional albedos of a BRDF at the nodes. Of the model itself, whose values are the same on every processor, not of
+/// what renderers evaluate.
+std::vector<Rgb> albedos(const Model& model) {
+    const PreparedBrdf brdf = prepare<Model>(model, CosineProposal{});
+    std::vector<Rgb> reflected;
+    for (int i = 0; i < k_albedo_nodes; ++i)
+        reflected.push_back(albedo(brdf, std::max(float(albedo_cosine(i)), 1e-7f)));  // 0 has none
+    return reflected;
+}
+/// What albedo.glsl requires, to be parsed before it: the sum over lobes where their coefficients are arguments.
+std::string albedo_of(const Model& model, Numbers where, bool is_wanted, Program& program) {
+    Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
+    if (where != Numbers::arguments) {
+        for (const Rgb& of : is_wanted ? albedos(model) : std::vector<Rgb>())
+            nodes.numbers.insert(nodes.numbers.end(), {of.r, of.g, of.b});
+        program.tables.push_back(std::move(nodes));
+        return "Vec3 albedo_node(Pm pm, int i) { return Vec3(albedo_nodes[3 * i], albedo_nodes[3 * i + 1], "
+               "albedo_nodes[3 * i + 2]); }\n";
+    }
+    const auto& lobes = std::get<PmModel>(model.model);
+    const auto J = std::size_t(lobes.lobes);
+    nodes.comment = "Directional albedo of each lobe with coefficient 1, a row for each node.", nodes.columns = J;
+    nodes.numbers.resize(is_wanted ? k_albedo_nodes * J : 0);
+    for (std::size_t j = 0; j < J && is_wanted; ++j) {
+        PmModel one = lobes;
+        one.coefficient.assign(J, Rgb{}), one.coefficient[j] = {1, 1, 1};
+        const std::vector<Rgb> of_one = albedos({one, {}});
+        for (std::size_t i = 0; i < of_one.size(); ++i) nodes.numbers[i * J + j] = of_one[i].g;
+    }
+    program.tables.push_back(std::move(nodes));
+    return fmt::format(
+        "Vec3 albedo_node(Pm pm, int i) {{\n"
+        "    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));\n"
+        "    for (int j = 0; j < {0}; ++j) sum = sum + albedo_nodes[{0} * i + j] * pm.lobe[j];\n"
+        "    return sum;\n}}\n",
+        J);
+}
+
 /// What mixture.glsl requires, to be parsed before it.
 std::string mixture_of(const Model& model, const CodeOptions& options, Program& program) {
     Table lobes{"The proposal's lobes, a row for each node: their weights, stretch and power.",
                 "mixture_numbers",
                 {},
                 MixtureProposal::k_numbers};
-    Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
     MixtureProposal mixture;
     if (options.sampling) {
         const int azimuths = is_isotropic(model) ? 1 : k_anisotropic_azimuths;
@@ -262,14 +317,6 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
             lobes.numbers.insert(lobes.numbers.end(), numbers.begin(), numbers.end());
         }
     }
-    // Of the model itself, whose values are the same on every processor, not of what renderers evaluate.
-    if (options.albedo) {
-        const PreparedBrdf brdf = prepare<Model>(model, CosineProposal{});
-        for (int i = 0; i < k_albedo_nodes; ++i) {
-            const Rgb reflected = albedo(brdf, std::max(float(albedo_cosine(i)), 1e-7f));  // 0 has none
-            nodes.numbers.insert(nodes.numbers.end(), {reflected.r, reflected.g, reflected.b});
-        }
-    }
     Table light{"A row for each lobe of each node: p, roughness, weight (R, G, B).", "light_lobes", {}, 5};
     if (options.environment || options.area)
         for (const ExtendedLight::Lobe& lobe :
@@ -277,7 +324,6 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
             light.numbers.insert(light.numbers.end(),
                                  {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
     program.tables.push_back(std::move(lobes));
-    program.tables.push_back(std::move(nodes));
     program.tables.push_back(std::move(light));
     return fmt::format(
         "Real mixture_number(int node, int i) {{ return mixture_numbers[{} * node + i]; }}\n"
@@ -299,14 +345,35 @@ Names entries(const CodeOptions& options) {
     return names;
 }
 
+/// Those of a map besides, and its hook.
+Names map_entries(const CodeOptions& options) {
+    Names names = entries(options);
+    // A function sees the host's textures.
+    if (syntax::reads_buffers(options.language)) names.insert({{"layer", "layer"}, {"coefficients", "coefficients"}});
+    return names;
+}
+std::string look_up(const PmModel& basis) {
+    return fmt::format(
+        "// The coefficient of lobe j, R, G, B, where the map is seen, which the host supplies: a look-up in layer j "
+        "of its "
+        "textures.\n"
+        "Vec3 layer(int j, Real u, Real v);\n"
+        "// The coefficients there.\n"
+        "Pm coefficients(Real u, Real v) {{\n"
+        "    Pm pm;\n"
+        "    for (int j = 0; j < {}; ++j) pm.lobe[j] = layer(j, u, v);\n"
+        "    return pm;\n}}\n",
+        basis.lobes);
+}
+
 Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
-                   bool numbers_in_tables = false) {
+                   Numbers where = Numbers::constants) {
     Program program;
     std::string accessors, brdf;
     int variates = 1, terms = 1;
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
-        accessors = numbers_of(*pm, program) + k_no_su;
-        brdf = brdf_of(*pm);
+        accessors = numbers_of(*pm, where, program) + k_no_su;
+        brdf = (where == Numbers::arguments ? look_up(*pm) : std::string()) + brdf_of(*pm);
         variates = pm->variates;
         terms = std::max(features(pm->form), 1);
     } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
@@ -314,11 +381,11 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
         brdf = brdf_of(*su);
     } else if (const auto* pbr = std::get_if<PbrModel>(&model.model)) {
         accessors = k_no_pm + k_no_su;
-        brdf = numbers_in_tables ? brdf_of(*pbr, program) : brdf_of(*pbr);
+        brdf = where == Numbers::tables ? brdf_of(*pbr, program) : brdf_of(*pbr);
     } else {
         accessors = k_no_pm + k_no_su;
         const auto& ggx = std::get<GgxModel>(model.model);
-        brdf = numbers_in_tables ? brdf_of(ggx, program) : brdf_of(ggx);
+        brdf = where == Numbers::tables ? brdf_of(ggx, program) : brdf_of(ggx);
     }
     std::map<std::string, std::string> defines{{"SRBF_MAX_VARIATES", std::to_string(variates)},
                                                {"SRBF_TERMS", std::to_string(terms)},
@@ -328,11 +395,12 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                                                {"EXTENDED_LOBES", std::to_string(ExtendedLightOptions{}.lobes)},
                                                {"EXTENDED_LEVELS", std::to_string(ExtendedLight::k_levels)}};
     const bool is_mixture = options.sampling || options.albedo || options.environment || options.area;
-    const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string();
-    syntax::parse(k_handles + accessors, program, defines, true);
+    const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string(),
+                      nodes = albedo_of(model, where, options.albedo, program);
+    syntax::parse(accessors + k_handles, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(brdf, program, defines);
-    if (is_mixture) syntax::parse(mixture + k_mixture_text + k_albedo_text + k_extended_text, program, defines);
+    if (is_mixture) syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + k_extended_text, program, defines);
     syntax::specialise(program, roots);
     return program;
 }
@@ -356,15 +424,23 @@ std::string about(const NamedModel& of) {
     return text;
 }
 
-/// The programs of several models with what they share printed once.
+/// A program, the name of what it is of, and what is known of that.
+struct NamedProgram {
+    std::string name, about;
+    Program program;
+};
+
+/// Several programs with what they share printed once.
 class Printed {
   public:
-    Printed(std::span<const NamedModel> models, std::vector<Program> programs, std::string_view prefix,
-            const CodeOptions& options)
-        : models_(models), programs_(std::move(programs)), prefix_(std::string(prefix) + "_"), options_(options) {
-        for (const auto& [name, printed] : entries(options)) own_.insert(name);
-        for (const Program& program : programs_)
-            for (const Table& table : program.tables) own_.insert(table.name);
+    Printed(std::vector<NamedProgram> programs, std::string_view prefix, CodeLanguage language, Names entries)
+        : programs_(std::move(programs)),
+          prefix_(std::string(prefix) + "_"),
+          language_(language),
+          entries_(std::move(entries)) {
+        for (const auto& [name, printed] : entries_) own_.insert(name);
+        for (const auto& of : programs_)
+            for (const Table& table : of.program.tables) own_.insert(table.name);
         while (separate()) {
         }
     }
@@ -373,7 +449,7 @@ class Printed {
         std::string shared, of_models;
         std::set<std::string> known;
         for (std::size_t i = 0; i < programs_.size(); ++i) {
-            syntax::Printer printer(options_.language, names(i));
+            syntax::Printer printer(language_, names(i));
             std::string own;
             each_definition(i, [&](const auto& definition) {
                 if (own_.contains(definition.name))
@@ -381,24 +457,25 @@ class Printed {
                 else if (known.insert(definition.name).second)
                     shared += printer.text(definition) + "\n";
             });
-            of_models += syntax::comment_text(about(models_[i])) + "\n" + own;
+            of_models += syntax::comment_text(programs_[i].about) + "\n" + own;
         }
         return shared + of_models;
     }
 
   private:
     template <typename Visit> void each_definition(std::size_t i, const Visit& visit) const {
-        for (const auto& structure : programs_[i].structures) visit(structure);
-        for (const auto& table : programs_[i].tables) visit(table);
-        for (const auto& function : programs_[i].functions) visit(function);
+        const Program& program = programs_[i].program;
+        for (const auto& structure : program.structures) visit(structure);
+        for (const auto& table : program.tables) visit(table);
+        for (const auto& function : program.functions) visit(function);
     }
 
     Names names(std::size_t i) const {
         Names names;
-        const std::string own = models_[i].name + "_";
+        const std::string own = programs_[i].name + "_";
         each_definition(i,
                         [&](const auto& of) { names[of.name] = (own_.contains(of.name) ? own : prefix_) + of.name; });
-        for (const auto& [name, printed] : entries(options_)) names[name] = own + printed;
+        for (const auto& [name, printed] : entries_) names[name] = own + printed;
         return names;
     }
 
@@ -407,13 +484,13 @@ class Printed {
     bool separate() {
         Names texts;
         const std::size_t before = own_.size();
-        for (const Program& program : programs_)
-            for (const syntax::Function& function : program.functions)
-                syntax::visit_expressions(function.body, [&](const syntax::Expression& of) {
-                    if (own_.contains(of.text)) own_.insert(function.name);
+        for (const NamedProgram& of : programs_)
+            for (const syntax::Function& function : of.program.functions)
+                syntax::visit_expressions(function.body, [&](const syntax::Expression& part) {
+                    if (own_.contains(part.text)) own_.insert(function.name);
                 });
         for (std::size_t i = 0; i < programs_.size(); ++i) {
-            syntax::Printer printer(options_.language, names(i));
+            syntax::Printer printer(language_, names(i));
             each_definition(i, [&](const auto& of) {
                 if (own_.contains(of.name)) return;
                 const std::string text = printer.text(of);
@@ -423,10 +500,10 @@ class Printed {
         return own_.size() != before;
     }
 
-    std::span<const NamedModel> models_;
-    std::vector<Program> programs_;
+    std::vector<NamedProgram> programs_;
     std::string prefix_;
-    CodeOptions options_;
+    CodeLanguage language_;
+    Names entries_;
     std::set<std::string> own_;
 };
 
@@ -484,7 +561,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
             for (const auto& [name, printed] : entries(options)) add_name(fmt::format("{}_{}", of.name, printed));
         }
     }
-    std::vector<Program> programs;
+    std::vector<NamedProgram> programs;
     std::vector<std::string> roots;
     for (const auto& [name, printed] : entries(options)) roots.push_back(name);
     for (const NamedModel& of : brdfs) {
@@ -498,17 +575,43 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
             if (!syntax::reads_buffers(options.language))
                 return refused("view-by-view model", "a language with global buffers", "one without");
         }
-        programs.push_back(program_of(*of.model, options, roots));
+        programs.push_back({of.name, about(of), program_of(*of.model, options, roots)});
     }
-    const std::string definitions = Printed(brdfs, std::move(programs), prefix, options).text() + of_bsdfs;
+    const std::string definitions =
+        Printed(std::move(programs), prefix, options.language, entries(options)).text() + of_bsdfs;
     return syntax::whole_text(options.language, list, std::string(prefix) + "_BRDF", definitions);
+}
+
+Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options) {
+    const auto refused = [&](const char* what, const char* expected, const char* found) {
+        return Error{std::string(name), {}, what, expected, found, ErrorCode::argument};
+    };
+    if (!map.dense()) return refused("library", "a coefficient for each lobe", "some lobes of each material");
+    if (options.sampling || options.environment || options.area)
+        return refused("code of a map", "values and albedos", "sampling, environments or area lights");
+    Names names = map_entries(options);
+    std::vector<std::string> roots;
+    std::string list;
+    for (const auto& [of, printed] : names) {
+        roots.push_back(of);
+        list += fmt::format("{}{}_{}", list.empty() ? "" : ", ", name, printed);
+    }
+    const Model basis{map.basis, {}};
+    std::string about = fmt::format("{}: {} lobes of {} variates, form {}, {} bytes, which all materials share.", name,
+                                    map.basis.lobes, map.basis.variates, srbf::name(map.basis.form), basis_bytes(map));
+    if (map.width > 0) about += fmt::format("\n  map {} x {}", map.width, map.count() / map.width);
+    for (const auto& [key, value] : map.provenance) about += fmt::format("\n  {} {}", key, value);
+    NamedProgram program{std::string(name), about, program_of(basis, options, roots, Numbers::arguments)};
+    names.insert({"Pm", "Coefficients"});
+    return syntax::whole_text(options.language, list, std::string(name) + "_BRDF",
+                              Printed({std::move(program)}, name, options.language, names).text());
 }
 
 Result<std::string> python_code(const Model& model, int threads) {
     if (std::holds_alternative<SuModel>(model.model) || std::holds_alternative<BsdfModel>(model.model))
         return Error{"python code", {}, "model", "multivariate, or Lambert and GGX", "another", ErrorCode::argument};
     const Program program = program_of(model, {.sampling = true, .threads = threads},
-                                       {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, true);
+                                       {"brdf", "chosen_lobe", "sample_of_lobe", "light_pdf"}, Numbers::tables);
     std::string text;
     for (const Table& table : program.tables) text += syntax::python_text(table);
     for (const syntax::Function& function : program.functions) text += "\n\n" + syntax::python_text(function, program);

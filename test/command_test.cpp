@@ -106,6 +106,39 @@ TEST_F(OfModel, export_writes_code_or_nothing) {
     expect_failure(2, start + to + Arguments{"--with", "lobes"}, "found lobes");
 }
 
+TEST_F(OfModel, export_writes_a_map_or_nothing) {
+    std::mt19937_64 random(2);
+    const auto save = [&](const Library& library, const std::string& name) {
+        write(folder / name, text_of(write_library(library)));
+    };
+    Library map = random_map(random, {.lobes = 3}, 4, 2);
+    save(map, "map.srbf");
+    for (const char* kind : {"glsl", "hlsl", "wgsl", "msl", "c", "ktx2", "exr"}) {
+        const ProgramRun made = run(folder, {"export", "map.srbf", "--to", kind, "-o", std::string("o.") + kind});
+        EXPECT_EQ(made.status, 0) << made.err;
+        EXPECT_EQ(made.err + made.out, "");
+    }
+    EXPECT_NE(contents(folder / "o.glsl").find("vec3 map_brdf(vec3 wl, vec3 wv, map_Coefficients "), std::string::npos);
+    const Arguments code{"--to", "c", "-o", "x.h"}, layers{"--to", "ktx2", "-o", "x.ktx2"}, start{"export", "map.srbf"};
+    expect_failure(1, start + code + Arguments{"--with", "sampling"}, "expected values and albedos");
+    expect_failure(1, start + Arguments{"--to", "html", "-o", "x.html"}, "map.srbf#NAME");
+    expect_failure(1, Arguments{"export", "map.srbf", "map.srbf"} + layers, "expected one library, found 2 files");
+    expect_failure(1, Arguments{"export", *fitted / "m.srbf"} + layers, "expected one library");
+    expect_failure(1, start + Arguments{"--to", "exr", "-o", "/dev/full"}, "/dev/full");
+    expect_failure(1, start + Arguments{"--to", "exr", "-o", "map.srbf"}, "map.srbf");
+    map.width = 0;
+    save(map, "list.srbf");
+    for (std::uint16_t& j : map.index = std::vector<std::uint16_t>(8)) j = 1;
+    map.stored = 1, map.coefficient.resize(8);
+    save(map, "sparse.srbf");
+    for (const Arguments& to : {code, layers}) {
+        expect_failure(1, Arguments{"export", "list.srbf"} + to, "expected a map (fit --width)");
+        expect_failure(1, Arguments{"export", "sparse.srbf"} + to, "expected a coefficient for each lobe");
+    }
+    write(folder / "broken.srbf", contents(folder / "map.srbf").substr(0, 900));
+    expect_failure(1, Arguments{"export", "broken.srbf"} + layers, "broken.srbf");
+}
+
 TEST_F(OfModel, compare_of_a_file_with_itself_is_zero) {
     write(folder / "small.binary", small_merl());
     ASSERT_EQ(run(folder, {"compare", "small.binary", "small.binary", "--json", "r.json"}).status, 0);

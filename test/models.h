@@ -2,6 +2,7 @@
 #pragma once
 #include "properties.h"
 #include "srbf/half.h"
+#include "srbf/library.h"
 #include "srbf/model.h"
 
 namespace srbf {
@@ -46,6 +47,19 @@ inline PmModel spectral_model(std::mt19937_64& random, const RandomModelOptions&
     for (int i = 0; i < wavelengths * model.lobes; ++i) model.spectrum.push_back(float(uniform(random)));
     model.coefficient = colours(model.spectrum, model.wavelength);
     return model;
+}
+
+/// A map of width × height texels that share such lobes, as a file holds it.
+inline Library random_map(std::mt19937_64& random, const RandomModelOptions& options, std::size_t width,
+                          std::size_t height) {
+    Library map;
+    map.basis = random_model(random, options);
+    map.basis.coefficient.assign(std::size_t(options.lobes), {1, 1, 1});
+    map.stored = options.lobes, map.width = width;
+    map.error.assign(width * height, 0);
+    for (std::size_t i = 0; i < width * height * std::size_t(options.lobes); ++i)
+        map.coefficient.push_back({float(uniform(random)), float(uniform(random)), float(uniform(random))});
+    return rounded(map);
 }
 
 inline std::shared_ptr<const Model> random_part(std::uint64_t seed, const RandomModelOptions& options) {

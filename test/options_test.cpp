@@ -38,6 +38,8 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"code", "export m.srbf --to glsl -o o.glsl"},
     {"three.js", "export m.srbf --to three -o o.js"},
     {"an environment", "export studio --to dds -o o.dds"},
+    {"a map's code", "export t.srbf --to glsl -o o.glsl"},
+    {"a map's textures", "export t.srbf --to ktx2 -o o.ktx2"},
     {"a surface", "export q.srbf --to mtlx -o o.mtlx"},
     {"page", "export m.srbf --to html -o o.html"},
     {"page, mesh", "export m.srbf --to html -o o.html --mesh m.obj"},
@@ -131,6 +133,8 @@ class Options : public CommandLine {
                 .ok());
         ASSERT_TRUE(save_model({PbrModel{}, {}}, folder / "q.srbf").ok());
         ASSERT_TRUE(save_model({full_bsdf(), {}}, folder / "b.srbf").ok());
+        const Bytes map = write_library(random_map(random, {.lobes = 2}, 3, 2));
+        write(folder / "t.srbf", text_of(map));
         std::string samples = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,r,g,b\n", pairs = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n";
         std::vector<float> texels;
         for (int i = 0; i < 60; ++i) {

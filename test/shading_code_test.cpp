@@ -11,8 +11,7 @@
 #include "statistics.h"
 #include "su_models.h"
 #ifdef SRBF_RASTER
-#include <epoxy/gl.h>
-
+#include "compute.h"
 #include "fit/data/observations.h"
 #include "render/offscreen.h"
 #endif
@@ -377,6 +376,14 @@ TEST_F(ShadingCode, CompilesAsCuda) {
                                  path("code.o"))));
 }
 
+/// The code of a map.
+std::string map_in(CodeLanguage language) {
+    std::mt19937_64 random(4);
+    const Library map = random_map(random, {.lobes = 3, .form = PmForm::extended}, 2, 2);
+    const auto text = map_code(map, "map", {.language = language, .albedo = true});
+    return text ? *text : message(text.error());
+}
+
 /// Metal's compiler exists on Apple's systems alone; its language is C++14, and its library of vectors is stood in for.
 TEST_F(ShadingCode, RunsAsMetal) {
     written("metal_stdlib", R"(#pragma once
@@ -402,30 +409,10 @@ using std::acos;
     ask_compiled(fmt::format("{} -x c++ -std=c++14 -I'{}'", SRBF_COMPILER, folder_.path.string()),
                  code(CodeLanguage::msl, true), "metal::float3", "msl");
     EXPECT_TRUE(runs(fmt::format("{} -x c++ -std=c++14 -I'{}' -fsyntax-only '{}'", SRBF_COMPILER, folder_.path.string(),
-                                 written("plain.metal", code(CodeLanguage::msl, false)))));
+                                 written("plain.metal", code(CodeLanguage::msl, false) + map_in(CodeLanguage::msl)))));
 }
 
 #ifdef SRBF_RASTER
-/// The linked program of a compute shader, or 0.
-GLuint linked(const std::string& shader) {
-    const GLuint of = glCreateShader(GL_COMPUTE_SHADER), program = glCreateProgram();
-    const char* text = shader.c_str();
-    glShaderSource(of, 1, &text, nullptr);
-    glCompileShader(of);
-    glAttachShader(program, of);
-    glLinkProgram(program);
-    GLint is_linked = 0;
-    glGetProgramiv(program, GL_LINK_STATUS, &is_linked);
-    if (!is_linked) {
-        std::string log(4000, '\0'), of_linking(4000, '\0');
-        glGetShaderInfoLog(of, 4000, nullptr, log.data());
-        glGetProgramInfoLog(program, 4000, nullptr, of_linking.data());
-        ADD_FAILURE() << log.c_str() << of_linking.c_str();
-    }
-    glDeleteShader(of);
-    return is_linked ? program : 0;
-}
-
 /// Runs compute shaders of OpenGL 4.5 on the questions, one shader a model. Each finds them as an array of vec4 at
 /// binding 0; the answers are another at binding 1.
 Answers computed(const std::vector<std::string>& shaders) {
@@ -535,7 +522,14 @@ TEST_F(ShadingCode, RunsAsWgsl) {
                 "    let wl = questions[3 * i].xyz;\n    let wv = questions[3 * i + 1].xyz;\n"
                 "    let u = questions[3 * i + 2].xyz;\n" +
                 answers_text("0.0", write_one) + "}\n");
-    written("plain.wgsl", code(CodeLanguage::wgsl, false) + both_sides_in_wgsl());
+    written("plain.wgsl",
+            code(CodeLanguage::wgsl, false) + both_sides_in_wgsl() + map_in(CodeLanguage::wgsl) +
+                "@group(0) @binding(0) var layers: texture_2d_array<f32>;\n"
+                "@group(0) @binding(1) var linear: sampler;\n"
+                "fn map_layer(j: i32, u: f32, v: f32) -> vec3f {\n"
+                "    return textureSampleLevel(layers, linear, vec2f(u, v), j, 0.0).rgb;\n}\n"
+                "@fragment fn main(@location(0) wl: vec3f, @location(1) wv: vec3f, @location(2) uv: vec2f)\n"
+                "    -> @location(0) vec4f { return vec4f(map_brdf(wl, wv, map_coefficients(uv.x, uv.y)), 1.0); }\n");
     std::string bytes(questions().size() * sizeof(Question), '\0');
     std::memcpy(bytes.data(), questions().data(), bytes.size());
     written("questions", bytes);

@@ -1,0 +1,299 @@
+// Maps of shared lobes: their code and their textures together are the models of their texels, and what filters make of
+// texels is the mean of the BRDFs.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+
+#include "compiled_code.h"
+#include "models.h"
+#include "render/map_layers.h"
+#include "srbf/prepared.h"
+#include "srbf/sampling.h"
+#include "srbf/shading_code.h"
+#ifdef SRBF_RASTER
+#include "compute.h"
+#include "render/offscreen.h"
+#endif
+
+namespace srbf::map_code_test {
+namespace {
+
+constexpr std::size_t k_width = 8, k_height = 4;
+
+/// Of axial lobes and of general ones.
+Library map_of(bool axial, std::size_t width = k_width, std::size_t height = k_height) {
+    std::mt19937_64 random(axial ? 1 : 2);
+    return random_map(random, {axial, true, 5, 3, 60, PmForm::extended}, width, height);
+}
+
+std::string code(const Library& map, CodeLanguage language, bool albedo = true) {
+    const auto text = map_code(map, "map", {.language = language, .albedo = albedo});
+    return text ? *text : (ADD_FAILURE() << message(text.error()), "");
+}
+
+/// What the specification of KTX 2.0 says of a file: the numbers of its header, and levels of its texels.
+struct Texture {
+    std::vector<std::uint32_t> header;
+    std::vector<std::vector<std::uint16_t>> levels;
+};
+Texture texture_of(std::span<const std::byte> bytes) {
+    const auto number = [&](std::size_t at, auto read) {
+        EXPECT_LE(at + sizeof read, bytes.size());
+        std::memcpy(&read, &bytes[at], sizeof read);
+        return read;
+    };
+    Texture texture;
+    EXPECT_EQ(std::memcmp(bytes.data(), "\xabKTX 20\xbb\r\n\x1a\n", 12), 0);
+    for (std::size_t i = 0; i < 13; ++i) texture.header.push_back(number(12 + 4 * i, std::uint32_t()));
+    std::uint64_t after = bytes.size();  // the largest level is the last
+    for (std::size_t k = 0; k < texture.header[7]; ++k) {
+        const std::uint64_t begin = number(80 + 24 * k, std::uint64_t()), size = number(88 + 24 * k, std::uint64_t());
+        EXPECT_EQ(begin % 8, 0u);
+        EXPECT_EQ(begin + size, after);
+        EXPECT_EQ(number(96 + 24 * k, std::uint64_t()), size);
+        after = begin;
+        texture.levels.emplace_back(size / 2);
+        std::memcpy(texture.levels.back().data(), &bytes[begin], size);
+    }
+    EXPECT_LE(texture.header[11] + texture.header[12], after);  // the metadata
+    return texture;
+}
+
+struct Pair {
+    Vec3f wl, wv;
+};
+std::vector<Pair> pairs(std::size_t count) {
+    std::mt19937_64 random(3);
+    std::vector<Pair> pairs;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vec3d wv = random_direction(random, 0.01), mirrored = mirror(wv);
+        const Vec3d wl = i % 2 ? random_direction(random, 0.01) : normalize(mirrored + 0.05 * random_direction(random));
+        pairs.push_back({to_float(wl), to_float(wv)});
+    }
+    return pairs;
+}
+/// The mean BRDF of these texels.
+Rgb mean(const Library& map, const std::vector<std::size_t>& texels, const Pair& at) {
+    Rgb sum;
+    for (const std::size_t t : texels) {
+        const Rgb f = value(material(map, t), at.wl, at.wv);
+        for (int c = 0; c < 3; ++c) sum[c] += f[c] / float(texels.size());
+    }
+    return sum;
+}
+void expect_near(const Rgb& found, const Rgb& expected, float relative, const std::string& of) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], relative * expected[c] + 1e-30f) << of;
+}
+
+class MapCode : public WrittenCode {};
+
+TEST_F(MapCode, IsTheModelsOfTheTexels) {
+    for (const bool axial : {true, false}) {
+        const Library map = map_of(axial);
+        const Texture texture = texture_of(map_ktx2(map));
+        std::vector<float> texels;
+        for (const std::uint16_t half : texture.levels[0]) texels.push_back(from_half(half));
+        void* const library = compiled(
+            SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", axial ? "axial" : "general",
+            code(map, CodeLanguage::c) +
+                fmt::format("static const float* layers;\n"
+                            "static srbf_vec3 map_layer(int j, float u, float v) {{\n"
+                            "    const float* at = layers + 4 * (({0} * j + (int)({0} * v)) * {1} + (int)({1} * u));\n"
+                            "    return srbf_vec3_of(at[0], at[1], at[2]);\n}}\n",
+                            k_height, k_width) +
+                "void answer(const float* l, const float* w, const float* uv, float* to);\n"
+                "void answer(const float* l, const float* w, const float* uv, float* to) {\n"
+                "    map_Coefficients of;\n    srbf_vec3 f, wl = {w[0], w[1], w[2]}, wv = {w[3], w[4], w[5]};\n"
+                "    layers = l, of = map_coefficients(uv[0], uv[1]);\n"
+                "    f = map_brdf(wl, wv, of), to[0] = f.x, to[1] = f.y, to[2] = f.z;\n"
+                "    f = map_albedo(wv.z, of), to[3] = f.x, to[4] = f.y, to[5] = f.z;\n}\n");
+        ASSERT_TRUE(library);
+        const auto answer = function<void(const float*, const Pair*, const float*, Rgb*)>(library, "answer");
+        const std::vector<Pair> at = pairs(40 * map.count());
+        for (std::size_t t = 0; t < map.count(); ++t) {
+            const Model model = material(map, t);
+            std::optional<PreparedBrdf> prepared;  // of some, since it takes long
+            if (t % 11 == 0) prepared = prepare(model, CosineProposal{});
+            const std::array<float, 2> uv{(float(t % k_width) + 0.5f) / k_width,
+                                          (float(t / k_width) + 0.5f) / k_height};
+            for (std::size_t i = 40 * t; i < 40 * (t + 1); ++i) {
+                std::array<Rgb, 2> found;
+                answer(texels.data(), &at[i], uv.data(), found.data());
+                expect_near(found[0], value(model, at[i].wl, at[i].wv), 2e-4f, "value");
+                if (prepared) expect_near(found[1], albedo(*prepared, at[i].wv.z), 2e-4f, "albedo");
+            }
+        }
+    }
+}
+
+/// The halves of a level, a layer after the other, are those of `coarser`, and the alpha is 1.
+TEST_F(MapCode, LevelsAreMeans) {
+    for (const auto& [width, height] : {std::pair<std::size_t, std::size_t>{8, 4}, {5, 3}, {1, 7}}) {
+        const Library map = map_of(true, width, height);
+        const auto J = std::size_t(map.basis.lobes);
+        const Texture texture = texture_of(map_ktx2(map));
+        EXPECT_EQ((std::vector(texture.header.begin(), texture.header.begin() + 9)),
+                  (std::vector<std::uint32_t>{97, 2, std::uint32_t(width), std::uint32_t(height), 0, std::uint32_t(J),
+                                              1, std::uint32_t(texture.levels.size()), 0}));
+        MapLevel level{width, height, map.coefficient};
+        for (std::size_t k = 0; k < texture.levels.size(); level = coarser(level), ++k) {
+            const std::size_t texels = level.width * level.height;
+            ASSERT_EQ(texture.levels[k].size(), 4 * J * texels);
+            std::vector<double> mean(3 * J), of_finest(3 * J);
+            for (std::size_t t = 0; t < texels; ++t)
+                for (std::size_t j = 0; j < J; ++j)
+                    for (std::size_t c = 0; c < 4; ++c) {
+                        const float number = c < 3 ? level.coefficient[t * J + j][int(c)] : 1;
+                        EXPECT_EQ(texture.levels[k][4 * (j * texels + t) + c], to_half(number));
+                        if (c < 3) mean[3 * j + c] += double(number) / double(texels);
+                    }
+            for (std::size_t i = 0; i < map.coefficient.size(); ++i)
+                for (std::size_t c = 0; c < 3; ++c)
+                    of_finest[3 * (i % J) + c] += double(map.coefficient[i][int(c)]) / double(map.count());
+            for (std::size_t i = 0; i < 3 * J; ++i) EXPECT_NEAR(mean[i], of_finest[i], 1e-6);
+        }
+        EXPECT_EQ(texture.levels.back().size(), 4 * J);  // of one texel
+    }
+}
+
+TEST_F(MapCode, OpenExrHasTheCoefficients) {
+    const Library map = map_of(true);
+    ASSERT_TRUE(write_map_exr(map, path("map.exr")).ok());
+    Imf::InputFile file(path("map.exr").c_str(), 1);
+    std::size_t channels = 0;
+    for (auto of = file.header().channels().begin(); of != file.header().channels().end(); ++of, ++channels)
+        EXPECT_EQ(of.channel().type, Imf::HALF);
+    EXPECT_EQ(channels, 15u);
+    std::vector<std::uint16_t> halves(map.count());
+    for (std::size_t j = 0; j < 5; ++j)
+        for (int c = 0; c < 3; ++c) {
+            Imf::FrameBuffer frame;
+            frame.insert(fmt::format("lobe{}.{}", j, "RGB"[c]),
+                         {Imf::HALF, reinterpret_cast<char*>(halves.data()), 2, 2 * k_width});
+            file.setFrameBuffer(frame);
+            file.readPixels(0, k_height - 1);
+            for (std::size_t t = 0; t < map.count(); ++t)
+                EXPECT_EQ(from_half(halves[t]), map.coefficient[5 * t + j][c]);
+        }
+}
+
+#ifdef SRBF_RASTER
+/// Of a texture array with the levels of the file: at corners of texels the filter's BRDF is the mean of four, at the
+/// middle of a texel of level k that of the 4ᵏ under it.
+TEST_F(MapCode, FilteredTexturesAreMeansOfBrdfs) {
+    struct Place {
+        std::vector<std::size_t> texels;
+        std::array<float, 4> uv;  // and the level
+    };
+    std::vector<Place> places;
+    const auto add = [&](std::size_t x0, std::size_t y0, std::size_t size, float level) {
+        Place place{{}, {(float(x0) + float(size) / 2) / k_width, (float(y0) + float(size) / 2) / k_height, level, 0}};
+        for (std::size_t y = y0; y < y0 + size; ++y)
+            for (std::size_t x = x0; x < x0 + size; ++x) place.texels.push_back(y * k_width + x);
+        places.push_back(place);
+    };
+    for (std::size_t i = 0; i < 7; ++i) add(i, i % 3, 2, 0);
+    for (std::size_t i = 0; i < 8; ++i) add(2 * (i % 4), 2 * (i / 4), 2, 1);
+    add(4, 0, 4, 2);
+    const std::vector<Pair> at = pairs(64);
+    const auto context = OffscreenContext::make(Dialect::gl_450);
+    if (!context) GTEST_SKIP() << message(context.error());
+    for (const bool axial : {true, false}) {
+        const Library map = map_of(axial);
+        const Texture texture = texture_of(map_ktx2(map));
+        const GLuint program = linked(
+            "#version 450\nlayout(local_size_x = 64) in;\n"
+            "layout(std430, binding = 0) readonly buffer Questions { vec4 questions[]; };\n"
+            "layout(std430, binding = 1) writeonly buffer Answers { vec4 answers[]; };\n"
+            "layout(binding = 0) uniform sampler2DArray layers;\nfloat level;\n"
+            "vec3 map_layer(int j, float u, float v) { return textureLod(layers, vec3(u, v, float(j)), level).rgb; "
+            "}\n" +
+            code(map, CodeLanguage::glsl) +
+            "void main() {\n    uint i = gl_GlobalInvocationID.x;\n    level = questions[3 * i + 2].z;\n"
+            "    map_Coefficients of = map_coefficients(questions[3 * i + 2].x, questions[3 * i + 2].y);\n"
+            "    answers[i] = vec4(map_brdf(questions[3 * i].xyz, questions[3 * i + 1].xyz, of), 1.0);\n}\n");
+        ASSERT_NE(program, 0u);
+        GLuint layers = 0;
+        glGenTextures(1, &layers);
+        glBindTexture(GL_TEXTURE_2D_ARRAY, layers);
+        for (std::size_t k = 0; k < texture.levels.size(); ++k)
+            glTexImage3D(GL_TEXTURE_2D_ARRAY, GLint(k), GL_RGBA16F, GLsizei(std::max<std::size_t>(k_width >> k, 1)),
+                         GLsizei(std::max<std::size_t>(k_height >> k, 1)), map.basis.lobes, 0, GL_RGBA, GL_HALF_FLOAT,
+                         texture.levels[k].data());
+        glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
+        std::vector<std::array<float, 4>> questions;
+        for (const Place& place : places)
+            for (const Pair& of : at) {
+                questions.push_back({of.wl.x, of.wl.y, of.wl.z, 0});
+                questions.push_back({of.wv.x, of.wv.y, of.wv.z, 0});
+                questions.push_back(place.uv);
+            }
+        std::vector<std::array<float, 4>> answers(places.size() * at.size());
+        std::array<GLuint, 2> buffers;
+        glGenBuffers(2, buffers.data());
+        for (GLuint i = 0; i < 2; ++i) {
+            const auto& of = i == 0 ? questions : answers;
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, buffers[i]);
+            glBufferData(GL_SHADER_STORAGE_BUFFER, GLsizeiptr(16 * of.size()), of.data(), GL_STATIC_DRAW);
+        }
+        glUseProgram(program);
+        glDispatchCompute(GLuint(places.size()), 1, 1);
+        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, GLsizeiptr(16 * answers.size()), answers.data());
+        EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
+        for (std::size_t i = 0; i < answers.size(); ++i) {
+            const Place& place = places[i / at.size()];
+            expect_near({answers[i][0], answers[i][1], answers[i][2]}, mean(map, place.texels, at[i % at.size()]),
+                        1e-3f, fmt::format("level {}", place.uv[2]));
+        }
+    }
+}
+#endif
+
+TEST_F(MapCode, CompilesWithTexturesOfItsLanguages) {
+    const Library map = map_of(true);
+    for (const bool albedo : {false, true}) {
+        EXPECT_TRUE(
+            compiles_as_glsl("map.frag",
+                             "#version 300 es\nprecision highp float;\n"
+                             "uniform highp sampler2DArray layers;\n" +
+                                 code(map, CodeLanguage::glsl, albedo) +
+                                 "vec3 map_layer(int j, float u, float v) {\n"
+                                 "    return texture(layers, vec3(u, v, float(j))).rgb;\n}\n"
+                                 "in vec3 a, b; in vec2 uv; out vec4 c;\n"
+                                 "void main() { c = vec4(map_brdf(a, b, map_coefficients(uv.x, uv.y)), 1.0); }\n"));
+        EXPECT_TRUE(compiles_as_hlsl("frag", "map",
+                                     "Texture2DArray layers : register(t0);\nSamplerState linear_ : register(s0);\n" +
+                                         code(map, CodeLanguage::hlsl, albedo) +
+                                         "float3 map_layer(int j, float u, float v) {\n"
+                                         "    return layers.Sample(linear_, float3(u, v, j)).rgb;\n}\n"
+                                         "float4 main(float3 a : A, float3 b : B, float2 uv : C) : SV_Target {\n"
+                                         "    return float4(map_brdf(a, b, map_coefficients(uv.x, uv.y)), 1.0);\n}\n"));
+    }
+    const std::string metal = code(map, CodeLanguage::msl), wgsl = code(map, CodeLanguage::wgsl);
+    EXPECT_EQ(metal.find("map_layer("), metal.npos);  // its functions see no textures
+    EXPECT_NE(metal.find("struct map_Coefficients"), metal.npos);
+    EXPECT_NE(wgsl.find("fn map_coefficients(u: f32, v: f32) -> map_Coefficients {"), wgsl.npos);
+}
+
+TEST_F(MapCode, WhatIsNoMapIsRefused) {
+    const auto expect_refused = [](const auto& made) {
+        ASSERT_FALSE(made);
+        EXPECT_EQ(made.error().code, ErrorCode::argument);
+    };
+    Library map = map_of(true);
+    EXPECT_TRUE(check_layers(map, "a"));
+    expect_refused(map_code(map, "map", {.sampling = true}));
+    expect_refused(map_code(map, "map", {.area = true}));
+    map.basis.lobes = k_most_layers + 1;
+    expect_refused(check_layers(map, "a"));
+    map = map_of(true), map.width = 0;
+    expect_refused(check_layers(map, "a"));
+    map = map_of(true), map.index.resize(map.coefficient.size());
+    expect_refused(check_layers(map, "a"));
+    expect_refused(map_code(map, "map"));
+}
+
+}  // namespace
+}  // namespace srbf::map_code_test

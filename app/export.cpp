@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "app/commands.h"
 #include "app/output.h"
@@ -84,12 +85,6 @@ int ExportCommand::run() const {
         const auto map = library_of(files);
         if (!map) return complain(map.error());
         if (*map) return write_map(**map);
-        if (is_layers())
-            return complain({files[0],
-                             {},
-                             "input",
-                             "one library",
-                             files.size() == 1 ? "another file" : std::to_string(files.size()) + " files"});
     }
     std::vector<std::string> inputs = files;
     std::vector<Subject> models;
@@ -99,6 +94,7 @@ int ExportCommand::run() const {
         if (!subject->is_model()) return complain({file, {}, "input", "a model", "a measurement (see --reference)"});
         models.push_back(*std::move(subject));
     }
+    if (is_layers()) return complain({files[0], {}, "input", "a map of shared lobes", "a model", ErrorCode::argument});
     if (!mesh.empty()) inputs.push_back(mesh);
     std::optional<Subject> measured;
     if (!reference.empty()) {

@@ -14,14 +14,14 @@
 namespace srbf {
 namespace {
 
-MapLevel finest(const Library& map) {
+MapLevel first_level(const Library& map) {
     const auto width = std::size_t(map.width);
     return {width, map.count() / width, map.coefficient};
 }
 
 /// Levels down to 1 × 1.
 std::vector<MapLevel> levels_of(const Library& map) {
-    std::vector<MapLevel> levels{finest(map)};
+    std::vector<MapLevel> levels{first_level(map)};
     while (levels.back().width * levels.back().height > 1) levels.push_back(coarser(levels.back()));
     return levels;
 }
@@ -137,7 +137,7 @@ std::vector<std::byte> map_ktx2(const Library& map) {
 }
 
 Result<Done> write_map_exr(const Library& map, const std::string& path) {
-    const MapLevel level = finest(map);
+    const MapLevel level = first_level(map);
     const auto J = std::size_t(map.basis.lobes);
     const std::size_t digits = fmt::formatted_size("{}", J - 1);
     std::vector<std::string> names;

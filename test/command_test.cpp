@@ -122,8 +122,10 @@ TEST_F(OfModel, export_writes_a_map_or_nothing) {
     const Arguments code{"--to", "c", "-o", "x.h"}, layers{"--to", "ktx2", "-o", "x.ktx2"}, start{"export", "map.srbf"};
     expect_failure(1, start + code + Arguments{"--with", "sampling"}, "expected values and albedos");
     expect_failure(1, start + Arguments{"--to", "html", "-o", "x.html"}, "map.srbf#NAME");
-    expect_failure(1, Arguments{"export", "map.srbf", "map.srbf"} + layers, "expected one library, found 2 files");
-    expect_failure(1, Arguments{"export", *fitted / "m.srbf"} + layers, "expected one library");
+    expect_failure(1, Arguments{"export", "map.srbf", "map.srbf"} + layers, "found a library of them");
+    expect_failure(1, Arguments{"export", *fitted / "m.srbf"} + layers,
+                   "expected a map of shared lobes, found a model");
+    expect_failure(1, Arguments{"export", "missing.srbf"} + layers, "missing.srbf");
     expect_failure(1, start + Arguments{"--to", "exr", "-o", "/dev/full"}, "/dev/full");
     expect_failure(1, start + Arguments{"--to", "exr", "-o", "map.srbf"}, "map.srbf");
     map.width = 0;
@@ -135,7 +137,7 @@ TEST_F(OfModel, export_writes_a_map_or_nothing) {
         expect_failure(1, Arguments{"export", "list.srbf"} + to, "expected a map (fit --width)");
         expect_failure(1, Arguments{"export", "sparse.srbf"} + to, "expected a coefficient for each lobe");
     }
-    write(folder / "broken.srbf", contents(folder / "map.srbf").substr(0, 900));
+    write(folder / "broken.srbf", contents(folder / "map.srbf").substr(0, 500));
     expect_failure(1, Arguments{"export", "broken.srbf"} + layers, "broken.srbf");
 }
 

@@ -22,8 +22,7 @@ namespace {
 using syntax::Program;
 using syntax::Table;
 
-/// What kernel.glsl requires of a host, parsed as accessors: the handles, and what a model has none of.
-constexpr const char* k_no_numbers = "struct Pm { };\n";
+/// What kernel.glsl requires of a host, parsed as accessors: the handles but Pm, and what a model has none of.
 constexpr const char* k_handles = R"(
 struct Su { };
 struct SuNearest { };
@@ -50,26 +49,33 @@ enum class Numbers {
 constexpr const char* k_log2_e = "1.4426950408889634";
 constexpr const char* k_half_log2_e = "0.7213475204444817";
 
-/// The handle, the tables and the accessors of a multivariate model, whose lobes are rows of a table.
-std::string numbers_of(const PmModel& model, Numbers where, Program& program) {
-    const auto J = std::size_t(model.lobes), N = std::size_t(model.variates), F = std::size_t(features(model.form));
-    const bool has_coefficients = where != Numbers::arguments;
-    const std::size_t of_variate = model.axial ? 1 : 4, scale = has_coefficients ? 3 : 0, variates = scale + 1,
-                      row = variates + of_variate * N + F;
-    const bool any_down =
-        model.axial && std::ranges::any_of(model.centre, [](const Vec3f& centre) { return centre.z < 0; });
-    Table lobes{
-        fmt::format("A row for each lobe: its {}log scale, {}{}.", has_coefficients ? "coefficient (R, G, B) and " : "",
-                    !model.axial ? "the centre and bandwidth of each variate"
-                    : any_down   ? "a bandwidth for each variate, negative where its centre is -z"
-                                 : "a bandwidth for each variate",
-                    F > 0 ? ", exponents" : ""),
-        "lobes",
-        {},
-        row};
-    for (std::size_t j = 0; j < J; ++j) {
+/// The lobes of a multivariate model as rows of a table.
+struct LobeRow {
+    std::size_t scale, variates, of_variate, exponents, size;  ///< where they begin, and how many
+    LobeRow(const PmModel& model, Numbers where)
+        : scale(where == Numbers::arguments ? 0 : 3),
+          variates(scale + 1),
+          of_variate(model.axial ? 1 : 4),
+          exponents(variates + of_variate * std::size_t(model.variates)),
+          size(exponents + std::size_t(features(model.form))) {}
+};
+bool any_down(const PmModel& model) {
+    return model.axial && std::ranges::any_of(model.centre, [](const Vec3f& centre) { return centre.z < 0; });
+}
+Table lobes_of(const PmModel& model, Numbers where) {
+    const auto N = std::size_t(model.variates), F = std::size_t(features(model.form));
+    const char* const variates = !model.axial      ? "the centre and bandwidth of each variate"
+                                 : any_down(model) ? "a bandwidth for each variate, negative where its centre is -z"
+                                                   : "a bandwidth for each variate";
+    Table lobes{fmt::format("A row for each lobe: its {}log scale, {}{}.",
+                            where == Numbers::arguments ? "" : "coefficient (R, G, B) and ", variates,
+                            F > 0 ? ", exponents" : ""),
+                "lobes",
+                {},
+                LobeRow(model, where).size};
+    for (std::size_t j = 0; j < std::size_t(model.lobes); ++j) {
         const Rgb& beta = model.coefficient[j];
-        if (has_coefficients) lobes.numbers.insert(lobes.numbers.end(), {beta.r, beta.g, beta.b});
+        if (where != Numbers::arguments) lobes.numbers.insert(lobes.numbers.end(), {beta.r, beta.g, beta.b});
         lobes.numbers.push_back(model.log_scale[j]);
         for (std::size_t n = j * N; n < (j + 1) * N; ++n) {
             const Vec3f& xi = model.centre[n];
@@ -78,20 +84,21 @@ std::string numbers_of(const PmModel& model, Numbers where, Program& program) {
         }
         for (std::size_t k = 0; k < F; ++k) lobes.numbers.push_back(model.exponent[j * F + k]);
     }
+    return lobes;
+}
+
+/// The tables and accessors of a multivariate model.
+std::string numbers_of(const PmModel& model, Numbers where, Program& program) {
+    const LobeRow row(model, where);
     Table weights{"The weights a, b of each variate.", "variates", {}, 2};
     for (const Parameterization& of : model.parameterization)
         weights.numbers.insert(weights.numbers.end(), {of.a, of.b});
-    program.tables = {std::move(weights), std::move(lobes)};
+    program.tables = {std::move(weights), lobes_of(model, where)};
 
     const auto at = [&](std::size_t offset, const char* further = "") {
-        return fmt::format("lobes[{} * j + {}{}]", row, offset, further);
+        return fmt::format("lobes[{} * j + {}{}]", row.size, offset, further);
     };
-    std::string text = has_coefficients ? k_no_numbers
-                                        : fmt::format(
-                                              "// The coefficients of a material: R, G, B of each lobe.\n"
-                                              "struct Pm {{ Vec3 lobe[{}]; }};\n",
-                                              J);
-    text += fmt::format(
+    std::string text = fmt::format(
         "int pm_lobes(Pm pm) {{ return {}; }}\n"
         "int pm_variates(Pm pm) {{ return {}; }}\n"
         "int pm_features(Pm pm) {{ return {}; }}\n"
@@ -101,39 +108,41 @@ std::string numbers_of(const PmModel& model, Numbers where, Program& program) {
         "Vec3 pm_coefficient(Pm pm, int j) {{ return {}; }}\n"
         "Real pm_log2_scale(Pm pm, int j) {{ return {} * {}; }}\n"
         "Real pm_exponent(Pm pm, int j, int k) {{ return {} * {}; }}\n",
-        J, N, F, model.axial, has_coefficients ? fmt::format("Vec3({}, {}, {})", at(0), at(1), at(2)) : "pm.lobe[j]",
-        k_log2_e, at(scale), k_log2_e, at(variates + of_variate * N, " + k"));
+        model.lobes, model.variates, features(model.form), model.axial,
+        where == Numbers::arguments ? "pm.lobe[j]" : fmt::format("Vec3({}, {}, {})", at(0), at(1), at(2)), k_log2_e,
+        at(row.scale), k_log2_e, at(row.exponents, " + k"));
     if (model.axial) {
-        const std::string bandwidth = at(variates, " + n");
+        const std::string bandwidth = at(row.variates, " + n");
         text += fmt::format(
             "Real pm_log2_falloff(Pm pm, int j, int n) {{ return {} * {}; }}\n"
             "bool pm_down(Pm pm, int j, int n) {{ return {}; }}\n"
             "Vec3 pm_centre(Pm pm, int j, int n) {{ return Vec3(0.0, 0.0, 1.0); }}\n",
-            k_half_log2_e, any_down ? "abs(" + bandwidth + ")" : bandwidth, any_down ? bandwidth + " < 0.0" : "false");
+            k_half_log2_e, any_down(model) ? "abs(" + bandwidth + ")" : bandwidth,
+            any_down(model) ? bandwidth + " < 0.0" : "false");
     } else {
         text += fmt::format(
             "Real pm_log2_falloff(Pm pm, int j, int n) {{ return {} * {}; }}\n"
             "bool pm_down(Pm pm, int j, int n) {{ return false; }}\n"
             "Vec3 pm_centre(Pm pm, int j, int n) {{ return Vec3({}, {}, {}); }}\n",
-            k_half_log2_e, at(variates + 3, " + 4 * n"), at(variates, " + 4 * n"), at(variates + 1, " + 4 * n"),
-            at(variates + 2, " + 4 * n"));
+            k_half_log2_e, at(row.variates + 3, " + 4 * n"), at(row.variates, " + 4 * n"),
+            at(row.variates + 1, " + 4 * n"), at(row.variates + 2, " + 4 * n"));
     }
     return text;
 }
 
-const std::string k_no_pm = k_no_numbers + std::string(
-                                               "int pm_lobes(Pm pm) { return 0; }\n"
-                                               "int pm_variates(Pm pm) { return 0; }\n"
-                                               "int pm_features(Pm pm) { return 0; }\n"
-                                               "bool pm_axial(Pm pm) { return true; }\n"
-                                               "bool pm_down(Pm pm, int j, int n) { return false; }\n"
-                                               "Real pm_weight_l(Pm pm, int n) { return 0.0; }\n"
-                                               "Real pm_weight_v(Pm pm, int n) { return 0.0; }\n"
-                                               "Real pm_log2_scale(Pm pm, int j) { return 0.0; }\n"
-                                               "Real pm_log2_falloff(Pm pm, int j, int n) { return 0.0; }\n"
-                                               "Real pm_exponent(Pm pm, int j, int k) { return 0.0; }\n"
-                                               "Vec3 pm_coefficient(Pm pm, int j) { return Vec3(0.0, 0.0, 0.0); }\n"
-                                               "Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, 1.0); }\n");
+const std::string k_no_pm =
+    "int pm_lobes(Pm pm) { return 0; }\n"
+    "int pm_variates(Pm pm) { return 0; }\n"
+    "int pm_features(Pm pm) { return 0; }\n"
+    "bool pm_axial(Pm pm) { return true; }\n"
+    "bool pm_down(Pm pm, int j, int n) { return false; }\n"
+    "Real pm_weight_l(Pm pm, int n) { return 0.0; }\n"
+    "Real pm_weight_v(Pm pm, int n) { return 0.0; }\n"
+    "Real pm_log2_scale(Pm pm, int j) { return 0.0; }\n"
+    "Real pm_log2_falloff(Pm pm, int j, int n) { return 0.0; }\n"
+    "Real pm_exponent(Pm pm, int j, int k) { return 0.0; }\n"
+    "Vec3 pm_coefficient(Pm pm, int j) { return Vec3(0.0, 0.0, 0.0); }\n"
+    "Vec3 pm_centre(Pm pm, int j, int n) { return Vec3(0.0, 0.0, 1.0); }\n";
 
 /// The accessors of a view-by-view model, whose numbers (`shading_data`) the host supplies.
 constexpr std::size_t k_of_view = 3, k_of_view_lobe = 8;
@@ -352,11 +361,15 @@ Names map_entries(const CodeOptions& options) {
     if (syntax::reads_buffers(options.language)) names.insert({{"layer", "layer"}, {"coefficients", "coefficients"}});
     return names;
 }
+std::string coefficients_of(const PmModel& basis) {
+    return fmt::format(
+        "// The coefficients of a material: R, G, B of each lobe.\n"
+        "struct Pm {{ Vec3 lobe[{}]; }};\n",
+        basis.lobes);
+}
 std::string look_up(const PmModel& basis) {
     return fmt::format(
-        "// The coefficient of lobe j, R, G, B, where the map is seen, which the host supplies: a look-up in layer j "
-        "of its "
-        "textures.\n"
+        "// The coefficient of lobe j at (u, v), which the host looks up in its textures: R, G, B of layer j.\n"
         "Vec3 layer(int j, Real u, Real v);\n"
         "// The coefficients there.\n"
         "Pm coefficients(Real u, Real v) {{\n"
@@ -369,11 +382,12 @@ std::string look_up(const PmModel& basis) {
 Program program_of(const Model& model, const CodeOptions& options, const std::vector<std::string>& roots,
                    Numbers where = Numbers::constants) {
     Program program;
-    std::string accessors, brdf;
+    std::string handle = "struct Pm { };\n", accessors, brdf;
     int variates = 1, terms = 1;
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
         accessors = numbers_of(*pm, where, program) + k_no_su;
-        brdf = (where == Numbers::arguments ? look_up(*pm) : std::string()) + brdf_of(*pm);
+        brdf = brdf_of(*pm);
+        if (where == Numbers::arguments) handle = coefficients_of(*pm), brdf += look_up(*pm);
         variates = pm->variates;
         terms = std::max(features(pm->form), 1);
     } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
@@ -397,7 +411,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     const bool is_mixture = options.sampling || options.albedo || options.environment || options.area;
     const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string(),
                       nodes = albedo_of(model, where, options.albedo, program);
-    syntax::parse(accessors + k_handles, program, defines, true);
+    syntax::parse(handle + accessors + k_handles, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(brdf, program, defines);
     if (is_mixture) syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + k_extended_text, program, defines);

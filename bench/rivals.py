@@ -3,8 +3,8 @@
 Each measurement by each model, all compared with it by the same measures. Needs the package `srbf` (PYTHONPATH=build/release/python) and
 NumPy. Two published rivals are fitted to single materials by others; a row of them is written where a file has a material's name:
 
---networks FOLDER  NAME.txt: 675 weights of a network of layers 6, 21, 21, 3 (Sztrajman, Rainer, Ritschel, Weyrich: Neural BRDF
-                   Representation and Importance Sampling, 2021)
+--networks FOLDER  networks of layers 6, 21, 21, 3 (Sztrajman, Rainer, Ritschel, Weyrich: Neural BRDF Representation and Importance
+                   Sampling, 2021), in files that stand_ins.py describes
 --codes FOLDER     decoder.f32 and latents.txt: seven numbers a material, and a decoder that all share (Zheng, Zheng, Wang, Zhao, Bao: A
                    Compact Representation of Measured BRDFs Using Neural Processes, 2021)
 """
@@ -16,6 +16,7 @@ import tempfile
 
 import numpy as np
 import srbf
+import stand_ins
 
 FITS = {  # options of srbf.fit
     "ggx": {"model": "ggx"},
@@ -58,18 +59,9 @@ def half_and_difference(wl, wv):
     return np.stack([sine, np.zeros_like(sine), half[:, 2]], axis=1), difference
 
 
-def network(path):
+def network(layers):
     """A network of a material as f(wl, wv). These are of RGL's files with their first direction, the light, as the viewer."""
-    weights = np.loadtxt(path)
-    first, second, last = (part.reshape(shape) for part, shape in zip(np.split(weights, [147, 609]), [(7, 21), (22, 21), (22, 3)]))
-
-    def value(wl, wv):
-        x = np.concatenate(half_and_difference(wv.astype(float), wl.astype(float)), axis=1)
-        for layer in (first, second):
-            x = np.maximum(x @ layer[:-1] + layer[-1], 0)
-        return np.maximum(np.expm1(x @ last[:-1] + last[-1]), 0)
-
-    return value
+    return lambda wl, wv: stand_ins.network_value(layers, *half_and_difference(wv.astype(float), wl.astype(float)))
 
 
 def decoded(folder, name, work):
@@ -127,9 +119,9 @@ def rows_of(path, models, networks, codes, work):
     for model in models:
         fitted = srbf.fit(measured, **FITS[model]).model
         yield row(model, fitted, fitted.eval, fitted.nbytes)
-    weights = networks and os.path.join(networks, name + ".txt")
-    if weights and path.endswith("_rgb.bsdf") and os.path.exists(weights):
-        value = network(weights)
+    layers = networks and path.endswith("_rgb.bsdf") and stand_ins.network_of(networks, name)
+    if layers:
+        value = network(layers)
         yield row("nbrdf", value, value, 4 * 675)
     if codes and path.endswith("_rgb.bsdf"):
         value = decoded(codes, name, work)

@@ -82,7 +82,7 @@ void add_eval(CommandLine& app, int& status) {
         .one_of({"rgb", "spectral"});
     sub.footer(
         "Writes the directions and f_r [1/sr] of each channel, without the cosine: 0 below the horizon\n"
-        "unless FILE is a BSDF of both sides, nan where nothing was measured.\n\n"
+        "unless FILE has transmission, nan where nothing was measured.\n\n"
         "Example:\n  srbf eval paper_white_rgb.srbf --pairs pairs.csv > values.csv");
     sub.callback([names, &status] { status = run(names->file, names->pairs, names->channels, names->exchange); });
 }

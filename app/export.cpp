@@ -103,7 +103,7 @@ int ExportCommand::run() const {
         if (!subject) return complain(subject.error());
         if (subject->is_model()) return complain({reference, {}, "reference", "a measurement", "a model"});
         if (is_two_sided(subject->content))
-            return complain({reference, {}, "reference", "a measurement of a BRDF", "one of both sides"});
+            return complain({reference, {}, "reference", "a measurement of a BRDF", "one with transmission"});
         measured = *std::move(subject);
     }
     const bool is_page = to == "html";

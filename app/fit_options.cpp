@@ -218,8 +218,8 @@ void add_goals(const Subcommand& sub, FitCommand& to, GivenOptions& of) {
                           .check(within<double>(fit_option("target_error")));
     of.target_delta_e =
         sub.add_option("--target-delta-e", to.target_delta_e,
-                       "pm: the smallest model of all forms and sizes that looks the same: mean Delta E (ITP)\n"
-                       "of pictures of a sphere, where 1 is just noticeable")
+                       "pm: the smallest model of all forms and sizes with at most this visible error, the mean\n"
+                       "Delta E (ITP) of pictures of a sphere, where 1 is just noticeable")
             .type_name("E")
             .check(within<double>(fit_option("target_delta_e")));
     of.budget =

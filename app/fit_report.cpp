@@ -127,7 +127,7 @@ double degrees(double angle) { return std::round(angle / k_degree * 1e9) / 1e9; 
 /// What the fit of a request follows between samples.
 std::string_view followed(const FitRequest& request) {
     if (request.objective == Objective::relative) return "microfacets";
-    return completes(request) ? "completed values" : "interpolated values";
+    return completes(request) ? "microfacet models" : "interpolated values";
 }
 
 }  // namespace
@@ -208,10 +208,11 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     print_measures({{"as stored", &*outcome.errors}, {"before rounding", &*outcome.unrounded_errors}});
     if (outcome.samples) {
         fmt::print(
-            "  Matrix: at the samples themselves. Held out: {}. Albedo and pictures: against completed samples.\n",
+            "  Matrix: at the samples themselves. Held out: {}. Albedo and pictures: against samples with\n"
+            "  gaps filled by microfacet models.\n",
             outcome.incidences > 0 ? fmt::format("cross-validated over {} incidences", outcome.incidences)
                                    : fmt::format("{}-fold cross-validated", k_folds));
-        if (outcome.filled && *outcome.filled) fmt::print("  Between samples the fit follows {}.\n", followed(request));
+        if (outcome.filled && *outcome.filled) fmt::print("  Between samples the fit uses {}.\n", followed(request));
     }
     print_path(request, outcome);
     if (const auto goal = goal_of(request); goal && !outcome.reached)

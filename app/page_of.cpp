@@ -29,8 +29,8 @@ std::string kind_of(const Subject& subject) {
     if (const auto* measured = std::get_if<Measured>(&subject.content))
         return fmt::format("{}, {} bytes", measured->format, grouped(measured->bytes));
     const Model& model = std::get<Model>(subject.content);
-    constexpr std::array<const char*, 5> names{"multivariate", "view by view", "Lambert and GGX", "both sides",
-                                               "surface of OpenPBR"};
+    constexpr std::array<const char*, 5> names{"multivariate", "view by view", "Lambert and GGX",
+                                               "reflection and transmission", "surface of OpenPBR"};
     static_assert(names.size() == std::variant_size_v<decltype(Model::model)>);
     return fmt::format("{}, {} bytes", names[model.model.index()], grouped(payload_bytes(model)));
 }
@@ -86,7 +86,7 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
         of.material = table;
     } else {
         page.picture_note =
-            "The measurement depends on the turn of the surface about its normal and has no picture here; "
+            "The measurement depends on rotation about the normal and has no picture here; "
             "the plots are of one turn.";
     }
     std::vector<Evaluate> others;

@@ -89,8 +89,8 @@ function show_slices(drawings) {
 }
 function show_measurement(of) {
   const samples = of.samples ? `, ${grouped(of.samples)} samples` : "";
-  $("about").textContent = `${of.format}, ${grouped(of.bytes)} bytes${samples}${of.twoSided ? ", both sides of the surface" : ""}`
-    + (of.isotropic ? "" : "; it depends on the turn of the surface about its normal, so that only the fit has a picture");
+  $("about").textContent = `${of.format}, ${grouped(of.bytes)} bytes${samples}${of.twoSided ? ", reflection and transmission" : ""}`
+    + (of.isotropic ? "" : "; it depends on rotation about the normal, so only the fit has a picture");
   if (!draws) return;
   viewer.set_material(1, null);
   viewer.set_material(0, of.material);

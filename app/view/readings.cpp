@@ -109,7 +109,7 @@ void Readings::draw_measures(const Session& session) const {
     const bool is_scattered = measured && std::holds_alternative<ScatteredSamples>(measured->table);
     ImGui::TextColored(k_dim, "%s",
                        fmt::format("within {:.0f}\xC2\xB0, against {}", session.max_theta() / k_degree,
-                                   is_scattered                                    ? "samples; albedo: completed ones"
+                                   is_scattered ? "samples; albedo: with gaps filled by microfacet models"
                                    : reference && is_two_sided(reference->content) ? "the front's reflection"
                                    : measured                                      ? "measured"
                                                                                    : "the reference")

@@ -208,7 +208,7 @@ class Model(Brdf):
 
     @property
     def kind(self) -> str:
-        """"pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX), "pbr" (a surface) or "bsdf" (both sides)."""
+        """"pm" (parameterized multivariate), "su" (view by view), "ggx" (Lambert and GGX), "pbr" (a surface) or "bsdf" (reflection and transmission)."""
         return self._held.kind()
 
     @property

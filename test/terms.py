@@ -1,0 +1,51 @@
+"""Pages, help texts and messages have none of the terms of terms.csv: python3 test/terms.py FOLDER.
+
+A line of terms.csv is a regular expression, of words, and what to write instead. Searched are the prose of the documentation and what
+programs print or show: strings of C++, and the text of web pages, scripts and the Python package. `code` and blocks of code are not prose.
+"""
+import csv
+import os
+import re
+import sys
+
+folder = sys.argv[1]
+PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "data/README.md"]
+STRINGS = re.compile(r'(?<!\w)"((?:[^"\\\n]|\\.)*)"')  # of one line of C++; adjacent ones are one string
+SHOWN = re.compile(r'"([^"\n]*)"|`([^`]*)`|>([^<>]*)<|"""(.*?)"""', flags=re.S)  # of scripts and pages
+
+
+def text(path):
+    with open(os.path.join(folder, path), encoding="utf-8") as file:
+        return file.read()
+
+
+def files(where, *endings):
+    found = (os.path.join(at, name)[len(folder.rstrip("/")) + 1:] for at, _, names in os.walk(os.path.join(folder, where)) for name in names)
+    return sorted(path for path in found if path.endswith(endings))
+
+
+def prose(page):
+    return re.sub(r"`[^`]*`", "", re.sub(r"^\s*```(?!text).*?^\s*```", "", text(page), flags=re.M | re.S))
+
+
+def strings(path):
+    """The strings of a file of C++, with comments left out and adjacent ones joined."""
+    code = re.sub(r"^\s*//.*$", "", text(path), flags=re.M).replace('\\n"', ' "')
+    return "\n".join(STRINGS.findall(re.sub(r'"\s*\n\s*"', "", code)))
+
+
+def shown(path):
+    return "\n".join(" ".join(filter(None, groups)) for groups in SHOWN.findall(text(path)))
+
+
+with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "terms.csv"), encoding="utf-8") as file:
+    terms = [(re.compile(rf"\b(?:{row['term']})", flags=re.I), row["instead"]) for row in csv.DictReader(file)]
+searched = [(page, prose(page)) for page in PAGES + files("docs", ".md")]
+searched += [(path, strings(path)) for where in ("app", "render") for path in files(where, ".cpp", ".h")]
+searched += [(path, shown(path)) for path in files("web", ".html", ".js", ".mjs") + files("python/srbf", ".py")]
+problems = []
+for path, of in searched:
+    for term, instead in terms:
+        problems += [f"{path}: '{' '.join(found.group().split())}'; write: {instead}" for found in term.finditer(of)]
+print("\n".join(problems) or f"{len(searched)} files: none of {len(terms)} terms")
+sys.exit(bool(problems))

@@ -184,7 +184,7 @@ TEST(FitBsdf, AveragesOverPatches) {
 TEST(FitBsdf, IsAskedForByName) {
     const auto shade = read_measured(as_bytes(small_shade()), "shade.xml");
     ASSERT_TRUE(shade.ok()) << message(shade.error());
-    const std::string expected = "fit: measurement: expected one of a BRDF, found one of both sides, for fit_bsdf";
+    const std::string expected = "fit: measurement: expected a BRDF, found reflection and transmission, for fit_bsdf";
     const auto fitted = fit(*shade, {});
     ASSERT_FALSE(fitted.ok());
     EXPECT_EQ(message(fitted.error()), expected);

@@ -70,7 +70,9 @@ Result<Measured> table_of(const LibrarySource& source) {
     auto measured = source.read();
     if (!measured) return measured;
     if (std::holds_alternative<ScatteredSamples>(measured->table) || std::holds_alternative<BsdfTable>(measured->table))
-        return Error{source.name, {}, "input", "a table of one side", "samples, or both sides", ErrorCode::wrong_kind};
+        return Error{
+            source.name,          {}, "input", "a table of one side", "samples, or reflection and transmission",
+            ErrorCode::wrong_kind};
     return measured;
 }
 

@@ -25,13 +25,13 @@ std::vector<Term> terms_of(Objective objective) {
         terms.push_back({"peaks", "f cos(theta_l)", fmt::format("{} of the pairs'", k_peaks)});
     }
     terms.push_back({"horizon", "f cos(theta_l) cos(theta_v) beyond the largest angle",
-                     fmt::format("{} if all err by its largest value", k_horizon_importance)});
+                     fmt::format("{} if all errors are its largest value", k_horizon_importance)});
     terms.push_back({"bounds",
                      fmt::format("f cos(theta_l) cos(theta_v) above {} times its largest value", k_most_excess),
                      fmt::format("{} of the loss, rising", k_excess_weight)});
     terms.push_back({"albedos",
                      fmt::format("directional albedo at 9 angles{}", of_pictures ? ", and at 3 near the horizon" : ""),
-                     fmt::format("the loss, at most {}, if they err by {:g} %", k_most_albedo_loss,
+                     fmt::format("the loss, at most {}, if their errors are {:g} %", k_most_albedo_loss,
                                  100 * (of_pictures ? k_albedo_error_with_pixels : k_albedo_error))});
     if (!of_pictures) return terms;
     terms.push_back({"point lights", "radiance in pictures by one light, of every phase angle",

@@ -175,7 +175,7 @@ Result<BsdfOutcome> fit_inputs(const Inputs& inputs, const Beams& beams, const F
 
 Result<BsdfOutcome> fit_bsdf(const Measured& measured, const FitRequest& request, const ProgressToken& progress) {
     const auto* table = std::get_if<BsdfTable>(&measured.table);
-    if (!table) return argument_error("fit", "measurement", "one of both sides", "one of a BRDF");
+    if (!table) return argument_error("fit", "measurement", "reflection and transmission", "a BRDF");
     Inputs inputs;
     Beams beams = table->band().beam;
     for (std::size_t p = 0; p < k_parts; ++p) {

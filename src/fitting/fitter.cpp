@@ -140,7 +140,7 @@ class Fitter::Work {
     }
     Result<Done> validate(const FitRequest& request) const {
         if (measured_ && std::holds_alternative<BsdfTable>(measured_->table))
-            return argument_error("fit", "measurement", "one of a BRDF", "one of both sides, for fit_bsdf");
+            return argument_error("fit", "measurement", "a BRDF", "reflection and transmission, for fit_bsdf");
         const auto refused = [](const char* expected, const char* found) {
             return argument_error("fit", "spectral channels", expected, found);
         };

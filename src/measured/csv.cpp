@@ -112,9 +112,10 @@ bool is_csv(std::string_view text) {
 }
 
 bool is_csv_of_both_sides(std::string_view text) {
+    constexpr std::string_view mark = "# both sides";
     for (Lines lines(text); auto line = lines.next();) {
         if (!line->starts_with('#')) return false;
-        if (lower(trimmed(line->substr(1))) == "both sides") return true;
+        if (lower(trimmed(line->substr(1))) == mark.substr(2)) return true;
     }
     return false;
 }

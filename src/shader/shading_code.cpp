@@ -428,7 +428,7 @@ std::string about(const NamedModel& of) {
     else if (const auto* su = std::get_if<SuModel>(&model.model))
         text += fmt::format("view by view, {} lobes", su->lobes);
     else if (std::holds_alternative<BsdfModel>(model.model))
-        text += "both sides";
+        text += "reflection and transmission";
     else if (std::holds_alternative<PbrModel>(model.model))
         text += "a surface by parameters of OpenPBR";
     else

@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "properties.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/library.h"
@@ -123,15 +124,32 @@ TEST(Basis, CoefficientsOfTexelsAreRecovered) {
     EXPECT_LT(found.error[0], 1e-3f);
 }
 
-/// Materials that are sums of the same three lobes are fitted by as many, and do not depend on the number of threads.
-TEST(Basis, SharedLobesAreFound) {
-    const Library made = some_library(false);
+/// Tables of the two materials.
+std::vector<LibrarySource> sources_of(const Library& made) {
     std::vector<LibrarySource> sources;
     for (std::size_t t = 0; t < 2; ++t)
         sources.push_back({made.names[t], [&made, t]() -> Result<Measured> {
                                const Model model = material(made, t);
                                return Measured{{}, {}, 0, to_merl(evaluator(model), {45, 45, 36}, 1)};
                            }});
+    return sources;
+}
+
+/// Materials of two of three lobes are sums of just these.
+TEST(Basis, ActiveLobesAreFound) {
+    const Library made = some_library(true);
+    const auto found = fit_to_basis(made, sources_of(made), {.active = 2, .threads = 1});
+    ASSERT_TRUE(found) << message(found.error());
+    EXPECT_EQ(found->index, made.index);
+    for (std::size_t i = 0; i < made.coefficient.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            EXPECT_PRED3(near_relative, found->coefficient[i][c], made.coefficient[i][c], 0.1) << i;
+}
+
+/// Materials that are sums of the same three lobes are fitted by as many, and do not depend on the number of threads.
+TEST(Basis, SharedLobesAreFound) {
+    const Library made = some_library(false);
+    std::vector<LibrarySource> sources = sources_of(made);
     BasisOptions options;
     options.form = PmForm::horizon, options.lobes = 4, options.variates = 2, options.active = 3, options.threads = 1;
     const auto one = fit_library(sources, options);

@@ -37,7 +37,8 @@ struct LibrarySource {
 /// least a tenth of the largest, so that the sum falls as the sum of roots does. Lobes are added in sixteen groups, each
 /// lobe the one of 256 random ones that would lower the sum most; then they follow all terms of the objectives, with point
 /// lights, bounds and pixels. With K active lobes a material is a sum of those K for which its loss is least, from the time
-/// that there are more. The coefficients of a material minimise all terms of its own objective. `error` is its mean ΔE_ITP under `standard_lightings`.
+/// that there are more. The coefficients of a material minimise all terms of its own objective. `error` is its mean
+/// ΔE_ITP under `standard_lightings`.
 /// Errors: those of `read`; samples, or a measurement of both sides; options out of range; two materials of one name;
 /// cancelled.
 Result<Library> fit_library(std::span<const LibrarySource> sources, const BasisOptions& options,

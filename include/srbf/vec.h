@@ -74,12 +74,12 @@ inline Frame frame_about(Vec3d z, Vec3d up) {
 /// The frame about the unit vector z with some x.
 inline Frame frame_about(Vec3d z) { return frame_about(z, std::abs(z.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}); }
 
-/// Rec.709 luminance 0.2126 R + 0.7152 G + 0.0722 B.
 /// a + share (b − a).
 constexpr Rgb mixed(const Rgb& a, const Rgb& b, float share) {
     return {a.r + share * (b.r - a.r), a.g + share * (b.g - a.g), a.b + share * (b.b - a.b)};
 }
 
+/// Rec.709 luminance 0.2126 R + 0.7152 G + 0.0722 B.
 constexpr double luminance(const Rgb& c) { return 0.2126 * double(c.r) + 0.7152 * double(c.g) + 0.0722 * double(c.b); }
 
 inline bool is_finite(const Rgb& c) { return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b); }

@@ -11,12 +11,13 @@ namespace {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
-/// Of the surplus, the share that is dropped before the coefficients adapt.
-constexpr std::size_t k_dropped_at_once = 4;
+/// Of the surplus one lobe in so many is dropped before the coefficients adapt.
+constexpr std::size_t k_surplus_per_drop = 4;
 /// Of a lobe's square what is not a combination of others, at least: smaller shares are noise.
 constexpr double k_least_across = 1e-4;
 
-/// The minimum of bᵀHb − 2yᵀb over b ≥ 0 that is 0 for all lobes but some. The coefficients of channel c follow those of c − 1.
+/// The minimum of bᵀHb − 2yᵀb over b ≥ 0 that is 0 for all lobes but some. The coefficients of channel c follow those of
+/// channel c − 1.
 class ActiveLobes {
   public:
     explicit ActiveLobes(LobeProblem& problem) : lobes_(problem.beta().rows()), channels_(problem.beta().cols()) {
@@ -31,19 +32,21 @@ class ActiveLobes {
     void drop(std::size_t most) {
         while (which_.size() > most) {
             const std::size_t surplus = which_.size() - most;
-            for (std::size_t k = 0; k < (surplus + k_dropped_at_once - 1) / k_dropped_at_once; ++k) erase_cheapest();
+            for (std::size_t k = 0; k < (surplus + k_surplus_per_drop - 1) / k_surplus_per_drop; ++k) erase_cheapest();
             solve();
         }
     }
     /// Exchanges the cheapest lobe for the best of the others; whether that lowers the loss. If not, nothing changes.
     bool exchange() {
-        const ActiveLobes before = *this;
+        const auto which = which_;
+        const VectorXd b = b_;
+        const double loss = loss_;
         erase_cheapest();
         solve();
         which_.push_back(best_addition());
         solve();
-        if (loss_ < before.loss_) return true;
-        which_ = before.which_, b_ = before.b_, loss_ = before.loss_;
+        if (loss_ < loss) return true;
+        which_ = which, b_ = b, loss_ = loss;
         return false;
     }
     std::vector<std::size_t> which() const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "basis/active_lobes.h"
 #include "parallel.h"

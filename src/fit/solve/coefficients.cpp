@@ -28,20 +28,8 @@ void Coefficients::fit(const Eigen::MatrixXd& products, const PixelTerm* pixels)
 void Coefficients::fit_to_pixels(const Eigen::MatrixXd& products, const PixelTerm& pixels) {
     const Eigen::Index J = limit.rows(), C = limit.cols();
     beta = beta.cwiseMin(limit).eval();
-    // The sum, its gradient and Hessian.
-    const auto loss_at = [&](const Eigen::MatrixXd& trial, double& its_pixels, CoefficientTerms& at) {
-        its_pixels = pixels.loss(trial, at);
-        double sum = its_pixels;
-        for (Eigen::Index c = 0; c < C; ++c) {
-            const Eigen::VectorXd of_data = products.block(0, J + c, J, 1), product = gram * trial.col(c);
-            sum += trial.col(c).dot(product - 2 * of_data) + products(J + c, J + c);
-            at.H.block(c * J, c * J, J, J) += gram;
-            at.g.segment(c * J, J) += product - of_data;
-        }
-        return sum;
-    };
     CoefficientTerms at(0, beta.size()), further = at;
-    double loss = loss_at(beta, of_pixels, at);
+    double loss = loss_at(beta, products, &pixels, of_pixels, at);
     for (int step = 0; step < k_pixel_steps; ++step) {
         const Eigen::VectorXd now = beta.reshaped();
         const Eigen::VectorXd towards =
@@ -52,12 +40,26 @@ void Coefficients::fit_to_pixels(const Eigen::MatrixXd& products, const PixelTer
         for (double share = 1; share > k_least_share && !lowered; share /= 2) {
             const Eigen::MatrixXd next = beta + share * towards.reshaped(J, C);
             double next_of_pixels = 0;
-            const double whole = loss_at(next, next_of_pixels, further);
+            const double whole = loss_at(next, products, &pixels, next_of_pixels, further);
             lowered = whole < loss;
             if (lowered) beta = next, of_pixels = next_of_pixels, loss = whole, std::swap(at, further);
         }
         if (!lowered) return;
     }
+}
+
+double Coefficients::loss_at(const Eigen::MatrixXd& other, const Eigen::MatrixXd& products, const PixelTerm* pixels,
+                             double& its_pixels, CoefficientTerms& by_coefficients) const {
+    const Eigen::Index J = other.rows(), C = other.cols();
+    by_coefficients = CoefficientTerms(0, other.size());
+    double sum = its_pixels = pixels ? pixels->loss(other, by_coefficients) : 0;
+    for (Eigen::Index c = 0; c < C; ++c) {
+        const Eigen::VectorXd of_data = products.block(0, J + c, J, 1), product = gram * other.col(c);
+        sum += other.col(c).dot(product - 2 * of_data) + products(J + c, J + c);
+        by_coefficients.H.block(c * J, c * J, J, J) += gram;
+        by_coefficients.g.segment(c * J, J) += product - of_data;
+    }
+    return sum;
 }
 
 std::vector<Eigen::Index> Coefficients::free(Eigen::Index c) const {

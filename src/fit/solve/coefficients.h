@@ -20,6 +20,10 @@ struct Coefficients {
     /// `products`: of the lobes and the data with each other, (J + C)².
     void fit(const Eigen::MatrixXd& products, const PixelTerm* pixels);
 
+    /// The sum for other coefficients, with its derivatives by them; `its_pixels`: the part of the term of pixels.
+    double loss_at(const Eigen::MatrixXd& other, const Eigen::MatrixXd& products, const PixelTerm* pixels,
+                   double& its_pixels, CoefficientTerms& by_coefficients) const;
+
     /// Of channel c, those strictly between their bounds, which adapt.
     std::vector<Eigen::Index> free(Eigen::Index c) const;
 

@@ -168,14 +168,10 @@ Eigen::MatrixXd LobeProblem::derivatives_with_lobes(const Eigen::VectorXd& x, co
 }
 
 CoefficientTerms LobeProblem::by_coefficients() {
-    const Eigen::Index J = basis_.count(), C = channels();
-    CoefficientTerms at(0, J * C);
-    if (rows_.views > 0) pixels_.term().loss(beta(), at);
-    const Eigen::MatrixXd products = products_with_data();
-    for (Eigen::Index c = 0; c < C; ++c) {
-        at.H.block(c * J, c * J, J, J) += gram();
-        at.g.segment(c * J, J) += gram() * beta().col(c) - products.block(0, J + c, J, 1);
-    }
+    const PixelTerm pixels = pixels_.term();
+    CoefficientTerms at(0, 0);
+    double of_pixels = 0;
+    coefficients_.loss_at(beta(), products_with_data(), rows_.views > 0 ? &pixels : nullptr, of_pixels, at);
     return at;
 }
 

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Runs the code of README.md and of docs as a reader would, each page in a folder of its own.
+
+```sh blocks are run by bash, in order; a ```text block is what the block before it prints, where `...` stands for anything; ```python
+without a file's name runs in one session for the page; any other block is a file, whose name its first line says in a comment. A block that is not run says
+why in the line above it: <!-- not run: ... -->. `data` is the folder of bundled measurements; OWN makes the files that a page takes as
+its reader's. A page that needs a package of PyPI which this Python has not is named, and not run.
+Arguments: the program, a folder of measurements, and names of pages; all pages without these.
+"""
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import textwrap
+from pathlib import Path
+
+root = Path(__file__).resolve().parents[2]
+program, measurements = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
+documents = [root / "README.md", *sorted(root.glob("docs/*.md")), *sorted(root.glob("docs/tutorials/*.md"))]
+NEEDS = {"mitsuba": ["mitsuba"], "blender": ["bpy"]}
+FORMULAS = ["math", ""]  # and diagrams: no code
+
+
+def srbf(folder, *arguments):
+    subprocess.run([program, *arguments], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def materials(folder):
+    (folder / "materials").mkdir()
+    for name, file in [("nickel", "paper_white_rgb"), ("film", "cc_ibiza_sunset_rgb")]:
+        srbf(folder, "convert", f"data/{file}.bsdf", "-o", f"materials/{name}.binary")
+
+
+def texels(folder):
+    """Six rows of 512 texels, each the paper times a colour of its own."""
+    import numpy as np
+
+    pairs = np.loadtxt(folder / "data/paper_white_rgb.csv", delimiter=",", skiprows=1)[:256, :9]
+    np.savetxt(folder / "pairs.csv", pairs[:, :6], delimiter=",", header="wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", comments="")
+    colours = np.random.default_rng(1).uniform(0.2, 1, [6 * 512, 1, 3])
+    np.save(folder / "texels.npy", (colours * np.abs(pairs[None, :, 6:9])).astype(np.float32))
+
+
+def chassis(folder):
+    """A goniometer's columns: scans in the plane of incidence over four decades."""
+    rows = [f"{light} 180 {abs(view)} {0 if view >= 0 else 180} {2e-3 + 20 / (1 + (view - light) ** 2):.5g}"
+            for light in (5, 20, 40, 60) for view in range(-80, 81, 2)]
+    (folder / "scan.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+OWN = {"materials/": materials, "texels.npy": texels, "scan.csv": chassis,
+       "new.binary": lambda folder: srbf(folder, "convert", "data/paper_white_rgb.bsdf", "-o", "new.binary"),
+       "shade.xml": lambda folder: shutil.copy(measurements / "klems/2011-SA1.xml", folder / "shade.xml"),
+       "sky.hdr": lambda folder: shutil.copy(root / "data/studio.hdr", folder / "sky.hdr"),
+       "paint.brdf": lambda folder: shutil.copy(measurements / "cornell/garnet_red.brdf", folder / "paint.brdf")}
+
+
+def prepare(folder, page):
+    """Makes the folder that a page begins in, and returns the environment: the program, its package, and where the library is installed."""
+    (folder / "data").symlink_to(root / "data")
+    for name, make in OWN.items():
+        if name in page.read_text(encoding="utf-8") and page.parent.name != "tutorials":
+            make(folder)
+    environment = dict(os.environ, PATH=f"{program.parent}:{Path(sys.executable).parent}:{os.environ['PATH']}")
+    environment["PYTHONPATH"] = os.pathsep.join([str(program.parent / "python"), *(p for p in sys.path if p)])
+    environment["CMAKE_PREFIX_PATH"] = str(program.parent.parent / "hosts/prefix")
+    if page.stem == "path_tracer":
+        subprocess.run(["cmake", "--install", program.parent, "--prefix", environment["CMAKE_PREFIX_PATH"]], check=True, stdout=subprocess.DEVNULL)
+    return environment
+
+
+def matches(expected, printed):
+    words = lambda text: " ".join(text.split())
+    return re.search(".*".join(map(re.escape, (words(part) for part in expected.split("...")))), words(printed)) is not None
+
+
+def run(page):
+    blocks = re.findall(r"^(<!-- not run: .* -->\n+)? *```(\w*)\n(.*?)^ *```", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    with tempfile.TemporaryDirectory() as work:
+        folder, printed, session = Path(work), "", ""
+        environment = prepare(folder, page)
+        for reason, language, block in blocks:
+            block = textwrap.dedent(block)
+            name = re.match(r"(?://|#|<!--) ([\w.]+\.\w+)", block)
+            if reason or language in FORMULAS:
+                continue
+            if name:
+                (folder / name[1]).write_text(block, encoding="utf-8")
+            elif language == "text":
+                if not matches(block, printed):
+                    return f"expected\n{block}found\n{printed}"
+            elif language in ("sh", "python"):
+                session += block if language == "python" else ""
+                command = ["bash", "-euo", "pipefail", "-c", block] if language == "sh" else [sys.executable, "-c", session]
+                done = subprocess.run(command, cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+                printed = done.stdout
+                if done.returncode:
+                    return f"{block}ended with {done.returncode}:\n{printed}"
+            else:
+                return f"{block}is neither run nor a file, and does not say why"
+    return ""
+
+
+failed = False
+for page in documents if len(sys.argv) == 3 else [page for page in documents if page.stem in sys.argv[3:]]:
+    missing = [package for package in NEEDS.get(page.stem, []) if importlib.util.find_spec(package) is None]
+    wrong = "" if missing else run(page)
+    print(f"{page.stem}: " + (f"not run, without {', '.join(missing)}" if missing else wrong or "ok"), flush=True)
+    failed |= bool(wrong)
+sys.exit(failed)

@@ -1,5 +1,5 @@
 // BRDFs under environments and area lights, as a few lobes for each view that hosts look up in filtered maps: level 4.
-// Component `srbf::extended_light` of the library.
+// Part of the target `srbf::srbf`.
 #pragma once
 #include <array>
 #include <span>
@@ -54,8 +54,8 @@ struct ExtendedLightOptions {
     bool isotropic = true;  ///< otherwise the lobes are those of the BRDF's mean over azimuths
     int threads = 0;        ///< 0: as many as the machine has; the result does not depend on it
 };
-/// The lobes of a BRDF. What is minimised is the error under lights
-/// of several sizes everywhere, relative to the radiance that they show.
+/// The lobes of a BRDF. The fit minimises the error under lights of
+/// several sizes everywhere, relative to the radiance that they show.
 ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOptions& options = {});
 
 }  // namespace srbf

@@ -12,9 +12,9 @@
 namespace [[gnu::visibility("default")]] srbf {
 
 /// A BRDF ready for a renderer: value, batch evaluation, importance sampling with its density, directional albedo. It
-/// is made by `prepare` from a model, a measurement or any other BRDF, owns what it holds, and copies share it: nothing
-/// that it was made from need stay. All functions of it may be called from several threads at once, and no answer
-/// depends on whether the processor flushes subnormal numbers to 0.
+/// is made by `prepare` from a model, a measurement or any other BRDF, of which it holds a copy; its own copies share
+/// that. Directions are unit vectors, which is not checked. Several threads may call all functions at once, and no
+/// result depends on whether the processor flushes subnormal numbers to 0.
 class PreparedBrdf {
   public:
     /// Writes R, G, B of f_r and one number to spare to `colour`, which is aligned to 16 bytes.
@@ -45,8 +45,8 @@ struct BrdfParts {
 };
 PreparedBrdf prepare(BrdfParts parts);
 
-/// A model, sampled by its own proposal, `propose(model, options)`, which takes some 55 ms to make (docs/performance.md);
-/// or by the cosine, for those who ask for values alone.
+/// A model (of a BSDF its front; all of it: prepared_bsdf.h), sampled by its proposal, `propose(model, options)`, which
+/// takes some 55 ms to make (docs/performance.md); or by the cosine, for those who ask for values alone.
 PreparedBrdf prepare(const Model& model, const ProposeOptions& options = {});
 PreparedBrdf prepare(const Model& model, CosineProposal by_cosine);
 /// A measurement, likewise; what was not measured is NaN in `value`, and 0 in all else.
@@ -81,14 +81,14 @@ void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<con
 /// The same as a function, which holds a copy of `brdf`.
 Evaluate evaluator(PreparedBrdf brdf);
 
-/// Samples a direction to the light from a point of the unit square and a selector of a lobe, all uniform in [0,1).
+/// Samples a direction to the light from independent numbers, uniform in [0,1): a point u and the selector of a lobe.
 inline LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector) {
     return sample(brdf, brdf.proposal(), wv, u, selector);
 }
 /// Its density [1/sr]; 0 below the horizon.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
 
-/// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], in the mean over azimuths: linear in
+/// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths: linear in
 /// ∜cosθv − √(1 − cosθv) between 97 nodes, within 1 % or 0.002 at every cosine above 0.001 for smooth and glossy BRDFs.
 /// The first call makes the nodes, which takes some tens of milliseconds.
 Rgb albedo(const PreparedBrdf& brdf, float cos_v);

@@ -11,7 +11,7 @@ namespace [[gnu::visibility("default")]] srbf {
 struct BsdfSample {
     Vec3f wl;
     Rgb weight;     ///< f |cosθl| / pdf, or the beam's share over the chance of drawing it
-    float pdf = 0;  ///< [1/sr] of a scattered direction; 0: no direction, or the beam's
+    float pdf = 0;  ///< [1/sr] of a scattered direction; 0 of a beam and if there is no direction
     bool is_beam = false;
 };
 
@@ -22,7 +22,7 @@ class PreparedBsdf {
     using PreparedParts = std::array<std::optional<PreparedBrdf>, k_parts>;
     /// A BRDF on both sides, through which no light passes.
     PreparedBsdf(PreparedBrdf of_both_sides);
-    /// Parts that are none are 0.
+    /// A part that is missing is 0.
     PreparedBsdf(PreparedParts parts, Beams beams);
 
     /// Whether front and back are the same BRDF and no light passes.

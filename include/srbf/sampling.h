@@ -21,7 +21,7 @@ struct LightSample {
 // A proposal answers
 //   sample(proposal, wv, u, selector)   a direction from a point and a selector of a lobe, all uniform in
 //                                       [0,1); z ≤ 0 where the draw has none
-//   pdf(proposal, wl, wv)               its density [1/sr]; 0 below the horizon, above it positive wherever f cosθl is
+//   pdf(proposal, wl, wv)               its density [1/sr]; 0 below the horizon, positive where f cosθl is positive
 // for wv.z > 0, with ∫ pdf + P(no direction) = 1.
 
 /// Whether both are above the horizon. Compared so, a subnormal cosine is not, whether the processor takes it for 0 or

@@ -105,9 +105,9 @@ Result<std::string> radiance_text(std::span<const NamedModel> models);
 /// What NAME_number of a view-by-view model returns.
 std::vector<float> shading_data(const SuModel& model);
 
-/// The same models as an ES module for three.js (release 187) and its WebGLRenderer: for each model a class,
-/// FilmMaterial for "film", that is a MeshLambertMaterial with this reflectance under all lights of three but area
-/// lights and environment maps. Errors as of `shading_code`.
+/// The same models as an ES module for three.js (release 187) and its WebGLRenderer: for each model a class, such as
+/// FilmMaterial for "film". It extends MeshStandardMaterial and reflects all lights of three by the model, environment
+/// maps and area lights too. Errors: those of `shading_code`.
 Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads = 0);
 
 }  // namespace srbf

@@ -28,23 +28,23 @@ def srbf(folder, *arguments):
     subprocess.run([program, *arguments], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def materials(folder):
+def materials(folder, page):
     (folder / "materials").mkdir()
     for name, file in [("nickel", "paper_white_rgb"), ("film", "cc_ibiza_sunset_rgb")]:
         srbf(folder, "convert", f"data/{file}.bsdf", "-o", f"materials/{name}.binary")
 
 
-def texels(folder):
-    """Six rows of 512 texels, each the paper times a colour of its own."""
+def texels(folder, page):
+    """Texels, each the paper times a colour of its own: six rows of 512 that share lobes, or few whose lobes are their own."""
     import numpy as np
 
     pairs = np.loadtxt(folder / "data/paper_white_rgb.csv", delimiter=",", skiprows=1)[:256, :9]
     np.savetxt(folder / "pairs.csv", pairs[:, :6], delimiter=",", header="wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", comments="")
-    colours = np.random.default_rng(1).uniform(0.2, 1, [6 * 512, 1, 3])
+    colours = np.random.default_rng(1).uniform(0.2, 1, [6 * 512 if page.stem == "basis" else 16, 1, 3])
     np.save(folder / "texels.npy", (colours * np.abs(pairs[None, :, 6:9])).astype(np.float32))
 
 
-def chassis(folder):
+def chassis(folder, page):
     """A goniometer's columns: scans in the plane of incidence over four decades."""
     rows = [f"{light} 180 {abs(view)} {0 if view >= 0 else 180} {2e-3 + 20 / (1 + (view - light) ** 2):.5g}"
             for light in (5, 20, 40, 60) for view in range(-80, 81, 2)]
@@ -52,10 +52,10 @@ def chassis(folder):
 
 
 OWN = {"materials/": materials, "texels.npy": texels, "scan.csv": chassis,
-       "new.binary": lambda folder: srbf(folder, "convert", "data/paper_white_rgb.bsdf", "-o", "new.binary"),
-       "shade.xml": lambda folder: shutil.copy(measurements / "klems/2011-SA1.xml", folder / "shade.xml"),
-       "sky.hdr": lambda folder: shutil.copy(root / "data/studio.hdr", folder / "sky.hdr"),
-       "paint.brdf": lambda folder: shutil.copy(measurements / "cornell/garnet_red.brdf", folder / "paint.brdf")}
+       "new.binary": lambda folder, page: srbf(folder, "convert", "data/paper_white_rgb.bsdf", "-o", "new.binary"),
+       "shade.xml": lambda folder, page: shutil.copy(measurements / "klems/2011-SA1.xml", folder / "shade.xml"),
+       "sky.hdr": lambda folder, page: shutil.copy(root / "data/studio.hdr", folder / "sky.hdr"),
+       "paint.brdf": lambda folder, page: shutil.copy(measurements / "cornell/garnet_red.brdf", folder / "paint.brdf")}
 
 
 def prepare(folder, page):
@@ -63,7 +63,7 @@ def prepare(folder, page):
     (folder / "data").symlink_to(root / "data")
     for name, make in OWN.items():
         if name in page.read_text(encoding="utf-8") and page.parent.name != "tutorials":
-            make(folder)
+            make(folder, page)
     environment = dict(os.environ, PATH=f"{program.parent}:{Path(sys.executable).parent}:{os.environ['PATH']}")
     environment["PYTHONPATH"] = os.pathsep.join([str(program.parent / "python"), *(p for p in sys.path if p)])
     environment["CMAKE_PREFIX_PATH"] = str(program.parent.parent / "hosts/prefix")

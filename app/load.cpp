@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 
 #include "app/commands.h"
 #include "srbf/directions.h"
+#include "srbf/file.h"
 #include "srbf/metrics.h"
 #include "srbf/sampling.h"
 
@@ -45,6 +47,19 @@ Result<Subject> load(const std::string& path, const ReadOptions& options) {
     auto loaded = load_brdf(path, options);
     if (!loaded) return loaded.error();
     return Subject{path, *std::move(loaded)};
+}
+
+Result<std::optional<Library>> library_in(const std::string& path) {
+    using Found = Result<std::optional<Library>>;
+    std::error_code code;
+    if (!std::filesystem::is_regular_file(path, code)) return std::optional<Library>();  // a pipe is read once
+    return within_memory(path, [&]() -> Found {
+        const auto bytes = read_file(path, all_if(is_safetensors));
+        if (!bytes || !is_library(*bytes)) return std::optional<Library>();
+        auto library = read_library(*bytes, path);
+        if (!library) return library.error();
+        return std::optional(*std::move(library));
+    });
 }
 
 int complain(const Error& error) {

@@ -1,8 +1,10 @@
 // Loading of any BRDF from a file.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "srbf/library.h"
 #include "srbf/load.h"
 
 namespace srbf {
@@ -29,6 +31,8 @@ Channels channels(const Subject& subject);
 double fitted_theta(const Subject& subject);
 
 Result<Subject> load(const std::string& path, const ReadOptions& options = {});
+/// The library in a file; none if it holds something else.
+Result<std::optional<Library>> library_in(const std::string& path);
 
 /// Prints the error as one line to standard error; returns the exit status of an input error.
 int complain(const Error& error);

@@ -25,6 +25,19 @@ PreparedBsdf by_cosine(const Subject& subject) {
     return std::visit([](const auto& content) { return prepare(content, CosineProposal{}); }, subject.content);
 }
 
+/// Errors of a map that cannot be drawn so.
+Result<Done> check_pictured(const Pictured& pictured, const Mesh& mesh, const PathCommand& asked) {
+    if (!std::holds_alternative<const Library*>(pictured)) return Done{};
+    const auto refused = [](const char* what, const char* expected, const char* found) {
+        return Error{"render", {}, what, expected, found, ErrorCode::argument};
+    };
+    if (asked.scene_name != "object") return refused("scene of a map", "object", "room");
+    if (asked.draw == "cosine") return refused("draws of a map", "by the brdf", "by the cosine");
+    if (mesh.texture.empty())
+        return refused("mesh of a map", "one with texture coordinates", "none of a corner at least");
+    return Done{};
+}
+
 }  // namespace
 
 Result<std::optional<Environment>> load_light(const std::string& name) {
@@ -40,6 +53,10 @@ Result<std::optional<Environment>> load_light(const std::string& name) {
 PreparedBsdf prepared(const Subject& subject, int threads) {
     const ProposeOptions options{.azimuths = azimuths_of(subject), .threads = threads};
     return std::visit([&](const auto& content) { return prepare_bsdf(content, options); }, subject.content);
+}
+
+PreparedMap prepared(const Library& map, int threads) {
+    return prepare_map(map, {.azimuths = map.basis.axial ? 1 : k_anisotropic_azimuths, .threads = threads});
 }
 
 std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
@@ -97,8 +114,10 @@ std::vector<Reading> PathCommand::add_options(const Subcommand& sub, const std::
     };
 }
 
-Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::span<const Subject> subjects, int width,
+Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::span<const Pictured> subjects, int width,
                                                      int height, const std::function<void(double)>& progress) const {
+    for (const Pictured& pictured : subjects)
+        if (const auto valid = check_pictured(pictured, scene.mesh, *this); !valid) return valid.error();
     const auto loaded = load_light(environment.empty() ? std::string(k_built_in_environment) : environment);
     if (!loaded) return loaded.error();
     const std::optional<Environment>& light = *loaded;
@@ -118,8 +137,11 @@ Result<std::vector<PathPicture>> PathCommand::render(const Scene& scene, std::sp
     }
 
     std::vector<PathPicture> pictures;
-    for (const Subject& subject : subjects) {
-        paths.materials = {draw == "cosine" ? by_cosine(subject) : prepared(subject, threads)};
+    for (const Pictured& pictured : subjects) {
+        if (const auto* subject = std::get_if<const Subject*>(&pictured))
+            paths.materials = {draw == "cosine" ? by_cosine(**subject) : prepared(**subject, threads)};
+        else
+            paths.materials = {prepared(*std::get<const Library*>(pictured), threads)};
         paths.materials.insert(paths.materials.end(), others.begin(), others.end());
         const auto before = double(pictures.size()), all = double(subjects.size());
         const auto of_all = [&](double part) {

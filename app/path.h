@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "app/commands.h"
@@ -10,6 +11,9 @@
 #include "render/path.h"
 
 namespace srbf {
+
+/// What a picture is of: a measurement or a model, or a map of texels.
+using Pictured = std::variant<const Subject*, const Library*>;
 
 struct PathCommand {
     /// Not given: the renderer's default; three lights if `environment` is none.
@@ -23,8 +27,8 @@ struct PathCommand {
     std::vector<Reading> add_options(const Subcommand& sub, const std::vector<Option>& about_mesh,
                                      std::function<bool()> is_path);
     /// Renders the scene with each of the subjects under the lights of `lights`. `progress` receives the completed
-    /// share of the whole.
-    Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Subject> subjects, int width,
+    /// share of the whole. Errors: a map for a mesh without places in it.
+    Result<std::vector<PathPicture>> render(const Scene& scene, std::span<const Pictured> subjects, int width,
                                             int height, const std::function<void(double)>& progress = {}) const;
 };
 
@@ -35,5 +39,6 @@ Result<std::optional<Environment>> load_light(const std::string& name);
 
 /// The subject, importance-sampled by a proposal prepared for it.
 PreparedBsdf prepared(const Subject& subject, int threads);
+PreparedMap prepared(const Library& map, int threads);
 
 }  // namespace srbf

@@ -42,7 +42,7 @@ struct RenderedPictures {
     std::vector<FirstHits> first;
 };
 
-Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Subject> subjects,
+Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Pictured> subjects,
                                       const RenderCommand& options) {
     ProgressLine line;
     auto pictures = options.path.render(scene, subjects, options.width, options.height,
@@ -56,9 +56,15 @@ Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Subjec
     return all;
 }
 
-Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Subject> subjects,
+Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictured> pictured,
                                        const RenderCommand& options) {
     if (const auto can_draw = check_drawing(); !can_draw) return can_draw.error();
+    std::vector<Subject> subjects;
+    for (std::size_t i = 0; i < pictured.size(); ++i) {
+        const auto* subject = std::get_if<const Subject*>(&pictured[i]);
+        if (!subject) return Error{options.files[i], {}, "input of raster", "a measurement or model", "a map"};
+        subjects.push_back(**subject);
+    }
     const PathCommand& asked = options.path;
     const auto environment = load_light(asked.environment.empty() ? "none" : asked.environment);
     if (!environment) return environment.error();
@@ -81,7 +87,7 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Subje
 /// A renderer: pictures of the scene, one for each subject.
 struct Renderer {
     std::string_view name;
-    Result<RenderedPictures> (*render)(const Scene& scene, std::span<const Subject> subjects,
+    Result<RenderedPictures> (*render)(const Scene& scene, std::span<const Pictured> subjects,
                                        const RenderCommand& options);
 };
 
@@ -158,11 +164,17 @@ Result<Done> compare_pictures(const Image8& reference, std::span<const Image8> i
 
 int RenderCommand::run() const {
     std::vector<std::string> inputs = files, captions;
-    std::vector<Subject> subjects;
+    std::vector<std::variant<Subject, Library>> subjects;
     const auto add = [&](const std::string& file) -> Result<Done> {
+        auto map = library_in(file);
+        if (!map) return map.error();
+        if (*map && (*map)->dense() && (*map)->width > 0) {
+            subjects.emplace_back(**std::move(map));
+            return Done{};
+        }
         auto subject = load(file);
         if (!subject) return subject.error();
-        subjects.push_back(*std::move(subject));
+        subjects.emplace_back(*std::move(subject));
         return Done{};
     };
     for (const std::string& file : files) {
@@ -201,7 +213,9 @@ int RenderCommand::run() const {
     const Viewpoint viewpoint{.z_up = up == "z"};
     const Scene scene = scene_of(*std::move(loaded), viewpoint, double(width) / height);
     const auto chosen = std::ranges::find(k_renderers, renderer, &Renderer::name);
-    auto pictures = chosen->render(scene, subjects, *this);
+    std::vector<Pictured> pictured;
+    for (const auto& subject : subjects) std::visit([&](const auto& of) { pictured.emplace_back(&of); }, subject);
+    auto pictures = chosen->render(scene, pictured, *this);
     if (!pictures) return complain(pictures.error());
     if (subjects.size() > files.size()) {
         reference = std::move(pictures->renderings.back().radiance);
@@ -261,7 +275,9 @@ void add_render(CommandLine& app, int& status) {
     for (const Renderer& renderer : k_renderers) names.emplace_back(renderer.name);
     command->renderer = names.front();
     const Subcommand sub = app.add_subcommand("render", "Render a mesh with each of the materials, side by side");
-    sub.add_option("FILE", command->files, "Measurements and models, one picture each").type_name("").required();
+    sub.add_option("FILE", command->files, "Measurements, models and maps of texels, one picture each")
+        .type_name("")
+        .required();
     sub.add_option("--renderer", command->renderer, fmt::format("{}", fmt::join(names, " or ")))
         .type_name("NAME")
         .one_of(names)

@@ -204,6 +204,9 @@ inline void check_mesh(const Result<Mesh>& mesh) {
     for (const Vec3f& p : mesh->positions)
         require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z), "finite positions");
     for (const Vec3f& n : mesh->normals) require(std::abs(dot(n, n) - 1) < 1e-5f, "unit normals");
+    require(mesh->texture.empty() || mesh->texture.size() == mesh->triangles.size(), "places in a map of all or none");
+    for (const auto& corners : mesh->texture)
+        for (const Vec2f& uv : corners) require(std::isfinite(uv.x) && std::isfinite(uv.y), "finite places in a map");
 }
 
 /// Meshes with more triangles take long.
@@ -215,7 +218,7 @@ inline void check_picture(const Result<Mesh>& mesh) {
     if (!mesh || mesh->triangles.size() > k_most_pictured) return;
     const Scene scene = scene_of(*mesh, {}, 1);
     const Mesh floor = ground_below(*mesh, scene.camera.up);
-    static const std::vector<PreparedBsdf> materials{diffuse({0.5f, 0.5f, 0.5f})};
+    static const std::vector<PathMaterial> materials{diffuse({0.5f, 0.5f, 0.5f})};
     const PathScene paths{{{&*mesh, 0}, {&floor, 0}}, materials, scene.camera, scene.lights, {}, nullptr};
     const PathPicture picture =
         render_paths(paths, {.width = 4, .height = 4, .samples = 1, .threads = 1, .progress = {}});

@@ -62,16 +62,25 @@ Result<Mesh> load_mesh(const std::string& name) {
 
 namespace {
 
-/// Quadrilaterals of a grid of rows × columns vertices. Column `columns` is column 0; row `rows` is row 0 if `closed`.
-std::vector<Triangle> grid(std::uint32_t rows, std::uint32_t columns, bool closed) {
-    std::vector<Triangle> triangles;
+/// Adds the quadrilaterals of a grid of rows × columns vertices, from vertex `first` on, with places in a map by `place` of
+/// row and column. Column `columns` is column 0; row `rows` is row 0 if `closed`.
+template <typename Place>
+void add_grid(std::uint32_t first, std::uint32_t rows, std::uint32_t columns, bool closed, const Place& place,
+              Mesh& mesh) {
+    using Corner = std::array<std::uint32_t, 2>;
     for (std::uint32_t i = 0; i + (closed ? 0 : 1) < rows; ++i)
         for (std::uint32_t j = 0; j < columns; ++j) {
-            const std::uint32_t below = (i + 1) % rows * columns, next = (j + 1) % columns;
-            triangles.push_back({i * columns + j, below + j, below + next});
-            triangles.push_back({i * columns + j, below + next, i * columns + next});
+            const Corner here{i, j}, below{i + 1, j}, across{i + 1, j + 1}, next{i, j + 1};
+            for (const auto& corners : {std::array{here, below, across}, {here, across, next}}) {
+                auto& triangle = mesh.triangles.emplace_back();
+                auto& texture = mesh.texture.emplace_back();
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const auto [row, column] = corners[k];
+                    triangle[k] = first + row % rows * columns + column % columns;
+                    texture[k] = place(float(row) / float(closed ? rows : rows - 1), float(column) / float(columns));
+                }
+            }
         }
-    return triangles;
 }
 
 }  // namespace
@@ -86,12 +95,21 @@ Mesh sphere(int rings) {
             mesh.positions.push_back(to_float(Vec3d{w.y, w.z, w.x}));  // poles along y
         }
     mesh.normals = mesh.positions;
-    mesh.triangles = grid(std::uint32_t(rings + 1), std::uint32_t(around), false);
-    std::erase_if(mesh.triangles, [&](const Triangle& t) {  // degenerate triangles at the poles
-        const auto ring = [&](std::uint32_t i) { return i / std::uint32_t(around); };
-        return ring(t[1]) == ring(t[2]) ? ring(t[1]) == std::uint32_t(rings)
-                                        : ring(t[0]) == ring(t[2]) && ring(t[0]) == 0;
-    });
+    Mesh all;
+    add_grid(
+        0, std::uint32_t(rings + 1), std::uint32_t(around), false,
+        [](float down, float turn) {
+            return Vec2f{turn + 0.5f, down};
+        },
+        all);
+    const auto ring = [&](std::uint32_t i) { return i / std::uint32_t(around); };
+    for (std::size_t i = 0; i < all.triangles.size(); ++i) {
+        const Triangle& t = all.triangles[i];
+        const bool is_degenerate =
+            ring(t[1]) == ring(t[2]) ? ring(t[1]) == std::uint32_t(rings) : ring(t[0]) == ring(t[2]) && ring(t[0]) == 0;
+        if (is_degenerate) continue;  // at the poles
+        mesh.triangles.push_back(t), mesh.texture.push_back(all.texture[i]);
+    }
     return mesh;
 }
 
@@ -110,8 +128,12 @@ Mesh ball(int rings) {
             mesh.positions.push_back(to_float(ring * out + Vec3d{0, height, 0} + section * n));
             mesh.normals.push_back(to_float(n));
         }
-    for (const Triangle& t : grid(std::uint32_t(along), std::uint32_t(around), true))
-        mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    add_grid(
+        first, std::uint32_t(along), std::uint32_t(around), true,
+        [](float turn, float up) {
+            return Vec2f{turn + 0.5f, 1 - up};
+        },
+        mesh);
     return mesh;
 }
 
@@ -136,7 +158,12 @@ Mesh knot(int along, int around) {
             mesh.normals.push_back(to_float(n));
         }
     }
-    mesh.triangles = grid(std::uint32_t(along), std::uint32_t(around), true);
+    add_grid(
+        0, std::uint32_t(along), std::uint32_t(around), true,
+        [](float along_tube, float across) {
+            return Vec2f{along_tube, across};
+        },
+        mesh);
     return mesh;
 }
 

@@ -60,8 +60,10 @@ Result<Done> check_size(const Mesh& mesh, const std::string& file_name) {
 Result<Mesh> finished(Mesh mesh, const std::string& file_name) {
     if (mesh.triangles.empty()) return Error{file_name, {}, "faces of the mesh", "one at least", "none"};
     if (const auto fits = check_size(mesh, file_name); !fits) return fits.error();
-    if (mesh.normals.empty() && signed_volume(mesh) < 0)
-        for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+    if (mesh.normals.empty() && signed_volume(mesh) < 0) {
+        for (auto& corners : mesh.triangles) std::swap(corners[1], corners[2]);
+        for (auto& corners : mesh.texture) std::swap(corners[1], corners[2]);
+    }
     const std::vector<Vec3f> made = area_weighted_normals(mesh.positions, mesh.triangles);
     if (mesh.normals.empty()) {
         mesh.normals = made;
@@ -73,6 +75,9 @@ Result<Mesh> finished(Mesh mesh, const std::string& file_name) {
     }
     return mesh;
 }
+
+/// Of a place in a file, whose v goes upwards.
+Vec2f place_in_map(float u, float v) { return std::isfinite(u) && std::isfinite(v) ? Vec2f{u, 1 - v} : Vec2f{0, 0}; }
 
 // ---- .ply --------------------------------------------------------------------------------------------------------
 
@@ -267,9 +272,13 @@ float to_float(double x) {
     return std::abs(x) <= double(most) ? float(x) : std::numeric_limits<float>::quiet_NaN();
 }
 
-/// Destination of a vertex property: a coordinate of the position (0 to 2) or normal (3 to 5), or none (6).
-std::size_t place_of(const std::string& name) {
-    constexpr std::array<std::string_view, 6> names{"x", "y", "z", "nx", "ny", "nz"};
+/// Destination of a vertex property: a coordinate of the position (0 to 2), of the normal (3 to 5) or in a texture (6, 7), or
+/// none (8).
+constexpr std::size_t k_destinations = 9;
+std::size_t destination_of(const std::string& name) {
+    constexpr std::array<std::string_view, 8> names{"x", "y", "z", "nx", "ny", "nz", "s", "t"};
+    if (name == "u" || name == "texture_u") return 6;
+    if (name == "v" || name == "texture_v") return 7;
     return std::size_t(std::ranges::find(names, name) - names.begin());
 }
 
@@ -299,6 +308,9 @@ class PlyReader {
                                  "vertex index of a face",
                                  fmt::format("below {}", mesh_.positions.size()),
                                  std::to_string(i)};
+        if (!texture_.empty())
+            for (const Triangle& t : mesh_.triangles)
+                mesh_.texture.push_back({texture_[t[0]], texture_[t[1]], texture_[t[2]]});
         return finished(std::move(mesh_), file_name_);
     }
 
@@ -327,16 +339,17 @@ class PlyReader {
     }
 
     Result<Done> read_vertices(const Element& element) {
-        std::array<bool, 7> has{};
+        std::array<bool, k_destinations> has{};
         for (const Property& property : element.properties)
-            if (!property.count) has[place_of(property.name)] = true;
+            if (!property.count) has[destination_of(property.name)] = true;
         if (!(has[0] && has[1] && has[2]))
             return Error{file_name_, 0, "properties of a vertex", "x, y and z", "not all of them"};
         const bool has_normals = has[3] && has[4] && has[5];
         mesh_.positions.resize(std::size_t(element.count));
         if (has_normals) mesh_.normals.resize(std::size_t(element.count));
+        if (has[6] && has[7]) texture_.resize(std::size_t(element.count));
         for (std::uint64_t row = 0; row < element.count; ++row) {
-            std::array<float, 7> of{};
+            std::array<float, k_destinations> of{};
             for (const Property& property : element.properties) {
                 if (property.count) {
                     if (auto passed = read_list(element, row, property, nullptr); !passed) return passed.error();
@@ -344,7 +357,7 @@ class PlyReader {
                 }
                 const auto number = numbers_.next(property.type);
                 if (!number) return no_number(element, row);
-                of[place_of(property.name)] = to_float(*number);
+                of[destination_of(property.name)] = to_float(*number);
             }
             const Vec3f position{of[0], of[1], of[2]}, normal{of[3], of[4], of[5]};
             if (!is_finite(position) || (has_normals && !is_finite(normal)))
@@ -352,6 +365,7 @@ class PlyReader {
                              "finite numbers", "others"};
             mesh_.positions[std::size_t(row)] = position;
             if (has_normals) mesh_.normals[std::size_t(row)] = normal;
+            if (!texture_.empty()) texture_[std::size_t(row)] = place_in_map(of[6], of[7]);
         }
         return Done{};
     }
@@ -400,6 +414,7 @@ class PlyReader {
     Header header_;
     Numbers numbers_;
     Mesh mesh_;
+    std::vector<Vec2f> texture_;  // of vertices
 };
 
 // ---- .obj --------------------------------------------------------------------------------------------------------
@@ -421,16 +436,25 @@ std::optional<std::uint32_t> read_index(std::string_view word, std::size_t count
 }
 
 constexpr std::uint32_t k_none = std::numeric_limits<std::uint32_t>::max();
-/// A corner of a face: its position and its normal, or k_none.
-using Corner = std::pair<std::uint32_t, std::uint32_t>;
+/// A corner of a face: its position, and its normal and its place in a texture, or k_none.
+struct Corner {
+    std::uint32_t position, normal = k_none, texture = k_none;
+};
 
-std::optional<Corner> read_corner(std::string_view word, std::size_t positions, std::size_t normals) {
+/// None if there is no such position or normal.
+std::optional<Corner> read_corner(std::string_view word, std::size_t positions, std::size_t normals,
+                                  std::size_t texture) {
     const auto slash = word.find('/'), second = slash == word.npos ? slash : word.find('/', slash + 1);
     const auto position = read_index(word.substr(0, slash), positions);
     if (!position) return {};
-    if (second == word.npos) return Corner{*position, k_none};
+    Corner corner{*position};
+    if (slash != word.npos)
+        corner.texture = read_index(word.substr(slash + 1, second - slash - 1), texture).value_or(k_none);
+    if (second == word.npos) return corner;
     const auto normal = read_index(word.substr(second + 1), normals);
-    return normal ? std::optional(Corner{*position, *normal}) : std::nullopt;
+    if (!normal) return {};
+    corner.normal = *normal;
+    return corner;
 }
 
 }  // namespace
@@ -443,9 +467,10 @@ Result<Mesh> read_ply(std::span<const std::byte> bytes, const std::string& file_
 
 Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_name) {
     std::vector<Vec3f> positions, normals;
-    std::vector<Corner> corners, of_face;
+    std::vector<Vec2f> texture;
+    std::vector<Corner> corners;
     std::vector<Triangle> triangles;  // indices of corners
-    bool every_corner_has_a_normal = true;
+    bool every_corner_has_a_normal = true, every_corner_has_a_place = true;
     Lines lines(as_text(bytes));
     while (auto line = lines.next()) {
         const std::string_view keyword = next_word(*line);
@@ -454,16 +479,20 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_
             if (!vector)
                 return at_line(file_name, lines.number(), std::string(keyword), "three numbers", quoted(*line));
             (keyword == "v" ? positions : normals).push_back(*vector);
+        } else if (keyword == "vt") {
+            const auto u = to_number<float>(next_word(*line)), v = to_number<float>(next_word(*line));
+            texture.push_back(place_in_map(u.value_or(0), v.value_or(0)));
         } else if (keyword == "f") {
             std::vector<std::uint32_t> polygon;
             for (auto word = next_word(*line); !word.empty() && word[0] != '#'; word = next_word(*line)) {
-                const auto corner = read_corner(word, positions.size(), normals.size());
+                const auto corner = read_corner(word, positions.size(), normals.size(), texture.size());
                 if (!corner || corners.size() >= k_none)
                     return at_line(
                         file_name, lines.number(), "corner of a face",
                         fmt::format("one of the {} vertices and {} normals so far", positions.size(), normals.size()),
                         quoted(word));
-                every_corner_has_a_normal &= corner->second != k_none;
+                every_corner_has_a_normal &= corner->normal != k_none;
+                every_corner_has_a_place &= corner->texture != k_none;
                 polygon.push_back(std::uint32_t(corners.size()));
                 corners.push_back(*corner);
             }
@@ -472,23 +501,28 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_
     }
 
     Mesh mesh;
+    for (const Triangle& t : triangles)
+        if (every_corner_has_a_place)
+            mesh.texture.push_back(
+                {texture[corners[t[0]].texture], texture[corners[t[1]].texture], texture[corners[t[2]].texture]});
     if (!every_corner_has_a_normal || normals.empty()) {
         mesh.positions = std::move(positions);
         for (const Triangle& t : triangles)
-            mesh.triangles.push_back({corners[t[0]].first, corners[t[1]].first, corners[t[2]].first});
+            mesh.triangles.push_back({corners[t[0]].position, corners[t[1]].position, corners[t[2]].position});
         return finished(std::move(mesh), file_name);
     }
     // One vertex per pair of position and normal.
-    std::map<Corner, std::uint32_t> vertex_of;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> vertex_of;
     for (const Triangle& t : triangles) {
         Triangle& triangle = mesh.triangles.emplace_back();
         for (std::size_t k = 0; k < 3; ++k) {
             const Corner& corner = corners[t[k]];
-            const auto [found, is_new] = vertex_of.emplace(corner, std::uint32_t(mesh.positions.size()));
+            const auto [found, is_new] =
+                vertex_of.emplace(std::pair(corner.position, corner.normal), std::uint32_t(mesh.positions.size()));
             triangle[k] = found->second;
             if (!is_new) continue;
-            mesh.positions.push_back(positions[corner.first]);
-            mesh.normals.push_back(normals[corner.second]);
+            mesh.positions.push_back(positions[corner.position]);
+            mesh.normals.push_back(normals[corner.normal]);
         }
     }
     return finished(std::move(mesh), file_name);

@@ -78,10 +78,13 @@ float share(float a, float b) { return a > 0 ? 1 / (1 + (b / a) * (b / a)) : 0; 
 
 struct Surface {
     Vec3f position;
-    Vec3f geometric;  ///< normal on the viewer's side
-    Axes axes;        ///< about the shading normal, of a BRDF on the viewer's side
-    const PreparedBsdf* material;
-    Vec3f wv;  ///< in these axes, whose z is that of a BSDF's front
+    Vec3f geometric;                       ///< normal on the viewer's side
+    Axes axes;                             ///< about the shading normal, of a BRDF on the viewer's side
+    const PreparedBsdf* of_body;           ///< the same everywhere, or null
+    std::optional<PreparedBsdf> of_point;  ///< of a map
+    Vec3f wv;                              ///< in these axes, whose z is that of a BSDF's front
+
+    const PreparedBsdf& material() const { return of_body ? *of_body : *of_point; }
 };
 
 /// The result of one path.
@@ -135,7 +138,7 @@ class Tracer {
             add_sampled_lights(found, throughput, surface, random);
 
             const Vec2f u{random.next(), random.next()};
-            const BsdfSample drawn = sample(*surface.material, surface.wv, u, random.next());
+            const BsdfSample drawn = sample(surface.material(), surface.wv, u, random.next());
             if (!(largest(drawn.weight) > 0)) return found;
             drawn_pdf = drawn.pdf;
             if (bounce == 0) found.albedo = drawn.weight;
@@ -169,18 +172,24 @@ class Tracer {
     Surface surface_at(const Hit& hit, Vec3f direction) const {
         const Body& body = scene_.bodies[hit.mesh];
         const Triangle& triangle = body.mesh->triangles[hit.triangle];
+        const float at_first = 1 - hit.u - hit.v;
         const auto interpolated = [&](const std::vector<Vec3f>& at) {
-            return (1 - hit.u - hit.v) * at[triangle[0]] + hit.u * at[triangle[1]] + hit.v * at[triangle[2]];
+            return at_first * at[triangle[0]] + hit.u * at[triangle[1]] + hit.v * at[triangle[2]];
         };
-        Surface surface;
+        Surface surface{};
         surface.position = interpolated(body.mesh->positions);
-        surface.material = &scene_.materials[body.material];
+        surface.of_body = std::get_if<PreparedBsdf>(&scene_.materials[body.material]);
+        if (const auto* map = std::get_if<PreparedMap>(&scene_.materials[body.material])) {
+            const auto& [a, b, c] = body.mesh->texture[hit.triangle];
+            surface.of_point =
+                brdf_at(*map, {at_first * a.x + hit.u * b.x + hit.v * c.x, at_first * a.y + hit.u * b.y + hit.v * c.y});
+        }
         surface.geometric = dot(hit.geometric_normal, direction) < 0 ? hit.geometric_normal : -hit.geometric_normal;
         Vec3f normal = interpolated(body.mesh->normals);
         if (!(dot(normal, normal) > 1e-12f)) normal = surface.geometric;
         if (dot(normal, surface.geometric) < 0) normal = -normal;
         normal = Shading<float>::visible_normal(normal, -direction);
-        const bool from_back = !surface.material->is_brdf() && dot(hit.geometric_normal, direction) > 0;
+        const bool from_back = !surface.material().is_brdf() && dot(hit.geometric_normal, direction) > 0;
         const float side = from_back ? -1.f : 1.f;
         surface.axes = in_float(surface_frame(to_double(side * normal)));
         surface.wv = surface.axes.to(-direction);
@@ -196,7 +205,7 @@ class Tracer {
     }
 
     Rgb value_at(const Surface& surface, Vec3f wl) const {
-        const Rgb f = value(*surface.material, wl, surface.wv);
+        const Rgb f = value(surface.material(), wl, surface.wv);
         return is_finite(f) ? f : Rgb{};
     }
 
@@ -212,7 +221,7 @@ class Tracer {
             ++found.rays;
             if (rays_.occluded(origin_of(surface, direction), direction, distance - offset_)) return;
         }
-        const float by_brdf = light_pdf > 0 ? pdf(*surface.material, wl, surface.wv) : 0;
+        const float by_brdf = light_pdf > 0 ? pdf(surface.material(), wl, surface.wv) : 0;
         const float scale = light_pdf > 0 ? share(light_pdf, by_brdf) / light_pdf : 1;
         found.radiance += (scale * std::abs(wl.z)) * (throughput * f * arriving);
     }

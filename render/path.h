@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "render/environment.h"
 #include "render/image.h"
 #include "render/scene.h"
 #include "srbf/prepared_bsdf.h"
+#include "srbf/prepared_map.h"
 
 namespace srbf {
 
@@ -18,6 +20,9 @@ struct AreaLight {
     Rgb radiance;
 };
 
+/// A BRDF is the same on both sides, and lets nothing through. A map is that at each point of a mesh with places in it.
+using PathMaterial = std::variant<PreparedBsdf, PreparedMap>;
+
 /// An object: the indices of a mesh and a material.
 struct Body {
     const Mesh* mesh;
@@ -26,8 +31,8 @@ struct Body {
 
 struct PathScene {
     std::vector<Body> bodies;
-    std::vector<PreparedBsdf> materials;  ///< a BRDF is the same on both sides, and lets nothing through
-    Camera camera;                        ///< its `up` is also the environment's +y
+    std::vector<PathMaterial> materials;
+    Camera camera;  ///< its `up` is also the environment's +y
     std::vector<DirectionalLight> lights;
     std::vector<AreaLight> area_lights;
     const Environment* environment = nullptr;  ///< none: black

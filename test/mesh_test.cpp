@@ -156,6 +156,54 @@ TEST(Obj, TakesAVertexForEachPairOfPositionAndNormal) {
     EXPECT_EQ(bare->normals[1], (Vec3f{0, 0, 1}));
 }
 
+/// A map is wrapped around built-in meshes once, continuously but for where its edges meet, and on a sphere as a globe.
+TEST(Mesh, BuiltInOnesHavePlacesInAMap) {
+    for (const std::string_view name : k_built_in_meshes) {
+        const Mesh mesh = *load_mesh(std::string(name));
+        ASSERT_EQ(mesh.texture.size(), mesh.triangles.size()) << name;
+        for (const auto& corners : mesh.texture)
+            for (const Vec2f& a : corners)
+                for (const Vec2f& b : corners) ASSERT_LT(std::abs(a.x - b.x) + std::abs(a.y - b.y), 0.06f) << name;
+    }
+    const Mesh globe = sphere();
+    for (std::size_t i = 0; i < globe.triangles.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3f p = globe.positions[globe.triangles[i][k]];
+            const Vec2f uv = globe.texture[i][k];
+            const double theta = k_pi * double(uv.y), phi = 2 * k_pi * double(uv.x - 0.5f);
+            EXPECT_TRUE(near(p.y, std::cos(theta), 1e-5));
+            EXPECT_TRUE(near(p.x, std::sin(theta) * std::sin(phi), 1e-5) &&
+                        near(p.z, std::sin(theta) * std::cos(phi), 1e-5));
+        }
+}
+
+TEST(Mesh, FilesHavePlacesInAMap) {
+    using Corners = std::array<Vec2f, 3>;
+    const auto expect = [](const Result<Mesh>& mesh, const std::vector<Corners>& expected) {
+        ASSERT_TRUE(mesh) << message(mesh.error());
+        ASSERT_EQ(mesh->texture.size(), expected.size());
+        for (std::size_t i = 0; i < expected.size(); ++i)
+            for (std::size_t k = 0; k < 3; ++k)
+                EXPECT_TRUE(mesh->texture[i][k].x == expected[i][k].x && mesh->texture[i][k].y == expected[i][k].y);
+    };
+    const std::string obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0.25\nvt 0.5 1\nvt nan 1\n", normal = "vn 0 0 1\n";
+    expect(read(obj + normal + "f 1/1/1 2/2/1 3/-1/1\n"), {{{{0, 0.75f}, {0.5f, 0}, {0, 0}}}});
+    expect(read(obj + normal + "f 1/1/1 2//1 3/1/1\n"), {});  // not of every corner
+    expect(read(obj + "f 1/1 2/9 3/1\n"), {});
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 0 0.25\n1 0 0 0.5 1\n1 1 0 2 0\n3 0 1 2\n";
+    const Result<Mesh> flat = read(ply);
+    expect(flat, {{{{0, 0.75f}, {0.5f, 0}, {2, 1}}}});
+    // Inside out: corners and places are exchanged together.
+    const auto turned = read(
+        "v 5 5 5\nv 6 5 5\nv 5 6 5\nv 5 5 6\nvt 0 1\nvt 1 1\nvt 1 0\n"
+        "f 1/1 2/2 3/3\nf 1/1 4/2 2/3\nf 1/1 3/2 4/3\nf 2/1 4/2 3/3\n");
+    const Corners of_each{{{0, 0}, {1, 1}, {1, 0}}};
+    expect(turned, {of_each, of_each, of_each, of_each});
+}
+
 /// The error of a file with `part` replaced by `by`.
 std::string error_of(std::string file, const std::string& part = "", const std::string& by = "") {
     const auto at = file.find(part);

@@ -50,7 +50,8 @@ PathOptions small(int samples, int size = 24) {
 const Mesh& plane_mesh() {
     static const Mesh mesh{{{-10, -10, 0}, {10, -10, 0}, {10, 10, 0}, {-10, 10, 0}},
                            std::vector<Vec3f>(4, {0, 0, 1}),
-                           {{0, 1, 2}, {0, 2, 3}}};
+                           {{0, 1, 2}, {0, 2, 3}},
+                           {}};
     return mesh;
 }
 PathScene plane_scene(const PreparedBrdf& brdf) {
@@ -214,6 +215,91 @@ TEST(Path, AllWaysToDrawGiveOnePicture) {
     };
     expect_one(with(model, CosineProposal{}), with(model, propose(evaluator(model))));
     expect_one(with(su, CosineProposal{}), with(su, propose(su)));
+}
+
+/// A map of the two lobes of `glossy`, by the coefficients of each texel.
+Library glossy_map(std::vector<std::array<Rgb, 2>> texels, std::uint64_t width) {
+    Library map;
+    map.basis = glossy();
+    map.basis.coefficient = {{1, 1, 1}, {1, 1, 1}};
+    map.stored = 2, map.width = width;
+    map.error.assign(texels.size(), 0);
+    for (const auto& [diffuse, gloss] : texels) map.coefficient.insert(map.coefficient.end(), {diffuse, gloss});
+    return map;
+}
+
+TEST(Path, AConstantMapIsItsModel) {
+    const std::array<Rgb, 2> texel{{{0.2f, 0.1f, 0.05f}, {1.5f, 1.5f, 1.5f}}};
+    const Library map = glossy_map(std::vector(6, texel), 3);
+    const PreparedMap prepared = prepare_map(map);
+    PathScene scene = sphere_scene(prepare(material(map, 0)), &even_light());
+    const auto drawn = [&](const PathMaterial& material, std::uint64_t seed) {
+        scene.materials = {material};
+        PathOptions options = small(64);
+        options.bounces = 1, options.seed = seed;
+        return render_paths(scene, options).rendering.radiance;
+    };
+    const Mean model = mean_of(drawn(scene.materials[0], 1)), same = mean_of(drawn(prepared, 2));
+    EXPECT_PRED3(near, same.value, model.value, 1e-3);
+    // Values alone, without noise.
+    scene.environment = nullptr;
+    scene.lights = {{normalize(Vec3d{-1, 1, 2}), {1, 1, 1}}};
+    const Image expected = drawn(prepare(material(map, 0)), 1), found = drawn(prepared, 1);
+    for (std::size_t i = 0; i < found.pixels.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            EXPECT_PRED3(near, found.pixels[i][c], expected.pixels[i][c], 1e-5 + 1e-4 * double(expected.pixels[i][c]));
+}
+
+TEST(Path, AMapShowsEachOfItsTexels) {
+    const std::array<Rgb, 2> red{{{0.2f, 0, 0}, {}}}, green{{{0, 0.2f, 0}, {}}};
+    Mesh mesh = plane_mesh();  // u to the right, the first row at the top
+    mesh.texture = {{{{0, 1}, {1, 1}, {1, 0}}}, {{{0, 1}, {1, 0}, {0, 0}}}};
+    PathScene scene{{{&mesh, 0}}, {prepare_map(glossy_map({red, green, green, green}, 2))}, {}, {}, {}, nullptr};
+    scene.lights = {{{0, 0, 1}, {1, 1, 1}}};
+    const auto at = [&](double x, double y) {
+        scene.camera = {{x, y, 5}, {x, y, 0}, {0, 1, 0}, 1e-4};
+        const Rgb f = render_paths(scene, small(1, 1)).rendering.radiance.pixels[0];
+        return std::array<double, 2>{double(f.r), double(f.g)};
+    };
+    const auto expect = [&](double x, double y, double of_red) {
+        EXPECT_PRED3(near, at(x, y)[0], 0.2 * of_red, 1e-5) << x << ' ' << y;
+        EXPECT_PRED3(near, at(x, y)[1], 0.2 * (1 - of_red), 1e-5) << x << ' ' << y;
+    };
+    expect(-5, 5, 1);  // the middles of texels
+    expect(5, 5, 0);
+    expect(-5, -5, 0);
+    expect(0, 5, 0.5);  // between them
+    expect(-2.5, 2.5, 0.75 * 0.75);
+    expect(-10, 5, 0.5);  // where the map is repeated
+}
+
+/// The mean of draws is the albedo, and their variance not much more than by the texel's own mixture.
+TEST(Path, TexelsAreDrawnFromTheirLobes) {
+    std::mt19937_64 random(5);
+    for (const bool axial : {true, false}) {
+        const Library map = random_map(random, {.axial = axial, .lobes = 4, .most_bandwidth = 200}, 4, 2);
+        const PreparedMap prepared = prepare_map(map);
+        const std::size_t t = 5;
+        const PreparedBrdf own = prepare(material(map, t)),
+                           shared = brdf_at(prepared, {(float(t % 4) + 0.5f) / 4, (float(t / 4) + 0.5f) / 2});
+        for (const double z : {0.2, 0.7}) {
+            const Vec3f wv = to_float(spherical(std::acos(z), 1.0));
+            std::array<double, 2> mean{}, squares{};
+            constexpr int draws = 20000;
+            for (int i = 0; i < draws; ++i) {
+                const Vec2f u{float(uniform(random)), float(uniform(random))};
+                const float selector = float(uniform(random));
+                for (const std::size_t k : {0, 1}) {
+                    const LightSample drawn = sample(k == 0 ? own : shared, wv, u, selector);
+                    mean[k] += double(drawn.weight.g) / draws;
+                    squares[k] += double(drawn.weight.g) * double(drawn.weight.g) / draws;
+                }
+            }
+            const auto variance = [&](std::size_t k) { return squares[k] - mean[k] * mean[k]; };
+            EXPECT_PRED3(near, mean[1], mean[0], 4 * std::sqrt((variance(0) + variance(1)) / draws)) << axial;
+            EXPECT_LT(variance(1), 2 * variance(0) + 0.15 * mean[0] * mean[0]) << axial << z;
+        }
+    }
 }
 
 TEST(Path, EnvironmentStandsUpright) {
@@ -404,6 +490,20 @@ TEST_F(PathCommand, BadInputIsRefused) {
     expect_refused({"-o", "b.png", "--compare", "missing.bsdf"}, "missing.bsdf");
     EXPECT_EQ(render({"-o", "b.png", "--spp", "0"}).status, 2);
     EXPECT_EQ(render({"-o", "b.png", "--lights", "moon"}).status, 2);
+}
+
+TEST_F(PathCommand, MapsAreDrawnOnMeshesWithPlaces) {
+    Library map = glossy_map({{{{0.2f, 0, 0}, {}}}, {{{0, 0.2f, 0}, {}}}}, 2);
+    ASSERT_TRUE(write_file(folder / "map.srbf", write_library(map)).ok());
+    write(folder / "bare.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+    EXPECT_EQ(render({"map.srbf", "-o", "b.png"}).status, 0);
+    EXPECT_EQ(render({"map.srbf#1,0", "-o", "b.png", "--mesh", "bare.obj"}).status, 0);
+    expect_refused({"map.srbf", "-o", "c.png", "--mesh", "bare.obj"}, "texture coordinates");
+    expect_refused({"map.srbf", "-o", "c.png", "--scene", "room"}, "scene of a map");
+    expect_refused({"map.srbf", "-o", "c.png", "--draw", "cosine"}, "draws of a map");
+    map.width = 0;
+    ASSERT_TRUE(write_file(folder / "library.srbf", write_library(map)).ok());
+    expect_refused({"library.srbf", "-o", "c.png"}, "library.srbf");
 }
 
 TEST_F(PathCommand, TexelsThatAreNoRadianceAreCounted) {

@@ -112,8 +112,10 @@ class RasterEnvironments : public InEachDialect {
 constexpr Frame k_world{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 /// A square that fills the picture and faces +z, seen at θv from so far that wv is the same everywhere; y is up.
-const Mesh k_plane{
-    {{-10, -10, 0}, {10, -10, 0}, {10, 10, 0}, {-10, 10, 0}}, std::vector<Vec3f>(4, {0, 0, 1}), {{0, 1, 2}, {0, 2, 3}}};
+const Mesh k_plane{{{-10, -10, 0}, {10, -10, 0}, {10, 10, 0}, {-10, 10, 0}},
+                   std::vector<Vec3f>(4, {0, 0, 1}),
+                   {{0, 1, 2}, {0, 2, 3}},
+                   {}};
 Camera plane_camera(double theta) {
     const Vec3d wv = spherical(theta, 0.0);
     return {100.0 * wv, {0, 0, 0}, {0, 1, 0}, 1e-3};

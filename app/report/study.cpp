@@ -175,13 +175,15 @@ class Maker {
         command.threads = options_.threads;
         study.material["pixels"] = size;
         study.material["paths"] = command.samples;
+        std::vector<Pictured> pictured;
+        for (const Subject& subject : drawn_.subjects) pictured.emplace_back(&subject);
         const std::array<std::pair<const char*, std::string>, 2> objects{{{"ball", "ball"}, {"mesh", options_.mesh}}};
         for (std::size_t object = 0; object < objects.size(); ++object) {
             auto mesh = load_mesh(objects[object].second);
             if (!mesh) return mesh.error();
             const Viewpoint viewpoint{.elevation = k_elevation, .z_up = object > 0 && options_.z_up};
             const Scene scene = scene_of(*std::move(mesh), viewpoint, 1);
-            const auto pictures = command.render(scene, drawn_.subjects, size, size, [&](double part) {
+            const auto pictures = command.render(scene, pictured, size, size, [&](double part) {
                 progress_("pictures", k_fits + k_pictures * (double(object) + part) / double(objects.size()));
             });
             if (!pictures) return pictures.error();

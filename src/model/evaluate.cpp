@@ -274,12 +274,7 @@ PmLanes::PmLanes(const PmModel& model)
         Row* const rows = &numbers_[k_first + j / k_lanes * std::size_t(rows_)];
         const auto set = [&](int row, float x) { rows[row].of[j % k_lanes] = x; };
         set(log2_scale(), in_bits(model.log_scale[j]));
-        // Smaller values occur only in spectra and are below their resolution in 16 bits; products of them might be
-        // subnormal.
-        for (int c = 0; c < 3; ++c) {
-            const float beta = model.coefficient[j][c];
-            set(coefficient(c), std::abs(beta) < 0x1p-26f ? 0 : beta);
-        }
+        set_coefficient(j, model.coefficient[j]);
         for (std::size_t n = 0; n < std::size_t(variates_); ++n) {
             const Vec3f xi = n < N ? model.centre[j * N + n] : Vec3f(0, 0, 1);
             set(log2_falloff(axial_, int(n)), n < N ? 0.5f * in_bits(model.bandwidth[j * N + n]) : 0);
@@ -292,6 +287,21 @@ PmLanes::PmLanes(const PmModel& model)
         for (std::size_t k = 0; k < F; ++k)
             set(exponent(axial_, variates_, int(k)), in_bits(model.exponent[j * F + k]));
     }
+}
+
+void PmLanes::set_coefficient(std::size_t j, const Rgb& beta) {
+    // Smaller values occur only in spectra and are below their resolution in 16 bits; products of them might be
+    // subnormal.
+    for (int c = 0; c < 3; ++c)
+        numbers_[k_first + j / k_lanes * std::size_t(rows_) + std::size_t(coefficient(c))].of[j % k_lanes] =
+            std::abs(beta[c]) < 0x1p-26f ? 0 : beta[c];
+}
+
+PmLanes PmLanes::with_coefficients(std::span<const Rgb> coefficient) const {
+    assert(coefficient.size() == std::size_t(lobes_));
+    PmLanes with = *this;
+    for (std::size_t j = 0; j < coefficient.size(); ++j) with.set_coefficient(j, coefficient[j]);
+    return with;
 }
 
 OfPair pair_evaluator(const PmLanes& model) { return HWY_DYNAMIC_DISPATCH(pair_evaluator)(model); }

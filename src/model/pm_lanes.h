@@ -18,6 +18,8 @@ class PmLanes {
     static constexpr int k_lanes = 8;
 
     explicit PmLanes(const PmModel& model);
+    /// The same lobes with these coefficients.
+    PmLanes with_coefficients(std::span<const Rgb> coefficient) const;
 
     PmForm form() const { return form_; }
     bool axial() const { return axial_; }
@@ -61,6 +63,7 @@ class PmLanes {
         std::array<float, k_lanes> of{};
     };
     static constexpr int k_first = 6;  // row of the first group
+    void set_coefficient(std::size_t j, const Rgb& beta);
     PmForm form_;
     bool axial_;
     int lobes_, variates_, rows_;

@@ -22,6 +22,7 @@ namespace {
 
 /// The kind of a filtered environment.
 constexpr const char* k_filtered = "dds";
+constexpr const char* k_three = "three";
 /// The kinds of a map's textures.
 constexpr const char *k_ktx2 = "ktx2", *k_exr = "exr";
 
@@ -33,7 +34,7 @@ std::vector<std::string> names_of_languages() {
 std::vector<std::string> names_of_kinds() {
     std::vector<std::string> kinds = names_of_languages();
     kinds.insert(kinds.begin(), "html");
-    kinds.insert(kinds.end(), {"three", "radiance", k_filtered, k_ktx2, k_exr});
+    kinds.insert(kinds.end(), {k_three, "radiance", k_filtered, k_ktx2, k_exr});
     kinds.insert(kinds.end(), k_surface_files.begin(), k_surface_files.end());
     return kinds;
 }
@@ -56,7 +57,9 @@ struct ExportCommand {
     static std::vector<NamedModel> with_parts(const std::vector<NamedModel>& named);
     Result<std::string> surface(const std::vector<NamedModel>& named) const;
     Result<std::string> code(const std::vector<NamedModel>& named) const;
-    std::string data_path(const NamedModel& of) const;
+    std::string beside(const std::string& name) const;
+    /// Where the numbers of a view-by-view model go.
+    std::string data_path(const NamedModel& of) const { return beside(of.name + ".data"); }
 };
 
 /// A mesh whose z axis is up, with its y axis up.
@@ -66,23 +69,10 @@ Mesh turned_upright(Mesh mesh) {
     return mesh;
 }
 
-/// The library that is the only file, if it is one.
-Result<std::optional<Library>> library_of(const std::vector<std::string>& files) {
-    using Found = Result<std::optional<Library>>;
-    if (files.size() != 1) return std::optional<Library>();
-    return within_memory(files[0], [&]() -> Found {
-        const auto bytes = read_file(files[0], all_if(is_safetensors));
-        if (!bytes || !is_library(*bytes)) return std::optional<Library>();
-        auto library = read_library(*bytes, files[0]);
-        if (!library) return library.error();
-        return std::optional(*std::move(library));
-    });
-}
-
 int ExportCommand::run() const {
     if (to == k_filtered) return filter_environment();
-    if (is_code() || is_layers()) {
-        const auto map = library_of(files);
+    if (files.size() == 1 && (is_code() || is_layers() || to == k_three)) {
+        const auto map = library_in(files[0]);
         if (!map) return complain(map.error());
         if (*map) return write_map(**map);
     }
@@ -115,7 +105,7 @@ int ExportCommand::run() const {
     if (const auto writable = check_outputs(inputs, outputs); !writable) return complain(writable.error());
 
     // three.js has no light behind a surface: each part is a material.
-    const auto text = is_page ? page(models, measured) : code(to == "three" ? brdfs : all);
+    const auto text = is_page ? page(models, measured) : code(to == k_three ? brdfs : all);
     if (!text) return complain(text.error());
     for (const NamedModel& of : brdfs)
         if (const auto* su = std::get_if<SuModel>(&of.model->model); su && !is_page) {
@@ -127,19 +117,23 @@ int ExportCommand::run() const {
     return written ? int(k_done) : complain(written.error());
 }
 
-/// Its lobes as code, or its coefficients as textures.
+/// Its lobes as code, or its coefficients as textures, or for three.js both.
 int ExportCommand::write_map(const Library& map) const {
     if (const auto valid = check_layers(map, files[0]); !valid) return complain(valid.error());
-    if (const auto writable = check_outputs(files, {output}); !writable) return complain(writable.error());
-    Result<Done> written = Done{};
-    if (is_code()) {
-        const auto text = map_code(map, identifier(stem_of(files[0])), code_options());
+    const std::string name = identifier(stem_of(files[0])), texture = is_layers() ? output : beside(name + ".ktx2");
+    std::vector<std::string> outputs{output};
+    if (to == k_three) outputs.push_back(texture);
+    if (const auto writable = check_outputs(files, outputs); !writable) return complain(writable.error());
+    if (!is_layers()) {
+        const auto text =
+            to == k_three ? three_map_module(map, name, name + ".ktx2") : map_code(map, name, code_options());
         if (!text) return complain(text.error());
-        written = write_file(output, as_bytes(*text));
-    } else {
-        written = within_memory(
-            output, [&] { return to == k_exr ? write_map_exr(map, output) : write_file(output, map_ktx2(map)); });
+        const auto written = write_file(output, as_bytes(*text));
+        if (!written) return complain(written.error());
     }
+    if (is_code()) return k_done;
+    const auto written = within_memory(
+        texture, [&] { return to == k_exr ? write_map_exr(map, texture) : write_file(texture, map_ktx2(map)); });
     return written ? int(k_done) : complain(written.error());
 }
 
@@ -201,15 +195,15 @@ std::vector<NamedModel> ExportCommand::with_parts(const std::vector<NamedModel>&
     return all;
 }
 
-/// Where the numbers of a view-by-view model go, beside the code.
-std::string ExportCommand::data_path(const NamedModel& of) const {
-    return (std::filesystem::path(output).parent_path() / (of.name + ".data")).string();
+/// Of that name, beside the code.
+std::string ExportCommand::beside(const std::string& name) const {
+    return (std::filesystem::path(output).parent_path() / name).string();
 }
 
 Result<std::string> ExportCommand::code(const std::vector<NamedModel>& named) const {
     const std::string prefix = named.size() == 1 ? named[0].name : identifier(stem_of(output));
     if (is_surface_file(to)) return surface(named);
-    if (to == "three") return three_module(named, prefix);
+    if (to == k_three) return three_module(named, prefix);
     if (to == "radiance") return radiance_text(named);
     return shading_code(named, prefix, code_options());
 }
@@ -253,7 +247,8 @@ void add_export(CommandLine& app, int& status) {
                "html: a single file for any browser, without network access\n"
                "{}: source code with functions NAME_brdf of each model, named by its file, and\n"
                "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
-               "three: a module for three.js with a class NAMEMaterial of each model.\n"
+               "three: a module for three.js with a class NAMEMaterial of each model; of a map, which goes into\n"
+               "NAME.ktx2 beside it, one with coefficients from textures\n"
                "radiance: a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them\n"
                "mtlx, standard-surface, gltf, glb, usd, blender: a surface (fit --model pbr) as a document of\n"
                "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"

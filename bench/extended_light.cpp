@@ -43,6 +43,7 @@ struct ExportedLight {
         return {below, at - float(below)};
     }
     static float elevation_coordinate(float cosine) { return srbf::elevation_coordinate(std::clamp(cosine, 0.f, 1.f)); }
+    struct Pm {};
     std::vector<float> light_lobes;
     int EXTENDED_LOBES;
     static constexpr int EXTENDED_NODES = ExtendedLight::k_views, EXTENDED_LEVELS = ExtendedLight::k_levels;
@@ -53,6 +54,15 @@ struct ExportedLight {
         for (const ExtendedLight::Lobe& lobe : of.lobe)
             light_lobes.insert(light_lobes.end(),
                                {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
+    }
+    float light_number(int i, NodesAbout nodes) {
+        const auto columns = std::size_t(5 * EXTENDED_LOBES), at = columns * std::size_t(nodes.below) + std::size_t(i);
+        return light_lobes[at] + nodes.beyond * (light_lobes[at + columns] - light_lobes[at]);
+    }
+    float light_axis(int k, NodesAbout nodes) { return light_number(5 * k, nodes); }
+    float light_roughness(int k, NodesAbout nodes) { return light_number(5 * k + 1, nodes); }
+    Vec3 light_weight(int k, NodesAbout nodes, Pm) {
+        return {light_number(5 * k + 2, nodes), light_number(5 * k + 3, nodes), light_number(5 * k + 4, nodes)};
     }
 #include "src/shader/extended.glsl"
 };
@@ -287,7 +297,7 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
                 lights[k].map = &map.filtered, lights[k].map_axes = axes;
                 const Image picture = drawn(object.pixels, [&](const Point& at) {
                     kernel::ExportedLight::surface = &at.axes;
-                    const Vec3f c = lights[k].environment(at.wv);
+                    const Vec3f c = lights[k].environment(at.wv, {});
                     return Rgb{c.x, c.y, c.z};
                 });
                 row.by_lobes[k].add(errors_of(object.pixels, reference, picture));
@@ -308,8 +318,9 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
                                               const auto corner = [&](const Vec3f& add) {
                                                   return to_float(at.axes.to(to_double(of.corner + add - at.position)));
                                               };
-                                              const Vec3f c = lights[k_usual].area(at.wv, corner({}), corner(of.x),
-                                                                                   corner(of.x + of.y), corner(of.y));
+                                              const Vec3f c =
+                                                  lights[k_usual].area(at.wv, corner({}), corner(of.x),
+                                                                       corner(of.x + of.y), corner(of.y), {});
                                               return Rgb{c.x, c.y, c.z};
                                           })));
     }

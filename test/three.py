@@ -3,45 +3,15 @@ the picture of scene i as FOLDER/i.rgba, rows from the top, and one of the page 
 
 Exit status 77: there is no Chromium, or none with WebGL 2; standard output says which."""
 import base64
-import functools
-import http.server
 import json
 import os
 import sys
-import threading
 
-from chromium import WEBGL, Chromium, program
+from three_site import Site
 
 folder = sys.argv[1]
-if not program():
-    print("no Chromium")
-    sys.exit(77)
-
-
-class Handler(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, *of):
-        pass
-
-
-server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=folder))
-threading.Thread(target=server.serve_forever, daemon=True).start()
-site = f"http://127.0.0.1:{server.server_port}/"
-
-
-def visit(chromium, page):
-    chromium.ask("Page.navigate", url=site + page)
-    chromium.wait_for("Page.loadEventFired")
-    chromium.settle()
-
-
-with open(os.path.join(folder, "empty.html"), "w") as file:
-    file.write("""<!doctype html><link rel="icon" href="data:,">
-<script type="importmap">{ "imports": { "three": "./three.module.js" } }</script>""")
-chromium = Chromium(WEBGL)
-visit(chromium, "empty.html")
-if not chromium.run("document.createElement('canvas').getContext('webgl2') !== null"):
-    print("a Chromium without WebGL 2")
-    sys.exit(77)
+site = Site(folder)
+chromium = site.chromium
 chromium.run("""(async () => {
     window.THREE = await import('three');
     window.materials = await import('./materials.js');
@@ -150,7 +120,7 @@ alike = chromium.run("""(() => {
 problems = list(chromium.problems)
 if os.path.exists(os.path.join(folder, "three.html")):
     chromium.size(1016, 516)
-    visit(chromium, "three.html")
+    site.visit("three.html")
     chromium.screenshot(os.path.join(folder, "example.png"))
     problems += [p for p in chromium.problems if "favicon" not in json.dumps(p) and p not in problems]
 print(json.dumps({"problems": problems, **alike}))

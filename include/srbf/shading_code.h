@@ -83,10 +83,11 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
 ///                                                      supplies: a look-up in layer j of its textures
 ///   NAME_Coefficients NAME_coefficients(float u, float v)   those of all lobes, by NAME_layer
 ///   Vec3 NAME_brdf(Vec3 wl, Vec3 wv, NAME_Coefficients)     f_r [1/sr], as above
-///   Vec3 NAME_albedo(float cosine, NAME_Coefficients)       with `albedo`
-/// f_r and the albedo are linear in the coefficients, so that what a texture's filter makes of texels is the mean of their
-/// BRDFs. Not for Metal, where a function sees no textures but its arguments: NAME_layer and NAME_coefficients. Errors, of
-/// code `argument`: a sparse library; sampling, environments and area lights, which are not linear in the coefficients.
+///   and NAME_albedo, NAME_environment, NAME_environment_lobe, NAME_area, if they are wanted, as above with the coefficients
+///   as last argument; of the lobes of environments there are J + 1, the cosine about the normal and one of each lobe
+/// All are linear in the coefficients, so that what a texture's filter makes of texels is the mean of their BRDFs. Not for
+/// Metal, where a function sees no textures but its arguments: NAME_layer and NAME_coefficients. Errors, of code
+/// `argument`: a sparse library; sampling.
 Result<std::string> map_code(const Library& map, std::string_view name, const CodeOptions& options = {});
 
 /// The functions of a model as Python for a library of arrays, see src/shader/print_python.h: brdf(wl, wv),
@@ -109,5 +110,10 @@ std::vector<float> shading_data(const SuModel& model);
 /// FilmMaterial for "film". It extends MeshStandardMaterial and reflects all lights of three by the model, environment
 /// maps and area lights too. Errors: those of `shading_code`.
 Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads = 0);
+/// A dense library (library.h) as such a module: a class, FilmMaterial for "film", whose `coefficients` are a texture, and
+/// a function `loadCoefficients` that reads it from a KTX 2 file, unless told another from `file` beside the module. Errors
+/// as of `map_code`.
+Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file,
+                                     int threads = 0);
 
 }  // namespace srbf

@@ -1,6 +1,6 @@
-// Light of any extent, to follow albedo.glsl. What precedes:
-//   light_lobes  for each of EXTENDED_NODES nodes, placed as those of albedos, and each of EXTENDED_LOBES lobes: p, roughness,
-//                weight R, G, B
+// Light of any extent, to follow albedo.glsl. What precedes, of each of EXTENDED_LOBES lobes between two of EXTENDED_NODES
+// nodes, which are placed as those of albedos:
+//   light_axis(k, nodes), light_roughness(k, nodes), light_weight(k, nodes, pm)   p, roughness, weight R, G, B
 
 // A lobe of f_r cos(theta_l) over the light for a view: what an environment, filtered as for GGX of that roughness seen
 // along the normal, shows in the direction `axis` is reflected with `weight`.
@@ -9,18 +9,14 @@ struct LightLobe {
     Real roughness;
     Vec3 weight;
 };
-Real light_number(int i, NodesAbout nodes) {
-    int at = 5 * EXTENDED_LOBES * nodes.below + i;
-    return light_lobes[at] + nodes.beyond * (light_lobes[at + 5 * EXTENDED_LOBES] - light_lobes[at]);
-}
 // Lobe k, of which the first is the cosine about the normal, for a view wv above the horizon.
-LightLobe environment_lobe(Vec3 wv, int k) {
+LightLobe environment_lobe(Vec3 wv, int k, Pm pm) {
     NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
-    Real p = light_number(5 * k, nodes);
+    Real p = light_axis(k, nodes);
     LightLobe lobe;
     lobe.axis = Vec3(-p * wv.x, -p * wv.y, sqrt(max(Real(1.0) - p * p * (Real(1.0) - wv.z * wv.z), Real(0.0))));
-    lobe.roughness = light_number(5 * k + 1, nodes);
-    lobe.weight = Vec3(light_number(5 * k + 2, nodes), light_number(5 * k + 3, nodes), light_number(5 * k + 4, nodes));
+    lobe.roughness = light_roughness(k, nodes);
+    lobe.weight = light_weight(k, nodes, pm);
     return lobe;
 }
 
@@ -29,11 +25,11 @@ LightLobe environment_lobe(Vec3 wv, int k) {
 // EXTENDED_LEVELS levels, of which level (EXTENDED_LEVELS - 1) sqrt(roughness) is looked up, between levels linearly.
 Vec3 radiance(Vec3 direction, Real roughness);
 // The radiance that leaves towards the viewer.
-Vec3 environment(Vec3 wv) {
+Vec3 environment(Vec3 wv, Pm pm) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (wv.z <= Real(0.0)) return sum;
     for (int k = 0; k < EXTENDED_LOBES; ++k) {
-        LightLobe lobe = environment_lobe(wv, k);
+        LightLobe lobe = environment_lobe(wv, k, pm);
         Vec3 light = radiance(lobe.axis, lobe.roughness);
         sum = sum + Vec3(lobe.weight.x * light.x, lobe.weight.y * light.y, lobe.weight.z * light.z);
     }
@@ -108,7 +104,7 @@ Real lobe_over(LightLobe lobe, Polygon of) {
 }
 // The radiance that leaves towards the viewer from a quadrilateral of radiance 1 on either side, whose corners follow
 // each other: from the point of the surface, in the local frame.
-Vec3 area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+Vec3 area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (wv.z <= Real(0.0)) return sum;
     Polygon light;
@@ -119,7 +115,7 @@ Vec3 area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
     light.corner[3] = d;
     light.corner[4] = d;
     for (int k = 0; k < EXTENDED_LOBES; ++k) {
-        LightLobe lobe = environment_lobe(wv, k);
+        LightLobe lobe = environment_lobe(wv, k, pm);
         sum = sum + lobe_over(lobe, light) * lobe.weight;
     }
     return sum;

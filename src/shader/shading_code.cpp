@@ -282,6 +282,11 @@ std::vector<Rgb> albedos(const Model& model) {
         reflected.push_back(albedo(brdf, std::max(float(albedo_cosine(i)), 1e-7f)));  // 0 has none
     return reflected;
 }
+/// Lobe j with coefficient 1.
+Model lobe_alone(PmModel basis, std::size_t j) {
+    basis.coefficient.assign(std::size_t(basis.lobes), Rgb{}), basis.coefficient[j] = {1, 1, 1};
+    return {std::move(basis), {}};
+}
 /// What albedo.glsl requires, to be parsed before it: the sum over lobes where their coefficients are arguments.
 std::string albedo_of(const Model& model, Numbers where, bool is_wanted, Program& program) {
     Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
@@ -297,9 +302,7 @@ std::string albedo_of(const Model& model, Numbers where, bool is_wanted, Program
     nodes.comment = "Directional albedo of each lobe with coefficient 1, a row for each node.", nodes.columns = J;
     nodes.numbers.resize(is_wanted ? k_albedo_nodes * J : 0);
     for (std::size_t j = 0; j < J && is_wanted; ++j) {
-        PmModel one = lobes;
-        one.coefficient.assign(J, Rgb{}), one.coefficient[j] = {1, 1, 1};
-        const std::vector<Rgb> of_one = albedos({one, {}});
+        const std::vector<Rgb> of_one = albedos(lobe_alone(lobes, j));
         for (std::size_t i = 0; i < of_one.size(); ++i) nodes.numbers[i * J + j] = of_one[i].g;
     }
     program.tables.push_back(std::move(nodes));
@@ -326,18 +329,70 @@ std::string mixture_of(const Model& model, const CodeOptions& options, Program& 
             lobes.numbers.insert(lobes.numbers.end(), numbers.begin(), numbers.end());
         }
     }
+    program.tables.push_back(std::move(lobes));
+    return fmt::format(
+        "Real mixture_number(int node, int i) {{ return mixture_numbers[{} * node + i]; }}\n"
+        "Vec3 mixture_tangent(Vec3 wv) {{ return {}; }}\n",
+        MixtureProposal::k_numbers, mixture.has_grain() ? vector({mixture.cosine, mixture.sine, 0}) : "wv");
+}
+
+/// A row of `columns` numbers for each node of light_lobes, linear between nodes.
+std::string light_number(std::size_t columns) {
+    return fmt::format(
+        "Real light_number(int i, NodesAbout nodes) {{\n"
+        "    int at = {0} * nodes.below + i;\n"
+        "    return light_lobes[at] + nodes.beyond * (light_lobes[at + {0}] - light_lobes[at]);\n}}\n",
+        columns);
+}
+/// What extended.glsl requires, to be parsed before it.
+std::string light_of(const Model& model, const CodeOptions& options, Program& program) {
+    constexpr int lobes = ExtendedLightOptions{}.lobes;
     Table light{"A row for each lobe of each node: p, roughness, weight (R, G, B).", "light_lobes", {}, 5};
     if (options.environment || options.area)
         for (const ExtendedLight::Lobe& lobe :
              extended_light(prepare(model), {.isotropic = is_isotropic(model), .threads = options.threads}).lobe)
             light.numbers.insert(light.numbers.end(),
                                  {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
-    program.tables.push_back(std::move(lobes));
     program.tables.push_back(std::move(light));
-    return fmt::format(
-        "Real mixture_number(int node, int i) {{ return mixture_numbers[{} * node + i]; }}\n"
-        "Vec3 mixture_tangent(Vec3 wv) {{ return {}; }}\n",
-        MixtureProposal::k_numbers, mixture.has_grain() ? vector({mixture.cosine, mixture.sine, 0}) : "wv");
+    return light_number(5 * lobes) +
+           "Real light_axis(int k, NodesAbout nodes) { return light_number(5 * k, nodes); }\n"
+           "Real light_roughness(int k, NodesAbout nodes) { return light_number(5 * k + 1, nodes); }\n"
+           "Vec3 light_weight(int k, NodesAbout nodes, Pm pm) {\n"
+           "    return Vec3(light_number(5 * k + 2, nodes), light_number(5 * k + 3, nodes), "
+           "light_number(5 * k + 4, nodes));\n}\n";
+}
+/// The same where the coefficients are arguments: each lobe of the basis has the cosine and one more, so that the sum is
+/// linear in them. Lobe 0 is the cosine of all, lobe j + 1 the other of j.
+std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Program& program) {
+    const auto J = std::size_t(basis.lobes), weights = 2 * (J + 1), columns = weights + 2 * J;
+    Table light{"A row for each node: p and roughness of each lobe; weights by the coefficients, of the cosine first.",
+                "light_lobes",
+                {},
+                columns};
+    if (options.environment || options.area) light.numbers.resize(columns * ExtendedLight::k_views);
+    for (std::size_t j = 0; j < J && !light.numbers.empty(); ++j) {
+        const Model one = lobe_alone(basis, j);
+        const ExtendedLight of =
+            extended_light(prepare(one), {.lobes = 2, .isotropic = is_isotropic(one), .threads = options.threads});
+        for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
+            const ExtendedLight::Lobe &cosine = of.lobe[2 * node], &other = of.lobe[2 * node + 1];
+            float* const row = &light.numbers[columns * node];
+            row[0] = cosine.axis, row[1] = cosine.roughness;
+            row[2 * j + 2] = other.axis, row[2 * j + 3] = other.roughness;
+            row[weights + j] = cosine.weight.g, row[weights + J + j] = other.weight.g;
+        }
+    }
+    program.tables.push_back(std::move(light));
+    return light_number(columns) +
+           fmt::format(
+               "Real light_axis(int k, NodesAbout nodes) {{ return light_number(2 * k, nodes); }}\n"
+               "Real light_roughness(int k, NodesAbout nodes) {{ return light_number(2 * k + 1, nodes); }}\n"
+               "Vec3 light_weight(int k, NodesAbout nodes, Pm pm) {{\n"
+               "    if (k > 0) return light_number({0} + k, nodes) * pm.lobe[k - 1];\n"
+               "    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));\n"
+               "    for (int j = 0; j < {1}; ++j) sum = sum + light_number({2} + j, nodes) * pm.lobe[j];\n"
+               "    return sum;\n}}\n",
+               weights + J - 1, J, weights);
 }
 
 /// The entry functions, by their names in the kernel's language and in the code.
@@ -383,11 +438,14 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                    Numbers where = Numbers::constants) {
     Program program;
     std::string handle = "struct Pm { };\n", accessors, brdf;
-    int variates = 1, terms = 1;
+    int variates = 1, terms = 1, light_lobes = ExtendedLightOptions{}.lobes;
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
         accessors = numbers_of(*pm, where, program) + k_no_su;
         brdf = brdf_of(*pm);
-        if (where == Numbers::arguments) handle = coefficients_of(*pm), brdf += look_up(*pm);
+        if (where == Numbers::arguments) {
+            handle = coefficients_of(*pm), brdf += look_up(*pm);
+            light_lobes = pm->lobes + 1;
+        }
         variates = pm->variates;
         terms = std::max(features(pm->form), 1);
     } else if (const auto* su = std::get_if<SuModel>(&model.model)) {
@@ -406,15 +464,19 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                                                {"MIXTURE_NODES", std::to_string(MixtureProposal::k_nodes)},
                                                {"ALBEDO_NODES", std::to_string(k_albedo_nodes)},
                                                {"EXTENDED_NODES", std::to_string(ExtendedLight::k_views)},
-                                               {"EXTENDED_LOBES", std::to_string(ExtendedLightOptions{}.lobes)},
+                                               {"EXTENDED_LOBES", std::to_string(light_lobes)},
                                                {"EXTENDED_LEVELS", std::to_string(ExtendedLight::k_levels)}};
     const bool is_mixture = options.sampling || options.albedo || options.environment || options.area;
     const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string(),
-                      nodes = albedo_of(model, where, options.albedo, program);
+                      nodes = albedo_of(model, where, options.albedo, program),
+                      light = where == Numbers::arguments
+                                  ? light_of_basis(std::get<PmModel>(model.model), options, program)
+                                  : light_of(model, options, program);
     syntax::parse(handle + accessors + k_handles, program, defines, true);
     syntax::parse(k_kernel_text, program, defines);
     syntax::parse(brdf, program, defines);
-    if (is_mixture) syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + k_extended_text, program, defines);
+    if (is_mixture)
+        syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + light + k_extended_text, program, defines);
     syntax::specialise(program, roots);
     return program;
 }
@@ -601,8 +663,7 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
         return Error{std::string(name), {}, what, expected, found, ErrorCode::argument};
     };
     if (!map.dense()) return refused("library", "a coefficient for each lobe", "some lobes of each material");
-    if (options.sampling || options.environment || options.area)
-        return refused("code of a map", "values and albedos", "sampling, environments or area lights");
+    if (options.sampling) return refused("code of a map", "values, albedos and light", "sampling");
     Names names = map_entries(options);
     std::vector<std::string> roots;
     std::string list;

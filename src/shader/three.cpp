@@ -30,6 +30,26 @@ std::string capitalised(const std::string& name) {
     return words;
 }
 
+void replace_all(std::string& text, std::string_view place, const std::string& by) {
+    for (auto at = text.find(place); at != text.npos; at = text.find(place, at + by.size()))
+        text.replace(at, place.size(), by);
+}
+
+/// The module of these functions; `classes`: what its text names of three and what extends its class.
+std::string module_of(const std::string& functions, std::string_view imports, std::string_view classes) {
+    std::string text = k_three_text;
+    replace_all(text, "import {", fmt::format("import {{{}", imports));
+    replace_all(text, "FUNCTIONS", escaped(functions));
+    text += classes;
+    return text;
+}
+std::string class_text(const std::string& name, std::string_view base) {
+    return fmt::format(
+        "export class {}Material extends {} {{\n    constructor(parameters) {{\n"
+        "        super('{}', parameters);\n    }}\n}}\n",
+        capitalised(name), base, name);
+}
+
 }  // namespace
 
 Result<std::string> three_module(std::span<const NamedModel> models, std::string_view prefix, int threads) {
@@ -45,17 +65,28 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
     if (!code) return code.error();
     std::string functions;  // whose environment is three's
     for (const NamedModel& of : models) functions += fmt::format("#define {}_radiance measured_radiance\n", of.name);
-    std::string text = k_three_text;
-    const auto replace = [&text](std::string_view place, const std::string& by) {
-        text.replace(text.find(place), place.size(), by);
-    };
-    replace("FUNCTIONS", escaped(functions + *code));
-    for (const NamedModel& of : models)
-        text += fmt::format(
-            "export class {}Material extends MeasuredMaterial {{\n    constructor(parameters) {{\n"
-            "        super('{}', parameters);\n    }}\n}}\n",
-            capitalised(of.name), of.name);
-    return text;
+    std::string classes;
+    for (const NamedModel& of : models) classes += class_text(of.name, "MeasuredMaterial");
+    return module_of(functions + *code, "", classes);
+}
+
+Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file, int threads) {
+    const auto code = map_code(
+        map, name,
+        {.language = CodeLanguage::glsl, .albedo = true, .environment = true, .area = true, .threads = threads});
+    if (!code) return code.error();
+    std::string classes = k_three_map_text;
+    replace_all(classes, "FILE", fmt::format("./{}", file));
+    replace_all(classes, "LOBES", fmt::format("{}", map.basis.lobes));
+    const std::string functions = fmt::format(
+        "#define {0}_radiance measured_radiance\n"
+        "uniform highp sampler2DArray measured_coefficients;\nvarying vec2 measured_uv;\n"
+        "vec3 {0}_layer(int j, float u, float v) {{\n"
+        "    return texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
+        name);
+    return module_of(functions + *code + fmt::format("{}_Coefficients measured_texel;\n", name),
+                     " CompressedArrayTexture, HalfFloatType, Matrix3, RGBAFormat,",
+                     classes + class_text(name, "MeasuredMap"));
 }
 
 }  // namespace srbf

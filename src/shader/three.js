@@ -4,8 +4,9 @@ import { MeshStandardMaterial } from 'three';
 const functions = /* glsl */ `
 FUNCTIONS`;
 
-// What three calls for each of its lights instead of the formulas of its standard material.
-const reflection = (name) => /* glsl */ `
+// What three calls for each of its lights instead of the formulas of its standard material. `texel` follows the arguments of
+// the reflectance's functions.
+const reflection = (name, texel) => /* glsl */ `
 mat3 measured_frame;  // from the frame about the normal to that of the view
 // The environment, filtered by three as for GGX; without one the functions below are not called.
 vec3 measured_radiance(vec3 direction, float roughness) {
@@ -34,7 +35,7 @@ void RE_Direct_${name}(const in IncidentLight directLight, const in vec3 geometr
                        const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
     mat3 frame = ${name}_frame(geometryNormal, geometryViewDir);
     vec3 wl = directLight.direction * frame;
-    vec3 f = ${name}_brdf(wl, geometryViewDir * frame);
+    vec3 f = ${name}_brdf(wl, geometryViewDir * frame${texel});
     reflectedLight.directDiffuse += max(wl.z, 0.0) * f * material.diffuseColor * directLight.color;
 }
 #if NUM_RECT_AREA_LIGHTS > 0
@@ -47,14 +48,14 @@ void RE_Direct_RectArea_${name}(const in RectAreaLight rectAreaLight, const in v
     if (dot(cross(x, y), middle) < 0.0) return;
     mat3 frame = ${name}_frame(geometryNormal, geometryViewDir);
     vec3 reflected = ${name}_area(geometryViewDir * frame, (middle - x - y) * frame, (middle + x - y) * frame,
-                                  (middle + x + y) * frame, (middle - x + y) * frame);
+                                  (middle + x + y) * frame, (middle - x + y) * frame${texel});
     reflectedLight.directDiffuse += rectAreaLight.color * material.diffuseColor * reflected;
 }
 #endif
 void RE_IndirectDiffuse_${name}(const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal,
                                 const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
                                 const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
-    vec3 reflected = ${name}_albedo(saturate(dot(geometryNormal, geometryViewDir)));
+    vec3 reflected = ${name}_albedo(saturate(dot(geometryNormal, geometryViewDir))${texel});
     reflectedLight.indirectDiffuse += irradiance * RECIPROCAL_PI * reflected * material.diffuseColor;
 }
 void RE_IndirectSpecular_${name}(const in vec3 radiance, const in vec3 irradiance, const in vec3 clearcoatRadiance,
@@ -62,7 +63,8 @@ void RE_IndirectSpecular_${name}(const in vec3 radiance, const in vec3 irradianc
                                  const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
                                  const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
     measured_frame = ${name}_frame(geometryNormal, geometryViewDir);
-    reflectedLight.indirectDiffuse += ${name}_environment(geometryViewDir * measured_frame) * material.diffuseColor;
+    vec3 reflected = ${name}_environment(geometryViewDir * measured_frame${texel});
+    reflectedLight.indirectDiffuse += reflected * material.diffuseColor;
 }
 #undef RE_Direct
 #undef RE_Direct_RectArea
@@ -79,13 +81,13 @@ void RE_IndirectSpecular_${name}(const in vec3 radiance, const in vec3 irradianc
 // bump maps are three's; colours, colour maps and vertex colours multiply the reflectance. Roughness and metalness are
 // not read.
 class MeasuredMaterial extends MeshStandardMaterial {
-    constructor(reflectance, parameters) {
+    constructor(reflectance, parameters, texel = '') {
         super({ metalness: 0, ...parameters });
-        Object.defineProperty(this, 'reflectance', { value: reflectance });
+        Object.defineProperties(this, { reflectance: { value: reflectance }, texel: { value: texel } });
     }
     onBeforeCompile(shader) {
         const lights = '#include <lights_physical_pars_fragment>';
-        shader.fragmentShader = shader.fragmentShader.replace(lights, () => lights + reflection(this.reflectance));
+        shader.fragmentShader = shader.fragmentShader.replace(lights, () => lights + reflection(this.reflectance, this.texel));
     }
     customProgramCacheKey() {
         return this.reflectance + functions;

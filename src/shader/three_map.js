@@ -1,0 +1,58 @@
+
+// A map's coefficients as a texture, from its KTX 2 file with the levels there: row 0 of the map is at v = 0.
+export async function loadCoefficients(url = new URL('FILE', import.meta.url)) {
+    const response = await fetch(url);
+    if (!response.ok) throw new Error(`${url}: ${response.status}`);
+    const bytes = await response.arrayBuffer(), numbers = new DataView(bytes), number = (at) => numbers.getUint32(at, true);
+    const format = 97, width = number(20), height = number(24), layers = number(32);  // R, G, B, A in 16-bit floats
+    if (number(0) !== 0x58544bab || number(12) !== format || layers !== LOBES || number(44) !== 0)
+        throw new Error(`${url}: expected LOBES layers of uncompressed 16-bit floats`);
+    const levels = Array.from({ length: number(40) }, (_, k) => ({
+        data: new Uint16Array(bytes, number(80 + 24 * k), number(88 + 24 * k) / 2),
+        width: Math.max(width >> k, 1),
+        height: Math.max(height >> k, 1),
+    }));
+    // An array with levels of its own is uploaded only as a "compressed" one, which takes this format too.
+    const texture = new CompressedArrayTexture(levels, width, height, layers, RGBAFormat, HalfFloatType);
+    texture.needsUpdate = true;
+    return texture;
+}
+
+// A MeasuredMaterial whose reflectance varies over the surface, as `coefficients` do at the mesh's uv: a texture with its
+// repeat, offset, rotation, wrapping and anisotropy. Black until there is one.
+class MeasuredMap extends MeasuredMaterial {
+    constructor(reflectance, { coefficients = null, ...parameters } = {}) {
+        super(reflectance, parameters, ', measured_texel');
+        this.coefficients = coefficients;
+    }
+    copy(source) {
+        super.copy(source);
+        this.coefficients = source.coefficients;
+        return this;
+    }
+    onBeforeCompile(shader) {
+        super.onBeforeCompile(shader);
+        const of = this;
+        const after = (text, place, more) => text.replace(place, () => place + more);
+        Object.assign(shader.uniforms, {
+            measured_coefficients: {
+                get value() {
+                    return of.coefficients;
+                },
+            },
+            measured_transform: {
+                get value() {
+                    if (of.coefficients?.matrixAutoUpdate) of.coefficients.updateMatrix();
+                    return of.coefficients?.matrix ?? new Matrix3();
+                },
+            },
+        });
+        shader.vertexShader = after(shader.vertexShader, '#include <uv_pars_vertex>', `
+            uniform mat3 measured_transform;
+            varying vec2 measured_uv;`);
+        shader.vertexShader = after(shader.vertexShader, '#include <uv_vertex>', `
+            measured_uv = (measured_transform * vec3(uv, 1.0)).xy;`);
+        shader.fragmentShader = after(shader.fragmentShader, '#include <lights_physical_fragment>', `
+            measured_texel = ${this.reflectance}_coefficients(measured_uv.x, measured_uv.y);`);
+    }
+}

@@ -1,0 +1,67 @@
+"""python3 three_map.py FOLDER: renders a plane of 2 x 2 about the origin, which faces +z, by each scene of FOLDER/scenes.json with
+three.js, which is in the folder with what a page needs; the radiance of scene i as FOLDER/i.rgba, in 32-bit floats, rows from the top.
+
+Exit status 77: there is no Chromium, or none with WebGL 2; standard output says which."""
+import base64
+import json
+import os
+import sys
+
+from three_site import Site
+
+folder = sys.argv[1]
+chromium = Site(folder).chromium
+chromium.run("""(async () => {
+    window.THREE = await import('three');
+    window.scenes = await (await fetch('scenes.json')).json();
+    window.draw = async (of) => {
+        const module = await import(`./${of.module}.js`), scene = new THREE.Scene();
+        const material = new module[of.class](), renderer = new THREE.WebGLRenderer();
+        if (of.is_map) {
+            const texture = material.coefficients = await module.loadCoefficients();
+            if (of.repeat) {
+                texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
+                texture.repeat.set(...of.repeat), texture.offset.set(...of.offset), texture.rotation = of.rotation;
+            }
+        }
+        // A clone as it is loaded from a scene.
+        scene.add(new THREE.Mesh(new THREE.PlaneGeometry(2, 2), of.is_map ? material.clone() : material));
+        const light = new THREE.DirectionalLight('white', 2);
+        light.position.set(...of.towards);
+        scene.add(light);
+        if (of.more_lights) {
+            const lamp = new THREE.PointLight('orange', 5);
+            lamp.position.set(0.5, 0.5, 1);
+            scene.add(lamp, new THREE.HemisphereLight('white', 'green', 0.7), new THREE.AmbientLight('white', 0.2));
+        }
+        if (of.environment) {
+            const sky = new Float32Array(4 * 64 * 32);
+            for (let y = 0; y < 32; ++y)
+                for (let x = 0; x < 64; ++x) sky.set([y / 32, 0.5, 1 - x / 64, 1].map((c) => c + 9 * (Math.hypot(x - 48, y - 24) < 4)), 4 * (64 * y + x));
+            scene.environment = new THREE.DataTexture(sky, 64, 32, THREE.RGBAFormat, THREE.FloatType, THREE.EquirectangularReflectionMapping);
+            scene.environment.minFilter = scene.environment.magFilter = THREE.LinearFilter;
+            scene.environment.needsUpdate = true;
+            const box = new THREE.RectAreaLight('white', 4, 1, 1);
+            box.position.set(-1, 1, 1), box.lookAt(0, 0, 0);
+            scene.add(box);
+        }
+        const camera = of.fov ? new THREE.PerspectiveCamera(of.fov, 1, 0.01, 100) : new THREE.OrthographicCamera(-1, 1, 1, -1, 0.01, 100);
+        camera.position.set(...of.eye);
+        camera.lookAt(0, 0, 0);
+        const target = new THREE.WebGLRenderTarget(of.size, of.size, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace });
+        renderer.setRenderTarget(target);
+        renderer.render(scene, camera);
+        const pixels = new Float32Array(4 * of.size * of.size);
+        renderer.readRenderTargetPixels(target, 0, 0, of.size, of.size, pixels);
+        const rows = new Uint8Array(pixels.buffer), width = 16 * of.size;
+        let text = '';
+        for (let y = of.size; y-- > 0;) text += String.fromCharCode(...rows.subarray(width * y, width * (y + 1)));
+        renderer.dispose();
+        return btoa(text);
+    };
+})()""")
+for i in range(chromium.run("scenes.length")):
+    with open(os.path.join(folder, f"{i}.rgba"), "wb") as file:
+        file.write(base64.b64decode(chromium.run(f"draw(scenes[{i}])")))
+print(json.dumps({"problems": chromium.problems}))
+chromium.close()

@@ -113,14 +113,17 @@ TEST_F(OfModel, export_writes_a_map_or_nothing) {
     };
     Library map = random_map(random, {.lobes = 3}, 4, 2);
     save(map, "map.srbf");
-    for (const char* kind : {"glsl", "hlsl", "wgsl", "msl", "c", "ktx2", "exr"}) {
+    for (const char* kind : {"glsl", "hlsl", "wgsl", "msl", "c", "ktx2", "exr", "three"}) {
         const ProgramRun made = run(folder, {"export", "map.srbf", "--to", kind, "-o", std::string("o.") + kind});
         EXPECT_EQ(made.status, 0) << made.err;
         EXPECT_EQ(made.err + made.out, "");
     }
     EXPECT_NE(contents(folder / "o.glsl").find("vec3 map_brdf(vec3 wl, vec3 wv, map_Coefficients "), std::string::npos);
+    EXPECT_NE(contents(folder / "o.three").find("new URL('./map.ktx2', import.meta.url)"), std::string::npos);
+    EXPECT_EQ(contents(folder / "map.ktx2"), contents(folder / "o.ktx2"));
     const Arguments code{"--to", "c", "-o", "x.h"}, layers{"--to", "ktx2", "-o", "x.ktx2"}, start{"export", "map.srbf"};
-    expect_failure(1, start + code + Arguments{"--with", "sampling"}, "expected values and albedos");
+    expect_failure(1, start + Arguments{"--to", "three", "-o", "map.ktx2"}, "map.ktx2");
+    expect_failure(1, start + code + Arguments{"--with", "sampling"}, "expected values, albedos and light");
     expect_failure(1, start + Arguments{"--to", "html", "-o", "x.html"}, "map.srbf#NAME");
     expect_failure(1, Arguments{"export", "map.srbf", "map.srbf"} + layers, "found a library of them");
     expect_failure(1, Arguments{"export", *fitted / "m.srbf"} + layers,

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 #include "albedo_nodes.h"
 #include "fit/solve/least_squares.h"
@@ -65,14 +64,18 @@ std::vector<KernelDraw> draws_of_kernel(const LevelKernel& kernel) {
 /// The sizes of the lights that a fit sees, as roughnesses of K, whose half width is about 2 r² radians: from 1.6 degrees, which a
 /// picture of a sphere 128 pixels wide resolves, to the cosine.
 constexpr std::array<double, 6> k_light_sizes{0.12, 0.25, 0.4, 0.6, 0.8, 1};
-constexpr int k_lights_of_a_size = 96;   ///< placed for each view
+constexpr int k_lights_of_a_size = 256;  ///< placed for each view
 constexpr int k_draws_of_a_view = 2048;  ///< of what the BRDF reflects: albedos within about .3 %
 constexpr int k_draws_of_a_light = 64;   ///< of what a light sends
 /// Errors are relative to the radiance, as the eye's are: of luminance in it, so that a channel that hardly reflects is
 /// not fitted as closely as the others; and of what else lights the surface, which is this all round where the light
-/// has radiance 1. With .03 and .4 pictures of glossy paints and films err by a tenth to a quarter more, those of white
-/// paper by a quarter more and less.
+/// has radiance 1.
 constexpr double k_luminance_share = 0.3, k_ambient = 0.1 / k_pi;
+/// Of the squares of a lobe's weight beside the albedo and of its peak beside the BRDF's, next to squared relative errors of
+/// .02 to .2. Lobes of either sign that nearly cancel each other would fit the lights of one view, but neither others nor
+/// the views between; and one that is sharper than the BRDF would show a small lamp as a dot, which these lights miss.
+/// `k_peak_share` is that of peaks: with 1 pictures of metals err by half as much again.
+constexpr double k_ridge = 5e-2, k_peak_share = 0.05;
 constexpr int k_lobe_starts = 12;
 /// Over all views, each towards the mean of its neighbours; a third changes pictures by less than .01 ΔE_ITP.
 constexpr int k_view_sweeps = 2;
@@ -150,6 +153,8 @@ struct Light {
 /// What a view shows of the lights.
 struct View {
     Vec3d wv;
+    Rgb albedo;
+    Vec3d peak{};  ///< the most that a light of the least size shows
     std::vector<Light> lights;
     MatrixXd weight;  ///< lights × 3, of errors of R, G, B
     MatrixXd seen;    ///< lights × 3: weight × radiance
@@ -262,15 +267,17 @@ View view_of(const TurnedBrdf& brdf, double cosine) {
     view.wv = {std::sqrt(1 - cosine * cosine), 0, cosine};
     const Vec3f wv = to_float(view.wv);
     const std::vector<Reflected> reflected = reflected_to(brdf, wv);
-    Vec3d albedo{};
-    for (const Reflected& of : reflected) albedo = albedo + of.share;
+    view.albedo = albedo(brdf.brdf(), float(cosine));
+    const Vec3d ambient = k_ambient * Vec3d{view.albedo.r, view.albedo.g, view.albedo.b};
     view.lights = lights_about(brdf.brdf(), wv, reflected);
     view.seen.resize(Eigen::Index(view.lights.size()), 3);
     view.weight.resize(Eigen::Index(view.lights.size()), 3);
     for (std::size_t i = 0; i < view.lights.size(); ++i) {
         const Light& light = view.lights[i];
         const Vec3d sum = shown_of(light, brdf, wv, reflected);
-        const Vec3d seen = sum + k_ambient * albedo;
+        if (light.size == 0)
+            view.peak = {std::max(view.peak.x, sum.x), std::max(view.peak.y, sum.y), std::max(view.peak.z, sum.z)};
+        const Vec3d seen = sum + ambient;
         const double luminance = srbf::luminance(Rgb{float(seen.x), float(seen.y), float(seen.z)});
         const auto weight = [&](double of) {
             return light.share / std::max((1 - k_luminance_share) * of + k_luminance_share * luminance, 1e-9);
@@ -282,79 +289,104 @@ View view_of(const TurnedBrdf& brdf, double cosine) {
     return view;
 }
 
-/// The squared errors of a view, and `smoothness` times the squared distances from `near`, of x = (p, r) of each lobe but the first. The
-/// weights are linear, and eliminated.
+/// The squared errors of a view, `k_ridge` times what it bounds, and `smoothness` times the squared distances from `near`,
+/// of x = (p, r) of each lobe but the first. The weights are linear, and eliminated; that of the first lobe is
+/// what the others leave of the albedo.
 class LobesOfView {
   public:
     LobesOfView(const View& view, const BlurredKernels& kernels, VectorXd near, double smoothness)
         : view_(view),
           kernels_(kernels),
           near_(std::move(near)),
-          lobes_(1 + int(near_.size()) / 2),
+          others_(int(near_.size()) / 2),
           smoothness_(smoothness) {}
 
     double loss(const VectorXd& x) {
         const auto n = Eigen::Index(view_.lights.size());
-        A_.resize(n, lobes_), by_axis_.resize(n, lobes_), by_roughness_.resize(n, lobes_);
-        for (int k = 0; k < lobes_; ++k) k == 0 ? set_column(0, 0, 1) : set_column(k, x[2 * k - 2], x[2 * k - 1]);
+        shown_.resize(n, others_ + 1), by_axis_.resize(n, others_ + 1), by_roughness_.resize(n, others_ + 1);
+        for (int k = 0; k <= others_; ++k) k == 0 ? set_lobe(0, 0, 1) : set_lobe(k, x[2 * k - 2], x[2 * k - 1]);
+        peaks_.resize(std::size_t(others_));
+        for (int k = 0; k < others_; ++k) peaks_[std::size_t(k)] = kernels_.at(0, x[2 * k + 1], 1);
         double sum = smoothness_ * (x - near_).squaredNorm();
-        const VectorXd unbounded = VectorXd::Constant(lobes_, std::numeric_limits<double>::infinity());
-        for (std::size_t c = 0; c < 3; ++c) {
-            const auto seen = view_.seen.col(Eigen::Index(c));
-            weighted_[c] = view_.weight.col(Eigen::Index(c)).asDiagonal() * A_;
-            gram_[c] = weighted_[c].transpose() * weighted_[c];
-            weights_[c] = bounded_least_squares(gram_[c], weighted_[c].transpose() * seen, unbounded);
-            sum += (weighted_[c] * weights_[c] - seen).squaredNorm();
+        for (int c = 0; c < 3; ++c) {
+            solve(c, channels_[std::size_t(c)]);
+            sum += channels_[std::size_t(c)].error.squaredNorm();
         }
         return sum;
     }
     void linearise(const VectorXd& x, MatrixXd& H, VectorXd& g) const {
         H = smoothness_ * MatrixXd::Identity(x.size(), x.size()), g = smoothness_ * (x - near_);
+        const auto n = Eigen::Index(view_.lights.size());
         for (std::size_t c = 0; c < 3; ++c) {
-            MatrixXd J(A_.rows(), x.size());
-            std::vector<int> positive;
-            for (int k = 0; k < lobes_; ++k) {
-                if (weights_[c][k] > 0) positive.push_back(k);
-                if (k == 0) continue;
+            const auto& [A, gram, weights, error] = channels_[c];
+            MatrixXd J = MatrixXd::Zero(A.rows(), x.size());
+            for (int k = 0; k < others_; ++k) {
                 const auto weight = view_.weight.col(Eigen::Index(c));
-                J.col(2 * k - 2) = weights_[c][k] * weight.cwiseProduct(by_axis_.col(k));
-                J.col(2 * k - 1) = weights_[c][k] * weight.cwiseProduct(by_roughness_.col(k));
+                J.col(2 * k).head(n) = weights[k] * weight.cwiseProduct(by_axis_.col(k + 1));
+                J.col(2 * k + 1).head(n) = weights[k] * weight.cwiseProduct(by_roughness_.col(k + 1));
+                J(n + k, 2 * k + 1) = weights[k] * bound(k, int(c)).by_roughness;
             }
-            if (!positive.empty()) {  // the weights adapt
-                const MatrixXd A = weighted_[c](Eigen::all, positive);
-                J -= A * ridged(gram_[c](positive, positive)).ldlt().solve(A.transpose() * J);
-            }
+            J -= A * gram.ldlt().solve(A.transpose() * J);  // the weights adapt
             H += J.transpose() * J;
-            g += J.transpose() * (weighted_[c] * weights_[c] - view_.seen.col(Eigen::Index(c)));
+            g += J.transpose() * error;
         }
     }
     VectorXd lower(const VectorXd& x) const { return each(x, -most_axis(), ExtendedLight::k_least_roughness); }
     VectorXd upper(const VectorXd& x) const { return each(x, most_axis(), 1); }
     VectorXd longest_step(const VectorXd& x) const { return each(x, 0.2, 0.2); }
 
-    /// The lobes at the x of the last call of `loss`, with weights that sum to `albedo`.
-    std::vector<Lobe> lobes(const VectorXd& x, const Rgb& albedo) const {
-        std::vector<Lobe> all;
-        for (int k = 0; k < lobes_; ++k) {
-            Lobe& lobe = all.emplace_back(k == 0 ? Lobe{0, 1, {}} : Lobe{float(x[2 * k - 2]), float(x[2 * k - 1]), {}});
+    /// The lobes at the x of the last call of `loss`.
+    std::vector<Lobe> lobes(const VectorXd& x) const {
+        std::vector<Lobe> all{{0, 1, view_.albedo}};
+        for (int k = 0; k < others_; ++k) {
+            Lobe& lobe = all.emplace_back(Lobe{float(x[2 * k]), float(x[2 * k + 1]), {}});
             for (int c = 0; c < 3; ++c) {
-                const VectorXd& weights = weights_[std::size_t(c)];
-                const double sum = weights.sum();
-                lobe.weight[c] = sum > 0 ? float(weights[k] / sum * double(albedo[c])) : k == 0 ? albedo[c] : 0;
+                lobe.weight[c] = float(channels_[std::size_t(c)].weights[k]);
+                all[0].weight[c] -= lobe.weight[c];
             }
         }
         return all;
     }
 
   private:
-    void set_column(int k, double p, double r) {
+    /// A w − b, whose squares are errors under the lights and, in the last rows, the ridge.
+    struct Channel {
+        MatrixXd A, gram;  ///< AᵀA
+        VectorXd weights, error;
+    };
+    void solve(int c, Channel& channel) const {
+        const auto n = Eigen::Index(view_.lights.size());
+        const double albedo = double(view_.albedo[c]);
+        const VectorXd first = view_.weight.col(c).cwiseProduct(shown_.col(0));
+        channel.A.setZero(n + others_, others_);
+        channel.A.topRows(n) = view_.weight.col(c).asDiagonal() * shown_.rightCols(others_);
+        channel.A.topRows(n).colwise() -= first;
+        for (int k = 0; k < others_; ++k) channel.A(n + k, k) = bound(k, c).value;
+        VectorXd b = VectorXd::Zero(n + others_);
+        b.head(n) = view_.seen.col(c) - albedo * first;
+        channel.gram = channel.A.transpose() * channel.A;
+        channel.weights = channel.gram.ldlt().solve(channel.A.transpose() * b);
+        channel.error = channel.A * channel.weights - b;
+    }
+    /// What the ridge multiplies the weight of a lobe after the first by.
+    BlurredKernels::Value bound(int k, int c) const {
+        const double of_peak = k_peak_share / std::max(c == 0   ? view_.peak.x
+                                                       : c == 1 ? view_.peak.y
+                                                                : view_.peak.z,
+                                                       1e-6);
+        const auto [value, by_roughness, by_cosine] = peaks_[std::size_t(k)];
+        const double ridge = std::sqrt(k_ridge);
+        return {ridge * (1 / std::max(double(view_.albedo[c]), 1e-6) + of_peak * value), ridge * of_peak * by_roughness,
+                0};
+    }
+    void set_lobe(int k, double p, double r) {
         const double s = view_.wv.x, c = std::sqrt(std::max(1 - p * p * s * s, 1e-12));
         const Vec3d axis{-p * s, 0, c},
             by_p{-s, 0, -p * s * s / std::max(c, 0.05)};  // whose slope at the horizon is infinite
-        for (Eigen::Index i = 0; i < A_.rows(); ++i) {
+        for (Eigen::Index i = 0; i < shown_.rows(); ++i) {
             const Light& light = view_.lights[std::size_t(i)];
             const auto at = kernels_.at(light.size, r, dot(axis, light.centre));
-            A_(i, k) = at.value;
+            shown_(i, k) = at.value;
             by_axis_(i, k) = at.by_cosine * dot(by_p, light.centre);
             by_roughness_(i, k) = at.by_roughness;
         }
@@ -369,11 +401,11 @@ class LobesOfView {
     const View& view_;
     const BlurredKernels& kernels_;
     VectorXd near_;
-    int lobes_;
+    int others_;
     double smoothness_;
-    MatrixXd A_, by_axis_, by_roughness_;
-    std::array<MatrixXd, 3> weighted_, gram_;  ///< A_ by the weights of a channel's errors, and its AᵀA
-    std::array<VectorXd, 3> weights_;
+    MatrixXd shown_, by_axis_, by_roughness_;   ///< lights × lobes, each of weight 1
+    std::vector<BlurredKernels::Value> peaks_;  ///< under a light of the least size, of the lobes after the first
+    std::array<Channel, 3> channels_;
 };
 
 /// x of all views.
@@ -469,7 +501,7 @@ ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOption
     for (std::size_t v = 0; v < views.size(); ++v) {
         LobesOfView problem(views[v], kernels, tracks[v], 0);
         problem.loss(tracks[v]);
-        const std::vector<Lobe> lobes = problem.lobes(tracks[v], albedo(brdf, float(cosine(v))));
+        const std::vector<Lobe> lobes = problem.lobes(tracks[v]);
         light.lobe.insert(light.lobe.end(), lobes.begin(), lobes.end());
     }
     return light;

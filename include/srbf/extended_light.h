@@ -19,8 +19,8 @@ namespace [[gnu::visibility("default")]] srbf {
 ///   K(r, c) ∝ c / (1 + α² − (1 − α²) c)² for c > 0 and 0 below, α = r², ∫ K dω = 1 [1/sr],
 /// and between two levels it is linear in the level, as a graphics library looks it up. The axes lie in the plane of
 /// incidence: p = 1 is the mirror direction, 0 the normal, −1 the viewer. The first lobe of each view is the cosine
-/// about the normal, p = 0 and r = 1, which is irradiance / π. Weights are not negative and sum to the directional
-/// albedo.
+/// about the normal, p = 0 and r = 1, which is irradiance / π. Weights sum to the directional albedo. Some are negative,
+/// so that the sum of look-ups can be, where an environment is dark but for a few lights; it is then taken as 0.
 struct ExtendedLight {
     static constexpr int k_views = 32;
     struct Lobe {
@@ -50,7 +50,7 @@ float filter_kernel(float roughness, float cosine);
 
 inline constexpr int k_least_extended_lobes = 2, k_most_extended_lobes = 8;
 struct ExtendedLightOptions {
-    int lobes = 4;          ///< with the cosine, from `k_least_extended_lobes` to `k_most_extended_lobes`
+    int lobes = 6;          ///< with the cosine, from `k_least_extended_lobes` to `k_most_extended_lobes`
     bool isotropic = true;  ///< otherwise the lobes are those of the BRDF's mean over azimuths
     int threads = 0;        ///< 0: as many as the machine has; the result does not depend on it
 };

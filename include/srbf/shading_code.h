@@ -36,6 +36,7 @@ struct CodeOptions {
     bool albedo = false;       ///< also NAME_albedo
     bool environment = false;  ///< also NAME_environment and NAME_environment_lobe
     bool area = false;         ///< also NAME_area and NAME_environment_lobe
+    int extended_lobes = 6;    ///< look-ups for an environment, see extended_light.h
     int threads = 0;  ///< for weights of sampling, albedos and lobes of environments; 0: as many as the machine has
 };
 

@@ -3,12 +3,16 @@
 //   light_axis(k, nodes), light_roughness(k, nodes), light_weight(k, nodes, pm)   p, roughness, weight R, G, B
 
 // A lobe of f_r cos(theta_l) over the light for a view: what an environment, filtered as for GGX of that roughness seen
-// along the normal, shows in the direction `axis` is reflected with `weight`.
+// along the normal, shows in the direction `axis` is reflected with `weight`, which may be negative.
 struct LightLobe {
     Vec3 axis;
     Real roughness;
     Vec3 weight;
 };
+// A sum of lobes, which can be a little less than 0 where nearly all light comes from few directions.
+Vec3 not_negative(Vec3 sum) {
+    return Vec3(max(sum.x, Real(0.0)), max(sum.y, Real(0.0)), max(sum.z, Real(0.0)));
+}
 // Lobe k, of which the first is the cosine about the normal, for a view wv above the horizon.
 LightLobe environment_lobe(Vec3 wv, int k, Pm pm) {
     NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
@@ -33,7 +37,7 @@ Vec3 environment(Vec3 wv, Pm pm) {
         Vec3 light = radiance(lobe.axis, lobe.roughness);
         sum = sum + Vec3(lobe.weight.x * light.x, lobe.weight.y * light.y, lobe.weight.z * light.z);
     }
-    return sum;
+    return not_negative(sum);
 }
 
 // A polygon of up to five corners, which follow each other.
@@ -118,5 +122,5 @@ Vec3 area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
         LightLobe lobe = environment_lobe(wv, k, pm);
         sum = sum + lobe_over(lobe, light) * lobe.weight;
     }
-    return sum;
+    return not_negative(sum);
 }

@@ -346,15 +346,14 @@ std::string light_number(std::size_t columns) {
 }
 /// What extended.glsl requires, to be parsed before it.
 std::string light_of(const Model& model, const CodeOptions& options, Program& program) {
-    constexpr int lobes = ExtendedLightOptions{}.lobes;
     Table light{"A row for each lobe of each node: p, roughness, weight (R, G, B).", "light_lobes", {}, 5};
     if (options.environment || options.area)
         for (const ExtendedLight::Lobe& lobe :
-             extended_light(prepare(model), {.isotropic = is_isotropic(model), .threads = options.threads}).lobe)
+             extended_light(prepare(model), {options.extended_lobes, is_isotropic(model), options.threads}).lobe)
             light.numbers.insert(light.numbers.end(),
                                  {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
     program.tables.push_back(std::move(light));
-    return light_number(5 * lobes) +
+    return light_number(5 * std::size_t(options.extended_lobes)) +
            "Real light_axis(int k, NodesAbout nodes) { return light_number(5 * k, nodes); }\n"
            "Real light_roughness(int k, NodesAbout nodes) { return light_number(5 * k + 1, nodes); }\n"
            "Vec3 light_weight(int k, NodesAbout nodes, Pm pm) {\n"
@@ -438,7 +437,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                    Numbers where = Numbers::constants) {
     Program program;
     std::string handle = "struct Pm { };\n", accessors, brdf;
-    int variates = 1, terms = 1, light_lobes = ExtendedLightOptions{}.lobes;
+    int variates = 1, terms = 1, light_lobes = options.extended_lobes;
     if (const auto* pm = std::get_if<PmModel>(&model.model)) {
         accessors = numbers_of(*pm, where, program) + k_no_su;
         brdf = brdf_of(*pm);

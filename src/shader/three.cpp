@@ -9,6 +9,10 @@
 namespace srbf {
 namespace {
 
+/// A frame takes up to twice the time of MeshStandardMaterial's, with six more than thrice; and three's maps, filtered for
+/// other roughnesses than the lobes are fitted to, show less of their gain.
+constexpr int k_three_lobes = 4;
+
 /// `text` within a template literal of JavaScript.
 std::string escaped(const std::string& text) {
     std::string literal;
@@ -59,9 +63,13 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
         if (std::holds_alternative<BsdfModel>(of.model->model))
             return Error{of.name, {}, "model", "a BRDF, such as a part of a BSDF", "a BSDF", ErrorCode::argument};
     }
-    const auto code = shading_code(
-        models, prefix,
-        {.language = CodeLanguage::glsl, .albedo = true, .environment = true, .area = true, .threads = threads});
+    const auto code = shading_code(models, prefix,
+                                   {.language = CodeLanguage::glsl,
+                                    .albedo = true,
+                                    .environment = true,
+                                    .area = true,
+                                    .extended_lobes = k_three_lobes,
+                                    .threads = threads});
     if (!code) return code.error();
     std::string functions;  // whose environment is three's
     for (const NamedModel& of : models) functions += fmt::format("#define {}_radiance measured_radiance\n", of.name);

@@ -1,5 +1,8 @@
 // For three.js, release 187, and its WebGLRenderer.
-import { MeshStandardMaterial } from 'three';
+import { MeshStandardMaterial, REVISION } from 'three';
+
+if (parseInt(REVISION) !== 187)
+    console.warn(`three.js ${REVISION}: this material was written for release 187, and may ignore environments in others`);
 
 const functions = /* glsl */ `
 FUNCTIONS`;

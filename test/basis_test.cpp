@@ -124,6 +124,38 @@ TEST(Basis, CoefficientsOfTexelsAreRecovered) {
     EXPECT_LT(found.error[0], 1e-3f);
 }
 
+/// A lobe that explains the samples, but would rise by orders of magnitude beyond them, is held down.
+TEST(Basis, CoefficientsOfTexelsAreBoundedTowardsTheHorizon) {
+    Library library = some_library(false);
+    library.basis.exponent = {0, -4, 0};  // (cosθl cosθv)⁻⁴
+    library.basis.bandwidth[1] = 0;
+    const auto directions = [](double least_theta, double most_theta) {
+        std::pair<std::vector<Vec3f>, std::vector<Vec3f>> pairs;
+        for (int i = 0; i < 100; ++i) {
+            const double l = least_theta + (most_theta - least_theta) * double(i % 10) / 9,
+                         v = least_theta + (most_theta - least_theta) * double(i / 10) / 9;
+            pairs.first.push_back(to_float(spherical(l * k_degree, 0.1 * i)));
+            pairs.second.push_back(to_float(spherical(v * k_degree, 0.0)));
+        }
+        return pairs;
+    };
+    const auto [wl, wv] = directions(0, 60);
+    std::vector<Rgb> f(wl.size());
+    double largest = 0;
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        const double area = double(wl[i].z) * double(wv[i].z), value = 0.1 + 0.01 * std::pow(area, -4);
+        f[i] = {float(value), float(value), float(value)};
+        largest = std::max(largest, value * area);
+    }
+    const TexelCoefficients found = fit_texels_to_basis(library, {wl, wv, true}, f, 1);
+    library.coefficient = found.coefficient, library.error = found.error, library.names = {"a"};
+    const auto [beyond_l, beyond_v] = directions(61, 89.9);
+    std::vector<Rgb> g(beyond_l.size());
+    evaluate(material(library, 0), beyond_l, beyond_v, g);
+    for (std::size_t i = 0; i < g.size(); ++i) EXPECT_LE(g[i].r * beyond_l[i].z * beyond_v[i].z, 2 * largest) << i;
+    EXPECT_GT(found.coefficient[0].r, 0.05f);
+}
+
 /// Tables of the two materials.
 std::vector<LibrarySource> sources_of(const Library& made) {
     std::vector<LibrarySource> sources;

@@ -7,6 +7,8 @@
 #include "basis/shared_lobes.h"
 #include "fit/data/errors.h"
 #include "fit/data/observe_samples.h"
+#include "fit/data/pairs.h"
+#include "fit/objective/bound.h"
 #include "fit/objective/objective.h"
 #include "fit/solve/least_squares.h"
 #include "fit/solve/rounding.h"
@@ -31,6 +33,28 @@ std::vector<Rgb> lobe_values(const Library& basis, std::size_t j, std::span<cons
     std::vector<Rgb> values(wl.size());
     evaluate(material(one, 0), wl, wv, values);
     return values;
+}
+
+/// The largest coefficient of each lobe for samples whose f cosθl cosθv is at most 1. A lobe that has a larger peak where
+/// light or viewer is beyond all samples than where both are within may reach `k_most_excess` there; others have no limit.
+Eigen::ArrayXd largest_coefficients(const Library& basis, const SharedPairs& pairs) {
+    float least = 1;  // cosine of a sample
+    for (std::size_t i = 0; i < pairs.wl.size(); ++i)
+        if (const float cosine = std::min(pairs.wl[i].z, pairs.wv[i].z); cosine > 0) least = std::min(least, cosine);
+    std::vector<Vec3f> wl, wv;
+    for (const auto& grid : {horizon_grid(), brink_grid()})
+        for (const DirectionPair& pair : grid) wl.push_back(pair.wl), wv.push_back(pair.wv);
+    Eigen::ArrayXd limit(basis.basis.lobes);
+    for (Eigen::Index j = 0; j < limit.size(); ++j) {
+        const std::vector<Rgb> values = lobe_values(basis, std::size_t(j), wl, wv);
+        double within = 0, beyond = 0;
+        for (std::size_t i = 0; i < wl.size(); ++i) {
+            double& peak = std::min(wl[i].z, wv[i].z) < least ? beyond : within;
+            peak = std::max(peak, double(values[i].r) * bound_cosines(wl[i], wv[i]));
+        }
+        limit[j] = beyond > k_most_excess * within ? k_most_excess / beyond : std::numeric_limits<double>::infinity();
+    }
+    return limit;
 }
 
 }  // namespace
@@ -94,29 +118,31 @@ TexelCoefficients fit_texels_to_basis(const Library& basis, const SharedPairs& p
         const std::vector<Rgb> values = lobe_values(basis, j, pairs.wl, pairs.wv);
         for (std::size_t i = 0; i < M; ++i) E(Eigen::Index(i), Eigen::Index(j)) = double(values[i].r);
     }
+    const Eigen::ArrayXd largest = largest_coefficients(basis, pairs);
     TexelCoefficients all{std::vector<Rgb>(T * J), std::vector<float>(T)};
     parallel_for_parts(T, 64, threads, [&](std::size_t begin, std::size_t end) {
         std::vector<double> weight(M);
         std::vector<Rgb> value(M);
-        const Eigen::VectorXd no_limit =
-            Eigen::VectorXd::Constant(Eigen::Index(J), std::numeric_limits<double>::infinity());
         for (std::size_t t = begin; t < end; ++t) {
+            double measured = 0;
             for (std::size_t i = 0; i < M; ++i) {
                 const Rgb& of = f[t * M + i];
                 const bool known = is_finite(of) && pairs.wl[i].z > 0 && pairs.wv[i].z > 0;
                 weight[i] = known ? 1 : 0;
                 value[i] = known ? Rgb{std::max(of.r, 0.f), std::max(of.g, 0.f), std::max(of.b, 0.f)} : Rgb{};
+                measured = std::max(measured, largest_of(value[i]) * cosines(pairs.wl[i], pairs.wv[i]));
             }
             const double typical = typical_value(Objective::appearance, pairs.wl, pairs.wv, value, weight);
             if (!(typical > 0)) continue;
             weigh(Objective::appearance, typical, pairs.wl, pairs.wv, value, weight, 1);
             const Eigen::Map<const Eigen::VectorXd> w(weight.data(), Eigen::Index(M));
             const Eigen::MatrixXd weighted = w.asDiagonal() * E, G = E.transpose() * weighted;
+            const Eigen::VectorXd limit = measured * largest;
             double energy = 0, rest = 0;
             for (int c = 0; c < 3; ++c) {
                 Eigen::VectorXd y{Eigen::Index(M)};
                 for (std::size_t i = 0; i < M; ++i) y[Eigen::Index(i)] = double(value[i][c]);
-                const Eigen::VectorXd beta = bounded_least_squares(G, weighted.transpose() * y, no_limit);
+                const Eigen::VectorXd beta = bounded_least_squares(G, weighted.transpose() * y, limit);
                 for (std::size_t j = 0; j < J; ++j) all.coefficient[t * J + j][c] = float(beta[Eigen::Index(j)]);
                 energy += (w.array() * y.array().square()).sum();
                 rest += (w.array() * (y - E * beta).array().square()).sum();

@@ -9,14 +9,10 @@
 #include "srbf/elementary.h"
 
 namespace srbf {
-namespace {
 
-/// cosθl cosθv, but no less than where the grid ends: beyond that f itself may not rise above what is allowed there.
 double bound_cosines(Vec3f wl, Vec3f wv) {
     return std::max(double(wl.z), k_brink_cosine) * std::max(double(wv.z), k_brink_cosine);
 }
-
-}  // namespace
 
 double largest_measured(const Observations& observations) {
     double largest = 0;

@@ -7,11 +7,14 @@
 
 namespace srbf {
 
+/// cosθl cosθv, but no less than where the grid ends: beyond that f itself may not rise above what is allowed there.
+double bound_cosines(Vec3f wl, Vec3f wv);
+
 /// The largest measured f cosθl cosθv.
 double largest_measured(const Observations& observations);
 
-/// Indices, in order, of the observations from `first` on, including bound pairs, at which f cosθl cosθv of `model`, no
-/// cosine counting as less than `k_brink_cosine`, is more than `k_most_excess` times `largest`.
+/// Indices, in order, of the observations from `first` on, including bound pairs, at which f of `model` times
+/// `bound_cosines` is more than `k_most_excess` times `largest`.
 std::vector<std::size_t> exceeded(const Observations& observations, std::size_t first, const PmModel& model,
                                   double largest);
 

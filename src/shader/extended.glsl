@@ -80,11 +80,12 @@ Real cosine_over(Polygon of) {
     }
     return abs(sum) * Real(0.15915494);
 }
-// The integral over a polygon of what a level of a filtered map shows about an axis. It is nearly a cosine about the
-// axis whose directions are drawn together, and the polygon's are drawn apart instead (Heitz et al. 2016).
-Real level_over(Vec3 axis, int level, Polygon of) {
-    Real root = Real(level) / Real(EXTENDED_LEVELS - 1);
-    Real r = max(root * root, Real(0.01));
+// The integral over a polygon of a lobe's part of weight 1: GGX's kernel of its roughness, without the levels of a map. It is
+// nearly a cosine about the axis whose directions are drawn together, and the polygon's are drawn apart instead (Heitz et
+// al. 2016).
+Real lobe_over(LightLobe lobe, Polygon of) {
+    Vec3 axis = lobe.axis;
+    Real r = max(lobe.roughness, Real(0.01));
     Real apart = sqrt(Real(1.0) + Real(3.0) * r * r * r) / (Real(2.0) * r * r);
     Real x = axis.x;
     Real y = axis.y;
@@ -96,15 +97,6 @@ Real level_over(Vec3 axis, int level, Polygon of) {
                                apart * dot(Vec3(-x * y * s, Real(1.0) - y * y * s, -y), p), dot(axis, p));
     }
     return cosine_over(above_horizon(about));
-}
-// Of a lobe's part of weight 1, between levels.
-Real lobe_over(LightLobe lobe, Polygon of) {
-    Real at = sqrt(lobe.roughness) * Real(EXTENDED_LEVELS - 1);
-    int below = int(min(at, Real(EXTENDED_LEVELS - 2)));
-    Real part = at - Real(below);
-    Real sum = part * level_over(lobe.axis, below + 1, of);
-    if (part < Real(1.0)) sum = sum + (Real(1.0) - part) * level_over(lobe.axis, below, of);
-    return sum;
 }
 // The radiance that leaves towards the viewer from a quadrilateral of radiance 1 on either side, whose corners follow
 // each other: from the point of the surface, in the local frame.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 
 #include "basis/material_coefficients.h"
 #include "basis/shared_lobes.h"
@@ -23,6 +24,9 @@ namespace {
 
 /// Values of a completed texel, as many as `fit_batch` completes.
 constexpr std::size_t k_completed_pairs = 4096;
+/// Searches for lobes, of which the best is kept: one alone ended far from the others for a map of GGX lobes
+/// (docs/basis.md).
+constexpr std::size_t k_searches = 3;
 
 /// Lobe j at pairs of directions, its coefficient being 1.
 std::vector<Rgb> lobe_values(const Library& basis, std::size_t j, std::span<const Vec3f> wl,
@@ -57,6 +61,26 @@ Eigen::ArrayXd largest_coefficients(const Library& basis, const SharedPairs& pai
     return limit;
 }
 
+/// The library of one search, with the coefficients of the observed texels; empty if it was cancelled.
+Library searched(const std::vector<std::shared_ptr<const Observations>>& observed, const BasisOptions& options,
+                 Reporter& reporter) {
+    std::vector<SharedRows> rows;
+    for (const auto& of : observed) rows.push_back(rows_for_search(*of));
+    Library library;
+    library.basis = find_shared_lobes(
+        rows, [&](std::size_t t) { return observed[t]; }, options, reporter);
+    if (reporter.cancelled()) return {};
+    const Lobes lobes = to_lobes(library.basis, shape_of(lobe_options(options)));
+    std::vector<LogCoefficients> coefficients(observed.size());
+    parallel_for(observed.size(), options.threads,
+                 [&](std::size_t t) { coefficients[t] = coefficients_of(*observed[t], lobes, options); });
+    set_scales(library.basis, coefficients);
+    library.stored = options.lobes;
+    for (const LogCoefficients& of : coefficients) add_material(library, of);
+    library.error.assign(coefficients.size(), 0.f);
+    return rounded(std::move(library));
+}
+
 }  // namespace
 
 Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f, const BasisOptions& options,
@@ -64,10 +88,7 @@ Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f
     const StandardArithmetic mode;
     if (const auto valid = check_basis_options(options); !valid) return valid.error();
     const std::size_t M = pairs.wl.size(), T = M > 0 ? f.size() / M : 0;
-    Reporter reporter(progress, double(options.lobes) + double(T));
-    BasisOptions dense = options;
-    dense.active = 0;
-    std::vector<SharedRows> rows(T);
+    Reporter reporter(progress, k_searches * (double(options.lobes) + double(T)) + double(T));
     std::vector<std::shared_ptr<const Observations>> observed(T);
     parallel_for(T, options.threads, [&](std::size_t t) {
         if (reporter.cancelled()) return;
@@ -84,29 +105,25 @@ Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f
             Objective::appearance, options.max_theta > 0 ? options.max_theta : default_max_theta(Objective::appearance),
             options.seed};
         observing.threads = 1, observing.only_completed = k_completed_pairs;
-        if (auto seen = observe(samples, observing)) {
+        if (auto seen = observe(samples, observing))
             observed[t] = std::make_shared<const Observations>(std::move(seen->completed));
-            rows[t] = rows_for_search(*observed[t]);
-        }
         reporter.advance("observing", 1);
     });
-    std::erase_if(rows, [](const SharedRows& of) { return !of.rows; });
     std::erase_if(observed, [](const auto& of) { return !of; });
     if (reporter.cancelled()) return cancelled_error("fit_texel_basis");
-    if (rows.empty()) return no_data_error("fit_texel_basis", "texels with values above 0");
-    Library library;
-    library.basis = find_shared_lobes(
-        rows, [&](std::size_t t) { return observed[t]; }, dense, reporter);
-    if (reporter.cancelled()) return cancelled_error("fit_texel_basis");
-    const Lobes lobes = to_lobes(library.basis, shape_of(lobe_options(dense)));
-    std::vector<LogCoefficients> coefficients(observed.size());
-    parallel_for(observed.size(), options.threads,
-                 [&](std::size_t t) { coefficients[t] = coefficients_of(*observed[t], lobes, dense); });
-    set_scales(library.basis, coefficients);
-    library.stored = options.lobes;
-    for (const LogCoefficients& of : coefficients) add_material(library, of);
-    library.error.assign(coefficients.size(), 0.f);
-    return rounded(std::move(library));
+    if (observed.empty()) return no_data_error("fit_texel_basis", "texels with values above 0");
+    Library best;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint64_t search = 0; search < k_searches; ++search) {
+        BasisOptions dense = options;
+        dense.active = 0, dense.seed = k_searches * options.seed + search;
+        Library found = searched(observed, dense, reporter);
+        if (reporter.cancelled()) return cancelled_error("fit_texel_basis");
+        const std::vector<float> errors = fit_texels_to_basis(found, pairs, f, options.threads).error;
+        const double error = std::accumulate(errors.begin(), errors.end(), 0.0);
+        if (error < least) least = error, best = std::move(found);
+    }
+    return best;
 }
 
 TexelCoefficients fit_texels_to_basis(const Library& basis, const SharedPairs& pairs, std::span<const Rgb> f,

@@ -57,46 +57,47 @@ double common_theta(const std::vector<Subject>& models) {
     return least < 90 ? least : 80;
 }
 
-/// The reference first, with its picture if it has one and the size of a table; then errors of the models.
-void add_reference(Page& page, const Subject& reference, const std::vector<Subject>& models) {
-    const double theta = common_theta(models);
-    const MeasureOptions options{theta * k_degree, 0};
-    const Evaluate measured = evaluator(reference);
+/// The measurement of a reference, with its picture if it has one and the size of a table, of which the page's note tells.
+PageMaterial measured_material(Page& page, const Subject& reference, const MeasureOptions& options) {
     PageMaterial of = shown(reference);
     of.name = "Measured";
-    if (is_isotropic(std::get<Measured>(reference.content))) {
-        const MerlTable table = table_of(measured, k_page_table);
-        const Evaluate drawn[] = {evaluator(table)}, in_both_orders = [&](auto wl, auto wv, auto f) {
-            std::vector<Rgb> exchanged(f.size());
-            measured(wl, wv, f), measured(wv, wl, exchanged);
-            for (std::size_t i = 0; i < f.size(); ++i)
-                for (int c = 0; c < 3; ++c) f[i][c] = (f[i][c] + exchanged[i][c]) / 2;
-        };
-        const auto lost = [&](const Evaluate& against) {
-            return percent(measure_heldout(against, drawn, options)[0].squared_error_ratio_cosine);
-        };
-        page.picture_note = fmt::format(
-            "The picture of the measurement is drawn from a table of {} × {} × {} colours made of the file, so that "
-            "this page stays small. Its "
-            "squared error (f cosθl, θ ≤ {:g}°) is {} against the file, and {} against the mean of the file's values "
-            "with light and viewer "
-            "exchanged: such a table takes them to be exchangeable. The plots and the figures below are of the file "
-            "itself.",
-            k_page_table[0], k_page_table[1], k_page_table[2], theta, lost(measured), lost(in_both_orders));
-        of.material = table;
-    } else {
+    if (!is_isotropic(std::get<Measured>(reference.content))) {
         page.picture_note =
             "The measurement depends on rotation about the normal and has no picture here; "
             "the plots are of one turn.";
+        return of;
     }
+    const Evaluate measured = evaluator(reference);
+    const MerlTable table = table_of(measured, k_page_table);
+    const Evaluate drawn[] = {evaluator(table)}, in_both_orders = [&](auto wl, auto wv, auto f) {
+        std::vector<Rgb> exchanged(f.size());
+        measured(wl, wv, f), measured(wv, wl, exchanged);
+        for (std::size_t i = 0; i < f.size(); ++i)
+            for (int c = 0; c < 3; ++c) f[i][c] = (f[i][c] + exchanged[i][c]) / 2;
+    };
+    const auto lost = [&](const Evaluate& against) {
+        return percent(measure_heldout(against, drawn, options)[0].squared_error_ratio_cosine);
+    };
+    page.picture_note = fmt::format(
+        "The picture of the measurement is drawn from a table of {} × {} × {} colours made of the file, so that "
+        "this page stays small. Its "
+        "squared error (f cosθl, θ ≤ {:g}°) is {} against the file, and {} against the mean of the file's values "
+        "with light and viewer "
+        "exchanged: such a table takes them to be exchangeable. The plots and the figures below are of the file "
+        "itself.",
+        k_page_table[0], k_page_table[1], k_page_table[2], options.max_theta / k_degree, lost(measured),
+        lost(in_both_orders));
+    of.material = table;
+    return of;
+}
+
+/// Errors of the models against the measurement, a row for each measure.
+void add_errors(Page& page, const Evaluate& measured, const std::vector<Subject>& models,
+                const MeasureOptions& options) {
     std::vector<Evaluate> others;
     for (const Subject& model : models) others.push_back(evaluator(model));
     const std::vector<Measures> errors = measure_heldout(measured, others, options);
     const std::vector<double> albedo = albedo_errors(measured, others, options);
-
-    page.title = stem_of(reference.path);
-    page.materials.insert(page.materials.begin(), std::move(of));
-    page.table[0].cells.insert(page.table[0].cells.begin(), grouped(std::get<Measured>(reference.content).bytes));
     const auto add_row = [&](const char* name, const char* meaning, auto&& text_of) {
         Page::Row& row = page.table.emplace_back(Page::Row{name, meaning, {"–"}});
         for (std::size_t k = 0; k < models.size(); ++k) row.cells.push_back(text_of(k));
@@ -125,7 +126,16 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
     page.table_note = fmt::format(
         "Against the measurement, at 200,000 pairs of directions within {:g}° of the normal that no fit has seen: what "
         "srbf compare --max-theta {:g} calls held out.",
-        theta, theta);
+        options.max_theta / k_degree, options.max_theta / k_degree);
+}
+
+/// The reference first, then errors of the models.
+void add_reference(Page& page, const Subject& reference, const std::vector<Subject>& models) {
+    const MeasureOptions options{common_theta(models) * k_degree, 0};
+    page.title = stem_of(reference.path);
+    page.materials.insert(page.materials.begin(), measured_material(page, reference, options));
+    page.table[0].cells.insert(page.table[0].cells.begin(), grouped(std::get<Measured>(reference.content).bytes));
+    add_errors(page, evaluator(reference), models, options);
 }
 
 }  // namespace

@@ -218,18 +218,86 @@ void add_statistics(Tables& tables) {
         }
 }
 
+/// Constants of the pages' text.
+std::vector<Json> constants() {
+    std::vector<Json> rows{{{"name", "matrix_directions"}, {"value", k_matrix_directions}},
+                           {{"name", "heldout_pairs"}, {"value", k_heldout_pairs}},
+                           {{"name", "folds"}, {"value", k_folds}}};
+    for (const double theta : k_albedo_theta) rows.push_back({{"name", "albedo_theta"}, {"value", theta}});
+    for (const double theta : k_lobe_theta) rows.push_back({{"name", "lobe_theta"}, {"value", theta}});
+    return rows;
+}
+
+std::vector<std::string> fit_columns() {
+    std::vector<std::string> columns{"material",
+                                     "input",
+                                     "id",
+                                     "role",
+                                     "model",
+                                     "form",
+                                     "lobes",
+                                     "variates",
+                                     "axial",
+                                     "interpolation",
+                                     "index",
+                                     "objective",
+                                     "max_theta",
+                                     "raw_bytes",
+                                     "payload_bytes",
+                                     "auxiliary_bytes",
+                                     "fit_seconds",
+                                     "threads",
+                                     "stop_reason",
+                                     "masked_samples",
+                                     "clamped_samples",
+                                     "empty_directions",
+                                     "samples",
+                                     "folds",
+                                     "directions",
+                                     "seed"};
+    for (const char* prefix : {"", "unrounded_"})
+        for (const std::string& column : measure_columns(prefix)) columns.push_back(column);
+    columns.insert(columns.end(), k_picture_columns.begin(), k_picture_columns.end());
+    return columns;
+}
+
+std::vector<Json> source_rows() {
+    std::vector<Json> rows;
+    for (const SourceRow& row : k_source) {
+        const bool is_su = std::string_view(row.model) == "su";
+        rows.push_back({{"material", row.material},
+                        {"model", row.model},
+                        {"lobes", row.lobes},
+                        {"variates", row.variates},
+                        {"raw_bytes", k_source_raw_bytes},
+                        {"payload_bytes", row.payload_bytes},
+                        {"auxiliary_bytes", is_su ? k_source_auxiliary_bytes : 0},
+                        {"squared_error_ratio", row.squared_error_ratio},
+                        {"least_minutes", is_su ? 8 : 10},
+                        {"most_minutes", is_su ? 11 : 19},
+                        {"least_frames_per_second", is_su ? 112 : 271},
+                        {"most_frames_per_second", is_su ? 142 : 672},
+                        {"renderer", "GeForce 9800 GX2"}});
+    }
+    return rows;
+}
+
+/// Numbers of materials by what became of them and by verdict.
+std::vector<Json> summary_of(const Table& materials) {
+    std::vector<Json> rows;
+    const auto count = [&](const char* column, std::string_view value) {
+        rows.push_back({{"what", value}, {"materials", rows_with(materials, column, value).size()}});
+    };
+    for (const char* status : {"done", "failed"}) count("status", status);
+    for (std::size_t k = 0; k < k_verdicts; ++k) count("verdict", words(Verdict(k)));
+    return rows;
+}
+
 }  // namespace
 
 Tables tables_of(const std::vector<Reported>& materials) {
     Tables tables;
-    tables.constants = {"constants",
-                        {"name", "value"},
-                        {{{"name", "matrix_directions"}, {"value", k_matrix_directions}},
-                         {{"name", "heldout_pairs"}, {"value", k_heldout_pairs}},
-                         {{"name", "folds"}, {"value", k_folds}}}};
-    for (const double theta : k_albedo_theta)
-        tables.constants.rows.push_back({{"name", "albedo_theta"}, {"value", theta}});
-    for (const double theta : k_lobe_theta) tables.constants.rows.push_back({{"name", "lobe_theta"}, {"value", theta}});
+    tables.constants = {"constants", {"name", "value"}, constants()};
     tables.summary = {"summary", {"what", "materials"}, {}};
     tables.materials = {
         "materials",
@@ -239,37 +307,7 @@ Tables tables_of(const std::vector<Reported>& materials) {
          "study_seconds",   "threads",      "jobs",        "frames_error", "sweep",           "version",
          "folder"},
         {}};
-    tables.fits = {"fits",
-                   {"material",
-                    "input",
-                    "id",
-                    "role",
-                    "model",
-                    "form",
-                    "lobes",
-                    "variates",
-                    "axial",
-                    "interpolation",
-                    "index",
-                    "objective",
-                    "max_theta",
-                    "raw_bytes",
-                    "payload_bytes",
-                    "auxiliary_bytes",
-                    "fit_seconds",
-                    "threads",
-                    "stop_reason",
-                    "masked_samples",
-                    "clamped_samples",
-                    "empty_directions",
-                    "samples",
-                    "folds",
-                    "directions",
-                    "seed"},
-                   {}};
-    for (const char* prefix : {"", "unrounded_"})
-        for (const std::string& column : measure_columns(prefix)) tables.fits.columns.push_back(column);
-    tables.fits.columns.insert(tables.fits.columns.end(), k_picture_columns.begin(), k_picture_columns.end());
+    tables.fits = {"fits", fit_columns(), {}};
     tables.failures = {"failures", {"material", "id", "error"}, {}};
     tables.statistics = {
         "statistics",
@@ -286,31 +324,10 @@ Tables tables_of(const std::vector<Reported>& materials) {
                      {"material", "model", "lobes", "variates", "raw_bytes", "payload_bytes", "auxiliary_bytes",
                       "squared_error_ratio", "least_minutes", "most_minutes", "least_frames_per_second",
                       "most_frames_per_second", "renderer"},
-                     {}};
-    for (const SourceRow& row : k_source) {
-        const bool is_su = std::string_view(row.model) == "su";
-        tables.source.rows.push_back({{"material", row.material},
-                                      {"model", row.model},
-                                      {"lobes", row.lobes},
-                                      {"variates", row.variates},
-                                      {"raw_bytes", k_source_raw_bytes},
-                                      {"payload_bytes", row.payload_bytes},
-                                      {"auxiliary_bytes", is_su ? k_source_auxiliary_bytes : 0},
-                                      {"squared_error_ratio", row.squared_error_ratio},
-                                      {"least_minutes", is_su ? 8 : 10},
-                                      {"most_minutes", is_su ? 11 : 19},
-                                      {"least_frames_per_second", is_su ? 112 : 271},
-                                      {"most_frames_per_second", is_su ? 142 : 672},
-                                      {"renderer", "GeForce 9800 GX2"}});
-    }
+                     source_rows()};
     for (const Reported& of : materials) add_material(tables, of);
     add_statistics(tables);
-    const auto count = [&](const char* column, std::string_view value) {
-        tables.summary.rows.push_back(
-            {{"what", value}, {"materials", rows_with(tables.materials, column, value).size()}});
-    };
-    for (const char* status : {"done", "failed"}) count("status", status);
-    for (std::size_t k = 0; k < k_verdicts; ++k) count("verdict", words(Verdict(k)));
+    tables.summary.rows = summary_of(tables.materials);
     return tables;
 }
 

@@ -18,14 +18,7 @@ namespace {
 // observation their factors are
 //   1/π,  D G / (4 cosθl cosθv) (1 − s),  D G / (4 cosθl cosθv) s,  s = (1 − l·h)⁵,
 // the same for every channel, so that one small matrix of moments is sufficient.
-constexpr int k_most_terms = 1 + 2 * k_most_ggx_lobes;
 constexpr std::size_t k_rows_at_once = 4096, k_scanned_rows = 16384;
-
-struct Moments {
-    std::array<std::array<double, k_most_terms>, k_most_terms> terms{};  // Σ w t_i t_k
-    std::array<std::array<double, 3>, k_most_terms> values{};            // Σ w t_i f_c
-    double energy = 0;                                                   // Σ w |f|²
-};
 
 /// log2 of the roughness of each lobe.
 using Roughness = std::vector<double>;
@@ -45,8 +38,9 @@ class GgxProblem {
     };
     /// The best model with that roughness.
     Solution solve(const Roughness& log_alpha) {
-        const Moments sums = moments(log_alpha);
+        const Eigen::MatrixXd sums = moments(log_alpha);
         const auto L = log_alpha.size();
+        const auto terms = Eigen::Index(1 + 2 * L);
         const auto n = Eigen::Index(3 + 4 * L);
         // Unknowns: kd of R, G, B; then for each lobe F0 of R, G, B and F90.
         const auto of_facing = [](std::size_t i, int c) { return Eigen::Index(3 + 4 * i) + c; };
@@ -54,17 +48,14 @@ class GgxProblem {
         Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, n);
         Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
         for (int c = 0; c < 3; ++c) {
-            std::array<Eigen::Index, k_most_terms> unknown{c};
-            for (std::size_t i = 0; i < L; ++i)
-                unknown[1 + 2 * i] = of_facing(i, c), unknown[2 + 2 * i] = of_grazing(i);
-            for (std::size_t i = 0; i <= 2 * L; ++i) {
-                g[unknown[i]] += sums.values[i][std::size_t(c)];
-                for (std::size_t k = 0; k <= 2 * L; ++k) G(unknown[i], unknown[k]) += sums.terms[i][k];
-            }
+            std::vector<Eigen::Index> unknown{c};
+            for (std::size_t i = 0; i < L; ++i) unknown.push_back(of_facing(i, c)), unknown.push_back(of_grazing(i));
+            g(unknown) += sums.block(0, terms + c, terms, 1);
+            G(unknown, unknown) += sums.topLeftCorner(terms, terms);
         }
         const auto unbounded = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
         const Eigen::VectorXd x = bounded_least_squares(G, g, unbounded);
-        Solution solution{{}, sums.energy - 2 * g.dot(x) + x.dot(G * x)};
+        Solution solution{{}, sums.diagonal().tail(3).sum() - 2 * g.dot(x) + x.dot(G * x)};
         solution.model.diffuse = {float(x[0]), float(x[1]), float(x[2])};
         for (std::size_t i = 0; i < L; ++i)
             solution.model.lobes.push_back(
@@ -95,38 +86,29 @@ class GgxProblem {
         return facets_[0].of_rows;
     }
 
-    Moments moments(const Roughness& log_alpha) {
-        const std::size_t terms = 1 + 2 * log_alpha.size();
+    /// Products with each other of the terms of lobes and of R, G, B, times √w of each row.
+    Eigen::MatrixXd moments(const Roughness& log_alpha) {
+        const Eigen::Index terms = 1 + 2 * Eigen::Index(log_alpha.size());
         std::array<const float*, k_most_ggx_lobes> of_lobes{};
         for (std::size_t i = 0; i < log_alpha.size(); ++i) of_lobes[i] = facets(log_alpha[i]).data();
-        std::vector<Moments> parts(part_count(rows_, k_rows_at_once));
+        std::vector<Eigen::MatrixXd> parts(part_count(rows_, k_rows_at_once));
         parallel_for_parts(rows_, k_rows_at_once, threads_, [&](std::size_t begin, std::size_t end) {
-            Moments& part = parts[begin / k_rows_at_once];
+            Eigen::MatrixXd columns(terms + 3, Eigen::Index(end - begin));
             for (std::size_t row = begin; row < end; ++row) {
-                const double w = observations_.weight[row];
-                const auto s = double(grazing_[row]);
-                std::array<double, k_most_terms> t{1 / k_pi};
+                auto t = columns.col(Eigen::Index(row - begin));
+                t[0] = 1 / k_pi;
                 for (std::size_t i = 0; i < log_alpha.size(); ++i) {
-                    const auto facets = double(of_lobes[i][row]);
-                    t[1 + 2 * i] = facets * (1 - s);
-                    t[2 + 2 * i] = facets * s;
+                    const auto facets = double(of_lobes[i][row]), s = double(grazing_[row]);
+                    t.segment(Eigen::Index(1 + 2 * i), 2) << facets * (1 - s), facets * s;
                 }
-                for (std::size_t i = 0; i < terms; ++i) {
-                    for (std::size_t k = 0; k < terms; ++k) part.terms[i][k] += w * t[i] * t[k];
-                    for (int c = 0; c < 3; ++c)
-                        part.values[i][std::size_t(c)] += w * t[i] * double(observations_.f[row][c]);
-                }
-                for (int c = 0; c < 3; ++c) part.energy += w * elementary::square(double(observations_.f[row][c]));
+                const Rgb& f = observations_.f[row];
+                t.tail(3) << double(f.r), double(f.g), double(f.b);
+                t *= std::sqrt(observations_.weight[row]);
             }
+            parts[begin / k_rows_at_once] = columns * columns.transpose();
         });
-        Moments sums;
-        for (const Moments& of_part : parts) {
-            for (std::size_t i = 0; i < terms; ++i) {
-                for (std::size_t k = 0; k < terms; ++k) sums.terms[i][k] += of_part.terms[i][k];
-                for (std::size_t c = 0; c < 3; ++c) sums.values[i][c] += of_part.values[i][c];
-            }
-            sums.energy += of_part.energy;
-        }
+        Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(terms + 3, terms + 3);
+        for (const Eigen::MatrixXd& part : parts) sums += part;
         return sums;
     }
 

@@ -14,24 +14,13 @@ Vec3<Batch> direction(const std::array<Aligned<float>, 3>& w, std::size_t at) {
     return {Batch::load(&w[0][at]), Batch::load(&w[1][at]), Batch::load(&w[2][at])};
 }
 
-void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
+void variate_features(const Rows& rows, std::size_t block, float a, float b, bool axial, float* s, float* s_by_angle) {
     using Formula = Formulas<Batch, PmModel>;
     const Batch a_(a), b_(b), one(1.0);
     const Vec3<Batch> up(Batch(0.0), Batch(0.0), one);
     const std::size_t first = block * k_block;
-    for (std::size_t i = 0; i < rows.rows_in(block); i += Batch::size()) {
-        const Vec3<Batch> wl = direction(rows.wl, first + i), wv = direction(rows.wv, first + i);
-        Formula::gaussian_exponent(Formula::psi(wl, wv, a_, b_), up, one).store(s + i);
-        Formula::psi_by_angle(wl, wv, a_, b_).z.store(s_by_angle + i);
-    }
-}
-
-void general_features(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
-    using Formula = Formulas<Batch, PmModel>;
-    const Batch a_(a), b_(b), one(1.0);
-    const Vec3<Batch> up(Batch(0.0), Batch(0.0), one);
-    const std::size_t first = block * k_block;
-    const auto store = [](Batch x, Batch y, Batch z, float* to) HWY_ATTR {
+    const auto store = [axial](Batch x, Batch y, Batch z, float* to) HWY_ATTR {
+        if (axial) return z.store(to);
         x.store(to);
         y.store(to + k_block);
         z.store(to + 2 * k_block);
@@ -60,15 +49,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace srbf {
 
-HWY_EXPORT(axial_feature);
-HWY_EXPORT(general_features);
+HWY_EXPORT(variate_features);
 HWY_EXPORT(further_features);
 
-void axial_feature(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
-    HWY_DYNAMIC_DISPATCH(axial_feature)(rows, block, a, b, s, s_by_angle);
-}
-void general_features(const Rows& rows, std::size_t block, float a, float b, float* s, float* s_by_angle) {
-    HWY_DYNAMIC_DISPATCH(general_features)(rows, block, a, b, s, s_by_angle);
+void variate_features(const Rows& rows, std::size_t block, float a, float b, bool axial, float* s, float* s_by_angle) {
+    HWY_DYNAMIC_DISPATCH(variate_features)(rows, block, a, b, axial, s, s_by_angle);
 }
 void further_features(const Rows& rows, std::size_t block, int count, float* features) {
     HWY_DYNAMIC_DISPATCH(further_features)(rows, block, count, features);

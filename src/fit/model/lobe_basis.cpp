@@ -20,14 +20,13 @@ void LobeBasis::evaluate_factors(const Eigen::VectorXd& x, std::size_t block) {
     const auto C = std::size_t(shape_.components());
     thread_local Aligned<float> swapped, swapped_by_angle;
     swapped.resize(C * k_block), swapped_by_angle.resize(C * k_block);
-    const auto features = shape_.axial ? axial_feature : general_features;
     for (int n = 0; n < shape_.variates; ++n) {
         const auto a = float(elementary::cos(x[n])), b = float(elementary::sin(x[n]));
         float *const at = factor(block, n * shape_.components()), *const turned =
                                                                       by_angle(block, n * shape_.components());
-        features(rows_, block, a, b, at, turned);
+        variate_features(rows_, block, a, b, shape_.axial, at, turned);
         if (!shape_.reciprocal) continue;
-        features(rows_, block, b, a, swapped.data(), swapped_by_angle.data());
+        variate_features(rows_, block, b, a, shape_.axial, swapped.data(), swapped_by_angle.data());
         for (std::size_t i = 0; i < swapped.size(); ++i) {
             at[i] += swapped[i];
             turned[i] -= swapped_by_angle[i];  // the angle of (b, a) is π/2 minus that of (a, b)

@@ -62,7 +62,12 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
     std::vector<Subject> subjects;
     for (std::size_t i = 0; i < pictured.size(); ++i) {
         const auto* subject = std::get_if<const Subject*>(&pictured[i]);
-        if (!subject) return Error{options.files[i], {}, "input of raster", "a measurement or model", "a map"};
+        if (!subject)
+            return Error{i < options.files.size() ? options.files[i] : options.compare,
+                         {},
+                         "input of raster",
+                         "a measurement or model",
+                         "a map"};
         subjects.push_back(**subject);
     }
     const PathCommand& asked = options.path;
@@ -162,45 +167,67 @@ Result<Done> compare_pictures(const Image8& reference, std::span<const Image8> i
     return write_png(side_by_side(differences, captions), options.beside(".difference"));
 }
 
+/// What is drawn: a measurement or model, or a map of texels.
+using Loaded = std::variant<Subject, Library>;
+Result<Loaded> load_pictured(const std::string& file) {
+    auto map = library_in(file);
+    if (!map) return map.error();
+    if (*map && (*map)->dense() && (*map)->width > 0) return Loaded(**std::move(map));
+    auto subject = load(file);
+    if (!subject) return subject.error();
+    return Loaded(*std::move(subject));
+}
+
+/// The picture in `file`, of the size that is asked for; nothing if the file is none.
+Result<std::optional<Image>> picture_in(const std::string& file, const RenderCommand& options) {
+    const auto bytes = read_file(file, all_if(srbf::is_exr));
+    if (!bytes) return bytes.error();
+    if (!srbf::is_exr(*bytes)) return std::optional<Image>();
+    auto image = read_exr(*bytes, file);
+    if (!image) return image.error();
+    if (image->width != options.width || image->height != options.height)
+        return Error{file,
+                     {},
+                     "size of the reference",
+                     fmt::format("{}x{}", options.width, options.height),
+                     fmt::format("{}x{}", image->width, image->height)};
+    return std::optional(*std::move(image));
+}
+
+/// Writes the pictures, what else is asked for, and their errors against `reference` if there is one. All pictures have
+/// the same exposure, so that they are comparable.
+Result<Done> write_pictures(const RenderedPictures& pictures, const std::optional<Image>& reference,
+                            const std::vector<std::string>& captions, const RenderCommand& options) {
+    const float exposure = automatic_exposure(reference ? *reference : pictures.renderings.front().radiance);
+    std::vector<Image8> images;
+    for (const Rendering& rendering : pictures.renderings) images.push_back(shown(rendering, exposure));
+    const auto written =
+        options.is_exr() ? write_float(pictures, options) : write_png(side_by_side(images, captions), options.output);
+    if (!written) return written.error();
+    if (options.aov && !options.is_exr())
+        if (const auto done = write_first_hits(pictures, options); !done) return done.error();
+    if (!reference) return Done{};
+    const Rendering seen{*reference, pictures.renderings.front().coverage};
+    return compare_pictures(shown(seen, exposure), images, captions, options);
+}
+
 int RenderCommand::run() const {
     std::vector<std::string> inputs = files, captions;
-    std::vector<std::variant<Subject, Library>> subjects;
-    const auto add = [&](const std::string& file) -> Result<Done> {
-        auto map = library_in(file);
-        if (!map) return map.error();
-        if (*map && (*map)->dense() && (*map)->width > 0) {
-            subjects.emplace_back(**std::move(map));
-            return Done{};
-        }
-        auto subject = load(file);
-        if (!subject) return subject.error();
-        subjects.emplace_back(*std::move(subject));
-        return Done{};
-    };
-    for (const std::string& file : files) {
-        if (const auto added = add(file); !added) return complain(added.error());
-        captions.push_back(std::filesystem::path(file).filename().string());
-    }
-    // The reference is a picture, or one more subject.
-    std::optional<Image> reference;
+    std::vector<Loaded> subjects;
+    std::optional<Image> reference;  // or one more subject
     if (!compare.empty()) {
         inputs.push_back(compare);
-        const auto bytes = read_file(compare, all_if(srbf::is_exr));
-        if (!bytes) return complain(bytes.error());
-        if (srbf::is_exr(*bytes)) {
-            auto image = read_exr(*bytes, compare);
-            if (!image) return complain(image.error());
-            if (image->width != width || image->height != height)
-                return complain({compare,
-                                 {},
-                                 "size of the reference",
-                                 fmt::format("{}x{}", width, height),
-                                 fmt::format("{}x{}", image->width, image->height)});
-            reference = *std::move(image);
-        } else if (const auto added = add(compare); !added) {
-            return complain(added.error());
-        }
+        auto picture = picture_in(compare, *this);
+        if (!picture) return complain(picture.error());
+        reference = *std::move(picture);
     }
+    for (const std::string& file : inputs) {
+        if (reference && subjects.size() == files.size()) break;
+        auto loaded = load_pictured(file);
+        if (!loaded) return complain(loaded.error());
+        subjects.push_back(*std::move(loaded));
+    }
+    for (const std::string& file : files) captions.push_back(std::filesystem::path(file).filename().string());
     auto loaded = load_mesh(mesh);
     if (!loaded) return complain(loaded.error());
     inputs.push_back(mesh);
@@ -214,7 +241,7 @@ int RenderCommand::run() const {
     const Scene scene = scene_of(*std::move(loaded), viewpoint, double(width) / height);
     const auto chosen = std::ranges::find(k_renderers, renderer, &Renderer::name);
     std::vector<Pictured> pictured;
-    for (const auto& subject : subjects) std::visit([&](const auto& of) { pictured.emplace_back(&of); }, subject);
+    for (const Loaded& subject : subjects) std::visit([&](const auto& of) { pictured.emplace_back(&of); }, subject);
     auto pictures = chosen->render(scene, pictured, *this);
     if (!pictures) return complain(pictures.error());
     if (subjects.size() > files.size()) {
@@ -222,21 +249,8 @@ int RenderCommand::run() const {
         pictures->renderings.pop_back();
         if (!pictures->first.empty()) pictures->first.pop_back();
     }
-
-    // All images have the same exposure, so that they are comparable.
-    const float exposure = automatic_exposure(reference ? *reference : pictures->renderings.front().radiance);
-    std::vector<Image8> images;
-    for (const Rendering& rendering : pictures->renderings) images.push_back(shown(rendering, exposure));
-    const auto written = is_exr() ? write_float(*pictures, *this) : write_png(side_by_side(images, captions), output);
-    if (!written) return complain(written.error());
-    if (aov && !is_exr())
-        if (const auto done = write_first_hits(*pictures, *this); !done) return complain(done.error());
-    if (reference) {
-        const Rendering seen{*reference, pictures->renderings.front().coverage};
-        if (const auto done = compare_pictures(shown(seen, exposure), images, captions, *this); !done)
-            return complain(done.error());
-    }
-    return k_done;
+    const auto written = write_pictures(*pictures, reference, captions, *this);
+    return written ? k_done : complain(written.error());
 }
 
 /// "WxH", each from 1 to `k_most_pixels`.

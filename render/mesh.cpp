@@ -67,10 +67,10 @@ namespace {
 template <typename Place>
 void add_grid(std::uint32_t first, std::uint32_t rows, std::uint32_t columns, bool closed, const Place& place,
               Mesh& mesh) {
-    using Corner = std::array<std::uint32_t, 2>;
+    using RowAndColumn = std::array<std::uint32_t, 2>;
     for (std::uint32_t i = 0; i + (closed ? 0 : 1) < rows; ++i)
         for (std::uint32_t j = 0; j < columns; ++j) {
-            const Corner here{i, j}, below{i + 1, j}, across{i + 1, j + 1}, next{i, j + 1};
+            const RowAndColumn here{i, j}, below{i + 1, j}, across{i + 1, j + 1}, next{i, j + 1};
             for (const auto& corners : {std::array{here, below, across}, {here, across, next}}) {
                 auto& triangle = mesh.triangles.emplace_back();
                 auto& texture = mesh.texture.emplace_back();

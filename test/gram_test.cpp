@@ -96,7 +96,7 @@ TEST_P(Gram, AxialFeatureIsTheExponentOfAKernelAboutTheNormal) {
         const double angle = 2 * k_pi * uniform(random_), h = 1e-5;
         Aligned<float> s(k_block), by(k_block);
         for (std::size_t block = 0; block < 3; ++block) {
-            axial_feature(rows_, block, float(std::cos(angle)), float(std::sin(angle)), s.data(), by.data());
+            variate_features(rows_, block, float(std::cos(angle)), float(std::sin(angle)), true, s.data(), by.data());
             for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
                 const Vec3d wl = wide(observations_.wl[block * k_block + i]),
                             wv = wide(observations_.wv[block * k_block + i]);
@@ -120,7 +120,7 @@ TEST_P(Gram, GeneralFeaturesAreThoseOfTheText) {
     const double a = std::cos(0.4), b = std::sin(0.4);
     Aligned<float> s(3 * k_block), by(3 * k_block);
     for (std::size_t block = 0; block < 3; ++block) {
-        general_features(rows_, block, float(a), float(b), s.data(), by.data());
+        variate_features(rows_, block, float(a), float(b), false, s.data(), by.data());
         for (std::size_t i = 0; i < k_block && block * k_block + i < k_count; ++i) {
             const Vec3d wl = wide(observations_.wl[block * k_block + i]),
                         wv = wide(observations_.wv[block * k_block + i]);
@@ -324,8 +324,8 @@ std::vector<double> all_results(const Rows& rows) {
     const std::vector<float> weight(13, 0.3f);
     Aligned<float> x(k_block), s(3 * k_block), by(3 * k_block), features_of(SRBF_TERMS * k_block);
     const auto add = [&](const Aligned<float>& numbers) { all.insert(all.end(), numbers.begin(), numbers.end()); };
-    axial_feature(rows, 0, 0.6f, -0.8f, s.data(), by.data()), add(s), add(by);
-    general_features(rows, 1, 0.6f, 0.8f, s.data(), by.data()), add(s), add(by);
+    variate_features(rows, 0, 0.6f, -0.8f, true, s.data(), by.data()), add(s), add(by);
+    variate_features(rows, 1, 0.6f, 0.8f, false, s.data(), by.data()), add(s), add(by);
     further_features(rows, 0, SRBF_TERMS, features_of.data()), add(features_of);
     const float* const root_weight = &rows.root_weight[k_block];
     all.push_back(exponent(weight, pointers_to, root_weight, x.data(), rows.rows_in(1))), add(x);

@@ -75,6 +75,7 @@ struct BasisFit {
     std::vector<std::string> inputs;
     std::string output, basis;  // a library whose lobes are used; empty: lobes are searched for
     BasisOptions options;
+    double target_delta_e = 0;  // the fewest lobes, up to those of the options, with this mean error; 0: exactly those
     // Of texels:
     std::string pairs;      // empty: tables
     std::string key;        // everything that the lobes depend on besides the inputs, as text

@@ -27,16 +27,35 @@ Result<Library> load_library(const std::string& path) {
     });
 }
 
+double mean_error(const Library& library) {
+    return std::accumulate(library.error.begin(), library.error.end(), 0.0) / double(library.count());
+}
+
+/// The library with the fewest lobes, of numbers that double up to the options', whose mean error reaches the target, or else
+/// that of most lobes; `tried` receives a line for each.
+Result<Library> smallest_library(const BasisFit& fit, std::span<const LibrarySource> sources,
+                                 const ProgressToken& progress, std::string& tried) {
+    BasisOptions options = fit.options;
+    for (int lobes = std::max(1, options.active);; lobes *= 2) {
+        options.lobes = std::min(lobes, fit.options.lobes);
+        auto library = fit_library(sources, options, progress);
+        if (!library) return library;
+        const double error = mean_error(*library);
+        const bool is_last = options.lobes == fit.options.lobes;
+        tried += fmt::format("  {:>3} lobes     mean ΔE_ITP {:.3g}{}\n", options.lobes, error,
+                             is_last && error > fit.target_delta_e ? ", above the target" : "");
+        if (error <= fit.target_delta_e || is_last) return library;
+    }
+}
+
 void print_library(const BasisFit& fit, const Library& library, double seconds) {
     std::vector<std::size_t> order(library.count());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t t) { return library.error[t]; });
-    double sum = 0;
-    for (const float error : library.error) sum += double(error);
     fmt::print("{} materials of {} shared lobes, {} each, in {:.1f} s\n", library.count(), library.basis.lobes,
                library.dense() ? std::string("all of them") : fmt::format("at most {}", library.stored), seconds);
     fmt::print("  bytes         {} shared, {} a material\n", basis_bytes(library), material_bytes(library));
-    fmt::print("  mean ΔE_ITP   {:.3g}\n", sum / double(library.count()));
+    fmt::print("  mean ΔE_ITP   {:.3g}\n", mean_error(library));
     const std::size_t listed = std::min(order.size(), k_most_listed);
     for (std::size_t i = 0; i < listed; ++i)
         fmt::print("  {:<13} {:.3g}\n", library.names[order[i]], library.error[order[i]]);
@@ -56,7 +75,10 @@ int fit_basis(const BasisFit& fit) {
     ProgressLine line;
     const auto progress = [&](const Progress& now) { return line.show(now.stage, now.fraction), true; };
     Result<Library> library = Library{};
-    if (fit.basis.empty()) {
+    std::string tried;
+    if (fit.target_delta_e > 0) {
+        library = smallest_library(fit, sources, progress, tried);
+    } else if (fit.basis.empty()) {
         library = fit_library(sources, fit.options, progress);
     } else {
         const auto basis = load_library(fit.basis);
@@ -70,6 +92,7 @@ int fit_basis(const BasisFit& fit) {
     library->provenance = {{"generator", "srbf " SRBF_VERSION}, {"objective", "appearance"}};
     const std::vector<NewFile> files{{fit.output, write_library(*library)}};
     const auto written = write_files(files, [&]() -> Result<Done> {
+        fmt::print("{}", tried);
         print_library(fit, *library, watch.seconds());
         return flush_standard_output();
     });

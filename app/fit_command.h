@@ -106,6 +106,7 @@ struct FitCommand {
         if (!lobes_shared) fit.basis = basis;
         fit.options.form = *form_named(form), fit.options.variates = variates, fit.options.axial = axial >= 0;
         fit.options.lobes = lobes_shared.value_or(fit.options.lobes), fit.options.active = active;
+        fit.target_delta_e = target_delta_e;
         fit.options.max_theta = max_theta * k_degree, fit.options.seed = seed, fit.options.threads = threads;
         return fit;
     }

@@ -298,6 +298,17 @@ TEST_F(Command, fit_keeps_a_budget) {
     EXPECT_GE(json["path"].size(), 3u);
 }
 
+TEST_F(Command, fit_finds_how_many_shared_lobes_a_mean_error_needs) {
+    write(folder / "m.binary", small_merl());
+    for (const auto& [target, lobes, is_reached] : {std::tuple("100", 1, true), {"0.01", 4, false}}) {
+        const ProgramRun fit = run(
+            folder, {"fit", "m.binary", "-o", "l.srbf", "--basis", "4", "--variates", "1", "--target-delta-e", target});
+        ASSERT_EQ(fit.status, 0) << fit.err;
+        EXPECT_NE(fit.out.find(fmt::format("1 materials of {} shared lobes", lobes)), std::string::npos) << fit.out;
+        EXPECT_EQ(fit.out.find("above the target") == std::string::npos, is_reached) << fit.out;
+    }
+}
+
 TEST_F(Command, fit_su_takes_scattered_samples) {
     write(folder / "samples.csv", smooth_samples(600));
     const ProgramRun fit = run(folder, {"fit", "samples.csv", "--model", "su", "--lobes", "3", "--directions", "96",

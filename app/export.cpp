@@ -230,6 +230,27 @@ Result<std::string> ExportCommand::surface(const std::vector<NamedModel>& named)
     return text;
 }
 
+/// What each kind is, for the help.
+std::string about_kinds(const std::vector<std::string>& languages) {
+    return fmt::format(
+        "html: a single file for any browser, without network access\n"
+        "{}: source code with functions NAME_brdf of each model, named by its file, and\n"
+        "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
+        "three: a module for three.js with a class NAMEMaterial of each model; of a map, which goes into\n"
+        "NAME.ktx2 beside it, one with coefficients from textures\n"
+        "radiance: a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them\n"
+        "mtlx, standard-surface, gltf, glb, usd, blender: a surface (fit --model pbr) as a document of\n"
+        "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
+        "Blender's material\n"
+        "dds: an environment (.hdr, .exr or studio) filtered for NAME_environment, a cube map of 16-bit floats\n"
+        "ktx2, exr: the coefficients of a map (fit --basis J --width W), as layers of a KTX 2 texture with its\n"
+        "levels, or as channels of OpenEXR; its code has NAME_brdf(wl, wv, NAME_coefficients(u, v))\n"
+        "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF the functions are\n"
+        "NAME_bsdf, of directions on either side, and NAME_beam, the share of light that passes unscattered;\n"
+        "for three.js each of its parts is a material",
+        fmt::join(languages, ", "));
+}
+
 }  // namespace
 
 void add_export(CommandLine& app, int& status) {
@@ -241,28 +262,7 @@ void add_export(CommandLine& app, int& status) {
         .type_name("")
         .required();
     const std::vector<std::string> languages = names_of_languages();
-    sub.add_option(
-           "--to", command->to,
-           fmt::format(
-               "html: a single file for any browser, without network access\n"
-               "{}: source code with functions NAME_brdf of each model, named by its file, and\n"
-               "the numbers as constants, for a shader or a program (c: a header for C99, C++ and CUDA)\n"
-               "three: a module for three.js with a class NAMEMaterial of each model; of a map, which goes into\n"
-               "NAME.ktx2 beside it, one with coefficients from textures\n"
-               "radiance: a .cal with functions NAME(ix,iy,iz,ox,oy,oz) of each model, as bsdf2ttree -f takes them\n"
-               "mtlx, standard-surface, gltf, glb, usd, blender: a surface (fit --model pbr) as a document of\n"
-               "MaterialX with OpenPBR or Standard Surface, as glTF 2.0, as a stage of USD, as a script that makes\n"
-               "Blender's material\n"
-               "dds: an environment (.hdr, .exr or studio) filtered for NAME_environment, a cube map of 16-bit floats\n"
-               "ktx2, exr: the coefficients of a map (fit --basis J --width W), as layers of a KTX 2 texture with its\n"
-               "levels, or as channels of OpenEXR; its code has NAME_brdf(wl, wv, NAME_coefficients(u, v))\n"
-               "The numbers of a view-by-view model go into NAME.data beside the code. Of a BSDF the functions are\n"
-               "NAME_bsdf, of directions on either side, and NAME_beam, the share of light that passes unscattered;\n"
-               "for three.js each of its parts is a material",
-               fmt::join(languages, ", ")))
-        .type_name("KIND")
-        .required()
-        .one_of(names_of_kinds());
+    sub.add_option("--to", command->to, about_kinds(languages)).type_name("KIND").required().one_of(names_of_kinds());
     const Option with =
         sub.add_option(
                "--with", command->with,

@@ -28,7 +28,7 @@ struct RasterLight {
 };
 /// Renders the scene with each of the subjects. Errors: those of `material_of` and `rasterize`; a program built without
 /// this renderer.
-Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Subject> subjects, int width, int height,
-                                         const RasterLight& light);
+Result<std::vector<Rendering>> rasterize(const Scene& scene, std::span<const Subject* const> subjects, int width,
+                                         int height, const RasterLight& light);
 
 }  // namespace srbf

@@ -59,7 +59,7 @@ Result<RenderedPictures> render_paths(const Scene& scene, std::span<const Pictur
 Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictured> pictured,
                                        const RenderCommand& options) {
     if (const auto can_draw = check_drawing(); !can_draw) return can_draw.error();
-    std::vector<Subject> subjects;
+    std::vector<const Subject*> subjects;
     for (std::size_t i = 0; i < pictured.size(); ++i) {
         const auto* subject = std::get_if<const Subject*>(&pictured[i]);
         if (!subject)
@@ -68,7 +68,7 @@ Result<RenderedPictures> render_raster(const Scene& scene, std::span<const Pictu
                          "input of raster",
                          "a measurement or model",
                          "a map"};
-        subjects.push_back(**subject);
+        subjects.push_back(*subject);
     }
     const PathCommand& asked = options.path;
     const auto environment = load_light(asked.environment.empty() ? "none" : asked.environment);

@@ -457,6 +457,24 @@ std::optional<Corner> read_corner(std::string_view word, std::size_t positions, 
     return corner;
 }
 
+/// Adds the triangles, whose indices are of corners, with one vertex for each pair of position and normal.
+void add_vertices(std::span<const Triangle> triangles, std::span<const Corner> corners,
+                  std::span<const Vec3f> positions, std::span<const Vec3f> normals, Mesh& mesh) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> vertex_of;
+    for (const Triangle& t : triangles) {
+        Triangle& triangle = mesh.triangles.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Corner& corner = corners[t[k]];
+            const auto [found, is_new] =
+                vertex_of.emplace(std::pair(corner.position, corner.normal), std::uint32_t(mesh.positions.size()));
+            triangle[k] = found->second;
+            if (!is_new) continue;
+            mesh.positions.push_back(positions[corner.position]);
+            mesh.normals.push_back(normals[corner.normal]);
+        }
+    }
+}
+
 }  // namespace
 
 Result<Mesh> read_ply(std::span<const std::byte> bytes, const std::string& file_name) {
@@ -501,29 +519,17 @@ Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_
     }
 
     Mesh mesh;
-    for (const Triangle& t : triangles)
-        if (every_corner_has_a_place)
-            mesh.texture.push_back(
-                {texture[corners[t[0]].texture], texture[corners[t[1]].texture], texture[corners[t[2]].texture]});
+    if (every_corner_has_a_place)
+        for (const Triangle& t : triangles) {
+            const auto at = [&](std::size_t k) { return texture[corners[t[k]].texture]; };
+            mesh.texture.push_back({at(0), at(1), at(2)});
+        }
     if (!every_corner_has_a_normal || normals.empty()) {
         mesh.positions = std::move(positions);
         for (const Triangle& t : triangles)
             mesh.triangles.push_back({corners[t[0]].position, corners[t[1]].position, corners[t[2]].position});
-        return finished(std::move(mesh), file_name);
-    }
-    // One vertex per pair of position and normal.
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> vertex_of;
-    for (const Triangle& t : triangles) {
-        Triangle& triangle = mesh.triangles.emplace_back();
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Corner& corner = corners[t[k]];
-            const auto [found, is_new] =
-                vertex_of.emplace(std::pair(corner.position, corner.normal), std::uint32_t(mesh.positions.size()));
-            triangle[k] = found->second;
-            if (!is_new) continue;
-            mesh.positions.push_back(positions[corner.position]);
-            mesh.normals.push_back(normals[corner.normal]);
-        }
+    } else {
+        add_vertices(triangles, corners, positions, normals, mesh);
     }
     return finished(std::move(mesh), file_name);
 }

@@ -20,7 +20,8 @@ struct AreaLight {
     Rgb radiance;
 };
 
-/// A BRDF is the same on both sides, and lets nothing through. A map has one at each point of a mesh with texture coordinates.
+/// A BRDF is the same on either side, and lets nothing through. A map has one at each point of a mesh with texture
+/// coordinates.
 using PathMaterial = std::variant<PreparedBsdf, PreparedMap>;
 
 /// An object: the indices of a mesh and a material.

@@ -140,14 +140,7 @@ def main():
         page = file.read()
     for name, table in [("errors", errors_table(errors)), ("worst", worst_table(errors))]:
         page = comparison.replaced(page, name, table)
-    for path, content in {PAGE: page, PLOT: plot(errors)}.items():
-        if "--check" in sys.argv:
-            with open(path, encoding="utf-8") as file:
-                if file.read() != content:
-                    sys.exit(f"{os.path.basename(path)} has other numbers than basis.csv: python3 docs/figures/basis.py")
-        else:
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(content)
+    comparison.write_or_check({PAGE: page, PLOT: plot(errors)}, "basis")
 
 
 if __name__ == "__main__":

@@ -208,16 +208,21 @@ def pages(rows):
     return made
 
 
-def main():
-    rows = read()
-    for path, content in {**pages(rows), PLOT: plot(rows)}.items():
+def write_or_check(contents, script):
+    """Writes the files of `contents`, by path; with --check ends with a message if one has other numbers than the script makes."""
+    for path, content in contents.items():
         if "--check" in sys.argv:
             with open(path, encoding="utf-8") as file:
                 if file.read() != content:
-                    sys.exit(f"{os.path.basename(path)} has other numbers than comparison.csv: python3 docs/figures/comparison.py")
+                    sys.exit(f"{os.path.basename(path)} has other numbers than {script}.csv: python3 docs/figures/{script}.py")
         else:
             with open(path, "w", encoding="utf-8") as file:
                 file.write(content)
+
+
+def main():
+    rows = read()
+    write_or_check({**pages(rows), PLOT: plot(rows)}, "comparison")
 
 
 if __name__ == "__main__":

@@ -53,8 +53,8 @@ Result<Library> fit_to_basis(const Library& basis, std::span<const LibrarySource
 Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f, const BasisOptions& options,
                                 const ProgressToken& progress = {});
 /// The coefficients of texels, T × J: non-negative least squares at their own samples, with the weights of objective
-/// appearance for these values. A lobe that rises beyond the samples, towards the horizon, exceeds their largest
-/// f cosθl cosθv there by a factor of 1.6 at most. `error`: of each the root of Σ w |f−f̂|² / Σ w |f|², 0 of a black one. NaN: not measured.
+/// appearance for these values, NaN: not measured. A lobe that rises beyond the samples, towards the horizon, exceeds
+/// their largest f cosθl cosθv there by at most a factor of 1.6. `error`: of each √(Σ w |f−f̂|² / Σ w |f|²), 0 of a black one.
 struct TexelCoefficients {
     std::vector<Rgb> coefficient;
     std::vector<float> error;

@@ -128,10 +128,10 @@ PmModel rounded(const PmModel& model);
 /// `aux.index`, U16 [6,s,s,8] or [s,s,8], and `aux.directions` [n,4], the sampled directions and a 0. A model of
 /// Lambert and GGX has `diffuse` [3], and for its L lobes `roughness` [L], `facing` [L,3] (F0) and `grazing` [L] (F90).
 /// A surface of renderers' parameters has a tensor for each row of `k_pbr_parameters`, [1] or [3], those of a thin film
-/// and of anisotropy only if it has them, and the metadata `exchanged_surface`, "true" or "false". A BSDF has the tensors and the metadata of
-/// each part's model after the part's name and a point, as in `transmission_front.bandwidth`, and for each of its beams,
-/// named by `k_beam_names`, `beam.NAME.angle` [rings] and `beam.NAME.share` [rings,3]; if a ring has several nodes
-/// `beam.NAME.azimuths` [rings], their numbers, and `share` [nodes,3], of a grey beam [nodes,1].
+/// and of anisotropy only if it has them, and the metadata `exchanged_surface`, "true" or "false". A BSDF has the
+/// tensors and the metadata of each part's model after the part's name and a point, as in `transmission_front.bandwidth`,
+/// and for each of its beams, named by `k_beam_names`, `beam.NAME.angle` [rings] and `beam.NAME.share` [rings,3]; if a
+/// ring has several nodes `beam.NAME.azimuths` [rings], their numbers, and `share` [nodes,3], of a grey beam [nodes,1].
 std::vector<std::byte> write_model(const Model& model);
 /// Errors: not a model file; tensors that are missing, of another type or shape, overlapping or with gaps between them;
 /// numbers that are not finite or out of range; `wrong_kind`: a measurement, a stack. `file_name` appears in errors only.

@@ -59,7 +59,7 @@ std::string identifier(std::string_view text);
 ///                                      where a function sees no textures but its arguments
 ///   Vec3 NAME_area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d)   the radiance that leaves towards the viewer from a
 ///                                      quadrilateral of radiance 1, of corners about the point
-///   LightLobe NAME_environment_lobe(Vec3 wv, int k)   of the k_extended_lobes terms of that sum one: axis, roughness and
+///   LightLobe NAME_environment_lobe(Vec3 wv, int k)   of the `extended_lobes` terms of that sum one: axis, roughness and
 ///                                      weight, see extended_light.h
 /// of unit vectors in the local frame: z along the normal, and of anisotropic models x along the tangent. Vec3 is the
 /// language's vector of three floats, in C the structure srbf_vec3. The functions are printed from kernel.glsl, with

@@ -113,7 +113,7 @@ Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f
     if (reporter.cancelled()) return cancelled_error("fit_texel_basis");
     if (observed.empty()) return no_data_error("fit_texel_basis", "texels with values above 0");
     Library best;
-    double least = std::numeric_limits<double>::infinity();
+    double least = 0;
     for (std::uint64_t search = 0; search < k_searches; ++search) {
         BasisOptions dense = options;
         dense.active = 0, dense.seed = k_searches * options.seed + search;
@@ -121,7 +121,7 @@ Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f
         if (reporter.cancelled()) return cancelled_error("fit_texel_basis");
         const std::vector<float> errors = fit_texels_to_basis(found, pairs, f, options.threads).error;
         const double error = std::accumulate(errors.begin(), errors.end(), 0.0);
-        if (error < least) least = error, best = std::move(found);
+        if (search == 0 || error < least) least = error, best = std::move(found);
     }
     return best;
 }

@@ -1,0 +1,50 @@
+"""docs/surface_hosts.png: python3 docs/figures/hosts.py THREE.png CYCLES.png, the pictures that test/hosts/three_gltf.py and
+test/hosts/principled.py write with a third argument, beside each other under the names of what they show. Chromium sets the text."""
+import os
+import sys
+import tempfile
+
+here = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(here, "..", "..", "test"))
+import chromium  # noqa: E402
+
+PANEL = 128  # pixels a side
+HEAD = 190  # pixels of the names of the rows
+ROWS = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow", "brushed metal<br>(no measurement)"]
+GROUPS = ["three.js under lights", "three.js under an environment", "Blender's Cycles under an environment"]
+PROGRAMS = ["three.js", "three.js", "Cycles"]  # of each group, after the measurement and the surface
+EMPTY = {(5, 0), (5, 3), (5, 4), (5, 5), (5, 6)}  # (row, column) without a picture
+STYLE = f"""body {{ margin: 0; background: #fff; color: #222; font: 17px DejaVu Sans, sans-serif }}
+    table {{ border-spacing: 0 }} td, th {{ padding: 0; font-weight: normal; text-align: center }} td:first-child {{ text-align: left; padding-left: 8px;
+    width: {HEAD}px; box-sizing: border-box }} th {{ padding: 6px 0; width: {PANEL}px }} th[colspan] {{ border-bottom: 1px solid #999; width: auto }}
+    img {{ display: block }}"""
+
+
+def cell(picture, column, row):
+    """A panel of a picture."""
+    return f'<td><svg width="{PANEL}" height="{PANEL}"><image href="file://{picture}" x="{-column * PANEL}" y="{-row * PANEL}"/></svg></td>'
+
+
+def page_of(three, cycles):
+    heads = "<tr><td></td>" + "".join(f'<th colspan="3">{name}</th>' for name in GROUPS) + "</tr><tr><td></td>"
+    heads += "".join(f"<th>measurement</th><th>surface, by<br>srbf render</th><th>{program}</th>" for program in PROGRAMS) + "</tr>"
+    pictures = [(three, column) for column in range(6)] + [(cycles, column) for column in range(3)]
+    rows = ""
+    for row, name in enumerate(ROWS):
+        cells = (cell(*of, row) if (row, column) not in EMPTY else "<td></td>" for column, of in enumerate(pictures))
+        rows += f"<tr><td>{name}</td>" + "".join(cells) + "</tr>"
+    return f'<!doctype html><meta charset="utf-8"><style>{STYLE}</style><table>{heads}{rows}</table>'
+
+
+three, cycles = map(os.path.abspath, sys.argv[1:])
+with tempfile.TemporaryDirectory() as work:
+    path = os.path.join(work, "hosts.html")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(page_of(three, cycles))
+    browser = chromium.Chromium(["--allow-file-access-from-files"])
+    try:
+        browser.size(HEAD + 9 * PANEL, 100)
+        browser.open(path)
+        browser.screenshot(os.path.join(here, "..", "surface_hosts.png"), whole=True)
+    finally:
+        browser.close()

@@ -44,13 +44,16 @@ struct ExportedLight {
     }
     static float elevation_coordinate(float cosine) { return srbf::elevation_coordinate(std::clamp(cosine, 0.f, 1.f)); }
     struct Pm {};
-    std::vector<float> light_lobes;
+    struct Su {};
+    std::vector<float> light_lobes, widths;
     int EXTENDED_LOBES;
     static constexpr int EXTENDED_NODES = ExtendedLight::k_views, EXTENDED_LEVELS = ExtendedLight::k_levels;
+    const PreparedBrdf& material;
     const FilteredEnvironment* map = nullptr;
     Frame map_axes{};
     static inline thread_local const Frame* surface = nullptr;  ///< of the point that is shaded
-    explicit ExportedLight(const ExtendedLight& of) : EXTENDED_LOBES(of.lobes) {
+    ExportedLight(const PreparedBrdf& brdf, const ExtendedLight& of)
+        : widths(of.width), EXTENDED_LOBES(of.lobes), material(brdf) {
         for (const ExtendedLight::Lobe& lobe : of.lobe)
             light_lobes.insert(light_lobes.end(),
                                {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
@@ -63,6 +66,14 @@ struct ExportedLight {
     float light_roughness(int k, NodesAbout nodes) { return light_number(5 * k + 1, nodes); }
     Vec3 light_weight(int k, NodesAbout nodes, Pm) {
         return {light_number(5 * k + 2, nodes), light_number(5 * k + 3, nodes), light_number(5 * k + 4, nodes)};
+    }
+    float light_width(NodesAbout nodes) {
+        const auto at = std::size_t(nodes.below);
+        return widths[at] + nodes.beyond * (widths[at + 1] - widths[at]);
+    }
+    Vec3 brdf(Su, Vec3 wl, Vec3 wv, Pm) {
+        const Rgb f = value(material, {wl.x, wl.y, wl.z}, {wv.x, wv.y, wv.z});
+        return {f.r, f.g, f.b};
     }
 #include "src/shader/extended.glsl"
 };
@@ -279,7 +290,7 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
     const PreparedBrdf brdf = prepare(model);
     const auto* ggx = std::get_if<GgxModel>(&model.model);
     std::vector<kernel::ExportedLight> lights;
-    for (const int lobes : k_lobe_counts) lights.emplace_back(extended_light(brdf, {.lobes = lobes}));
+    for (const int lobes : k_lobe_counts) lights.emplace_back(brdf, extended_light(brdf, {.lobes = lobes}));
     const auto traced = [&](const Object& object, std::vector<AreaLight> rectangle) {
         const PathScene scene{{{&object.mesh, 0}}, {brdf}, object.camera, {}, std::move(rectangle), nullptr};
         return only(
@@ -317,7 +328,7 @@ Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<O
                                                   return to_float(at.axes.to(to_double(of.corner + add - at.position)));
                                               };
                                               const Vec3f c =
-                                                  lights[k_usual].area(at.wv, corner({}), corner(of.x),
+                                                  lights[k_usual].area({}, at.wv, corner({}), corner(of.x),
                                                                        corner(of.x + of.y), corner(of.y), {});
                                               return Rgb{c.x, c.y, c.z};
                                           })));

@@ -154,6 +154,7 @@ struct Light {
 struct View {
     Vec3d wv;
     Rgb albedo;
+    float width = 0;
     Vec3d peak{};  ///< the most that a light of the least size shows
     std::vector<Light> lights;
     MatrixXd weight;  ///< lights × 3, of errors of R, G, B
@@ -262,13 +263,22 @@ Vec3d shown_of(const Light& light, const TurnedBrdf& brdf, const Vec3f& wv, cons
     return sum;
 }
 
+/// As of ExtendedLight.
+float width_of(const Vec3d& albedo, const std::vector<Reflected>& reflected) {
+    double most = 1e-9;
+    for (const auto& [w, share, density] : reflected)
+        most = std::max(most, k_draws_of_a_view * density * (share.x + share.y + share.z));
+    return float((albedo.x + albedo.y + albedo.z) / most);
+}
+
 View view_of(const TurnedBrdf& brdf, double cosine) {
     View view;
     view.wv = {std::sqrt(1 - cosine * cosine), 0, cosine};
     const Vec3f wv = to_float(view.wv);
     const std::vector<Reflected> reflected = reflected_to(brdf, wv);
     view.albedo = albedo(brdf.brdf(), float(cosine));
-    const Vec3d ambient = k_ambient * Vec3d{view.albedo.r, view.albedo.g, view.albedo.b};
+    const Vec3d whole{view.albedo.r, view.albedo.g, view.albedo.b}, ambient = k_ambient * whole;
+    view.width = width_of(whole, reflected);
     view.lights = lights_about(brdf.brdf(), wv, reflected);
     view.seen.resize(Eigen::Index(view.lights.size()), 3);
     view.weight.resize(Eigen::Index(view.lights.size()), 3);
@@ -497,7 +507,8 @@ ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOption
     const auto cosine = [](std::size_t v) { return std::clamp(ExtendedLight::cosine(int(v)), 1e-4, 0.9999); };
     parallel_for(views.size(), options.threads, [&](std::size_t v) { views[v] = view_of(turned, cosine(v)); });
     const Tracks tracks(views, kernels, options.lobes, options.threads);
-    ExtendedLight light{options.lobes, {}};
+    ExtendedLight light{options.lobes, {}, {}};
+    for (const View& view : views) light.width.push_back(view.width);
     for (std::size_t v = 0; v < views.size(); ++v) {
         LobesOfView problem(views[v], kernels, tracks[v], 0);
         problem.loss(tracks[v]);

@@ -265,7 +265,7 @@ double ggx_kernel(double roughness, double cosine) {
 }
 
 /// The code's area light against its lobes, integrated over the directions of quadrilaterals near and far, some of them
-/// across the horizon; all directions together are the albedo.
+/// across the horizon; small ones against the BRDF; all directions together are the albedo.
 TEST_F(ShadingCode, AreaLightsAreIntegralsOfTheLobes) {
     const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.5f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
     const NamedModel named{"glossy", &model};
@@ -310,6 +310,18 @@ TEST_F(ShadingCode, AreaLightsAreIntegralsOfTheLobes) {
         Rgb found;
         answer(&wv.x, corners.data(), &found.r);
         EXPECT_NEAR(double(found.g), std::max(expected, 0.0), 0.04 * whole + unresolved) << i;
+    }
+    for (int i = 0; i < 20; ++i) {  // small ones show the BRDF itself
+        const Vec3f wv = to_float(random_direction(random, 0.1));
+        const Vec3d middle = random_direction(random, -0.2), x = 0.02 * random_direction(random, -1),
+                    y = cross(middle, x);
+        const std::array<Vec3f, 4> corners{to_float(2.0 * (middle - x - y)), to_float(2.0 * (middle + x - y)),
+                                           to_float(2.0 * (middle + x + y)), to_float(2.0 * (middle - x + y))};
+        const double solid = 4 * std::abs(dot(cross(x, y), middle));
+        const double expected = double(value(prepare(model), to_float(middle), wv).g) * std::max(middle.z, 0.0) * solid;
+        Rgb found;
+        answer(&wv.x, corners.data(), &found.r);
+        EXPECT_NEAR(double(found.g), expected, 0.01 * expected + 1e-6) << i;
     }
     constexpr float wide = 1e4f;
     const std::array<Vec3f, 4> sky{Vec3f(-wide, -wide, 0.01f), Vec3f(wide, -wide, 0.01f), Vec3f(wide, wide, 0.01f),

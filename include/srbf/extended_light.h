@@ -37,6 +37,9 @@ struct ExtendedLight {
     }
     int lobes = 0;
     std::vector<Lobe> lobe;  ///< k_views × lobes, the views from the horizon to the normal
+    /// ∫ f cosθl dωl / max f cosθl of each view [sr], in the mean of R, G, B: a light that takes much less of the hemisphere
+    /// is seen as by points of it.
+    std::vector<float> width;
 
     /// cosθv of a node: nodes are uniform in ∜cosθv − √(1 − cosθv), as those of directional albedo.
     static double cosine(int node);

@@ -1,6 +1,7 @@
 // Light of any extent, to follow albedo.glsl. What precedes, of each of EXTENDED_LOBES lobes between two of EXTENDED_NODES
 // nodes, which are placed as those of albedos:
 //   light_axis(k, nodes), light_roughness(k, nodes), light_weight(k, nodes, pm)   p, roughness, weight R, G, B
+//   light_width(nodes)   the solid angle to which a view is reflected
 
 // A lobe of f_r cos(theta_l) over the light for a view: what an environment, filtered as for GGX of that roughness seen
 // along the normal, shows in the direction `axis` is reflected with `weight`, which may be negative.
@@ -98,9 +99,50 @@ Real lobe_over(LightLobe lobe, Polygon of) {
     }
     return cosine_over(above_horizon(about));
 }
+// How much of a light is seen as by points: all of it where its corners' squared distance from its middle, on the unit
+// sphere, is less than 3 / 4 of that solid angle, and nothing from 3 times it, where nine points would show as dots.
+Real share_of_points(Polygon of, Real width) {
+    Vec3 middle = of.corner[0] + of.corner[1] + of.corner[2] + of.corner[3];
+    Real least = Real(1.0);
+    for (int i = 0; i < 4; ++i) {
+        Vec3 corner = of.corner[i];
+        Real reciprocal = inversesqrt(max(dot(middle, middle) * dot(corner, corner), Real(1.0e-30)));
+        least = min(least, reciprocal * dot(middle, corner));
+    }
+    Real squared = Real(2.0) * (Real(1.0) - least);
+    Real x = min(max(Real(1.3333333) - squared / (Real(2.25) * min(width, Real(0.15))), Real(0.0)), Real(1.0));
+    return x * x * (Real(3.0) - Real(2.0) * x);
+}
+// A node of Gauss' rule of three on [0, 1], and its weight.
+Real gauss_node(int i) { return Real(0.5) + Real(0.38729833) * Real(i - 1); }
+Real gauss_weight(int i) { return i == 1 ? Real(0.44444444) : Real(0.27777778); }
+// The volume of the parallelepiped of three vectors.
+Real volume(Vec3 a, Vec3 b, Vec3 c) {
+    return a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
+}
+// The integral of f_r cos(theta_l) over the directions of four corners, by nine points.
+Vec3 by_points(Su su, Vec3 wv, Polygon of, Pm pm) {
+    Vec3 along = of.corner[1] - of.corner[0];
+    Vec3 across = of.corner[3] - of.corner[0];
+    Vec3 askew = of.corner[2] - of.corner[3] - along;
+    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            Real s = gauss_node(i);
+            Real t = gauss_node(j);
+            Vec3 p = of.corner[0] + s * along + t * across + s * t * askew;
+            Real reciprocal = inversesqrt(max(dot(p, p), Real(1.0e-12)));
+            Real solid_angle = abs(volume(p, along + t * askew, across + s * askew)) * reciprocal * reciprocal * reciprocal;
+            Vec3 wl = reciprocal * p;
+            sum = sum + gauss_weight(i) * gauss_weight(j) * solid_angle * max(wl.z, Real(0.0)) * brdf(su, wl, wv, pm);
+        }
+    }
+    return sum;
+}
 // The radiance that leaves towards the viewer from a quadrilateral of radiance 1 on either side, whose corners follow
-// each other: from the point of the surface, in the local frame.
-Vec3 area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
+// each other: from the point of the surface, in the local frame. A small one is seen by points, since it shows f_r itself;
+// others are the sum of the lobes.
+Vec3 area(Su su, Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (wv.z <= Real(0.0)) return sum;
     Polygon light;
@@ -110,9 +152,12 @@ Vec3 area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
     light.corner[2] = c;
     light.corner[3] = d;
     light.corner[4] = d;
+    Real share = share_of_points(light, light_width(nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES)));
+    if (share > Real(0.0)) sum = share * by_points(su, wv, light, pm);
+    if (share >= Real(1.0)) return sum;
     for (int k = 0; k < EXTENDED_LOBES; ++k) {
         LightLobe lobe = environment_lobe(wv, k, pm);
-        sum = sum + lobe_over(lobe, light) * lobe.weight;
+        sum = sum + (Real(1.0) - share) * lobe_over(lobe, light) * lobe.weight;
     }
     return not_negative(sum);
 }

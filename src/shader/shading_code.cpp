@@ -344,16 +344,26 @@ std::string light_number(std::size_t columns) {
         "    return light_lobes[at] + nodes.beyond * (light_lobes[at + {0}] - light_lobes[at]);\n}}\n",
         columns);
 }
+std::string light_width(std::size_t column) {
+    return fmt::format("Real light_width(NodesAbout nodes) {{ return light_number({}, nodes); }}\n", column);
+}
 /// What extended.glsl requires, to be parsed before it.
 std::string light_of(const Model& model, const CodeOptions& options, Program& program) {
-    Table light{"A row for each lobe of each node: p, roughness, weight (R, G, B).", "light_lobes", {}, 5};
-    if (options.environment || options.area)
-        for (const ExtendedLight::Lobe& lobe :
-             extended_light(prepare(model), {options.extended_lobes, is_isotropic(model), options.threads}).lobe)
-            light.numbers.insert(light.numbers.end(),
-                                 {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
+    const auto lobes = std::size_t(options.extended_lobes);
+    Table light{
+        "A row for each node: p, roughness, weight (R, G, B) of each lobe; width.", "light_lobes", {}, 5 * lobes + 1};
+    if (options.environment || options.area) {
+        const ExtendedLight of =
+            extended_light(prepare(model), {options.extended_lobes, is_isotropic(model), options.threads});
+        for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
+            for (const auto& lobe : std::span(of.lobe).subspan(lobes * node, lobes))
+                light.numbers.insert(light.numbers.end(),
+                                     {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
+            light.numbers.push_back(of.width[node]);
+        }
+    }
     program.tables.push_back(std::move(light));
-    return light_number(5 * std::size_t(options.extended_lobes)) +
+    return light_number(5 * lobes + 1) + light_width(5 * lobes) +
            "Real light_axis(int k, NodesAbout nodes) { return light_number(5 * k, nodes); }\n"
            "Real light_roughness(int k, NodesAbout nodes) { return light_number(5 * k + 1, nodes); }\n"
            "Vec3 light_weight(int k, NodesAbout nodes, Pm pm) {\n"
@@ -363,11 +373,13 @@ std::string light_of(const Model& model, const CodeOptions& options, Program& pr
 /// The same where the coefficients are arguments: each lobe of the basis has the cosine and one more, so that the sum is
 /// linear in them. Lobe 0 is the cosine of all, lobe j + 1 the other of j.
 std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Program& program) {
-    const auto J = std::size_t(basis.lobes), weights = 2 * (J + 1), columns = weights + 2 * J;
-    Table light{"A row for each node: p and roughness of each lobe; weights by the coefficients, of the cosine first.",
-                "light_lobes",
-                {},
-                columns};
+    const auto J = std::size_t(basis.lobes), weights = 2 * (J + 1), columns = weights + 2 * J + 1;
+    Table light{
+        "A row for each node: p and roughness of each lobe; weights by the coefficients, of the cosine first; the "
+        "least width.",
+        "light_lobes",
+        {},
+        columns};
     if (options.environment || options.area) light.numbers.resize(columns * ExtendedLight::k_views);
     for (std::size_t j = 0; j < J && !light.numbers.empty(); ++j) {
         const Model one = lobe_alone(basis, j);
@@ -379,10 +391,11 @@ std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Pro
             row[0] = cosine.axis, row[1] = cosine.roughness;
             row[2 * j + 2] = other.axis, row[2 * j + 3] = other.roughness;
             row[weights + j] = cosine.weight.g, row[weights + J + j] = other.weight.g;
+            row[columns - 1] = j == 0 ? of.width[node] : std::min(row[columns - 1], of.width[node]);
         }
     }
     program.tables.push_back(std::move(light));
-    return light_number(columns) +
+    return light_number(columns) + light_width(columns - 1) +
            fmt::format(
                "Real light_axis(int k, NodesAbout nodes) {{ return light_number(2 * k, nodes); }}\n"
                "Real light_roughness(int k, NodesAbout nodes) {{ return light_number(2 * k + 1, nodes); }}\n"

@@ -82,7 +82,9 @@ constexpr int k_view_sweeps = 2;
 /// Of squared distances of p and r from the neighbours', beside relative squared errors of .02 to .2: 30 times as much
 /// changed the errors of pictures by less than 4 %.
 constexpr double k_smoothness = 1e-2;
-constexpr double k_most_axis = 1.3;  ///< |p|: beyond the mirror direction by as much as off-specular peaks are
+/// |p|: beyond the mirror direction by as much as off-specular peaks are, and less towards the horizon, where an axis with
+/// |p| > 1 would turn by many degrees for one of the view: |p| ≤ `k_most_beyond` / sinθv or 1.
+constexpr double k_most_axis = 1.3, k_most_beyond = 0.96;
 
 /// K of a light, and draws of its density all round.
 struct LightKernel {
@@ -401,7 +403,10 @@ class LobesOfView {
             by_roughness_(i, k) = at.by_roughness;
         }
     }
-    double most_axis() const { return std::min(k_most_axis, 0.999 / std::max(view_.wv.x, 1e-3)); }  // above the horizon
+    double most_axis() const {
+        const double sine = std::max(view_.wv.x, 1e-3);
+        return std::min({k_most_axis, std::max(k_most_beyond / sine, 1.0), 0.999 / sine});  // above the horizon
+    }
     static VectorXd each(const VectorXd& x, double axis, double roughness) {
         VectorXd of(x.size());
         for (Eigen::Index i = 0; i < x.size(); ++i) of[i] = i % 2 == 0 ? axis : roughness;

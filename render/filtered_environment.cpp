@@ -167,7 +167,7 @@ FilteredEnvironment::FilteredEnvironment(const Environment& of, int size, int th
         const int side = size >> k;
         const double texel = 4 * k_pi / (6.0 * side * side);
         const std::vector<Draw> draws =
-            draws_of(float(ExtendedLight::roughness_of_level(k)),
+            draws_of(float(roughness_of_level(k)),
                      std::clamp(k_draws_of_level / (6 * side * side), k_least_draws, k_most_draws), pyramid, texel);
         CubeImage& level = levels_.emplace_back(CubeImage{side, std::vector<Rgb>(std::size_t(6 * side * side))});
         const double share = k == 1 ? k_share_of_first : (1 - k_share_of_first) / (k_levels - 2);

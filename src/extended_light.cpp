@@ -103,13 +103,18 @@ const std::vector<LightKernel>& light_kernels() {
     return all;
 }
 
+double level_by_roughness(double r, MapLevels levels) {
+    return (ExtendedLight::k_levels - 1) * (levels == MapLevels::root ? 0.5 / std::sqrt(r) : 2 * (1 - r));
+}
+
 /// ∫ K(roughness, a · w) K(k_light_sizes[size], b · w) dω of the angle between a and b.
 class BlurredKernels {
   public:
-    explicit BlurredKernels(int threads) : values_(k_light_sizes.size() * k_levels * k_angles) {
+    BlurredKernels(MapLevels levels, int threads)
+        : levels_(levels), values_(k_light_sizes.size() * k_levels * k_angles) {
         parallel_for(k_light_sizes.size() * k_levels, threads, [&](std::size_t i) {
             const double size = k_light_sizes[i / k_levels],
-                         roughness = ExtendedLight::roughness_of_level(int(i % k_levels));
+                         roughness = roughness_of_level(double(i % k_levels), levels);
             const auto draws = draws_of_kernel(LevelKernel(std::min(size, roughness)));
             const LevelKernel wider(std::max(size, roughness));
             for (std::size_t angle = 0; angle < k_angles; ++angle) {
@@ -128,7 +133,7 @@ class BlurredKernels {
     Value at(std::size_t size, double roughness, double cosine) const {
         const double sine2 = std::clamp((1 - cosine) / 2, 1e-12, 1.0);  // of half the angle
         const double sine = std::sqrt(sine2), u = std::sqrt(sine);
-        const double root = std::sqrt(roughness), x = root * (k_levels - 1), y = u * (k_angles - 1);
+        const double x = level_of_roughness(roughness, levels_), y = u * (k_angles - 1);
         const auto i = std::size_t(std::min(int(x), int(k_levels) - 2)),
                    j = std::size_t(std::min(int(y), int(k_angles) - 2));
         const double s = x - double(i), t = y - double(j);
@@ -136,12 +141,13 @@ class BlurredKernels {
         const double low = of[0] + t * (of[1] - of[0]), high = of[k_angles] + t * (of[k_angles + 1] - of[k_angles]);
         const double by_y = (1 - s) * (of[1] - of[0]) + s * (of[k_angles + 1] - of[k_angles]);
         // u⁴ = (1 − cosine) / 2
-        return {low + s * (high - low), (high - low) * (k_levels - 1) / (2 * root),
+        return {low + s * (high - low), (high - low) * level_by_roughness(roughness, levels_),
                 -by_y * (k_angles - 1) / (8 * u * sine)};
     }
 
   private:
     static constexpr std::size_t k_levels = ExtendedLight::k_levels, k_angles = 129;
+    MapLevels levels_;
     std::vector<double> values_;
 };
 
@@ -496,16 +502,24 @@ Vec3f axis_of(const Lobe& lobe, const Vec3f& wv) {
     return {-p * wv.x, -p * wv.y, std::sqrt(std::max(1 - p * p * (1 - wv.z * wv.z), 0.f))};
 }
 
-float filter_kernel(float roughness, float cosine) {
-    const double x = std::sqrt(double(roughness)) * (ExtendedLight::k_levels - 1);
+double level_of_roughness(double r, MapLevels levels) {
+    return (ExtendedLight::k_levels - 1) * (levels == MapLevels::root ? std::sqrt(r) : r * (2 - r));
+}
+double roughness_of_level(double level, MapLevels levels) {
+    const double x = level / (ExtendedLight::k_levels - 1);
+    return levels == MapLevels::root ? x * x : 1 - std::sqrt(1 - x);
+}
+
+float filter_kernel(float roughness, float cosine, MapLevels levels) {
+    const double x = level_of_roughness(double(roughness), levels);
     const int below = std::min(int(x), ExtendedLight::k_levels - 2);
-    const auto at = [&](int level) { return LevelKernel(ExtendedLight::roughness_of_level(level))(double(cosine)); };
+    const auto at = [&](int level) { return LevelKernel(roughness_of_level(level, levels))(double(cosine)); };
     return float(at(below) + (x - below) * (at(below + 1) - at(below)));
 }
 
 ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOptions& options) {
     assert(options.lobes >= k_least_extended_lobes && options.lobes <= k_most_extended_lobes);
-    const BlurredKernels kernels(options.threads);
+    const BlurredKernels kernels(options.levels, options.threads);
     const TurnedBrdf turned(brdf, options.isotropic);
     std::vector<View> views(ExtendedLight::k_views);
     // At the horizon and along the normal views have no limit, or no plane of incidence.

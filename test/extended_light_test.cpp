@@ -31,24 +31,39 @@ template <typename G> double hemisphere_integral(const G& g, int rings = 400, in
 }
 
 /// What the lobes show of a radiance, green.
-template <typename L> double looked_up(const ExtendedLight& light, const Vec3f& wv, const L& radiance) {
+template <typename L>
+double looked_up(const ExtendedLight& light, const Vec3f& wv, const L& radiance, MapLevels levels = MapLevels::root) {
     double sum = 0;
     for (const ExtendedLight::Lobe& lobe : lobes_at(light, wv.z)) {
         const Vec3d z = to_double(axis_of(lobe, wv)), x = normalize(cross(Vec3d{0, 1, 0}, z)), y = cross(z, x);
         sum += double(lobe.weight.g) * hemisphere_integral([&](const Vec3d& w) {
-                   return radiance(w.x * x + w.y * y + w.z * z) * double(filter_kernel(lobe.roughness, float(w.z)));
+                   return radiance(w.x * x + w.y * y + w.z * z) * double(filter_kernel(lobe.roughness, float(w.z), levels));
                });
     }
     return sum;
 }
 
 TEST(ExtendedLight, KernelsAreDensities) {
-    for (const float roughness : {0.15f, 0.3f, 0.6f, 0.95f, 0.999f, 1.f}) {
-        const auto kernel = [&](const Vec3d& w) { return double(filter_kernel(roughness, float(w.z))); };
-        EXPECT_NEAR(hemisphere_integral(kernel, 20000, 1), 1, 1e-4) << roughness;
-    }
+    for (const MapLevels levels : {MapLevels::root, MapLevels::three})
+        for (const float roughness : {0.15f, 0.3f, 0.6f, 0.95f, 0.999f, 1.f}) {
+            const auto kernel = [&](const Vec3d& w) { return double(filter_kernel(roughness, float(w.z), levels)); };
+            EXPECT_NEAR(hemisphere_integral(kernel, 20000, 1), 1, 1e-4) << roughness;
+        }
     EXPECT_NEAR(filter_kernel(1, 0.5f), 0.5 / k_pi, 1e-6);
     EXPECT_EQ(filter_kernel(0.3f, -0.1f), 0);
+}
+
+// At a level K is GGX's of the level's roughness, which is 2 r² wide; between levels it is not.
+TEST(ExtendedLight, LevelsAreFilteredForTheirRoughness) {
+    EXPECT_NEAR(roughness_of_level(2), 0.16, 1e-12);
+    EXPECT_NEAR(roughness_of_level(2, MapLevels::three), 1 - std::sqrt(0.6), 1e-12);  // PMREMGenerator.lodToRoughness
+    for (const MapLevels levels : {MapLevels::root, MapLevels::three})
+        for (int level = 1; level < ExtendedLight::k_levels; ++level) {
+            const double r = roughness_of_level(level, levels), a = r * r, c = std::cos(a);
+            EXPECT_NEAR(level_of_roughness(r, levels), level, 1e-12);
+            const double falls = c * 4 * a * a * a * a / std::pow(1 + a * a - (1 - a * a) * c, 2);
+            EXPECT_NEAR(filter_kernel(float(r), float(c), levels) / filter_kernel(float(r), 1, levels), falls, 1e-3);
+        }
 }
 
 TEST(ExtendedLight, WhiteAllRoundIsReflectedByTheAlbedo) {
@@ -66,7 +81,7 @@ TEST(ExtendedLight, WhiteAllRoundIsReflectedByTheAlbedo) {
 // Under half a sphere that glows, and under a soft box of 17 degrees about the mirror direction.
 TEST(ExtendedLight, LightsOfAnySizeAreReflected) {
     const PreparedBrdf brdf = prepare(plastic());
-    const ExtendedLight light = extended_light(brdf);
+    const ExtendedLight light = extended_light(brdf), of_three = extended_light(brdf, {.levels = MapLevels::three});
     for (const float cosine : {0.15f, 0.4f, 0.7f, 0.95f}) {
         const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine}, mirror{-wv.x, 0, wv.z};
         const Vec3d away = normalize(Vec3d{-1, 0.4, 0.2});
@@ -79,8 +94,11 @@ TEST(ExtendedLight, LightsOfAnySizeAreReflected) {
             });
         };
         const double whole = double(albedo(brdf, cosine).g);
-        EXPECT_NEAR(looked_up(light, wv, of_half), reflected(of_half), 0.05 * whole) << cosine;
-        EXPECT_NEAR(looked_up(light, wv, of_box), reflected(of_box), 0.05 * whole) << cosine;
+        const double half = reflected(of_half), box = reflected(of_box);
+        EXPECT_NEAR(looked_up(light, wv, of_half), half, 0.05 * whole) << cosine;
+        EXPECT_NEAR(looked_up(light, wv, of_box), box, 0.05 * whole) << cosine;
+        EXPECT_NEAR(looked_up(of_three, wv, of_half, MapLevels::three), half, 0.05 * whole) << cosine;
+        EXPECT_NEAR(looked_up(of_three, wv, of_box, MapLevels::three), box, 0.05 * whole) << cosine;
     }
 }
 

@@ -13,8 +13,7 @@ namespace [[gnu::visibility("default")]] srbf {
 ///   f cosθl ≈ Σ_k weight_k K(roughness_k, axis_k · wl)
 ///   axis_k = (−p_k wv.x, −p_k wv.y, √(1 − p_k² (1 − wv.z²)))
 /// K is what a filtered environment map holds, so that the light that leaves towards wv is a sum of look-ups,
-/// Σ_k weight_k radiance(axis_k, roughness_k). At the roughness r of one of the map's `k_levels` levels,
-///   level = (k_levels − 1) √r,
+/// Σ_k weight_k radiance(axis_k, roughness_k). At the roughness r of one of the map's `k_levels` levels (MapLevels)
 /// it is what engines filter with for GGX of that roughness seen along the normal (Karis 2013),
 ///   K(r, c) ∝ c / (1 + α² − (1 − α²) c)² for c > 0 and 0 below, α = r², ∫ K dω = 1 [1/sr],
 /// and between two levels it is linear in the level, as a graphics library looks it up. The axes lie in the plane of
@@ -30,11 +29,6 @@ struct ExtendedLight {
     };
     static constexpr float k_least_roughness = 0.05f;
     static constexpr int k_levels = 6;  ///< of a filtered map
-    /// Of a level: 0, 0.04, 0.16, 0.36, 0.64, 1.
-    static constexpr double roughness_of_level(int level) {
-        const double root = double(level) / (k_levels - 1);
-        return root * root;
-    }
     int lobes = 0;
     std::vector<Lobe> lobe;  ///< k_views × lobes, the views from the horizon to the normal
     /// ∫ f cosθl dωl / max f cosθl of each view [sr], in the mean of R, G, B: a light that takes much less of the hemisphere
@@ -48,14 +42,22 @@ struct ExtendedLight {
 std::vector<ExtendedLight::Lobe> lobes_at(const ExtendedLight& light, float cos_v);
 /// The axis of a lobe for a view.
 Vec3f axis_of(const ExtendedLight::Lobe& lobe, const Vec3f& wv);
+/// The roughnesses that a filtered map has levels for: level = (k_levels − 1) x.
+enum class MapLevels {
+    root,  ///< x = √r, r = 0, 0.04, 0.16, 0.36, 0.64, 1
+    three  ///< x = r (2 − r), r = 0, 0.11, 0.23, 0.37, 0.55, 1: three.js', release 187, of environments up to 2047 × 1023
+};
+double level_of_roughness(double roughness, MapLevels levels = MapLevels::root);
+double roughness_of_level(double level, MapLevels levels = MapLevels::root);
 /// K(r, c) [1/sr].
-float filter_kernel(float roughness, float cosine);
+float filter_kernel(float roughness, float cosine, MapLevels levels = MapLevels::root);
 
 inline constexpr int k_least_extended_lobes = 2, k_most_extended_lobes = 8;
 struct ExtendedLightOptions {
     int lobes = 6;          ///< with the cosine, from `k_least_extended_lobes` to `k_most_extended_lobes`
     bool isotropic = true;  ///< otherwise the lobes are those of the BRDF's mean over azimuths
-    int threads = 0;        ///< 0: as many as the machine has; the result does not depend on it
+    MapLevels levels = MapLevels::root;
+    int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 /// The lobes of a BRDF. The fit minimises the error under lights of
 /// several sizes everywhere, relative to the radiance that they show.

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "srbf/extended_light.h"
 #include "srbf/library.h"
 #include "srbf/model.h"
 
@@ -37,6 +38,7 @@ struct CodeOptions {
     bool environment = false;  ///< also NAME_environment and NAME_environment_lobe
     bool area = false;         ///< also NAME_area and NAME_environment_lobe
     int extended_lobes = 6;    ///< look-ups for an environment, see extended_light.h
+    MapLevels map_levels = MapLevels::root;  ///< of the map that they look up
     int threads = 0;  ///< for weights of sampling, albedos and lobes of environments; 0: as many as the machine has
 };
 

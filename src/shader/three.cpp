@@ -9,8 +9,7 @@
 namespace srbf {
 namespace {
 
-/// A frame takes up to twice the time of MeshStandardMaterial's, with six more than thrice; and three's maps, filtered for
-/// other roughnesses than the lobes are fitted to, show less of their gain.
+/// A frame takes up to twice the time of MeshStandardMaterial's, with five 2.8 times and with six more than thrice.
 constexpr int k_three_lobes = 4;
 
 /// `text` within a template literal of JavaScript.
@@ -69,6 +68,7 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
                                     .environment = true,
                                     .area = true,
                                     .extended_lobes = k_three_lobes,
+                                    .map_levels = MapLevels::three,
                                     .threads = threads});
     if (!code) return code.error();
     std::string functions;  // whose environment is three's
@@ -79,9 +79,13 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
 }
 
 Result<std::string> three_map_module(const Library& map, const std::string& name, std::string_view file, int threads) {
-    const auto code = map_code(
-        map, name,
-        {.language = CodeLanguage::glsl, .albedo = true, .environment = true, .area = true, .threads = threads});
+    const auto code = map_code(map, name,
+                               {.language = CodeLanguage::glsl,
+                                .albedo = true,
+                                .environment = true,
+                                .area = true,
+                                .map_levels = MapLevels::three,
+                                .threads = threads});
     if (!code) return code.error();
     std::string classes = k_three_map_text;
     replace_all(classes, "FILE", fmt::format("./{}", file));

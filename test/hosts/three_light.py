@@ -168,7 +168,9 @@ with tempfile.TemporaryDirectory() as folder:
         for path in models:
             print(f"| {path.stem} | {text_of(errors[path][0])} | {text_of(errors[path][1])} |")
         for name, some in (("mean of those", models[:len(OWN)]), ("mean of the fits", models[len(OWN):])):
-            print(f"| {name} | {text_of(sum((errors[path][0] for path in some), []))} | {text_of(sum((errors[path][1] for path in some), []))} |")
+            for environment, of in ((name, slice(None)), *((f"{name}, {ENVIRONMENTS[i]}", slice(i, i + 1)) for i in range(len(ENVIRONMENTS)))):
+                columns = (text_of(sum((errors[path][column][of] for path in some), [])) for column in (0, 1))
+                print("|", environment, "|", " | ".join(columns), "|")
         ours, theirs = (np.mean([errors[path][i] for path in models[:len(OWN)]], axis=(0, 1))[0] for i in (0, 1))
         if ours >= theirs:
             failures.append("exported materials are not nearer")

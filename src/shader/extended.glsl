@@ -1,6 +1,6 @@
 // Light of any extent, to follow albedo.glsl. What precedes, of each of EXTENDED_LOBES lobes between two of EXTENDED_NODES
 // nodes, which are placed as those of albedos:
-//   light_axis(k, nodes), light_roughness(k, nodes), light_weight(k, nodes, pm)   p, roughness, weight R, G, B
+//   light_shape(k, nodes), light_weight(k, nodes, pm)   (p, roughness, any), weight R, G, B
 //   light_width(nodes)   the solid angle to which a view is reflected
 
 // A lobe of f_r cos(theta_l) over the light for a view: what an environment, filtered as for GGX of that roughness seen
@@ -17,10 +17,11 @@ Vec3 not_negative(Vec3 sum) {
 // Lobe k, of which the first is the cosine about the normal, for a view wv above the horizon.
 LightLobe environment_lobe(Vec3 wv, int k, Pm pm) {
     NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
-    Real p = light_axis(k, nodes);
+    Vec3 shape = light_shape(k, nodes);
+    Real p = shape.x;
     LightLobe lobe;
     lobe.axis = Vec3(-p * wv.x, -p * wv.y, sqrt(max(Real(1.0) - p * p * (Real(1.0) - wv.z * wv.z), Real(0.0))));
-    lobe.roughness = light_roughness(k, nodes);
+    lobe.roughness = shape.y;
     lobe.weight = light_weight(k, nodes, pm);
     return lobe;
 }

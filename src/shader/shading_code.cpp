@@ -347,8 +347,19 @@ std::string light_number(std::size_t columns) {
 std::string light_width(std::size_t column) {
     return fmt::format("Real light_width(NodesAbout nodes) {{ return light_number({}, nodes); }}\n", column);
 }
+/// The same of lobes that the host has.
+constexpr std::string_view k_light_of_host =
+    "// Of lobe k at a view: (p, roughness, width) at i = 2 k and the weight at i = 2 k + 1, which the host supplies.\n"
+    "Vec3 light_texel(int i, int view);\n"
+    "Vec3 light_between(int i, NodesAbout nodes) {\n"
+    "    Vec3 here = light_texel(i, nodes.below);\n"
+    "    return here + nodes.beyond * (light_texel(i, nodes.below + 1) - here);\n}\n"
+    "Real light_width(NodesAbout nodes) { return light_between(0, nodes).z; }\n"
+    "Vec3 light_shape(int k, NodesAbout nodes) { return light_between(2 * k, nodes); }\n"
+    "Vec3 light_weight(int k, NodesAbout nodes, Pm pm) { return light_between(2 * k + 1, nodes); }\n";
 /// What extended.glsl requires, to be parsed before it.
 std::string light_of(const Model& model, const CodeOptions& options, Program& program) {
+    if (options.light_texels) return std::string(k_light_of_host);
     const auto lobes = std::size_t(options.extended_lobes);
     Table light{
         "A row for each node: p, roughness, weight (R, G, B) of each lobe; width.", "light_lobes", {}, 5 * lobes + 1};
@@ -367,8 +378,8 @@ std::string light_of(const Model& model, const CodeOptions& options, Program& pr
     }
     program.tables.push_back(std::move(light));
     return light_number(5 * lobes + 1) + light_width(5 * lobes) +
-           "Real light_axis(int k, NodesAbout nodes) { return light_number(5 * k, nodes); }\n"
-           "Real light_roughness(int k, NodesAbout nodes) { return light_number(5 * k + 1, nodes); }\n"
+           "Vec3 light_shape(int k, NodesAbout nodes) {\n"
+           "    return Vec3(light_number(5 * k, nodes), light_number(5 * k + 1, nodes), Real(0.0));\n}\n"
            "Vec3 light_weight(int k, NodesAbout nodes, Pm pm) {\n"
            "    return Vec3(light_number(5 * k + 2, nodes), light_number(5 * k + 3, nodes), "
            "light_number(5 * k + 4, nodes));\n}\n";
@@ -400,8 +411,8 @@ std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Pro
     program.tables.push_back(std::move(light));
     return light_number(columns) + light_width(columns - 1) +
            fmt::format(
-               "Real light_axis(int k, NodesAbout nodes) {{ return light_number(2 * k, nodes); }}\n"
-               "Real light_roughness(int k, NodesAbout nodes) {{ return light_number(2 * k + 1, nodes); }}\n"
+               "Vec3 light_shape(int k, NodesAbout nodes) {{\n"
+               "    return Vec3(light_number(2 * k, nodes), light_number(2 * k + 1, nodes), Real(0.0));\n}}\n"
                "Vec3 light_weight(int k, NodesAbout nodes, Pm pm) {{\n"
                "    if (k > 0) return light_number({0} + k, nodes) * pm.lobe[k - 1];\n"
                "    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));\n"
@@ -417,6 +428,7 @@ Names entries(const CodeOptions& options) {
     if (options.sampling) names.insert({{"sample_light", "sample"}, {"light_pdf", "pdf"}});
     if (options.albedo) names.insert({"directional_albedo", "albedo"});
     if (options.environment || options.area) names.insert({"environment_lobe", "environment_lobe"});
+    if (options.light_texels) names.insert({"light_texel", "light_texel"});
     if (options.area) names.insert({"area", "area"});
     // A function sees the host's textures.
     if (options.environment && syntax::reads_buffers(options.language))

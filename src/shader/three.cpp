@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "shader/shader_text.h"
+#include "srbf/extended_light.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {
@@ -42,15 +43,31 @@ void replace_all(std::string& text, std::string_view place, const std::string& b
 std::string module_of(const std::string& functions, std::string_view imports, std::string_view classes) {
     std::string text = k_three_text;
     replace_all(text, "import {", fmt::format("import {{{}", imports));
+    replace_all(text, "VIEWS", std::to_string(ExtendedLight::k_views));
     replace_all(text, "FUNCTIONS", escaped(functions));
     text += classes;
     return text;
 }
-std::string class_text(const std::string& name, std::string_view base) {
+/// `more`: arguments of the constructor of `base`.
+std::string class_text(const std::string& name, std::string_view base, std::string_view more = "") {
     return fmt::format(
         "export class {}Material extends {} {{\n    constructor(parameters) {{\n"
-        "        super('{}', parameters);\n    }}\n}}\n",
-        capitalised(name), base, name);
+        "        super('{}', parameters{});\n    }}\n}}\n",
+        capitalised(name), base, name, more);
+}
+/// The lobes of a model as a texture, for its class.
+std::string lobes_text(const NamedModel& of, int threads) {
+    const ExtendedLight light = extended_light(prepare(*of.model), {.lobes = k_three_lobes,
+                                                                    .isotropic = is_isotropic(*of.model),
+                                                                    .levels = MapLevels::three,
+                                                                    .threads = threads});
+    std::string numbers;
+    for (std::size_t i = 0; i < light.lobe.size(); ++i) {
+        const auto& [axis, roughness, weight] = light.lobe[i];
+        numbers += fmt::format("    {}, {}, {}, {}, {}, {},\n", axis, roughness,
+                               light.width[i / std::size_t(k_three_lobes)], weight.r, weight.g, weight.b);
+    }
+    return fmt::format("\nconst {}_lobes = lobesTexture([\n{}]);\n", of.name, numbers);
 }
 
 }  // namespace
@@ -68,13 +85,17 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
                                     .environment = true,
                                     .area = true,
                                     .extended_lobes = k_three_lobes,
-                                    .map_levels = MapLevels::three,
+                                    .light_texels = true,
                                     .threads = threads});
     if (!code) return code.error();
     std::string functions;  // whose environment is three's
-    for (const NamedModel& of : models) functions += fmt::format("#define {}_radiance measured_radiance\n", of.name);
     std::string classes;
-    for (const NamedModel& of : models) classes += class_text(of.name, "MeasuredMaterial");
+    for (const NamedModel& of : models) {
+        functions += fmt::format(
+            "#define {0}_radiance measured_radiance\n#define {0}_light_texel measured_light_texel\n", of.name);
+        classes += lobes_text(of, threads);
+        classes += class_text(of.name, "MeasuredMaterial", fmt::format(", {{ lobes: {}_lobes }}", of.name));
+    }
     return module_of(functions + *code, "", classes);
 }
 
@@ -97,7 +118,7 @@ Result<std::string> three_map_module(const Library& map, const std::string& name
         "    return texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
         name);
     return module_of(functions + *code + fmt::format("{}_Coefficients measured_texel;\n", name),
-                     " CompressedArrayTexture, HalfFloatType, Matrix3, RGBAFormat,",
+                     " CompressedArrayTexture, HalfFloatType, Matrix3,",
                      classes + class_text(name, "MeasuredMap"));
 }
 

@@ -1,5 +1,5 @@
 // For three.js, release 187, and its WebGLRenderer.
-import { MeshStandardMaterial, REVISION } from 'three';
+import { DataTexture, FloatType, MeshStandardMaterial, RGBAFormat, REVISION } from 'three';
 
 if (parseInt(REVISION) !== 187)
     console.warn(`three.js ${REVISION}: this material was written for release 187, and may ignore environments in others`);
@@ -19,6 +19,11 @@ vec3 measured_radiance(vec3 direction, float roughness) {
     #else
         return vec3(0.0);
     #endif
+}
+// The lobes of the views, in a texture since some drivers index constants slowly. The first is the cosine about the normal.
+uniform highp sampler2D measured_lobes;
+vec3 measured_light_texel(int i, int view) {
+    return i == 0 ? vec3(0.0, 1.0, 0.0) : texelFetch(measured_lobes, ivec2(i, view), 0).rgb;
 }
 ${functions}
 // The frame about the normal, made visible to the viewer: x along the tangent if the geometry has tangents (define
@@ -58,6 +63,7 @@ void RE_Direct_RectArea_${name}(const in RectAreaLight rectAreaLight, const in v
 void RE_IndirectDiffuse_${name}(const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal,
                                 const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal,
                                 const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
+    if (irradiance == vec3(0.0)) return;
     vec3 reflected = ${name}_albedo(saturate(dot(geometryNormal, geometryViewDir))${texel});
     reflectedLight.indirectDiffuse += irradiance * RECIPROCAL_PI * reflected * material.diffuseColor;
 }
@@ -79,16 +85,26 @@ void RE_IndirectSpecular_${name}(const in vec3 radiance, const in vec3 irradianc
 #define RE_IndirectSpecular RE_IndirectSpecular_${name}
 `;
 
+// p, roughness, the view's width, R, G, B of each lobe of each view, as two texels, a row for each view.
+function lobesTexture(numbers) {
+    const views = VIEWS, texels = new Float32Array((4 * numbers.length) / 3);
+    for (let i = 0, j = 0; i < numbers.length; i += 3, j += 4) texels.set(numbers.slice(i, i + 3), j);
+    const texture = new DataTexture(texels, texels.length / (4 * views), views, RGBAFormat, FloatType);
+    texture.needsUpdate = true;
+    return texture;
+}
+
 // A MeshStandardMaterial with a measured reflectance under every light of three: environments (of the scene or its own),
 // area lights, ambient light and light probes too. Skinning, instances, shadows, fog, occlusion, transparency, normal and
 // bump maps are three's; colours, colour maps and vertex colours multiply the reflectance. Roughness and metalness are
 // not read.
 class MeasuredMaterial extends MeshStandardMaterial {
-    constructor(reflectance, parameters, texel = '') {
+    constructor(reflectance, parameters, { texel = '', lobes = null } = {}) {
         super({ metalness: 0, ...parameters });
-        Object.defineProperties(this, { reflectance: { value: reflectance }, texel: { value: texel } });
+        Object.defineProperties(this, { reflectance: { value: reflectance }, texel: { value: texel }, lobes: { value: lobes } });
     }
     onBeforeCompile(shader) {
+        shader.uniforms.measured_lobes = { value: this.lobes };
         const lights = '#include <lights_physical_pars_fragment>';
         shader.fragmentShader = shader.fragmentShader.replace(lights, () => lights + reflection(this.reflectance, this.texel));
     }

@@ -22,7 +22,7 @@ export async function loadCoefficients(url = new URL('FILE', import.meta.url)) {
 // repeat, offset, rotation, wrapping and anisotropy. Black until there is one.
 class MeasuredMap extends MeasuredMaterial {
     constructor(reflectance, { coefficients = null, ...parameters } = {}) {
-        super(reflectance, parameters, ', measured_texel');
+        super(reflectance, parameters, { texel: ', measured_texel' });
         this.coefficients = coefficients;
     }
     copy(source) {

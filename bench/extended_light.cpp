@@ -62,7 +62,9 @@ struct ExportedLight {
         const auto columns = std::size_t(5 * EXTENDED_LOBES), at = columns * std::size_t(nodes.below) + std::size_t(i);
         return light_lobes[at] + nodes.beyond * (light_lobes[at + columns] - light_lobes[at]);
     }
-    Vec3 light_shape(int k, NodesAbout nodes) { return {light_number(5 * k, nodes), light_number(5 * k + 1, nodes), 0}; }
+    Vec3 light_shape(int k, NodesAbout nodes) {
+        return {light_number(5 * k, nodes), light_number(5 * k + 1, nodes), 0};
+    }
     Vec3 light_weight(int k, NodesAbout nodes, Pm) {
         return {light_number(5 * k + 2, nodes), light_number(5 * k + 3, nodes), light_number(5 * k + 4, nodes)};
     }

@@ -37,7 +37,8 @@ double looked_up(const ExtendedLight& light, const Vec3f& wv, const L& radiance,
     for (const ExtendedLight::Lobe& lobe : lobes_at(light, wv.z)) {
         const Vec3d z = to_double(axis_of(lobe, wv)), x = normalize(cross(Vec3d{0, 1, 0}, z)), y = cross(z, x);
         sum += double(lobe.weight.g) * hemisphere_integral([&](const Vec3d& w) {
-                   return radiance(w.x * x + w.y * y + w.z * z) * double(filter_kernel(lobe.roughness, float(w.z), levels));
+                   return radiance(w.x * x + w.y * y + w.z * z) *
+                          double(filter_kernel(lobe.roughness, float(w.z), levels));
                });
     }
     return sum;

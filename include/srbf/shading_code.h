@@ -33,11 +33,11 @@ inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "gls
 
 struct CodeOptions {
     CodeLanguage language = CodeLanguage::glsl;
-    bool sampling = false;     ///< also NAME_sample and NAME_pdf
-    bool albedo = false;       ///< also NAME_albedo
-    bool environment = false;  ///< also NAME_environment and NAME_environment_lobe
-    bool area = false;         ///< also NAME_area and NAME_environment_lobe
-    int extended_lobes = 6;    ///< look-ups for an environment, see extended_light.h
+    bool sampling = false;                   ///< also NAME_sample and NAME_pdf
+    bool albedo = false;                     ///< also NAME_albedo
+    bool environment = false;                ///< also NAME_environment and NAME_environment_lobe
+    bool area = false;                       ///< also NAME_area and NAME_environment_lobe
+    int extended_lobes = 6;                  ///< look-ups for an environment, see extended_light.h
     MapLevels map_levels = MapLevels::root;  ///< of the map that they look up
     /// The host supplies the lobes of a model for each of `ExtendedLight::k_views` views, as it has them in a texture:
     /// Vec3 NAME_light_texel(int i, int view), of lobe k (p, roughness, any) at i = 2 k and the weight at i = 2 k + 1.

@@ -113,7 +113,13 @@ void print_repeatability(const FitOutcome& outcome) {
             "  noise     {:.0f} % of dark values; ΔE_ITP {:.3g} (worst {:.3g}) against the measurement smoothed\n",
             100 * outcome.noise->share(), outcome.against_smoothed->mean.delta_e,
             outcome.against_smoothed->worst_delta_e);
-        if (outcome.clamped == 0)
+        if (outcome.noise->excess > 0)
+            fmt::print(
+                "            its maker set what was below 0 to 0; zeros count as noise below 0, without which dark "
+                "values "
+                "were {:.0f} % brighter\n",
+                100 * outcome.noise->excess);
+        else if (outcome.clamped == 0)
             fmt::print("            none of it is below 0: its maker cut it off, which makes dark values brighter\n");
     }
     if (outcome.exchanged)
@@ -164,6 +170,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     add_measures(json, *outcome.errors, "");
     add_measures(json, *outcome.unrounded_errors, "unrounded_");
     if (outcome.noise) json["noise"] = outcome.noise->share();
+    if (outcome.noise && outcome.noise->excess > 0) json["zeros_too_bright"] = outcome.noise->excess;
     if (outcome.exchanged) json["exchanged_pictures"] = json_of(*outcome.exchanged);
     if (is_smoothed(outcome)) json["smoothed_pictures"] = json_of(*outcome.against_smoothed);
     if (outcome.samples) {

@@ -90,6 +90,11 @@ inline bool is_by_pictures(const FitRequest& request) {
 struct Noise {
     Rgb deviation{};  ///< standard deviation [1/sr]
     Rgb level{};      ///< median value [1/sr]
+    /// Share of all pairs that are below 0 although the mean about them is not, of the channel with the most of them.
+    double negative = 0;
+    /// Standard deviation [1/sr] of a table's samples before its maker set those below 0 to 0; of channels without it 0.
+    Rgb clamped{};
+    double excess = 0;  ///< share by which the median value is too bright because they were set to 0
     /// The deviation relative to the value, by means over the channels; 0 where the value is not above 0.
     double share() const {
         const auto sum = [](const Rgb& x) { return double(x.r) + double(x.g) + double(x.b); };

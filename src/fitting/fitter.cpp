@@ -231,7 +231,7 @@ class Fitter::Work {
     }
     Result<const Observations*> observed(const FitRequest& request, const ProgressToken& progress) {
         return observed_once(observations_, request, [&] {
-            auto made = observe(signed_,
+            auto made = observe(unbiased_ && !request.spectral ? unbiased_ : signed_,
                                 {.objective = request.objective,
                                  .max_theta = request.theta(),
                                  .seed = request.seed,
@@ -248,11 +248,14 @@ class Fitter::Work {
     }
     /// Determines the noise of the table, and smooths it if it is noisy. Returns what is left of the progress.
     Result<ProgressToken> smooth(const FitRequest& request, const ProgressToken& progress) {
-        if (!noise_) noise_ = noise_of(signed_);
+        if (!noise_) {
+            noise_ = noise_of(signed_);
+            if (measured_) add_clamped(*noise_, *measured_);
+        }
         if (!is_noisy(*noise_) || smoothed_ || request.spectral) return progress;
         auto made = smoothed(signed_, *noise_, looks_isotropic(request), request.threads, progress.part(0, k_smoothed));
         if (!made) return made.error();
-        smoothed_ = *std::move(made);
+        smoothed_ = std::move(made->smooth), unbiased_ = std::move(made->unbiased);
         return progress.part(k_smoothed, 1);
     }
     bool looks_isotropic(const FitRequest& request) {
@@ -375,8 +378,8 @@ class Fitter::Work {
 
     const Measured* measured_ = nullptr;
     Evaluate signed_, clamped_;
-    std::optional<Noise> noise_;   // of a table that was fitted
-    Evaluate smoothed_ = nullptr;  // if it is noisy
+    std::optional<Noise> noise_;                        // of a table that was fitted
+    Evaluate smoothed_ = nullptr, unbiased_ = nullptr;  // if it is noisy
     std::map<Key, Observations> observations_;
     std::map<Key, SampleObservations> sample_observations_;
     std::map<double, bool> isotropic_;  // by θmax

@@ -6,6 +6,7 @@
 #include "fit/data/observations.h"
 #include "fit/data/pairs.h"
 #include "fit/fits.h"
+#include "fitting/clamped_noise.h"
 #include "srbf/elementary.h"
 #include "srbf/model.h"
 
@@ -21,6 +22,8 @@ constexpr std::size_t k_noise_pairs = 8192;
 constexpr double k_median_of_normal = 0.6745, k_variance_of_difference = 1.5;
 /// Noise of a tenth of dark values changes a fit less than another seed does; noise of all of them doubles its error.
 constexpr double k_noisy = 0.3;
+/// Of clean tables hardly a value is below 0 among others that are not.
+constexpr double k_negative = 0.01;
 /// A value within so many deviations of the fitted one differs by noise.
 constexpr float k_noise_limit = 3;
 /// Values of less than so many deviations get similar weights before anything is fitted.
@@ -60,6 +63,8 @@ std::vector<DirectionPair> triples() {
     return all;
 }
 
+bool is_clamped(const Rgb& clamped) { return std::max({clamped.r, clamped.g, clamped.b}) > 0; }
+
 /// Values of at least √(f² + (k_alike σ)²), by which weights hardly depend on the noise of dark values.
 Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
     return [f, deviation](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
@@ -72,16 +77,36 @@ Evaluate above_noise(const Evaluate& f, const Rgb& deviation) {
     };
 }
 
-Evaluate without_noise(const Evaluate& f, PmModel fitted, const Rgb& deviation) {
-    return [f, fitted = std::move(fitted), deviation](std::span<const Vec3f> wl, std::span<const Vec3f> wv,
-                                                      std::span<Rgb> values) {
-        std::vector<Rgb> expected(values.size());
+/// What a fit expects at each pair. `of_clamped`: it is of values that were clamped, with this deviation before.
+Evaluate expected_by(PmModel fitted, bool of_clamped, const Rgb& clamped) {
+    return [fitted = std::move(fitted), of_clamped, clamped](std::span<const Vec3f> wl, std::span<const Vec3f> wv,
+                                                             std::span<Rgb> values) {
+        evaluator(fitted)(wl, wv, values);
+        for (Rgb& value : values)
+            for (int c = 0; c < 3 && of_clamped; ++c) value[c] = unclamped(value[c], clamped[c]);
+    };
+}
+/// `unbiased` of `Smoothed`.
+Evaluate without_excess(const Evaluate& f, const Evaluate& expected, const Rgb& clamped) {
+    if (!is_clamped(clamped)) return f;
+    return [f, expected, clamped](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+        std::vector<Rgb> means(values.size());
         f(wl, wv, values);
-        evaluator(fitted)(wl, wv, expected);
+        expected(wl, wv, means);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            for (int c = 0; c < 3; ++c) values[i][c] -= clamped_excess(means[i][c], clamped[c]);
+    };
+}
+/// `smooth` of `Smoothed`.
+Evaluate without_noise(const Evaluate& f, const Evaluate& expected, const Rgb& deviation) {
+    return [f, expected, deviation](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+        std::vector<Rgb> means(values.size());
+        f(wl, wv, values);
+        expected(wl, wv, means);
         for (std::size_t i = 0; i < values.size(); ++i)
             for (int c = 0; c < 3; ++c) {
                 const float most = k_noise_limit * deviation[c];
-                values[i][c] -= std::clamp(values[i][c] - expected[i][c], -most, most);  // NaN remains
+                values[i][c] -= std::clamp(values[i][c] - means[i][c], -most, most);  // NaN remains
             }
     };
 }
@@ -97,11 +122,15 @@ Noise noise_of(const Evaluate& f) {
     Noise noise;
     for (int c = 0; c < 3; ++c) {
         std::vector<std::pair<double, double>> means;  // with their second differences; of noise both are independent
+        std::size_t negative = 0;
         for (std::size_t i = 0; i < values.size(); i += 3) {
             const double x = double(values[i][c]), beside = double(values[i + 1][c]) + double(values[i + 2][c]);
-            if (std::isfinite(x + beside)) means.emplace_back((x + beside) / 3, std::abs(x - beside / 2));
+            if (!std::isfinite(x + beside)) continue;
+            means.emplace_back((x + beside) / 3, std::abs(x - beside / 2));
+            negative += x < 0 && x + beside > 0;
         }
         if (means.empty()) continue;
+        noise.negative = std::max(noise.negative, double(negative) / double(means.size()));
         std::ranges::sort(means);
         noise.level[c] = float(means[means.size() / 4].first);
         means.resize((means.size() + 1) / 2);
@@ -113,25 +142,37 @@ Noise noise_of(const Evaluate& f) {
     return noise;
 }
 
-bool is_noisy(const Noise& noise) { return noise.share() > k_noisy; }
+void add_clamped(Noise& noise, const Measured& measured) {
+    noise.clamped = clamped_deviation(measured);
+    double median = 0, unbiased = 0;
+    for (int c = 0; c < 3; ++c)
+        median += double(noise.level[c]), unbiased += double(unclamped(noise.level[c], noise.clamped[c]));
+    noise.excess = is_clamped(noise.clamped) && unbiased > 0 ? median / unbiased - 1 : 0;
+}
 
-Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
+bool is_noisy(const Noise& noise) {
+    return noise.share() > k_noisy || noise.negative > k_negative || is_clamped(noise.clamped);
+}
+
+Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
                           const ProgressToken& progress) {
-    Evaluate smooth = above_noise(f, noise.deviation);
+    Smoothed made{f, above_noise(f, noise.deviation)};
     for (int round = 0; round < k_rounds; ++round) {
         const auto part = [&](double begin, double end) {
             return progress.part((round + begin) / k_rounds, (round + end) / k_rounds);
         };
-        const auto observed = observe(f, {.threads = threads, .smoothed = smooth}, part(0, 0.3));
+        const auto observed = observe(made.unbiased, {.threads = threads, .smoothed = made.smooth}, part(0, 0.3));
         if (!observed) return observed.error();
         FitOptions options;
         options.axial = axial, options.threads = threads;
         options.starts = k_noise_starts, options.perturbations = k_noise_perturbations;
         const auto fitted = fit_pm(beginning(*observed, observed->fitted()), options, part(0.3, 1));
         if (!fitted) return fitted.error();
-        smooth = without_noise(f, fitted->model, noise.deviation);
+        const Evaluate expected = expected_by(fitted->model, round == 0, noise.clamped);
+        made.unbiased = without_excess(f, expected, noise.clamped);
+        made.smooth = without_noise(made.unbiased, expected, noise.deviation);
     }
-    return smooth;
+    return made;
 }
 
 }  // namespace srbf

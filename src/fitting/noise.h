@@ -8,13 +8,24 @@ namespace srbf {
 /// hardly any, independent noise of variance σ² has 3/2 σ². f may be negative or NaN.
 Noise noise_of(const Evaluate& f);
 
-/// Whether noise biases a fit that takes each value for what it is.
+/// Adds what is known of values that the maker of a table set to 0.
+void add_clamped(Noise& noise, const Measured& measured);
+
+/// Whether noise biases a fit that takes each value for what it is: much of it, values below 0 by it, or values that were
+/// set to 0 because they were below.
 bool is_noisy(const Noise& noise);
 
-/// The measurement smoothed to its noise: f − clamp(f − f̂, ±3σ), f̂ fitted to it. It is f̂ where the two differ by noise,
-/// and keeps what f̂ lacks. f̂ comes from three short fits to f as it is, negative values included, whose weights come
-/// from √(f² + 25 σ²) first and from the smoothed measurement then. `axial`: whether f is isotropic.
-Result<Evaluate> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
+/// A measurement without what noise does to a fit.
+struct Smoothed {
+    /// The measurement as it is; where its maker set values below 0 to 0, less what that adds to their mean at the fitted f̂:
+    /// f − (E[max(0, f̂ + n)] − f̂).
+    Evaluate unbiased;
+    /// The same smoothed to its noise: f − clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps what f̂ lacks.
+    Evaluate smooth;
+};
+/// f̂ comes from three short fits to f as it is, negative values included, whose weights come from √(f² + 25 σ²) first and
+/// from the smoothed measurement then. `axial`: whether f is isotropic.
+Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
                           const ProgressToken& progress);
 
 }  // namespace srbf

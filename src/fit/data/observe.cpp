@@ -34,6 +34,11 @@ constexpr std::size_t k_part = 4096;
 constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
 constexpr double k_horizon_cosines[] = {0.03, 0.01, 0.003};
 constexpr int k_radiance_points = 4096;
+/// In place of `k_albedo_error_with_pixels` for noisy tables, whose albedos are sums of thousands of values and known better
+/// than any of them.
+constexpr double k_albedo_error_of_noise = 0.002;
+/// Of noisy tables, whose samples at the normal are those of one azimuth: the view beside it sees all of them.
+constexpr double k_beside_normal_of_noise = 0.5 * k_degree;
 
 /// The direction of that z and azimuth.
 Vec3d direction(double z, double phi) {
@@ -238,7 +243,8 @@ void add_fitted(Observations& to, const MeasuredPairs& measured, const ObserveOp
 RadianceObservation observe_albedo(const Evaluate& f, const ObserveOptions& options, Vec3d wv, double theta_max) {
     Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_radiance_points);
     std::vector<Rgb> values = values_towards(f, points.w, to_float(wv));
-    raise(values, points.w, std::vector<Vec3f>(values.size(), to_float(wv)), options.smoothed);
+    // The noise of a sum of values is small: of noisy tables none is raised.
+    if (!options.smoothed) raise(values, points.w, std::vector<Vec3f>(values.size(), to_float(wv)), nullptr);
     for (std::size_t i = 0; i < values.size(); ++i) {
         const bool valid = is_finite(values[i]);
         points.weight[i] *= valid ? double(points.w[i].z) : 0;
@@ -259,7 +265,8 @@ std::vector<RadianceObservation> observe_albedos(const Evaluate& f, const Observ
     std::vector<RadianceObservation> all(angles.size());
     parallel_for(all.size(), options.threads, [&](std::size_t k) {
         // Any azimuth is sufficient for isotropic data; the azimuths are spread for other data.
-        const Vec3d wv = spherical(angles[k], k_golden_angle * double(k));
+        const double least = options.smoothed ? k_beside_normal_of_noise : 0;
+        const Vec3d wv = spherical(std::max(angles[k], least), k_golden_angle * double(k));
         const bool at_horizon = k >= steeper;
         all[k] = observe_albedo(f, options, wv, at_horizon ? k_horizon_theta : theta_max);
         if (at_horizon) all[k].least_unit = k_horizon_albedo;
@@ -302,7 +309,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     all.radiances = observe_albedos(f, options, *theta_max);
     if (traits(options.objective).of_pictures) {
         all.views = observe_views(options.smoothed ? options.smoothed : f, *theta_max, options.threads);
-        all.radiance_error = k_albedo_error_with_pixels;
+        all.radiance_error = options.smoothed ? k_albedo_error_of_noise : k_albedo_error_with_pixels;
     }
     return all;
 }

@@ -1,0 +1,169 @@
+// Fits of noisy tables against what the noise hides: each measurement is read into a table of MBSDF's layout (the truth),
+// and gets independent normal noise of a share of its median value, signed as an instrument has it or with values below 0
+// set to 0. Prints of each fit ΔE_ITP against the truth, and how many times that of the fit to the truth it is; the largest
+// error of albedo from 0 to 75°, of luminance and of a channel (relative to luminance); the same of the noisy table itself;
+// and processor seconds.
+//   usage: noisy_tables [--signed] [--clamped] [--share X] FILE...
+// Of files of MBSDF's layout, --own compares each channel's albedo of the fit with the file's own.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ctime>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "srbf/fitting.h"
+#include "srbf/measured.h"
+#include "srbf/metrics.h"
+
+namespace srbf {
+namespace {
+
+constexpr std::uint32_t k_polar = 45, k_azimuths = 91;
+/// Beside the normal, where a table of MBSDF's layout has all azimuths.
+constexpr double k_angles[] = {0.5, 15, 30, 45, 60, 75};
+
+/// f at the nodes of a table: θ = i π / (2 n_θ), φ = k π / (n_φ − 1).
+MbsdfTable table_of(const Evaluate& f) {
+    MbsdfTable table;
+    table.polar = k_polar, table.azimuths = k_azimuths;
+    const double step = k_pi / 2 / k_polar, turn = k_pi / (k_azimuths - 1);
+    std::vector<Vec3f> wl, wv;
+    for (std::uint32_t i = 0; i < k_polar; ++i)
+        for (std::uint32_t j = 0; j < k_polar; ++j)
+            for (std::uint32_t k = 0; k < k_azimuths; ++k) {
+                wl.push_back(to_float(spherical(i * step, 0.0)));
+                wv.push_back(to_float(spherical(j * step, k * turn)));
+            }
+    table.cells.resize(wl.size());
+    f(wl, wv, table.cells);
+    for (Rgb& cell : table.cells)
+        for (int c = 0; c < 3; ++c) cell[c] = std::max(cell[c], 0.f);
+    return table;
+}
+
+double median(const MbsdfTable& table) {
+    std::vector<float> means;
+    for (const Rgb& cell : table.cells) means.push_back((cell.r + cell.g + cell.b) / 3);
+    std::ranges::nth_element(means, means.begin() + std::ptrdiff_t(means.size() / 2));
+    return double(means[means.size() / 2]);
+}
+
+MbsdfTable with_noise(MbsdfTable table, double deviation, bool clamped) {
+    std::mt19937_64 random(1);
+    std::normal_distribution<double> normal;
+    for (Rgb& cell : table.cells)
+        for (int c = 0; c < 3; ++c) {
+            cell[c] += float(deviation * normal(random));
+            if (clamped) cell[c] = std::max(cell[c], 0.f);
+        }
+    return table;
+}
+
+struct AlbedoErrors {
+    double luminance = 0, channel = 0, own = 0;  ///< the last: of a channel, relative to itself
+};
+AlbedoErrors albedo_errors_of(const Evaluate& truth, const Evaluate& other) {
+    AlbedoErrors worst;
+    for (const double theta : k_angles) {
+        const Rgb a = albedo(truth, theta * k_degree, 89 * k_degree),
+                  b = albedo(other, theta * k_degree, 89 * k_degree);
+        const auto take = [](double& most, double error) { most = std::max(most, std::abs(error)); };
+        take(worst.luminance, double(luminance(b)) / double(luminance(a)) - 1);
+        for (int c = 0; c < 3; ++c) {
+            take(worst.channel, double(b[c] - a[c]) / double(luminance(a)));
+            take(worst.own, double(b[c] / a[c]) - 1);
+        }
+    }
+    return worst;
+}
+
+struct Judged {
+    double delta_e;
+    AlbedoErrors albedo;
+};
+Judged judge(const Evaluate& truth, const Evaluate& other) {
+    return {compare_pictures(truth, {&other, 1})[0].mean.delta_e, albedo_errors_of(truth, other)};
+}
+struct Fitted {
+    Judged fit;
+    double seconds, share;
+};
+Fitted fitted(const Measured& measured, const Evaluate& truth) {
+    const std::clock_t start = std::clock();
+    Fitter fitter(measured);
+    const auto outcome = fitter.fit({});
+    const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
+    if (!outcome) return fmt::print(stderr, "{}\n", message(outcome.error())), Fitted{};
+    return {judge(truth, evaluator(outcome->model)), seconds, outcome->noise ? outcome->noise->share() : 0};
+}
+
+void print_own(const Measured& measured) {
+    const Evaluate f = signed_evaluator(measured);
+    Fitter fitter(measured);
+    const auto outcome = fitter.fit({});
+    const Evaluate fit = evaluator(outcome->model);
+    for (const double theta : k_angles) {
+        const Rgb a = albedo(f, theta * k_degree, 89 * k_degree), b = albedo(fit, theta * k_degree, 89 * k_degree);
+        fmt::print("| {:.0f}° | {:.4f} {:.4f} {:.4f} | {:+.2f} {:+.2f} {:+.2f} |\n", theta, a.r, a.g, a.b,
+                   100 * (b.r / a.r - 1), 100 * (b.g / a.g - 1), 100 * (b.b / a.b - 1));
+    }
+    std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace srbf
+
+int main(int argc, char** argv) {
+    using namespace srbf;
+    bool with_signed = false, with_clamped = false;
+    std::vector<double> shares;
+    std::vector<std::string> files;
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i];
+        if (word == "--own") {
+            for (++i; i < argc; ++i) print_own(*load_measured(argv[i]));
+            return 0;
+        }
+        if (word == "--signed")
+            with_signed = true;
+        else if (word == "--clamped")
+            with_clamped = true;
+        else if (word == "--share")
+            shares.push_back(std::stod(argv[++i]));
+        else
+            files.push_back(word);
+    }
+    if (shares.empty()) shares = {0.01, 0.1, 1};
+    if (!with_signed && !with_clamped) with_signed = with_clamped = true;
+    fmt::print(
+        "| table | noise | ΔE_ITP | of the clean fit's | albedo, luminance, % | channel, % | "
+        "table: ΔE_ITP | luminance, % | found | s |\n|---|---|---|---|---|---|---|---|---|---|\n");
+    for (const std::string& file : files) {
+        const auto measured = load_measured(file);
+        if (!measured) return fmt::print(stderr, "{}\n", message(measured.error())), 1;
+        const std::string name = std::filesystem::path(file).stem().string();
+        const MbsdfTable table = table_of(evaluator(*measured));
+        const Measured clean{"", "", 0, table};
+        const Evaluate truth = evaluator(clean);
+        const Fitted of_clean = fitted(clean, truth);
+        const auto print = [&](const std::string& noise, const Fitted& one, const Judged& own) {
+            fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n", name,
+                       noise, one.fit.delta_e, one.fit.delta_e / of_clean.fit.delta_e, 100 * one.fit.albedo.luminance,
+                       100 * one.fit.albedo.channel, own.delta_e, 100 * own.albedo.luminance, one.share, one.seconds);
+            std::fflush(stdout);
+        };
+        print("none", of_clean, {});
+        const double body = median(table);
+        for (const bool clamped : {false, true})
+            for (const double share : shares) {
+                if (!(clamped ? with_clamped : with_signed)) continue;
+                const Measured noisy{"", "", 0, with_noise(table, share * body, clamped)};
+                const Evaluate shown = clamped ? evaluator(noisy) : signed_evaluator(noisy);
+                print(fmt::format("{:g} % {}", 100 * share, clamped ? "clamped" : "signed"), fitted(noisy, truth),
+                      judge(truth, shown));
+            }
+    }
+}

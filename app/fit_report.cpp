@@ -178,6 +178,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         json["folds"] = outcome.incidences > 0 ? std::min(outcome.incidences, k_folds) : k_folds;
     }
     if (outcome.filled) json["filled_between_samples"] = *outcome.filled;
+    if (!outcome.continued.empty()) json["highlights_continued_by"] = outcome.continued;
     if (const auto goal = goal_of(request)) {
         const GoalWords of = words(*goal);
         json[of.key] = of.value;
@@ -220,6 +221,10 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
             outcome.incidences > 0 ? fmt::format("cross-validated over {} incidences", outcome.incidences)
                                    : fmt::format("{}-fold cross-validated", k_folds));
         if (outcome.filled && *outcome.filled) fmt::print("  Between samples the fit uses {}.\n", followed(request));
+        if (!outcome.continued.empty())
+            fmt::print(
+                "  Highlights beyond the samples: as {} continue them, which foretells best what folds leave out.\n",
+                outcome.continued);
     }
     print_path(request, outcome);
     if (const auto goal = goal_of(request); goal && !outcome.reached)

@@ -419,6 +419,33 @@ TEST(CompletedSamples, OfAMicrofacetModelAreThatModel) {
     EXPECT_GT(errors[1].squared_error_ratio, 0.1);  // of the interpolated samples
 }
 
+TEST(CompletedSamples, LeaveHighlightsToGgxIfFoldsPreferIt) {
+    const ScatteredSamples samples = taken_by_goniometer(coated);
+    const auto without = complete(samples, k_cap);
+    ASSERT_TRUE(without.ok());
+    CompletedSamples with = *without;
+    with.continuation = {1, 0.05};
+    std::mt19937_64 random(11);
+    int bright = 0, dark = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3f wl = to_float(draw(random, k_cap)), wv = to_float(draw(random, k_cap));
+        const Rgb f = value(*without, wl, wv), g = value(with.priors[1], wl, wv), found = value(with, wl, wv);
+        const double area = double(wl.z) * double(wv.z), limit = 0.05 * with.allowed;
+        const double largest = double(std::max({f.r, f.g, f.b, g.r, g.g, g.b})) * area;
+        bright += largest > limit, dark += largest < limit / 2;
+        if (largest > limit) EXPECT_TRUE(near(found.g, g.g, 1e-4 * double(g.g)));
+        if (largest < limit / 2) EXPECT_EQ(found.g, f.g);
+    }
+    EXPECT_GT(bright, 20);
+    EXPECT_GT(dark, 20);
+
+    const auto fold = assign_folds(samples, k_cap, 0);
+    ASSERT_TRUE(fold.ok());
+    const auto best = best_continuation(samples, *fold, k_cap);
+    ASSERT_TRUE(best.ok());
+    EXPECT_FALSE(words(*best).empty());
+}
+
 /// Between lights 20° apart, where few viewers are out of the plane, and at the rim of a sphere, beyond the samples.
 TEST(FitToSamples, GapsLookLikeTheMaterial) {
     const ScatteredSamples samples = taken_by_goniometer(coated);

@@ -2,7 +2,9 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "srbf/fit.h"
@@ -27,6 +29,15 @@ ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const i
 /// of another group (see `assign_folds`). 0 if there is only one group.
 double spacing(const ScatteredSamples& samples);
 
+/// What continues the highlights of completed samples: where f A by them or by g_i exceeds `from` times the largest sample,
+/// f is g_i, i = `prior`, and from half of that on something between both. Not finite: nothing.
+struct Continuation {
+    std::size_t prior = 0;
+    double from = std::numeric_limits<double>::infinity();
+};
+/// "neighbours", "one lobe of GGX beyond the largest sample", ...
+std::string_view words(const Continuation& continuation);
+
 /// Samples, completed where nothing was measured: what fits g_i of Lambert and GGX to the samples within θmax expect in
 /// the mean, each sample also with light and viewer exchanged, plus what this leaves of the samples, interpolated. With
 /// A = cosθl cosθv, e = the mean over i of ∛(g_i A) and the w_k of `ScatteredSamples`,
@@ -42,6 +53,7 @@ struct CompletedSamples {
     ScatteredSamples rest;  ///< of colour (∛(f A) − e) / A, so that `signed_value` times A is the mean over k
     double allowed = 0;     ///< the largest f A of the samples; by one g, with which none disagrees, `most`
     double most = 0;        ///< 1.8 times the largest f A of the samples; by one g 1.6 times, as for fits
+    Continuation continuation = {};
 };
 /// `of_one`: by the first g alone, in a third of the time.
 /// Errors: no sample within max_theta [rad] that is not black.
@@ -49,6 +61,13 @@ Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_th
                                   bool of_one = false);
 /// f [1/sr]; 0 below the horizon.
 Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv);
+
+/// The continuation to complete the samples with, by what is predicted of each fold by the others. None, if the squared error of
+/// f is then no larger than that of one lobe of GGX, and that of cube roots at most 0.8 times as large; otherwise, of those with
+/// no larger error of f, the one with the least error of cube roots.
+/// Errors: those of `complete`.
+Result<Continuation> best_continuation(const ScatteredSamples& samples, std::span<const int> fold, double max_theta,
+                                       int threads = 0);
 
 /// Fits models to `training`, the same number of models each time. It is called from several threads at once.
 using FitToSamples = std::function<Result<std::vector<Model>>(const ScatteredSamples& training)>;

@@ -18,6 +18,8 @@ constexpr int k_first_tried = 6;
 constexpr double k_as_good = 1.03;
 /// A few thousand samples need a shorter search than a table, and are searched a dozen times.
 constexpr int k_sample_starts = 6, k_sample_perturbations = 14;
+/// Of folds, whose fits only foretell the error of the fit to all samples.
+constexpr int k_fold_starts = 3;
 constexpr int k_draft_starts = 3, k_draft_perturbations = 2;
 /// Approximate share of observing in the time of the fits to a fold's samples.
 constexpr double k_observed_of_fold = 0.2;
@@ -125,12 +127,14 @@ class SampleFits {
             if (!pbr) return pbr;
             outcome = *std::move(pbr);
         } else {
-            auto pm =
-                fit_pm(*observed, {sample_options(samples_, request_, candidate.lobes), candidate.fill}, progress);
+            FitOptions options = sample_options(samples_, request_, candidate.lobes);
+            if (completes(request_) && observed != observed_) options.starts = k_fold_starts;
+            auto pm = fit_pm(*observed, {options, candidate.fill}, progress);
             if (!pm) return pm.error();
             if (progress.cancelled()) return cancelled_error("fit");
             outcome = outcome_of(*std::move(pm));
             outcome.filled = candidate.fill;
+            if (observed->options.continuation) outcome.continued = words(*observed->options.continuation);
         }
         outcome.masked = observed->samples.masked;
         outcome.clamped = observed->samples.clamped;
@@ -183,7 +187,9 @@ class SampleFits {
                                              const ProgressToken& progress) const {
         std::optional<SampleObservations> observed;
         if (!std::holds_alternative<SuRequest>(request_.model)) {
-            auto made = observe(training, observe_options(request_), progress.part(0, k_observed_of_fold));
+            ObserveSamplesOptions options = observe_options(request_);
+            if (observed_) options.continuation = observed_->options.continuation;
+            auto made = observe(training, options, progress.part(0, k_observed_of_fold));
             if (!made) return made.error();
             observed = *std::move(made);
         }

@@ -121,6 +121,8 @@ class Fitter::Work {
             auto made = complete(*samples(), request.theta(), request.threads);
             if (!made) return made.error();
             completed = *std::move(made);
+            if (const auto at = sample_observations_.find(key(request)); at != sample_observations_.end())
+                completed.continuation = at->second.options.continuation.value_or(Continuation{});
             reference = evaluator(completed);
         } else {
             measure_pairs(outcome, request, progress);

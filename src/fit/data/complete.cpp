@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <span>
 
 #include "fit/data/errors.h"
 #include "fit/data/observe_samples.h"
 #include "fit/objective/bound.h"
 #include "fit/objective/objective.h"
+#include "parallel.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -19,6 +22,17 @@ struct Prior {
 };
 /// The first alone where one is asked for.
 constexpr Prior k_priors[] = {{Objective::appearance, 2}, {Objective::appearance, 1}, {Objective::cosine, 2}};
+
+/// One lobe by pictures: what a fit to samples is compared with.
+constexpr std::size_t k_one_lobe = 1;
+/// The first: none.
+constexpr Continuation k_continuations[] = {{}, {k_one_lobe, 1}, {k_one_lobe, 0.05}, {0, 0.05}};
+
+/// A continuation by one lobe of GGX has its error of f but for what lies below 0.05.
+constexpr double k_as_good_as_ggx = 1.01;
+/// Neighbours alone continue highlights unless GGX predicts f better, or cube roots nearly as well as this: what is seen in
+/// pictures of whole tables is nearer to them than to GGX.
+constexpr double k_better_than_ggx = 0.8;
 
 /// What several g_i agree on is likelier than what one expects alone, and may exceed the samples by more than a fit may.
 constexpr double k_most_agreed = 1.8;
@@ -83,6 +97,12 @@ Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_th
     return completed;
 }
 
+std::string_view words(const Continuation& continuation) {
+    if (!std::isfinite(continuation.from)) return "neighbours";
+    if (continuation.from >= 1) return "one lobe of GGX beyond the largest sample";
+    return continuation.prior == k_one_lobe ? "one lobe of GGX" : "two lobes of GGX";
+}
+
 Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return {};
     const double area = cosines(wl, wv);
@@ -93,7 +113,52 @@ Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
         const double root = here.root[std::size_t(c)] + double(rest[c]) * area;
         f[c] = float(std::clamp(root * root * root, 0.0, here.bound) / area);
     }
+    const auto [prior, from] = samples.continuation;
+    if (!std::isfinite(from)) return f;
+    const Rgb g = value(samples.priors[prior], wl, wv);
+    const double largest = std::max(largest_of(f), largest_of(g)) * area / (from * samples.allowed);
+    const auto share = float(std::clamp(2 * largest - 1, 0.0, 1.0));
+    for (int c = 0; c < 3; ++c) f[c] += share * (g[c] - f[c]);
     return f;
+}
+
+Result<Continuation> best_continuation(const ScatteredSamples& samples, std::span<const int> fold, double max_theta,
+                                       int threads) {
+    constexpr std::size_t count = std::size(k_continuations);
+    std::array<std::vector<Rgb>, count> predicted;
+    predicted.fill(std::vector<Rgb>(fold.size()));
+    std::vector<Rgb> of_ggx(fold.size());
+    std::array<std::optional<Error>, k_folds> errors;
+    parallel_for(k_folds, threads, [&](std::size_t left_out) {
+        auto completed = complete(without_fold(samples, fold, int(left_out)), max_theta, threads);
+        if (!completed) return void(errors[left_out] = completed.error());
+        for (std::size_t i = 0; i < fold.size(); ++i) {
+            if (fold[i] != int(left_out)) continue;
+            of_ggx[i] = value(completed->priors[k_one_lobe], samples.wl[i], samples.wv[i]);
+            for (std::size_t k = 0; k < count; ++k) {
+                completed->continuation = k_continuations[k];
+                predicted[k][i] = value(*completed, samples.wl[i], samples.wv[i]);
+            }
+        }
+    });
+    for (const auto& error : errors)
+        if (error) return *error;
+    const auto measures = [&](const std::vector<Rgb>& f) {
+        return measure_samples(samples.wl, samples.wv, samples.colour, f, max_theta);
+    };
+    const Measures ggx = measures(of_ggx), neighbours = measures(predicted[0]);
+    if (neighbours.squared_error_ratio <= ggx.squared_error_ratio &&
+        neighbours.cube_root_error_ratio <= k_better_than_ggx * ggx.cube_root_error_ratio)
+        return k_continuations[0];
+    Continuation best{k_one_lobe, 0.05};
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < count; ++k) {
+        const Measures of = measures(predicted[k]);
+        if (of.squared_error_ratio > k_as_good_as_ggx * ggx.squared_error_ratio || of.cube_root_error_ratio >= least)
+            continue;
+        best = k_continuations[k], least = of.cube_root_error_ratio;
+    }
+    return best;
 }
 
 }  // namespace srbf

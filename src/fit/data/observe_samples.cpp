@@ -55,8 +55,9 @@ void add_grazing(Observations& to, const CompletedSamples& completed, double max
 Result<Observations> observe_completed(const ScatteredSamples& samples, const Observations& observed,
                                        const ObserveSamplesOptions& options, const ProgressToken& progress) {
     const bool is_short = options.only_completed > 0;
-    const auto completed = complete(samples, options.max_theta, options.threads, is_short);
+    auto completed = complete(samples, options.max_theta, options.threads, is_short);
     if (!completed) return completed.error();
+    if (!is_short) completed->continuation = *options.continuation;
     const auto table = observe(evaluator(*completed),
                                {.objective = options.objective,
                                 .max_theta = options.max_theta,
@@ -225,6 +226,11 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     if (!fold) return fold.error();
     const bool completes = options.complete && traits(options.objective).of_pictures && !options.spectral;
     if (completes) {
+        if (!options.continuation && options.only_completed == 0) {
+            const auto best = best_continuation(samples, *fold, *theta_max, options.threads);
+            if (!best) return best.error();
+            observed.options.continuation = *best;
+        }
         auto completed = observe_completed(samples, observed.samples, observed.options, progress);
         if (!completed) return completed.error();
         observed.completed = *std::move(completed);

@@ -1,5 +1,7 @@
 // What a fit observes of scattered samples.
 #pragma once
+#include <optional>
+
 #include "fit/data/observations.h"
 #include "fit/fits.h"
 #include "srbf/fit_samples.h"
@@ -16,6 +18,8 @@ struct ObserveSamplesOptions {
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
     /// If not 0, for fits of many: only the samples completed by one g, at this many pairs and without views.
     std::size_t only_completed = 0;
+    /// Of the completed samples; none: the one that folds find best. Not of `only_completed`.
+    std::optional<Continuation> continuation = {};
 };
 
 /// The indices of the samples within `sample_cap` of max_theta [rad].

@@ -44,7 +44,9 @@ Observations together(const SampleObservations& from, double weight_between, std
 Result<PmFit> fit_pm(const SampleObservations& observations, const SampleFitOptions& options,
                      const ProgressToken& progress) {
     const StandardArithmetic mode;
-    const auto& [objective, max_theta, seed, spectral, complete, threads, only_completed] = observations.options;
+    const Objective objective = observations.options.objective;
+    const double max_theta = observations.options.max_theta;
+    const std::uint64_t seed = observations.options.seed;
     const bool completed = !observations.completed.f.empty();
     FitOptions bounded = options.pm;
     const double finest = observations.finest * (traits(objective).of_scatter ? k_finest_of_scatter : 1);

@@ -2,16 +2,22 @@
 // the multivariate and the view-by-view model with their own proposals; for the measurement with its own proposal, that
 // of its multivariate model, and the cosine. Fits are the program's defaults, the view-by-view one with 5 lobes.
 //   usage: sampling FILE...
+// Or for measurements and models, prepared, the median and the largest over views every 3° to 85°, and the most lost to
+// 89.9°, as CSV, the largest variance first:
+//   usage: sampling --views FILE...
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "fit/fits.h"
 #include "srbf/directions.h"
+#include "srbf/load.h"
 #include "srbf/measured.h"
-#include "srbf/sampling.h"
+#include "srbf/prepared.h"
 
 namespace srbf {
 namespace {
@@ -22,11 +28,20 @@ struct Quality {
     double variance, lost;
 };
 
-/// Var(f cosθl / pdf) / E² by quadrature, ∫ (f cosθl)²/pdf dωl / (∫ f cosθl dωl)² − 1, and the lost share of 65,536
-/// uniform samples.
-Quality quality(const Evaluate& brdf, const Proposal& proposal, double theta) {
-    const Vec3f wv = to_float(spherical(theta, 0.3));
-    const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), 1 << 17);
+/// The lost share of `draws` uniform samples.
+double lost(const Proposal& proposal, Vec3f wv, int draws) {
+    int count = 0;
+    std::mt19937_64 random(1);
+    for (int i = 0; i < draws; ++i) {
+        const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random);
+        count += !(sample(proposal, wv, {float(u1), float(u2)}, float(u3)).z > 0);
+    }
+    return double(count) / draws;
+}
+
+/// Var(f cosθl / pdf) / E² by quadrature with so many points, ∫ (f cosθl)²/pdf dωl / (∫ f cosθl dωl)² − 1.
+double variance(const Evaluate& brdf, const Proposal& proposal, Vec3f wv, int count) {
+    const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), count);
     std::vector<Rgb> f(points.w.size());
     brdf(points.w, std::vector<Vec3f>(f.size(), wv), f);
     double whole = 0, squared = 0;
@@ -36,14 +51,12 @@ Quality quality(const Evaluate& brdf, const Proposal& proposal, double theta) {
         whole += points.weight[i] * g;
         squared += points.weight[i] * g * g / double(pdf(proposal, points.w[i], wv));
     }
-    int lost = 0;
-    constexpr int draws = 1 << 16;
-    std::mt19937_64 random(1);
-    for (int i = 0; i < draws; ++i) {
-        const double u1 = uniform(random), u2 = uniform(random), u3 = uniform(random);
-        lost += !(sample(proposal, wv, {float(u1), float(u2)}, float(u3)).z > 0);
-    }
-    return {squared / (whole * whole) - 1, double(lost) / draws};
+    return squared / (whole * whole) - 1;
+}
+
+Quality quality(const Evaluate& brdf, const Proposal& proposal, double theta) {
+    const Vec3f wv = to_float(spherical(theta, 0.3));
+    return {variance(brdf, proposal, wv, 1 << 17), lost(proposal, wv, 1 << 16)};
 }
 
 Result<Done> print_rows(const std::string& path) {
@@ -59,7 +72,8 @@ Result<Done> print_rows(const std::string& path) {
     if (!su) return su.error();
 
     const Evaluate of_pm = evaluator(pm->model), of_su = evaluator(su->model), of_table = evaluator(*measured);
-    const Proposal by_pm = propose(of_pm), by_su = propose(su->model), by_table = propose(of_table), cosine;
+    const Proposal by_pm = propose(of_pm), by_su = propose(su->model), cosine,
+                   by_table = refined(of_table, propose(of_table));
     const std::pair<const Evaluate&, const Proposal&> columns[] = {
         {of_pm, by_pm}, {of_su, by_su}, {of_table, by_table}, {of_table, by_pm}, {of_table, cosine}};
     for (const double theta : k_thetas) {
@@ -77,10 +91,59 @@ Result<Done> print_rows(const std::string& path) {
     return Done{};
 }
 
+/// What there is at the worst views of a file.
+struct AtWorst {
+    std::string file;
+    bool is_measured, has_table;
+    double median, largest, largest_at, lost, lost_at;
+};
+
+Result<AtWorst> at_worst(const std::string& path) {
+    const auto loaded = load_brdf(path);
+    if (!loaded) return loaded.error();
+    const PreparedBrdf brdf = std::visit([](const auto& of) { return prepare(of, ProposeOptions{}); }, *loaded);
+    AtWorst of{std::filesystem::path(path).stem().string(),
+               std::holds_alternative<Measured>(*loaded),
+               std::holds_alternative<TableProposal>(brdf.proposal()),
+               0, 0, 0, 0, 0};
+    std::vector<double> variances;
+    for (double theta = 0; theta < 90; theta += theta < 84 ? 3 : 0.7) {
+        const Vec3f wv = to_float(spherical(theta * k_degree, 0.3));
+        if (const double share = lost(brdf.proposal(), wv, 1 << 14); share > of.lost) of.lost = share, of.lost_at = theta;
+        if (theta > 85) continue;
+        variances.push_back(variance(evaluator(brdf), brdf.proposal(), wv, 1 << 15));
+        if (variances.back() > of.largest) of.largest = variances.back(), of.largest_at = theta;
+    }
+    const auto middle = variances.begin() + long(variances.size() / 2);
+    std::nth_element(variances.begin(), middle, variances.end());
+    of.median = *middle;
+    return of;
+}
+
+Result<Done> print_worst(std::span<char*> paths) {
+    std::vector<AtWorst> all;
+    for (const char* path : paths) {
+        const auto of = at_worst(path);
+        if (!of) return of.error();
+        all.push_back(*of);
+    }
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.largest > b.largest; });
+    fmt::print("file,of,drawn by,median variance,largest variance,at [degrees],most lost,at [degrees]\n");
+    for (const AtWorst& of : all)
+        fmt::print("{},{},{},{:.4f},{:.4f},{:.1f},{:.4f},{:.1f}\n", of.file, of.is_measured ? "measurement" : "fit",
+                   of.has_table ? "table" : "mixture", of.median, of.largest, of.largest_at, of.lost, of.lost_at);
+    return Done{};
+}
+
 }  // namespace
 }  // namespace srbf
 
 int main(int argc, char** argv) {
+    if (argc > 1 && std::string(argv[1]) == "--views") {
+        const auto printed = srbf::print_worst({argv + 2, std::size_t(argc - 2)});
+        if (!printed) fmt::print(stderr, "{}\n", srbf::message(printed.error()));
+        return printed ? 0 : 1;
+    }
     fmt::print(
         "| measurement | θv | multivariate | view by view | table, its own | table, its model's | table, cosine |\n");
     fmt::print("|---|---|---|---|---|---|---|\n");

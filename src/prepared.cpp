@@ -107,6 +107,8 @@ PreparedBrdf prepare(const Model& model, CosineProposal) { return prepare(parts_
 PreparedBrdf prepare(const Model& model, const ProposeOptions& options) {
     BrdfParts parts = parts_of(model);
     parts.proposal = propose(model, options);
+    if (const auto* mixture = std::get_if<MixtureProposal>(&parts.proposal))
+        parts.proposal = refined(parts.evaluate, MixtureProposal(*mixture), options);
     if (auto* by_view = std::get_if<ViewProposal>(&parts.proposal))
         by_view->model = static_cast<const SuModel*>(parts.held.get());
     return prepare(std::move(parts));
@@ -116,7 +118,7 @@ PreparedBrdf prepare(Measured measured, CosineProposal) { return prepare(parts_o
 
 PreparedBrdf prepare(Measured measured, const ProposeOptions& options) {
     BrdfParts parts = parts_of(std::move(measured));
-    parts.proposal = propose(parts.evaluate, options);
+    parts.proposal = refined(parts.evaluate, propose(parts.evaluate, options), options);
     return prepare(std::move(parts));
 }
 

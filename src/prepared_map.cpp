@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "model/pm_lanes.h"
@@ -42,8 +43,10 @@ struct PreparedMap::Contents {
         {};  // a_j w_jk: what a mixture's lobe draws of what basis lobe j reflects
 };
 
-PreparedMap prepare_map(const Library& map, const ProposeOptions& options) {
+PreparedMap prepare_map(const Library& map, const ProposeOptions& of_caller) {
     assert(map.dense() && map.width > 0);
+    ProposeOptions options = of_caller;
+    options.most_variance = std::numeric_limits<double>::infinity();  // mixtures alone, which are blended
     const auto J = std::size_t(map.basis.lobes), width = std::size_t(map.width);
     const auto proposal_of = [&](std::vector<Rgb> coefficient) {
         return prepare({with_coefficients(map.basis, std::move(coefficient)), {}}, options);

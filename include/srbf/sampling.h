@@ -88,9 +88,26 @@ struct DirectionSample {
 };
 DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
 
+/// A mixture and a table, for BRDFs with highlights that are not like lobes. Each node of the table has densities in cells
+/// of the projected hemisphere, the unit disk of p = (wl.x, wl.y), where dp = cosθl dωl. They are sectors and rings about
+/// the mirror direction m: `turn`, the azimuth of p − m, which is that of the half vector, as the part of the way around the
+/// square |x| + |y| = 1, 0 to 4 from the direction away from the normal on; and ρ², ρ the distance |p − m| relative to that
+/// of the horizon in the same direction. Two rings are to an octave of ρ², down to 2⁻²⁴. Nodes are uniform in the coordinate
+/// of albedo_nodes.h; between them densities are linear.
+struct TableProposal {
+    static constexpr int k_nodes = 49, k_sectors = 32, k_rings = 48;
+    static constexpr float k_share = 0.9f;  ///< of the draws that are the table's
+    MixtureProposal mixture;                ///< for the others
+    std::vector<float> density;             ///< of (turn, ρ²): nodes × sectors × rings
+    std::vector<float> of_sector, of_ring;  ///< running sums of shares, to 1: nodes × sectors, and in each of its rings
+};
+Vec3f sample(const TableProposal& proposal, Vec3f wv, Vec2f u, float selector);
+float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv);
+
 struct ProposeOptions {
     int azimuths = 1;  ///< of the view, over which the variance is averaged; with several the lobes may be stretched
     int threads = 0;   ///< 0: as many as the machine has; the result does not depend on it
+    double most_variance = 0.15;  ///< relative, of f cosθl / pdf: for `refined`
 };
 /// How many azimuths suit an anisotropic BRDF.
 inline constexpr int k_anisotropic_azimuths = 8;
@@ -127,7 +144,7 @@ Vec3f sample(const ViewProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const ViewProposal& proposal, Vec3f wl, Vec3f wv);
 
 /// Any of them.
-using Proposal = std::variant<CosineProposal, MixtureProposal, ViewProposal>;
+using Proposal = std::variant<CosineProposal, MixtureProposal, ViewProposal, TableProposal>;
 Vec3f sample(const Proposal& proposal, Vec3f wv, Vec2f u, float selector);
 DirectionSample sample_with_pdf(const Proposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
@@ -135,6 +152,12 @@ float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
 /// The proposal that a model is best drawn from. It may refer to the model.
 Proposal propose(const Model& model, const ProposeOptions& options = {});
 Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
+
+/// The mixture alone if its relative variance is at most `most_variance` at views every 5° from 2.5° on; otherwise with a
+/// table, of shares that are least in variance: in proportion to the root mean square of f over a cell, times its
+/// projected area. The table is for a BRDF that depends on the azimuths' difference alone, and is not made where
+/// `azimuths` is more than 1.
+Proposal refined(const Evaluate& brdf, const MixtureProposal& mixture, const ProposeOptions& options = {});
 
 /// A direction and its density, where a proposal has no better way.
 template <typename P> DirectionSample sample_with_pdf(const P& proposal, Vec3f wv, Vec2f u, float selector) {

@@ -1,9 +1,10 @@
 // Draws by a table of cells about the mirror direction.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <span>
+#include <vector>
 
 #include "albedo_nodes.h"
 #include "parallel.h"
@@ -86,13 +87,14 @@ Between nodes_of(const Vec3f& wv) {
 
 /// The share that u, uniform in [0,1), chooses by running sums, and u uniform again within it.
 struct Chosen {
-    std::size_t i;
+    int i;
     float u;
 };
-Chosen choose_by(std::span<const float> running, float u) {
-    const auto at = std::upper_bound(running.begin(), running.end() - 1, u);
-    const float before = at == running.begin() ? 0 : at[-1], share = *at - before;
-    return {std::size_t(at - running.begin()), share > 0 ? std::clamp((u - before) / share, 0.f, k_last) : 0};
+template <std::size_t n> Chosen choose_by(const float* running, float u) {
+    int i = 0;
+    for (std::size_t k = 0; k + 1 < n; ++k) i += running[k] <= u;  // without branches, which could not be foreseen
+    const float before = i == 0 ? 0 : running[i - 1], share = running[i] - before;
+    return {i, share > 0 ? std::clamp((u - before) / share, 0.f, k_last) : 0};
 }
 
 /// The views about a node, to a third of the way to its neighbours, for each of which a cell has a point.
@@ -133,9 +135,21 @@ std::vector<double> best_densities(const Evaluate& brdf, std::size_t node) {
     return sum;
 }
 
+/// Blends each cell with the mean of its ring, for what its points missed.
+void blend_with_rings(std::vector<double>& density) {
+    constexpr double of_ring = 0.05;
+    for (int ring = 0; ring < k_rings; ++ring) {
+        double mean = 0;
+        for (int cell = ring; cell < k_cells; cell += k_rings) mean += density[std::size_t(cell)] / k_sectors;
+        for (int cell = ring; cell < k_cells; cell += k_rings)
+            density[std::size_t(cell)] += of_ring * (mean - density[std::size_t(cell)]);
+    }
+}
+
 /// Sets a node of the table; without light all of the square is equal.
 void make_table_node(const Evaluate& brdf, std::size_t node, TableProposal& table) {
     std::vector<double> density = best_densities(brdf, node);
+    blend_with_rings(density);
     const auto share = [&](std::size_t cell) {
         return density[cell] * double(width_of(int(cell) % k_rings)) * 4 / k_sectors;
     };
@@ -159,7 +173,7 @@ void make_table_node(const Evaluate& brdf, std::size_t node, TableProposal& tabl
 }
 
 /// The largest relative variance of f cosθl / pdf at views every 5°.
-double largest_variance(const Evaluate& brdf, const MixtureProposal& mixture, int threads) {
+template <typename P> double largest_variance(const Evaluate& brdf, const P& proposal, int threads) {
     constexpr int points_of_view = 1024;
     constexpr double first = 2.5, step = 5, last = 85;  // degrees
     constexpr auto views = std::size_t((last - first) / step) + 1;
@@ -175,7 +189,7 @@ double largest_variance(const Evaluate& brdf, const MixtureProposal& mixture, in
             const double reflected = is_finite(f[k]) ? luminance(f[k]) * double(points.w[k].z) : 0;
             if (!(reflected > 0)) continue;
             whole += points.weight[k] * reflected;
-            squared += points.weight[k] * reflected * reflected / double(pdf(mixture, points.w[k], to_float(wv)));
+            squared += points.weight[k] * reflected * reflected / double(pdf(proposal, points.w[k], to_float(wv)));
         }
         if (whole > 0) variance[i] = squared / (whole * whole) - 1;
     });
@@ -186,27 +200,28 @@ double largest_variance(const Evaluate& brdf, const MixtureProposal& mixture, in
 
 Proposal refined(const Evaluate& brdf, const MixtureProposal& mixture, const ProposeOptions& options) {
     const StandardArithmetic mode;
-    if (options.azimuths > 1 || !(largest_variance(brdf, mixture, options.threads) > options.most_variance))
-        return mixture;
+    if (options.azimuths > 1) return mixture;
+    const double variance = largest_variance(brdf, mixture, options.threads);
+    if (!(variance > options.most_variance)) return mixture;
     TableProposal table;
-    table.mixture = mixture;
     table.density.resize(k_table_nodes * k_cells);
     table.of_ring.resize(k_table_nodes * k_cells);
     table.of_sector.resize(k_table_nodes * k_sectors);
     parallel_for(k_table_nodes, options.threads, [&](std::size_t node) { make_table_node(brdf, node, table); });
-    return table;
+    if (largest_variance(brdf, table, options.threads) < variance) return table;
+    return mixture;
 }
 
 Vec3f sample(const TableProposal& proposal, Vec3f wv, Vec2f u, float selector) {
-    const float left = 1 - TableProposal::k_share;
-    if (selector < left) return sample(proposal.mixture, wv, u, std::min(selector / left, k_last));
+    constexpr float left = 1 - TableProposal::k_share;
+    if (selector < left) return sample(CosineProposal{}, wv, u, 0);
     const Between nodes = nodes_of(wv);
     const std::size_t node = nodes.below + ((selector - left) / TableProposal::k_share < nodes.part);
-    const Chosen sector = choose_by(std::span(proposal.of_sector).subspan(node * k_sectors, k_sectors), u.x);
+    const Chosen sector = choose_by<k_sectors>(&proposal.of_sector[node * k_sectors], u.x);
     const Chosen ring =
-        choose_by(std::span(proposal.of_ring).subspan((node * k_sectors + sector.i) * k_rings, k_rings), u.y);
-    const int i = int(ring.i);
-    return direction_at(wv, (float(sector.i) + sector.u) * 4 / k_sectors, inner_edge(i) + ring.u * width_of(i));
+        choose_by<k_rings>(&proposal.of_ring[(node * k_sectors + std::size_t(sector.i)) * k_rings], u.y);
+    return direction_at(wv, (float(sector.i) + sector.u) * 4 / k_sectors,
+                        inner_edge(ring.i) + ring.u * width_of(ring.i));
 }
 
 float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv) {
@@ -215,7 +230,7 @@ float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv) {
     const InCell in = cell_of(wl, wv);
     const float* const density = &proposal.density[nodes.below * k_cells + std::size_t(in.cell)];
     const float by_table = in.factor * (density[0] + nodes.part * (density[k_cells] - density[0]));
-    return (1 - TableProposal::k_share) * pdf(proposal.mixture, wl, wv) + TableProposal::k_share * by_table;
+    return (1 - TableProposal::k_share) * pdf(CosineProposal{}, wl, wv) + TableProposal::k_share * by_table;
 }
 
 }  // namespace srbf

@@ -88,18 +88,17 @@ struct DirectionSample {
 };
 DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
 
-/// A mixture and a table, for BRDFs with highlights that are not like lobes. Each node of the table has densities in cells
-/// of the projected hemisphere, the unit disk of p = (wl.x, wl.y), where dp = cosθl dωl. They are sectors and rings about
-/// the mirror direction m: `turn`, the azimuth of p − m, which is that of the half vector, as the part of the way around the
-/// square |x| + |y| = 1, 0 to 4 from the direction away from the normal on; and ρ², ρ the distance |p − m| relative to that
-/// of the horizon in the same direction. Two rings are to an octave of ρ², down to 2⁻²⁴. Nodes are uniform in the coordinate
-/// of albedo_nodes.h; between them densities are linear.
+/// A table, for BRDFs with highlights that are not like lobes; one draw of twenty is by the cosine. Each node, at one
+/// elevation of the view, has densities in cells of the projected hemisphere, the unit disk of p = (wl.x, wl.y), where
+/// dp = cosθl dωl. They are sectors and rings about the mirror direction m: `turn`, the azimuth of p − m, which is that of
+/// the half vector, as the part of the way around the square |x| + |y| = 1, 0 to 4 from the direction away from the normal;
+/// and ρ², ρ the distance |p − m| relative to that of the horizon in the same direction. Two rings are to an octave of ρ²,
+/// down to 2⁻²⁴. Nodes are uniform in the coordinate of albedo_nodes.h; between them densities are linear.
 struct TableProposal {
     static constexpr int k_nodes = 49, k_sectors = 32, k_rings = 48;
-    static constexpr float k_share = 0.9f;  ///< of the draws that are the table's
-    MixtureProposal mixture;                ///< for the others
-    std::vector<float> density;             ///< of (turn, ρ²): nodes × sectors × rings
-    std::vector<float> of_sector, of_ring;  ///< running sums of shares, to 1: nodes × sectors, and in each of its rings
+    static constexpr float k_share = 0.95f;  ///< of the draws that are the table's
+    std::vector<float> density;              ///< of (turn, ρ²): nodes × sectors × rings
+    std::vector<float> of_sector, of_ring;   ///< running sums of shares, to 1: nodes × sectors, and in each of its rings
 };
 Vec3f sample(const TableProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv);
@@ -153,10 +152,10 @@ float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
 Proposal propose(const Model& model, const ProposeOptions& options = {});
 Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
 
-/// The mixture alone if its relative variance is at most `most_variance` at views every 5° from 2.5° on; otherwise with a
-/// table, of shares that are least in variance: in proportion to the root mean square of f over a cell, times its
-/// projected area. The table is for a BRDF that depends on the azimuths' difference alone, and is not made where
-/// `azimuths` is more than 1.
+/// The mixture if its relative variance is at most `most_variance` at views every 5° from 2.5° on, or no table has less;
+/// otherwise a table. Its densities are of least variance: in proportion to the root mean square of f over a cell, at the
+/// views about a node, times the cell's projected area. It is for a BRDF that depends on the azimuths' difference alone,
+/// and is not made where `azimuths` is more than 1.
 Proposal refined(const Evaluate& brdf, const MixtureProposal& mixture, const ProposeOptions& options = {});
 
 /// A direction and its density, where a proposal has no better way.

@@ -105,11 +105,16 @@ Result<AtWorst> at_worst(const std::string& path) {
     AtWorst of{std::filesystem::path(path).stem().string(),
                std::holds_alternative<Measured>(*loaded),
                std::holds_alternative<TableProposal>(brdf.proposal()),
-               0, 0, 0, 0, 0};
+               0,
+               0,
+               0,
+               0,
+               0};
     std::vector<double> variances;
     for (double theta = 0; theta < 90; theta += theta < 84 ? 3 : 0.7) {
         const Vec3f wv = to_float(spherical(theta * k_degree, 0.3));
-        if (const double share = lost(brdf.proposal(), wv, 1 << 14); share > of.lost) of.lost = share, of.lost_at = theta;
+        if (const double share = lost(brdf.proposal(), wv, 1 << 14); share > of.lost)
+            of.lost = share, of.lost_at = theta;
         if (theta > 85) continue;
         variances.push_back(variance(evaluator(brdf), brdf.proposal(), wv, 1 << 15));
         if (variances.back() > of.largest) of.largest = variances.back(), of.largest_at = theta;

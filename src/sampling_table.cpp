@@ -118,9 +118,8 @@ std::vector<double> best_densities(const Evaluate& brdf, std::size_t node) {
         for (int cell = 0; cell < k_cells; ++cell) {
             const int ring = cell % k_rings, sector = cell / k_rings, n = cell + int(1000 * wv.z);
             const double u1 = n * 0.7548776662, u2 = n * 0.5698402910;  // of a lattice in two dimensions
-            wl[std::size_t(cell)] =
-                direction_at(wv, float((sector + u1 - std::floor(u1)) * 4 / k_sectors),
-                             inner_edge(ring) + float(u2 - std::floor(u2)) * width_of(ring));
+            wl[std::size_t(cell)] = direction_at(wv, float((sector + u1 - std::floor(u1)) * 4 / k_sectors),
+                                                 inner_edge(ring) + float(u2 - std::floor(u2)) * width_of(ring));
         }
         std::vector<Rgb> f(wl.size());
         brdf(wl, std::vector<Vec3f>(wl.size(), wv), f);

@@ -98,7 +98,7 @@ struct TableProposal {
     static constexpr int k_nodes = 49, k_sectors = 32, k_rings = 48;
     static constexpr float k_share = 0.95f;  ///< of the draws that are the table's
     std::vector<float> density;              ///< of (turn, ρ²): nodes × sectors × rings
-    std::vector<float> of_sector, of_ring;   ///< running sums of shares, to 1: nodes × sectors, and in each of its rings
+    std::vector<float> of_sector, of_ring;  ///< running sums of shares, to 1: nodes × sectors, and in each of its rings
 };
 Vec3f sample(const TableProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv);

@@ -364,11 +364,10 @@ std::string light_of(const Model& model, const CodeOptions& options, Program& pr
     Table light{
         "A row for each node: p, roughness, weight (R, G, B) of each lobe; width.", "light_lobes", {}, 5 * lobes + 1};
     if (options.environment || options.area) {
-        const ExtendedLight of =
-            extended_light(prepare(model), {.lobes = options.extended_lobes,
-                                            .isotropic = is_isotropic(model),
-                                            .levels = options.map_levels,
-                                            .threads = options.threads});
+        const ExtendedLight of = extended_light(prepare(model), {.lobes = options.extended_lobes,
+                                                                 .isotropic = is_isotropic(model),
+                                                                 .levels = options.map_levels,
+                                                                 .threads = options.threads});
         for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
             for (const auto& lobe : std::span(of.lobe).subspan(lobes * node, lobes))
                 light.numbers.insert(light.numbers.end(),
@@ -397,8 +396,9 @@ std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Pro
     if (options.environment || options.area) light.numbers.resize(columns * ExtendedLight::k_views);
     for (std::size_t j = 0; j < J && !light.numbers.empty(); ++j) {
         const Model one = lobe_alone(basis, j);
-        const ExtendedLight of =
-            extended_light(prepare(one), {.lobes = 2, .isotropic = is_isotropic(one), .levels = options.map_levels, .threads = options.threads});
+        const ExtendedLight of = extended_light(
+            prepare(one),
+            {.lobes = 2, .isotropic = is_isotropic(one), .levels = options.map_levels, .threads = options.threads});
         for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
             const ExtendedLight::Lobe &cosine = of.lobe[2 * node], &other = of.lobe[2 * node + 1];
             float* const row = &light.numbers[columns * node];

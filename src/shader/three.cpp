@@ -57,10 +57,9 @@ std::string class_text(const std::string& name, std::string_view base, std::stri
 }
 /// The lobes of a model as a texture, for its class.
 std::string lobes_text(const NamedModel& of, int threads) {
-    const ExtendedLight light = extended_light(prepare(*of.model), {.lobes = k_three_lobes,
-                                                                    .isotropic = is_isotropic(*of.model),
-                                                                    .levels = MapLevels::three,
-                                                                    .threads = threads});
+    const ExtendedLight light = extended_light(
+        prepare(*of.model),
+        {.lobes = k_three_lobes, .isotropic = is_isotropic(*of.model), .levels = MapLevels::three, .threads = threads});
     std::string numbers;
     for (std::size_t i = 0; i < light.lobe.size(); ++i) {
         const auto& [axis, roughness, weight] = light.lobe[i];
@@ -118,8 +117,7 @@ Result<std::string> three_map_module(const Library& map, const std::string& name
         "    return texture(measured_coefficients, vec3(u, v, float(j))).rgb;\n}}\n",
         name);
     return module_of(functions + *code + fmt::format("{}_Coefficients measured_texel;\n", name),
-                     " CompressedArrayTexture, HalfFloatType, Matrix3,",
-                     classes + class_text(name, "MeasuredMap"));
+                     " CompressedArrayTexture, HalfFloatType, Matrix3,", classes + class_text(name, "MeasuredMap"));
 }
 
 }  // namespace srbf

@@ -433,8 +433,12 @@ TEST(CompletedSamples, LeaveHighlightsToGgxIfFoldsPreferIt) {
         const double area = double(wl.z) * double(wv.z), limit = 0.05 * with.allowed;
         const double largest = double(std::max({f.r, f.g, f.b, g.r, g.g, g.b})) * area;
         bright += largest > limit, dark += largest < limit / 2;
-        if (largest > limit) EXPECT_TRUE(near(found.g, g.g, 1e-4 * double(g.g)));
-        if (largest < limit / 2) EXPECT_EQ(found.g, f.g);
+        if (largest > limit) {
+            EXPECT_TRUE(near(found.g, g.g, 1e-4 * double(g.g)));
+        }
+        if (largest < limit / 2) {
+            EXPECT_EQ(found.g, f.g);
+        }
     }
     EXPECT_GT(bright, 20);
     EXPECT_GT(dark, 20);

@@ -35,7 +35,7 @@ constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
 constexpr double k_horizon_cosines[] = {0.03, 0.01, 0.003};
 constexpr int k_radiance_points = 4096;
 /// In place of `k_albedo_error_with_pixels` for noisy tables, whose albedos are sums of thousands of values and known better
-/// than any of them.
+/// than any of them; or the noise of the sum, if that is more.
 constexpr double k_albedo_error_of_noise = 0.002;
 /// Of noisy tables, whose samples at the normal are those of one azimuth: the view beside it sees all of them.
 constexpr double k_beside_normal_of_noise = 0.5 * k_degree;
@@ -239,6 +239,15 @@ void add_fitted(Observations& to, const MeasuredPairs& measured, const ObserveOp
     if (traits(options.objective).of_pictures) to.point_light_weight = point_light_weights(to.wl, to.wv, seen, angle);
 }
 
+/// The standard deviation of a sum of noisy values, of which `smooth` are those without noise: √Σ w² |f − s|².
+double deviation_of_sum(const RadianceObservation& seen, std::span<const Rgb> smooth) {
+    double square = 0;
+    for (std::size_t i = 0; i < smooth.size(); ++i)
+        if (is_finite(smooth[i]))
+            square += elementary::square(seen.weight[i] * double(luminance(seen.f[i]) - luminance(smooth[i])));
+    return std::sqrt(square);
+}
+
 /// The albedo of a view, over light to θmax.
 RadianceObservation observe_albedo(const Evaluate& f, const ObserveOptions& options, Vec3d wv, double theta_max) {
     Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_radiance_points);
@@ -250,7 +259,11 @@ RadianceObservation observe_albedo(const Evaluate& f, const ObserveOptions& opti
         points.weight[i] *= valid ? double(points.w[i].z) : 0;
         if (!valid) values[i] = {};
     }
-    return {to_float(wv), std::move(points.w), std::move(values), std::move(points.weight), {}};
+    RadianceObservation seen{to_float(wv), std::move(points.w), std::move(values), std::move(points.weight), {}};
+    if (options.smoothed)
+        seen.least_unit =
+            deviation_of_sum(seen, values_towards(options.smoothed, seen.wl, seen.wv)) / k_albedo_error_of_noise;
+    return seen;
 }
 
 std::vector<RadianceObservation> observe_albedos(const Evaluate& f, const ObserveOptions& options, double theta_max) {
@@ -269,7 +282,7 @@ std::vector<RadianceObservation> observe_albedos(const Evaluate& f, const Observ
         const Vec3d wv = spherical(std::max(angles[k], least), k_golden_angle * double(k));
         const bool at_horizon = k >= steeper;
         all[k] = observe_albedo(f, options, wv, at_horizon ? k_horizon_theta : theta_max);
-        if (at_horizon) all[k].least_unit = k_horizon_albedo;
+        if (at_horizon) all[k].least_unit = std::max(all[k].least_unit, k_horizon_albedo);
     });
     // The last is a bound. Many tables diverge beyond their last measured angle, where it would be a demand.
     if (all.size() > steeper && luminance(all.back()) > 1) all.pop_back();

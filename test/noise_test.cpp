@@ -110,7 +110,7 @@ TEST(Noise, ThatWasClampedHardlyBiasesValues) {
     const Evaluate f = evaluator(measured);
     Noise noise = noise_of(f);
     add_clamped(noise, measured);
-    EXPECT_TRUE(near(noise.excess, 0.08, 0.04)) << noise.excess;
+    EXPECT_TRUE(near(noise.excess, 0.14, 0.06)) << noise.excess;  // where f is 0.26 to 0.2
     const auto made = smoothed(f, noise, true, 0, {});
     ASSERT_TRUE(made);
     const auto mean = [](const Evaluate& of) { return double(luminance(albedo(of, 40 * k_degree, 80 * k_degree))); };

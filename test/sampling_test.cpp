@@ -108,6 +108,28 @@ double half_vector_density(const Proposal& proposal, Vec3d h, Vec3f wv) {
 }
 Vec3d half_vector(Vec3f wl, Vec3f wv) { return normalize(to_double(wl) + to_double(wv)); }
 
+/// The relative variance of f cosθl / pdf at θv [degrees].
+double variance(const Evaluate& brdf, const Proposal& proposal, double theta) {
+    const Vec3f wv = to_float(spherical(theta * k_degree, 0.0));
+    const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), 30000);
+    std::vector<Rgb> f(points.w.size());
+    brdf(points.w, std::vector<Vec3f>(f.size(), wv), f);
+    double whole = 0, squared = 0;
+    for (std::size_t i = 0; i < f.size(); ++i) {
+        const double g = is_finite(f[i]) ? luminance(f[i]) * double(points.w[i].z) : 0;
+        whole += points.weight[i] * g;
+        if (g > 0) squared += points.weight[i] * g * g / double(pdf(proposal, points.w[i], wv));
+    }
+    return squared / (whole * whole) - 1;
+}
+
+/// A GGX highlight of which one side of the plane of incidence is dark: no sum of lobes is like it.
+void half_highlight(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+    evaluate(GgxModel{{0.02f, 0.02f, 0.02f}, {{0.1f, {0.5f, 0.5f, 0.5f}, 1}}}, wl, wv, f);
+    for (std::size_t i = 0; i < f.size(); ++i)
+        if (wv[i].x * wl[i].y - wv[i].y * wl[i].x < 0) f[i] = {0.01f, 0.01f, 0.01f};
+}
+
 TEST_F(Sampling, DrawsFollowDensitiesThatIntegrateToOne) {
     const int tests = int(materials().size()) * 5 * int(std::size(k_thetas));
     const double significance = sidak(0.01, tests);
@@ -134,6 +156,32 @@ TEST_F(Sampling, DrawsFollowDensitiesThatIntegrateToOne) {
     for (const auto& material : materials()) {
         for_each_pairing(*material, check);
         check(material->name + " cosine", evaluator(material->measured), material->cosine);
+    }
+}
+
+TEST_F(Sampling, WhatIsNotLikeLobesIsDrawnByCells) {
+    const MixtureProposal mixture = propose(half_highlight);
+    const Proposal cells = refined(half_highlight, mixture);
+    ASSERT_TRUE(std::holds_alternative<TableProposal>(cells));
+    for (double theta = 4; theta < 85; theta += 6.7)
+        EXPECT_LT(variance(half_highlight, cells, theta), 0.3 * variance(half_highlight, mixture, theta)) << theta;
+    const auto matt = [](std::span<const Vec3f>, std::span<const Vec3f>, std::span<Rgb> f) {
+        std::ranges::fill(f, Rgb{0.3f, 0.3f, 0.3f});
+    };
+    EXPECT_TRUE(std::holds_alternative<MixtureProposal>(refined(matt, propose(matt))));
+
+    // ∫ cosθ / π = 1 by draws.
+    constexpr int count = 50000;
+    for (const double theta : k_thetas) {
+        const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
+        double sum = 0, squares = 0;
+        for (int i = 0; i < count; ++i) {
+            const Vec3f wl = sample(cells, wv, draw3());
+            const double share = wl.z > 0 ? double(wl.z) / k_pi / double(pdf(cells, wl, wv)) : 0;
+            sum += share, squares += share * share;
+        }
+        const double mean = sum / count, deviation = std::sqrt((squares / count - mean * mean) / count);
+        EXPECT_TRUE(near(mean, 1, 5 * deviation + 1e-3)) << theta << ": " << mean << " +- " << deviation;
     }
 }
 
@@ -201,21 +249,6 @@ TEST_F(Sampling, MeanWeightIsTheAlbedo) {
                     << name << ' ' << theta << ": " << mean << " +- " << deviation << ", expected " << expected;
             }
         });
-}
-
-/// The relative variance of f cosθl / pdf at θv [degrees].
-double variance(const Evaluate& brdf, const Proposal& proposal, double theta) {
-    const Vec3f wv = to_float(spherical(theta * k_degree, 0.0));
-    const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), 30000);
-    std::vector<Rgb> f(points.w.size());
-    brdf(points.w, std::vector<Vec3f>(f.size(), wv), f);
-    double whole = 0, squared = 0;
-    for (std::size_t i = 0; i < f.size(); ++i) {
-        const double g = is_finite(f[i]) ? luminance(f[i]) * double(points.w[i].z) : 0;
-        whole += points.weight[i] * g;
-        if (g > 0) squared += points.weight[i] * g * g / double(pdf(proposal, points.w[i], wv));
-    }
-    return squared / (whole * whole) - 1;
 }
 
 TEST_F(Sampling, FewDrawsAreLostAtAnyView) {

@@ -354,7 +354,7 @@ constexpr std::string_view k_light_of_host =
     "Vec3 light_between(int i, NodesAbout nodes) {\n"
     "    Vec3 here = light_texel(i, nodes.below);\n"
     "    return here + nodes.beyond * (light_texel(i, nodes.below + 1) - here);\n}\n"
-    "Real light_width(NodesAbout nodes) { return light_between(0, nodes).z; }\n"
+    "Real light_width(NodesAbout nodes) { return light_between(2, nodes).z; }\n"
     "Vec3 light_shape(int k, NodesAbout nodes) { return light_between(2 * k, nodes); }\n"
     "Vec3 light_weight(int k, NodesAbout nodes, Pm pm) { return light_between(2 * k + 1, nodes); }\n";
 /// What extended.glsl requires, to be parsed before it.

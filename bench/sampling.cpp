@@ -96,6 +96,7 @@ struct AtWorst {
     std::string file;
     bool is_measured, has_table;
     double median, largest, largest_at, lost, lost_at;
+    std::vector<double> variances = {};  ///< ascending
 };
 
 Result<AtWorst> at_worst(const std::string& path) {
@@ -119,9 +120,9 @@ Result<AtWorst> at_worst(const std::string& path) {
         variances.push_back(variance(evaluator(brdf), brdf.proposal(), wv, 1 << 15));
         if (variances.back() > of.largest) of.largest = variances.back(), of.largest_at = theta;
     }
-    const auto middle = variances.begin() + long(variances.size() / 2);
-    std::nth_element(variances.begin(), middle, variances.end());
-    of.median = *middle;
+    std::ranges::sort(variances);
+    of.median = variances[variances.size() / 2];
+    of.variances = std::move(variances);
     return of;
 }
 
@@ -137,6 +138,12 @@ Result<Done> print_worst(std::span<char*> paths) {
     for (const AtWorst& of : all)
         fmt::print("{},{},{},{:.4f},{:.4f},{:.1f},{:.4f},{:.1f}\n", of.file, of.is_measured ? "measurement" : "fit",
                    of.has_table ? "table" : "mixture", of.median, of.largest, of.largest_at, of.lost, of.lost_at);
+    std::vector<double> views;
+    for (const AtWorst& of : all) views.insert(views.end(), of.variances.begin(), of.variances.end());
+    std::ranges::sort(views);
+    if (!views.empty())
+        fmt::print(stderr, "{} views: median {:.4f}, 95 % {:.4f}, largest {:.4f}\n", views.size(),
+                   views[views.size() / 2], views[views.size() * 95 / 100], views.back());
     return Done{};
 }
 

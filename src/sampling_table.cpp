@@ -175,11 +175,13 @@ void make_table_node(const Evaluate& brdf, std::size_t node, TableProposal& tabl
 template <typename P> double largest_variance(const Evaluate& brdf, const P& proposal, int threads) {
     constexpr int points_of_view = 1024;
     constexpr double first = 2.5, step = 5, last = 85;  // degrees
+    constexpr double azimuth =
+        0.3;  // rad; of an axis the plane of incidence, where a table may have an edge, has a point
     constexpr auto views = std::size_t((last - first) / step) + 1;
     const MirrorMixture about(k_pi / 2);
     std::array<double, views> variance{};
     parallel_for(views, threads, [&](std::size_t i) {
-        const Vec3d wv = spherical((first + step * double(i)) * k_pi / 180, 0.);
+        const Vec3d wv = spherical((first + step * double(i)) * k_degree, azimuth);
         const Quadrature points = about.quadrature(wv, points_of_view);
         std::vector<Rgb> f(points.w.size());
         brdf(points.w, std::vector<Vec3f>(f.size(), to_float(wv)), f);

@@ -20,6 +20,7 @@ struct RadianceObservation {
     std::vector<double> weight;   ///< solid angle times cosθl [sr], times the light's radiance
     std::vector<float> spectrum;  ///< of spectral observations: f at each wavelength, ≥ 0
     double least_unit = 0;        ///< its errors are relative to its luminance, but to no less than this
+    double noise_unit = 0;        ///< nor to less than this, which by every n-th direction is 1/√n of it
 };
 inline double luminance(const RadianceObservation& seen) {
     double sum = 0;

@@ -261,8 +261,8 @@ RadianceObservation observe_albedo(const Evaluate& f, const ObserveOptions& opti
     }
     RadianceObservation seen{to_float(wv), std::move(points.w), std::move(values), std::move(points.weight), {}};
     if (options.smoothed)
-        seen.least_unit =
-            deviation_of_sum(seen, values_towards(options.smoothed, seen.wl, seen.wv)) / k_albedo_error_of_noise;
+        seen.noise_unit =
+            0.4 * deviation_of_sum(seen, values_towards(options.smoothed, seen.wl, seen.wv)) / k_albedo_error_of_noise;
     return seen;
 }
 
@@ -282,7 +282,7 @@ std::vector<RadianceObservation> observe_albedos(const Evaluate& f, const Observ
         const Vec3d wv = spherical(std::max(angles[k], least), k_golden_angle * double(k));
         const bool at_horizon = k >= steeper;
         all[k] = observe_albedo(f, options, wv, at_horizon ? k_horizon_theta : theta_max);
-        if (at_horizon) all[k].least_unit = std::max(all[k].least_unit, k_horizon_albedo);
+        if (at_horizon) all[k].least_unit = k_horizon_albedo;
     });
     // The last is a bound. Many tables diverge beyond their last measured angle, where it would be a demand.
     if (all.size() > steeper && luminance(all.back()) > 1) all.pop_back();

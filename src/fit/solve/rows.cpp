@@ -50,7 +50,7 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
         const RadianceObservation& seen = observations.radiances[k * every];
         double whole = 0;
         for (std::size_t i = 0; i < seen.wl.size(); i += step) whole += seen.weight[i] * double(luminance(seen.f[i]));
-        whole = std::max(whole, seen.least_unit / double(step));
+        whole = std::max({whole, seen.least_unit / double(step), seen.noise_unit / std::sqrt(double(step))});
         if (!(whole > 0)) continue;
         const double factor = std::sqrt(extent.radiance_importance / double(radiances)) / whole;
         std::size_t row = (blocks + k * radiance_blocks) * k_block;

@@ -116,8 +116,7 @@ void print_repeatability(const FitOutcome& outcome) {
         if (outcome.noise->excess > 0)
             fmt::print(
                 "            its maker set what was below 0 to 0; zeros count as noise below 0, without which dark "
-                "values "
-                "were {:.0f} % brighter\n",
+                "values were {:.0f} % brighter\n",
                 100 * outcome.noise->excess);
         else if (outcome.clamped == 0)
             fmt::print("            none of it is below 0: its maker cut it off, which makes dark values brighter\n");

@@ -63,7 +63,7 @@ MbsdfTable with_noise(MbsdfTable table, double deviation, bool clamped) {
 }
 
 struct AlbedoErrors {
-    double luminance = 0, channel = 0, own = 0;  ///< the last: of a channel, relative to itself
+    double luminance = 0, channel = 0;
 };
 AlbedoErrors albedo_errors_of(const Evaluate& truth, const Evaluate& other) {
     AlbedoErrors worst;
@@ -72,10 +72,7 @@ AlbedoErrors albedo_errors_of(const Evaluate& truth, const Evaluate& other) {
                   b = albedo(other, theta * k_degree, 89 * k_degree);
         const auto take = [](double& most, double error) { most = std::max(most, std::abs(error)); };
         take(worst.luminance, double(luminance(b)) / double(luminance(a)) - 1);
-        for (int c = 0; c < 3; ++c) {
-            take(worst.channel, double(b[c] - a[c]) / double(luminance(a)));
-            take(worst.own, double(b[c] / a[c]) - 1);
-        }
+        for (int c = 0; c < 3; ++c) take(worst.channel, double(b[c] - a[c]) / double(luminance(a)));
     }
     return worst;
 }
@@ -104,6 +101,7 @@ void print_own(const Measured& measured) {
     const Evaluate f = signed_evaluator(measured);
     Fitter fitter(measured);
     const auto outcome = fitter.fit({});
+    if (!outcome) return void(fmt::print(stderr, "{}\n", message(outcome.error())));
     const Evaluate fit = evaluator(outcome->model);
     for (const double theta : k_angles) {
         const Rgb a = albedo(f, theta * k_degree, 89 * k_degree), b = albedo(fit, theta * k_degree, 89 * k_degree);

@@ -40,7 +40,8 @@ struct CodeOptions {
     int extended_lobes = 6;                  ///< look-ups for an environment, see extended_light.h
     MapLevels map_levels = MapLevels::root;  ///< of the map that they look up
     /// The host supplies the lobes of a model for each of `ExtendedLight::k_views` views, as it has them in a texture:
-    /// Vec3 NAME_light_texel(int i, int view), of lobe k (p, roughness, any) at i = 2 k and the weight at i = 2 k + 1.
+    /// Vec3 NAME_light_texel(int i, int view), of lobe k (p, roughness, width of the view) at i = 2 k and
+    /// the weight at i = 2 k + 1.
     bool light_texels = false;
     int threads = 0;  ///< for weights of sampling, albedos and lobes of environments; 0: as many as the machine has
 };

@@ -25,13 +25,13 @@ constexpr Prior k_priors[] = {{Objective::appearance, 2}, {Objective::appearance
 
 /// One lobe by pictures: what a fit to samples is compared with.
 constexpr std::size_t k_one_lobe = 1;
-/// The first: none.
+/// The first: none. The third is GGX itself but for what is dark.
 constexpr Continuation k_continuations[] = {{}, {k_one_lobe, 1}, {k_one_lobe, 0.05}, {0, 0.05}};
 
 /// A continuation by one lobe of GGX has its error of f but for what lies below 0.05.
 constexpr double k_as_good_as_ggx = 1.01;
-/// Neighbours alone continue highlights unless GGX predicts f better, or cube roots nearly as well as this: what is seen in
-/// pictures of whole tables is nearer to them than to GGX.
+/// Neighbours alone continue highlights unless GGX predicts f better, or cube roots nearly as well as this: pictures of
+/// whole tables are nearer to them than to GGX.
 constexpr double k_better_than_ggx = 0.8;
 
 /// What several g_i agree on is likelier than what one expects alone, and may exceed the samples by more than a fit may.
@@ -150,7 +150,7 @@ Result<Continuation> best_continuation(const ScatteredSamples& samples, std::spa
     if (neighbours.squared_error_ratio <= ggx.squared_error_ratio &&
         neighbours.cube_root_error_ratio <= k_better_than_ggx * ggx.cube_root_error_ratio)
         return k_continuations[0];
-    Continuation best{k_one_lobe, 0.05};
+    Continuation best = k_continuations[2];
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < count; ++k) {
         const Measures of = measures(predicted[k]);

@@ -35,8 +35,8 @@ constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
 constexpr double k_horizon_cosines[] = {0.03, 0.01, 0.003};
 constexpr int k_radiance_points = 4096;
 /// In place of `k_albedo_error_with_pixels` for noisy tables, whose albedos are sums of thousands of values and known better
-/// than any of them; or the noise of the sum, if that is more.
-constexpr double k_albedo_error_of_noise = 0.002;
+/// than any of them; or, if that is more, so many standard deviations of the sum (docs/notes/noise.md).
+constexpr double k_albedo_error_of_noise = 0.002, k_deviations_of_albedo = 0.4;
 /// Of noisy tables, whose samples at the normal are those of one azimuth: the view beside it sees all of them.
 constexpr double k_beside_normal_of_noise = 0.5 * k_degree;
 
@@ -252,8 +252,9 @@ double deviation_of_sum(const RadianceObservation& seen, std::span<const Rgb> sm
 RadianceObservation observe_albedo(const Evaluate& f, const ObserveOptions& options, Vec3d wv, double theta_max) {
     Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_radiance_points);
     std::vector<Rgb> values = values_towards(f, points.w, to_float(wv));
-    // The noise of a sum of values is small: of noisy tables none is raised.
-    if (!options.smoothed) raise(values, points.w, std::vector<Vec3f>(values.size(), to_float(wv)), nullptr);
+    // The noise of a sum of values is small: of noisy tables none is set to 0.
+    for (Rgb& value : values)
+        if (!options.smoothed) clamp_negative(value);
     for (std::size_t i = 0; i < values.size(); ++i) {
         const bool valid = is_finite(values[i]);
         points.weight[i] *= valid ? double(points.w[i].z) : 0;
@@ -261,8 +262,9 @@ RadianceObservation observe_albedo(const Evaluate& f, const ObserveOptions& opti
     }
     RadianceObservation seen{to_float(wv), std::move(points.w), std::move(values), std::move(points.weight), {}};
     if (options.smoothed)
-        seen.noise_unit =
-            0.4 * deviation_of_sum(seen, values_towards(options.smoothed, seen.wl, seen.wv)) / k_albedo_error_of_noise;
+        seen.noise_unit = k_deviations_of_albedo *
+                          deviation_of_sum(seen, values_towards(options.smoothed, seen.wl, seen.wv)) /
+                          k_albedo_error_of_noise;
     return seen;
 }
 

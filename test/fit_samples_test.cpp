@@ -4,10 +4,10 @@
 #include <functional>
 #include <set>
 
-#include "fit/data/folds.h"
-#include "fit/data/near_samples.h"
-#include "fit/data/observe_samples.h"
 #include "properties.h"
+#include "samples/folds.h"
+#include "samples/near_samples.h"
+#include "samples/observe_samples.h"
 #include "srbf/directions.h"
 #include "srbf/fitting.h"
 

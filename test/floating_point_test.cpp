@@ -8,10 +8,12 @@
 #include <limits>
 #include <thread>
 
-#include "fit/data/observe_samples.h"
 #include "fit/views/view_lobes.h"
+#include "measured/isotropy.h"
+#include "microfacets/fits.h"
 #include "models.h"
 #include "properties.h"
+#include "samples/observe_samples.h"
 #include "srbf/convert.h"
 #include "srbf/fit_samples.h"
 #include "srbf/measured.h"

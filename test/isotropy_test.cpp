@@ -1,4 +1,5 @@
 // Anisotropic data: detection, and fits with general lobes.
+#include "measured/isotropy.h"
 #include "fit/fits.h"
 #include "properties.h"
 #include "srbf/directions.h"

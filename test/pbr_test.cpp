@@ -1,5 +1,5 @@
 // Surfaces by the parameters of renderers: the formula, its file, its fit.
-#include "fit/fits.h"
+#include "microfacets/fits.h"
 #include "model/pbr_kernel.h"
 #include "properties.h"
 #include "srbf/directions.h"

@@ -6,7 +6,7 @@
 
 #include "basis/material_coefficients.h"
 #include "basis/shared_lobes.h"
-#include "fit/data/errors.h"
+#include "errors.h"
 #include "fit/solve/rounding.h"
 #include "floating_point.h"
 #include "parallel.h"

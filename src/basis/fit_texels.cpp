@@ -6,8 +6,7 @@
 
 #include "basis/material_coefficients.h"
 #include "basis/shared_lobes.h"
-#include "fit/data/errors.h"
-#include "fit/data/observe_samples.h"
+#include "errors.h"
 #include "fit/data/pairs.h"
 #include "fit/objective/bound.h"
 #include "fit/objective/objective.h"
@@ -16,6 +15,7 @@
 #include "floating_point.h"
 #include "parallel.h"
 #include "reporter.h"
+#include "samples/observe_samples.h"
 #include "srbf/basis.h"
 #include "srbf/fit_samples.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "basis/active_lobes.h"
-#include "fit/data/errors.h"
+#include "errors.h"
 #include "fit/search/subsets.h"
 #include "fit/solve/rounding.h"
 #include "srbf/elementary.h"

@@ -3,7 +3,7 @@
 #include <map>
 #include <optional>
 
-#include "fit/data/errors.h"
+#include "errors.h"
 #include "fitting/choose.h"
 #include "fitting/requests.h"
 #include "parallel.h"

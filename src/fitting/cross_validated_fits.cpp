@@ -4,10 +4,11 @@
 #include <atomic>
 #include <cmath>
 
-#include "fit/data/folds.h"
-#include "fit/data/observe_samples.h"
 #include "fit/objective/objective.h"
 #include "fitting/requests.h"
+#include "microfacets/fits.h"
+#include "samples/folds.h"
+#include "samples/observe_samples.h"
 
 namespace srbf {
 namespace {

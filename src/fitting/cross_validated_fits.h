@@ -1,6 +1,6 @@
 // Fits to scattered samples, selected by cross-validation.
 #pragma once
-#include "fit/data/observe_samples.h"
+#include "samples/observe_samples.h"
 #include "srbf/fit_samples.h"
 #include "srbf/fitting.h"
 

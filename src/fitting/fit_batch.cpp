@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/data/errors.h"
-#include "fit/data/observe_samples.h"
+#include "errors.h"
 #include "fitting/requests.h"
 #include "parallel.h"
 #include "reporter.h"
+#include "samples/observe_samples.h"
 #include "srbf/fit_samples.h"
 #include "srbf/sampling.h"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/data/errors.h"
+#include "errors.h"
 #include "fitting/requests.h"
 #include "floating_point.h"
 #include "measured/klems.h"

@@ -5,14 +5,16 @@
 #include <map>
 #include <tuple>
 
-#include "fit/data/errors.h"
-#include "fit/data/observe_samples.h"
+#include "errors.h"
 #include "fit/objective/objective.h"
 #include "fitting/choose.h"
 #include "fitting/cross_validated_fits.h"
 #include "fitting/noise.h"
 #include "fitting/requests.h"
 #include "floating_point.h"
+#include "measured/isotropy.h"
+#include "microfacets/fits.h"
+#include "samples/observe_samples.h"
 #include "srbf/directions.h"
 #include "srbf/fitting.h"
 

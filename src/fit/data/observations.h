@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "fit/data/values.h"
 #include "fit/objective/importances.h"
 #include "srbf/fit.h"
+#include "values.h"
 
 namespace srbf {
 
@@ -125,10 +125,5 @@ double horizon_weight(Vec3f wl, Vec3f wv, double importance, std::size_t count, 
 /// Makes `observations` spectral: adds the spectra whose colours they have, with negative values set to 0. `clamped`
 /// then counts these instead of those of the colours.
 void observe_spectra(Observations& observations, const Channels& spectra);
-
-/// Whether f(Rωl, Rωv) = f(ωl, ωv) for rotations R about the normal, up to rounding or noise, over θ ≤ max_theta [rad].
-/// The criterion: the mean squared change of f cosθl cosθv under any rotation is at most 1e-6 of the mean square of f
-/// cosθl cosθv; or at most 2 % of it and at most 2.5 times the change under rotation by 15°.
-bool is_isotropic(const Evaluate& f, double max_theta);
 
 }  // namespace srbf

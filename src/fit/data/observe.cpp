@@ -2,7 +2,7 @@
 #include <cmath>
 #include <optional>
 
-#include "fit/data/errors.h"
+#include "errors.h"
 #include "fit/data/observations.h"
 #include "fit/data/observe_pictures.h"
 #include "fit/data/pairs.h"

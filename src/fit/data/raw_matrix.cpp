@@ -1,12 +1,12 @@
 #include <numeric>
 
-#include "fit/data/errors.h"
+#include "errors.h"
 #include "fit/data/raw_matrix.h"
-#include "fit/data/values.h"
 #include "parallel.h"
 #include "r_sequence.h"
 #include "reporter.h"
 #include "srbf/directions.h"
+#include "values.h"
 
 namespace srbf {
 namespace {

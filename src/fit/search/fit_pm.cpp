@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "fit/data/errors.h"
+#include "errors.h"
 #include "fit/fits.h"
 #include "fit/objective/point_lights.h"
 #include "fit/search/finish.h"

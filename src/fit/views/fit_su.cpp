@@ -5,7 +5,7 @@
 #include <optional>
 #include <random>
 
-#include "fit/data/errors.h"
+#include "errors.h"
 #include "fit/fits.h"
 #include "fit/objective/objective.h"
 #include "fit/views/fit_view.h"

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "fit/fits.h"
 #include "fit/objective/objective.h"
 #include "fit/solve/least_squares.h"
+#include "microfacets/fits.h"
 #include "parallel.h"
 #include "srbf/elementary.h"
 #include "srbf/half.h"

@@ -1,4 +1,4 @@
-#include "fit/data/facets.h"
+#include "microfacets/facets.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

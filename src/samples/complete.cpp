@@ -5,11 +5,12 @@
 #include <optional>
 #include <span>
 
-#include "fit/data/errors.h"
-#include "fit/data/observe_samples.h"
+#include "errors.h"
 #include "fit/objective/bound.h"
 #include "fit/objective/objective.h"
+#include "microfacets/fits.h"
 #include "parallel.h"
+#include "samples/observe_samples.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -1,4 +1,4 @@
-#include "fit/data/near_samples.h"
+#include "samples/near_samples.h"
 
 #include <algorithm>
 #include <cmath>

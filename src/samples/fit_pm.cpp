@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/data/observe_samples.h"
 #include "fit/objective/objective.h"
 #include "fit/search/search.h"
 #include "floating_point.h"
+#include "samples/observe_samples.h"
 #include "srbf/metrics.h"
 
 namespace srbf {

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <random>
 
-#include "fit/fits.h"
 #include "fit/objective/objective.h"
 #include "fit/objective/pixels.h"
 #include "fit/solve/least_squares.h"
+#include "microfacets/fits.h"
 #include "parallel.h"
 
 namespace srbf {

@@ -1,10 +1,13 @@
-#include <cmath>
+#include "measured/isotropy.h"
 
-#include "fit/data/observations.h"
+#include <cmath>
+#include <random>
+
 #include "floating_point.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
+#include "values.h"
 
 namespace srbf {
 namespace {

@@ -1,15 +1,15 @@
-#include "fit/data/observe_samples.h"
+#include "samples/observe_samples.h"
 
 #include <algorithm>
 #include <functional>
 #include <set>
 
-#include "fit/data/errors.h"
-#include "fit/data/facets.h"
-#include "fit/data/folds.h"
+#include "errors.h"
 #include "fit/data/pairs.h"
 #include "fit/objective/objective.h"
 #include "floating_point.h"
+#include "microfacets/facets.h"
+#include "samples/folds.h"
 #include "srbf/metrics.h"
 
 namespace srbf {

@@ -1,4 +1,4 @@
-#include "fit/data/folds.h"
+#include "samples/folds.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <numeric>
 #include <optional>
 
-#include "fit/data/near_samples.h"
 #include "parallel.h"
+#include "samples/near_samples.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -1,6 +1,6 @@
 // Bounded linear least squares, checked by optimality conditions and by enumeration of active sets; Levenberg-Marquardt
 // on problems with known solutions.
-#include "fit/solve/least_squares.h"
+#include "least_squares.h"
 
 #include "properties.h"
 

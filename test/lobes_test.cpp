@@ -2,8 +2,8 @@
 #include "fit/solve/lobe_problem.h"
 
 #include "fit/data/observations.h"
-#include "fit/solve/least_squares.h"
 #include "fit/solve/rounding.h"
+#include "least_squares.h"
 #include "properties.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"

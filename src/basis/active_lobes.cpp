@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "fit/solve/least_squares.h"
+#include "least_squares.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

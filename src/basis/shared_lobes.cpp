@@ -5,8 +5,8 @@
 #include "basis/material_coefficients.h"
 #include "fit/search/random_lobes.h"
 #include "fit/search/subsets.h"
-#include "fit/solve/least_squares.h"
 #include "fit/solve/rounding.h"
+#include "least_squares.h"
 #include "parallel.h"
 #include "srbf/elementary.h"
 

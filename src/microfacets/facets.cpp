@@ -7,7 +7,8 @@
 
 #include "fit/objective/bound.h"
 #include "fit/objective/objective.h"
-#include "fit/solve/least_squares.h"
+#include "least_squares.h"
+#include "microfacets/large_errors.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 

@@ -4,8 +4,9 @@
 #include <limits>
 
 #include "fit/objective/objective.h"
-#include "fit/solve/least_squares.h"
+#include "least_squares.h"
 #include "microfacets/fits.h"
+#include "microfacets/large_errors.h"
 #include "parallel.h"
 #include "srbf/elementary.h"
 #include "srbf/half.h"

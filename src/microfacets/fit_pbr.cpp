@@ -5,8 +5,9 @@
 
 #include "fit/objective/objective.h"
 #include "fit/objective/pixels.h"
-#include "fit/solve/least_squares.h"
+#include "least_squares.h"
 #include "microfacets/fits.h"
+#include "microfacets/large_errors.h"
 #include "parallel.h"
 
 namespace srbf {

@@ -7,6 +7,7 @@
 #include "fit/objective/objective.h"
 #include "fit/search/search.h"
 #include "floating_point.h"
+#include "microfacets/large_errors.h"
 #include "samples/observe_samples.h"
 #include "srbf/metrics.h"
 
@@ -37,6 +38,11 @@ Observations together(const SampleObservations& from, double weight_between, std
     for (std::size_t i = fitted; i < samples.f.size(); ++i) add_from(samples, i, 1);
     all.bound_pairs = samples.bound_pairs;
     return all;
+}
+
+/// Whether the measure of an objective is a root mean square, as opposed to a ratio of sums of squares.
+bool is_root(Objective objective) {
+    return !std::ranges::find(k_measures, measure_of(objective), &MeasureName::member)->is_ratio;
 }
 
 }  // namespace

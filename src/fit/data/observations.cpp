@@ -83,56 +83,17 @@ Observations beginning(const Observations& observations, std::size_t count) {
     return some;
 }
 
-namespace {
-
-/// Whether the pixels of a view are sums over its directions.
-bool is_valid(const ObservedView& view) {
-    return view.f.size() == view.wl.size() && view.wl.size() <= k_most_view_directions &&
-           std::ranges::all_of(view.f, [](const Rgb& f) { return is_finite(f); }) &&
-           std::ranges::all_of(view.pixels, [&](const ObservedPixel& pixel) {
-               return !pixel.weight.empty() && pixel.first < view.wl.size() &&
-                      pixel.weight.size() <= view.wl.size() - pixel.first &&
-                      std::ranges::all_of(pixel.weight, [](float w) { return std::isfinite(w); });
-           });
-}
-
-/// Whether there is a spectrum at each pair and each direction of a radiance.
-bool has_all_spectra(const Observations& observations) {
-    const std::size_t C = observations.wavelengths.size();
-    return observations.spectrum.size() == C * observations.f.size() &&
-           (C == 0 || are_wavelengths(observations.wavelengths)) &&
-           std::ranges::all_of(observations.radiances, [&](const RadianceObservation& radiance) {
-               return radiance.spectrum.size() == C * radiance.f.size();
-           });
-}
-
-}  // namespace
-
 Result<Done> validate(const Observations& observations, std::size_t parameters) {
-    const auto refused = [](const char* what, std::string expected, std::string found = "others") {
+    const std::size_t fitted = observations.fitted();
+    const auto refused = [](const char* what, std::string expected, std::string found) {
         return Error{"fit", {}, what, std::move(expected), std::move(found)};
     };
-    const std::size_t count = observations.f.size();
-    if (observations.wl.size() != count || observations.wv.size() != count || observations.weight.size() != count)
-        return refused("observations", "arrays of one length", "different lengths");
-    if (observations.bound_pairs > count)
-        return refused("bound pairs", fmt::format("at most {}", count), fmt::format("{}", observations.bound_pairs));
-    const std::size_t fitted = observations.fitted(), point_lights = observations.point_light_weight.size();
-    if (point_lights != 0 && point_lights != fitted)
-        return refused("phase weights", "none, or those of all observations but the bound pairs");
-    if (!has_all_spectra(observations))
-        return refused("observations", "spectra at all of them, at increasing wavelengths");
-    if (!std::ranges::all_of(observations.spectrum, [](float f) { return std::isfinite(f); }))
-        return refused("observations", "finite spectra");
     if (3 * fitted < parameters)
         return refused("observations", fmt::format("at least {} values", parameters), fmt::format("{}", 3 * fitted));
-    if (!std::ranges::all_of(observations.views, is_valid))
-        return refused("views", fmt::format("at most {} directions, and pixels of these", k_most_view_directions));
-    for (std::size_t i = 0; i < count; ++i)
-        if (!is_finite(observations.f[i]) || !(observations.weight[i] >= 0) || !std::isfinite(observations.weight[i]))
-            return Error{"fit", i, "observation", "finite values and a weight of at least 0", "another"};
     if (std::ranges::none_of(std::span(observations.weight).first(fitted), [](double w) { return w > 0; }))
         return refused("observations", "a weight above 0", "none");
+    if (!std::ranges::all_of(observations.spectrum, [](float f) { return std::isfinite(f); }))
+        return refused("observations", "finite spectra", "others");
     return Done{};
 }
 

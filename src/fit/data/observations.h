@@ -38,11 +38,10 @@ struct ObservedPixel {
 /// A point of a surface in pictures under several lights.
 struct ObservedView {
     Vec3f wv;
-    std::vector<Vec3f> wl;  ///< at most k_most_view_directions
+    std::vector<Vec3f> wl;  ///< at most a block of the loops
     std::vector<Rgb> f;     ///< [1/sr], ≥ 0
     std::vector<ObservedPixel> pixels;
 };
-inline constexpr std::size_t k_most_view_directions = 512;
 
 /// Weighted samples of a BRDF, in an order such that every prefix is a representative subset.
 struct Observations {
@@ -87,8 +86,8 @@ double largest_square(const Observations& observations);
 /// The first `count` observations, without bound pairs and radiances: for short fits.
 Observations beginning(const Observations& observations, std::size_t count);
 
-/// Returns an error unless all arrays have the same length, values are finite, weights are ≥ 0 with one of them > 0,
-/// and there are at least as many values as `parameters` of the model.
+/// Returns an error unless there are at least as many values as `parameters` of the model, one weight is above 0, and
+/// spectra are finite.
 Result<Done> validate(const Observations& observations, std::size_t parameters);
 
 struct ObserveOptions {

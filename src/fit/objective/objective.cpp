@@ -113,10 +113,6 @@ std::optional<Objective> objective_named(std::string_view text) {
     return found == std::end(k_traits) ? std::nullopt : std::optional(found->objective);
 }
 
-bool is_root(Objective objective) {
-    return !std::ranges::find(k_measures, measure_of(objective), &MeasureName::member)->is_ratio;
-}
-
 double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f,
                      std::span<const double> weight) {
     double sum = 0, whole = 0;
@@ -148,16 +144,6 @@ void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::
         const double energy = rule ? take(further, rule) : 0;
         for (std::size_t i = 0; energy > 0 && i < f.size(); ++i) weight[i] += importance * whole / energy * further[i];
     }
-}
-
-void weigh_large_errors(Observations& observations, const Evaluate& fitted, double most, float least_cos) {
-    if (!traits(observations.objective).seen) return;
-    std::vector<Rgb> f(observations.fitted());
-    fitted(std::span(observations.wl).first(f.size()), std::span(observations.wv).first(f.size()), f);
-    for (std::size_t i = 0; i < f.size(); ++i)
-        if (std::min(observations.wl[i].z, observations.wv[i].z) >= least_cos)
-            observations.weight[i] *= large_error_weight(observations.objective, observations.f[i], f[i],
-                                                         observations.typical, double(observations.wl[i].z), most);
 }
 
 }  // namespace srbf

@@ -29,7 +29,7 @@ struct ObjectiveTraits {
     };
     std::array<Further, 2> further{};  ///< null: none
     /// The g of an objective Σ (g(f) − g(f̂))² whose weights, squares of its slope, hold for small errors only;
-    /// `large_error_weight` corrects them elsewhere. null: weights hold for errors of any size.
+    /// `weigh_large_errors` corrects them elsewhere. null: weights hold for errors of any size.
     double (*seen)(double f, double typical, double cos_l) = nullptr;
     double (*slope)(double f, double typical, double cos_l) = nullptr;
     /// Over decades, where a sample on the flank of a peak determines its width: lobes may be narrower than the samples
@@ -48,32 +48,5 @@ double typical_value(Objective objective, std::span<const Vec3f> wl, std::span<c
 /// Multiplies the weights of pairs (their solid angles) by the weights of the objective.
 void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::span<const Vec3f> wv,
            std::span<const Rgb> f, std::span<double> weight, int threads);
-
-/// Whether the measure of an objective is a root mean square, as opposed to a ratio of sums of squares.
-bool is_root(Objective objective);
-
-/// For an objective whose weights hold for small errors, and a fitted value `fitted`: the factor that makes the
-/// weighted square the actual error, Σ_c (g(f_c) − g(f̂_c))² / Σ_c (f_c−f̂_c)² over the square of g's slope; clamped to
-/// a factor of `most`. 1 for the other objectives.
-inline double large_error_weight(Objective objective, const Rgb& f, const Rgb& fitted, double typical, double cos_l,
-                                 double most) {
-    const ObjectiveTraits& of = traits(objective);
-    if (!of.seen) return 1;
-    double seen = 0;
-    for (int c = 0; c < 3; ++c)
-        seen += elementary::square(of.seen(double(f[c]), typical, cos_l) - of.seen(double(fitted[c]), typical, cos_l));
-    const double squares = squared_distance(f, fitted);
-    const double small = elementary::square(of.slope(mean_of(f), typical, cos_l));
-    return squares > 0 ? std::clamp(seen / squares / small, 1 / most, most) : 1;
-}
-
-/// A model with so few parameters as Lambert and GGX have makes large errors: its weights are adapted to them in so many
-/// rounds, each by at most this factor.
-inline constexpr int k_facet_rounds = 8;
-inline constexpr double k_most_facet_change = 100;
-
-/// Multiplies the weights of the fitted observations by their `large_error_weight` for what is fitted; of those alone
-/// whose cosines are at least `least_cos`.
-void weigh_large_errors(Observations& observations, const Evaluate& fitted, double most, float least_cos = 0);
 
 }  // namespace srbf

@@ -6,8 +6,8 @@
 
 #include "fit/objective/bound.h"
 #include "fit/objective/objective.h"
-#include "fit/solve/least_squares.h"
 #include "fit/solve/rounding.h"
+#include "least_squares.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -22,13 +22,6 @@ constexpr int k_last_steps = 10, k_most_tens = 26;
 constexpr double k_least_gain = 0.005;
 /// Instead, for pictures of scattered samples, which are known less well.
 constexpr double k_least_gain_of_samples = 0.02;
-/// If rounding raises the loss by more than this factor, parameters are rounded one after the other instead.
-struct CostlyRounding {
-    double factor;
-    Turns turns;
-};
-constexpr CostlyRounding k_costly_rounding[] = {{1.003, {4, 2, 2}}, {1.02, {12, 3, 6}}};
-
 /// Weights for which Σ w |f|² over the wavelengths equals that over R, G, B.
 void weigh_for_spectra(Observations& observations) {
     const std::size_t count = observations.fitted(), C = observations.wavelengths.size();
@@ -91,16 +84,8 @@ PmFit finish(Lobes lobes, Observations all, const Importances& importance, const
         fit.unrounded = to_model(problem, lobes, options.log_scale, all.wavelengths);
 
         // The nonlinear parameters are rounded, then the coefficients are solved again.
-        Lobes halves = to_lobes(to_halves(fit.unrounded, lobes), lobes.shape);
+        const Lobes halves = rounded_in_turn(problem, lobes);
         fit.loss = problem.loss(pack(halves));
-        for (const auto& [factor, turns] : k_costly_rounding) {
-            if (fit.loss <= factor * fit.unrounded_loss) break;
-            const Lobes in_turn = rounded_in_turn(problem, lobes, turns);
-            if (const double loss = problem.loss(pack(in_turn)); loss < fit.loss)
-                halves = in_turn, fit.loss = loss;
-            else
-                problem.loss(pack(halves));
-        }
         fit.model = to_halves(to_model(problem, halves, options.log_scale, all.wavelengths), halves);
         if (round == k_bound_rounds || reporter.cancelled()) return fit;
         if (round == 0) first_lobes = lobes, first_loss = fit.loss;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "fit/solve/least_squares.h"
+#include "least_squares.h"
 #include "srbf/directions.h"
 
 namespace srbf {

@@ -1,7 +1,7 @@
 // The linear variables of a fit: coefficients of lobes, to which the others adapt.
 #pragma once
-#include "fit/solve/least_squares.h"
 #include "fit/solve/pixel_term.h"
+#include "least_squares.h"
 
 namespace srbf {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "fit/solve/columns.h"
-#include "fit/solve/least_squares.h"
+#include "least_squares.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

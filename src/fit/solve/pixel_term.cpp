@@ -4,7 +4,7 @@
 #include <array>
 
 #include "fit/solve/columns.h"
-#include "fit/solve/least_squares.h"
+#include "least_squares.h"
 #include "parallel.h"
 
 namespace srbf {

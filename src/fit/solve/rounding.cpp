@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
-#include "fit/solve/least_squares.h"
+#include "least_squares.h"
 #include "srbf/elementary.h"
 #include "srbf/half.h"
 
@@ -28,6 +27,7 @@ Parameterization rounded_direction(double angle) {
 }
 
 namespace {
+
 Parameterization swapped(Parameterization p) { return {p.b, p.a}; }
 
 /// Their model, with coefficients 0.
@@ -123,73 +123,59 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
 
 namespace {
 
-/// A problem in which only some of the variables may change.
-struct PartlyHeld {
-    LobeProblem& problem;
-    const std::vector<bool>& held;
+/// How much the second order of the loss is increased where variables move, relative to its diagonal: by the first none
+/// moves, by the others the further the less is added. What is best differs from fit to fit.
+constexpr double k_dampings[] = {1e9, 1e-3, 1e-5, 1e-8};
 
-    double loss(const Eigen::VectorXd& x) { return problem.loss(x); }
-    void linearise(const Eigen::VectorXd& x, Eigen::MatrixXd& H, Eigen::VectorXd& g) { problem.linearise(x, H, g); }
-    Eigen::VectorXd lower(const Eigen::VectorXd& x) const { return with_held(problem.lower(x), x); }
-    Eigen::VectorXd upper(const Eigen::VectorXd& x) const { return with_held(problem.upper(x), x); }
-    Eigen::VectorXd longest_step(const Eigen::VectorXd& x) const { return problem.longest_step(x); }
+Lobes halves_of(const Eigen::VectorXd& x, const LobeShape& shape) {
+    const Lobes lobes = unpack(x, shape);
+    return to_lobes(to_halves(without_coefficients(lobes), lobes), shape);
+}
 
-  private:
-    Eigen::VectorXd with_held(Eigen::VectorXd bound, const Eigen::VectorXd& x) const {
-        for (Eigen::Index i = 0; i < x.size(); ++i)
-            if (held[std::size_t(i)]) bound[i] = x[i];
-        return bound;
+/// The variables at which rounding begins, and a loss about them to second order.
+struct SecondOrder {
+    const LobeShape& shape;
+    Eigen::VectorXd x, lower, upper;
+    Eigen::MatrixXd H;
+
+    Lobes rounded_in_turn(double damping) const {
+        Eigen::VectorXd now = x;
+        Eigen::MatrixXd damped = H;
+        damped.diagonal() += damping * H.diagonal().cwiseMax(1e-8 * H.diagonal().maxCoeff());
+        // Of the variables that may still move: what they do if one of them is moved.
+        Eigen::MatrixXd inverse = damped.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size()));
+        const auto round = [&](Eigen::Index first, Eigen::Index count) {
+            const Eigen::VectorXd error = (pack(halves_of(now, shape)) - now).segment(first, count);
+            const Eigen::MatrixXd follow =
+                inverse.middleCols(first, count) * inverse.block(first, first, count, count).inverse();
+            now = (now + follow * error).cwiseMax(lower).cwiseMin(upper);
+            inverse -= follow * inverse.middleRows(first, count).eval();
+        };
+        for (int n = 0; n < shape.variates; ++n) round(n, 1);
+        for (Eigen::Index lobe = shape.variates; lobe < x.size(); lobe += shape.width()) {
+            for (int n = 0; n < shape.directional(); n += shape.components()) round(lobe + n, shape.components());
+            for (int n = shape.directional(); n < shape.width(); ++n) round(lobe + n, 1);
+        }
+        return halves_of(now, shape);
     }
 };
 
-/// Estimated cost of rounding each variable alone, up to a factor: rounding errors are relative. Angles come first; the
-/// components of a centre are stored together.
-std::vector<double> cost_of_rounding(const Eigen::VectorXd& x, const Eigen::MatrixXd& H, const LobeShape& shape) {
-    const Eigen::Index N = shape.variates, W = shape.width(), C = shape.components();
-    const Eigen::VectorXd of_each = x.cwiseAbs2().cwiseProduct(H.diagonal());
-    std::vector<double> cost(std::size_t(x.size()), std::numeric_limits<double>::infinity());
-    for (Eigen::Index i = N; i < x.size(); ++i) {
-        const Eigen::Index weight = (i - N) % W;
-        const bool of_centre = weight < shape.directional();
-        cost[std::size_t(i)] = of_centre ? of_each.segment(i - weight % C, C).sum() : of_each[i];
-    }
-    return cost;
-}
-
 }  // namespace
 
-Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes, const Turns& turns) {
-    Eigen::VectorXd x = pack(lobes), g;
-    Eigen::MatrixXd H;
+Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes) {
+    const Eigen::VectorXd x = pack(lobes);
+    SecondOrder loss{lobes.shape, x, problem.lower(x), problem.upper(x), {}};
+    Eigen::VectorXd g;
     problem.loss(x);
-    problem.linearise(x, H, g);
-    const std::vector<double> cost = cost_of_rounding(x, H, lobes.shape);
-    std::vector<std::size_t> order(cost.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return cost[a] > cost[b]; });
-
-    std::vector<bool> held(cost.size(), false);
-    PartlyHeld rest{problem, held};
-    LevenbergMarquardtOptions steps;
-    steps.max_iterations = turns.steps;
-    std::size_t first = 0;
-    for (int turn = 0; first < order.size(); ++turn) {
-        std::size_t end = order.size();  // end of the previous pass
-        if (turn == 0)
-            end = lobes.angle.size();
-        else if (turn + 1 < turns.count)
-            end = first + std::max<std::size_t>((order.size() - first) / turns.part, 1);
-        // components of one centre stay together
-        while (end > first && end < order.size() && cost[order[end]] == cost[order[end - 1]]) ++end;
-        const Lobes now = unpack(x, lobes.shape);
-        const Eigen::VectorXd halves = pack(to_lobes(to_halves(without_coefficients(now), now), lobes.shape));
-        for (; first < end; ++first) {
-            x[Eigen::Index(order[first])] = halves[Eigen::Index(order[first])];
-            held[order[first]] = true;
-        }
-        if (first < order.size()) levenberg_marquardt(rest, x, steps);
+    problem.linearise(x, loss.H, g);
+    fix_at_bounds(x, loss.lower, loss.upper, loss.H, g);
+    Lobes best;
+    double least = std::numeric_limits<double>::infinity();
+    for (const double damping : k_dampings) {
+        Lobes halves = loss.rounded_in_turn(damping);
+        if (const double its = problem.loss(pack(halves)); its < least) least = its, best = std::move(halves);
     }
-    return unpack(x, lobes.shape);
+    return best;
 }
 
 }  // namespace srbf

@@ -20,16 +20,8 @@ PmModel to_halves(PmModel model, const Lobes& lobes);
 /// The lobes of a model of this shape.
 Lobes to_lobes(const PmModel& model, const LobeShape& shape);
 
-/// Schedule of rounding in several passes.
-struct Turns {
-    int count;         ///< at most; the first rounds the angles, the last all that remain
-    std::size_t part;  ///< each of the others rounds one in `part` of the remaining variables
-    int steps;         ///< steps of the variables not yet rounded, after each pass
-};
-
-/// `lobes`, which minimise the problem's loss, with every number a 16-bit float. They are rounded in several passes:
-/// first the angles, then in each pass a part of the remaining weights, those with the most costly rounding first.
-/// After each pass the variables not yet rounded are optimised again.
-Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes, const Turns& turns);
+/// `lobes`, which minimise the problem's loss, with every number a 16-bit float, one after the other: those not yet rounded
+/// move to where the loss, to second order, is least with those that are (Babai 1986, nearest plane).
+Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes);
 
 }  // namespace srbf

@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "fit/solve/least_squares.h"
 #include "fit/views/view_problem.h"
+#include "least_squares.h"
 
 namespace srbf {
 

@@ -1,4 +1,4 @@
-#include "fit/solve/least_squares.h"
+#include "least_squares.h"
 
 #include <algorithm>
 #include <cmath>

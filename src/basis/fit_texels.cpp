@@ -23,7 +23,7 @@ namespace srbf {
 namespace {
 
 /// Values of a completed texel, as many as `fit_batch` completes.
-constexpr std::size_t k_completed_pairs = 4096;
+constexpr std::size_t k_completed_pairs_of_texel = 4096;
 /// Searches for lobes, of which the best is kept: one alone ended far from the others for a map of GGX lobes
 /// (docs/basis.md).
 constexpr std::size_t k_searches = 3;
@@ -104,7 +104,7 @@ Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f
         ObserveSamplesOptions observing{
             Objective::appearance, options.max_theta > 0 ? options.max_theta : default_max_theta(Objective::appearance),
             options.seed};
-        observing.threads = 1, observing.only_completed = k_completed_pairs;
+        observing.threads = 1, observing.only_completed = k_completed_pairs_of_texel;
         if (auto seen = observe(samples, observing))
             observed[t] = std::make_shared<const Observations>(std::move(seen->completed));
         reporter.advance("observing", 1);

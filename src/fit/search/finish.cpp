@@ -84,7 +84,7 @@ PmFit finish(Lobes lobes, Observations all, const Importances& importance, const
         fit.unrounded = to_model(problem, lobes, options.log_scale, all.wavelengths);
 
         // The nonlinear parameters are rounded, then the coefficients are solved again.
-        const Lobes halves = rounded_in_turn(problem, lobes);
+        const Lobes halves = rounded_lobes(problem, lobes, fit.unrounded_loss);
         fit.loss = problem.loss(pack(halves));
         fit.model = to_halves(to_model(problem, halves, options.log_scale, all.wavelengths), halves);
         if (round == k_bound_rounds || reporter.cancelled()) return fit;

@@ -123,9 +123,11 @@ Lobes to_lobes(const PmModel& model, const LobeShape& shape) {
 
 namespace {
 
-/// How much the second order of the loss is increased where variables move, relative to its diagonal: by the first none
-/// moves, by the others the further the less is added. What is best differs from fit to fit.
-constexpr double k_dampings[] = {1e9, 1e-3, 1e-5, 1e-8};
+/// If rounding raises the loss by more than this factor, the numbers that are not yet rounded follow those that are.
+constexpr double k_cost_of_rounding = 1.003;
+/// What is then added to the diagonal of the second order, relative to it, so that they follow further and further. What
+/// is best differs from fit to fit; none follows further than is needed.
+constexpr double k_dampings[] = {1e-3, 1e-5, 1e-8};
 
 Lobes halves_of(const Eigen::VectorXd& x, const LobeShape& shape) {
     const Lobes lobes = unpack(x, shape);
@@ -162,18 +164,20 @@ struct SecondOrder {
 
 }  // namespace
 
-Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes) {
+Lobes rounded_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded) {
     const Eigen::VectorXd x = pack(lobes);
+    Lobes best = halves_of(x, lobes.shape);
+    double least = problem.loss(pack(best));
+    if (least <= k_cost_of_rounding * unrounded) return best;
     SecondOrder loss{lobes.shape, x, problem.lower(x), problem.upper(x), {}};
     Eigen::VectorXd g;
     problem.loss(x);
     problem.linearise(x, loss.H, g);
     fix_at_bounds(x, loss.lower, loss.upper, loss.H, g);
-    Lobes best;
-    double least = std::numeric_limits<double>::infinity();
     for (const double damping : k_dampings) {
         Lobes halves = loss.rounded_in_turn(damping);
         if (const double its = problem.loss(pack(halves)); its < least) least = its, best = std::move(halves);
+        if (least <= k_cost_of_rounding * unrounded) break;
     }
     return best;
 }

@@ -20,8 +20,9 @@ PmModel to_halves(PmModel model, const Lobes& lobes);
 /// The lobes of a model of this shape.
 Lobes to_lobes(const PmModel& model, const LobeShape& shape);
 
-/// `lobes`, which minimise the problem's loss, with every number a 16-bit float, one after the other: those not yet rounded
-/// move to where the loss, to second order, is least with those that are (Babai 1986, nearest plane).
-Lobes rounded_in_turn(LobeProblem& problem, const Lobes& lobes);
+/// `lobes`, at which the problem's loss is the least, `unrounded`, with every number a 16-bit float. If that raises the loss,
+/// they are rounded one after the other: those not yet rounded move to where the loss, to second order, is least with those
+/// that are (Babai 1986, nearest plane).
+Lobes rounded_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded);
 
 }  // namespace srbf

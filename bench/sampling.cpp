@@ -96,7 +96,8 @@ struct AtWorst {
     std::string file;
     bool is_measured, has_table;
     double median, largest, largest_at, lost, lost_at;
-    std::vector<double> variances = {};  ///< ascending
+    std::vector<double> variances = {};  ///< to 85°, ascending
+    std::vector<double> grazing = {};    ///< at 87° and 89.4°
 };
 
 Result<AtWorst> at_worst(const std::string& path) {
@@ -120,10 +121,22 @@ Result<AtWorst> at_worst(const std::string& path) {
         variances.push_back(variance(evaluator(brdf), brdf.proposal(), wv, 1 << 15));
         if (variances.back() > of.largest) of.largest = variances.back(), of.largest_at = theta;
     }
+    for (const double theta : {87.0, 89.4})
+        of.grazing.push_back(
+            variance(evaluator(brdf), brdf.proposal(), to_float(spherical(theta * k_degree, 0.3)), 1 << 15));
     std::ranges::sort(variances);
     of.median = variances[variances.size() / 2];
     of.variances = std::move(variances);
     return of;
+}
+
+void print_views(std::span<const AtWorst> all, const char* which, std::vector<double> AtWorst::*variances) {
+    std::vector<double> views;
+    for (const AtWorst& of : all) views.insert(views.end(), (of.*variances).begin(), (of.*variances).end());
+    std::ranges::sort(views);
+    if (!views.empty())
+        fmt::print(stderr, "{} views {}: median {:.4f}, 95 % {:.4f}, largest {:.4f}\n", views.size(), which,
+                   views[views.size() / 2], views[views.size() * 95 / 100], views.back());
 }
 
 Result<Done> print_worst(std::span<char*> paths) {
@@ -134,16 +147,12 @@ Result<Done> print_worst(std::span<char*> paths) {
         all.push_back(*of);
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.largest > b.largest; });
-    fmt::print("file,of,drawn by,median variance,largest variance,at [degrees],most lost,at [degrees]\n");
+    fmt::print("file,of,drawn by,median variance,largest variance,at [degrees],most lost,lost at [degrees]\n");
     for (const AtWorst& of : all)
         fmt::print("{},{},{},{:.4f},{:.4f},{:.1f},{:.4f},{:.1f}\n", of.file, of.is_measured ? "measurement" : "fit",
                    of.has_table ? "table" : "mixture", of.median, of.largest, of.largest_at, of.lost, of.lost_at);
-    std::vector<double> views;
-    for (const AtWorst& of : all) views.insert(views.end(), of.variances.begin(), of.variances.end());
-    std::ranges::sort(views);
-    if (!views.empty())
-        fmt::print(stderr, "{} views: median {:.4f}, 95 % {:.4f}, largest {:.4f}\n", views.size(),
-                   views[views.size() / 2], views[views.size() * 95 / 100], views.back());
+    print_views(all, "to 85 degrees", &AtWorst::variances);
+    print_views(all, "at 87 and 89.4 degrees", &AtWorst::grazing);
     return Done{};
 }
 

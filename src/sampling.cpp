@@ -21,10 +21,12 @@ constexpr int k_steps = 200;
 constexpr int k_points = 64;            // of each lobe, for each view
 constexpr double k_lowest_view = .001;  // cosθv at which the last node is made, for at 0 nothing is reflected
 constexpr float k_least_weight = 1e-3f;
-/// The share of draws that a node may lose, and what losing all is made to cost until it does not, relative to the second
-/// moment.
-constexpr double k_most_lost = 0.005;
-constexpr double k_costs_of_loss[] = {0, 10, 20, 40};
+/// The share of draws that a node may lose at any of its elevations, and what losing all is made to cost until it does not,
+/// relative to the second moment.
+constexpr double k_most_lost = 0.0075;
+constexpr double k_costs_of_loss[] = {0, 10, 20, 40, 80, 160, 320, 640};
+/// So many of them with a grain, whose variance at 75° the next ones double.
+constexpr std::size_t k_costs_with_grain = 4;
 // Of the second moment, for which there is a grain, and a step of a lobe's shape.
 constexpr double k_least_gain = 0.01, k_least_change = 0.002;
 
@@ -134,14 +136,18 @@ SamplingPoints points_at(const Evaluate& brdf, std::span<const Vec3f> views, int
     return points;
 }
 
-/// The share of each lobe's draws that have no direction, over these views.
-std::vector<double> lost_draws(std::span<const Vec3f> views, const ProposalShape& shape) {
-    std::vector<double> lost;
-    for (int k = 0; k < MixtureProposal::k_lobes; ++k) {
-        std::vector<Vec3f> wl;
-        for (const Vec3f wv : views) add_draws(k_points, k, shape, wv, wl);
-        lost.push_back(1 - double(wl.size()) / double(k_points * views.size()));
-    }
+/// The share of each lobe's draws that have no direction, at that elevation of these views where it is largest; so many
+/// views are of one elevation.
+std::vector<double> lost_draws(std::span<const Vec3f> views, std::size_t azimuths, const ProposalShape& shape) {
+    constexpr int count = 256;
+    std::vector<double> lost(MixtureProposal::k_lobes);
+    for (int k = SRBF_FIRST_HALF_VECTOR_LOBE; k < MixtureProposal::k_lobes; ++k)
+        for (std::size_t first = 0; first < views.size(); first += azimuths) {
+            std::vector<Vec3f> wl;
+            for (const Vec3f wv : views.subspan(first, azimuths)) add_draws(count, k, shape, wv, wl);
+            const double share = 1 - double(wl.size()) / (count * double(azimuths));
+            lost[std::size_t(k)] = std::max(lost[std::size_t(k)], share);
+        }
     return lost;
 }
 
@@ -215,9 +221,10 @@ void make_node(const Evaluate& brdf, std::size_t node, int azimuths, MixtureProp
     // At the normal the plane of incidence is none.
     if (node > 0) shape = best_shape(brdf, views, shape);
     const SamplingPoints points = points_at(brdf, views, k_points, {shape});
-    const std::vector<double> lost = lost_draws(views, shape);
+    const std::vector<double> lost = lost_draws(views, std::size_t(azimuths), shape);
     std::vector<float> weight;
-    for (const double cost : k_costs_of_loss) {
+    const std::span costs(k_costs_of_loss);
+    for (const double cost : costs.first(shape.is_grain() ? k_costs_with_grain : costs.size())) {
         weight = best_weights(points, MixtureProposal::k_lobes, k_steps, lost, cost);
         if (std::inner_product(lost.begin(), lost.end(), weight.begin(), 0.0) <= k_most_lost) break;
     }

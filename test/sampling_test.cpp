@@ -259,7 +259,7 @@ TEST_F(Sampling, FewDrawsAreLostAtAnyView) {
                 const Vec3f wv = to_float(spherical(theta * k_degree, 0.7));
                 int lost = 0;
                 for (int i = 0; i < count; ++i) lost += !(sample(*proposal, wv, draw3()).z > 0);
-                EXPECT_LT(lost, 0.02 * count) << material->name << ' ' << theta;
+                EXPECT_LT(lost, 0.01 * count) << material->name << ' ' << theta;
             }
 }
 

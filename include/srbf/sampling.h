@@ -113,11 +113,11 @@ inline constexpr int k_anisotropic_azimuths = 8;
 /// The mixture for a BRDF: at each node the weights that minimise ∫ (f cosθl)² / pdf dωl, f in luminance, averaged over
 /// the views at the node and a third of the way to its neighbours, by 200 steps of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
-/// each of which lowers it (Silvey, Titterington & Torgersen 1978). Where more than 1/2 % of the draws would be lost, ∂_k
-/// is less for lobes that lose them. The cosine keeps `k_least_cosine`. The stretch in the plane of incidence, 0.8^i,
-/// and the power, 0.8^(2 − 2j), i from −6 and j from 0 to 6, are such that among their neighbours none has a smaller
-/// minimum. A grain's stretch is that of `k_stretches`, along one of 12 azimuths, with which the variance at the views of
-/// 45° is least. What was not measured counts as 0.
+/// each of which lowers it (Silvey, Titterington & Torgersen 1978). Where more than 3/4 % of the draws would be lost at one
+/// elevation, ∂_k is less for lobes that lose them. The cosine keeps `k_least_cosine`. The stretch in the plane of
+/// incidence, 0.8^i, and the power, 0.8^(2 − 2j), i from −6 and j from 0 to 6, are such that among their neighbours none
+/// has a smaller minimum. A grain's stretch is that of `k_stretches`, along one of 12 azimuths, with which the variance at
+/// the views of 45° is least. What was not measured counts as 0.
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});
 inline constexpr float k_least_cosine = 0.02f;
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};

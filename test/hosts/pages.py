@@ -78,7 +78,7 @@ def matches(expected, printed):
 
 
 def run(page):
-    blocks = re.findall(r"^(<!-- not run: .* -->\n+)? *```(\w*)\n(.*?)^ *```", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    blocks = re.findall(r"^(<!-- not run: [^\n]* -->\n+)? *```(\w*)\n(.*?)^ *```", page.read_text(encoding="utf-8"), flags=re.M | re.S)
     with tempfile.TemporaryDirectory() as work:
         folder, printed, session = Path(work), "", ""
         environment = prepare(folder, page)

@@ -78,7 +78,10 @@ def matches(expected, printed):
 
 
 def run(page):
-    blocks = re.findall(r"^(<!-- not run: [^\n]* -->\n+)? *```(\w*)\n(.*?)^ *```", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    text = page.read_text(encoding="utf-8")
+    blocks = re.findall(r"^(<!-- not run: [^\n]* -->\n+)? *```(\w*)\n(.*?)^ *```", text, flags=re.M | re.S)
+    if 2 * len(blocks) != (fences := len(re.findall(r"^ *```", text, flags=re.M))):
+        return f"{len(blocks)} blocks of code between {fences} fences"
     with tempfile.TemporaryDirectory() as work:
         folder, printed, session = Path(work), "", ""
         environment = prepare(folder, page)

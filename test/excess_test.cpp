@@ -79,7 +79,7 @@ TEST(Subsets, TakeInWhereCandidatesExceedTheMeasurement) {
     const Observations o = grey();
     const FitOptions options{.form = PmForm::gaussian, .axial = false, .lobes = 1, .variates = 1};
     Subsets subsets(o);
-    const auto rows = [&] { return subsets.rows({.pairs = k_few}, 0).wl[0].size(); };
+    const auto rows = [&] { return subsets.rows({.pairs = Pairs::few}, 0).wl[0].size(); };
     const std::size_t before = rows();
     const auto with = [&](Vec3d p) {
         const Candidate candidate{.lobes = {shape_of(options), {0}, {p.x, p.y, p.z}}, .loss = 1};

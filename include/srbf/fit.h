@@ -64,11 +64,11 @@ struct FitOptions {
     /// form gaussian: true stores a log scale per lobe where β leaves the range of 16-bit floats; false bounds β
     bool log_scale = true;
     /// Number of starts: independent growths of J lobes. The best four are polished, one to three of them finished;
-    /// with views, which decide among the better half, one. Default: 20, or 16 for 8 lobes and more.
+    /// of appearance pictures choose among all of them, and one is finished. Default: 20, or 16 for 8 lobes and more.
     std::optional<int> starts = {};
     /// Maximum number of perturbations of a candidate, replacements of the least useful lobe, or every fourth time of
     /// the least useful variate. All starts get a fifth of them, the better half another three tenths, the best quarter
-    /// the remaining half; with views the better half gets half of them. Default: 45 for up to 5 lobes, falling to 25
+    /// the remaining half; of appearance all of them get 0.28 of these. Default: 45 for up to 5 lobes, falling to 25
     /// for 8 and more.
     std::optional<int> perturbations = {};
     std::uint64_t seed = 0;  ///< of the random numbers

@@ -17,8 +17,8 @@ namespace {
 constexpr double k_largest_coefficient = 64;
 constexpr double k_none = -std::numeric_limits<double>::infinity();
 
-constexpr Stage k_active_stage{.name = "active", .pairs = k_some, .albedos = true};
-constexpr Stage k_picture_stage{.name = "pictures", .pairs = k_some, .albedos = true, .pictures = true};
+constexpr Stage k_active_stage{.name = "active", .pairs = Pairs::some, .albedos = true};
+constexpr Stage k_picture_stage{.name = "pictures", .pairs = Pairs::some, .albedos = true, .pictures = true};
 
 Lobes chosen_lobes(const Lobes& all, std::span<const std::size_t> which) {
     Lobes some{all.shape, all.angle, {}};
@@ -50,7 +50,7 @@ std::unique_ptr<Rows> rows_of(const Observations& observations, const Lobes& lob
     LobeProblem by_pairs(*rows, lobes.shape, false, k_log_peak_limit);
     by_pairs.loss(pack(lobes));
     const PmModel fitted = to_model(by_pairs, lobes, true);
-    subsets.add_lights(evaluator(fitted));
+    subsets.add_point_lights(evaluator(fitted));
     const double importance = subsets.picture_importance(candidate, k_picture_stage, options, k_log_peak_limit);
     return std::make_unique<Rows>(subsets.rows(k_picture_stage, importance));
 }

@@ -18,7 +18,7 @@ constexpr int k_basis_groups = 16, k_group_steps = 4, k_last_basis_steps = 16;
 /// Rounds in which active lobes are chosen and all lobes follow, and steps of each.
 constexpr int k_refinements = 3, k_refinement_steps = 6;
 
-constexpr Stage k_basis_stage{.name = "basis", .pairs = k_few, .albedos = true};
+constexpr Stage k_basis_stage{.name = "basis", .pairs = Pairs::few, .albedos = true};
 
 void optimise(SharedProblem& problem, Eigen::VectorXd& x, int steps) {
     levenberg_marquardt(problem, x, {.max_iterations = steps, .adapts_to_bounds = true});
@@ -28,7 +28,7 @@ void optimise(SharedProblem& problem, Eigen::VectorXd& x, int steps) {
 Lobes shared_lobes(std::span<SharedRows> materials, const BasisOptions& of, Reporter& reporter) {
     const LobeShape shape = shape_of(lobe_options(of));
     std::mt19937_64 random = generator(of.seed, 0, 0);
-    Lobes lobes = without_lobes(shape, 0, random);
+    Lobes lobes = initial_parameterizations(shape, 0, random);
     SharedProblem problem(materials, shape, k_log_peak_limit);
     const int group = std::max(1, of.lobes / k_basis_groups);
     while (lobes.count() < of.lobes && !reporter.cancelled()) {
@@ -36,7 +36,8 @@ Lobes shared_lobes(std::span<SharedRows> materials, const BasisOptions& of, Repo
         while (lobes.count() < until) {
             problem.loss(pack(lobes));
             if (lobes.count() == before) problem.weigh();
-            lobes = with_lobe(std::move(lobes), problem.best_addition(random_candidates(random, lobes)));
+            const auto additions = random_candidates(random, lobes);
+            lobes = with_lobe(std::move(lobes), problem.best_addition(additions));
             if (of.active > 0) problem.offer(std::size_t(lobes.count()) - 1);
         }
         Eigen::VectorXd x = pack(lobes);

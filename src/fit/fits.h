@@ -35,8 +35,9 @@ struct SuFit {
 };
 
 /// Fits scattered univariate SRBFs: for each sampled direction of `matrix`, including those beyond θmax, a sum of J
-/// lobes with general centres, by separable least squares as in `fit_pm`. The initial lobes of a view are those of the
-/// previous view, rotated to its azimuth; the first of every 32 views starts from nothing.
+/// lobes with general centres, by separable least squares as in `fit_pm`. The initial lobes of a view are those of its
+/// neighbour: for an objective of pictures along tracks through all views, of which each view takes one; otherwise from a
+/// view to the next, of which the first of every 32 starts from nothing.
 /// Details: docs/fitting.md.
 /// Errors: options out of range; a matrix of another size; a view with data at fewer than J directions within θmax.
 Result<SuFit> fit_su(const RawMatrix& matrix, const SuFitOptions& options, const ProgressToken& progress = {});

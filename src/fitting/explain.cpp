@@ -38,7 +38,7 @@ std::vector<Term> terms_of(Objective objective) {
                      fmt::format("{} times the loss; albedos {} times more", k_point_lights.multivariate,
                                  k_albedos_beside_point_lights)});
     terms.push_back({"pixels", "delta E ITP in pictures under 15 lights (robust: linear above 1)",
-                     fmt::format("{} times the loss", k_pixels.multivariate)});
+                     fmt::format("{} times the loss for each of its mean", k_pixels.multivariate)});
     return terms;
 }
 
@@ -59,7 +59,8 @@ std::string work_of(const Stage& stage, const FitOptions& options) {
 }
 
 std::string rows_of(const Stage& stage) {
-    return fmt::format("{}{}{}{}", stage.pairs > 0 ? fmt::format("{} pairs", stage.pairs) : "all pairs",
+    return fmt::format("{}{}{}{}",
+                       stage.pairs == Pairs::all ? "all pairs" : fmt::format("{} pairs", std::size_t(stage.pairs)),
                        stage.bounds ? ", bounds" : "", stage.albedos ? ", albedos" : "",
                        stage.pictures ? ", point lights, pixels" : "");
 }

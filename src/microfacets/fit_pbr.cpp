@@ -83,7 +83,7 @@ class PbrData {
   public:
     using Outputs = Aligned<float>;  ///< blocks of a column for each channel
 
-    /// Of every so many views or pairs.
+    /// Of every so many views, or of the first pairs as many as a share of so much.
     PbrData(const Observations& observations, std::size_t every) {
         if (observations.views.empty())
             take_pairs(observations, every);

@@ -83,7 +83,7 @@ double loss_of(const Observations& observations, const Evaluate& fitted);
 /// The largest |f|² (cosθl cosθv)² of the pairs.
 double largest_square(const Observations& observations);
 
-/// The first `count` observations, without bound pairs and radiances: for short fits.
+/// The first `count` observations, without bound pairs, radiances and views: for searches and short fits.
 Observations beginning(const Observations& observations, std::size_t count);
 
 /// Returns an error unless there are at least as many values as `parameters` of the model, one weight is above 0, and

@@ -20,10 +20,17 @@ constexpr double k_light_phases[] = {3, 11, 24, 38, 52, 70, 88, 105, 122, 140, 1
 
 Rgb grey(double x) { return {float(x), float(x), float(x)}; }
 
-/// Bright and dark surroundings, with lamps of several sizes, and single lights.
-std::vector<Lighting> lights() {
+/// The lights of pictures, all of them white: bright and dark surroundings with lamps of several sizes, and the directions of
+/// single lights of irradiance π.
+struct Lights {
+    std::vector<Lighting> extended;
+    std::vector<Vec3d> single;
+    std::size_t count() const { return extended.size() + single.size(); }
+};
+Lights lights() {
     const auto towards = [](double x, double y, double z) { return normalize(Vec3d{x, y, z}); };
-    std::vector<Lighting> all{
+    Lights all;
+    all.extended = {
         {"hall", grey(1), grey(0.8), grey(0.3), {}},
         {"box", grey(0.08), grey(0.06), grey(0.05), {{towards(0.6, 0.6, 0.5), 25, grey(8)}}},
         {"street", grey(0.3), grey(0.5), grey(0.1), {{towards(-0.6, 0.3, 0.6), 8, grey(30)}}},
@@ -33,14 +40,11 @@ std::vector<Lighting> lights() {
          grey(0.05),
          {{towards(-0.7, 0.5, -0.4), 15, grey(20)}, {towards(0.3, 0.6, 0.8), 12, grey(5)}}},
     };
-    for (const double phase : k_light_phases) {
-        const Vec3d light = spherical(phase * k_degree, k_golden_angle * double(all.size()));
-        all.push_back({"single", {}, {}, {}, {{light, 0, grey(k_pi)}}});
-    }
+    constexpr double k_first_turn = 4 * k_golden_angle;  // any would do
+    for (const double phase : k_light_phases)
+        all.single.push_back(spherical(phase * k_degree, k_first_turn + k_golden_angle * double(all.single.size())));
     return all;
 }
-
-bool is_single(const Lighting& lighting) { return lighting.sources.size() == 1 && lighting.sources[0].radius == 0; }
 
 /// The frame of point i of the sphere's disc, from the viewer's. It is turned about the normal by some angle.
 Frame frame_of(std::size_t i, double theta_max) {
@@ -53,23 +57,21 @@ Frame frame_of(std::size_t i, double theta_max) {
 }
 
 /// A view without values, its pixels not yet exposed.
-ObservedView view_of(const Frame& frame, const std::vector<Lighting>& all, const MirrorMixture& mixture) {
+ObservedView view_of(const Frame& frame, const Lights& all, const MirrorMixture& mixture) {
     const Vec3d wv = frame.to({0, 0, 1});
     const Quadrature points = mixture.quadrature(wv, k_points);
     ObservedView view{to_float(wv), points.w, {}, {}};
-    for (std::size_t k = 0; k < all.size(); ++k) {
-        if (!is_single(all[k])) continue;
-        const Vec3d l = frame.to(all[k].sources[0].direction);
+    for (std::size_t k = 0; k < all.single.size(); ++k) {
+        const Vec3d l = frame.to(all.single[k]);
         if (!mixture.contains(l)) continue;
-        view.pixels.push_back({k, view.wl.size(), {float(l.z * k_pi)}});
+        view.pixels.push_back({all.extended.size() + k, view.wl.size(), {float(l.z * k_pi)}});
         view.wl.push_back(to_float(l));
     }
-    for (std::size_t k = 0; k < all.size(); ++k) {
-        if (is_single(all[k])) continue;
+    for (std::size_t k = 0; k < all.extended.size(); ++k) {
         ObservedPixel pixel{k, 0, {}};
         for (std::size_t p = 0; p < points.w.size(); ++p) {
             const Vec3d l = to_double(points.w[p]);
-            pixel.weight.push_back(float(points.weight[p] * l.z) * radiance(all[k], frame.from(l)).r);
+            pixel.weight.push_back(float(points.weight[p] * l.z) * radiance(all.extended[k], frame.from(l)).r);
         }
         view.pixels.push_back(std::move(pixel));
     }
@@ -88,10 +90,10 @@ void measure(ObservedView& view, const Evaluate& f) {
 }  // namespace
 
 std::vector<ObservedView> observe_views(const Evaluate& f, double theta_max, int threads) {
-    const std::vector<Lighting> all = lights();
+    const Lights all = lights();
     const MirrorMixture mixture(theta_max);
     std::vector<ObservedView> views(k_views);
-    std::vector<Image> pictures(all.size(), Image(int(k_views), 1));
+    std::vector<Image> pictures(all.count(), Image(int(k_views), 1));
     parallel_for(k_views, threads, [&](std::size_t i) {
         ObservedView& view = views[i];
         view = view_of(frame_of(i, theta_max), all, mixture);

@@ -54,7 +54,7 @@ std::size_t take_exceeded(Observations& observations, std::size_t first, const P
     for (const std::size_t i : where) {
         const std::size_t to = observations.fitted();
         if (i < to) {
-            observations.weight[i] *= 4;
+            observations.weight[i] *= k_bound_growth;
             continue;
         }
         observations.exchange(i, to);

@@ -1,4 +1,4 @@
-// What the terms of a loss cost: their one home. Docs: docs/fitting.md, "The objective"; `srbf fit --explain` prints it.
+// What the terms of a loss cost, for all fits of tables. Docs: docs/fitting.md, "The objective"; `srbf fit --explain` prints it.
 #pragma once
 #include <cstddef>
 
@@ -35,14 +35,17 @@ inline constexpr double k_most_albedo_loss = 0.004;
 /// What albedos cost more beside point lights, which are several times the loss of the pairs and see highlights most.
 inline constexpr double k_albedos_beside_point_lights = 8;
 
+/// View by view: an error of 1 % in the radiances under all four lights of a view costs three channels times 1e-4 times this.
+inline constexpr double k_lights_of_view = 12;
+/// View by view: directions between those of the matrix, relative to those of the matrix, per solid angle.
+inline constexpr double k_between_views_directions = 0.1;
+
 /// The fitted f cosθl cosθv may reach this multiple of the largest measured value between the stages; what is promised
 /// is twice, after rounding.
 inline constexpr double k_most_excess = 1.6;
 /// Initial cost, relative to the loss, of exceeding that by the largest measured value.
 inline constexpr double k_excess_weight = 0.005;
-
-/// Intervals of the phase angle [0, π], in which energies of pictures (16) or the exposures of pixels (36, of 5°) are
-/// known.
-inline constexpr std::size_t k_energy_intervals = 16, k_exposure_intervals = 36;
+/// The cost grows by this factor where a round later the fit still exceeds it.
+inline constexpr double k_bound_growth = 4;
 
 }  // namespace srbf

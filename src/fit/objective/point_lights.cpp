@@ -13,8 +13,8 @@
 namespace srbf {
 namespace {
 
-/// Phases that are told apart, each from 0 to π by its share.
-constexpr std::size_t k_phases = k_energy_intervals;
+/// Phases that are told apart: equal intervals of [0, π].
+constexpr std::size_t k_phases = 16;
 using OfPhases = std::array<double, k_phases>;
 /// Of a pixel [squared radii of the sphere]: 64 of them across.
 constexpr double k_pixel_area = 1.0 / (32 * 32);

@@ -62,7 +62,7 @@ Lobes without_features(Lobes lobes, std::span<const int> which) {
 
 }  // namespace
 
-PmFit finish(Lobes lobes, Observations all, const Importances& importance, const FitOptions& options,
+PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const FitOptions& options,
              double log_peak_limit, const Reporter& reporter) {
     PmFit fit;
     const bool spectral = !all.wavelengths.empty();
@@ -71,12 +71,12 @@ PmFit finish(Lobes lobes, Observations all, const Importances& importance, const
     Lobes first_lobes;
     double first_loss = 0;
     for (int round = 0;; ++round) {
-        const Rows rows(all, {.radiance_importance = importance.radiances,
-                              .spectra = spectral,
-                              .picture_importance = importance.pictures});
+        const Rows rows(
+            all,
+            {.radiance_importance = factors.radiances, .spectra = spectral, .picture_importance = factors.pictures});
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = pack(lobes);
-        const bool of_samples = rows.views > 0 && !importance.has_point_lights;
+        const bool of_samples = rows.views > 0 && !factors.has_point_lights;
         const auto summary = last_steps(problem, x, of_samples ? k_least_gain_of_samples : k_least_gain, reporter);
         lobes = unpack(x, lobes.shape);
         fit.unrounded_loss = summary.loss;

@@ -7,14 +7,14 @@
 namespace srbf {
 
 /// Factors of the terms beside that of pairs, see Extent.
-struct Importances {
+struct TermFactors {
     double radiances = 0, pictures = 0;
     bool has_point_lights = false;  ///< whether the weights of pairs have those of point lights
 };
 
-/// Optimises on all observations, for spectral ones with the spectra. Checks that the fit exceeds become observations,
-/// until none is exceeded. Then rounds.
-PmFit finish(Lobes lobes, Observations all, const Importances& importance, const FitOptions& options,
+/// Optimises on all observations, for spectral ones with the spectra, and rounds. Bound pairs that the rounded model exceeds
+/// become observations for the next round, until none is exceeded.
+PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const FitOptions& options,
              double log_peak_limit, const Reporter& reporter);
 
 }  // namespace srbf

@@ -103,16 +103,16 @@ class Fit {
     }
     /// The last stage: the first candidate, or of those that are nearly as good the best.
     PmFit finished(const Stage& stage) {
-        if (stage.lights) add_lights(stage);
+        if (stage.lights) add_point_lights(stage);
         if (!stage.pictures) sort_by_all();
         found_.resize(std::min(found_.size(), stage.most));
         PmFit fit;
         for (std::size_t i = 0; i < found_.size(); ++i) {
             if (i > 0 && (found_[i].loss > (1 + k_nearly_best) * fit.loss || reporter_.cancelled())) break;
             const double channels = spectral() ? double(observations_.wavelengths.size()) : 3;
-            Importances importances = importances_;
-            importances.radiances = subsets_.radiance_importance(importances_.has_point_lights) * 3 / channels;
-            PmFit next = finish(found_[i].lobes, all(), importances, options_, log_peak_limit_, reporter_);
+            TermFactors factors = factors_;
+            factors.radiances = subsets_.radiance_importance(factors_.has_point_lights) * 3 / channels;
+            PmFit next = finish(found_[i].lobes, all(), factors, options_, log_peak_limit_, reporter_);
             if (i == 0 || next.loss < fit.loss) fit = std::move(next);
         }
         if (!reporter_.advance("polishing", effort_.rest)) fit.stop = StopReason::cancelled;
@@ -123,13 +123,13 @@ class Fit {
     /// Candidates and weights for a stage.
     void prepare(const Stage& stage) {
         if (stage.bounds) subsets_.add_exceeded(found_, options_, log_peak_limit_);
-        if (stage.lights) add_lights(stage);
+        if (stage.lights) add_point_lights(stage);
         found_.resize(std::min(found_.size(), stage.candidates(options_)));
     }
     Rows rows_of(const Stage& stage) const {
-        if (stage.pairs > 0) return subsets_.rows(stage, importances_.pictures);
-        return Rows(all(), {.radiance_importance = subsets_.radiance_importance(importances_.has_point_lights),
-                            .picture_importance = stage.pictures ? importances_.pictures : 0});
+        if (stage.pairs != Pairs::all) return subsets_.rows(stage, factors_.pictures);
+        return Rows(all(), {.radiance_importance = subsets_.radiance_importance(factors_.has_point_lights),
+                            .picture_importance = stage.pictures ? factors_.pictures : 0});
     }
 
     void search(const Stage& stage, LobeProblem& problem, Candidate& candidate) const {
@@ -154,15 +154,15 @@ class Fit {
 
     /// Adds weights of point lights, where there are any: to a subset before the first pictures, later to all
     /// observations.
-    void add_lights(const Stage& stage) {
-        if (stage.pairs > 0) {
-            subsets_.add_lights(fitted(rows_of(stage)));  // without pixels, which have no importance yet
-            importances_.pictures = subsets_.picture_importance(found_.front(), stage, options_, log_peak_limit_);
-            importances_.has_point_lights = !spectral() && !observations_.point_light_weight.empty();
-        } else if (importances_.has_point_lights && last_) {  // cancelled, there may have been no steps
+    void add_point_lights(const Stage& stage) {
+        if (stage.pairs != Pairs::all) {
+            subsets_.add_point_lights(fitted(rows_of(stage)));  // without pixels, which have no importance yet
+            factors_.pictures = subsets_.picture_importance(found_.front(), stage, options_, log_peak_limit_);
+            factors_.has_point_lights = !spectral() && !observations_.point_light_weight.empty();
+        } else if (factors_.has_point_lights && last_) {  // cancelled, there may have been no steps
             with_lights_ = observations_;
             const double least = loss_of(observations_, fitted(Rows(observations_)));
-            add_point_lights(with_lights_, fitted(rows_of(*last_)), k_missed * least);
+            srbf::add_point_lights(with_lights_, fitted(rows_of(*last_)), k_missed * least);
         }
     }
     /// The best candidate, with coefficients for these rows.
@@ -186,7 +186,7 @@ class Fit {
     Effort effort_ = effort_of(observations_, options_);
     Subsets subsets_{observations_};
     Observations with_lights_;  ///< all observations, once their weights have those of point lights
-    Importances importances_;
+    TermFactors factors_;
     const Stage* last_ = nullptr;  ///< the last stage of steps
 };
 

@@ -14,7 +14,7 @@ constexpr int k_additions = 256;
 
 }  // namespace
 
-Lobes without_lobes(const LobeShape& shape, int start, std::mt19937_64& random) {
+Lobes initial_parameterizations(const LobeShape& shape, int start, std::mt19937_64& random) {
     Lobes lobes{shape, {k_pi / 4, 0, k_pi / 2, k_pi / 4}, {}};
     lobes.angle.resize(std::size_t(shape.variates));
     for (std::size_t n = 4; n < lobes.angle.size(); ++n) lobes.angle[n] = k_pi * uniform(random);
@@ -72,8 +72,8 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
     return weight;
 }
 
-std::mt19937_64 generator(std::uint64_t seed, int start, int stage) {
-    std::seed_seq seeds{std::uint32_t(seed), std::uint32_t(seed >> 32), std::uint32_t(start), std::uint32_t(stage)};
+std::mt19937_64 generator(std::uint64_t seed, int start, int stream) {
+    std::seed_seq seeds{std::uint32_t(seed), std::uint32_t(seed >> 32), std::uint32_t(start), std::uint32_t(stream)};
     return std::mt19937_64(seeds);
 }
 
@@ -95,7 +95,7 @@ Lobes without_lobe(Lobes lobes, std::ptrdiff_t j) {
     return lobes;
 }
 
-Lobes without_variate(Lobes lobes, int n) {
+Lobes with_variate_zeroed(Lobes lobes, int n) {
     const int C = lobes.shape.components();
     for (int j = 0; j < lobes.count(); ++j) std::fill_n(lobes.weight.begin() + j * lobes.shape.width() + n * C, C, 0.0);
     return lobes;

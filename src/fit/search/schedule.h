@@ -19,13 +19,18 @@ enum class Work {
     finish,   ///< steps as long as they pay, bounds that are exceeded, and rounding
 };
 
+/// How many of the first pairs are rows: while there are many candidates, afterwards, and in the polish. Pictures are
+/// observed beside `some` and `all`. A short fit, with fewer observations than another's polish, has `some` in place of
+/// `few`: its first candidates are its only ones.
+enum class Pairs : std::size_t { few = 2048, some = 4096, more = 16384, all = 0 };
+
 /// A stage of a fit, a row of the tables below.
 struct Stage {
     std::string_view name = {};
     Work work = Work::steps;
-    bool bounds = false;    ///< beforehand, pairs at which candidates exceed the measurement are added to the rows
-    bool lights = false;    ///< beforehand, weights of point lights are added, relative to the best candidate's errors
-    std::size_t pairs = 0;  ///< the rows: the first so many pairs; 0: all
+    bool bounds = false;  ///< beforehand, pairs at which candidates exceed the measurement are added to the rows
+    bool lights = false;  ///< beforehand, weights of point lights are added, relative to the best candidate's errors
+    Pairs pairs = Pairs::all;                ///< the rows
     bool albedos = false, pictures = false;  ///< terms beside that of the pairs
     double share = 1;                        ///< of the starts: candidates that take part, at least one
     std::size_t most = std::size_t(-1);      ///< of them
@@ -40,14 +45,11 @@ struct Stage {
     }
 };
 
-/// Numbers of pairs while there are many candidates, afterwards, and in the polish. A short fit, with fewer
-/// observations than another's polish, uses the second number from the start: its first candidates are its only ones.
-inline constexpr std::size_t k_few = 2048, k_some = 4096, k_more = 16384;
-
 namespace stages {
 
 inline constexpr bool o = false, x = true;
-inline constexpr std::size_t all = std::size_t(-1);  ///< candidates
+inline constexpr std::size_t every = std::size_t(-1);  ///< candidate
+using enum Pairs;
 
 // clang-format off
 /// By pairs and albedos alone. After the best candidate another one is finished only if its error is at most 1 %
@@ -55,26 +57,30 @@ inline constexpr std::size_t all = std::size_t(-1);  ///< candidates
 inline constexpr Stage by_pairs[] = {
     // name      work           bounds   pairs   albedos share most          perturbations
     //                            lights            pictures                       steps
-    {"grow",     Work::grow,     o, o,   k_few,  o, o,   1,    all},
-    {"perturb",  Work::perturb,  x, o,   k_few,  x, o,   1,    all, 0.2},
-    {"perturb",  Work::perturb,  x, o,   k_some, x, o,   0.5,  all, 0.5},
-    {"perturb",  Work::perturb,  x, o,   k_some, x, o,   0.25, all, 1},
-    {"polish",   Work::polish,   x, o,   k_more, x, o,   1,    4},
-    {"finish",   Work::finish,   o, o,   0,      x, o,   1,    3},
+    {"grow",     Work::grow,     o, o,   few,   o, o,   1,    every},
+    {"perturb",  Work::perturb,  x, o,   few,   x, o,   1,    every, 0.2},
+    {"perturb",  Work::perturb,  x, o,   some,  x, o,   0.5,  every, 0.5},
+    {"perturb",  Work::perturb,  x, o,   some,  x, o,   0.25, every, 1},
+    {"polish",   Work::polish,   x, o,   more,  x, o,   1,    4},
+    {"finish",   Work::finish,   o, o,   all,    x, o,   1,    3},
 };
 /// With pictures. Candidates with the same loss of pairs look different, and further perturbations lower that loss by
 /// little: all of them remain for pictures to choose from. The best after all their steps are nearly always among the
 /// best after three.
 inline constexpr Stage with_pictures[] = {
-    {"grow",     Work::grow,     o, o,   k_few,  o, o,   1,    all},
-    {"perturb",  Work::perturb,  x, o,   k_few,  x, o,   1,    all, 0.12},
-    {"perturb",  Work::perturb,  x, o,   k_few,  x, o,   1,    all, 0.28},
-    {"pictures", Work::steps,    x, x,   k_some, x, x,   1,    all, 0,    3},
-    {"pictures", Work::steps,    o, o,   k_some, x, x,   0.25, all, 0,    4},
-    {"pictures", Work::steps,    o, o,   k_some, x, x,   0.125, all, 0,   8},
-    {"finish",   Work::finish,   o, x,   0,      x, x,   1,    1},
+    {"grow",     Work::grow,     o, o,   few,   o, o,   1,    every},
+    {"perturb",  Work::perturb,  x, o,   few,   x, o,   1,    every, 0.12},
+    {"perturb",  Work::perturb,  x, o,   few,   x, o,   1,    every, 0.28},
+    {"pictures", Work::steps,    x, x,   some,  x, x,   1,    every, 0,    3},
+    {"pictures", Work::steps,    o, o,   some,  x, x,   0.25, every, 0,    4},
+    {"pictures", Work::steps,    o, o,   some,  x, x,   0.125, every, 0,   8},
+    {"finish",   Work::finish,   o, x,   all,    x, x,   1,    1},
 };
 // clang-format on
+
+static_assert(std::ranges::all_of(with_pictures, [](const Stage& stage) {
+    return !stage.pictures || stage.pairs == some || stage.pairs == all;
+}));
 
 }  // namespace stages
 

@@ -52,7 +52,7 @@ void replace_variate(LobeProblem& problem, Candidate& candidate, std::mt19937_64
     std::vector<Lobes> without;
     std::vector<double> loss;
     for (int n = 0; n < candidate.lobes.shape.variates; ++n) {
-        without.push_back(without_variate(candidate.lobes, n));
+        without.push_back(with_variate_zeroed(candidate.lobes, n));
         loss.push_back(problem.loss(pack(without.back())));
     }
     const auto least = std::size_t(std::ranges::min_element(loss) - loss.begin());
@@ -68,7 +68,7 @@ bool has_useless_lobe(const Candidate& candidate) {
 
 void grow(LobeProblem& problem, const FitOptions& options, Candidate& candidate, Reporter& reporter) {
     std::mt19937_64 random = generator(options.seed, candidate.start, 0);
-    candidate.lobes = without_lobes(shape_of(options), candidate.start, random);
+    candidate.lobes = initial_parameterizations(shape_of(options), candidate.start, random);
     for (int j = 0; j < options.lobes; ++j) {
         const Lobes lobes = with_best_lobe(problem, std::move(candidate.lobes), random);
         optimise(problem, candidate, lobes, j + 1 < options.lobes ? k_growth_steps : k_grown_steps);

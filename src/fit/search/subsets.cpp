@@ -30,15 +30,15 @@ std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_
 
 Subsets::Subsets(const Observations& observations)
     : all_(observations),
-      few_(beginning_of_all(observations.f.size() < k_more ? k_some : k_few)),
-      some_(beginning_of_all(k_some)),
-      more_(beginning_of_all(k_more)),
+      few_(beginning_of_all(observations.f.size() < std::size_t(Pairs::more) ? Pairs::some : Pairs::few)),
+      some_(beginning_of_all(Pairs::some)),
+      more_(beginning_of_all(Pairs::more)),
       largest_(largest_measured(observations)) {
     some_.observations.views = observations.views;
 }
 
-Subsets::Part Subsets::beginning_of_all(std::size_t count) const {
-    Observations some = beginning(all_, count);
+Subsets::Part Subsets::beginning_of_all(Pairs pairs) const {
+    Observations some = beginning(all_, std::size_t(pairs));
     some.wavelengths.clear(), some.spectrum.clear();
     some.radiances = all_.radiances;
     const std::size_t begin = some.f.size();
@@ -73,9 +73,9 @@ void Subsets::add_exceeded(const std::vector<Candidate>& candidates, const FitOp
     }
 }
 
-void Subsets::add_lights(const Evaluate& fitted) {
+void Subsets::add_point_lights(const Evaluate& fitted) {
     has_point_lights_ = !some_.observations.point_light_weight.empty();
-    if (has_point_lights_) add_point_lights(some_.observations, fitted);
+    if (has_point_lights_) srbf::add_point_lights(some_.observations, fitted);
 }
 
 double Subsets::radiance_importance(bool beside_point_lights) const {
@@ -94,10 +94,10 @@ double Subsets::picture_importance(const Candidate& candidate, const Stage& stag
 }
 
 Rows Subsets::rows(const Stage& stage, double picture_importance) const {
-    const Part& part = stage.pairs == k_few ? few_ : stage.pairs == k_some ? some_ : more_;
+    const Part& part = stage.pairs == Pairs::few ? few_ : stage.pairs == Pairs::some ? some_ : more_;
     if (!stage.albedos) return Rows(part.observations);
     return Rows(part.observations, {.radiance_importance = radiance_importance(stage.pictures && has_point_lights_),
-                                    .roughly = stage.pairs < k_more,
+                                    .roughly = stage.pairs != Pairs::more,
                                     .picture_importance = stage.pictures ? picture_importance : 0});
 }
 

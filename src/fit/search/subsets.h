@@ -19,16 +19,15 @@ class Subsets {
     void add_exceeded(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit);
 
     /// Adds to the pairs that pictures are fitted with the weights of point lights, relative to the errors of a fit.
-    void add_lights(const Evaluate& fitted);
+    void add_point_lights(const Evaluate& fitted);
 
-    /// The rows of a stage of some pairs.
+    /// The rows of a stage, unless of all pairs.
     Rows rows(const Stage& stage, double picture_importance) const;
 
     /// The increase of the sum if every radiance is off by its luminance in one of three channels; beside weights of
     /// point lights it is larger.
     double radiance_importance(bool beside_point_lights = false) const;
-    /// The factor with which the mean error of pixels costs about twice as much as the loss, more beside weights of
-    /// point lights, for this candidate.
+    /// The factor with which the pixels of this candidate cost `k_pixels` times the loss per mean ΔE_ITP.
     double picture_importance(const Candidate& candidate, const Stage& stage, const FitOptions& options,
                               double log_peak_limit) const;
 
@@ -37,7 +36,7 @@ class Subsets {
         Observations observations;
         std::size_t begin;  ///< this many of the first of all observations; those after them were added
     };
-    Part beginning_of_all(std::size_t count) const;
+    Part beginning_of_all(Pairs pairs) const;
 
     const Observations& all_;
     Part few_, some_, more_;

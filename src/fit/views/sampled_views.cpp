@@ -25,10 +25,6 @@ constexpr double k_least_cosine = 0.5;
 /// Every eighth view tells what all have in common: the typical value, the exposures, the energies of pictures. Their
 /// cosines are a 192nd apart.
 constexpr std::size_t k_typical_views = 8;
-/// Weight of directions between those of the matrix, relative to those of the matrix, per solid angle.
-constexpr double k_between = 0.1;
-/// An error of 1 % in the radiances under all lights costs three channels times 1e-4 times this.
-constexpr double k_light_importance = 12;
 /// The height of the light beside the view, relative to its horizontal distance: 27° above the horizon of the normal.
 constexpr double k_elevation = 0.5;
 /// Of broad lights, e^{κ (w·centre − 1)}: about the mirror direction, and those beside and about the view.
@@ -38,6 +34,9 @@ constexpr std::size_t k_pixels_of_view = 256;
 /// The sine of a phase angle counts as no less, where the density of directions is divided by it: it is uniform in the
 /// phase angle but for 3° about 0 and π, where few directions are.
 constexpr double k_least_sine = 0.05;
+
+/// Equal intervals of the phase angle [0, π], of 5°, for each of which pictures have an exposure.
+constexpr std::size_t k_exposure_intervals = 36;
 
 /// The angle between light and viewer [rad].
 double phase_angle(Vec3f l, Vec3f v) {
@@ -168,7 +167,8 @@ SampledViews::Weights SampledViews::weights_of(const Table& table) const {
         weights.whole += weights.of_row[i];
     }
     for (std::size_t i = n; i < table.f.size(); ++i)
-        weights.of_row[i] = k_between * density(0) / density(table.pdf_between[i - n]) * whole_weight(i);
+        weights.of_row[i] =
+            k_between_views_directions * density(0) / density(table.pdf_between[i - n]) * whole_weight(i);
     return weights;
 }
 
@@ -190,7 +190,7 @@ ViewRows SampledViews::rows_of(std::size_t view) const {
         rows.root_weight[i] = float(root);
         for (int c = 0; c < 3; ++c) rows.y[std::size_t(c)][i] = float(root / rows.scale * double(table.f[i][c]));
     }
-    if (of_pictures) add_lights(rows, table);
+    if (of_pictures) add_radiances(rows, table);
     if (of_pictures && within(direction(view))) add_pixels(rows, table);
     rows.least_cosine = k_least_cosine * cos_max_;
     const double most = within(direction(view)) ? k_most_peak : k_most_peak_beyond;
@@ -213,7 +213,7 @@ void SampledViews::add_point_lights(Weights& weights, const Table& table) const 
         weights.of_row[i] += k_point_lights.view * weights.energy / sum * added[i];
 }
 
-void SampledViews::add_lights(ViewRows& rows, const Table& table) const {
+void SampledViews::add_radiances(ViewRows& rows, const Table& table) const {
     const Vec3d about = to_double(direction(table.view));
     const Vec3d beside = normalize(Vec3d{-about.y, about.x, k_elevation});
     const std::pair<Vec3d, double> lights[] = {
@@ -230,7 +230,7 @@ void SampledViews::add_lights(ViewRows& rows, const Table& table) const {
             luminous += measure * double(luminance(table.f[i]));
         }
         if (!(luminous > 0)) continue;
-        const auto factor = float(rows.scale / luminous * std::sqrt(k_light_importance / std::size(lights)));
+        const auto factor = float(rows.scale / luminous * std::sqrt(k_lights_of_view / std::size(lights)));
         for (float& x : light) x *= factor;
         rows.lights.push_back(std::move(light));
     }

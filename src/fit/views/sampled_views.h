@@ -19,7 +19,7 @@ class SampledViews {
 
     /// The rows of a view. Directions of the matrix within θmax have the weights of the objective. Those beyond are
     /// horizon pairs with small weights, as in `observe`. Directions between those of the matrix together weigh as much as
-    /// k_between times a uniform density of them. For an objective of pictures radiances and pixels are matched too.
+    /// k_between_views_directions times a uniform density of them. For an objective of pictures radiances and pixels are matched too.
     /// Empty (scale 0) if there is no value above 0 within θmax.
     const ViewRows& rows(std::size_t view) const { return rows_[view]; }
 
@@ -64,7 +64,7 @@ class SampledViews {
     ViewRows rows_of(std::size_t view) const;
     /// Adds the radiances that a view reflects under four lights: a uniform one, and broad ones about the mirror
     /// direction, beside the view, and about it.
-    void add_lights(ViewRows& rows, const Table& table) const;
+    void add_radiances(ViewRows& rows, const Table& table) const;
     /// Adds the view's pixels under single lights of uniform phase angles.
     void add_pixels(ViewRows& rows, const Table& table) const;
     /// What a picture by a light of this phase angle shows as white: f cosθl.

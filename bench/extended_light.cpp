@@ -45,7 +45,7 @@ struct ExportedLight {
     static float elevation_coordinate(float cosine) { return srbf::elevation_coordinate(std::clamp(cosine, 0.f, 1.f)); }
     struct Pm {};
     struct Su {};
-    std::vector<float> light_lobes, widths;
+    const ExtendedLight& lobes;
     int EXTENDED_LOBES;
     static constexpr int EXTENDED_NODES = ExtendedLight::k_views, EXTENDED_LEVELS = ExtendedLight::k_levels;
     const PreparedBrdf& material;
@@ -53,24 +53,28 @@ struct ExportedLight {
     Frame map_axes{};
     static inline thread_local const Frame* surface = nullptr;  ///< of the point that is shaded
     ExportedLight(const PreparedBrdf& brdf, const ExtendedLight& of)
-        : widths(of.width), EXTENDED_LOBES(of.lobes), material(brdf) {
-        for (const ExtendedLight::Lobe& lobe : of.lobe)
-            light_lobes.insert(light_lobes.end(),
-                               {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
+        : lobes(of), EXTENDED_LOBES(of.lobes), material(brdf) {}
+    template <typename Number> float between(NodesAbout nodes, const Number& number) {
+        const float below = number(std::size_t(nodes.below)), above = number(std::size_t(nodes.below) + 1);
+        return below + nodes.beyond * (above - below);
     }
-    float light_number(int i, NodesAbout nodes) {
-        const auto columns = std::size_t(5 * EXTENDED_LOBES), at = columns * std::size_t(nodes.below) + std::size_t(i);
-        return light_lobes[at] + nodes.beyond * (light_lobes[at + columns] - light_lobes[at]);
+    const ExtendedLight::Lobe& lobe(int k, std::size_t node) {
+        return lobes.lobe[node * std::size_t(EXTENDED_LOBES) + std::size_t(k)];
     }
     Vec3 light_shape(int k, NodesAbout nodes) {
-        return {light_number(5 * k, nodes), light_number(5 * k + 1, nodes), 0};
+        return {between(nodes, [&](std::size_t i) { return lobe(k, i).axis; }),
+                between(nodes, [&](std::size_t i) { return lobe(k, i).roughness; }), 0};
     }
-    Vec3 light_weight(int k, NodesAbout nodes, Pm) {
-        return {light_number(5 * k + 2, nodes), light_number(5 * k + 3, nodes), light_number(5 * k + 4, nodes)};
+    Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm) {
+        const auto share = [&](int c) { return between(nodes, [&](std::size_t i) { return lobe(k, i).weight[c]; }); };
+        return {whole.x * share(0), whole.y * share(1), whole.z * share(2)};
     }
     float light_width(NodesAbout nodes) {
-        const auto at = std::size_t(nodes.below);
-        return widths[at] + nodes.beyond * (widths[at + 1] - widths[at]);
+        return between(nodes, [&](std::size_t i) { return lobes.width[i]; });
+    }
+    Vec3 directional_albedo(float cosine, Pm) {
+        const Rgb of = albedo(material, cosine);
+        return {of.r, of.g, of.b};
     }
     Vec3 brdf(Su, Vec3 wl, Vec3 wv, Pm) {
         const Rgb f = value(material, {wl.x, wl.y, wl.z}, {wv.x, wv.y, wv.z});
@@ -290,8 +294,10 @@ struct Row {
 Row row_of(const Model& model, const std::vector<Map>& maps, const std::vector<Object>& objects) {
     const PreparedBrdf brdf = prepare(model);
     const auto* ggx = std::get_if<GgxModel>(&model.model);
+    std::vector<ExtendedLight> lobes;
+    for (const int count : k_lobe_counts) lobes.push_back(extended_light(brdf, {.lobes = count}));
     std::vector<kernel::ExportedLight> lights;
-    for (const int lobes : k_lobe_counts) lights.emplace_back(brdf, extended_light(brdf, {.lobes = lobes}));
+    for (const ExtendedLight& of : lobes) lights.emplace_back(brdf, of);
     const auto traced = [&](const Object& object, std::vector<AreaLight> rectangle) {
         const PathScene scene{{{&object.mesh, 0}}, {brdf}, object.camera, {}, std::move(rectangle), nullptr};
         return only(

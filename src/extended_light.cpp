@@ -71,17 +71,26 @@ constexpr int k_draws_of_a_light = 64;   ///< of what a light sends
 /// not fitted as closely as the others; and of what else lights the surface, which is this all round where the light
 /// has radiance 1.
 constexpr double k_luminance_share = 0.3, k_ambient = 0.1 / k_pi;
-/// Of the squares of a lobe's weight beside the albedo and of its peak beside the BRDF's, next to squared relative errors of
-/// .02 to .2. Lobes of either sign that nearly cancel each other would fit the lights of one view, but neither others nor
-/// the views between; and one that is sharper than the BRDF would show a small lamp as a dot, which these lights miss.
-/// `k_peak_share` is that of peaks: with 1 pictures of metals err by half as much again.
-constexpr double k_ridge = 5e-2, k_peak_share = 0.05;
+/// Of squared shares, next to squared relative errors of .02 to .2. Lobes of either sign that nearly cancel each other would
+/// fit the lights of one view, but neither others nor the views between.
+constexpr double k_ridge = 5e-2;
+/// More lights of the least size, side by side along the plane of incidence, in which all lobes lie: a lobe that is sharper than
+/// the BRDF would show a small lamp as a dot, which the other lights miss. They stand for a band of this solid angle [sr];
+/// with 1 pictures of metals err by a tenth more.
+constexpr int k_lights_along = 120;
+constexpr double k_band = 0.3;
 constexpr int k_lobe_starts = 12;
 /// Over all views, each towards the mean of its neighbours; a third changes pictures by less than .01 ΔE_ITP.
 constexpr int k_view_sweeps = 2;
-/// Of squared distances of p and r from the neighbours', beside relative squared errors of .02 to .2: 30 times as much
-/// changed the errors of pictures by less than 4 %.
-constexpr double k_smoothness = 1e-2;
+/// Of squared distances of p, by the angle of the axis, and of r from the neighbours', beside relative squared errors of .02 to
+/// .2, of views `k_usual_step` [rad] apart, and of shares. Nodes are closer to each other at the horizon, where all lobes
+/// would change within a degree of the view: there both count for more.
+constexpr double k_smoothness = 3e-3, k_share_smoothness = 0.2, k_usual_step = 4 * k_pi / 180;
+/// The inverse square of the angle between the views of a node and of the next, in `k_usual_step`; at least 1.
+double closeness(std::size_t node) {
+    const auto angle = [](std::size_t of) { return elementary::acos(ExtendedLight::cosine(int(of))); };
+    return std::clamp(elementary::square(k_usual_step / (angle(node) - angle(node + 1))), 1.0, 1e3);
+}
 /// |p|: beyond the mirror direction by as much as off-specular peaks are, and less towards the horizon, where an axis with
 /// |p| > 1 would turn by many degrees for one of the view: |p| ≤ `k_most_beyond` / sinθv or 1.
 constexpr double k_most_axis = 1.3, k_most_beyond = 0.96;
@@ -163,7 +172,6 @@ struct View {
     Vec3d wv;
     Rgb albedo;
     float width = 0;
-    Vec3d peak{};  ///< the most that a light of the least size shows
     std::vector<Light> lights;
     MatrixXd weight;  ///< lights × 3, of errors of R, G, B
     MatrixXd seen;    ///< lights × 3: weight × radiance
@@ -240,6 +248,10 @@ std::vector<Light> lights_about(const PreparedBrdf& brdf, const Vec3f& wv, const
             const double density = 0.5 * pdf(brdf, to_float(centre), wv) + 0.5 / (4 * k_pi);
             lights.push_back({size, centre, 1 / std::sqrt(density * k_lights_of_a_size)});
         }
+    for (int i = 0; i < k_lights_along; ++i) {
+        const double angle = k_pi * ((i + 0.5) / k_lights_along - 0.5);
+        lights.push_back({0, {elementary::sin(angle), 0, elementary::cos(angle)}, std::sqrt(k_band / k_lights_along)});
+    }
     return lights;
 }
 
@@ -279,6 +291,13 @@ float width_of(const Vec3d& albedo, const std::vector<Reflected>& reflected) {
     return float((albedo.x + albedo.y + albedo.z) / most);
 }
 
+/// What errors of R, G, B weigh beside the radiance that is seen.
+Vec3d weight_beside(const Vec3d& seen) {
+    const double of_luminance = k_luminance_share * double(luminance(Rgb{float(seen.x), float(seen.y), float(seen.z)}));
+    const auto weight = [&](double of) { return 1 / std::max((1 - k_luminance_share) * of + of_luminance, 1e-9); };
+    return {weight(seen.x), weight(seen.y), weight(seen.z)};
+}
+
 View view_of(const TurnedBrdf& brdf, double cosine) {
     View view;
     view.wv = {std::sqrt(1 - cosine * cosine), 0, cosine};
@@ -293,16 +312,9 @@ View view_of(const TurnedBrdf& brdf, double cosine) {
     for (std::size_t i = 0; i < view.lights.size(); ++i) {
         const Light& light = view.lights[i];
         const Vec3d sum = shown_of(light, brdf, wv, reflected);
-        if (light.size == 0)
-            view.peak = {std::max(view.peak.x, sum.x), std::max(view.peak.y, sum.y), std::max(view.peak.z, sum.z)};
-        const Vec3d seen = sum + ambient;
-        const double luminance = srbf::luminance(Rgb{float(seen.x), float(seen.y), float(seen.z)});
-        const auto weight = [&](double of) {
-            return light.share / std::max((1 - k_luminance_share) * of + k_luminance_share * luminance, 1e-9);
-        };
-        view.weight.row(Eigen::Index(i)) << weight(seen.x), weight(seen.y), weight(seen.z);
-        view.seen.row(Eigen::Index(i)) =
-            view.weight.row(Eigen::Index(i)).cwiseProduct(Eigen::RowVector3d(sum.x, sum.y, sum.z));
+        const Vec3d weight = light.share * weight_beside(sum + ambient);
+        view.weight.row(Eigen::Index(i)) << weight.x, weight.y, weight.z;
+        view.seen.row(Eigen::Index(i)) << weight.x * sum.x, weight.y * sum.y, weight.z * sum.z;
     }
     return view;
 }
@@ -317,15 +329,17 @@ class LobesOfView {
           kernels_(kernels),
           near_(std::move(near)),
           others_(int(near_.size()) / 2),
-          smoothness_(smoothness) {}
+          smoothness_(each(near_, smoothness, smoothness)) {
+        const double s = view_.wv.x;  // p by the angle of its axis
+        for (Eigen::Index i = 0; i < near_.size(); i += 2)
+            smoothness_[i] *= s * s / std::max(1 - near_[i] * near_[i] * s * s, 0.01);
+    }
 
     double loss(const VectorXd& x) {
         const auto n = Eigen::Index(view_.lights.size());
         shown_.resize(n, others_ + 1), by_axis_.resize(n, others_ + 1), by_roughness_.resize(n, others_ + 1);
         for (int k = 0; k <= others_; ++k) k == 0 ? set_lobe(0, 0, 1) : set_lobe(k, x[2 * k - 2], x[2 * k - 1]);
-        peaks_.resize(std::size_t(others_));
-        for (int k = 0; k < others_; ++k) peaks_[std::size_t(k)] = kernels_.at(0, x[2 * k + 1], 1);
-        double sum = smoothness_ * (x - near_).squaredNorm();
+        double sum = smoothness_.dot((x - near_).cwiseAbs2());
         for (int c = 0; c < 3; ++c) {
             solve(c, channels_[std::size_t(c)]);
             sum += channels_[std::size_t(c)].error.squaredNorm();
@@ -333,7 +347,7 @@ class LobesOfView {
         return sum;
     }
     void linearise(const VectorXd& x, MatrixXd& H, VectorXd& g) const {
-        H = smoothness_ * MatrixXd::Identity(x.size(), x.size()), g = smoothness_ * (x - near_);
+        H = smoothness_.asDiagonal(), g = smoothness_.cwiseProduct(x - near_);
         const auto n = Eigen::Index(view_.lights.size());
         for (std::size_t c = 0; c < 3; ++c) {
             const auto& [A, gram, weights, error] = channels_[c];
@@ -342,7 +356,6 @@ class LobesOfView {
                 const auto weight = view_.weight.col(Eigen::Index(c));
                 J.col(2 * k).head(n) = weights[k] * weight.cwiseProduct(by_axis_.col(k + 1));
                 J.col(2 * k + 1).head(n) = weights[k] * weight.cwiseProduct(by_roughness_.col(k + 1));
-                J(n + k, 2 * k + 1) = weights[k] * bound(k, int(c)).by_roughness;
             }
             J -= A * gram.ldlt().solve(A.transpose() * J);  // the weights adapt
             H += J.transpose() * J;
@@ -353,17 +366,15 @@ class LobesOfView {
     VectorXd upper(const VectorXd& x) const { return each(x, most_axis(), 1); }
     VectorXd longest_step(const VectorXd& x) const { return each(x, 0.2, 0.2); }
 
-    /// The lobes at the x of the last call of `loss`.
-    std::vector<Lobe> lobes(const VectorXd& x) const {
-        std::vector<Lobe> all{{0, 1, view_.albedo}};
-        for (int k = 0; k < others_; ++k) {
-            Lobe& lobe = all.emplace_back(Lobe{float(x[2 * k]), float(x[2 * k + 1]), {}});
-            for (int c = 0; c < 3; ++c) {
-                lobe.weight[c] = float(channels_[std::size_t(c)].weights[k]);
-                all[0].weight[c] -= lobe.weight[c];
-            }
-        }
-        return all;
+    /// The squared errors at the x of the last call of `loss` by the shares of a channel: sᵀ H s − 2 gᵀ s and a constant.
+    struct Quadratic {
+        MatrixXd H;
+        VectorXd g;
+    };
+    Quadratic by_shares(int c) const {
+        const Channel& channel = channels_[std::size_t(c)];
+        const double albedo = std::max(double(view_.albedo[c]), 1e-6);
+        return {albedo * albedo * channel.gram, albedo * (channel.gram * channel.weights)};
     }
 
   private:
@@ -379,23 +390,12 @@ class LobesOfView {
         channel.A.setZero(n + others_, others_);
         channel.A.topRows(n) = view_.weight.col(c).asDiagonal() * shown_.rightCols(others_);
         channel.A.topRows(n).colwise() -= first;
-        for (int k = 0; k < others_; ++k) channel.A(n + k, k) = bound(k, c).value;
+        for (int k = 0; k < others_; ++k) channel.A(n + k, k) = std::sqrt(k_ridge) / std::max(albedo, 1e-6);
         VectorXd b = VectorXd::Zero(n + others_);
         b.head(n) = view_.seen.col(c) - albedo * first;
         channel.gram = channel.A.transpose() * channel.A;
         channel.weights = channel.gram.ldlt().solve(channel.A.transpose() * b);
         channel.error = channel.A * channel.weights - b;
-    }
-    /// What the ridge multiplies the weight of a lobe after the first by.
-    BlurredKernels::Value bound(int k, int c) const {
-        const double of_peak = k_peak_share / std::max(c == 0   ? view_.peak.x
-                                                       : c == 1 ? view_.peak.y
-                                                                : view_.peak.z,
-                                                       1e-6);
-        const auto [value, by_roughness, by_cosine] = peaks_[std::size_t(k)];
-        const double ridge = std::sqrt(k_ridge);
-        return {ridge * (1 / std::max(double(view_.albedo[c]), 1e-6) + of_peak * value), ridge * of_peak * by_roughness,
-                0};
     }
     void set_lobe(int k, double p, double r) {
         const double s = view_.wv.x, c = std::sqrt(std::max(1 - p * p * s * s, 1e-12));
@@ -423,9 +423,8 @@ class LobesOfView {
     const BlurredKernels& kernels_;
     VectorXd near_;
     int others_;
-    double smoothness_;
-    MatrixXd shown_, by_axis_, by_roughness_;   ///< lights × lobes, each of weight 1
-    std::vector<BlurredKernels::Value> peaks_;  ///< under a light of the least size, of the lobes after the first
+    VectorXd smoothness_;
+    MatrixXd shown_, by_axis_, by_roughness_;  ///< lights × lobes, each of weight 1
     std::array<Channel, 3> channels_;
 };
 
@@ -468,7 +467,8 @@ class Tracks {
         return std::ranges::min(tried, {}, [](const auto& of) { return of.first; }).second;
     }
     VectorXd refined(std::size_t v, VectorXd x, const VectorXd& near) const {
-        LobesOfView problem(views_[v], kernels_, near, k_smoothness);
+        LobesOfView problem(views_[v], kernels_, near, k_smoothness * closeness(std::min(v, views_.size() - 2)));
+        x = x.cwiseMax(problem.lower(x)).cwiseMin(problem.upper(x));
         levenberg_marquardt(problem, x, k_steps);
         return x;
     }
@@ -479,6 +479,33 @@ class Tracks {
     std::vector<VectorXd> x_;
 };
 
+/// The shares of the lobes after the first, of all views: a row for each view and lobe, of R, G, B. They minimise the
+/// squared errors and what shares change by between neighbours.
+MatrixXd shares_of(const std::vector<View>& views, const BlurredKernels& kernels, const Tracks& tracks) {
+    const Eigen::Index others = tracks[0].size() / 2, n = others * Eigen::Index(views.size());
+    std::array<MatrixXd, 3> H;
+    MatrixXd g = MatrixXd::Zero(n, 3), shares(n, 3);
+    H.fill(MatrixXd::Zero(n, n));
+    for (std::size_t v = 0; v < views.size(); ++v) {
+        LobesOfView problem(views[v], kernels, tracks[v], 0);
+        problem.loss(tracks[v]);
+        const Eigen::Index at = others * Eigen::Index(v);
+        for (int c = 0; c < 3; ++c) {
+            const auto of = problem.by_shares(c);
+            MatrixXd& all = H[std::size_t(c)];
+            all.block(at, at, others, others) += of.H, g.col(c).segment(at, others) += of.g;
+            if (v + 1 == views.size()) continue;
+            const double smoothness = k_share_smoothness * elementary::square(closeness(v));
+            for (Eigen::Index i = at; i < at + others; ++i) {
+                all(i, i) += smoothness, all(i + others, i + others) += smoothness;
+                all(i, i + others) -= smoothness, all(i + others, i) -= smoothness;
+            }
+        }
+    }
+    for (int c = 0; c < 3; ++c) shares.col(c) = H[std::size_t(c)].ldlt().solve(g.col(c));
+    return shares;
+}
+
 }  // namespace
 
 double ExtendedLight::cosine(int node) { return elevation_cosine(double(node) / (k_views - 1)); }
@@ -488,11 +515,12 @@ std::vector<Lobe> lobes_at(const ExtendedLight& light, float cos_v) {
     const auto below = std::size_t(std::clamp(int(at), 0, ExtendedLight::k_views - 2)), K = std::size_t(light.lobes);
     const float part = at - float(below);
     const auto mix = [&](float x, float y) { return x + part * (y - x); };
+    const Rgb whole = albedo(light.brdf, cos_v);
     std::vector<Lobe> all;
     for (std::size_t k = 0; k < K; ++k) {
         const Lobe &a = light.lobe[below * K + k], &b = light.lobe[(below + 1) * K + k];
         Lobe& lobe = all.emplace_back(Lobe{mix(a.axis, b.axis), mix(a.roughness, b.roughness), {}});
-        for (int c = 0; c < 3; ++c) lobe.weight[c] = mix(a.weight[c], b.weight[c]);
+        for (int c = 0; c < 3; ++c) lobe.weight[c] = std::min(whole[c], 1.f) * mix(a.weight[c], b.weight[c]);
     }
     return all;
 }
@@ -526,13 +554,20 @@ ExtendedLight extended_light(const PreparedBrdf& brdf, const ExtendedLightOption
     const auto cosine = [](std::size_t v) { return std::clamp(ExtendedLight::cosine(int(v)), 1e-4, 0.9999); };
     parallel_for(views.size(), options.threads, [&](std::size_t v) { views[v] = view_of(turned, cosine(v)); });
     const Tracks tracks(views, kernels, options.lobes, options.threads);
-    ExtendedLight light{options.lobes, {}, {}};
-    for (const View& view : views) light.width.push_back(view.width);
+    const MatrixXd shares = shares_of(views, kernels, tracks);
+    ExtendedLight light{options.lobes, {}, {}, brdf};
+    const int others = options.lobes - 1;
     for (std::size_t v = 0; v < views.size(); ++v) {
-        LobesOfView problem(views[v], kernels, tracks[v], 0);
-        problem.loss(tracks[v]);
-        const std::vector<Lobe> lobes = problem.lobes(tracks[v]);
-        light.lobe.insert(light.lobe.end(), lobes.begin(), lobes.end());
+        light.width.push_back(views[v].width);
+        const std::size_t first = light.lobe.size();
+        light.lobe.push_back({0, 1, {1, 1, 1}});
+        for (int k = 0; k < others; ++k) {
+            Lobe& lobe = light.lobe.emplace_back(Lobe{float(tracks[v][2 * k]), float(tracks[v][2 * k + 1]), {}});
+            for (int c = 0; c < 3; ++c) {
+                lobe.weight[c] = float(shares(Eigen::Index(v) * others + k, c));
+                light.lobe[first].weight[c] -= lobe.weight[c];
+            }
+        }
     }
     return light;
 }

@@ -14,30 +14,40 @@
 namespace srbf {
 namespace {
 
-constexpr int k_albedo_points = 1 << 12, k_azimuths = 4;
+constexpr int k_albedo_points = 1 << 14;
 
 using AlbedoTable = std::array<Rgb, k_albedo_nodes>;
 
+/// w, turned about the normal by quarters of a full turn.
+Vec3f quarter_turns(Vec3f w, std::size_t turns) {
+    for (; turns > 0; --turns) w = {-w.y, w.x, w.z};
+    return w;
+}
+/// The points of each view's integral are shared out among four azimuths.
 AlbedoTable albedo_table(const Evaluate& brdf) {
     const StandardArithmetic mode;
-    constexpr double horizon = 1e-5;  // cosθv of the node at it
+    constexpr std::size_t k_azimuths = 4;
+    constexpr double k_horizon = 1e-7;  // cosθv of the node at it
     const MirrorMixture mixture(k_pi / 2);
     AlbedoTable table;
     for (std::size_t node = 0; node < table.size();
          ++node) {  // on one thread: another's task might wait for this table
-        const double theta = elementary::acos(std::max(albedo_cosine(int(node)), horizon));
-        std::array<double, 3> sum{};
-        for (int turn = 0; turn < k_azimuths; ++turn) {
-            const Vec3d wv = spherical(theta, 2 * k_pi * turn / k_azimuths);
-            const Quadrature points = mixture.quadrature(wv, k_albedo_points);
-            std::vector<Rgb> f(points.w.size());
-            brdf(points.w, std::vector<Vec3f>(f.size(), to_float(wv)), f);
-            for (std::size_t i = 0; i < f.size(); ++i)
-                for (int c = 0; c < 3; ++c)
-                    if (std::isfinite(f[i][c]))
-                        sum[std::size_t(c)] += points.weight[i] * double(points.w[i].z) * double(f[i][c]);
+        const double cosine = std::max(albedo_cosine(int(node)), k_horizon);
+        const Vec3d view{std::sqrt(1 - cosine * cosine), 0, cosine};
+        Quadrature points = mixture.quadrature(view, k_albedo_points);
+        std::vector<Vec3f> wv(points.w.size());
+        for (std::size_t i = 0; i < wv.size(); ++i) {
+            wv[i] = quarter_turns(to_float(view), i % k_azimuths);
+            points.w[i] = quarter_turns(points.w[i], i % k_azimuths);
         }
-        for (int c = 0; c < 3; ++c) table[node][c] = float(sum[std::size_t(c)] / k_azimuths);
+        std::vector<Rgb> f(wv.size());
+        brdf(points.w, wv, f);
+        std::array<double, 3> sum{};
+        for (std::size_t i = 0; i < f.size(); ++i)
+            for (int c = 0; c < 3; ++c)
+                if (std::isfinite(f[i][c]))
+                    sum[std::size_t(c)] += points.weight[i] * double(points.w[i].z) * double(f[i][c]);
+        for (int c = 0; c < 3; ++c) table[node][c] = float(sum[std::size_t(c)]);
     }
     return table;
 }

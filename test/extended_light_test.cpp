@@ -7,6 +7,7 @@
 
 #include "models.h"
 #include "properties.h"
+#include "srbf/directions.h"
 #include "srbf/pbr.h"
 
 namespace srbf::extended_light_test {
@@ -67,16 +68,42 @@ TEST(ExtendedLight, LevelsAreFilteredForTheirRoughness) {
         }
 }
 
-TEST(ExtendedLight, WhiteAllRoundIsReflectedByTheAlbedo) {
-    const PreparedBrdf brdf = prepare(plastic());
-    const ExtendedLight light = extended_light(brdf);
-    for (float cosine = 0.01f; cosine < 1; cosine += 0.0137f) {
-        Rgb sum;
-        for (const ExtendedLight::Lobe& lobe : lobes_at(light, cosine))
-            for (int c = 0; c < 3; ++c) sum[c] += lobe.weight[c];
-        const Rgb whole = albedo(brdf, cosine);
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], whole[c], std::max(0.01f * whole[c], 0.002f)) << cosine;
+/// ∫ f cosθl dω, without nodes.
+Rgb reflected_of_white(const PreparedBrdf& brdf, double cosine) {
+    const Vec3d wv{std::sqrt(1 - cosine * cosine), 0, cosine};
+    const Quadrature points = MirrorMixture(k_pi / 2).quadrature(wv, 1 << 14);
+    Vec3d sum{};
+    for (std::size_t i = 0; i < points.w.size(); ++i) {
+        const Rgb f = value(brdf, points.w[i], to_float(wv));
+        sum = sum + points.weight[i] * double(points.w[i].z) * Vec3d{double(f.r), double(f.g), double(f.b)};
     }
+    return {float(sum.x), float(sum.y), float(sum.z)};
+}
+
+// At every view, between nodes too, and never by more than 1, where a model itself reflects more.
+TEST(ExtendedLight, WhiteAllRoundIsReflectedByTheAlbedo) {
+    const Model metal{GgxModel{{}, {{0.1f, {0.9f, 0.6f, 0.3f}, 1}}}, {}},
+        bright{GgxModel{{0.95f, 0.9f, 0.1f}, {{0.4f, {0.2f, 0.2f, 0.2f}, 1}}}, {}};
+    double most = 0;
+    for (const Model* model : {&plastic(), &metal, &bright}) {
+        const PreparedBrdf brdf = prepare(*model);
+        const ExtendedLight light = extended_light(brdf, {.lobes = 3});
+        for (double t = 0.011; t < 1; t += 0.0173) {
+            const float cosine = float(t * t * t);  // from 1e-6 on
+            Rgb sum;
+            for (const ExtendedLight::Lobe& lobe : lobes_at(light, cosine))
+                for (int c = 0; c < 3; ++c) sum[c] += lobe.weight[c];
+            const Rgb whole = reflected_of_white(brdf, double(cosine)), between = albedo(brdf, cosine);
+            for (int c = 0; c < 3; ++c) {
+                const float within = std::max(0.01f * whole[c], 0.002f);
+                EXPECT_NEAR(between[c], whole[c], within) << cosine;
+                EXPECT_NEAR(sum[c], std::min(whole[c], 1.f), within) << cosine;
+                EXPECT_LT(sum[c], 1.0001f) << cosine;
+                most = std::max(most, double(whole[c]));
+            }
+        }
+    }
+    EXPECT_GT(most, 1.05);
 }
 
 // Under half a sphere that glows, and under a soft box of 17 degrees about the mirror direction.

@@ -18,14 +18,15 @@ namespace [[gnu::visibility("default")]] srbf {
 ///   K(r, c) ∝ c / (1 + α² − (1 − α²) c)² for c > 0 and 0 below, α = r², ∫ K dω = 1 [1/sr],
 /// and between two levels it is linear in the level, as a graphics library looks it up. The axes lie in the plane of
 /// incidence: p = 1 is the mirror direction, 0 the normal, −1 the viewer. The first lobe of each view is the cosine
-/// about the normal, p = 0 and r = 1, which is irradiance / π. Weights sum to the directional albedo. Some are negative,
-/// so that the sum of look-ups can be, where an environment is dark but for a few lights; it is then taken as 0.
+/// about the normal, p = 0 and r = 1, which is irradiance / π. Weights are shares, which sum to 1, of the directional albedo
+/// or of 1 where the BRDF reflects more. Some are negative, so that the sum of look-ups can be, where an environment is
+/// dark but for a few lights; it is then taken as 0.
 struct ExtendedLight {
     static constexpr int k_views = 32;
     struct Lobe {
         float axis;       ///< p
         float roughness;  ///< r, from `k_least_roughness` to 1
-        Rgb weight;
+        Rgb weight;       ///< of the nodes: the share
     };
     static constexpr float k_least_roughness = 0.05f;
     static constexpr int k_levels = 6;  ///< of a filtered map
@@ -34,11 +35,12 @@ struct ExtendedLight {
     /// ∫ f cosθl dωl / max f cosθl of each view [sr], in the mean of R, G, B: a light that takes much less of the hemisphere
     /// is seen as by points of it.
     std::vector<float> width;
+    PreparedBrdf brdf;  ///< whose albedos they are shares of
 
     /// cosθv of a node: nodes are uniform in ∜cosθv − √(1 − cosθv), as those of directional albedo.
     static double cosine(int node);
 };
-/// The lobes of a view, linear in the coordinate of the nodes. Requires 0 ≤ cos_v ≤ 1.
+/// The lobes of a view: p, r and shares are linear in the coordinate of the nodes. Requires 0 < cos_v ≤ 1.
 std::vector<ExtendedLight::Lobe> lobes_at(const ExtendedLight& light, float cos_v);
 /// The axis of a lobe for a view.
 Vec3f axis_of(const ExtendedLight::Lobe& lobe, const Vec3f& wv);

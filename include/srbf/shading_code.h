@@ -40,8 +40,8 @@ struct CodeOptions {
     int extended_lobes = 6;                  ///< look-ups for an environment, see extended_light.h
     MapLevels map_levels = MapLevels::root;  ///< of the map that they look up
     /// The host supplies the lobes of a model for each of `ExtendedLight::k_views` views, as it has them in a texture:
-    /// Vec3 NAME_light_texel(int i, int view), of lobe k (p, roughness, width of the view) at i = 2 k and
-    /// the weight at i = 2 k + 1.
+    /// Vec3 NAME_light_texel(int i, int view), of lobe k > 0 (p, roughness, width of the view) at i = 2 k - 2 and its
+    /// share at i = 2 k - 1, and from i = 2 `extended_lobes` - 2 the albedos (`light_texels`).
     bool light_texels = false;
     int threads = 0;  ///< for weights of sampling, albedos and lobes of environments; 0: as many as the machine has
 };
@@ -112,6 +112,13 @@ Result<std::string> radiance_text(std::span<const NamedModel> models);
 
 /// What NAME_number of a view-by-view model returns.
 std::vector<float> shading_data(const SuModel& model);
+
+/// What NAME_light_texel(i, view) returns of those lobes, R, G, B at 3 (i + view columns).
+struct LightTexels {
+    std::size_t columns;
+    std::vector<float> numbers;
+};
+LightTexels light_texels(const ExtendedLight& light);
 
 /// The same models as an ES module for three.js (release 187) and its WebGLRenderer: for each model a class, such as
 /// FilmMaterial for "film". It extends MeshStandardMaterial and reflects all lights of three by the model, environment

@@ -1,7 +1,8 @@
-// Light of any extent, to follow albedo.glsl. What precedes, of each of EXTENDED_LOBES lobes between two of EXTENDED_NODES
-// nodes, which are placed as those of albedos:
-//   light_shape(k, nodes), light_weight(k, nodes, pm)   (p, roughness, any), weight R, G, B
-//   light_width(nodes)   the solid angle to which a view is reflected
+// Light of any extent, to follow albedo.glsl. What precedes, of each of EXTENDED_LOBES lobes but the first between two of
+// EXTENDED_NODES nodes, which are placed as those of albedos:
+//   light_shape(k, nodes)              (p, roughness, any)
+//   light_weight(k, whole, nodes, pm)  its weight R, G, B, where `whole` is what all weights sum to
+//   light_width(nodes)                 the solid angle to which a view is reflected
 
 // A lobe of f_r cos(theta_l) over the light for a view: what an environment, filtered as for GGX of that roughness seen
 // along the normal, shows in the direction `axis` is reflected with `weight`, which may be negative.
@@ -10,20 +11,42 @@ struct LightLobe {
     Real roughness;
     Vec3 weight;
 };
+Vec3 times(Vec3 a, Vec3 b) { return Vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
 // A sum of lobes, which can be a little less than 0 where nearly all light comes from few directions.
 Vec3 not_negative(Vec3 sum) {
     return Vec3(max(sum.x, Real(0.0)), max(sum.y, Real(0.0)), max(sum.z, Real(0.0)));
 }
-// Lobe k, of which the first is the cosine about the normal, for a view wv above the horizon.
-LightLobe environment_lobe(Vec3 wv, int k, Pm pm) {
-    NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
+// What a view reflects of radiance 1 all round, which is at most 1.
+Vec3 reflected_of_one(Vec3 wv, Pm pm) {
+    Vec3 whole = directional_albedo(wv.z, pm);
+    return Vec3(min(whole.x, Real(1.0)), min(whole.y, Real(1.0)), min(whole.z, Real(1.0)));
+}
+// A lobe after the first; `whole` is reflected_of_one.
+LightLobe lobe_about(Vec3 wv, int k, NodesAbout nodes, Vec3 whole, Pm pm) {
     Vec3 shape = light_shape(k, nodes);
     Real p = shape.x;
     LightLobe lobe;
     lobe.axis = Vec3(-p * wv.x, -p * wv.y, sqrt(max(Real(1.0) - p * p * (Real(1.0) - wv.z * wv.z), Real(0.0))));
     lobe.roughness = shape.y;
-    lobe.weight = light_weight(k, nodes, pm);
+    lobe.weight = light_weight(k, whole, nodes, pm);
     return lobe;
+}
+// The first lobe, the cosine about the normal, which has what the others leave.
+LightLobe cosine_lobe(Vec3 weight) {
+    LightLobe lobe;
+    lobe.axis = Vec3(Real(0.0), Real(0.0), Real(1.0));
+    lobe.roughness = Real(1.0);
+    lobe.weight = weight;
+    return lobe;
+}
+// Lobe k for a view wv above the horizon.
+LightLobe environment_lobe(Vec3 wv, int k, Pm pm) {
+    NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
+    Vec3 whole = reflected_of_one(wv, pm);
+    if (k > 0) return lobe_about(wv, k, nodes, whole, pm);
+    Vec3 rest = whole;
+    for (int j = 1; j < EXTENDED_LOBES; ++j) rest = rest - light_weight(j, whole, nodes, pm);
+    return cosine_lobe(rest);
 }
 
 // The radiance of the environment, which the host supplies: in a direction of the local frame, filtered as for GGX of a
@@ -34,12 +57,15 @@ Vec3 radiance(Vec3 direction, Real roughness);
 Vec3 environment(Vec3 wv, Pm pm) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     if (wv.z <= Real(0.0)) return sum;
-    for (int k = 0; k < EXTENDED_LOBES; ++k) {
-        LightLobe lobe = environment_lobe(wv, k, pm);
-        Vec3 light = radiance(lobe.axis, lobe.roughness);
-        sum = sum + Vec3(lobe.weight.x * light.x, lobe.weight.y * light.y, lobe.weight.z * light.z);
+    NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
+    Vec3 whole = reflected_of_one(wv, pm);
+    Vec3 rest = whole;
+    for (int k = 1; k < EXTENDED_LOBES; ++k) {
+        LightLobe lobe = lobe_about(wv, k, nodes, whole, pm);
+        sum = sum + times(lobe.weight, radiance(lobe.axis, lobe.roughness));
+        rest = rest - lobe.weight;
     }
-    return not_negative(sum);
+    return not_negative(sum + times(rest, radiance(Vec3(Real(0.0), Real(0.0), Real(1.0)), Real(1.0))));
 }
 
 // A polygon of up to five corners, which follow each other.
@@ -153,12 +179,16 @@ Vec3 area(Su su, Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
     light.corner[2] = c;
     light.corner[3] = d;
     light.corner[4] = d;
-    Real share = share_of_points(light, light_width(nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES)));
+    NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
+    Real share = share_of_points(light, light_width(nodes));
     if (share > Real(0.0)) sum = share * by_points(su, wv, light, pm);
     if (share >= Real(1.0)) return sum;
-    for (int k = 0; k < EXTENDED_LOBES; ++k) {
-        LightLobe lobe = environment_lobe(wv, k, pm);
+    Vec3 whole = reflected_of_one(wv, pm);
+    Vec3 rest = whole;
+    for (int k = 1; k < EXTENDED_LOBES; ++k) {
+        LightLobe lobe = lobe_about(wv, k, nodes, whole, pm);
         sum = sum + (Real(1.0) - share) * lobe_over(lobe, light) * lobe.weight;
+        rest = rest - lobe.weight;
     }
-    return not_negative(sum);
+    return not_negative(sum + (Real(1.0) - share) * lobe_over(cosine_lobe(rest), light) * rest);
 }

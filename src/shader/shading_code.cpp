@@ -279,7 +279,7 @@ std::vector<Rgb> albedos(const Model& model) {
     const PreparedBrdf brdf = prepare<Model>(model, CosineProposal{});
     std::vector<Rgb> reflected;
     for (int i = 0; i < k_albedo_nodes; ++i)
-        reflected.push_back(albedo(brdf, std::max(float(albedo_cosine(i)), 1e-7f)));  // 0 has none
+        reflected.push_back(albedo(brdf, std::max(float(albedo_cosine(i)), 1e-30f)));  // 0 has none
     return reflected;
 }
 /// Lobe j with coefficient 1.
@@ -288,7 +288,15 @@ Model lobe_alone(PmModel basis, std::size_t j) {
     return {std::move(basis), {}};
 }
 /// What albedo.glsl requires, to be parsed before it: the sum over lobes where their coefficients are arguments.
-std::string albedo_of(const Model& model, Numbers where, bool is_wanted, Program& program) {
+std::string albedo_of(const Model& model, Numbers where, const CodeOptions& options, Program& program) {
+    if (options.light_texels)
+        return "// Of lobe k > 0 at a view: (p, roughness, width) at i = 2 k - 2 and its share of the albedo at i = 2 "
+               "k - 1;\n"
+               "// then albedos, of as many nodes in a column as there are views. The host supplies them.\n"
+               "Vec3 light_texel(int i, int view);\n"
+               "Vec3 albedo_node(Pm pm, int i) {\n"
+               "    return light_texel(2 * EXTENDED_LOBES - 2 + i / EXTENDED_NODES, i % EXTENDED_NODES);\n}\n";
+    const bool is_wanted = options.albedo || options.environment || options.area;
     Table nodes{"Directional albedo (R, G, B), a row for each node.", "albedo_nodes", {}, 3};
     if (where != Numbers::arguments) {
         for (const Rgb& of : is_wanted ? albedos(model) : std::vector<Rgb>())
@@ -349,47 +357,50 @@ std::string light_width(std::size_t column) {
 }
 /// The same of lobes that the host has.
 constexpr std::string_view k_light_of_host =
-    "// Of lobe k at a view: (p, roughness, width) at i = 2 k and the weight at i = 2 k + 1, which the host supplies.\n"
-    "Vec3 light_texel(int i, int view);\n"
     "Vec3 light_between(int i, NodesAbout nodes) {\n"
     "    Vec3 here = light_texel(i, nodes.below);\n"
     "    return here + nodes.beyond * (light_texel(i, nodes.below + 1) - here);\n}\n"
-    "Real light_width(NodesAbout nodes) { return light_between(2, nodes).z; }\n"
-    "Vec3 light_shape(int k, NodesAbout nodes) { return light_between(2 * k, nodes); }\n"
-    "Vec3 light_weight(int k, NodesAbout nodes, Pm pm) { return light_between(2 * k + 1, nodes); }\n";
+    "Real light_width(NodesAbout nodes) { return light_between(0, nodes).z; }\n"
+    "Vec3 light_shape(int k, NodesAbout nodes) { return light_between(2 * k - 2, nodes); }\n"
+    "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
+    "    Vec3 share = light_between(2 * k - 1, nodes);\n"
+    "    return Vec3(share.x * whole.x, share.y * whole.y, share.z * whole.z);\n}\n";
 /// What extended.glsl requires, to be parsed before it.
 std::string light_of(const Model& model, const CodeOptions& options, Program& program) {
     if (options.light_texels) return std::string(k_light_of_host);
-    const auto lobes = std::size_t(options.extended_lobes);
+    const auto others = std::size_t(options.extended_lobes - 1);
     Table light{
-        "A row for each node: p, roughness, weight (R, G, B) of each lobe; width.", "light_lobes", {}, 5 * lobes + 1};
+        "A row for each node: p, roughness and share of the albedo (R, G, B) of each lobe after the first; width.",
+        "light_lobes",
+        {},
+        5 * others + 1};
     if (options.environment || options.area) {
         const ExtendedLight of = extended_light(prepare(model), {.lobes = options.extended_lobes,
                                                                  .isotropic = is_isotropic(model),
                                                                  .levels = options.map_levels,
                                                                  .threads = options.threads});
         for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
-            for (const auto& lobe : std::span(of.lobe).subspan(lobes * node, lobes))
+            for (const auto& lobe : std::span(of.lobe).subspan((others + 1) * node + 1, others))
                 light.numbers.insert(light.numbers.end(),
                                      {lobe.axis, lobe.roughness, lobe.weight.r, lobe.weight.g, lobe.weight.b});
             light.numbers.push_back(of.width[node]);
         }
     }
     program.tables.push_back(std::move(light));
-    return light_number(5 * lobes + 1) + light_width(5 * lobes) +
+    return light_number(5 * others + 1) + light_width(5 * others) +
            "Vec3 light_shape(int k, NodesAbout nodes) {\n"
-           "    return Vec3(light_number(5 * k, nodes), light_number(5 * k + 1, nodes), Real(0.0));\n}\n"
-           "Vec3 light_weight(int k, NodesAbout nodes, Pm pm) {\n"
-           "    return Vec3(light_number(5 * k + 2, nodes), light_number(5 * k + 3, nodes), "
-           "light_number(5 * k + 4, nodes));\n}\n";
+           "    return Vec3(light_number(5 * k - 5, nodes), light_number(5 * k - 4, nodes), Real(0.0));\n}\n"
+           "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
+           "    return Vec3(whole.x * light_number(5 * k - 3, nodes), whole.y * light_number(5 * k - 2, nodes),\n"
+           "                whole.z * light_number(5 * k - 1, nodes));\n}\n";
 }
-/// The same where the coefficients are arguments: each lobe of the basis has the cosine and one more, so that the sum is
-/// linear in them. Lobe 0 is the cosine of all, lobe j + 1 the other of j.
+/// The same where the coefficients are arguments: beside the cosine of all there is one lobe of each of the basis, lobe j + 1
+/// of j, so that the sum is linear in them.
 std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Program& program) {
-    const auto J = std::size_t(basis.lobes), weights = 2 * (J + 1), columns = weights + 2 * J + 1;
+    const auto J = std::size_t(basis.lobes), columns = 3 * J + 1;
     Table light{
-        "A row for each node: p and roughness of each lobe; weights by the coefficients, of the cosine first; the "
-        "least width.",
+        "A row for each node: p, roughness and weight by its coefficient of each lobe after the first; the least "
+        "width.",
         "light_lobes",
         {},
         columns};
@@ -400,25 +411,19 @@ std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Pro
             prepare(one),
             {.lobes = 2, .isotropic = is_isotropic(one), .levels = options.map_levels, .threads = options.threads});
         for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
-            const ExtendedLight::Lobe &cosine = of.lobe[2 * node], &other = of.lobe[2 * node + 1];
+            const ExtendedLight::Lobe& lobe = of.lobe[2 * node + 1];
+            const float whole = albedo(of.brdf, std::max(float(ExtendedLight::cosine(int(node))), 1e-30f)).g;
             float* const row = &light.numbers[columns * node];
-            row[0] = cosine.axis, row[1] = cosine.roughness;
-            row[2 * j + 2] = other.axis, row[2 * j + 3] = other.roughness;
-            row[weights + j] = cosine.weight.g, row[weights + J + j] = other.weight.g;
+            row[3 * j] = lobe.axis, row[3 * j + 1] = lobe.roughness, row[3 * j + 2] = lobe.weight.g * whole;
             row[columns - 1] = j == 0 ? of.width[node] : std::min(row[columns - 1], of.width[node]);
         }
     }
     program.tables.push_back(std::move(light));
     return light_number(columns) + light_width(columns - 1) +
-           fmt::format(
-               "Vec3 light_shape(int k, NodesAbout nodes) {{\n"
-               "    return Vec3(light_number(2 * k, nodes), light_number(2 * k + 1, nodes), Real(0.0));\n}}\n"
-               "Vec3 light_weight(int k, NodesAbout nodes, Pm pm) {{\n"
-               "    if (k > 0) return light_number({0} + k, nodes) * pm.lobe[k - 1];\n"
-               "    Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));\n"
-               "    for (int j = 0; j < {1}; ++j) sum = sum + light_number({2} + j, nodes) * pm.lobe[j];\n"
-               "    return sum;\n}}\n",
-               weights + J - 1, J, weights);
+           "Vec3 light_shape(int k, NodesAbout nodes) {\n"
+           "    return Vec3(light_number(3 * k - 3, nodes), light_number(3 * k - 2, nodes), Real(0.0));\n}\n"
+           "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
+           "    return light_number(3 * k - 1, nodes) * pm.lobe[k - 1];\n}\n";
 }
 
 /// The entry functions, by their names in the kernel's language and in the code.
@@ -495,7 +500,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
                                                {"EXTENDED_LEVELS", std::to_string(ExtendedLight::k_levels)}};
     const bool is_mixture = options.sampling || options.albedo || options.environment || options.area;
     const std::string mixture = is_mixture ? mixture_of(model, options, program) : std::string(),
-                      nodes = albedo_of(model, where, options.albedo, program),
+                      nodes = albedo_of(model, where, options, program),
                       light = where == Numbers::arguments
                                   ? light_of_basis(std::get<PmModel>(model.model), options, program)
                                   : light_of(model, options, program);
@@ -611,6 +616,24 @@ class Printed {
 };
 
 }  // namespace
+
+LightTexels light_texels(const ExtendedLight& light) {
+    constexpr std::size_t k_views = ExtendedLight::k_views;
+    const std::size_t others = std::size_t(light.lobes) - 1,
+                      columns = 2 * others + (k_albedo_nodes + k_views - 1) / k_views;
+    LightTexels texels{columns, std::vector<float>(3 * columns * k_views)};
+    const auto set = [&](std::size_t i, std::size_t view, const Rgb& of) {
+        std::copy_n(&of.r, 3, &texels.numbers[3 * (i + view * columns)]);
+    };
+    for (std::size_t view = 0; view < k_views; ++view)
+        for (std::size_t k = 0; k < others; ++k) {
+            const auto& [axis, roughness, weight] = light.lobe[(others + 1) * view + k + 1];
+            set(2 * k, view, {axis, roughness, light.width[view]}), set(2 * k + 1, view, weight);
+        }
+    for (std::size_t i = 0; i < k_albedo_nodes; ++i)
+        set(2 * others + i / k_views, i % k_views, albedo(light.brdf, std::max(float(albedo_cosine(int(i))), 1e-30f)));
+    return texels;
+}
 
 std::vector<float> shading_data(const SuModel& model) {
     std::vector<float> data;

@@ -60,12 +60,10 @@ std::string lobes_text(const NamedModel& of, int threads) {
     const ExtendedLight light = extended_light(
         prepare(*of.model),
         {.lobes = k_three_lobes, .isotropic = is_isotropic(*of.model), .levels = MapLevels::three, .threads = threads});
+    const LightTexels texels = light_texels(light);
     std::string numbers;
-    for (std::size_t i = 0; i < light.lobe.size(); ++i) {
-        const auto& [axis, roughness, weight] = light.lobe[i];
-        numbers += fmt::format("    {}, {}, {}, {}, {}, {},\n", axis, roughness,
-                               light.width[i / std::size_t(k_three_lobes)], weight.r, weight.g, weight.b);
-    }
+    for (std::size_t i = 0; i < texels.numbers.size(); i += 3)
+        numbers += fmt::format("    {}, {}, {},\n", texels.numbers[i], texels.numbers[i + 1], texels.numbers[i + 2]);
     return fmt::format("\nconst {}_lobes = lobesTexture([\n{}]);\n", of.name, numbers);
 }
 

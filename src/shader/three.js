@@ -20,10 +20,10 @@ vec3 measured_radiance(vec3 direction, float roughness) {
         return vec3(0.0);
     #endif
 }
-// The lobes of the views, in a texture since some drivers index constants slowly. The first is the cosine about the normal.
+// The lobes of the views, and albedos, in a texture since some drivers index constants slowly.
 uniform highp sampler2D measured_lobes;
 vec3 measured_light_texel(int i, int view) {
-    return i == 0 ? vec3(0.0, 1.0, 0.0) : texelFetch(measured_lobes, ivec2(i, view), 0).rgb;
+    return texelFetch(measured_lobes, ivec2(i, view), 0).rgb;
 }
 ${functions}
 // The frame about the normal, made visible to the viewer: x along the tangent if the geometry has tangents (define
@@ -85,7 +85,7 @@ void RE_IndirectSpecular_${name}(const in vec3 radiance, const in vec3 irradianc
 #define RE_IndirectSpecular RE_IndirectSpecular_${name}
 `;
 
-// p, roughness, the view's width, R, G, B of each lobe of each view, as two texels, a row for each view.
+// The texels that measured_light_texel is asked for, a row for each view.
 function lobesTexture(numbers) {
     const views = VIEWS, texels = new Float32Array((4 * numbers.length) / 3);
     for (let i = 0, j = 0; i < numbers.length; i += 3, j += 4) texels.set(numbers.slice(i, i + 3), j);

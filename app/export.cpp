@@ -214,6 +214,7 @@ CodeOptions ExportCommand::code_options() const {
     const std::map<std::string, bool*> extras{{"sampling", &options.sampling},
                                               {"albedo", &options.albedo},
                                               {"environment", &options.environment},
+                                              {"environment-draws", &options.environment_draws},
                                               {"area", &options.area}};
     for (const std::string& extra : with) *extras.at(extra) = true;
     return options;
@@ -269,11 +270,13 @@ void add_export(CommandLine& app, int& status) {
                "sampling: code with NAME_sample and NAME_pdf too; albedo: with NAME_albedo, the share of light that\n"
                "is reflected to a view; environment: with NAME_environment, the radiance under an environment that "
                "the\n"
-               "host has filtered as for GGX; area: with NAME_area, the radiance under a quadrilateral; may be "
+               "host has filtered as for GGX; environment-draws: with NAME_environment_sampled, the same by draws, of "
+               "one that\n"
+               "is not filtered; area: with NAME_area, the radiance under a quadrilateral; may be "
                "repeated")
             .type_name("WHAT")
             .one_at_a_time()
-            .one_of({"sampling", "albedo", "environment", "area"});
+            .one_of({"sampling", "albedo", "environment", "environment-draws", "area"});
     const Option reference =
         sub.add_option("--reference", command->reference, "html: the measurement, shown and plotted beside the models")
             .type_name("MEASURED");

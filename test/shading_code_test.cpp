@@ -6,6 +6,7 @@
 
 #include "compiled_code.h"
 #include "models.h"
+#include "srbf/directions.h"
 #include "srbf/prepared.h"
 #include "srbf/sampling.h"
 #include "statistics.h"
@@ -51,15 +52,33 @@ const std::vector<Model>& models() {
 }
 std::string name_of(std::size_t i) { return fmt::format("m{}", i); }
 
+/// What a host supplies for environments by draws.
+std::string radiance_over(CodeLanguage language) {
+    switch (language) {
+        case CodeLanguage::glsl:
+            return "vec3 lit_radiance_over(vec3 w, float s) { return s * w; }\n";
+        case CodeLanguage::hlsl:
+            return "float3 lit_radiance_over(float3 w, float s) { return s * w; }\n";
+        case CodeLanguage::wgsl:
+            return "fn lit_radiance_over(w: vec3f, s: f32) -> vec3f { return s * w; }\n";
+        case CodeLanguage::msl:
+            return "";
+        case CodeLanguage::c:
+            return "static srbf_vec3 lit_radiance_over(srbf_vec3 w, float s) { w.x *= s; return w; }\n";
+    }
+    return "";
+}
+
 std::string code(CodeLanguage language, bool sampling = true) {
     std::vector<NamedModel> named;
     for (std::size_t i = 0; i < models().size(); ++i) named.push_back({name_of(i), &models()[i]});
     const auto text = shading_code(named, "all", {.language = language, .sampling = sampling, .albedo = sampling});
     if (!text) return ADD_FAILURE() << message(text.error()), "";
     if (language == CodeLanguage::c) return *text;
-    // Compiled, not run, where no test of C does: what the code says of area lights.
+    // Compiled, not run, where no test of C does: what the code says of area lights, and of environments by draws.
     const NamedModel lit{"lit", &models().back()};
-    return *text + *shading_code(std::span(&lit, 1), "lit", {.language = language, .area = true});
+    return *text + radiance_over(language) +
+           *shading_code(std::span(&lit, 1), "lit", {.language = language, .environment_draws = true, .area = true});
 }
 
 /// The code of one model, with sampling and albedo. Of all of them the constants are too many for some drivers.
@@ -218,6 +237,47 @@ TEST_F(ShadingCode, RunsAsCAndCpp) {
     if (!std::strlen(SRBF_CLANG)) GTEST_SKIP() << "no clang (Debian: clang)";
     EXPECT_TRUE(runs(SRBF_CLANG + fmt::format(fmt::runtime(checks), plain)));
     ask_compiled(SRBF_CLANG " -x c -std=c99 -pedantic", header, "srbf_vec3", "c_of_clang");
+}
+
+/// By draws, of an environment whose radiance hardly changes over the solid angle of one.
+TEST_F(ShadingCode, EnvironmentsBySamples) {
+    const Model model{rounded(GgxModel{{0.3f, 0.2f, 0.1f}, {{0.3f, {0.3f, 0.2f, 0.1f}, 1}}}), {}};
+    const NamedModel named{"glossy", &model};
+    const auto text = [&](CodeLanguage language) {
+        return *shading_code(std::span(&named, 1), "glossy", {.language = language, .environment_draws = true});
+    };
+    EXPECT_NE(text(CodeLanguage::wgsl).find("fn glossy_environment_sampled(wv: vec3f, count: i32)"), std::string::npos);
+    EXPECT_EQ(text(CodeLanguage::msl).find("glossy_environment_sampled("), std::string::npos);
+    EXPECT_NE(text(CodeLanguage::msl).find("glossy_environment_draw("), std::string::npos);
+    void* const library = compiled(
+        SRBF_COMPILER " -x c -std=c99 -pedantic -Wall -Wextra -Wconversion -Werror", "draws",
+        text(CodeLanguage::c) +
+            "static srbf_vec3 glossy_radiance_over(srbf_vec3 direction, float solid_angle) {\n"
+            "    return srbf_vec3_of(1.0f + direction.x, 1.0f + direction.z, 1.0f / (1.0f + solid_angle));\n}\n"
+            "void answer(const float* v, int count, float* to);\n"
+            "void answer(const float* v, int count, float* to) {\n"
+            "    srbf_vec3 wv = {v[0], v[1], v[2]}, f = glossy_environment_sampled(wv, count);\n"
+            "    to[0] = f.x, to[1] = f.y, to[2] = f.z;\n}\n");
+    ASSERT_TRUE(library);
+    const auto answer = function<void(const float*, int, float*)>(library, "answer");
+    const PreparedBrdf brdf = prepare(model);
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 50; ++i) {
+        const Vec3f wv = to_float(random_direction(random, 0.1));
+        const Quadrature points = MirrorMixture(k_pi / 2).quadrature(to_double(wv), 1 << 13);
+        Rgb expected, found, of_many;
+        for (std::size_t k = 0; k < points.w.size(); ++k) {
+            const Vec3f wl = points.w[k];
+            const Rgb f = value(brdf, wl, wv);
+            const float weight = float(points.weight[k]) * wl.z;
+            expected.r += weight * f.r * (1 + wl.x), expected.g += weight * f.g * (1 + wl.z),
+                expected.b += weight * f.b;
+        }
+        answer(&wv.x, 64, &found.r), answer(&wv.x, 4096, &of_many.r);
+        EXPECT_NEAR(found.r, expected.r, 0.08f * expected.r) << wv.z;
+        EXPECT_NEAR(found.g, expected.g, 0.08f * expected.g) << wv.z;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(of_many[c], expected[c], 0.01f * expected[c]) << wv.z;
+    }
 }
 
 /// Under an environment that a host supplies, whose radiance tells where and how blurred it is asked.

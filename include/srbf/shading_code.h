@@ -33,11 +33,12 @@ inline constexpr CodeLanguageRow k_code_languages[] = {{CodeLanguage::glsl, "gls
 
 struct CodeOptions {
     CodeLanguage language = CodeLanguage::glsl;
-    bool sampling = false;                   ///< also NAME_sample and NAME_pdf
-    bool albedo = false;                     ///< also NAME_albedo
-    bool environment = false;                ///< also NAME_environment and NAME_environment_lobe
-    bool area = false;                       ///< also NAME_area and NAME_environment_lobe
-    int extended_lobes = 6;                  ///< look-ups for an environment, see extended_light.h
+    bool sampling = false;           ///< also NAME_sample and NAME_pdf
+    bool albedo = false;             ///< also NAME_albedo
+    bool environment = false;        ///< also NAME_environment and NAME_environment_lobe
+    bool environment_draws = false;  ///< also NAME_environment_sampled, NAME_environment_draw and those of sampling
+    bool area = false;               ///< also NAME_area and NAME_environment_lobe
+    int extended_lobes = 6;          ///< look-ups for an environment, see extended_light.h
     MapLevels map_levels = MapLevels::root;  ///< of the map that they look up
     /// The host supplies the lobes of a model for each of `ExtendedLight::k_views` views, as it has them in a texture:
     /// Vec3 NAME_light_texel(int i, int view), of lobe k > 0 (p, roughness, width of the view) at i = 2 k - 2 and its
@@ -63,6 +64,10 @@ std::string identifier(std::string_view text);
 ///   Vec3 NAME_environment(Vec3 wv)     the radiance that leaves towards the viewer under an environment, of which the
 ///                                      host supplies Vec3 NAME_radiance(Vec3 direction, float roughness); not for Metal,
 ///                                      where a function sees no textures but its arguments
+///   Vec3 NAME_environment_sampled(Vec3 wv, int count)   the same by so many draws of NAME_sample, of an environment that is
+///                                      not filtered for them: the host supplies Vec3 NAME_radiance_over(Vec3 direction,
+///                                      float solid_angle), a look-up in its mip levels; not for Metal
+///   LightDraw NAME_environment_draw(Vec3 wv, int i, int count)   one of them: direction, solid angle [sr], weight
 ///   Vec3 NAME_area(Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d)   the radiance that leaves towards the viewer from a
 ///                                      quadrilateral of radiance 1, of corners about the point
 ///   LightLobe NAME_environment_lobe(Vec3 wv, int k)   of the `extended_lobes` terms of that sum one: axis, roughness and

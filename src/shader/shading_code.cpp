@@ -433,11 +433,14 @@ Names entries(const CodeOptions& options) {
     if (options.sampling) names.insert({{"sample_light", "sample"}, {"light_pdf", "pdf"}});
     if (options.albedo) names.insert({"directional_albedo", "albedo"});
     if (options.environment || options.area) names.insert({"environment_lobe", "environment_lobe"});
+    if (options.environment_draws) names.insert({"environment_draw", "environment_draw"});
     if (options.light_texels) names.insert({"light_texel", "light_texel"});
     if (options.area) names.insert({"area", "area"});
     // A function sees the host's textures.
     if (options.environment && syntax::reads_buffers(options.language))
         names.insert({{"radiance", "radiance"}, {"environment", "environment"}});
+    if (options.environment_draws && syntax::reads_buffers(options.language))
+        names.insert({{"radiance_over", "radiance_over"}, {"environment_sampled", "environment_sampled"}});
     return names;
 }
 
@@ -509,6 +512,7 @@ Program program_of(const Model& model, const CodeOptions& options, const std::ve
     syntax::parse(brdf, program, defines);
     if (is_mixture)
         syntax::parse(mixture + k_mixture_text + nodes + k_albedo_text + light + k_extended_text, program, defines);
+    if (options.environment_draws) syntax::parse(k_sampled_text, program, defines);
     syntax::specialise(program, roots);
     return program;
 }
@@ -673,6 +677,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     std::vector<PartModels> parts;
     std::string list, of_bsdfs;
     const auto is_bsdf = [](const NamedModel& of) { return std::holds_alternative<BsdfModel>(of.model->model); };
+    if (options.environment_draws) options.sampling = true;
     // Which part is drawn from follows from their albedos.
     if (options.sampling && std::ranges::any_of(models, is_bsdf)) options.albedo = true;
     const auto add_name = [&](const std::string& name) { list += (list.empty() ? "" : ", ") + name; };
@@ -713,7 +718,8 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
         return Error{std::string(name), {}, what, expected, found, ErrorCode::argument};
     };
     if (!map.dense()) return refused("library", "a coefficient for each lobe", "some lobes of each material");
-    if (options.sampling) return refused("code of a map", "values, albedos and light", "sampling");
+    if (options.sampling || options.environment_draws)
+        return refused("code of a map", "values, albedos and light", "sampling");
     Names names = map_entries(options);
     std::vector<std::string> roots;
     std::string list;

@@ -4,6 +4,9 @@
 // error of albedo from 0 to 75°, of luminance and of a channel (relative to luminance); the same of the noisy table itself;
 // and processor seconds.
 //   usage: noisy_tables [--signed] [--clamped] [--share X] FILE...
+// With --draws N, of N draws of signed noise as large as the median, the error of albedo (luminance) at each of 0.5 to 75° of
+// the fits and of the tables: their mean and standard deviation, then the median of their largest.
+//   usage: noisy_tables --draws N FILE...
 // Of files of MBSDF's layout, --own compares each channel's albedo of the fit with the file's own.
 #include <fmt/format.h>
 
@@ -51,8 +54,8 @@ double median(const MbsdfTable& table) {
     return double(means[means.size() / 2]);
 }
 
-MbsdfTable with_noise(MbsdfTable table, double deviation, bool clamped) {
-    std::mt19937_64 random(1);
+MbsdfTable with_noise(MbsdfTable table, double deviation, bool clamped, std::uint64_t seed = 1) {
+    std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
     for (Rgb& cell : table.cells)
         for (int c = 0; c < 3; ++c) {
@@ -111,6 +114,54 @@ void print_own(const Measured& measured) {
     std::fflush(stdout);
 }
 
+/// Relative errors of albedo at `k_angles`, in per cent.
+std::vector<double> luminance_errors(const Evaluate& truth, const Evaluate& other) {
+    std::vector<double> errors;
+    for (const double theta : k_angles) {
+        const auto seen = [&](const Evaluate& f) { return luminance(albedo(f, theta * k_degree, 89 * k_degree)); };
+        errors.push_back(100 * (double(seen(other)) / double(seen(truth)) - 1));
+    }
+    return errors;
+}
+
+void print_draws(const std::string& name, const char* of, const std::vector<std::vector<double>>& draws) {
+    fmt::print("| {} | {} |", name, of);
+    for (std::size_t k = 0; k < std::size(k_angles); ++k) {
+        double sum = 0, squares = 0;
+        for (const auto& errors : draws) sum += errors[k], squares += errors[k] * errors[k];
+        const double count = double(draws.size()), mean = sum / count;
+        fmt::print(" {:+.2f} ± {:.2f} |", mean, std::sqrt(std::max(squares / count - mean * mean, 0.)));
+    }
+    std::vector<double> largest;
+    for (const auto& errors : draws) {
+        const auto [low, high] = std::ranges::minmax(errors);
+        largest.push_back(std::max(high, -low));
+    }
+    std::ranges::sort(largest);
+    fmt::print(" {:.2f} |\n", largest[largest.size() / 2]);
+    std::fflush(stdout);
+}
+
+void print_draws(const std::string& file, int draws) {
+    const auto measured = load_measured(file);
+    if (!measured) return void(fmt::print(stderr, "{}\n", message(measured.error())));
+    const MbsdfTable table = table_of(evaluator(*measured));
+    const Measured clean{"", "", 0, table};
+    const Evaluate truth = evaluator(clean);
+    std::vector<std::vector<double>> of_fits, of_tables;
+    for (int seed = 1; seed <= draws; ++seed) {
+        const Measured noisy{"", "", 0, with_noise(table, median(table), false, std::uint64_t(seed))};
+        of_tables.push_back(luminance_errors(truth, signed_evaluator(noisy)));
+        Fitter fitter(noisy);
+        const auto outcome = fitter.fit({});
+        if (!outcome) return void(fmt::print(stderr, "{}\n", message(outcome.error())));
+        of_fits.push_back(luminance_errors(truth, evaluator(outcome->model)));
+    }
+    const std::string name = std::filesystem::path(file).stem().string();
+    print_draws(name, "table", of_tables);
+    print_draws(name, "fit", of_fits);
+}
+
 }  // namespace
 }  // namespace srbf
 
@@ -123,6 +174,11 @@ int main(int argc, char** argv) {
         const std::string word = argv[i];
         if (word == "--own") {
             for (++i; i < argc; ++i) print_own(*load_measured(argv[i]));
+            return 0;
+        }
+        if (word == "--draws") {
+            const int draws = std::stoi(argv[++i]);
+            for (++i; i < argc; ++i) print_draws(argv[i], draws);
             return 0;
         }
         if (word == "--signed")

@@ -357,5 +357,26 @@ TEST(Rounding, ModelOfLobesEvaluatesToThem) {
     EXPECT_LT(error, 1e-6 * whole);
 }
 
+TEST(Rounding, CostsNoMoreThanThatOfEachNumberForItself) {
+    const Lobes extended{{PmForm::extended, 2}, {0.7, 1.4}, {40, 1, 0.5, 3, 0.2, 2, 3, -1.5, 1, -4, 0.3, 5}};
+    for (const Rows* of : {&rows(), &rows_with_views()})
+        for (const Lobes& lobes : {some_lobes(), extended, general_lobes()}) {
+            LobeProblem problem(*of, lobes.shape, false);
+            Eigen::VectorXd x = pack(lobes);
+            const double unrounded = levenberg_marquardt(problem, x, {.max_iterations = 30}).loss;
+            const Lobes best = unpack(x, lobes.shape);
+            const Eigen::MatrixXd beta = problem.beta();
+            const Lobes alone = rounded_lobes(problem, best, unrounded * 1e3);
+            problem.continue_from(beta);
+            const double plain = problem.loss(pack(alone));
+            problem.continue_from(beta);
+            problem.loss(x);
+            const Lobes followed = rounded_lobes(problem, best, 0);  // no cost is small enough
+            EXPECT_LE(problem.loss(pack(followed)), 1.001 * plain);
+            const PmModel model = to_model(problem, followed, true);
+            EXPECT_EQ(pack(to_lobes(to_halves(model, followed), lobes.shape)), pack(followed));
+        }
+}
+
 }  // namespace
 }  // namespace srbf::lobes_test

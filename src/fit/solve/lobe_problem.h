@@ -31,6 +31,8 @@ class LobeProblem {
     double delta_e() { return pixels_.term().delta_e(beta()); }         ///< mean ΔE_ITP of the views' pixels
     const Eigen::MatrixXd& beta() const { return coefficients_.beta; }  ///< J × C, in multiples of `scale`
     const Eigen::MatrixXd& gram() const { return coefficients_.gram; }  ///< E·E
+    /// With pixels `loss` takes a few steps from the last coefficients: from these instead.
+    void continue_from(const Eigen::MatrixXd& beta) { coefficients_.beta = beta; }
     /// The loss to second order in the coefficients alone: its Hessian and half its gradient, channel by channel.
     CoefficientTerms by_coefficients();
     double scale() const { return rows_.scale; }

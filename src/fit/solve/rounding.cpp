@@ -174,11 +174,14 @@ Lobes rounded_lobes(LobeProblem& problem, const Lobes& lobes, double unrounded) 
     problem.loss(x);
     problem.linearise(x, loss.H, g);
     fix_at_bounds(x, loss.lower, loss.upper, loss.H, g);
+    const Eigen::MatrixXd beta = problem.beta();
     for (const double damping : k_dampings) {
+        problem.continue_from(beta);  // not from those of lobes that followed too far
         Lobes halves = loss.rounded_in_turn(damping);
         if (const double its = problem.loss(pack(halves)); its < least) least = its, best = std::move(halves);
         if (least <= k_cost_of_rounding * unrounded) break;
     }
+    problem.continue_from(beta);
     return best;
 }
 

@@ -72,6 +72,9 @@ struct ExportedLight {
     float light_width(NodesAbout nodes) {
         return between(nodes, [&](std::size_t i) { return lobes.width[i]; });
     }
+    Vec3 light_whole(Vec3 albedo) {
+        return {std::min(albedo.x, 1.f), std::min(albedo.y, 1.f), std::min(albedo.z, 1.f)};
+    }
     Vec3 directional_albedo(float cosine, Pm) {
         const Rgb of = albedo(material, cosine);
         return {of.r, of.g, of.b};

@@ -2,6 +2,7 @@
 // EXTENDED_NODES nodes, which are placed as those of albedos:
 //   light_shape(k, nodes)              (p, roughness, any)
 //   light_weight(k, whole, nodes, pm)  its weight R, G, B, where `whole` is what all weights sum to
+//   light_whole(albedo)                what the weights of all lobes sum to where that is the directional albedo
 //   light_width(nodes)                 the solid angle to which a view is reflected
 
 // A lobe of f_r cos(theta_l) over the light for a view: what an environment, filtered as for GGX of that roughness seen
@@ -16,11 +17,8 @@ Vec3 times(Vec3 a, Vec3 b) { return Vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
 Vec3 not_negative(Vec3 sum) {
     return Vec3(max(sum.x, Real(0.0)), max(sum.y, Real(0.0)), max(sum.z, Real(0.0)));
 }
-// What a view reflects of radiance 1 all round, which is at most 1.
-Vec3 reflected_of_one(Vec3 wv, Pm pm) {
-    Vec3 whole = directional_albedo(wv.z, pm);
-    return Vec3(min(whole.x, Real(1.0)), min(whole.y, Real(1.0)), min(whole.z, Real(1.0)));
-}
+// What a view reflects of radiance 1 all round.
+Vec3 reflected_of_one(Vec3 wv, Pm pm) { return light_whole(directional_albedo(wv.z, pm)); }
 // A lobe after the first; `whole` is reflected_of_one.
 LightLobe lobe_about(Vec3 wv, int k, NodesAbout nodes, Vec3 whole, Pm pm) {
     Vec3 shape = light_shape(k, nodes);

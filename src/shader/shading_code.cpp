@@ -355,6 +355,11 @@ std::string light_number(std::size_t columns) {
 std::string light_width(std::size_t column) {
     return fmt::format("Real light_width(NodesAbout nodes) {{ return light_number({}, nodes); }}\n", column);
 }
+/// Weights sum to 1 at most, but of materials of a basis to the albedo, for the sum is linear in their coefficients.
+constexpr std::string_view k_light_whole =
+    "Vec3 light_whole(Vec3 albedo) {\n"
+    "    return Vec3(min(albedo.x, Real(1.0)), min(albedo.y, Real(1.0)), min(albedo.z, Real(1.0)));\n}\n";
+constexpr std::string_view k_light_whole_of_basis = "Vec3 light_whole(Vec3 albedo) { return albedo; }\n";
 /// The same of lobes that the host has.
 constexpr std::string_view k_light_of_host =
     "Vec3 light_between(int i, NodesAbout nodes) {\n"
@@ -367,7 +372,7 @@ constexpr std::string_view k_light_of_host =
     "    return Vec3(share.x * whole.x, share.y * whole.y, share.z * whole.z);\n}\n";
 /// What extended.glsl requires, to be parsed before it.
 std::string light_of(const Model& model, const CodeOptions& options, Program& program) {
-    if (options.light_texels) return std::string(k_light_of_host);
+    if (options.light_texels) return std::string(k_light_whole).append(k_light_of_host);
     const auto others = std::size_t(options.extended_lobes - 1);
     Table light{
         "A row for each node: p, roughness and share of the albedo (R, G, B) of each lobe after the first; width.",
@@ -387,7 +392,7 @@ std::string light_of(const Model& model, const CodeOptions& options, Program& pr
         }
     }
     program.tables.push_back(std::move(light));
-    return light_number(5 * others + 1) + light_width(5 * others) +
+    return light_number(5 * others + 1) + light_width(5 * others) + std::string(k_light_whole) +
            "Vec3 light_shape(int k, NodesAbout nodes) {\n"
            "    return Vec3(light_number(5 * k - 5, nodes), light_number(5 * k - 4, nodes), Real(0.0));\n}\n"
            "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"
@@ -419,7 +424,7 @@ std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Pro
         }
     }
     program.tables.push_back(std::move(light));
-    return light_number(columns) + light_width(columns - 1) +
+    return light_number(columns) + light_width(columns - 1) + std::string(k_light_whole_of_basis) +
            "Vec3 light_shape(int k, NodesAbout nodes) {\n"
            "    return Vec3(light_number(3 * k - 3, nodes), light_number(3 * k - 2, nodes), Real(0.0));\n}\n"
            "Vec3 light_weight(int k, Vec3 whole, NodesAbout nodes, Pm pm) {\n"

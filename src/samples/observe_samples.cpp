@@ -22,7 +22,7 @@ constexpr std::size_t k_completed_pairs = 16384;
 constexpr std::size_t k_grazing_pairs = 512, k_grazing_tried = 65536;
 constexpr float k_grazing_cos = 0.4f;
 /// Of Σ w |f|²: by less lobes follow less closely, by more they look worse elsewhere.
-constexpr double k_grazing_share = 0.3;
+constexpr double k_grazing_share = 0.6;
 /// The completed samples are level at the largest sample but for rounding.
 constexpr double k_level = 0.999;
 /// Number of pairs of the grid (of ten thousand) that also constrain lobes.
@@ -30,23 +30,32 @@ constexpr std::size_t k_most_between_samples = 4096;
 /// Extrapolation beyond θmax gets a smaller weight than values of a table.
 constexpr double k_extrapolated_share = 0.1;
 
-/// Adds pairs of directions near the horizon where the completed samples are at least as large as every sample, with
-/// `k_grazing_share` of Σ w |f|². A table's pairs are few there, so that lobes are free to exceed what they follow.
+/// Adds pairs of directions near the horizon where the completed samples are at least as large as every sample, or the
+/// largest that were tried, with `k_grazing_share` of Σ w |f|². A table's pairs are few there, so that lobes are free to
+/// exceed what they follow.
 void add_grazing(Observations& to, const CompletedSamples& completed, double max_theta, std::uint64_t seed) {
     const MirrorMixture lights(max_theta);
     std::mt19937_64 random(seed);
     RSequence<6> points = random_sequence(random);
-    Observations grazing;
-    for (std::size_t tried = 0; tried < k_grazing_tried && grazing.f.size() < k_grazing_pairs; ++tried) {
+    Observations tried;
+    std::vector<double> size;  // f A
+    for (std::size_t i = 0; i < k_grazing_tried; ++i) {
         const auto pair = pair_within(lights, points.next());
         if (!pair || std::max(pair->wl.z, pair->wv.z) > k_grazing_cos) continue;
         const Rgb f = value(completed, pair->wl, pair->wv);
         const double area = cosines(pair->wl, pair->wv);
-        if (largest_of(f) * area >= k_level * completed.allowed) grazing.add(pair->wl, pair->wv, f, area * area);
+        tried.add(pair->wl, pair->wv, f, area * area);
+        size.push_back(largest_of(f) * area);
     }
+    if (size.size() < k_grazing_pairs) return;
+    std::vector<double> sorted = size;
+    std::ranges::nth_element(sorted, sorted.begin() + std::ptrdiff_t(k_grazing_pairs) - 1, std::greater());
+    const double least = std::min(k_level * completed.allowed, sorted[k_grazing_pairs - 1]);
+    Observations grazing;
+    for (std::size_t i = 0; i < size.size() && grazing.f.size() < k_grazing_pairs; ++i)
+        if (size[i] >= least) grazing.add(tried.wl[i], tried.wv[i], tried.f[i], tried.weight[i]);
     grazing.normalise();
-    const double share = k_grazing_share * double(grazing.f.size()) / double(k_grazing_pairs);
-    for (double& weight : grazing.weight) weight *= share;
+    for (double& weight : grazing.weight) weight *= k_grazing_share;
     to.append(grazing);
 }
 

@@ -22,6 +22,9 @@ constexpr int k_last_steps = 10, k_most_tens = 26;
 constexpr double k_least_gain = 0.005;
 /// Instead, for pictures of scattered samples, which are known less well.
 constexpr double k_least_gain_of_samples = 0.02;
+/// Instead of tens, once bounds are exceeded: weights move lobes below them in a few steps.
+constexpr int k_bound_steps_of_samples = 4;
+
 /// Weights for which Σ w |f|² over the wavelengths equals that over R, G, B.
 void weigh_for_spectra(Observations& observations) {
     const std::size_t count = observations.fitted(), C = observations.wavelengths.size();
@@ -35,15 +38,20 @@ void weigh_for_spectra(Observations& observations) {
     for (double& weight : observations.weight) weight *= of_colours / of_spectra;
 }
 
+/// Levenberg-Marquardt from x, so many steps.
+LevenbergMarquardtSummary few_steps(LobeProblem& problem, Eigen::VectorXd& x, int count, const Reporter& reporter) {
+    LevenbergMarquardtOptions steps;
+    steps.max_iterations = reporter.cancelled() ? 0 : count;
+    return levenberg_marquardt(problem, x, steps);
+}
+
 /// Levenberg-Marquardt from x as long as the steps pay off.
 LevenbergMarquardtSummary last_steps(LobeProblem& problem, Eigen::VectorXd& x, double least_gain,
                                      const Reporter& reporter) {
-    LevenbergMarquardtOptions steps;
-    steps.max_iterations = reporter.cancelled() ? 0 : k_last_steps;
     LevenbergMarquardtSummary summary;
     double before = std::numeric_limits<double>::infinity();
     for (int i = 0; i < k_most_tens; ++i) {
-        summary = levenberg_marquardt(problem, x, steps);
+        summary = few_steps(problem, x, k_last_steps, reporter);
         const bool pays = summary.loss <= (1 - least_gain) * before;
         if (!pays || summary.stop != Stop::iterations || reporter.cancelled()) break;
         before = summary.loss;
@@ -77,7 +85,10 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = pack(lobes);
         const bool of_samples = rows.views > 0 && !factors.has_point_lights;
-        const auto summary = last_steps(problem, x, of_samples ? k_least_gain_of_samples : k_least_gain, reporter);
+        const auto summary =
+            of_samples && round > 0
+                ? few_steps(problem, x, k_bound_steps_of_samples, reporter)
+                : last_steps(problem, x, of_samples ? k_least_gain_of_samples : k_least_gain, reporter);
         lobes = unpack(x, lobes.shape);
         fit.unrounded_loss = summary.loss;
         fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;

@@ -49,7 +49,7 @@ LightLobe environment_lobe(Vec3 wv, int k, Pm pm) {
 
 // The radiance of the environment, which the host supplies: in a direction of the local frame, filtered as for GGX of a
 // roughness, as an engine's maps hold it. At roughness 1 it is irradiance / pi. Lobes are fitted to maps of
-// EXTENDED_LEVELS levels, of which level (EXTENDED_LEVELS - 1) sqrt(roughness) is looked up, between levels linearly.
+// 6 levels, of which level 5 sqrt(roughness) is looked up, between levels linearly.
 Vec3 radiance(Vec3 direction, Real roughness);
 // The radiance that leaves towards the viewer.
 Vec3 environment(Vec3 wv, Pm pm) {

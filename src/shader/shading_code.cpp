@@ -179,9 +179,11 @@ std::string vector(const Rgb& of) { return fmt::format("Vec3({}, {}, {})", real(
 
 /// The function `brdf`, of a value above the horizon that `statements` compute.
 std::string brdf_function(const std::string& statements) {
-    return "// f_r [1/sr] for R, G, B, of unit vectors in the local frame, wl towards the light, wv towards the "
-           "viewer; "
-           "0\n// where one of them is not above the horizon.\n"
+    return "// The BRDF f_r [1/sr] in linear sRGB, without the cosine: multiply by wl.z and by the irradiance of the "
+           "light on a\n"
+           "// surface that faces it. wl points to the light and wv to the viewer: unit vectors in the local frame, "
+           "whose z is the\n"
+           "// shading normal. 0 where one of them is not above the horizon.\n"
            "Vec3 brdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {\n"
            "    if (wl.z <= Real(0.0) || wv.z <= Real(0.0)) return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
            statements + "}\n";

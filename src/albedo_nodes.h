@@ -17,7 +17,7 @@ inline double elevation_cosine(double t) {
     return above;
 }
 
-inline constexpr int k_albedo_nodes = 65;
+inline constexpr int k_albedo_nodes = 129;
 template <typename Real> Real albedo_coordinate(Real cosine) {
     return Real(k_albedo_nodes - 1) * elevation_coordinate(cosine);
 }

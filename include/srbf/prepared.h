@@ -89,7 +89,7 @@ inline LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float sel
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
 
 /// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths: linear in
-/// ∜cosθv − √(1 − cosθv) between 65 nodes, within 1 % or 0.002 at every cosine above 0.001 for smooth and glossy BRDFs.
+/// ∜cosθv − √(1 − cosθv) between 129 nodes, within 1 % or 0.002 at every cosine for the fits of measured materials.
 /// The first call makes the nodes, which takes some tens of milliseconds.
 Rgb albedo(const PreparedBrdf& brdf, float cos_v);
 

@@ -298,6 +298,13 @@ TEST(Three, ShowsAMapAsItsTexels) {
     const RandomModelOptions lobes{.axial = false, .lobes = 5, .variates = 3, .most_bandwidth = 60};
     const Library map = random_map(random, lobes, 8, 4), fine = random_map(random, lobes, 32, 32);
     Library constant = random_map(random, lobes, 1, 1);
+    // Environments show no more of a material alone than all the light; of maps, whose sum is linear, they do.
+    const PreparedBrdf bright = prepare(material(constant, 0), CosineProposal{});
+    float most = 0;
+    for (const float cosine : {0.01f, 0.1f, 0.2f, 0.4f, 0.6f, 0.8f, 1.f})
+        for (int c = 0; c < 3; ++c) most = std::max(most, albedo(bright, cosine)[c]);
+    for (Rgb& f : constant.coefficient)
+        for (int c = 0; c < 3; ++c) f[c] *= std::exp2(-std::ceil(std::log2(most)) - 1);  // still 16-bit floats
     const Model alone = material(constant, 0);
     const NamedModel named{"alone", &alone};
 

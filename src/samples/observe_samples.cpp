@@ -199,6 +199,36 @@ Observations observations_of(const ScatteredSamples& samples, std::span<const st
     return all;
 }
 
+namespace {
+
+/// Weights of pairs of the same weight, by their objective.
+void weigh_all(Observations& of, int threads) {
+    weigh(of.objective, of.typical, of.wl, of.wv, of.f, of.weight, threads);
+    of.normalise();
+}
+
+/// Sets what is expected between the samples, and its errors at samples that were left out. False: cancelled.
+bool interpolate(SampleObservations& observed, const ScatteredSamples& samples, const std::vector<std::size_t>& within,
+                 const std::vector<int>& fold, const ProgressToken& progress) {
+    const ObserveSamplesOptions& options = observed.options;
+    ExpectedBetween expected = interpolated(samples);
+    if (traits(options.objective).of_scatter) {
+        expected = of_facets(fit_facets(observed.samples));
+        observed.interpolation = errors_of(expected, samples, options.max_theta);
+    } else {
+        const auto errors = interpolation_errors(samples, within, fold, options.max_theta, progress.part(0, 0.5));
+        if (!errors) return false;
+        observed.interpolation = *errors;
+    }
+    observed.between.wavelengths = observed.samples.wavelengths;
+    observed.between.objective = options.objective, observed.between.typical = observed.samples.typical;
+    if (!observe_between(observed, expected, largest_square(observed.samples), progress.part(0.5, 1))) return false;
+    weigh_all(observed.between, options.threads);
+    return true;
+}
+
+}  // namespace
+
 Result<SampleObservations> observe(const ScatteredSamples& samples, const ObserveSamplesOptions& options,
                                    const ProgressToken& progress) {
     const StandardArithmetic mode;
@@ -222,14 +252,9 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     observed.samples = observations_of(samples, within, true, options.spectral);
     observed.samples.masked = samples.masked;
     observed.samples.objective = options.objective;
-    const double typical = observed.samples.typical =
-        typical_value(options.objective, once.wl, once.wv, once.f, once.weight);
-    if (!(typical > 0)) return no_data_error("samples", "values", "some above 0");
-    const auto weigh_all = [&](Observations& of) {
-        weigh(options.objective, typical, of.wl, of.wv, of.f, of.weight, options.threads);
-        of.normalise();
-    };
-    weigh_all(observed.samples);
+    observed.samples.typical = typical_value(options.objective, once.wl, once.wv, once.f, once.weight);
+    if (!(observed.samples.typical > 0)) return no_data_error("samples", "values", "some above 0");
+    weigh_all(observed.samples, options.threads);
 
     const auto fold = assign_folds(samples, groups, *theta_max, options.seed);
     if (!fold) return fold.error();
@@ -245,20 +270,7 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
         observed.completed = *std::move(completed);
         return observed;  // fits follow nothing else
     }
-    ExpectedBetween expected = interpolated(samples);
-    if (traits(options.objective).of_scatter) {
-        expected = of_facets(fit_facets(observed.samples));
-        observed.interpolation = errors_of(expected, samples, *theta_max);
-    } else {
-        const auto errors = interpolation_errors(samples, within, *fold, *theta_max, progress.part(0, 0.5));
-        if (!errors) return cancelled_error("observe");
-        observed.interpolation = *errors;
-    }
-    observed.between.wavelengths = observed.samples.wavelengths;
-    observed.between.objective = options.objective, observed.between.typical = typical;
-    if (!observe_between(observed, expected, largest_square(once), progress.part(0.5, 1)))
-        return cancelled_error("observe");
-    weigh_all(observed.between);
+    if (!interpolate(observed, samples, within, *fold, progress)) return cancelled_error("observe");
     return observed;
 }
 

@@ -73,7 +73,7 @@ constexpr int k_draws_of_a_light = 64;   ///< of what a light sends
 constexpr double k_luminance_share = 0.3, k_ambient = 0.1 / k_pi;
 /// Of squared shares, next to squared relative errors of .02 to .2. Lobes of either sign that nearly cancel each other would
 /// fit the lights of one view, but neither others nor the views between.
-constexpr double k_ridge = 5e-2;
+constexpr double k_ridge_of_lobes = 5e-2;
 /// More lights of the least size, side by side along the plane of incidence, in which all lobes lie: a lobe that is sharper than
 /// the BRDF would show a small lamp as a dot, which the other lights miss. They stand for a band of this solid angle [sr];
 /// with 1 pictures of metals err by a tenth more.
@@ -319,7 +319,7 @@ View view_of(const TurnedBrdf& brdf, double cosine) {
     return view;
 }
 
-/// The squared errors of a view, `k_ridge` times what it bounds, and `smoothness` times the squared distances from `near`,
+/// The squared errors of a view, `k_ridge_of_lobes` times what it bounds, and `smoothness` times the squared distances from `near`,
 /// of x = (p, r) of each lobe but the first. The weights are linear, and eliminated; that of the first lobe is
 /// what the others leave of the albedo.
 class LobesOfView {
@@ -390,7 +390,7 @@ class LobesOfView {
         channel.A.setZero(n + others_, others_);
         channel.A.topRows(n) = view_.weight.col(c).asDiagonal() * shown_.rightCols(others_);
         channel.A.topRows(n).colwise() -= first;
-        for (int k = 0; k < others_; ++k) channel.A(n + k, k) = std::sqrt(k_ridge) / std::max(albedo, 1e-6);
+        for (int k = 0; k < others_; ++k) channel.A(n + k, k) = std::sqrt(k_ridge_of_lobes) / std::max(albedo, 1e-6);
         VectorXd b = VectorXd::Zero(n + others_);
         b.head(n) = view_.seen.col(c) - albedo * first;
         channel.gram = channel.A.transpose() * channel.A;

@@ -73,7 +73,8 @@ Effort effort_of(const Observations& observations, const FitOptions& options) {
         perturbations += int(stage.candidates(options)) * (until - before);
         before = until;
     }
-    const double rest = 0.2 * perturbations + 1;
+    constexpr double k_rest = 0.2;  // of the perturbations, as measured
+    const double rest = k_rest * perturbations + 1;
     return {double(starts_of(options) * options.lobes + perturbations), rest, rest / polishes};
 }
 

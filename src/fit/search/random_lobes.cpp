@@ -11,6 +11,28 @@ namespace {
 
 /// Random lobes of which the best is added.
 constexpr int k_additions = 256;
+/// This share of them are copies of a lobe that there is, whose weights are multiplied by up to e and moved by up to 2.
+constexpr double k_copies = 0.25, k_log_stretch = 1, k_shift = 2;
+
+/// A weight of the others: 0 by a chance, otherwise log-uniform from `least` on over a factor, negative by another chance.
+struct Draw {
+    double zero, least, factor, negative;
+};
+/// Of factors that may be peaks: a bandwidth of 0.3 hardly changes over the sphere, the largest fits 16-bit floats. One that
+/// rises away from its pole needs no more than `k_steepest`.
+constexpr Draw k_sharp{0.35, 0.3, 2e5, 0.3};
+constexpr double k_steepest = 100;
+/// Of the others, over the range in which they are seen.
+constexpr Draw k_broad{0.5, 0.1, 100, 0.5};
+/// General centres that are poles, the others are uniform on the sphere.
+constexpr double k_poles = 0.5;
+
+/// Draws three numbers in this order, with every compiler.
+double drawn(const Draw& of, double steepest, std::mt19937_64& random) {
+    const double chance = uniform(random), size = of.least * elementary::pow(of.factor, uniform(random)),
+                 sign = uniform(random);
+    return chance < of.zero ? 0.0 : sign < of.negative ? -std::min(size, steepest) : size;
+}
 
 }  // namespace
 
@@ -33,27 +55,19 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
         const Interval range = weight_range(i, shape);
         return std::clamp(w, range.least, range.most);
     };
-    if (lobes.count() > 0 && uniform(random) < 0.25) {
+    if (lobes.count() > 0 && uniform(random) < k_copies) {
         const auto parent = lobes.of(int(uniform(random) * lobes.count()));
         std::vector<double> weight(parent.begin(), parent.end());
         for (int i = 0; i < shape.width(); ++i) {
             double& w = weight[std::size_t(i)];
             const double scale = uniform(random), shift = uniform(random);  // drawn in this order by every compiler
-            w = clamped(w * elementary::exp(2 * scale - 1) + 4 * (shift - 0.5), i);
+            w = clamped(w * elementary::exp(k_log_stretch * (2 * scale - 1)) + k_shift * (2 * shift - 1), i);
         }
         return weight;
     }
     std::vector<double> weight;
-    const auto sharp = [&] {
-        const double chance = uniform(random), size = 0.3 * elementary::pow(2e5, uniform(random)),
-                     sign = uniform(random);
-        return chance < 0.35 ? 0.0 : sign < 0.3 ? -std::min(size, 100.0) : size;
-    };
-    const auto broad = [&] {
-        const double chance = uniform(random), size = 0.1 * elementary::pow(100, uniform(random)),
-                     sign = uniform(random);
-        return chance < 0.5 ? 0.0 : sign < 0.5 ? -size : size;
-    };
+    const auto sharp = [&] { return drawn(k_sharp, k_steepest, random); };
+    const auto broad = [&] { return drawn(k_broad, k_broad.least * k_broad.factor, random); };
     for (int n = 0; n < shape.variates; ++n) {
         const double p = sharp();
         if (shape.axial) {
@@ -61,13 +75,13 @@ std::vector<double> random_lobe(std::mt19937_64& random, const Lobes& lobes) {
             continue;
         }
         const double chance = uniform(random), z = 2 * uniform(random) - 1, phi = 2 * k_pi * uniform(random);
-        const Vec3d centre = chance < 0.5 ? Vec3d(0, 0, 1) : spherical(elementary::acos(z), phi);
+        const Vec3d centre = chance < k_poles ? Vec3d(0, 0, 1) : spherical(elementary::acos(z), phi);
         for (const double component : {centre.x, centre.y, centre.z})
             weight.push_back(clamped(p * component, int(weight.size())));
     }
     for (int k = 0; k < features(shape.form); ++k) {
-        const double drawn = broad();
-        weight.push_back(clamped(k_terms[std::size_t(k)].is_sharp ? sharp() : drawn, int(weight.size())));
+        const double w = broad();
+        weight.push_back(clamped(k_terms[std::size_t(k)].is_sharp ? sharp() : w, int(weight.size())));
     }
     return weight;
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "albedo_nodes.h"
-#include "least_squares.h"
+#include "levenberg_marquardt.h"
 #include "parallel.h"
 #include "r_sequence.h"
 #include "srbf/colour.h"

@@ -4,6 +4,7 @@
 #include "fit/data/observations.h"
 #include "fit/solve/rounding.h"
 #include "least_squares.h"
+#include "levenberg_marquardt.h"
 #include "properties.h"
 #include "srbf/half.h"
 #include "srbf/kernel.h"

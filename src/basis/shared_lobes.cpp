@@ -6,7 +6,7 @@
 #include "fit/search/random_lobes.h"
 #include "fit/search/subsets.h"
 #include "fit/solve/rounding.h"
-#include "least_squares.h"
+#include "levenberg_marquardt.h"
 #include "parallel.h"
 #include "srbf/elementary.h"
 

@@ -37,7 +37,7 @@ std::vector<Term> terms_of(Objective objective) {
     terms.push_back({"point lights", "radiance in pictures by one light, of every phase angle",
                      fmt::format("{} times the loss; albedos {} times more", k_point_lights.multivariate,
                                  k_albedos_beside_point_lights)});
-    terms.push_back({"pixels", "delta E ITP in pictures under 15 lights (robust: linear above 1)",
+    terms.push_back({"pixels", "delta E ITP in pictures under extended and single lights (robust: linear above 1)",
                      fmt::format("{} times the loss for each of its mean", k_pixels.multivariate)});
     return terms;
 }

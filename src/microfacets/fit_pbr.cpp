@@ -5,7 +5,7 @@
 
 #include "fit/objective/objective.h"
 #include "fit/objective/pixels.h"
-#include "least_squares.h"
+#include "levenberg_marquardt.h"
 #include "microfacets/fits.h"
 #include "microfacets/large_errors.h"
 #include "parallel.h"

@@ -47,7 +47,7 @@ std::string cal_of(const std::string& name, const PmModel& model) {
         text += fmt::format("{}_n{}(c)=1/sqrt(if({}+{}*c-1e-12,{}+{}*c,1e-12));\n", name, n + 1, of_cal(a * a + b * b),
                             of_cal(2 * a * b), of_cal(a * a + b * b), of_cal(2 * a * b));
     }
-    const std::array<std::string, 4> features_of{
+    const std::array<std::string, std::size(k_terms)> features_of{
         "log(if(lz*vz-1e-12,lz*vz,1e-12))", fmt::format("0.5*sqrt({}_s({}))-1", name, k_pair),
         fmt::format("0.05-sqrt((lz-vz)*(lz-vz)+0.0625*{0}_a({1})+0.0025)", name, k_pair),
         fmt::format("0-sqrt({}_a({}))", name, k_pair)};

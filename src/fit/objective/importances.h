@@ -26,7 +26,8 @@ inline constexpr Importance k_point_lights{5, 0.3};
 inline constexpr Importance k_pixels{3.5, 4};
 inline constexpr double k_pixels_alone = 2;
 
-/// An error of this share in every albedo costs as much as the fit's loss without them: by pairs alone, and with pixels.
+/// An error of this share in every albedo costs as much as the fit's loss without them: by pairs alone, and with pixels. So
+/// the cost is 1 over its square: half of it costs four times as much. Noisy tables have an error of their own (data/observe.cpp).
 inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02;
 /// Errors of albedos near the horizon are relative to at least this: few pixels see them. By 0.3 to 0.5 ΔE_ITP rose.
 inline constexpr double k_horizon_albedo = 1;

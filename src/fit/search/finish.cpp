@@ -7,7 +7,7 @@
 #include "fit/objective/bound.h"
 #include "fit/objective/objective.h"
 #include "fit/solve/rounding.h"
-#include "least_squares.h"
+#include "levenberg_marquardt.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -10,7 +10,7 @@
 #include "fit/search/search.h"
 #include "fit/search/subsets.h"
 #include "fit/solve/rounding.h"
-#include "least_squares.h"
+#include "levenberg_marquardt.h"
 #include "parallel.h"
 #include "srbf/elementary.h"
 #include "srbf/half.h"

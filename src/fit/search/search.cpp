@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "least_squares.h"
+#include "levenberg_marquardt.h"
 #include "srbf/directions.h"
 
 namespace srbf {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "least_squares.h"
+#include "levenberg_marquardt.h"
 #include "srbf/elementary.h"
 #include "srbf/half.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "fit/views/view_problem.h"
-#include "least_squares.h"
+#include "levenberg_marquardt.h"
 
 namespace srbf {
 

@@ -325,6 +325,9 @@ TEST(Fit, RefusesBadOptionsAndObservations) {
         const auto fit = fit_pm(bad, {});
         return !fit.ok() && !fit.error().what.empty();
     };
+    EXPECT_TRUE(without([](Observations& o) { o.f[5].g = std::numeric_limits<float>::quiet_NaN(); }));
+    EXPECT_TRUE(without([](Observations& o) { o.weight[5] = -1; }));
+    EXPECT_TRUE(without([](Observations& o) { o.weight[5] = std::numeric_limits<float>::infinity(); }));
     EXPECT_TRUE(without([](Observations& o) { std::fill(o.weight.begin(), o.weight.end(), 0.f); }));
     EXPECT_TRUE(without([](Observations& o) {
         o.bound_pairs = 0;

@@ -86,8 +86,8 @@ double largest_square(const Observations& observations);
 /// The first `count` observations, without bound pairs, radiances and views: for searches and short fits.
 Observations beginning(const Observations& observations, std::size_t count);
 
-/// Returns an error unless there are at least as many values as `parameters` of the model, one weight is above 0, and
-/// spectra are finite.
+/// Returns an error unless there are at least as many values as `parameters` of the model, values and weights are finite,
+/// and weights are at least 0, one of them above it.
 Result<Done> validate(const Observations& observations, std::size_t parameters);
 
 struct ObserveOptions {

@@ -319,8 +319,8 @@ View view_of(const TurnedBrdf& brdf, double cosine) {
     return view;
 }
 
-/// The squared errors of a view, `k_ridge_of_lobes` times what it bounds, and `smoothness` times the squared distances from `near`,
-/// of x = (p, r) of each lobe but the first. The weights are linear, and eliminated; that of the first lobe is
+/// The squared errors of a view, `k_ridge_of_lobes` times squared shares, and `smoothness` times the squared distances from
+/// `near`, of x = (p, r) of each lobe but the first. The weights are linear, and eliminated; that of the first lobe is
 /// what the others leave of the albedo.
 class LobesOfView {
   public:

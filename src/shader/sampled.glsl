@@ -1,4 +1,4 @@
-// An environment by draws of the BRDF, to follow mixture.glsl and brdf.
+// An environment by draws of the BRDF, to follow mixture.glsl, extended.glsl and brdf.
 
 // A draw: the mean radiance over a solid angle [sr] about a direction of the local frame is reflected with `weight`.
 struct LightDraw {
@@ -32,10 +32,8 @@ Vec3 environment_sampled(Su su, Vec3 wv, int count, Pm pm) {
     if (wv.z <= Real(0.0)) return sum;
     for (int i = 0; i < count; ++i) {
         LightDraw draw = environment_draw(su, wv, i, count, pm);
-        if (draw.direction.z > Real(0.0)) {
-            Vec3 light = radiance_over(draw.direction, draw.solid_angle);
-            sum = sum + Vec3(draw.weight.x * light.x, draw.weight.y * light.y, draw.weight.z * light.z);
-        }
+        if (draw.direction.z > Real(0.0))
+            sum = sum + times(draw.weight, radiance_over(draw.direction, draw.solid_angle));
     }
     return sum;
 }

@@ -275,13 +275,15 @@ std::string brdf_of(const GgxModel& model, Program& program) {
     return brdf_of(model, {"Diffuse colour, and of each lobe roughness, F0 (R, G, B), F90.", "facets", {}}, program);
 }
 
+/// The albedo of a node's view; the one at the horizon is that just above it.
+Rgb albedo_of_node(const PreparedBrdf& brdf, double cosine) { return albedo(brdf, std::max(float(cosine), 1e-30f)); }
+
 /// Directional albedos of a BRDF at the nodes. Of the model itself, whose values are the same on every processor, not of
 /// what renderers evaluate.
 std::vector<Rgb> albedos(const Model& model) {
     const PreparedBrdf brdf = prepare<Model>(model, CosineProposal{});
     std::vector<Rgb> reflected;
-    for (int i = 0; i < k_albedo_nodes; ++i)
-        reflected.push_back(albedo(brdf, std::max(float(albedo_cosine(i)), 1e-30f)));  // 0 has none
+    for (int i = 0; i < k_albedo_nodes; ++i) reflected.push_back(albedo_of_node(brdf, albedo_cosine(i)));
     return reflected;
 }
 /// Lobe j with coefficient 1.
@@ -419,7 +421,7 @@ std::string light_of_basis(const PmModel& basis, const CodeOptions& options, Pro
             {.lobes = 2, .isotropic = is_isotropic(one), .levels = options.map_levels, .threads = options.threads});
         for (std::size_t node = 0; node < ExtendedLight::k_views; ++node) {
             const ExtendedLight::Lobe& lobe = of.lobe[2 * node + 1];
-            const float whole = albedo(of.brdf, std::max(float(ExtendedLight::cosine(int(node))), 1e-30f)).g;
+            const float whole = albedo_of_node(of.brdf, ExtendedLight::cosine(int(node))).g;
             float* const row = &light.numbers[columns * node];
             row[3 * j] = lobe.axis, row[3 * j + 1] = lobe.roughness, row[3 * j + 2] = lobe.weight.g * whole;
             row[columns - 1] = j == 0 ? of.width[node] : std::min(row[columns - 1], of.width[node]);
@@ -642,7 +644,7 @@ LightTexels light_texels(const ExtendedLight& light) {
             set(2 * k, view, {axis, roughness, light.width[view]}), set(2 * k + 1, view, weight);
         }
     for (std::size_t i = 0; i < k_albedo_nodes; ++i)
-        set(2 * others + i / k_views, i % k_views, albedo(light.brdf, std::max(float(albedo_cosine(int(i))), 1e-30f)));
+        set(2 * others + i / k_views, i % k_views, albedo_of_node(light.brdf, albedo_cosine(int(i))));
     return texels;
 }
 

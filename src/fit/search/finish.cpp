@@ -40,9 +40,7 @@ void weigh_for_spectra(Observations& observations) {
 
 /// Levenberg-Marquardt from x, so many steps.
 LevenbergMarquardtSummary few_steps(LobeProblem& problem, Eigen::VectorXd& x, int count, const Reporter& reporter) {
-    LevenbergMarquardtOptions steps;
-    steps.max_iterations = reporter.cancelled() ? 0 : count;
-    return levenberg_marquardt(problem, x, steps);
+    return levenberg_marquardt(problem, x, {.max_iterations = reporter.cancelled() ? 0 : count});
 }
 
 /// Levenberg-Marquardt from x as long as the steps pay off.

@@ -87,10 +87,10 @@ TEST(Subsets, TakeInWhereCandidatesExceedTheMeasurement) {
         return rows();
     };
     EXPECT_EQ(with({0, 0, 0}), before);                         // the constant
-    EXPECT_TRUE(near(subsets.radiance_importance(), 0, 1e-6));  // which leaves no loss
+    EXPECT_TRUE(near(subsets.integral_importance(), 0, 1e-6));  // which leaves no loss
     // A lobe of a quarter of a degree, as large as the constant where it is seen first, a degree from its centre.
     EXPECT_GT(with(60000.0 * spherical(0.7, 1.3)), before);
-    EXPECT_TRUE(near(subsets.radiance_importance(), 0.004 / 0.03, 1e-6));  // no more than a loss of 0.004 counts
+    EXPECT_TRUE(near(subsets.integral_importance(), 0.004 / 0.03, 1e-6));  // no more than a loss of 0.004 counts
 }
 
 }  // namespace

@@ -98,13 +98,13 @@ TEST(Lobes, DerivativesOfSpectraAreThoseOfDifferences) {
                       }
                   }};
     observe_spectra(o, five);
-    const Rows spectral(o, {.spectra = true}), with_radiances(o, {.radiance_importance = 0.01, .spectra = true});
+    const Rows spectral(o, {.spectra = true}), with_integrals(o, {.integral_importance = 0.01, .spectra = true});
     EXPECT_EQ(spectral.y.size(), 5u);
     LobeProblem problem(spectral, {PmForm::gaussian, 3}, false),
-        and_radiances(with_radiances, {PmForm::gaussian, 3}, false);
+        and_integrals(with_integrals, {PmForm::gaussian, 3}, false);
     const Eigen::VectorXd x = pack(some_lobes());
     check_gradient(problem, x);
-    check_gradient(and_radiances, x);
+    check_gradient(and_integrals, x);
     problem.loss(x);
     EXPECT_EQ(problem.beta().cols(), 5);
     const PmModel model = to_model(problem, some_lobes(), true, o.wavelengths);
@@ -138,11 +138,11 @@ TEST(Lobes, GradientIsThatOfTheLossWhereCoefficientsAreBounded) {
     check_gradient(general, y);
 }
 
-// For a radiance the squared difference of the sums counts, relative to the radiance's luminance.
+// Of an integral the squared difference of the sums counts, relative to its luminance.
 TEST(Lobes, LossCountsAlbedo) {
     const Observations o = observations();
     const double importance = 0.3;
-    const Rows with(o, {.radiance_importance = importance});
+    const Rows with(o, {.integral_importance = importance});
     for (const Lobes& lobes : {some_lobes(), general_lobes(), reciprocal(general_lobes())}) {
         LobeProblem problem(with, lobes.shape, false);
         const Eigen::VectorXd x = pack(lobes);
@@ -154,17 +154,17 @@ TEST(Lobes, LossCountsAlbedo) {
             for (int c = 0; c < 3; ++c)
                 expected +=
                     o.weight[i] * elementary::pow(double(o.f[i][c]) - double(value(model, o.wl[i], o.wv[i])[c]), 2);
-        for (const RadianceObservation& seen : o.radiances) {
+        for (const ObservedIntegral& seen : o.integrals) {
             double whole = 0;
             std::array<double, 3> off{};
             for (std::size_t i = 0; i < seen.wl.size(); ++i) {
                 whole += seen.weight[i] * luminance(seen.f[i]);
-                const Rgb f = value(model, seen.wl[i], seen.wv);
+                const Rgb f = value(model, seen.wl[i], seen.wv[i]);
                 for (int c = 0; c < 3; ++c)
                     off[std::size_t(c)] += seen.weight[i] * (double(seen.f[i][c]) - double(f[c]));
             }
             for (const double difference : off)
-                expected += importance / double(o.radiances.size()) * elementary::pow(difference / whole, 2);
+                expected += importance / double(o.integrals.size()) * elementary::pow(difference / whole, 2);
         }
         EXPECT_TRUE(near_relative(loss, expected, 2e-3));
     }

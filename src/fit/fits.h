@@ -13,7 +13,7 @@ struct PmFit {
     PmModel model;      ///< every number rounded to a 16-bit float
     PmModel unrounded;  ///< before rounding
     double loss = 0;    ///< Σ w |f−f̂|² of `model` over the observations, including horizon pairs, exceeded bound
-                        ///< pairs and radiances
+                        ///< pairs and integrals
     double unrounded_loss = 0;  ///< loss of `unrounded`
     StopReason stop = StopReason::converged;
 };

@@ -17,13 +17,9 @@ struct Term {
 std::vector<Term> terms_of(Objective objective) {
     std::vector<Term> terms{{"pairs", std::string(summary(objective)), "1"}};
     const bool of_pictures = traits(objective).of_pictures;
-    if (objective == Objective::cosine)
-        terms.push_back({"body", "cube root of f", fmt::format("{} of the pairs'", k_body)});
-    if (of_pictures) {
-        terms.push_back(
-            {"highlights", "cube root of f cos(theta_l)", fmt::format("{} of the pairs'", k_highlights.multivariate)});
-        terms.push_back({"peaks", "f cos(theta_l)", fmt::format("{} of the pairs'", k_peaks)});
-    }
+    for (const auto& [name, error_of, weight, importance] : traits(objective).further)
+        if (weight)
+            terms.push_back({std::string(name), std::string(error_of), fmt::format("{} of the pairs'", importance)});
     terms.push_back({"horizon", "f cos(theta_l) cos(theta_v) beyond the largest angle",
                      fmt::format("{} if all errors are its largest value", k_horizon_importance)});
     terms.push_back({"bounds",

@@ -31,7 +31,7 @@ constexpr double k_least_gain_of_round = 0.02;
 /// Most matrices are smooth, and a fit is repeated.
 constexpr int k_starts = 8, k_perturbations = 12;
 /// Half of the share to which the sums have to be right, `k_good_share`.
-constexpr double k_radiance_error = 0.005;
+constexpr double k_integral_error = 0.005;
 /// The sizes that are tried, and what is good enough (fit_bsdf.h, `fit_patches`).
 struct Size {
     int lobes, variates;
@@ -56,21 +56,23 @@ std::vector<std::size_t> first_patches(const KlemsTable& table) {
 }
 
 /// f cosθ summed over the outgoing patches, for light from the middles of incident patches.
-std::vector<RadianceObservation> hemispheres(const KlemsTable& table, std::span<const std::size_t> incident) {
-    std::vector<RadianceObservation> all;
+std::vector<ObservedIntegral> hemispheres(const KlemsTable& table, std::span<const std::size_t> incident) {
+    std::vector<ObservedIntegral> all;
     const AngleBasis& out = table.outgoing;
     for (const std::size_t i : incident) {
-        // Light and viewer are exchanged: a radiance has one view direction.
-        RadianceObservation sum{light_at(table.incident.middle_of(i)), {}, {}, {}, {}};
+        // Light and viewer are exchanged, as in all that a matrix observes.
+        ObservedIntegral sum;
         RSequence<2> points;
         for (std::size_t o = 0; o < out.patches(); ++o) {
             const Rgb f = table.cell(o, i);
-            if (!is_finite(f)) continue;
+            const double measured = is_finite(f) ? 1 : 0;
             for (std::size_t k = 0; k < k_hemisphere_points; ++k) {
                 const auto u = points.next();
+                sum.wv.push_back(light_at(table.incident.middle_of(i)));
                 sum.wl.push_back(view_at(out.point_of(o, u[0], u[1])));
-                sum.f.push_back(non_negative(f));
-                sum.weight.push_back(out.projected_solid_angle(out.ring_of(o)) / double(k_hemisphere_points));
+                sum.f.push_back(measured > 0 ? non_negative(f) : Rgb{});
+                sum.weight.push_back(measured * out.projected_solid_angle(out.ring_of(o)) /
+                                     double(k_hemisphere_points));
             }
         }
         all.push_back(std::move(sum));
@@ -79,13 +81,13 @@ std::vector<RadianceObservation> hemispheres(const KlemsTable& table, std::span<
 }
 
 /// The sums without beams.
-std::vector<Hemispherical> scattered(const std::vector<RadianceObservation>& sums, const Evaluate& f) {
+std::vector<Hemispherical> scattered(const std::vector<ObservedIntegral>& sums, const Evaluate& f) {
     std::vector<Hemispherical> all;
-    for (const RadianceObservation& of : sums) {
-        const auto light = angles(of.wv);
+    for (const ObservedIntegral& of : sums) {
+        const auto light = angles(of.wv.front());
         Hemispherical sum{double(light.theta), double(light.phi), 0, 0};
         std::vector<Rgb> fitted(of.f.size());
-        f(std::vector<Vec3f>(of.f.size(), of.wv), of.wl, fitted);
+        f(of.wv, of.wl, fitted);
         for (std::size_t k = 0; k < of.f.size(); ++k) {
             sum.measured += of.weight[k] * double(of.f[k].g);
             sum.fitted += of.weight[k] * double(fitted[k].g);
@@ -147,7 +149,7 @@ class PatchFits {
     }
     /// Whether the best fit so far is good enough.
     bool is_enough() const {
-        return error_ <= k_good_error && std::ranges::all_of(scattered(radiances_, evaluator(best_->model)), is_good);
+        return error_ <= k_good_error && std::ranges::all_of(scattered(integrals_, evaluator(best_->model)), is_good);
     }
     double error() const { return error_; }
     FitOutcome best() { return *std::move(best_); }
@@ -171,8 +173,8 @@ class PatchFits {
             all.add(wl, wv, f, 0);
             ++all.bound_pairs;
         }
-        all.radiances = radiances_;
-        all.radiance_error = k_radiance_error;
+        all.integrals = integrals_;
+        all.integral_error = k_integral_error;
         return all;
     }
 
@@ -192,7 +194,7 @@ class PatchFits {
     const KlemsTable& table_;
     const FitRequest& request_;
     const PatchSums points_ = sums_of(table_, k_fitted_points), measured_ = sums_of(table_, k_measured_points);
-    const std::vector<RadianceObservation> radiances_ = hemispheres(table_, first_patches(table_));
+    const std::vector<ObservedIntegral> integrals_ = hemispheres(table_, first_patches(table_));
     std::vector<Rgb> means_;  // of the patches, at each of the points
     std::optional<FitOutcome> best_;
     double error_ = 0;
@@ -244,7 +246,7 @@ std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate
     std::vector<Hemispherical> all = scattered(sums, f);
     for (std::size_t k = 0; k < all.size(); ++k) {
         if (!table.beam.empty()) all[k].measured += double(table.beam[incident[k]].g);
-        all[k].fitted += double(share_at(beams, part, sums[k].wv).g);
+        all[k].fitted += double(share_at(beams, part, sums[k].wv.front()).g);
     }
     return all;
 }

@@ -286,8 +286,8 @@ class PbrProblem {
 Rgb typical_colour(const Observations& observations) {
     std::array<double, 3> sum{};
     double all = 0;
-    if (!observations.radiances.empty()) {
-        const RadianceObservation& of = observations.radiances[0];
+    if (!observations.integrals.empty()) {
+        const ObservedIntegral& of = observations.integrals[0];
         for (std::size_t i = 0; i < of.wl.size(); ++i)
             for (int c = 0; c < 3; ++c) sum[std::size_t(c)] += of.weight[i] * double(of.f[i][c]);
         all = 1;

@@ -70,7 +70,7 @@ Observations beginning(const Observations& observations, std::size_t count) {
     count = std::min(count, observations.fitted());
     Observations some;
     some.objective = observations.objective, some.typical = observations.typical;
-    some.radiance_error = observations.radiance_error;
+    some.integral_error = observations.integral_error;
     some.wavelengths = observations.wavelengths;
     const auto take = [](auto& to, const auto& from, std::size_t numbers) {
         to.assign(from.begin(), from.begin() + std::ptrdiff_t(numbers));

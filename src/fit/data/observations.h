@@ -11,20 +11,20 @@
 
 namespace srbf {
 
-/// Radiance reflected towards wv under an extended light, as a quadrature: Σ_i weight_i f(wl_i, wv). In uniform light
-/// of radiance 1 it is the directional albedo.
-struct RadianceObservation {
-    Vec3f wv;
-    std::vector<Vec3f> wl;
-    std::vector<Rgb> f;           ///< [1/sr], ≥ 0
-    std::vector<double> weight;   ///< solid angle times cosθl [sr], times the light's radiance
+/// An integral of f, as a quadrature: Σ_i weight_i f(wl_i, wv_i). With one wv, and solid angles times cosθl as weights,
+/// it is the directional albedo; times the radiance of a light, what that light shows.
+struct ObservedIntegral {
+    std::vector<Vec3f> wl, wv;
+    std::vector<Rgb> f;           ///< [1/sr]
+    std::vector<double> weight;   ///< measure of the integral, ≥ 0
     std::vector<float> spectrum;  ///< of spectral observations: f at each wavelength, ≥ 0
+    double cost = 1;              ///< of its relative error, beside the other integrals' costs
     double least_unit = 0;        ///< its errors are relative to its luminance, but to no less than this
     double noise_unit = 0;        ///< nor to less than this, which by every n-th direction is 1/√n of it
 };
-inline double luminance(const RadianceObservation& seen) {
+inline double luminance(const ObservedIntegral& of) {
     double sum = 0;
-    for (std::size_t i = 0; i < seen.wl.size(); ++i) sum += seen.weight[i] * double(luminance(seen.f[i]));
+    for (std::size_t i = 0; i < of.wl.size(); ++i) sum += of.weight[i] * double(luminance(of.f[i]));
     return sum;
 }
 
@@ -53,11 +53,11 @@ struct Observations {
     std::vector<double> point_light_weight;
     /// The last `bound_pairs` pairs only bound a fit from above: they are not part of Σ unless it exceeds them by far.
     std::size_t bound_pairs = 0;
-    Objective objective = Objective::raw;        ///< that the weights are of
-    double typical = 0;                          ///< the value of f or f cosθl to which they are relative
-    std::vector<RadianceObservation> radiances;  ///< that a fit also matches, from its first perturbation on
-    double radiance_error =
-        k_albedo_error;  ///< an error of this share in every radiance costs as much as the loss of the pairs
+    Objective objective = Objective::raw;     ///< that the weights are of
+    double typical = 0;                       ///< the value of f or f cosθl to which they are relative
+    std::vector<ObservedIntegral> integrals;  ///< that a fit also matches, from its first perturbation on
+    double integral_error =
+        k_albedo_error;  ///< an error of this share in every integral costs as much as the loss of the pairs
     std::vector<ObservedView> views;  ///< of pictures that a fit also matches, in its last stages
     std::uint64_t masked = 0;         ///< number of sampled pairs where nothing was measured
     std::uint64_t clamped = 0;        ///< number of negative channel values at sampled pairs
@@ -83,7 +83,7 @@ double loss_of(const Observations& observations, const Evaluate& fitted);
 /// The largest |f|² (cosθl cosθv)² of the pairs.
 double largest_square(const Observations& observations);
 
-/// The first `count` observations, without bound pairs, radiances and views: for searches and short fits.
+/// The first `count` observations, without bound pairs, integrals and views: for searches and short fits.
 Observations beginning(const Observations& observations, std::size_t count);
 
 /// Returns an error unless there are at least as many values as `parameters` of the model, values and weights are finite,
@@ -110,8 +110,8 @@ Result<double> valid_theta(Objective objective, double max_theta);
 /// An eighth are *horizon pairs*: pairs between θmax and 89.9°, and of the grid to that angle, with small weights
 /// proportional to (cosθl cosθv)². They keep the fit at the measurement's order of magnitude where it is not fitted.
 /// After these follow the *bound pairs*: the grid, which includes the edges of the hemisphere, 32,768 pairs about the
-/// mirror direction, and for appearance `brink_grid`. Radiances are observed at those of 0, 15, 30, 45, 60, 70, 75, 80
-/// and 85° that lie within θmax, in uniform light: albedos; for appearance to its default θmax also where cosθv is 0.03,
+/// mirror direction, and for appearance `brink_grid`. Integrals are the albedos at those of 0, 15, 30, 45, 60, 70, 75,
+/// 80 and 85° that lie within θmax; for appearance to its default θmax also where cosθv is 0.03,
 /// 0.01 and, unless the table diverges there, 0.003, over light to 89.9°. For appearance 100 views of a sphere follow,
 /// under four extended and eleven single white lights of which none is one of `standard_lightings`. `f` may be negative
 /// (see signed_value) or NaN.

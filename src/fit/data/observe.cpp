@@ -30,10 +30,10 @@ constexpr std::size_t k_pool = 8, k_most_pairs = std::size_t(1) << 20;
 constexpr double k_by_energy = 0.5;
 /// Pairs that one thread evaluates at once.
 constexpr std::size_t k_part = 4096;
-/// θv of the observed radiances [degrees], cosθv of those near the horizon, and the number of directions of each.
+/// θv of the observed integrals [degrees], cosθv of those near the horizon, and the number of directions of each.
 constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
 constexpr double k_horizon_cosines[] = {0.03, 0.01, 0.003};
-constexpr int k_radiance_points = 4096;
+constexpr int k_albedo_points = 4096;
 /// In place of `k_albedo_error_with_pixels` for noisy tables, whose albedos are sums of thousands of values and known better
 /// than any of them; or, if that is more, so many standard deviations of the sum (docs/notes/noise.md).
 constexpr double k_albedo_error_of_noise = 0.002, k_deviations_of_albedo = 0.4;
@@ -240,7 +240,7 @@ void add_fitted(Observations& to, const MeasuredPairs& measured, const ObserveOp
 }
 
 /// The standard deviation of a sum of noisy values, of which `smooth` are those without noise: √Σ w² |f − s|².
-double deviation_of_sum(const RadianceObservation& seen, std::span<const Rgb> smooth) {
+double deviation_of_sum(const ObservedIntegral& seen, std::span<const Rgb> smooth) {
     double square = 0;
     for (std::size_t i = 0; i < smooth.size(); ++i)
         if (is_finite(smooth[i]))
@@ -249,8 +249,8 @@ double deviation_of_sum(const RadianceObservation& seen, std::span<const Rgb> sm
 }
 
 /// The albedo of a view, over light to θmax.
-RadianceObservation observe_albedo(const Evaluate& f, const ObserveOptions& options, Vec3d wv, double theta_max) {
-    Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_radiance_points);
+ObservedIntegral observe_albedo(const Evaluate& f, const ObserveOptions& options, Vec3d wv, double theta_max) {
+    Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_albedo_points);
     std::vector<Rgb> values = values_towards(f, points.w, to_float(wv));
     // The noise of a sum of values is small: of noisy tables none is set to 0.
     for (Rgb& value : values)
@@ -260,15 +260,17 @@ RadianceObservation observe_albedo(const Evaluate& f, const ObserveOptions& opti
         points.weight[i] *= valid ? double(points.w[i].z) : 0;
         if (!valid) values[i] = {};
     }
-    RadianceObservation seen{to_float(wv), std::move(points.w), std::move(values), std::move(points.weight), {}};
+    ObservedIntegral seen;
+    seen.wv.assign(points.w.size(), to_float(wv));
+    seen.wl = std::move(points.w), seen.f = std::move(values), seen.weight = std::move(points.weight);
     if (options.smoothed)
         seen.noise_unit = k_deviations_of_albedo *
-                          deviation_of_sum(seen, values_towards(options.smoothed, seen.wl, seen.wv)) /
+                          deviation_of_sum(seen, values_towards(options.smoothed, seen.wl, to_float(wv))) /
                           k_albedo_error_of_noise;
     return seen;
 }
 
-std::vector<RadianceObservation> observe_albedos(const Evaluate& f, const ObserveOptions& options, double theta_max) {
+std::vector<ObservedIntegral> observe_albedos(const Evaluate& f, const ObserveOptions& options, double theta_max) {
     std::vector<double> angles;
     for (const double theta : k_albedo_angles)
         if (!(theta * k_degree > theta_max)) angles.push_back(theta * k_degree);
@@ -277,7 +279,7 @@ std::vector<RadianceObservation> observe_albedos(const Evaluate& f, const Observ
     const bool trusts_all = !(theta_max < default_max_theta(options.objective));
     if (traits(options.objective).of_pictures && options.horizon_albedos && trusts_all)
         for (const double cosine : k_horizon_cosines) angles.push_back(elementary::acos(cosine));
-    std::vector<RadianceObservation> all(angles.size());
+    std::vector<ObservedIntegral> all(angles.size());
     parallel_for(all.size(), options.threads, [&](std::size_t k) {
         // Any azimuth is sufficient for isotropic data; the azimuths are spread for other data.
         const double least = options.smoothed ? k_beside_normal_of_noise : 0;
@@ -321,10 +323,10 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     add_fitted(all, *measured, options);
     all.append(bound);
     all.bound_pairs = bound.f.size();
-    all.radiances = observe_albedos(f, options, *theta_max);
+    all.integrals = observe_albedos(f, options, *theta_max);
     if (traits(options.objective).of_pictures) {
         all.views = observe_views(options.smoothed ? options.smoothed : f, *theta_max, options.threads);
-        all.radiance_error = options.smoothed ? k_albedo_error_of_noise : k_albedo_error_with_pixels;
+        all.integral_error = options.smoothed ? k_albedo_error_of_noise : k_albedo_error_with_pixels;
     }
     return all;
 }
@@ -336,10 +338,10 @@ void observe_spectra(Observations& observations, const Channels& spectra) {
     observations.spectrum.resize(C * observations.f.size());
     spectra.evaluate(observations.wl, observations.wv, observations.spectrum);
     observations.clamped = std::uint64_t(clamp_negative(observations.spectrum));
-    for (RadianceObservation& radiance : observations.radiances) {
-        radiance.spectrum.resize(C * radiance.wl.size());
-        spectra.evaluate(radiance.wl, std::vector<Vec3f>(radiance.wl.size(), radiance.wv), radiance.spectrum);
-        clamp_negative(radiance.spectrum);
+    for (ObservedIntegral& of : observations.integrals) {
+        of.spectrum.resize(C * of.wl.size());
+        spectra.evaluate(of.wl, of.wv, of.spectrum);
+        clamp_negative(of.spectrum);
     }
 }
 

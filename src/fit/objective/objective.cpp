@@ -53,7 +53,7 @@ constexpr ObjectiveTraits k_traits[] = {
      .measure = &Measures::squared_error_ratio_cosine,
      .max_theta = 89,
      .weight = cosine_weight,
-     .further = {{{body_weight, k_body}}}},
+     .further = {{{"body", "cube root of f", body_weight, k_body}}}},
     {.objective = Objective::log,
      .name = "log",
      .summary = "squared error of log(1 + f cos(theta_l)), weighted by cos(theta_v)",
@@ -85,7 +85,8 @@ constexpr ObjectiveTraits k_traits[] = {
      .max_theta = 89,
      .weight = [](double f, double bright, double cos_l,
                   double cos_v) { return elementary::square(displayed_slope(f, bright, cos_l)) * cos_v; },
-     .further = {{{highlight_weight, k_highlights.multivariate}, {cosine_weight, k_peaks}}},
+     .further = {{{"highlights", "cube root of f cos(theta_l)", highlight_weight, k_highlights.multivariate},
+                  {"peaks", "f cos(theta_l)", cosine_weight, k_peaks}}},
      .seen = displayed,
      .slope = displayed_slope,
      .of_pictures = true},
@@ -140,9 +141,10 @@ void weigh(Objective objective, double typical, std::span<const Vec3f> wl, std::
     };
     const double whole = take(weight, of.weight);
     std::vector<double> further(f.size());
-    for (const auto& [rule, importance] : of.further) {
-        const double energy = rule ? take(further, rule) : 0;
-        for (std::size_t i = 0; energy > 0 && i < f.size(); ++i) weight[i] += importance * whole / energy * further[i];
+    for (const ObjectiveTraits::Further& term : of.further) {
+        const double energy = term.weight ? take(further, term.weight) : 0;
+        for (std::size_t i = 0; energy > 0 && i < f.size(); ++i)
+            weight[i] += term.importance * whole / energy * further[i];
     }
 }
 

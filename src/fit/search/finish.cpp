@@ -17,7 +17,7 @@ constexpr int k_bound_rounds = 12;
 /// Rounds that raise the loss by this factor are given up.
 constexpr double k_costly_bounds = 2;
 /// The last steps run in batches of ten until one lowers the loss by less than this. Most fits need two batches; a fit
-/// whose narrow lobes must match a radiance needs twenty.
+/// whose narrow lobes must match an albedo needs twenty.
 constexpr int k_last_steps = 10, k_most_tens = 26;
 constexpr double k_least_gain = 0.005;
 /// Instead, for pictures of scattered samples, which are known less well.
@@ -79,7 +79,7 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
     for (int round = 0;; ++round) {
         const Rows rows(
             all,
-            {.radiance_importance = factors.radiances, .spectra = spectral, .picture_importance = factors.pictures});
+            {.integral_importance = factors.integrals, .spectra = spectral, .picture_importance = factors.pictures});
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = pack(lobes);
         const bool of_samples = rows.views > 0 && !factors.has_point_lights;

@@ -8,7 +8,7 @@ namespace srbf {
 
 /// Factors of the terms beside that of pairs, see Extent.
 struct TermFactors {
-    double radiances = 0, pictures = 0;
+    double integrals = 0, pictures = 0;
     bool has_point_lights = false;  ///< whether the weights of pairs have those of point lights
 };
 

@@ -112,7 +112,7 @@ class Fit {
             if (i > 0 && (found_[i].loss > (1 + k_nearly_best) * fit.loss || reporter_.cancelled())) break;
             const double channels = spectral() ? double(observations_.wavelengths.size()) : 3;
             TermFactors factors = factors_;
-            factors.radiances = subsets_.radiance_importance(factors_.has_point_lights) * 3 / channels;
+            factors.integrals = subsets_.integral_importance(factors_.has_point_lights) * 3 / channels;
             PmFit next = finish(found_[i].lobes, all(), factors, options_, log_peak_limit_, reporter_);
             if (i == 0 || next.loss < fit.loss) fit = std::move(next);
         }
@@ -129,19 +129,24 @@ class Fit {
     }
     Rows rows_of(const Stage& stage) const {
         if (stage.pairs != Pairs::all) return subsets_.rows(stage, factors_.pictures);
-        return Rows(all(), {.radiance_importance = subsets_.radiance_importance(factors_.has_point_lights),
+        return Rows(all(), {.integral_importance = subsets_.integral_importance(factors_.has_point_lights),
                             .picture_importance = stage.pictures ? factors_.pictures : 0});
     }
 
     void search(const Stage& stage, LobeProblem& problem, Candidate& candidate) const {
-        if (stage.work == Work::grow)
-            grow(problem, options_, candidate, reporter_);
-        else if (stage.work == Work::perturb)
-            perturb(problem, options_, stage.perturbations_until(options_), candidate, reporter_);
-        else if (stage.work == Work::polish)
-            polish(problem, options_, candidate);
-        else if (!reporter_.cancelled())
-            take_steps(problem, stage.steps, candidate);
+        switch (stage.work) {
+            case Work::grow:
+                return grow(problem, options_, candidate, reporter_);
+            case Work::perturb:
+                return perturb(problem, options_, stage.perturbations_until(options_), candidate, reporter_);
+            case Work::polish:
+                return polish(problem, options_, candidate);
+            case Work::steps:
+                if (!reporter_.cancelled()) take_steps(problem, stage.steps, candidate);
+                return;
+            case Work::finish:  // of all candidates: `finished`
+                return;
+        }
     }
     /// Afterwards candidates are ordered by their pictures.
     void take_steps(LobeProblem& problem, int steps, Candidate& candidate) const {
@@ -173,7 +178,7 @@ class Fit {
         return evaluator(to_model(problem, found_.front().lobes, options_.log_scale, {}));
     }
     void sort_by_all() {
-        const Rows all(observations_, {.radiance_importance = subsets_.radiance_importance()});
+        const Rows all(observations_, {.integral_importance = subsets_.integral_importance()});
         LobeProblem problem(all, shape_of(options_), true, log_peak_limit_);
         for (Candidate& candidate : found_) candidate.loss = problem.loss(pack(candidate.lobes));
         std::ranges::stable_sort(found_, {}, &Candidate::loss);

@@ -40,7 +40,7 @@ Subsets::Subsets(const Observations& observations)
 Subsets::Part Subsets::beginning_of_all(Pairs pairs) const {
     Observations some = beginning(all_, std::size_t(pairs));
     some.wavelengths.clear(), some.spectrum.clear();
-    some.radiances = all_.radiances;
+    some.integrals = all_.integrals;
     const std::size_t begin = some.f.size();
     return {std::move(some), begin};
 }
@@ -78,9 +78,9 @@ void Subsets::add_point_lights(const Evaluate& fitted) {
     if (has_point_lights_) srbf::add_point_lights(some_.observations, fitted);
 }
 
-double Subsets::radiance_importance(bool beside_point_lights) const {
+double Subsets::integral_importance(bool beside_point_lights) const {
     return (beside_point_lights ? k_albedos_beside_point_lights : 1) * std::min(loss_, k_most_albedo_loss) /
-           (3 * all_.radiance_error * all_.radiance_error);
+           (3 * all_.integral_error * all_.integral_error);
 }
 
 double Subsets::picture_importance(const Candidate& candidate, const Stage& stage, const FitOptions& options,
@@ -96,7 +96,7 @@ double Subsets::picture_importance(const Candidate& candidate, const Stage& stag
 Rows Subsets::rows(const Stage& stage, double picture_importance) const {
     const Part& part = stage.pairs == Pairs::few ? few_ : stage.pairs == Pairs::some ? some_ : more_;
     if (!stage.albedos) return Rows(part.observations);
-    return Rows(part.observations, {.radiance_importance = radiance_importance(stage.pictures && has_point_lights_),
+    return Rows(part.observations, {.integral_importance = integral_importance(stage.pictures && has_point_lights_),
                                     .roughly = stage.pairs != Pairs::more,
                                     .picture_importance = stage.pictures ? picture_importance : 0});
 }

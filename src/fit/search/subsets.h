@@ -15,7 +15,7 @@ class Subsets {
     explicit Subsets(const Observations& observations);
 
     /// Evaluates the candidates at the other observations. Adds those at which they exceed the measurement, and updates
-    /// the loss to which the weight of radiances is relative.
+    /// the loss to which the weight of integrals is relative.
     void add_exceeded(const std::vector<Candidate>& candidates, const FitOptions& options, double log_peak_limit);
 
     /// Adds to the pairs that pictures are fitted with the weights of point lights, relative to the errors of a fit.
@@ -24,9 +24,9 @@ class Subsets {
     /// The rows of a stage, unless of all pairs.
     Rows rows(const Stage& stage, double picture_importance) const;
 
-    /// The increase of the sum if every radiance is off by its luminance in one of three channels; beside weights of
+    /// The increase of the sum if every integral is off by its luminance in one of three channels; beside weights of
     /// point lights it is larger.
-    double radiance_importance(bool beside_point_lights = false) const;
+    double integral_importance(bool beside_point_lights = false) const;
     /// The factor with which the pixels of this candidate cost `k_pixels` times the loss per mean ΔE_ITP.
     double picture_importance(const Candidate& candidate, const Stage& stage, const FitOptions& options,
                               double log_peak_limit) const;

@@ -55,8 +55,8 @@ DerivativeSums::DerivativeSums(LobeBasis& basis, const Eigen::VectorXd& x, const
                        of_rows = J_ * (N_ + 1) * W_;
     std::vector<std::vector<double>> parts(rows.chunks());
     rows.for_chunks(parts.size(), basis.parallel(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        if (rows.observes_radiance(begin)) {
-            parts[chunk] = sums_of_radiance(begin, end);
+        if (rows.is_of_integral(begin)) {
+            parts[chunk] = sums_of_integral(begin, end);
             return;
         }
         parts[chunk].assign(std::size_t(of_factors + of_others + of_rows), 0.0);
@@ -71,7 +71,7 @@ DerivativeSums::DerivativeSums(LobeBasis& basis, const Eigen::VectorXd& x, const
         with_lobe(&whole[of_factors + of_others], J_ * (N_ + 1), W_);
     of_angle_ = with_others.topRows(S_ * N_), of_rest_ = with_others.bottomRows(channels_);
     with_lobe_ = with_lobe;
-    add_radiances(std::span(parts).subspan(rows.chunks_of_pairs()));
+    add_integrals(std::span(parts).subspan(rows.chunks_of_pairs()));
 }
 
 double DerivativeSums::angles(Eigen::Index n, Eigen::Index m) const {
@@ -188,7 +188,7 @@ void DerivativeSums::add_products_with_factors(std::size_t block, std::span<cons
 }
 
 // The columns are products of lobes and the factors of weights or angles.
-std::vector<double> DerivativeSums::sums_of_radiance(std::size_t begin, std::size_t end) {
+std::vector<double> DerivativeSums::sums_of_integral(std::size_t begin, std::size_t end) {
     const Eigen::Index D = basis_.shape().directional(), F = W_ + D;
     std::vector<double> products(std::size_t(J_ * (1 + F))), all(std::size_t(J_ * (W_ + 1) + S_ * N_ + channels_));
     const Aligned<float> one(k_block, 1.f);
@@ -212,15 +212,15 @@ std::vector<double> DerivativeSums::sums_of_radiance(std::size_t begin, std::siz
     return all;
 }
 
-void DerivativeSums::add_radiances(std::span<const std::vector<double>> sums) {
-    const auto radiances = Eigen::Index(sums.size()), weighted = J_ * (W_ + 1);
-    Eigen::MatrixXd all(weighted + S_ * N_ + channels_, radiances);
-    for (Eigen::Index k = 0; k < radiances; ++k)
+void DerivativeSums::add_integrals(std::span<const std::vector<double>> sums) {
+    const auto integrals = Eigen::Index(sums.size()), weighted = J_ * (W_ + 1);
+    Eigen::MatrixXd all(weighted + S_ * N_ + channels_, integrals);
+    for (Eigen::Index k = 0; k < integrals; ++k)
         all.col(k) = Eigen::Map<const Eigen::VectorXd>(sums[std::size_t(k)].data(), all.rows());
-    of_radiances_ = Eigen::MatrixXd::Zero(weighted, weighted);
-    if (radiances > 0) of_radiances_.selfadjointView<Eigen::Upper>().rankUpdate(all.topRows(weighted));
-    of_radiances_ = Eigen::MatrixXd(of_radiances_.selfadjointView<Eigen::Upper>());
-    for (Eigen::Index k = 0; k < radiances; ++k) {
+    of_integrals_ = Eigen::MatrixXd::Zero(weighted, weighted);
+    if (integrals > 0) of_integrals_.selfadjointView<Eigen::Upper>().rankUpdate(all.topRows(weighted));
+    of_integrals_ = Eigen::MatrixXd(of_integrals_.selfadjointView<Eigen::Upper>());
+    for (Eigen::Index k = 0; k < integrals; ++k) {
         const auto of_weights = all.col(k).head(weighted), angles = all.col(k).segment(weighted, S_ * N_),
                    residuals = all.col(k).tail(channels_);
         Eigen::VectorXd columns(J_ + S_ * N_);

@@ -9,7 +9,7 @@
 namespace srbf {
 
 /// Sums over rows of the products of derivatives and residuals of which Hessian and gradient consist: over pairs sums of
-/// products, over radiances products of sums.
+/// products, over integrals products of sums.
 ///
 /// (E_j s_i) · (E_k s_l) = (E_j E_k) · (s_i s_l) with s_0 = 1: the products of a pair of lobes with a pair of factors are
 /// computed once, whichever lobe goes with which factor. Of the products with the derivatives by angles and with the
@@ -25,7 +25,7 @@ class DerivativeSums {
     /// (E_j s_i) · (E_k s_l), where factor 0 is 1, but not both.
     double product(Eigen::Index j, Eigen::Index i, Eigen::Index k, Eigen::Index l) const {
         return products_[std::size_t(pair_index(j, k) * (count_of_pairs(W_ + 1) - 1) + pair_index(i, l) - 1)] +
-               of_radiances_(j * (W_ + 1) + i, k * (W_ + 1) + l);
+               of_integrals_(j * (W_ + 1) + i, k * (W_ + 1) + l);
     }
     /// The Hessian's parts of angles n, m; of angle n and weight i of lobe j; and minus half of the gradient's.
     double angles(Eigen::Index n, Eigen::Index m) const;
@@ -60,10 +60,10 @@ class DerivativeSums {
     void add_products_with_rests(std::size_t block, std::span<const float* const> angles, double* to);
     void add_products_with_factors(std::size_t block, std::span<const float* const> angles, Scratch& scratch,
                                    double* to);
-    /// The sums of E_j s_i, of the columns of angles and of the residuals over the blocks of a radiance.
-    std::vector<double> sums_of_radiance(std::size_t begin, std::size_t end);
+    /// The sums of E_j s_i, of the columns of angles and of the residuals over the blocks of an integral.
+    std::vector<double> sums_of_integral(std::size_t begin, std::size_t end);
     /// Adds the products of these.
-    void add_radiances(std::span<const std::vector<double>> sums);
+    void add_integrals(std::span<const std::vector<double>> sums);
 
     LobeBasis& basis_;
     const Eigen::VectorXd& x_;
@@ -74,7 +74,7 @@ class DerivativeSums {
     Weights of_angles_, for_angles_, for_rests_;
 
     std::vector<double> products_;        ///< (E_j E_k) · (s_i s_l), over pairs
-    Eigen::MatrixXd of_radiances_;        ///< of the sums of E_j s_i
+    Eigen::MatrixXd of_integrals_;        ///< of the sums of E_j s_i
     Eigen::MatrixXd of_angle_, of_rest_;  ///< with lobes and columns of angles
     Eigen::MatrixXd with_lobe_;           ///< of E_j U_nj and E_j R_j, J × (N + 1), with the factors of weights
 };

@@ -47,15 +47,15 @@ Eigen::MatrixXd LobeProblem::products_with_data() {
     const std::size_t all = std::size_t(basis_.count()) + rows_.y.size();
     std::vector<std::vector<double>> parts(rows_.chunks());
     rows_.for_chunks(parts.size(), basis_.parallel(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        const bool of_radiance = rows_.observes_radiance(begin);
-        parts[chunk].assign(of_radiance ? all : all * all, 0.0);
+        const bool of_integral = rows_.is_of_integral(begin);
+        parts[chunk].assign(of_integral ? all : all * all, 0.0);
         std::vector<const float*> columns;
         for (std::size_t block = begin; block < end; ++block) {
             columns.clear();
             for (int j = 0; j < basis_.count(); ++j) columns.push_back(basis_.lobe(block, j));
             for (const auto& y : rows_.y) columns.push_back(&y[block * k_block]);
-            if (!of_radiance) add_gram(columns, parts[chunk].data(), rows_.rows_in(block));
-            for (std::size_t i = 0; of_radiance && i < all; ++i) parts[chunk][i] += sum(columns[i]);
+            if (!of_integral) add_gram(columns, parts[chunk].data(), rows_.rows_in(block));
+            for (std::size_t i = 0; of_integral && i < all; ++i) parts[chunk][i] += sum(columns[i]);
         }
     });
     // Row-major lower triangles are column-major upper ones.
@@ -84,7 +84,7 @@ double LobeProblem::loss_with_residuals() {
     rows_.for_chunks(sums.size(), basis_.parallel(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::vector<float> of_channel(J);
         std::vector<const float*> columns(J);
-        std::vector<double> radiance(C, 0.0);
+        std::vector<double> integral(C, 0.0);
         for (std::size_t block = begin; block < end; ++block) {
             for (std::size_t j = 0; j < J; ++j) columns[j] = basis_.lobe(block, int(j));
             for (std::size_t c = 0; c < C; ++c) {
@@ -92,13 +92,13 @@ double LobeProblem::loss_with_residuals() {
                 float* const difference = rest(block, Eigen::Index(c));
                 const double squares =
                     residual(&rows_.y[c][block * k_block], of_channel, columns, difference, rows_.rows_in(block));
-                if (rows_.observes_radiance(block))
-                    radiance[c] += sum(difference);
+                if (rows_.is_of_integral(block))
+                    integral[c] += sum(difference);
                 else
                     sums[chunk] += squares;
             }
         }
-        for (const double difference : radiance) sums[chunk] += difference * difference;
+        for (const double difference : integral) sums[chunk] += difference * difference;
     });
     double whole = coefficients_.of_pixels;
     for (const double part : sums) whole += part;

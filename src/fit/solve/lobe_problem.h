@@ -10,7 +10,7 @@
 
 namespace srbf {
 
-/// Σ w |f − Σ_j β_j E_j|² over C channels, over the rows of pairs, plus the squares of sums for radiances, plus the term
+/// Σ w |f − Σ_j β_j E_j|² over C channels, over the rows of pairs, plus the squares of sums for integrals, plus the term
 /// of pixels where the rows have views. The variables are x = (angles, weights); `Coefficients` are eliminated.
 class LobeProblem {
   public:

@@ -17,10 +17,10 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     const std::size_t count = observations.fitted();
     blocks = blocks_for(count), pairs = count;
     const std::size_t every = extent.roughly ? 2 : 1, step = extent.roughly ? 9 : 1;
-    if (extent.radiance_importance > 0) radiances = (observations.radiances.size() + every - 1) / every;
-    for (std::size_t k = 0; k < radiances; ++k)
-        radiance_blocks =
-            std::max(radiance_blocks, blocks_for((observations.radiances[k * every].wl.size() + step - 1) / step));
+    if (extent.integral_importance > 0) integrals = (observations.integrals.size() + every - 1) / every;
+    for (std::size_t k = 0; k < integrals; ++k)
+        integral_blocks =
+            std::max(integral_blocks, blocks_for((observations.integrals[k * every].wl.size() + step - 1) / step));
     const auto has_pixels = [](const ObservedView& view) { return !view.pixels.empty(); };
     if (extent.picture_importance > 0 && !extent.spectra && std::ranges::any_of(observations.views, has_pixels)) {
         picture_importance = extent.picture_importance;
@@ -36,7 +36,7 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     }
     const std::size_t C = extent.spectra ? observations.wavelengths.size() : 3;
     y.assign(C, Aligned<float>(rows, 0.f));
-    // Channel c of an observation or of a light direction of a radiance.
+    // Channel c of an observation or of a node of an integral.
     const auto value_of = [C, spectra = extent.spectra](const auto& of, std::size_t i) {
         return [&of, i, C, spectra](std::size_t c) { return spectra ? of.spectrum[i * C + c] : of.f[i][int(c)]; };
     };
@@ -46,16 +46,18 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     if (sum > 0) scale = 1 / std::sqrt(sum);
     for (std::size_t i = 0; i < count; ++i)
         set(i, observations.wl[i], observations.wv[i], std::sqrt(observations.weight[i]), value_of(observations, i));
-    for (std::size_t k = 0; k < radiances; ++k) {
-        const RadianceObservation& seen = observations.radiances[k * every];
+    double costs = 0;
+    for (std::size_t k = 0; k < integrals; ++k) costs += observations.integrals[k * every].cost;
+    for (std::size_t k = 0; k < integrals; ++k) {
+        const ObservedIntegral& seen = observations.integrals[k * every];
         double whole = 0;
         for (std::size_t i = 0; i < seen.wl.size(); i += step) whole += seen.weight[i] * double(luminance(seen.f[i]));
         whole = std::max({whole, seen.least_unit / double(step), seen.noise_unit / std::sqrt(double(step))});
         if (!(whole > 0)) continue;
-        const double factor = std::sqrt(extent.radiance_importance / double(radiances)) / whole;
-        std::size_t row = (blocks + k * radiance_blocks) * k_block;
+        const double factor = std::sqrt(extent.integral_importance * seen.cost / costs) / whole;
+        std::size_t row = (blocks + k * integral_blocks) * k_block;
         for (std::size_t i = 0; i < seen.wl.size(); i += step)
-            set(row++, seen.wl[i], seen.wv, factor * seen.weight[i], value_of(seen, i));
+            set(row++, seen.wl[i], seen.wv[i], factor * seen.weight[i], value_of(seen, i));
     }
     if (views > 0) add_views(observations.views);
 }

@@ -15,21 +15,21 @@ namespace srbf {
 
 /// Which parts of the observations Rows hold.
 struct Extent {
-    double radiance_importance =
-        0;  ///< increase of the sum if every radiance is off by its luminance in one channel; 0: no radiances
-    bool roughly = false;           ///< only every other radiance, and of each every ninth direction
+    double integral_importance =
+        0;  ///< increase of the sum if every integral is off by its luminance in one channel; 0: no integrals
+    bool roughly = false;           ///< only every other integral, and of each every ninth node
     bool spectra = false;           ///< the spectra of spectral observations instead of their colours
     double picture_importance = 0;  ///< factor of the mean error of all `Pixels`; 0, or with spectra: no views
 };
 
 /// Observations in the layout of the loops: an array per component, padded to whole blocks with rows of weight 0. First
-/// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each radiance, which
+/// the blocks of pairs, which contribute a sum of squares; then the same number of blocks for each integral, which
 /// contributes the square of a sum; then the blocks of views, whose pixels are sums over rows.
 struct Rows {
     /// All observations except the bound pairs.
     explicit Rows(const Observations& observations, const Extent& extent = {});
     std::size_t pairs = 0, blocks = 0;               ///< number of pairs, and of their blocks
-    std::size_t radiances = 0, radiance_blocks = 0;  ///< number of radiances, blocks per radiance
+    std::size_t integrals = 0, integral_blocks = 0;  ///< number of integrals, blocks per integral
     std::array<Aligned<float>, 3> wl, wv;
     double scale = 1;               ///< unit of the values: 1 / √Σw
     Aligned<float> root_weight;     ///< √w × scale, so that its squares sum to 1 over pairs
@@ -51,16 +51,16 @@ struct Rows {
     double picture_importance = 0;
 
     std::size_t rows_in(std::size_t block) const { return block < blocks ? rows_in_block(block, pairs) : k_block; }
-    std::size_t first_view_block() const { return blocks + radiances * radiance_blocks; }
+    std::size_t first_view_block() const { return blocks + integrals * integral_blocks; }
     std::size_t whole_blocks() const { return first_view_block() + blocks_for(views * view_rows); }
 
     /// Chunks are what loops over rows take at a time, and whose sums are added in order: k_chunk blocks of pairs, the
-    /// blocks of a radiance, or a block of views.
+    /// blocks of an integral, or a block of views.
     static constexpr std::size_t k_chunk = 8;
     std::size_t chunks_of_pairs() const { return (blocks + k_chunk - 1) / k_chunk; }
-    std::size_t chunks() const { return chunks_of_pairs() + radiances; }  ///< of pairs and radiances
+    std::size_t chunks() const { return chunks_of_pairs() + integrals; }  ///< of pairs and integrals
     std::size_t whole_chunks() const { return chunks() + whole_blocks() - first_view_block(); }
-    bool observes_radiance(std::size_t block) const { return block >= blocks; }
+    bool is_of_integral(std::size_t block) const { return block >= blocks; }
     /// Calls body(chunk, begin, end) for the blocks of the first `count` chunks.
     template <typename Body> void for_chunks(std::size_t count, bool parallel, const Body& body) const {
         for_each(count, parallel, [&](std::size_t chunk) {
@@ -69,8 +69,8 @@ struct Rows {
                 const std::size_t block = first_view_block() + chunk - chunks();
                 return body(chunk, block, block + 1);
             }
-            const std::size_t begin = blocks + (chunk - chunks_of_pairs()) * radiance_blocks;
-            body(chunk, begin, begin + radiance_blocks);
+            const std::size_t begin = blocks + (chunk - chunks_of_pairs()) * integral_blocks;
+            body(chunk, begin, begin + integral_blocks);
         });
     }
 

@@ -19,7 +19,7 @@
 #include "srbf/kernel.h"
 #include "srbf/load.h"
 #include "srbf/pictures.h"
-#include "src/albedo_nodes.h"
+#include "src/elevation_nodes.h"
 #include "src/parallel.h"
 #include "src/r_sequence.h"
 

@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "albedo_nodes.h"
+#include "elevation_nodes.h"
 #include "levenberg_marquardt.h"
 #include "parallel.h"
 #include "r_sequence.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "albedo_nodes.h"
+#include "elevation_nodes.h"
 #include "floating_point.h"
 #include "model/pm_lanes.h"
 #include "srbf/directions.h"

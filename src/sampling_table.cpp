@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "albedo_nodes.h"
+#include "elevation_nodes.h"
 #include "parallel.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"

@@ -1,5 +1,5 @@
 // The inner loops of the fit compared with plain ones, for each instruction set of this machine.
-#include "fit/model/features.h"
+#include "fit/model/row_features.h"
 #include "fit/solve/columns.h"
 #include "fit/solve/rows.h"
 

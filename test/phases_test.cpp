@@ -2,7 +2,7 @@
 #include "fit/objective/point_lights.h"
 
 #include "fit/data/observations.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "properties.h"
 #include "srbf/directions.h"
 

@@ -357,7 +357,7 @@ SRBF_FN Vec3 psi_by_angle(Vec3 wl, Vec3 wv, Real a, Real b) {
 
 #define SRBF_TERMS 4
 
-// The further features x_k of the terms in srbf/terms.h, in which the exponent of a lobe is linear. Each is at most 0
+// The further features x_k of the terms in srbf/exponent_terms.h, in which the exponent of a lobe is linear. Each is at most 0
 // above the horizon and symmetric in (wl, wv). Only x_0 is unbounded; its exponent must be >= 0 so that the lobe is
 // bounded at the horizon. The last two shape the mirror direction: peaks of measurements are pointed, with different
 // widths in the plane of incidence and across it. x_2 is nearly -|cl - cv|, without the crease at cl = cv, which would

@@ -93,7 +93,7 @@ DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f
 /// dp = cosθl dωl. They are sectors and rings about the mirror direction m: `turn`, the azimuth of p − m, which is that of
 /// the half vector, as the part of the way around the square |x| + |y| = 1, 0 to 4 from the direction away from the normal;
 /// and ρ², ρ the distance |p − m| relative to that of the horizon in the same direction. Two rings are to an octave of ρ²,
-/// down to 2⁻²⁴. Nodes are uniform in the coordinate of albedo_nodes.h; between them densities are linear.
+/// down to 2⁻²⁴. Nodes are uniform in the coordinate of elevation_nodes.h; between them densities are linear.
 struct TableProposal {
     static constexpr int k_nodes = 49, k_sectors = 32, k_rings = 48;
     static constexpr float k_share = 0.95f;  ///< of the draws that are the table's

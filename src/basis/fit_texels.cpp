@@ -9,7 +9,7 @@
 #include "errors.h"
 #include "fit/data/pairs.h"
 #include "fit/objective/bound.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "fit/solve/rounding.h"
 #include "floating_point.h"
 #include "least_squares.h"

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "fitting/requests.h"
 #include "microfacets/fits.h"
 #include "samples/folds.h"

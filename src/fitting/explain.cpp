@@ -1,8 +1,9 @@
 // What a multivariate fit minimises, and in which stages, as text.
 #include <fmt/format.h>
 
-#include "fit/objective/importances.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/bound.h"
+#include "fit/objective/costs.h"
+#include "fit/objective/pair_weights.h"
 #include "fit/search/schedule.h"
 #include "fitting/requests.h"
 
@@ -45,8 +46,8 @@ std::string work_of(const Stage& stage, const FitOptions& options) {
         case Work::perturb:
             return fmt::format("until {} lobes or variates were replaced", stage.perturbations_until(options));
         case Work::polish:
-            return "steps; useless lobes are replaced";
-        case Work::steps:
+            return fmt::format("{} steps; useless lobes are replaced", stage.steps);
+        case Work::by_pictures:
             return fmt::format("{} steps, ordered by delta E ITP", stage.steps);
         case Work::finish:
             return "steps while they pay, rounding to 16 bits, bounds";

@@ -6,7 +6,7 @@
 
 #include "fit/data/pairs.h"
 #include "fit/fits.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "fitting/requests.h"
 #include "floating_point.h"
 #include "measured/isotropy.h"
@@ -62,6 +62,7 @@ std::vector<ObservedIntegral> hemispheres(const KlemsTable& table, std::span<con
     for (const std::size_t i : incident) {
         // Light and viewer are exchanged, as in all that a matrix observes.
         ObservedIntegral sum;
+        sum.in_search = all.size() % 2 == 0;
         RSequence<2> points;
         for (std::size_t o = 0; o < out.patches(); ++o) {
             const Rgb f = table.cell(o, i);

@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "errors.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "fitting/choose.h"
 #include "fitting/cross_validated_fits.h"
 #include "fitting/noise.h"

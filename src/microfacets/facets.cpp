@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "fit/objective/bound.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "least_squares.h"
 #include "microfacets/large_errors.h"
 #include "srbf/elementary.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "least_squares.h"
 #include "microfacets/fits.h"
 #include "microfacets/large_errors.h"

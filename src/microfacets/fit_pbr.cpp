@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "fit/objective/pixels.h"
 #include "levenberg_marquardt.h"
 #include "microfacets/fits.h"

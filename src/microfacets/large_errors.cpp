@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

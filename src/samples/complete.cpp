@@ -7,7 +7,7 @@
 
 #include "errors.h"
 #include "fit/objective/bound.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "microfacets/fits.h"
 #include "parallel.h"
 #include "samples/observe_samples.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "fit/search/search.h"
 #include "floating_point.h"
 #include "microfacets/large_errors.h"

@@ -6,7 +6,7 @@
 
 #include "errors.h"
 #include "fit/data/pairs.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "floating_point.h"
 #include "microfacets/facets.h"
 #include "samples/folds.h"

@@ -47,10 +47,11 @@ std::string cal_of(const std::string& name, const PmModel& model) {
         text += fmt::format("{}_n{}(c)=1/sqrt(if({}+{}*c-1e-12,{}+{}*c,1e-12));\n", name, n + 1, of_cal(a * a + b * b),
                             of_cal(2 * a * b), of_cal(a * a + b * b), of_cal(2 * a * b));
     }
-    const std::array<std::string, std::size(k_terms)> features_of{
-        "log(if(lz*vz-1e-12,lz*vz,1e-12))", fmt::format("0.5*sqrt({}_s({}))-1", name, k_pair),
-        fmt::format("0.05-sqrt((lz-vz)*(lz-vz)+0.0625*{0}_a({1})+0.0025)", name, k_pair),
-        fmt::format("0-sqrt({}_a({}))", name, k_pair)};
+    const std::string features_of[] = {"log(if(lz*vz-1e-12,lz*vz,1e-12))",
+                                       fmt::format("0.5*sqrt({}_s({}))-1", name, k_pair),
+                                       fmt::format("0.05-sqrt((lz-vz)*(lz-vz)+0.0625*{0}_a({1})+0.0025)", name, k_pair),
+                                       fmt::format("0-sqrt({}_a({}))", name, k_pair)};
+    static_assert(std::size(features_of) == std::size(k_terms));
     text += fmt::format("{0}_s({1})=if(2+2*(lx*vx+ly*vy+lz*vz)-1e-12,2+2*(lx*vx+ly*vy+lz*vz),1e-12);\n", name, k_pair);
     text += fmt::format("{0}_a({1})=((lx+vx)*(lx+vx)+(ly+vy)*(ly+vy))/{0}_s({1});\n", name, k_pair);
     for (int k = 0; k < features(model.form); ++k)

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <set>
 
-#include "albedo_nodes.h"
+#include "elevation_nodes.h"
 #include "shader/bsdf_code.h"
 #include "shader/print.h"
 #include "shader/print_python.h"

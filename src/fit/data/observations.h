@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "fit/objective/importances.h"
+#include "fit/objective/costs.h"
 #include "srbf/fit.h"
 #include "values.h"
 
@@ -18,6 +18,7 @@ struct ObservedIntegral {
     std::vector<Rgb> f;           ///< [1/sr]
     std::vector<double> weight;   ///< measure of the integral, ≥ 0
     std::vector<float> spectrum;  ///< of spectral observations: f at each wavelength, ≥ 0
+    bool in_search = true;        ///< whether a search with few pairs has it too
     double cost = 1;              ///< of its relative error, beside the other integrals' costs
     double least_unit = 0;        ///< its errors are relative to its luminance, but to no less than this
     double noise_unit = 0;        ///< nor to less than this, which by every n-th direction is 1/√n of it

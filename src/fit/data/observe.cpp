@@ -4,10 +4,11 @@
 
 #include "errors.h"
 #include "fit/data/observations.h"
+#include "fit/data/observe_albedos.h"
 #include "fit/data/observe_pictures.h"
 #include "fit/data/pairs.h"
-#include "fit/objective/importances.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/costs.h"
+#include "fit/objective/pair_weights.h"
 #include "fit/objective/point_lights.h"
 #include "parallel.h"
 #include "reporter.h"
@@ -20,98 +21,12 @@ constexpr double k_least_theta = k_degree;
 constexpr std::size_t k_least_count = 1024, k_most_count = std::size_t(1) << 24;
 /// One horizon pair follows so many others.
 constexpr std::size_t k_pairs_a_horizon_pair = 7;
-/// This share of the horizon pairs are nodes of the grid.
-constexpr double k_on_grid = 0.5;
-/// As many bound pairs about the mirror direction as are needed to find a lobe between the nodes of the grid.
-constexpr std::size_t k_mirror_pairs = 32768;
 /// The pool of pairs is this many times as large as the observations, at most k_most_pairs.
 constexpr std::size_t k_pool = 8, k_most_pairs = std::size_t(1) << 20;
 /// This share is chosen with probability proportional to Σ w |f|², the rest uniformly (docs/fitting.md, Selection).
 constexpr double k_by_energy = 0.5;
 /// Pairs that one thread evaluates at once.
 constexpr std::size_t k_part = 4096;
-/// θv of the observed integrals [degrees], cosθv of those near the horizon, and the number of directions of each.
-constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
-constexpr double k_horizon_cosines[] = {0.03, 0.01, 0.003};
-constexpr int k_albedo_points = 4096;
-/// In place of `k_albedo_error_with_pixels` for noisy tables, whose albedos are sums of thousands of values and known better
-/// than any of them; or, if that is more, so many standard deviations of the sum (docs/notes/noise.md).
-constexpr double k_albedo_error_of_noise = 0.002, k_deviations_of_albedo = 0.4;
-/// Of noisy tables, whose samples at the normal are those of one azimuth: the view beside it sees all of them.
-constexpr double k_beside_normal_of_noise = 0.5 * k_degree;
-
-/// The direction of that z and azimuth.
-Vec3d direction(double z, double phi) {
-    const double r = std::sqrt(std::max(0.0, 1 - z * z));
-    return {r * elementary::cos(phi), r * elementary::sin(phi), z};
-}
-
-/// Distribution of view directions: uniform over the cap, but a quarter uniform in log cosθ, so that directions close
-/// to the horizon are not rare.
-class ViewMixture {
-  public:
-    explicit ViewMixture(double cos_max) : cos_max_(cos_max) {}
-    Vec3d sample(double u0, double u1, double u2) const {
-        return direction(u0 < k_uniform ? 1 - u1 * (1 - cos_max_) : elementary::pow(cos_max_, u1), 2 * k_pi * u2);
-    }
-    double pdf(Vec3d w) const {  // [1/sr]
-        return (k_uniform / (1 - cos_max_) + (1 - k_uniform) / (w.z * -elementary::log(cos_max_))) / (2 * k_pi);
-    }
-
-  private:
-    static constexpr double k_uniform = 0.75;
-    double cos_max_;
-};
-
-struct Draw {
-    DirectionPair pair;
-    double weight = 0;  ///< 1 / density within the caps; 0 for a pair that is not drawn from them
-};
-
-/// The pairs of each kind, by their numbers. None: a direction is below the horizon or outside of the cap.
-class PairDraws {
-  public:
-    PairDraws(double theta_max, bool to_the_brink, std::mt19937_64 random)
-        : fitted_points_(random_sequence(random)),
-          horizon_points_(random_sequence(random)),
-          bound_points_(random_sequence(random)),
-          cos_max_(elementary::cos(theta_max)),
-          views_(cos_max_),
-          lights_(theta_max) {
-        if (to_the_brink) brink_ = brink_grid();
-    }
-
-    std::optional<Draw> fitted(std::size_t i) const {
-        const auto u = fitted_points_.at(i);
-        const Vec3d wv = views_.sample(u[0], u[1], u[2]), wl = lights_.sample(wv, u[3], u[4], u[5]);
-        if (!lights_.contains(wl)) return std::nullopt;
-        return Draw{{to_float(wl), to_float(wv)}, 1 / (views_.pdf(wv) * lights_.pdf(wl, wv))};
-    }
-    /// A node of the grid, or a pair of which at least one direction, as often wl as wv, is beyond θmax.
-    std::optional<Draw> horizon(std::size_t i) const {
-        const auto u = horizon_points_.at(i);
-        if (u[0] < k_on_grid) return Draw{grid_[std::size_t(u[0] / k_on_grid * double(grid_.size()))]};
-        const Vec3d edge = direction(cos_horizon_ + u[1] * (cos_max_ - cos_horizon_), 2 * k_pi * u[2]);
-        const Vec3d other = to_horizon_.sample(edge, u[3], u[4], u[5]);
-        if (!to_horizon_.contains(other)) return std::nullopt;
-        const Vec3f of_edge = to_float(edge), of_other = to_float(other);
-        return u[0] < (1 + k_on_grid) / 2 ? Draw{{of_edge, of_other}} : Draw{{of_other, of_edge}};
-    }
-    std::size_t bound_pairs() const { return grid_.size() + k_mirror_pairs + brink_.size(); }
-    std::optional<Draw> bound(std::size_t i) const {
-        if (i < grid_.size()) return Draw{grid_[i]};
-        if (i >= grid_.size() + k_mirror_pairs) return Draw{brink_[i - grid_.size() - k_mirror_pairs]};
-        const auto pair = pair_within(to_horizon_, bound_points_.at(i - grid_.size()));
-        return pair ? std::optional(Draw{*pair}) : std::nullopt;
-    }
-
-  private:
-    RSequence<6> fitted_points_, horizon_points_, bound_points_;
-    double cos_max_, cos_horizon_ = elementary::cos(k_horizon_theta);
-    ViewMixture views_;
-    MirrorMixture lights_, to_horizon_{k_horizon_theta};
-    std::vector<DirectionPair> grid_ = horizon_grid(), brink_;
-};
 
 /// Evaluates f at `draw(i)`, i < count. Keeps the pairs that exist and have a value, in order.
 template <typename DrawAt>
@@ -122,7 +37,7 @@ Observations measured(const Evaluate& f, std::size_t count, int threads, const D
         std::vector<Vec3f> wl, wv;
         std::vector<double> weight;
         for (std::size_t i = begin; i < end; ++i)
-            if (const std::optional<Draw> one = draw(i))
+            if (const std::optional<DrawnPair> one = draw(i))
                 wl.push_back(one->pair.wl), wv.push_back(one->pair.wv), weight.push_back(one->weight);
         std::vector<Rgb> values(wl.size());
         f(wl, wv, values);
@@ -237,60 +152,6 @@ void add_fitted(Observations& to, const MeasuredPairs& measured, const ObserveOp
         angle.push_back(0), seen.push_back(horizon.f[h]);
     }
     if (traits(options.objective).of_pictures) to.point_light_weight = point_light_weights(to.wl, to.wv, seen, angle);
-}
-
-/// The standard deviation of a sum of noisy values, of which `smooth` are those without noise: √Σ w² |f − s|².
-double deviation_of_sum(const ObservedIntegral& seen, std::span<const Rgb> smooth) {
-    double square = 0;
-    for (std::size_t i = 0; i < smooth.size(); ++i)
-        if (is_finite(smooth[i]))
-            square += elementary::square(seen.weight[i] * double(luminance(seen.f[i]) - luminance(smooth[i])));
-    return std::sqrt(square);
-}
-
-/// The albedo of a view, over light to θmax.
-ObservedIntegral observe_albedo(const Evaluate& f, const ObserveOptions& options, Vec3d wv, double theta_max) {
-    Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_albedo_points);
-    std::vector<Rgb> values = values_towards(f, points.w, to_float(wv));
-    // The noise of a sum of values is small: of noisy tables none is set to 0.
-    for (Rgb& value : values)
-        if (!options.smoothed) clamp_negative(value);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const bool valid = is_finite(values[i]);
-        points.weight[i] *= valid ? double(points.w[i].z) : 0;
-        if (!valid) values[i] = {};
-    }
-    ObservedIntegral seen;
-    seen.wv.assign(points.w.size(), to_float(wv));
-    seen.wl = std::move(points.w), seen.f = std::move(values), seen.weight = std::move(points.weight);
-    if (options.smoothed)
-        seen.noise_unit = k_deviations_of_albedo *
-                          deviation_of_sum(seen, values_towards(options.smoothed, seen.wl, to_float(wv))) /
-                          k_albedo_error_of_noise;
-    return seen;
-}
-
-std::vector<ObservedIntegral> observe_albedos(const Evaluate& f, const ObserveOptions& options, double theta_max) {
-    std::vector<double> angles;
-    for (const double theta : k_albedo_angles)
-        if (!(theta * k_degree > theta_max)) angles.push_back(theta * k_degree);
-    const std::size_t steeper = angles.size();
-    // Whoever asks for less than the default does not trust what lies beyond.
-    const bool trusts_all = !(theta_max < default_max_theta(options.objective));
-    if (traits(options.objective).of_pictures && options.horizon_albedos && trusts_all)
-        for (const double cosine : k_horizon_cosines) angles.push_back(elementary::acos(cosine));
-    std::vector<ObservedIntegral> all(angles.size());
-    parallel_for(all.size(), options.threads, [&](std::size_t k) {
-        // Any azimuth is sufficient for isotropic data; the azimuths are spread for other data.
-        const double least = options.smoothed ? k_beside_normal_of_noise : 0;
-        const Vec3d wv = spherical(std::max(angles[k], least), k_golden_angle * double(k));
-        const bool at_horizon = k >= steeper;
-        all[k] = observe_albedo(f, options, wv, at_horizon ? k_horizon_theta : theta_max);
-        if (at_horizon) all[k].least_unit = k_horizon_albedo;
-    });
-    // The last is a bound. Many tables diverge beyond their last measured angle, where it would be a demand.
-    if (all.size() > steeper && luminance(all.back()) > 1) all.pop_back();
-    return all;
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "fit/data/pairs.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "parallel.h"
 #include "srbf/elementary.h"
 #include "srbf/pictures.h"

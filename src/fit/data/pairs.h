@@ -36,4 +36,40 @@ RSequence<6> random_sequence(std::mt19937_64& random);
 /// None if wl is outside of the cap.
 std::optional<DirectionPair> pair_within(const MirrorMixture& cap, const std::array<double, 6>& point);
 
+/// A pair drawn for a table.
+struct DrawnPair {
+    DirectionPair pair;
+    double weight = 0;  ///< 1 / density within the caps; 0 for a pair that is not drawn from them
+};
+
+/// Distribution of view directions: uniform over the cap, but a quarter uniform in log cosθ, so that directions close
+/// to the horizon are not rare.
+class ViewMixture {
+  public:
+    explicit ViewMixture(double cos_max) : cos_max_(cos_max) {}
+    Vec3d sample(double u0, double u1, double u2) const;
+    double pdf(Vec3d w) const;  // [1/sr]
+
+  private:
+    double cos_max_;
+};
+
+/// The pairs at which a table is observed, by their numbers. None: a direction is below the horizon or outside of the cap.
+class PairDraws {
+  public:
+    PairDraws(double theta_max, bool to_the_brink, std::mt19937_64 random);
+    std::optional<DrawnPair> fitted(std::size_t i) const;
+    /// A node of the grid, or a pair of which at least one direction, as often wl as wv, is beyond θmax.
+    std::optional<DrawnPair> horizon(std::size_t i) const;
+    std::optional<DrawnPair> bound(std::size_t i) const;
+    std::size_t bound_pairs() const;
+
+  private:
+    RSequence<6> fitted_points_, horizon_points_, bound_points_;
+    double cos_max_;
+    ViewMixture views_;
+    MirrorMixture lights_, to_horizon_{k_horizon_theta};
+    std::vector<DirectionPair> grid_ = horizon_grid(), brink_;
+};
+
 }  // namespace srbf

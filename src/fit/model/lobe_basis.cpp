@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "fit/model/features.h"
+#include "fit/model/row_features.h"
 #include "fit/solve/columns.h"
 #include "srbf/elementary.h"
 

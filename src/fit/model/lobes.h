@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "srbf/exponent_terms.h"
 #include "srbf/model.h"
-#include "srbf/terms.h"
 
 namespace srbf {
 

@@ -5,7 +5,7 @@
 
 #include "fit/data/observations.h"
 #include "fit/data/pairs.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -3,9 +3,16 @@
 #include <vector>
 
 #include "fit/data/observations.h"
-#include "fit/objective/importances.h"
 
 namespace srbf {
+
+/// The fitted f cosθl cosθv may reach this multiple of the largest measured value between the stages; what is promised
+/// is twice, after rounding.
+inline constexpr double k_most_excess = 1.6;
+/// Initial cost, relative to the loss, of exceeding that by the largest measured value.
+inline constexpr double k_excess_weight = 0.005;
+/// The cost grows by this factor where a round later the fit still exceeds it.
+inline constexpr double k_bound_growth = 4;
 
 /// cosθl cosθv, but no less than where the grid ends: beyond that f itself may not rise above what is allowed there.
 double bound_cosines(Vec3f wl, Vec3f wv);

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "fit/data/observations.h"
-#include "fit/objective/importances.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/costs.h"
+#include "fit/objective/pair_weights.h"
 #include "srbf/elementary.h"
 
 namespace srbf {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "fit/objective/bound.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "fit/solve/rounding.h"
 #include "levenberg_marquardt.h"
 #include "srbf/elementary.h"

@@ -63,7 +63,7 @@ struct Effort {
     double search = 0, rest = 0, polish = 0;  ///< polish: of each stage between the search and the last
     double all() const { return search + 2 * rest; }
 };
-bool is_polish(const Stage& stage) { return stage.work == Work::steps || stage.work == Work::polish; }
+bool is_polish(const Stage& stage) { return stage.work == Work::by_pictures || stage.work == Work::polish; }
 Effort effort_of(const Observations& observations, const FitOptions& options) {
     int perturbations = 0, before = 0, polishes = 0;
     for (const Stage& stage : schedule(!observations.views.empty())) {
@@ -91,7 +91,7 @@ class Fit {
 
     /// A stage before the last, a candidate a thread.
     void search(const Stage& stage) {
-        if (stage.work == Work::steps && reporter_.cancelled()) return;
+        if (stage.work == Work::by_pictures && reporter_.cancelled()) return;
         prepare(stage);
         const Rows rows = rows_of(stage);
         parallel_for(found_.size(), [&](std::size_t i) {
@@ -99,7 +99,7 @@ class Fit {
             search(stage, problem, found_[i]);
         });
         std::ranges::stable_sort(found_, {}, &Candidate::loss);
-        if (stage.work == Work::steps) last_ = &stage;
+        if (stage.work == Work::by_pictures) last_ = &stage;
         if (is_polish(stage)) reporter_.advance("polishing", effort_.polish);
     }
     /// The last stage: the first candidate, or of those that are nearly as good the best.
@@ -140,8 +140,8 @@ class Fit {
             case Work::perturb:
                 return perturb(problem, options_, stage.perturbations_until(options_), candidate, reporter_);
             case Work::polish:
-                return polish(problem, options_, candidate);
-            case Work::steps:
+                return polish(problem, options_, stage.steps, candidate);
+            case Work::by_pictures:
                 if (!reporter_.cancelled()) take_steps(problem, stage.steps, candidate);
                 return;
             case Work::finish:  // of all candidates: `finished`

@@ -12,11 +12,11 @@ namespace srbf {
 
 /// What a stage does with each of its candidates.
 enum class Work {
-    grow,     ///< J lobes one by one, each the best of 256 random ones
-    perturb,  ///< replaces the least useful lobe or variate by a random one, if that lowers the loss
-    polish,   ///< steps, and replaces lobes that become useless
-    steps,    ///< steps alone; candidates are ordered by the mean ΔE_ITP of pixels, after the others by their loss
-    finish,   ///< steps as long as they pay, bounds that are exceeded, and rounding
+    grow,         ///< J lobes one by one, each the best of 256 random ones
+    perturb,      ///< replaces the least useful lobe or variate by a random one, if that lowers the loss
+    polish,       ///< steps, and replaces lobes that become useless
+    by_pictures,  ///< steps; candidates are then ordered by the mean ΔE_ITP of pixels, after the others by their loss
+    finish,       ///< steps as long as they pay, bounds that are exceeded, and rounding
 };
 
 /// How many of the first pairs are rows: while there are many candidates, afterwards, and in the polish. Pictures are
@@ -27,7 +27,7 @@ enum class Pairs : std::size_t { few = 2048, some = 4096, more = 16384, all = 0 
 /// A stage of a fit, a row of the tables below.
 struct Stage {
     std::string_view name = {};
-    Work work = Work::steps;
+    Work work = Work::by_pictures;
     bool bounds = false;  ///< beforehand, pairs at which candidates exceed the measurement are added to the rows
     bool lights = false;  ///< beforehand, weights of point lights are added, relative to the best candidate's errors
     Pairs pairs = Pairs::all;                ///< the rows
@@ -55,32 +55,33 @@ using enum Pairs;
 /// By pairs and albedos alone. After the best candidate another one is finished only if its error is at most 1 %
 /// larger: the last steps lower the loss by 1 to 4 %.
 inline constexpr Stage by_pairs[] = {
-    // name      work           bounds   pairs   albedos share most          perturbations
-    //                            lights            pictures                       steps
-    {"grow",     Work::grow,     o, o,   few,   o, o,   1,    every},
-    {"perturb",  Work::perturb,  x, o,   few,   x, o,   1,    every, 0.2},
-    {"perturb",  Work::perturb,  x, o,   some,  x, o,   0.5,  every, 0.5},
-    {"perturb",  Work::perturb,  x, o,   some,  x, o,   0.25, every, 1},
-    {"polish",   Work::polish,   x, o,   more,  x, o,   1,    4},
-    {"finish",   Work::finish,   o, o,   all,    x, o,   1,    3},
+    // name      work            bounds   pairs albedos share   most   perturbations
+    //                              lights         pictures                  steps
+    {"grow",     Work::grow,        o, o, few,  o, o, 1,     every},
+    {"perturb",  Work::perturb,     x, o, few,  x, o, 1,     every, 0.2},
+    {"perturb",  Work::perturb,     x, o, some, x, o, 0.5,   every, 0.5},
+    {"perturb",  Work::perturb,     x, o, some, x, o, 0.25,  every, 1},
+    {"polish",   Work::polish,      x, o, more, x, o, 1,     4,     0,    25},
+    {"finish",   Work::finish,      o, o, all,  x, o, 1,     3},
 };
 /// With pictures. Candidates with the same loss of pairs look different, and further perturbations lower that loss by
 /// little: all of them remain for pictures to choose from. The best after all their steps are nearly always among the
 /// best after three.
 inline constexpr Stage with_pictures[] = {
-    {"grow",     Work::grow,     o, o,   few,   o, o,   1,    every},
-    {"perturb",  Work::perturb,  x, o,   few,   x, o,   1,    every, 0.12},
-    {"perturb",  Work::perturb,  x, o,   few,   x, o,   1,    every, 0.28},
-    {"pictures", Work::steps,    x, x,   some,  x, x,   1,    every, 0,    3},
-    {"pictures", Work::steps,    o, o,   some,  x, x,   0.25, every, 0,    4},
-    {"pictures", Work::steps,    o, o,   some,  x, x,   0.125, every, 0,   8},
-    {"finish",   Work::finish,   o, x,   all,    x, x,   1,    1},
+    {"grow",     Work::grow,        o, o, few,  o, o, 1,     every},
+    {"perturb",  Work::perturb,     x, o, few,  x, o, 1,     every, 0.12},
+    {"perturb",  Work::perturb,     x, o, few,  x, o, 1,     every, 0.28},
+    {"pictures", Work::by_pictures, x, x, some, x, x, 1,     every, 0,    3},
+    {"pictures", Work::by_pictures, o, o, some, x, x, 0.25,  every, 0,    4},
+    {"pictures", Work::by_pictures, o, o, some, x, x, 0.125, every, 0,    8},
+    {"finish",   Work::finish,      o, x, all,  x, x, 1,     1},
 };
 // clang-format on
 
 static_assert(std::ranges::all_of(with_pictures, [](const Stage& stage) {
     return !stage.pictures || stage.pairs == some || stage.pairs == all;
 }));
+static_assert(std::ranges::none_of(by_pairs, [](const Stage& stage) { return stage.work == Work::by_pictures; }));
 
 }  // namespace stages
 

@@ -9,8 +9,8 @@
 namespace srbf {
 namespace {
 
-/// Steps after each lobe that is grown but the last, after the last, on other rows, after a perturbation, in a polish.
-constexpr int k_growth_steps = 6, k_grown_steps = 12, k_first_steps = 6, k_perturbation_steps = 12, k_polish_steps = 25;
+/// Steps after each lobe that is grown but the last, after the last, on other rows, after a perturbation.
+constexpr int k_growth_steps = 6, k_grown_steps = 12, k_first_steps = 6, k_perturbation_steps = 12;
 constexpr int k_polish_attempts = 3;
 /// Number of lobe perturbations per variate perturbation.
 constexpr int k_lobe_perturbations = 3;
@@ -88,8 +88,8 @@ void perturb(LobeProblem& problem, const FitOptions& options, int until, Candida
     }
 }
 
-void polish(LobeProblem& problem, const FitOptions& options, Candidate& candidate) {
-    optimise(problem, candidate, candidate.lobes, k_polish_steps);
+void polish(LobeProblem& problem, const FitOptions& options, int steps, Candidate& candidate) {
+    optimise(problem, candidate, candidate.lobes, steps);
     std::mt19937_64 random = generator(options.seed, candidate.start, 1);
     // On more rows than it was found on, a lobe may become useless.
     for (int attempt = 0; attempt < k_polish_attempts && has_useless_lobe(candidate); ++attempt)

@@ -29,7 +29,7 @@ void grow(LobeProblem& problem, const FitOptions& options, Candidate& candidate,
 /// replaces a variate instead.
 void perturb(LobeProblem& problem, const FitOptions& options, int until, Candidate& candidate, Reporter& reporter);
 
-/// Optimises on more rows; lobes that become useless there are replaced.
-void polish(LobeProblem& problem, const FitOptions& options, Candidate& candidate);
+/// Optimises on more rows, by so many steps; lobes that become useless there are replaced.
+void polish(LobeProblem& problem, const FitOptions& options, int steps, Candidate& candidate);
 
 }  // namespace srbf

@@ -3,8 +3,15 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <vector>
 
 namespace srbf {
+namespace {
+
+/// A search sees every so many nodes of an integral.
+constexpr std::size_t k_rough_step = 9;
+
+}  // namespace
 
 template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double factor, const Value& f) {
     wl[0][i] = l.x, wl[1][i] = l.y, wl[2][i] = l.z;
@@ -16,11 +23,16 @@ template <typename Value> void Rows::set(std::size_t i, Vec3f l, Vec3f v, double
 Rows::Rows(const Observations& observations, const Extent& extent) {
     const std::size_t count = observations.fitted();
     blocks = blocks_for(count), pairs = count;
-    const std::size_t every = extent.roughly ? 2 : 1, step = extent.roughly ? 9 : 1;
-    if (extent.integral_importance > 0) integrals = (observations.integrals.size() + every - 1) / every;
-    for (std::size_t k = 0; k < integrals; ++k)
-        integral_blocks =
-            std::max(integral_blocks, blocks_for((observations.integrals[k * every].wl.size() + step - 1) / step));
+    const std::size_t step = extent.roughly ? k_rough_step : 1;
+    std::vector<const ObservedIntegral*> some;
+    for (const ObservedIntegral& of : observations.integrals)
+        if (extent.integral_importance > 0 && (of.in_search || !extent.roughly)) some.push_back(&of);
+    integrals = some.size();
+    double costs = 0;
+    for (const ObservedIntegral* of : some) {
+        integral_blocks = std::max(integral_blocks, blocks_for((of->wl.size() + step - 1) / step));
+        costs += of->cost;
+    }
     const auto has_pixels = [](const ObservedView& view) { return !view.pixels.empty(); };
     if (extent.picture_importance > 0 && !extent.spectra && std::ranges::any_of(observations.views, has_pixels)) {
         picture_importance = extent.picture_importance;
@@ -46,10 +58,8 @@ Rows::Rows(const Observations& observations, const Extent& extent) {
     if (sum > 0) scale = 1 / std::sqrt(sum);
     for (std::size_t i = 0; i < count; ++i)
         set(i, observations.wl[i], observations.wv[i], std::sqrt(observations.weight[i]), value_of(observations, i));
-    double costs = 0;
-    for (std::size_t k = 0; k < integrals; ++k) costs += observations.integrals[k * every].cost;
     for (std::size_t k = 0; k < integrals; ++k) {
-        const ObservedIntegral& seen = observations.integrals[k * every];
+        const ObservedIntegral& seen = *some[k];
         double whole = 0;
         for (std::size_t i = 0; i < seen.wl.size(); i += step) whole += seen.weight[i] * double(luminance(seen.f[i]));
         whole = std::max({whole, seen.least_unit / double(step), seen.noise_unit / std::sqrt(double(step))});

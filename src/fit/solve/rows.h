@@ -17,7 +17,7 @@ namespace srbf {
 struct Extent {
     double integral_importance =
         0;  ///< increase of the sum if every integral is off by its luminance in one channel; 0: no integrals
-    bool roughly = false;           ///< only every other integral, and of each every ninth node
+    bool roughly = false;           ///< only the integrals of a search, and of each every ninth node
     bool spectra = false;           ///< the spectra of spectral observations instead of their colours
     double picture_importance = 0;  ///< factor of the mean error of all `Pixels`; 0, or with spectra: no views
 };

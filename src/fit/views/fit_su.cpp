@@ -7,7 +7,7 @@
 
 #include "errors.h"
 #include "fit/fits.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 #include "fit/views/fit_view.h"
 #include "fit/views/sampled_views.h"
 #include "fit/views/view_tracks.h"

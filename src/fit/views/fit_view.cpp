@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/objective/importances.h"
+#include "fit/objective/costs.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"

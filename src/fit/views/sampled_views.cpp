@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/objective/importances.h"
-#include "fit/objective/objective.h"
+#include "fit/objective/costs.h"
+#include "fit/objective/pair_weights.h"
 #include "parallel.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"

@@ -27,8 +27,9 @@ inline constexpr Importance k_pixels{3.5, 4};
 inline constexpr double k_pixels_alone = 2;
 
 /// An error of this share in every albedo costs as much as the fit's loss without them: by pairs alone, and with pixels. So
-/// the cost is 1 over its square: half of it costs four times as much. Noisy tables have an error of their own (data/observe.cpp).
-inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02;
+/// the cost is 1 over its square: half of it costs four times as much. Albedos
+/// of noisy tables are sums of thousands of values and known better than any of them.
+inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02, k_albedo_error_of_noise = 0.002;
 /// Errors of albedos near the horizon are relative to at least this: few pixels see them. By 0.3 to 0.5 ΔE_ITP rose.
 inline constexpr double k_horizon_albedo = 1;
 /// But at most this: a fit that cannot follow the data gains nothing from an albedo that is right by chance.
@@ -40,13 +41,5 @@ inline constexpr double k_albedos_beside_point_lights = 8;
 inline constexpr double k_lights_of_view = 12;
 /// View by view: directions between those of the matrix, relative to those of the matrix, per solid angle.
 inline constexpr double k_between_views_directions = 0.1;
-
-/// The fitted f cosθl cosθv may reach this multiple of the largest measured value between the stages; what is promised
-/// is twice, after rounding.
-inline constexpr double k_most_excess = 1.6;
-/// Initial cost, relative to the loss, of exceeding that by the largest measured value.
-inline constexpr double k_excess_weight = 0.005;
-/// The cost grows by this factor where a round later the fit still exceeds it.
-inline constexpr double k_bound_growth = 4;
 
 }  // namespace srbf

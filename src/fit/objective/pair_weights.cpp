@@ -1,11 +1,11 @@
-#include "fit/objective/objective.h"
+#include "fit/objective/pair_weights.h"
 
 #include <algorithm>
 #include <array>
 #include <vector>
 
 #include "fit/data/observations.h"
-#include "fit/objective/importances.h"
+#include "fit/objective/costs.h"
 #include "parallel.h"
 #include "srbf/elementary.h"
 #include "weighted_quantile.h"

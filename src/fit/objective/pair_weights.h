@@ -1,4 +1,4 @@
-// Weights of observations.
+// Weights of pairs: the objectives.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "fit/data/observations.h"
-#include "fit/objective/importances.h"
+#include "fit/objective/costs.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
 
-/// Definition of an objective: a row of the table in objective.cpp.
+/// Definition of an objective: a row of the table in pair_weights.cpp.
 struct ObjectiveTraits {
     Objective objective;
     std::string_view name, summary;

@@ -1,7 +1,7 @@
-#include "fit/model/features.h"
+#include "fit/model/row_features.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "fit/model/features.cpp"
+#define HWY_TARGET_INCLUDE "fit/model/row_features.cpp"
 #include <hwy/foreach_target.h>
 
 #include "batch-inl.h"

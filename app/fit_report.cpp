@@ -221,9 +221,8 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
                                    : fmt::format("{}-fold cross-validated", k_folds));
         if (outcome.filled && *outcome.filled) fmt::print("  Between samples the fit uses {}.\n", followed(request));
         if (!outcome.continued.empty())
-            fmt::print(
-                "  Highlights beyond the samples: as {} continue them, which foretells best what folds leave out.\n",
-                outcome.continued);
+            fmt::print("  Highlights beyond the samples: continued by {}, which foretells best what folds leave out.\n",
+                       outcome.continued);
     }
     print_path(request, outcome);
     if (const auto goal = goal_of(request); goal && !outcome.reached)

@@ -443,6 +443,20 @@ TEST(CompletedSamples, LeaveHighlightsToGgxIfFoldsPreferIt) {
     EXPECT_GT(bright, 20);
     EXPECT_GT(dark, 20);
 
+    CompletedSamples bounded = with;
+    bounded.allowed = 0.02 * with.allowed, bounded.continuation.most = 1.2;
+    int lowered = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3f wl = to_float(draw(random, k_cap)), wv = to_float(draw(random, k_cap));
+        const Rgb g = value(bounded.priors[1], wl, wv), found = value(bounded, wl, wv);
+        const double area = double(wl.z) * double(wv.z), most = 1.2 * bounded.allowed;
+        const double of_ggx = double(std::max({g.r, g.g, g.b})) * area;
+        if (of_ggx <= most) continue;
+        ++lowered;
+        EXPECT_TRUE(near(double(std::max({found.r, found.g, found.b})) * area, most, 1e-4 * most));
+    }
+    EXPECT_GT(lowered, 20);
+
     const auto fold = assign_folds(samples, k_cap, 0);
     ASSERT_TRUE(fold.ok());
     const auto best = best_continuation(samples, *fold, k_cap);

@@ -30,10 +30,11 @@ ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const i
 double spacing(const ScatteredSamples& samples);
 
 /// What continues the highlights of completed samples: where f A by them or by g_i exceeds `from` times the largest sample,
-/// f is g_i, i = `prior`, and from half of that on something between both. Not finite: nothing.
+/// f is g_i, i = `prior`, at most `most` times that sample, and from half of that on something between both. Not finite:
+/// nothing.
 struct Continuation {
     std::size_t prior = 0;
-    double from = std::numeric_limits<double>::infinity();
+    double from = std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
 };
 /// "neighbours", "one lobe of GGX beyond the largest sample", ...
 std::string_view words(const Continuation& continuation);

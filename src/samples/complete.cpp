@@ -26,8 +26,10 @@ constexpr Prior k_priors[] = {{Objective::appearance, 2}, {Objective::appearance
 
 /// One lobe by pictures: what a fit to samples is compared with.
 constexpr std::size_t k_one_lobe = 1;
-/// The first: none. The third is GGX itself but for what is dark.
-constexpr Continuation k_continuations[] = {{}, {k_one_lobe, 1}, {k_one_lobe, 0.05}, {0, 0.05}};
+/// The first: none. The third is GGX itself but for what is dark. Where GGX rises far above the samples the last is nearer
+/// to what folds leave out (docs/notes/samples.md).
+constexpr Continuation k_continuations[] = {
+    {}, {k_one_lobe, 1}, {k_one_lobe, 0.05}, {0, 0.05}, {.prior = k_one_lobe, .from = 0.05, .most = 1.2}};
 
 /// A continuation by one lobe of GGX has its error of f but for what lies below 0.05.
 constexpr double k_as_good_as_ggx = 1.01;
@@ -101,7 +103,9 @@ Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_th
 std::string_view words(const Continuation& continuation) {
     if (!std::isfinite(continuation.from)) return "neighbours";
     if (continuation.from >= 1) return "one lobe of GGX beyond the largest sample";
-    return continuation.prior == k_one_lobe ? "one lobe of GGX" : "two lobes of GGX";
+    if (continuation.prior != k_one_lobe) return "two lobes of GGX";
+    return std::isfinite(continuation.most) ? "one lobe of GGX that exceeds them by at most a fifth"
+                                            : "one lobe of GGX";
 }
 
 Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
@@ -114,12 +118,13 @@ Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
         const double root = here.root[std::size_t(c)] + double(rest[c]) * area;
         f[c] = float(std::clamp(root * root * root, 0.0, here.bound) / area);
     }
-    const auto [prior, from] = samples.continuation;
+    const auto [prior, from, most] = samples.continuation;
     if (!std::isfinite(from)) return f;
     const Rgb g = value(samples.priors[prior], wl, wv);
+    const auto lowered = float(std::max(largest_of(g) * area / (most * samples.allowed), 1.0));
     const double largest = std::max(largest_of(f), largest_of(g)) * area / (from * samples.allowed);
     const auto share = float(std::clamp(2 * largest - 1, 0.0, 1.0));
-    for (int c = 0; c < 3; ++c) f[c] += share * (g[c] - f[c]);
+    for (int c = 0; c < 3; ++c) f[c] += share * (g[c] / lowered - f[c]);
     return f;
 }
 

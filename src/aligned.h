@@ -1,4 +1,4 @@
-// Vectors for SIMD: level 0.
+// Vectors for SIMD.
 #pragma once
 #include <tbb/cache_aligned_allocator.h>
 

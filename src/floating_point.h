@@ -1,4 +1,4 @@
-// The floating-point mode of a thread: level 0.
+// The floating-point mode of a thread.
 #pragma once
 #include <cstdint>
 

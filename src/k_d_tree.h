@@ -1,4 +1,4 @@
-// Nearest-neighbour search among points: level 1.
+// Nearest-neighbour search among points.
 #pragma once
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-// Bounded linear least squares, independent of BRDFs: level 1.
+// Bounded linear least squares, independent of BRDFs.
 #pragma once
 #include <Eigen/Dense>
 #include <vector>

@@ -1,4 +1,4 @@
-// Levenberg-Marquardt for separable least squares, independent of BRDFs: level 1.
+// Levenberg-Marquardt for separable least squares, independent of BRDFs.
 #pragma once
 #include <Eigen/Dense>
 #include <concepts>

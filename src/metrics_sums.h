@@ -1,4 +1,4 @@
-// The sums of which error measures consist, over blocks of pairs of directions: level 3. Float SIMD within a block, and
+// The sums of which error measures consist, over blocks of pairs of directions. Float SIMD within a block, and
 // sums in double.
 #pragma once
 #include <array>

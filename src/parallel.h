@@ -1,4 +1,4 @@
-// Loops on several threads: level 0.
+// Loops on several threads.
 #pragma once
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>

@@ -1,4 +1,4 @@
-// Low-discrepancy sequences: level 0.
+// Low-discrepancy sequences.
 #pragma once
 #include <array>
 #include <cmath>

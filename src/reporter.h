@@ -1,4 +1,4 @@
-// Progress of work on several threads: level 1.
+// Progress of work on several threads.
 #pragma once
 #include <algorithm>
 #include <mutex>

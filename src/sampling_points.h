@@ -1,4 +1,4 @@
-// The points by which a mixture's weights are found: level 3.
+// The points by which a mixture's weights are found.
 #pragma once
 #include <array>
 #include <cstddef>

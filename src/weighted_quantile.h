@@ -1,4 +1,4 @@
-// Quantiles of weighted numbers: level 1.
+// Quantiles of weighted numbers.
 #pragma once
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Fits of many materials by lobes that they share: level 5.
+// Fits of many materials by lobes that they share.
 #pragma once
 #include <functional>
 #include <span>

@@ -1,4 +1,4 @@
-// The contract of a BRDF: level 2.
+// The contract of a BRDF.
 #pragma once
 #include <concepts>
 #include <functional>

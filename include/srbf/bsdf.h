@@ -1,4 +1,4 @@
-// Both sides of a surface, as parts that each are like a BRDF: level 2.
+// Both sides of a surface, as parts that each are like a BRDF.
 #pragma once
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-// Selection of a model by its size in bytes or by its error: level 4.
+// Selection of a model by its size in bytes or by its error.
 #pragma once
 #include <cstddef>
 #include <functional>

@@ -1,4 +1,4 @@
-// Conversion of spectra to colours: level 0.
+// Conversion of spectra to colours.
 #pragma once
 #include <array>
 #include <span>

@@ -1,4 +1,4 @@
-// Conversion of any BRDF to a table of a measured format, and the files of these tables: level 4.
+// Conversion of any BRDF to a table of a measured format, and the files of these tables.
 #pragma once
 #include <cstddef>
 #include <string>

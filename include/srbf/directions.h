@@ -1,4 +1,4 @@
-// Sets of directions, and distributions of pairs of directions: level 1.
+// Sets of directions, and distributions of pairs of directions.
 #pragma once
 #include <array>
 #include <cstdint>

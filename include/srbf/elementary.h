@@ -1,4 +1,4 @@
-// Elementary functions that return the same bits on every processor and with every compiler: level 0.
+// Elementary functions that return the same bits on every processor and with every compiler.
 #pragma once
 
 namespace [[gnu::visibility("default")]] srbf {

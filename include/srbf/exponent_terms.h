@@ -1,4 +1,4 @@
-// The terms of a lobe's exponent besides its Gaussian SRBFs, and the forms with these terms: level 3.
+// The terms of a lobe's exponent besides its Gaussian SRBFs, and the forms with these terms.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-// BRDFs under environments and area lights, as a few lobes for each view that hosts look up in filtered maps: level 4.
+// BRDFs under environments and area lights, as a few lobes for each view that hosts look up in filtered maps.
 // Part of the target `srbf::srbf`.
 #pragma once
 #include <array>

@@ -1,4 +1,4 @@
-// Reading and writing of whole files: level 1.
+// Reading and writing of whole files.
 #pragma once
 #include <cstddef>
 #include <functional>

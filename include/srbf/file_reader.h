@@ -1,4 +1,4 @@
-// Reading of a file piece by piece: level 1.
+// Reading of a file piece by piece.
 #pragma once
 #include <cstddef>
 #include <optional>

@@ -1,4 +1,4 @@
-// From measurements to models: level 4.
+// From measurements to models.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -1,4 +1,4 @@
-// Fits of both sides of a surface, part by part: level 5.
+// Fits of both sides of a surface, part by part.
 #pragma once
 #include <functional>
 #include <optional>

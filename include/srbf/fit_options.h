@@ -1,4 +1,4 @@
-// The options of a fit that the command line and Python share: level 5.
+// The options of a fit that the command line and Python share.
 #pragma once
 #include <string_view>
 

@@ -1,4 +1,4 @@
-// Fits to scattered samples, and cross-validation of these fits: level 4.
+// Fits to scattered samples, and cross-validation of these fits.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,4 +1,4 @@
-// Fits of measurements with measured errors, in one call: level 5.
+// Fits of measurements with measured errors, in one call.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Lambert and GGX, the baseline model: level 3.
+// Lambert and GGX, the baseline model.
 #pragma once
 #include <cstddef>
 #include <span>

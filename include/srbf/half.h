@@ -1,4 +1,4 @@
-// 16-bit floating point (IEEE 754 binary16), in which models are stored: level 0.
+// 16-bit floating point (IEEE 754 binary16), in which models are stored.
 #pragma once
 #include <cstdint>
 

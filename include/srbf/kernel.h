@@ -1,4 +1,4 @@
-// kernel.glsl as C++, for example `Kernel<float>::gaussian(...)`: level 1.
+// kernel.glsl as C++, for example `Kernel<float>::gaussian(...)`.
 #pragma once
 #include <algorithm>
 #include <array>

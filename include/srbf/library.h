@@ -1,4 +1,4 @@
-// Libraries of materials that share their lobes, and their file: level 3.
+// Libraries of materials that share their lobes, and their file.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Perceptual differences between images: level 1.
+// Perceptual differences between images.
 #pragma once
 #include <vector>
 

@@ -1,4 +1,4 @@
-// Reading of any BRDF, and writing of any as a table: level 4.
+// Reading of any BRDF, and writing of any as a table.
 #pragma once
 #include <cstddef>
 #include <optional>

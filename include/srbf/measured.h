@@ -1,4 +1,4 @@
-// Measured BRDFs in the form of their files: level 3.
+// Measured BRDFs in the form of their files.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Error measures between two BRDFs: level 2. All reports of the program use these names.
+// Error measures between two BRDFs. All reports of the program use these names.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Fitted BRDFs and their file format: level 3.
+// Fitted BRDFs and their file format.
 #pragma once
 #include <cstddef>
 #include <map>

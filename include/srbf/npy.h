@@ -1,4 +1,4 @@
-// NumPy's file of an array: level 1.
+// NumPy's file of an array.
 #pragma once
 #include <cstddef>
 #include <cstdint>

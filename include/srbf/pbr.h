@@ -1,4 +1,4 @@
-// Surfaces by the parameters that renderers share: level 3.
+// Surfaces by the parameters that renderers share.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Images in memory: level 0.
+// Images in memory.
 #pragma once
 #include <array>
 #include <cstddef>

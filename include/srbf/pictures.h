@@ -1,4 +1,4 @@
-// Pictures of a sphere, and how different two of them look: level 2.
+// Pictures of a sphere, and how different two of them look.
 #pragma once
 #include <array>
 #include <span>

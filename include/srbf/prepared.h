@@ -1,4 +1,4 @@
-// A BRDF that owns what it needs, ready to be asked pair by pair: level 4.
+// A BRDF that owns what it needs, ready to be asked pair by pair.
 #pragma once
 #include <cstring>
 #include <functional>

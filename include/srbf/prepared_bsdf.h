@@ -1,4 +1,4 @@
-// A BSDF that owns what it needs, ready to be asked pair by pair on either side: level 4.
+// A BSDF that owns what it needs, ready to be asked pair by pair on either side.
 #pragma once
 #include <array>
 #include <optional>

@@ -1,4 +1,4 @@
-// A map of texels that share their lobes, ready for a renderer: level 4.
+// A map of texels that share their lobes, ready for a renderer.
 #pragma once
 #include <memory>
 

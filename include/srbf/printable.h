@@ -1,4 +1,4 @@
-// Text of files for people: level 0.
+// Text of files for people.
 #pragma once
 #include <string>
 

@@ -1,4 +1,4 @@
-// Progress and cancellation of a computation: level 0.
+// Progress and cancellation of a computation.
 #pragma once
 #include <concepts>
 #include <functional>

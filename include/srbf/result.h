@@ -1,4 +1,4 @@
-// Errors of input as values: level 0.
+// Errors of input as values.
 #pragma once
 #include <cstdint>
 #include <optional>

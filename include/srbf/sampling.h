@@ -1,4 +1,4 @@
-// Drawing the light that a BRDF reflects to the viewer: level 3.
+// Drawing the light that a BRDF reflects to the viewer.
 #pragma once
 #include <algorithm>
 #include <array>

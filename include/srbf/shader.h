@@ -1,4 +1,4 @@
-// Materials as shaders: the shader text of a BRDF, and its numbers in the layout of a graphics library: level 4. It
+// Materials as shaders: the shader text of a BRDF, and its numbers in the layout of a graphics library. It
 // does not depend on a graphics library. Component `srbf::shader` of the package.
 #pragma once
 #include <array>

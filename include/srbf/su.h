@@ -1,4 +1,4 @@
-// Scattered univariate SRBFs, the view-by-view model: level 3.
+// Scattered univariate SRBFs, the view-by-view model.
 #pragma once
 #include <array>
 #include <cstddef>

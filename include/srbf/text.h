@@ -1,4 +1,4 @@
-// Lines, fields and numbers in text files: level 1.
+// Lines, fields and numbers in text files.
 #pragma once
 #include <algorithm>
 #include <charconv>

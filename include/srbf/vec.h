@@ -1,4 +1,4 @@
-// Vectors of three components, colours, and the local frame: level 0.
+// Vectors of three components, colours, and the local frame.
 #pragma once
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// The colour space of ITU-R BT.2100 in which differences are seen: level 1.
+// The colour space of ITU-R BT.2100 in which differences are seen.
 #pragma once
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-// Both sides of a surface in shading code: what chooses among the parts of a BSDF, and beams: level 4.
+// Both sides of a surface in shading code: what chooses among the parts of a BSDF, and beams.
 #pragma once
 #include <memory>
 #include <string>

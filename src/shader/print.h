@@ -1,4 +1,4 @@
-// The syntax tree in the languages of renderers: level 4.
+// The syntax tree in the languages of renderers.
 #pragma once
 #include <map>
 #include <set>

@@ -1,4 +1,4 @@
-// The syntax tree in Python: level 4.
+// The syntax tree in Python.
 #pragma once
 #include <string>
 

@@ -1,4 +1,4 @@
-// kernel.glsl as a syntax tree, from which shading code in several languages is printed: level 4.
+// kernel.glsl as a syntax tree, from which shading code in several languages is printed.
 #pragma once
 #include <map>
 #include <string>

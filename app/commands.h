@@ -1,4 +1,4 @@
-// The subcommands, one file each: level 7.
+// The subcommands, one file each.
 #pragma once
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// The bound of --max-memory on what the program may take: level 7.
+// The bound of --max-memory on what the program may take.
 #pragma once
 #include "srbf/result.h"
 

@@ -1,4 +1,4 @@
-// Plots of errors over numbers of lobes or bytes: level 6.
+// Plots of errors over numbers of lobes or bytes.
 #pragma once
 #include <string>
 #include <vector>

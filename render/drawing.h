@@ -1,4 +1,4 @@
-// Elements of plots, as SVG: level 6.
+// Elements of plots, as SVG.
 #pragma once
 #include <string>
 #include <string_view>

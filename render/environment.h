@@ -1,4 +1,4 @@
-// Environment maps: level 5.
+// Environment maps.
 #pragma once
 #include <array>
 #include <cstdint>

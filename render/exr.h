@@ -1,4 +1,4 @@
-// Reading and writing of OpenEXR files with float channels: level 5.
+// Reading and writing of OpenEXR files with float channels.
 #pragma once
 #include <cstdint>
 #include <span>

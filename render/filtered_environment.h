@@ -1,4 +1,4 @@
-// Environments filtered for surfaces, as engines look them up: level 5.
+// Environments filtered for surfaces, as engines look them up.
 #pragma once
 #include <cstddef>
 #include <functional>

@@ -1,4 +1,4 @@
-// Time per frame, as in Table 7.2 of Tsai 2009: level 7.
+// Time per frame, as in Table 7.2 of Tsai 2009.
 #pragma once
 #include <cstddef>
 #include <span>

@@ -1,4 +1,4 @@
-// Objects of OpenGL 4.5 or OpenGL ES 3.0 in the current context, and its errors: level 6.
+// Objects of OpenGL 4.5 or OpenGL ES 3.0 in the current context, and its errors.
 #pragma once
 #include <cstddef>
 #include <cstdint>

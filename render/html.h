@@ -1,4 +1,4 @@
-// Escaping and templates for HTML: level 5.
+// Escaping and templates for HTML.
 #pragma once
 #include <cstddef>
 #include <span>

@@ -1,4 +1,4 @@
-// Images: linear colours, tone mapping, captions and PNG: level 5.
+// Images: linear colours, tone mapping, captions and PNG.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The coefficients of maps (srbf/library.h) as textures: level 5.
+// The coefficients of maps (srbf/library.h) as textures.
 #pragma once
 #include <cstddef>
 #include <string>

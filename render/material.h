@@ -1,4 +1,4 @@
-// Materials of measurements and models for shaders: level 5.
+// Materials of measurements and models for shaders.
 #pragma once
 #include <array>
 #include <string>

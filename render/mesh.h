@@ -1,4 +1,4 @@
-// Triangle meshes: readers, and built-in meshes: level 5.
+// Triangle meshes: readers, and built-in meshes.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-// OpenGL contexts without a window: level 6.
+// OpenGL contexts without a window.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,4 +1,4 @@
-// A self-contained HTML page about materials, with WebGL 2 pictures, plots and tables: level 7.
+// A self-contained HTML page about materials, with WebGL 2 pictures, plots and tables.
 #pragma once
 #include <array>
 #include <optional>

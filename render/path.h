@@ -1,4 +1,4 @@
-// Path tracing: level 6.
+// Path tracing.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,4 +1,4 @@
-// Shaders for surfaces with a material: level 6.
+// Shaders for surfaces with a material.
 #pragma once
 #include <string>
 

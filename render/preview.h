@@ -1,4 +1,4 @@
-// A preview of a fit: three spheres, measured, fitted, and their difference: level 6.
+// A preview of a fit: three spheres, measured, fitted, and their difference.
 #pragma once
 #include <array>
 #include <string>

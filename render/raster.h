@@ -1,4 +1,4 @@
-// Drawing with OpenGL 4.5 or OpenGL ES 3.0 in the current context, off screen or into a window's framebuffer: level 6.
+// Drawing with OpenGL 4.5 or OpenGL ES 3.0 in the current context, off screen or into a window's framebuffer.
 #pragma once
 #include <array>
 #include <functional>

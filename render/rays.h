@@ -1,4 +1,4 @@
-// Ray intersection with meshes by Embree 3 or 4, which is used only here: level 5.
+// Ray intersection with meshes by Embree 3 or 4, which is used only here.
 #pragma once
 #include <memory>
 #include <optional>

@@ -1,4 +1,4 @@
-// A room behind a shade: level 6.
+// A room behind a shade.
 #pragma once
 #include "render/mesh.h"
 #include "render/scene.h"

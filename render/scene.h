@@ -1,4 +1,4 @@
-// Scenes: a mesh, a camera and lights: level 5.
+// Scenes: a mesh, a camera and lights.
 #pragma once
 #include <array>
 #include <vector>

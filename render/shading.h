@@ -1,4 +1,4 @@
-// shading.glsl as C++: level 5.
+// shading.glsl as C++.
 #pragma once
 #include "srbf/kernel.h"
 #include "srbf/vec.h"

@@ -1,4 +1,4 @@
-// Plots of BRDFs in the plane of incidence: level 6.
+// Plots of BRDFs in the plane of incidence.
 #pragma once
 #include <span>
 #include <string>

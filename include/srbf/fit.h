@@ -41,7 +41,7 @@ std::optional<Objective> objective_named(std::string_view text);
 /// The measure that an objective minimises and by which its fits are judged.
 double Measures::*measure_of(Objective objective);
 inline double error_of(const Measures& measures, Objective objective) { return measures.*measure_of(objective); }
-/// Default θmax of the fit and of its measures [rad]: 80° for raw and cube-root, 89° for the others.
+/// Default θmax of the fit and of its measures [rad]: 80° for raw, cube-root and relative, 89° for the others.
 double default_max_theta(Objective objective);
 
 struct TabulateOptions {

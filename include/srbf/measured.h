@@ -269,24 +269,32 @@ void exchange(Measured& measured);
 bool is_isotropic(const Measured& measured);
 bool is_isotropic(const KlemsTable& table);
 
+// f_r [1/sr] of unit vectors, which is not checked: 0 if wl.z ≤ 0 or wv.z ≤ 0, and otherwise finite and not negative,
+// or NaN where each function says so.
 /// f_r by trilinear interpolation over the measured ones of the eight surrounding nodes; NaN if none was measured.
 Rgb value(const MerlTable& table, Vec3f wl, Vec3f wv);
 /// f_r at the nearest node.
 Rgb nearest(const MerlTable& table, Vec3f wl, Vec3f wv);
-/// f_r, with negative values clamped to 0.
+/// f_r, with negative values clamped to 0. Never NaN.
 Rgb value(const RglTable& table, Vec3f wl, Vec3f wv);
 /// f_r, linear in all four angles between the nodes, like the look-up of the database's own code. Between 75 and 90° it
 /// is extrapolated from 60 to 75°. Negative values are clamped to 0; NaN where one of the nodes was not measured.
 Rgb value(const UtiaTable& table, Vec3f wl, Vec3f wv);
 /// f_r by linear interpolation, with negative values clamped to 0; NaN where one of the samples is masked.
 Rgb value(const MbsdfTable& table, Vec3f wl, Vec3f wv);
-/// f_r by interpolation, with negative values clamped to 0.
+/// f_r by interpolation, with negative values clamped to 0. Never NaN: masked samples are left out.
 Rgb value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv);
+/// f_r of the pair of patches, with negative values clamped to 0; NaN where the table has it.
 Rgb value(const KlemsTable& table, Vec3f wl, Vec3f wv);
+/// f_r of the leaf, with negative values clamped to 0. Never NaN.
 Rgb value(const TreeTable& table, Vec3f wl, Vec3f wv);
+/// f_r by interpolation over the measured ones of the surrounding nodes, with negative values clamped to 0; NaN if none
+/// was measured.
 Rgb value(const ScatterTable& table, Vec3f wl, Vec3f wv);
-/// f of the chosen band on either side.
+/// f of the chosen band on either side: `value` of the part, or of its counterpart if the part is missing; 0 without
+/// both.
 Rgb value(const BsdfTable& table, Vec3f wl, Vec3f wv);
+/// `value` of the table, with light and viewer exchanged if `exchanged`.
 Rgb value(const Measured& measured, Vec3f wl, Vec3f wv);
 
 /// f_r without clamping of negative channels, which occur where a saturated colour lies outside of the gamut.

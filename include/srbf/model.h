@@ -137,7 +137,10 @@ std::vector<std::byte> write_model(const Model& model);
 /// numbers that are not finite or out of range; `wrong_kind`: a measurement, a stack. `file_name` appears in errors only.
 Result<Model> read_model(std::span<const std::byte> bytes, const std::string& file_name);
 
+/// Writes `write_model(model)` to the file at `path`, which holds its previous content if there is an error. Errors:
+/// those of `write_file` (file.h); the provenance is too long to be read again.
 Result<Done> save_model(const Model& model, const std::string& path);
+/// Reads the model file at `path`. Errors: those of `read_file` (file.h) and of `read_model`; not enough memory.
 Result<Model> load_model(const std::string& path);
 
 /// Multivariate models of one form and size, one for each texel of a material.

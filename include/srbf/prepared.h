@@ -22,7 +22,7 @@ class PreparedBrdf {
     struct Contents;  ///< Value and the rest for one type of BRDF
     explicit PreparedBrdf(std::shared_ptr<const Contents> contents);
 
-    /// What `sample` draws from; it refers to what this holds.
+    /// The density that `sample` samples by; it refers to what this holds.
     const Proposal& proposal() const;
 
     friend Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv);
@@ -36,23 +36,32 @@ class PreparedBrdf {
     Value value_;
 };
 
-/// What a prepared BRDF is made of, for a type that this library does not know.
+/// What a prepared BRDF is made of, for a type that this library does not know. The `PreparedBrdf` owns all of it, and
+/// its copies share it. Several threads may call both functions at once.
 struct BrdfParts {
+    /// The BRDF, the first argument of `value`. It is destroyed last: `evaluate` and `proposal` may refer to it.
     std::shared_ptr<const void> held;
+    /// f_r of a pair of directions of which `above_horizon` is true. Not null, which is not checked.
     PreparedBrdf::Value value = nullptr;
-    Evaluate evaluate;  ///< of what is held
-    Proposal proposal;
+    /// f_r on arrays of pairs, for `evaluate` and `albedo`; without it these throw `std::bad_function_call`.
+    Evaluate evaluate;
+    Proposal proposal;  ///< the cosine if it is not set; a `ViewProposal` has to refer to a model in `held`
 };
 PreparedBrdf prepare(BrdfParts parts);
 
-/// A model (of a BSDF its front; all of it: prepared_bsdf.h), sampled by its proposal, `propose(model, options)`, which
-/// takes some 55 ms to make (docs/performance.md); or by the cosine, for those who ask for values alone.
+/// A model (of a BSDF its front; prepared_bsdf.h prepares all of it). The first overload computes a sampling density,
+/// `propose(model, options)` and what `refined` makes of it, which takes about 75 ms of one processor core
+/// (docs/performance.md). The second samples by the cosine; use it if you only call `value`, `evaluate` or `albedo`.
+/// An anisotropic model too has `options.azimuths` = 1 by default; with `k_anisotropic_azimuths` its samples have a
+/// smaller variance.
 PreparedBrdf prepare(const Model& model, const ProposeOptions& options = {});
 PreparedBrdf prepare(const Model& model, CosineProposal by_cosine);
-/// A measurement, likewise; what was not measured is NaN in `value`, and 0 in all else.
+/// A measurement, likewise. What was not measured is NaN in `value` and `evaluate`; `sample`, `pdf` and `albedo` count
+/// it as 0.
 PreparedBrdf prepare(Measured measured, const ProposeOptions& options = {});
 PreparedBrdf prepare(Measured measured, CosineProposal by_cosine);
-/// Any other BRDF, of which it takes a copy or what is moved into it.
+/// Any other BRDF, of which it takes a copy or what is moved into it. The proposal is for example
+/// `propose(evaluator(brdf))`, or `CosineProposal{}`.
 template <Brdf B> PreparedBrdf prepare(B brdf, Proposal proposal) {
     auto held = std::make_shared<const B>(std::move(brdf));
     const B& b = *held;
@@ -63,11 +72,14 @@ template <Brdf B> PreparedBrdf prepare(B brdf, Proposal proposal) {
                              },
                              evaluator(b), std::move(proposal)});
 }
-/// f = reflectance / π.
+/// f = reflectance / π, sampled by the cosine.
 PreparedBrdf diffuse(Rgb reflectance);
 
-/// f_r(wl, wv) [1/sr]: within 1e-4 of the model's `value` or 1e-6 of its peak; 0 below the horizon, and where a cosine
-/// is subnormal.
+// Of the functions below, `wl` and `wv` are unit vectors. This is not checked: another length gives a wrong value
+// without an error.
+
+/// f_r(wl, wv) [1/sr], without the cosine: of a model within 1e-4 of its `value` or 1e-6 of its peak. It is 0 if wl.z
+/// or wv.z is 0, negative or subnormal, and NaN where a measurement has no value.
 inline Rgb value(const PreparedBrdf& brdf, const Vec3f& wl, const Vec3f& wv) {
     if (!above_horizon(wl, wv)) return {};
     alignas(16) float colour[4];
@@ -82,15 +94,18 @@ void evaluate(const PreparedBrdf& brdf, std::span<const Vec3f> wl, std::span<con
 Evaluate evaluator(PreparedBrdf brdf);
 
 /// Samples a direction to the light from independent numbers, uniform in [0,1): a point u and the selector of a lobe.
+/// The `pdf` of the result is 0 if wv.z ≤ 0, and if the sample has no direction.
 inline LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector) {
     return sample(brdf, brdf.proposal(), wv, u, selector);
 }
-/// Its density [1/sr]; 0 below the horizon.
+/// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0. By the cosine it does not depend on wv, and is cosθl/π
+/// for wv.z ≤ 0 too.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
 
 /// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths: linear in
 /// ∜cosθv − √(1 − cosθv) between 129 nodes, within 1 % or 0.002 at every cosine for the fits of measured materials.
-/// The first call makes the nodes, which takes some tens of milliseconds.
+/// A cosine of 0, below it or NaN gives 0; above 1 counts as 1. The first call makes the nodes on one thread, and other
+/// threads that call it wait: about 0.3 s for a multivariate model or a table (docs/performance.md).
 Rgb albedo(const PreparedBrdf& brdf, float cos_v);
 
 }  // namespace srbf

@@ -1,4 +1,4 @@
-// Drawing the light that a BRDF reflects to the viewer.
+// Sampling of the light that a BRDF reflects to the viewer.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -11,18 +11,19 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// A drawn direction to the light.
+/// A sampled direction to the light.
 struct LightSample {
-    Vec3f wl;       ///< above the horizon, wl.z > 0
-    Rgb weight;     ///< f cosθl / pdf: its mean over draws is the directional albedo
-    float pdf = 0;  ///< [1/sr]; 0: the draw has no direction, and counts as a sample of weight 0
+    Vec3f wl;       ///< unit vector with wl.z > 0 if pdf > 0; otherwise there is no direction, and wl must not be used
+    Rgb weight;     ///< f cosθl / pdf, or 0 where pdf is 0: its mean over samples is the directional albedo
+    float pdf = 0;  ///< [1/sr]; 0: the sample has no direction, and counts with the weight 0
 };
 
-// A proposal answers
+// A *proposal* is a density of directions to the light that depends on the viewer. It has the functions
 //   sample(proposal, wv, u, selector)   a direction from a point and a selector of a lobe, all uniform in
-//                                       [0,1); z ≤ 0 where the draw has none
-//   pdf(proposal, wl, wv)               its density [1/sr]; 0 below the horizon, positive where f cosθl is positive
-// for wv.z > 0, with ∫ pdf + P(no direction) = 1.
+//                                       [0,1); z ≤ 0 if the sample has none
+//   pdf(proposal, wl, wv)               its density [1/sr]; 0 if wl.z ≤ 0, positive where f cosθl is positive
+// for unit vectors wl and wv with wv.z > 0, which is not checked, and ∫ pdf dωl + P(no direction) = 1. For wv.z ≤ 0 the
+// result of `sample` has no meaning, and `pdf` is 0, but for the cosine.
 
 /// Whether both are above the horizon. Compared so, a subnormal cosine is not, whether the processor takes it for 0 or
 /// not.
@@ -31,7 +32,8 @@ inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
     return wl.z >= least && wv.z >= least;
 }
 
-/// Draws by the cosine, whatever the BRDF.
+/// The cosine, whatever the BRDF: pdf = max(wl.z, 0) / π and wl = (√u.x cos 2πu.y, √u.x sin 2πu.y, √(1 − u.x)). Neither
+/// depends on wv or the selector.
 struct CosineProposal {};
 Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
@@ -79,24 +81,28 @@ class MixtureProposal {
 inline Vec3f tangent(const MixtureProposal& proposal, const Vec3f& wv) {
     return proposal.has_grain() ? Vec3f(proposal.cosine, proposal.sine, 0) : wv;
 }
+/// The selector chooses a lobe, and u a direction of it. Domain: that of every proposal, above.
 Vec3f sample(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
+/// 0 if wl.z or wv.z is 0, negative or subnormal.
 float pdf(const MixtureProposal& proposal, Vec3f wl, Vec3f wv);
-/// A direction and its density [1/sr], as `sample` and `pdf` give them one after the other.
+/// A direction and its density [1/sr], as `sample` and `pdf` return them one after the other; if there is no direction,
+/// wl.z ≤ 0 and pdf is 0.
 struct DirectionSample {
     Vec3f wl;
     float pdf;
 };
 DirectionSample sample_with_pdf(const MixtureProposal& proposal, Vec3f wv, Vec2f u, float selector);
 
-/// A table, for BRDFs with highlights that are not like lobes; one draw of twenty is by the cosine. Each node, at one
-/// elevation of the view, has densities in cells of the projected hemisphere, the unit disk of p = (wl.x, wl.y), where
-/// dp = cosθl dωl. They are sectors and rings about the mirror direction m: `turn`, the azimuth of p − m, which is that of
-/// the half vector, as the part of the way around the square |x| + |y| = 1, 0 to 4 from the direction away from the normal;
-/// and ρ², ρ the distance |p − m| relative to that of the horizon in the same direction. Two rings are to an octave of ρ²,
-/// down to 2⁻²⁴. Nodes are uniform in the coordinate of elevation_nodes.h; between them densities are linear.
+/// A table of cells, for BRDFs with highlights that are not like lobes; one sample in twenty is of the cosine. Each
+/// node, at one elevation of the view, has densities in cells of the projected hemisphere, the unit disk of p = (wl.x,
+/// wl.y), where dp = cosθl dωl. The cells are sectors and rings about the mirror direction m. Their coordinates are
+/// `turn`, the azimuth of p − m, which is that of the half vector, as the part of the way around the square |x| + |y| =
+/// 1, 0 to 4 from the direction away from the normal; and ρ², ρ the distance |p − m| relative to that of the horizon in
+/// the same direction. An octave of ρ² has two rings, down to 2⁻²⁴. Nodes are uniform in t = (1 + ∜cosθv − √(1 −
+/// cosθv)) / 2; between them densities are linear.
 struct TableProposal {
     static constexpr int k_nodes = 49, k_sectors = 32, k_rings = 48;
-    static constexpr float k_share = 0.95f;  ///< of the draws that are the table's
+    static constexpr float k_share = 0.95f;  ///< of the samples that are the table's
     std::vector<float> density;              ///< of (turn, ρ²): nodes × sectors × rings
     std::vector<float> of_sector, of_ring;  ///< running sums of shares, to 1: nodes × sectors, and in each of its rings
 };
@@ -104,20 +110,23 @@ Vec3f sample(const TableProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const TableProposal& proposal, Vec3f wl, Vec3f wv);
 
 struct ProposeOptions {
-    int azimuths = 1;  ///< of the view, over which the variance is averaged; with several the lobes may be stretched
-    int threads = 0;   ///< 0: as many as the machine has; the result does not depend on it
+    /// Of the view, over which the variance is averaged. With several the half-vector lobes may be stretched along a
+    /// grain, and there is no table of cells. No function of this header chooses the number.
+    int azimuths = 1;
+    int threads = 0;              ///< 0: as many as the machine has; the result does not depend on it
     double most_variance = 0.15;  ///< relative, of f cosθl / pdf: for `refined`
 };
-/// How many azimuths suit an anisotropic BRDF.
+/// The number of azimuths for an anisotropic BRDF.
 inline constexpr int k_anisotropic_azimuths = 8;
 /// The mixture for a BRDF: at each node the weights that minimise ∫ (f cosθl)² / pdf dωl, f in luminance, averaged over
 /// the views at the node and a third of the way to its neighbours, by 200 steps of
 ///   w_k ← w_k √(∂_k / Σ_i w_i ∂_i),  ∂_k = ∫ (f cosθl / pdf)² pdf_k dωl,
-/// each of which lowers it (Silvey, Titterington & Torgersen 1978). Where more than 3/4 % of the draws would be lost at one
-/// elevation, ∂_k is less for lobes that lose them. The cosine keeps `k_least_cosine`. The stretch in the plane of
-/// incidence, 0.8^i, and the power, 0.8^(2 − 2j), i from −6 and j from 0 to 6, are such that among their neighbours none
-/// has a smaller minimum. A grain's stretch is that of `k_stretches`, along one of 12 azimuths, with which the variance at
-/// the views of 45° is least. What was not measured counts as 0.
+/// each of which lowers it (Silvey, Titterington & Torgersen 1978). If more than 3/4 % of the samples would be invalid
+/// at one elevation, the weights of the lobes that cause this are reduced, in at most seven steps (three with a grain).
+/// The cosine keeps `k_least_cosine`. The stretch in the plane of incidence, 0.8^i, and the power, 0.8^(2 − 2j), i from
+/// −6 to 6 and j from 0 to 6, are such that among their neighbours none has a smaller minimum. A grain's stretch is
+/// that of `k_stretches`, along one of 12 azimuths, with which the variance at the views of 45° is least. What was not
+/// measured counts as 0.
 MixtureProposal propose(const Evaluate& brdf, const ProposeOptions& options = {});
 inline constexpr float k_least_cosine = 0.02f;
 inline constexpr std::array<float, 8> k_stretches{1, 1.4f, 2, 2.8f, 4, 5.6f, 8, 16};
@@ -148,7 +157,8 @@ Vec3f sample(const Proposal& proposal, Vec3f wv, Vec2f u, float selector);
 DirectionSample sample_with_pdf(const Proposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const Proposal& proposal, Vec3f wl, Vec3f wv);
 
-/// The proposal that a model is best drawn from. It may refer to the model.
+/// The proposal for a model: of a view-by-view model whose sampled direction is the view a `ViewProposal`, which refers
+/// to the model; of any other a mixture.
 Proposal propose(const Model& model, const ProposeOptions& options = {});
 Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
 
@@ -164,7 +174,7 @@ template <typename P> DirectionSample sample_with_pdf(const P& proposal, Vec3f w
     return {wl, wl.z > 0 ? pdf(proposal, wl, wv) : 0};
 }
 
-/// Samples the light for `brdf`, of which values that were not measured count as 0.
+/// Samples the light for `brdf`, of which values that were not measured count as 0. If wv.z ≤ 0, pdf is 0.
 template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposal, Vec3f wv, Vec2f u, float selector) {
     LightSample drawn;
     if (!(wv.z > 0)) return drawn;

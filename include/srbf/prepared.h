@@ -98,8 +98,7 @@ Evaluate evaluator(PreparedBrdf brdf);
 inline LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float selector) {
     return sample(brdf, brdf.proposal(), wv, u, selector);
 }
-/// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0. By the cosine it does not depend on wv, and is cosθl/π
-/// for wv.z ≤ 0 too.
+/// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
 
 /// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths: linear in

@@ -23,7 +23,7 @@ struct LightSample {
 //                                       [0,1); z ≤ 0 if the sample has none
 //   pdf(proposal, wl, wv)               its density [1/sr]; 0 if wl.z ≤ 0, positive where f cosθl is positive
 // for unit vectors wl and wv with wv.z > 0, which is not checked, and ∫ pdf dωl + P(no direction) = 1. For wv.z ≤ 0 the
-// result of `sample` has no meaning, and `pdf` is 0, but for the cosine.
+// result of `sample` has no meaning, and `pdf` is 0.
 
 /// Whether both are above the horizon. Compared so, a subnormal cosine is not, whether the processor takes it for 0 or
 /// not.
@@ -32,8 +32,7 @@ inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
     return wl.z >= least && wv.z >= least;
 }
 
-/// The cosine, whatever the BRDF: pdf = max(wl.z, 0) / π and wl = (√u.x cos 2πu.y, √u.x sin 2πu.y, √(1 − u.x)). Neither
-/// depends on wv or the selector.
+/// The cosine, whatever the BRDF and the view: pdf = max(wl.z, 0) / π and wl = (√u.x cos 2πu.y, √u.x sin 2πu.y, √(1 − u.x)).
 struct CosineProposal {};
 Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);

@@ -124,9 +124,8 @@ Real lobe_over(LightLobe lobe, Polygon of) {
     }
     return cosine_over(above_horizon(about));
 }
-// How much of a light is seen as by points: all of it where its corners' squared distance from its middle, on the unit
-// sphere, is less than 3 / 4 of that solid angle, and nothing from 3 times it, where nine points would show as dots.
-Real share_of_points(Polygon of, Real width) {
+// The largest squared distance of a light's corners from its middle, on the unit sphere.
+Real squared_size(Polygon of) {
     Vec3 middle = of.corner[0] + of.corner[1] + of.corner[2] + of.corner[3];
     Real least = Real(1.0);
     for (int i = 0; i < 4; ++i) {
@@ -134,8 +133,12 @@ Real share_of_points(Polygon of, Real width) {
         Real reciprocal = inversesqrt(max(dot(middle, middle) * dot(corner, corner), Real(1.0e-30)));
         least = min(least, reciprocal * dot(middle, corner));
     }
-    Real squared = Real(2.0) * (Real(1.0) - least);
-    Real x = min(max(Real(1.3333333) - squared / (Real(2.25) * min(width, Real(0.15))), Real(0.0)), Real(1.0));
+    return Real(2.0) * (Real(1.0) - least);
+}
+// How much of a light of this squared size is seen as by points: all of it to 3 times the solid angle of what is
+// reflected, and nothing from 12 times on, where they would show as dots.
+Real share_of_points(Real squared, Real width) {
+    Real x = min(max(Real(1.3333333) - squared / (Real(2.25) * min(Real(4.0) * width, Real(0.15))), Real(0.0)), Real(1.0));
     return x * x * (Real(3.0) - Real(2.0) * x);
 }
 // A node of Gauss' rule of three on [0, 1], and its weight.
@@ -145,21 +148,23 @@ Real gauss_weight(int i) { return i == 1 ? Real(0.44444444) : Real(0.27777778); 
 Real volume(Vec3 a, Vec3 b, Vec3 c) {
     return a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
 }
-// The integral of f_r cos(theta_l) over the directions of four corners, by nine points.
-Vec3 by_points(Su su, Vec3 wv, Polygon of, Pm pm) {
+// The integral of f_r cos(theta_l) over the directions of four corners, by nine points in each of parts x parts.
+Vec3 by_points(Su su, Vec3 wv, Polygon of, int parts, Pm pm) {
+    Real part = Real(1.0) / Real(parts);
     Vec3 along = of.corner[1] - of.corner[0];
     Vec3 across = of.corner[3] - of.corner[0];
     Vec3 askew = of.corner[2] - of.corner[3] - along;
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            Real s = gauss_node(i);
-            Real t = gauss_node(j);
+    for (int i = 0; i < 3 * parts; ++i) {
+        for (int j = 0; j < 3 * parts; ++j) {
+            Real s = part * (Real(i / 3) + gauss_node(i - 3 * (i / 3)));
+            Real t = part * (Real(j / 3) + gauss_node(j - 3 * (j / 3)));
             Vec3 p = of.corner[0] + s * along + t * across + s * t * askew;
             Real reciprocal = inversesqrt(max(dot(p, p), Real(1.0e-12)));
             Real solid_angle = abs(volume(p, along + t * askew, across + s * askew)) * reciprocal * reciprocal * reciprocal;
             Vec3 wl = reciprocal * p;
-            sum = sum + gauss_weight(i) * gauss_weight(j) * solid_angle * max(wl.z, Real(0.0)) * brdf(su, wl, wv, pm);
+            Real weight = part * part * gauss_weight(i - 3 * (i / 3)) * gauss_weight(j - 3 * (j / 3));
+            sum = sum + weight * solid_angle * max(wl.z, Real(0.0)) * brdf(su, wl, wv, pm);
         }
     }
     return sum;
@@ -178,8 +183,11 @@ Vec3 area(Su su, Vec3 wv, Vec3 a, Vec3 b, Vec3 c, Vec3 d, Pm pm) {
     light.corner[3] = d;
     light.corner[4] = d;
     NodesAbout nodes = nodes_about(elevation_coordinate(wv.z), EXTENDED_NODES);
-    Real share = share_of_points(light, light_width(nodes));
-    if (share > Real(0.0)) sum = share * by_points(su, wv, light, pm);
+    Real width = light_width(nodes);
+    Real squared = squared_size(light);
+    Real share = share_of_points(squared, width);
+    // Nine points are enough for a light that is smaller than what is reflected.
+    if (share > Real(0.0)) sum = share * by_points(su, wv, light, squared < Real(0.75) * width ? 1 : 2, pm);
     if (share >= Real(1.0)) return sum;
     Vec3 whole = reflected_of_one(wv, pm);
     Vec3 rest = whole;

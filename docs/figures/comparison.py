@@ -1,4 +1,4 @@
-"""The tables and the plot of docs/comparison.md, and a table of docs/accuracy.md, from docs/comparison.csv: 
+"""The tables and the plot of docs/comparison.md, and a table of docs/accuracy.md, from docs/comparison.csv:
 python3 docs/figures/comparison.py [--check]
 
 Writes docs/comparison.svg, and the tables of the pages after `<!-- NAME -->`. With --check nothing is written;
@@ -28,6 +28,9 @@ NEURAL = {"nbrdf", "nps"}  # of which there are rows for the measurements alone
 LOBES = {"srbf", "view by view"}  # curves of models of this project
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]
 COLUMNS = ["delta_e_itp", "worst_delta_e_itp", "flip", "psnr", "rms", "symmetric_error", "albedo_error"]
+MEASURES = {"delta_e_itp": "ΔE_ITP, mean", "worst_delta_e_itp": "ΔE_ITP, worst light", "flip": "ꟻLIP", "psnr": "PSNR", "rms": "RMS",
+            "symmetric_error": "symmetric", "albedo_error": "albedo", "heldout_squared_error_ratio_cosine": "squared error of f cosθl",
+            "heldout_cube_root_error_ratio": "cube roots"}
 
 
 def read():
@@ -90,14 +93,45 @@ def kinds_table(rows):
     return table(["kind", "materials"] + [MODELS[model][0] for model in models], lines)
 
 
+def members_table(rows):
+    """The materials of each kind."""
+    of = of_model(rows, "srbf")
+    return table(["kind", "materials"], [[kind, ", ".join(sorted(row["material"] for row in of if row["kind"] == kind))]
+                                         for kind in sorted({row["kind"] for row in of})])
+
+
+def medians_of_seeds():
+    """Of the default by measurement, as the table of seeds of docs/accuracy.md has them."""
+    with open(ACCURACY, encoding="utf-8") as file:
+        lines = file.read().split("| measurement | least | median | largest |")[1].splitlines()[2:]
+    cells = [line.split(" | ") for line in lines[:len(MEASURED)]]
+    return {line[0].removeprefix("| "): line[2] for line in cells}
+
+
 def measured_table(rows):
     """Their ΔE_ITP by all models."""
-    models = models_in(rows)
+    models, medians = models_in(rows), medians_of_seeds()
     lines = []
     for material in MEASURED:
         of = {row["model"]: row for row in rows if row["material"] == material}
-        lines.append([material] + [text(of[model]["delta_e_itp"]) if model in of else "" for model in models])
-    return table(["measurement"] + [MODELS[model][0] for model in models], lines)
+        cells = [[text(of[model]["delta_e_itp"])] + ([medians[material]] if model == "srbf" else []) for model in models]
+        lines.append([material] + sum(cells, []))
+    heads = [[MODELS[model][0]] + (["the same, median of six seeds"] if model == "srbf" else []) for model in models]
+    return table(["measurement"] + sum(heads, []), lines)
+
+
+def measures_table(rows):
+    """By each measure the measurements of which a network has a smaller error than the default."""
+    lines = []
+    for key, name in MEASURES.items():
+        sign = -1 if key == "psnr" else 1
+        cells = []
+        for model in sorted(NEURAL):
+            own, other = [{row["material"]: sign * row[key] for row in of_model(rows, of)} for of in ("srbf", model)]
+            smaller = [material for material in MEASURED if other[material] < own[material]]
+            cells.append(f"{len(smaller)}: {', '.join(smaller)}" if smaller else "0")
+        lines.append([name] + cells)
+    return table(["measure"] + [MODELS[model][0] for model in sorted(NEURAL)], lines)
 
 
 def worst_table(rows):
@@ -139,14 +173,20 @@ def options_table(rows):
     return table(["options", "bytes", "ΔE_ITP, five", "ΔE_ITP, all", "ꟻLIP", "PSNR, dB", "RMS", "f cosθl ≤ 80°, %", "cube root ≤ 80°, %", "albedo ≤ 80°, %"], lines)
 
 
+def mark(x, y, colour, hollow=False):
+    """A disc; hollow: its model also needs numbers that materials share."""
+    fill = f'fill="#fff" stroke="{colour}" stroke-width="2"' if hollow else f'fill="{colour}"'
+    return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" {fill}/>'
+
+
 def panel(rows, title, x0, y0, width, height):
-    """ΔE_ITP over bytes, both logarithmic; the dashed line is what is just noticeable."""
-    x = lambda value: x0 + width * (math.log10(value) - 1) / 5
+    """ΔE_ITP over bytes, both logarithmic; the dashed line is 1. What models share is not in the bytes: a hollow mark names it."""
+    x = lambda value: x0 + width * (math.log10(value) - 1) / 4.3
     y = lambda value: y0 + height * (1 - (math.log10(value) + 0.4) / 2)
     parts = [f'<text x="{x0}" y="{y0 - 8}" font-weight="bold">{title}</text>',
              f'<rect x="{x0}" y="{y0}" width="{width}" height="{height}" fill="none" stroke="#999"/>']
-    for value in (10, 100, 1000, 10_000, 100_000, 1_000_000):
-        label = {1000: "1 k", 10_000: "10 k", 100_000: "100 k", 1_000_000: "1 M"}.get(value, str(value))
+    for value in (10, 100, 1000, 10_000, 100_000):
+        label = {1000: "1 k", 10_000: "10 k", 100_000: "100 k"}.get(value, str(value))
         parts.append(f'<path d="M{x(value):.1f} {y0}v{height}" stroke="#eee"/>'
                      f'<text x="{x(value):.1f}" y="{y0 + height + 15}" text-anchor="middle">{label}</text>')
     for value in (1, 3, 10, 30):
@@ -158,10 +198,13 @@ def panel(rows, title, x0, y0, width, height):
         for model in models_in(rows):
             if MODELS[model][1] == curve:
                 of = of_model(rows, model)
-                points.append((x(mean(of, "payload") + mean(of, "shared") / len(of)), y(mean(of, "delta_e_itp"))))
-        line = " ".join(f"{a:.1f},{b:.1f}" for a, b in points)
+                points.append((x(mean(of, "payload")), y(mean(of, "delta_e_itp")), of[0]["shared"]))
+        line = " ".join(f"{a:.1f},{b:.1f}" for a, b, _ in points)
         parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
-        parts += [f'<circle cx="{a:.1f}" cy="{b:.1f}" r="4" fill="{colour}"/>' for a, b in points]
+        for a, b, shared in points:
+            parts.append(mark(a, b, colour, bool(shared)))
+            if shared:
+                parts.append(f'<text x="{a + 9:.1f}" y="{b + 4:.1f}" font-size="11" fill="{colour}">+ {text(shared)} shared</text>')
     return "\n".join(parts)
 
 
@@ -176,8 +219,8 @@ def plot(rows):
         parts.append(panel(of, name, 50 + 290 * (i % 4), 40 + 240 * (i // 4), 230, 170))
     for i, (curve, colour) in enumerate(COLOURS.items()):
         top = 300 + 24 * i
-        parts.append(f'<circle cx="935" cy="{top - 4}" r="4" fill="{colour}"/><text x="948" y="{top}">{curve}</text>')
-    parts.append('<text x="600" y="500" text-anchor="middle">bytes of a material (that of a shared decoder divided among the five)</text>')
+        parts.append(mark(935, top - 4, colour, curve == "neural process") + f'<text x="948" y="{top}">{curve}</text>')
+    parts.append('<text x="600" y="500" text-anchor="middle">bytes of a material, without what materials share</text>')
     parts.append('<text transform="translate(14 240) rotate(-90)" text-anchor="middle">mean ΔE_ITP</text>')
     return ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1200 515" font-family="DejaVu Sans, Verdana, sans-serif" font-size="13" fill="#222">'
             '<rect width="1200" height="515" fill="#fff"/>\n' + "\n".join(parts) + "\n</svg>\n")
@@ -196,6 +239,7 @@ def pages(rows):
     """The pages with their tables, by path."""
     measured, rest = of_measured(rows), without_neural(rows)
     tables = {PAGE: [("measurements", measured_table(measured)), ("means of measurements", means_table(measured)), ("kinds", kinds_table(rest)),
+                     ("members", members_table(rows)), ("measures", measures_table(measured)),
                      ("means of all", means_table(rest)),
                      ("worst", worst_table(rows)), ("losses", losses_table(rows))],
               ACCURACY: [("options", options_table(rows))]}

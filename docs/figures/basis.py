@@ -59,22 +59,21 @@ class Errors:
                 self.error.setdefault(row["model"], {})[row["material"]] = row["delta_e_itp"]
                 self.payload[row["model"]] = row["payload"], row["shared"]
         for key, (payload, shared) in self.payload.items():
-            self.bytes[key] = payload + shared / self.count
+            self.bytes[key] = payload + (0 if key == "nps" else shared / self.count)
 
     def mean(self, key, materials=None):
         return statistics.fmean(error for name, error in self.error[key].items() if materials is None or name in materials)
 
 
-def panel(errors, title, materials, most, x0, y0, width, height):
-    """ΔE_ITP over 30 to `most` bytes, both logarithmic; the dashed line is what is wanted."""
-    x = lambda value: x0 + width * math.log(value / 30) / math.log(most / 30)
+def panel(errors, title, materials, x0, y0, width, height):
+    """ΔE_ITP over bytes, both logarithmic; the dashed line is what is wanted. The decoder of the hollow mark is not in its bytes."""
+    x = lambda value: x0 + width * math.log(value / 20) / math.log(500 / 20)
     y = lambda value: y0 + height * (1 - (math.log10(value) - 0.1) / 0.9)
     parts = [f'<text x="{x0}" y="{y0 - 8}" font-weight="bold">{title}</text>',
              f'<rect x="{x0}" y="{y0}" width="{width}" height="{height}" fill="none" stroke="#999"/>']
-    for value in (30, 50, 100, 200, 500) if most <= 500 else (30, 100, 1000, 10_000, 100_000):
-        label = {1000: "1 k", 10_000: "10 k", 100_000: "100 k"}.get(value, str(value))
+    for value in (20, 50, 100, 200, 500):
         parts.append(f'<path d="M{x(value):.1f} {y0}v{height}" stroke="#eee"/>'
-                     f'<text x="{x(value):.1f}" y="{y0 + height + 15}" text-anchor="middle">{label}</text>')
+                     f'<text x="{x(value):.1f}" y="{y0 + height + 15}" text-anchor="middle">{value}</text>')
     for value in (1.5, 2, 3, 4, 6, 8):
         parts.append(f'<path d="M{x0} {y(value):.1f}h{width}" stroke="#eee"/>'
                      f'<text x="{x0 - 6}" y="{y(value) + 4:.1f}" text-anchor="end">{value:g}</text>')
@@ -88,21 +87,25 @@ def panel(errors, title, materials, most, x0, y0, width, height):
         points = [(x(errors.bytes[key]), y(errors.mean(key, materials))) for key in keys]
         line = " ".join(f"{a:.1f},{b:.1f}" for a, b in points)
         parts.append(f'<polyline points="{line}" fill="none" stroke="{COLOURS[curve]}" stroke-width="2"/>')
-        parts += [f'<circle cx="{a:.1f}" cy="{b:.1f}" r="4" fill="{COLOURS[curve]}"/>' for a, b in points]
+        parts += [comparison.mark(a, b, COLOURS[curve], curve == "neural") for a, b in points]
+        if curve == "neural":
+            a, b = points[0]
+            parts.append(f'<text x="{a + 9:.1f}" y="{b + 4:.1f}" font-size="11" fill="{COLOURS[curve]}" stroke="#fff" '
+                         f'stroke-width="3" paint-order="stroke">+ {errors.payload["nps"][1]:,.0f} shared</text>')
     return "\n".join(parts)
 
 
 def plot(errors):
-    parts = [panel(errors, f"{errors.count} materials", None, 500, 60, 40, 290, 230),
-             panel(errors, "the five measurements among them", comparison.MEASURED, 100_000, 420, 40, 290, 230)]
+    parts = [panel(errors, f"{errors.count} materials", None, 60, 40, 290, 230),
+             panel(errors, "the five measurements among them", comparison.MEASURED, 420, 40, 290, 230)]
     lobes = sorted({key[0] for key in errors.libraries})
     names = {**{J: f"{J} shared lobes" for J in lobes}, "own": "lobes of their own", "neural": "neural process"}
     for i, (curve, name) in enumerate(names.items()):
         top = 60 + 26 * i
-        parts.append(f'<circle cx="738" cy="{top - 4}" r="4" fill="{COLOURS[curve]}"/><text x="750" y="{top}">{name}</text>')
+        parts.append(comparison.mark(738, top - 4, COLOURS[curve], curve == "neural") + f'<text x="750" y="{top}">{name}</text>')
     top = 60 + 26 * len(names)
     parts.append(f'<path d="M730 {top - 4}h16" stroke="#555" stroke-dasharray="5 4"/><text x="750" y="{top}">1.5 × 8 of their own</text>')
-    parts.append(f'<text x="385" y="308" text-anchor="middle">bytes of a material, with its share of what {errors.count} share</text>')
+    parts.append(f'<text x="385" y="308" text-anchor="middle">bytes of a material, with its share of the lobes that {errors.count} share</text>')
     parts.append('<text transform="translate(18 155) rotate(-90)" text-anchor="middle">mean ΔE_ITP</text>')
     return ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 900 322" font-family="DejaVu Sans, Verdana, sans-serif" font-size="13" fill="#222">'
             '<rect width="900" height="322" fill="#fff"/>\n' + "\n".join(parts) + "\n</svg>\n")

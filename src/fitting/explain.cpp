@@ -21,7 +21,7 @@ std::vector<Term> terms_of(Objective objective) {
     for (const auto& [name, error_of, weight, importance] : traits(objective).further)
         if (weight)
             terms.push_back({std::string(name), std::string(error_of), fmt::format("{} of the pairs'", importance)});
-    terms.push_back({"horizon", "f cos(theta_l) cos(theta_v) beyond the largest angle",
+    terms.push_back({"beyond", "f cos(theta_l) cos(theta_v) beyond the largest angle",
                      fmt::format("{} if all errors are its largest value", k_horizon_importance)});
     terms.push_back({"bounds",
                      fmt::format("f cos(theta_l) cos(theta_v) above {} times its largest value", k_most_excess),
@@ -50,16 +50,16 @@ std::string work_of(const Stage& stage, const FitOptions& options) {
         case Work::by_pictures:
             return fmt::format("{} steps, ordered by delta E ITP", stage.steps);
         case Work::finish:
-            return "steps while they pay, rounding to 16 bits, bounds";
+            return "steps while they pay, rounding to 16 bits; bounds begin anew";
     }
     return "";
 }
 
-std::string rows_of(const Stage& stage) {
-    return fmt::format("{}{}{}{}",
-                       stage.pairs == Pairs::all ? "all pairs" : fmt::format("{} pairs", std::size_t(stage.pairs)),
-                       stage.bounds ? ", bounds" : "", stage.albedos ? ", albedos" : "",
-                       stage.pictures ? ", point lights, pixels" : "");
+/// `bounds`: whether this stage or one before it adds bounds, which remain rows of those after it.
+std::string rows_of(const Stage& stage, bool bounds) {
+    return fmt::format(
+        "{}, beyond{}{}{}", stage.pairs == Pairs::all ? "all pairs" : fmt::format("{} pairs", std::size_t(stage.pairs)),
+        bounds ? ", bounds" : "", stage.albedos ? ", albedos" : "", stage.pictures ? ", point lights, pixels" : "");
 }
 
 }  // namespace
@@ -73,10 +73,13 @@ std::string explain(const FitRequest& request) {
     text += fmt::format("{:<13} {:<66} {}\n", "term", "error of", "cost");
     for (const Term& term : terms_of(request.objective))
         text += fmt::format("{:<13} {:<66} {}\n", term.name, term.of, term.weight);
-    text += fmt::format("\n{:<13} {:<50} {:>10}  {}\n", "stage", "rows and terms", "candidates", "work");
-    for (const Stage& stage : schedule(traits(request.objective).of_pictures))
-        text += fmt::format("{:<13} {:<50} {:>10}  {}\n", stage.name, rows_of(stage), stage.candidates(options),
+    text += fmt::format("\n{:<13} {:<58} {:>10}  {}\n", "stage", "rows and terms", "candidates", "work");
+    bool bounds = false;
+    for (const Stage& stage : schedule(traits(request.objective).of_pictures)) {
+        bounds = bounds || stage.bounds;
+        text += fmt::format("{:<13} {:<58} {:>10}  {}\n", stage.name, rows_of(stage, bounds), stage.candidates(options),
                             work_of(stage, options));
+    }
     return text;
 }
 

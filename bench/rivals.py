@@ -7,6 +7,8 @@ NumPy. Two published rivals are fitted to single materials by others; a row of t
                    Sampling, 2021), in files that stand_ins.py describes
 --codes FOLDER     decoder.f32 and latents.txt: seven numbers a material, and a decoder that all share (Zheng, Zheng, Wang, Zhao, Bao: A
                    Compact Representation of Measured BRDFs Using Neural Processes, 2021)
+
+convert_networks.py is meant to make these files from the authors' ones.
 """
 import argparse
 import csv
@@ -31,7 +33,7 @@ FITS = {  # options of srbf.fit
     "cube-root": {"objective": "cube-root"},
     "su": {"model": "su", "lobes": 5},
 }
-KINDS = {
+KINDS = {  # by the names of the materials
     "metal": "alum-bronze brass chrome-steel gold-metallic-paint3 grease-covered-steel nickel ilm_l3_37_metallic two-layer-silver",
     "paint": "blue-metallic-paint color-changing-paint2 dark-red-paint purple-paint silver-metallic-paint irid_flake_paint1 aurora_white",
     "plastic": "black-soft-plastic green-plastic nylon polyethylene red-plastic specular-green-phenolic specular-red-phenolic "

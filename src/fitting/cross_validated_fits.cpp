@@ -7,6 +7,7 @@
 #include "fit/objective/pair_weights.h"
 #include "fitting/requests.h"
 #include "microfacets/fits.h"
+#include "parallel.h"
 #include "samples/folds.h"
 #include "samples/observe_samples.h"
 
@@ -162,16 +163,27 @@ class SampleFits {
         const double share = double(candidates.size()) / validations_;
         const ProgressToken progress = progress_.part(done_, done_ + share);
         done_ += share;
-        auto outcomes = fitted(samples_, observed_, candidates, progress.part(0, 1.0 / (k_folds + 1)));
-        if (!outcomes) return outcomes;
-        std::atomic<int> fits = 1;
-        const auto predicted = cross_validate(samples_, fold_, [&](const ScatteredSamples& training) {
+        std::atomic<int> fits = 0;
+        const auto next_part = [&] {
             const int before = fits;
-            auto models = fitted_models(training, candidates,
-                                        progress.part(double(before) / (k_folds + 1), (before + 1.0) / (k_folds + 1)));
-            ++fits;
-            return models;
+            return progress.part(double(before) / (k_folds + 1), (before + 1.0) / (k_folds + 1));
+        };
+        // Together with the folds, whose number is odd.
+        Result<std::vector<FitOutcome>> outcomes = std::vector<FitOutcome>{};
+        Result<std::vector<std::vector<float>>> predicted = std::vector<std::vector<float>>{};
+        parallel_for(2, request_.threads, [&](std::size_t which) {
+            if (which == 0) {
+                outcomes = fitted(samples_, observed_, candidates, next_part());
+                ++fits;
+                return;
+            }
+            predicted = cross_validate(samples_, fold_, [&](const ScatteredSamples& training) {
+                auto models = fitted_models(training, candidates, next_part());
+                ++fits;
+                return models;
+            });
         });
+        if (!outcomes) return outcomes;
         if (!predicted) return predicted.error();
         for (std::size_t k = 0; k < outcomes->size(); ++k) {
             FitOutcome& outcome = (*outcomes)[k];

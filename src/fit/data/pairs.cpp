@@ -17,6 +17,7 @@ constexpr double k_grid_phi[] = {0.5, 1,   3,   6,   10,  15,  20,  30,  40,  50
                                  105, 120, 130, 140, 150, 160, 165, 170, 174, 177, 179, 180};
 /// The view's polar angle [degrees] where both are 0.
 constexpr double k_beside_normal = 0.25;
+/// This share of the views is uniform over the cap; the others are uniform in log cosθ.
 constexpr double k_uniform_views = 0.75;
 /// This share of the horizon pairs are nodes of the grid.
 constexpr double k_on_grid = 0.5;

@@ -27,13 +27,13 @@ inline constexpr Importance k_pixels{3.5, 4};
 inline constexpr double k_pixels_alone = 2;
 
 /// An error of this share in every albedo costs as much as the fit's loss without them: by pairs alone, and with pixels. So
-/// the cost is 1 over its square: half of it costs four times as much. Albedos
-/// of noisy tables are sums of thousands of values and known better than any of them.
+/// the cost is 1 over its square: half of it costs four times as much. Albedos of noisy tables are sums of thousands of
+/// values and known better than any of them.
 inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02, k_albedo_error_of_noise = 0.002;
-/// Errors of albedos near the horizon are relative to at least this: few pixels see them. By 0.3 to 0.5 ΔE_ITP rose.
-inline constexpr double k_horizon_albedo = 1;
 /// But at most this: a fit that cannot follow the data gains nothing from an albedo that is right by chance.
 inline constexpr double k_most_albedo_loss = 0.004;
+/// Errors of albedos near the horizon are relative to at least this: few pixels see them. By 0.3 to 0.5 ΔE_ITP rose.
+inline constexpr double k_horizon_albedo = 1;
 /// What albedos cost more beside point lights, which are several times the loss of the pairs and see highlights most.
 inline constexpr double k_albedos_beside_point_lights = 8;
 

@@ -1,7 +1,8 @@
 """Every row of docs/comparison.csv: python3 bench/rivals.py FILE... [--networks FOLDER] [--codes FOLDER] > docs/comparison.csv
 
 Each measurement by each model, all compared with it by the same measures. Needs the package `srbf` (PYTHONPATH=build/release/python) and
-NumPy. Two published rivals are fitted to single materials by others; a row of them is written where a file has a material's name:
+NumPy. The rivals `abc` and `sgd` are fitted by classic_brdfs.py. Two published rivals are fitted to single materials by others; a row of
+them is written where a file has a material's name:
 
 --networks FOLDER  networks of layers 6, 21, 21, 3 (Sztrajman, Rainer, Ritschel, Weyrich: Neural BRDF Representation and Importance
                    Sampling, 2021), in files that stand_ins.py describes
@@ -16,6 +17,7 @@ import os
 import sys
 import tempfile
 
+import classic_brdfs
 import numpy as np
 import srbf
 import stand_ins
@@ -33,6 +35,7 @@ FITS = {  # options of srbf.fit
     "cube-root": {"objective": "cube-root"},
     "su": {"model": "su", "lobes": 5},
 }
+MODELS = [*FITS, *classic_brdfs.MODELS]
 KINDS = {  # by the names of the materials
     "metal": "alum-bronze brass chrome-steel gold-metallic-paint3 grease-covered-steel nickel ilm_l3_37_metallic two-layer-silver",
     "paint": "blue-metallic-paint color-changing-paint2 dark-red-paint purple-paint silver-metallic-paint irid_flake_paint1 aurora_white",
@@ -119,6 +122,10 @@ def rows_of(path, models, networks, codes, work):
         return [name, kind, model, payload, shared] + [f"{number:.6g}" for number in numbers]
 
     for model in models:
+        if model in classic_brdfs.MODELS:
+            value, payload = classic_brdfs.fit(measured, model)
+            yield row(model, value, value, payload)
+            continue
         fitted = srbf.fit(measured, **FITS[model]).model
         yield row(model, fitted, fitted.eval, fitted.nbytes)
     layers = networks and path.endswith("_rgb.bsdf") and stand_ins.network_of(networks, name)
@@ -133,7 +140,7 @@ def rows_of(path, models, networks, codes, work):
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("files", nargs="+", metavar="FILE")
-    options.add_argument("--models", nargs="+", default=list(FITS), choices=FITS, metavar="NAME", help="instead of all: " + " ".join(FITS))
+    options.add_argument("--models", nargs="+", default=MODELS, choices=MODELS, metavar="NAME", help="instead of all: " + " ".join(MODELS))
     options.add_argument("--networks", metavar="FOLDER")
     options.add_argument("--codes", metavar="FOLDER")
     asked = options.parse_args()

@@ -15,6 +15,8 @@ CSV, PAGE, PLOT, ACCURACY = (os.path.join(HERE, "..", name) for name in ("compar
 MODELS = {  # name, and in the plot the curve that it belongs to
     "ggx": ("Lambert, 1 GGX", "GGX"),
     "ggx-2": ("Lambert, 2 GGX", "GGX"),
+    "abc": ("ABC", "ABC"),
+    "sgd": ("SGD", "SGD"),
     "openpbr": ("OpenPBR", "OpenPBR"),
     "nbrdf": ("NBRDF", "NBRDF"),
     "nps": ("neural process", "neural process"),
@@ -23,7 +25,7 @@ MODELS = {  # name, and in the plot the curve that it belongs to
     "srbf-16": ("srbf, 16 lobes", "srbf"),
     "su": ("view by view, 5 lobes", "view by view"),
 }
-COLOURS = {"srbf": "#c0392b", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "NBRDF": "#7d3c98", "neural process": "#5d6d7e"}
+COLOURS = {"srbf": "#c0392b", "view by view": "#e08e0b", "GGX": "#2471a3", "OpenPBR": "#17a589", "ABC": "#b7950b", "SGD": "#784212", "NBRDF": "#7d3c98", "neural process": "#5d6d7e"}
 NEURAL = {"nbrdf", "nps"}  # of which there are rows for the measurements alone
 LOBES = {"srbf", "view by view"}  # curves of models of this project
 MEASURED = ["cc_ibiza_sunset", "cg_sunflower", "colodur_napoli_4f", "paper_white", "vch_golden_yellow"]

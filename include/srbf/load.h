@@ -40,7 +40,7 @@ inline constexpr TableFormatRow k_table_formats[] = {{TableFormat::merl, ".binar
                                                      {TableFormat::bsdf_xml, ".xml", "BSDF XML"},
                                                      {TableFormat::speos, ".anisotropicbsdf", "Speos"},
                                                      {TableFormat::openmaterial, ".xompt", "OpenMATERIAL"}};
-/// The format of a file with that name, by its extension.
+/// The format of a file with that name, by its extension; null if it is none of these.
 const TableFormatRow* table_format(std::string_view path);
 
 struct TableOptions {

@@ -32,7 +32,8 @@ inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
     return wl.z >= least && wv.z >= least;
 }
 
-/// The cosine, whatever the BRDF and the view: pdf = max(wl.z, 0) / π and wl = (√u.x cos 2πu.y, √u.x sin 2πu.y, √(1 − u.x)).
+/// The cosine, whatever the BRDF: pdf = max(wl.z, 0) / π for wv.z > 0, otherwise 0, and
+/// wl = (√u.x cos 2πu.y, √u.x sin 2πu.y, √(1 − u.x)).
 struct CosineProposal {};
 Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec2f u, float selector);
 float pdf(const CosineProposal& proposal, Vec3f wl, Vec3f wv);
@@ -55,12 +56,13 @@ class MixtureProposal {
     /// At the nodes: half-vector lobes are so many times as wide along a tangent as across, and weighted by this power
     /// of their visibility to the viewer.
     std::array<float, k_nodes> stretch = ones(), power = ones();
-    /// Of the tangent's azimuth, which is the grain's for an anisotropic BRDF; both 0: it is in the plane of incidence.
+    /// Cosine and sine of the azimuth of the grain of an anisotropic BRDF. If both are 0, lobes are stretched along the
+    /// plane of incidence.
     float cosine = 0, sine = 0;
 
     bool has_grain() const { return cosine != 0 || sine != 0; }
 
-    /// Of a node: the weights, the stretch, the power.
+    /// The weights, the stretch and the power of a node.
     std::array<float, k_numbers> numbers(std::size_t node) const {
         std::array<float, k_numbers> all;
         std::copy(weight_[node].begin(), weight_[node].end(), all.begin());

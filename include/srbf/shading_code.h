@@ -1,4 +1,4 @@
-// Models as source code that stands alone: for engines, ray tracers and anything else with a compiler. Level 4.
+// Models as source code that stands alone: for engines, ray tracers and anything else with a compiler.
 // Component `srbf::shader` of the package.
 #pragma once
 #include <span>

@@ -5,12 +5,9 @@
 #include <limits>
 
 #include "least_squares.h"
+#include "step_bounds.h"
 
 namespace srbf {
-
-/// Makes the step δ = −A⁻¹g end at bounds that it exceeds, and solves for its other components again.
-void adapt_to_bounds(Eigen::VectorXd& step, const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
-                     const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
 /// A sum of squares whose linear variables have been eliminated: a function of x only.
 template <typename P>
@@ -50,10 +47,6 @@ struct LevenbergMarquardtSummary {
     int iterations = 0;
     Stop stop = Stop::iterations;
 };
-
-/// Variables at a bound are fixed if the gradient pushes them outwards: their rows, columns and gradients become 0.
-void fix_at_bounds(const Eigen::VectorXd& x, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
-                   Eigen::MatrixXd& H, Eigen::VectorXd& g);
 
 /// Minimises problem.loss from x, with steps (JᵀJ + μ diag JᵀJ) δ = −Jᵀr, each within the bounds at its start. μ adapts
 /// to the ratio of actual to predicted decrease (Nielsen 1999). The last call of problem.loss is at the returned x.

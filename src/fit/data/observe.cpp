@@ -4,9 +4,9 @@
 
 #include "errors.h"
 #include "fit/data/observations.h"
-#include "fit/data/observe_albedos.h"
 #include "fit/data/observe_pictures.h"
 #include "fit/data/pairs.h"
+#include "fit/objective/albedos.h"
 #include "fit/objective/costs.h"
 #include "fit/objective/pair_weights.h"
 #include "fit/objective/point_lights.h"

@@ -81,6 +81,9 @@ inline constexpr Stage with_pictures[] = {
 static_assert(std::ranges::all_of(with_pictures, [](const Stage& stage) {
     return !stage.pictures || stage.pairs == some || stage.pairs == all;
 }));
+// Weights of point lights are added to the subset once, and to all observations once.
+static_assert(std::ranges::count_if(with_pictures,
+                                    [](const Stage& stage) { return stage.lights && stage.pairs != all; }) <= 1);
 static_assert(std::ranges::none_of(by_pairs, [](const Stage& stage) { return stage.work == Work::by_pictures; }));
 
 }  // namespace stages

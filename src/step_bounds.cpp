@@ -1,9 +1,11 @@
-#include "levenberg_marquardt.h"
+#include "step_bounds.h"
 
 #include <algorithm>
 #include <functional>
 #include <numeric>
 #include <vector>
+
+#include "least_squares.h"
 
 namespace srbf {
 

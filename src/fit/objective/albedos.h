@@ -1,4 +1,4 @@
-// The integrals of a measurement that a fit also matches.
+// Albedos, the integrals of a measurement that a fit also matches.
 #pragma once
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "fit/data/observe_albedos.h"
+#include "fit/objective/albedos.h"
 
 #include <algorithm>
 #include <cmath>

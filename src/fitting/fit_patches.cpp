@@ -60,20 +60,19 @@ std::vector<ObservedIntegral> hemispheres(const KlemsTable& table, std::span<con
     std::vector<ObservedIntegral> all;
     const AngleBasis& out = table.outgoing;
     for (const std::size_t i : incident) {
-        // Light and viewer are exchanged, as in all that a matrix observes.
         ObservedIntegral sum;
         sum.in_search = all.size() % 2 == 0;
+        const Vec3f light = light_at(table.incident.middle_of(i));
         RSequence<2> points;
         for (std::size_t o = 0; o < out.patches(); ++o) {
             const Rgb f = table.cell(o, i);
-            const double measured = is_finite(f) ? 1 : 0;
+            if (!is_finite(f)) continue;
             for (std::size_t k = 0; k < k_hemisphere_points; ++k) {
                 const auto u = points.next();
-                sum.wv.push_back(light_at(table.incident.middle_of(i)));
+                sum.wv.push_back(light);  // exchanged with the viewer, as in all that a matrix observes
                 sum.wl.push_back(view_at(out.point_of(o, u[0], u[1])));
-                sum.f.push_back(measured > 0 ? non_negative(f) : Rgb{});
-                sum.weight.push_back(measured * out.projected_solid_angle(out.ring_of(o)) /
-                                     double(k_hemisphere_points));
+                sum.f.push_back(non_negative(f));
+                sum.weight.push_back(out.projected_solid_angle(out.ring_of(o)) / double(k_hemisphere_points));
             }
         }
         all.push_back(std::move(sum));
@@ -81,11 +80,13 @@ std::vector<ObservedIntegral> hemispheres(const KlemsTable& table, std::span<con
     return all;
 }
 
-/// The sums without beams.
-std::vector<Hemispherical> scattered(const std::vector<ObservedIntegral>& sums, const Evaluate& f) {
+/// The sums without beams, of `hemispheres` for these incident patches.
+std::vector<Hemispherical> scattered(const KlemsTable& table, std::span<const std::size_t> incident,
+                                     const std::vector<ObservedIntegral>& sums, const Evaluate& f) {
     std::vector<Hemispherical> all;
-    for (const ObservedIntegral& of : sums) {
-        const auto light = angles(of.wv.front());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const ObservedIntegral& of = sums[i];
+        const auto light = angles(light_at(table.incident.middle_of(incident[i])));
         Hemispherical sum{double(light.theta), double(light.phi), 0, 0};
         std::vector<Rgb> fitted(of.f.size());
         f(of.wv, of.wl, fitted);
@@ -150,7 +151,8 @@ class PatchFits {
     }
     /// Whether the best fit so far is good enough.
     bool is_enough() const {
-        return error_ <= k_good_error && std::ranges::all_of(scattered(integrals_, evaluator(best_->model)), is_good);
+        return error_ <= k_good_error &&
+               std::ranges::all_of(scattered(table_, incident_, integrals_, evaluator(best_->model)), is_good);
     }
     double error() const { return error_; }
     FitOutcome best() { return *std::move(best_); }
@@ -195,7 +197,8 @@ class PatchFits {
     const KlemsTable& table_;
     const FitRequest& request_;
     const PatchSums points_ = sums_of(table_, k_fitted_points), measured_ = sums_of(table_, k_measured_points);
-    const std::vector<ObservedIntegral> integrals_ = hemispheres(table_, first_patches(table_));
+    const std::vector<std::size_t> incident_ = first_patches(table_);
+    const std::vector<ObservedIntegral> integrals_ = hemispheres(table_, incident_);
     std::vector<Rgb> means_;  // of the patches, at each of the points
     std::optional<FitOutcome> best_;
     double error_ = 0;
@@ -244,10 +247,10 @@ std::vector<Hemispherical> hemispherical(const KlemsTable& table, const Evaluate
         std::iota(incident.begin(), incident.end(), std::size_t(0));
     }
     const auto sums = hemispheres(table, incident);
-    std::vector<Hemispherical> all = scattered(sums, f);
+    std::vector<Hemispherical> all = scattered(table, incident, sums, f);
     for (std::size_t k = 0; k < all.size(); ++k) {
         if (!table.beam.empty()) all[k].measured += double(table.beam[incident[k]].g);
-        all[k].fitted += double(share_at(beams, part, sums[k].wv.front()).g);
+        all[k].fitted += double(share_at(beams, part, light_at(table.incident.middle_of(incident[k]))).g);
     }
     return all;
 }

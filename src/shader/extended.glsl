@@ -157,13 +157,15 @@ Vec3 by_points(Su su, Vec3 wv, Polygon of, int parts, Pm pm) {
     Vec3 sum = Vec3(Real(0.0), Real(0.0), Real(0.0));
     for (int i = 0; i < 3 * parts; ++i) {
         for (int j = 0; j < 3 * parts; ++j) {
-            Real s = part * (Real(i / 3) + gauss_node(i - 3 * (i / 3)));
-            Real t = part * (Real(j / 3) + gauss_node(j - 3 * (j / 3)));
+            int of_i = i - 3 * (i / 3);
+            int of_j = j - 3 * (j / 3);
+            Real s = part * (Real(i / 3) + gauss_node(of_i));
+            Real t = part * (Real(j / 3) + gauss_node(of_j));
             Vec3 p = of.corner[0] + s * along + t * across + s * t * askew;
             Real reciprocal = inversesqrt(max(dot(p, p), Real(1.0e-12)));
             Real solid_angle = abs(volume(p, along + t * askew, across + s * askew)) * reciprocal * reciprocal * reciprocal;
             Vec3 wl = reciprocal * p;
-            Real weight = part * part * gauss_weight(i - 3 * (i / 3)) * gauss_weight(j - 3 * (j / 3));
+            Real weight = part * part * gauss_weight(of_i) * gauss_weight(of_j);
             sum = sum + weight * solid_angle * max(wl.z, Real(0.0)) * brdf(su, wl, wv, pm);
         }
     }

@@ -108,6 +108,8 @@ TEST(Elementary, EndsOfTheirRanges) {
     EXPECT_EQ(e::cbrt(0.0), 0);
     EXPECT_EQ(e::cbrt(-8.0), -2);
     EXPECT_EQ(e::cbrt(k_infinity), k_infinity);
+    EXPECT_EQ(e::cbrt(0x1p1023), 0x1p341);
+    EXPECT_EQ(e::cbrt(-0x1p-1074), -0x1p-358);
     for (const double x : {1.5, -1.5}) EXPECT_TRUE(std::isnan(e::acos(x)) && std::isnan(e::asin(x)));
     EXPECT_EQ(e::acos(1.0), 0);
     for (const Function f : {Function(e::sin), Function(e::cos)}) EXPECT_TRUE(std::isnan(f(k_infinity)));

@@ -86,6 +86,19 @@ TEST(Pictures, DoNotDependOnThreads) {
     EXPECT_EQ(sphere_pictures(brdfs, standard_lightings(), 32, 1), sphere_pictures(brdfs, standard_lightings(), 32, 4));
 }
 
+TEST(Pictures, OfAnIsotropicBrdfMayShareValues) {
+    const Evaluate brdfs[] = {glossy(100), glossy(90)};
+    const auto one_by_one = sphere_pictures(brdfs, standard_lightings(), 24),
+               shared = sphere_pictures(brdfs, standard_lightings(), 24, 0, {}, k_mirror_points, true);
+    for (std::size_t k = 0; k < shared.size(); ++k) {
+        EXPECT_EQ(shared[k][1], one_by_one[k][1]);
+        for (std::size_t i = 0; i < shared[k][0].pixels.size(); ++i) {
+            const float L = one_by_one[k][0].pixels[i].g;
+            EXPECT_TRUE(near(shared[k][0].pixels[i].g, L, 1e-4 * double(L)));
+        }
+    }
+}
+
 TEST(Pictures, WhatIsNotMeasuredIsBlackInBoth) {
     const Evaluate holey = [](std::span<const Vec3f> wl, std::span<const Vec3f>, std::span<Rgb> f) {
         const float nan = std::numeric_limits<float>::quiet_NaN();

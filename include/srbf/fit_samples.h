@@ -4,7 +4,7 @@
 #include <functional>
 #include <limits>
 #include <span>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "srbf/fit.h"
@@ -29,15 +29,14 @@ ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const i
 /// of another group (see `assign_folds`). 0 if there is only one group.
 double spacing(const ScatteredSamples& samples);
 
-/// What continues the highlights of completed samples: where f A by them or by g_i exceeds `from` times the largest sample,
-/// f is g_i, i = `prior`, at most `most` times that sample, and from half of that on something between both. Not finite:
-/// nothing.
+/// What continues the highlights of completed samples: where f A by them or by g_i, i = `prior`, exceeds `from` times the
+/// largest sample, f is `share` times g_i, and from half of that on something between both. Not finite: nothing.
 struct Continuation {
     std::size_t prior = 0;
-    double from = std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
+    double from = std::numeric_limits<double>::infinity(), share = 1;
 };
-/// "neighbours", "one lobe of GGX beyond the largest sample", ...
-std::string_view words(const Continuation& continuation);
+/// "neighbours", "one lobe of GGX beyond the largest sample", "0.8 times two lobes of GGX", ...
+std::string words(const Continuation& continuation);
 
 /// Samples, completed where nothing was measured: what fits g_i of Lambert and GGX to the samples within θmax expect in
 /// the mean, each sample also with light and viewer exchanged, plus what this leaves of the samples, interpolated. With
@@ -63,15 +62,16 @@ Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_th
 /// f [1/sr]; 0 below the horizon.
 Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv);
 
-/// The continuation to complete the samples with, by what is predicted of each fold by the others. None, if the squared error of
-/// f is then no larger than that of one lobe of GGX, and that of cube roots at most 0.8 times as large; otherwise, of those with
-/// no larger error of f, the one with the least error of cube roots.
+/// The samples without each fold, completed, all with the continuation that predicts what the folds leave out best. None, if the
+/// squared errors of f and of cube roots are then at most 0.8 times those of one lobe of GGX; otherwise, of those with no larger
+/// error of f, the one with the least product of both.
 /// Errors: those of `complete`.
-Result<Continuation> best_continuation(const ScatteredSamples& samples, std::span<const int> fold, double max_theta,
-                                       int threads = 0);
+Result<std::vector<CompletedSamples>> complete_without_folds(const ScatteredSamples& samples, std::span<const int> fold,
+                                                             double max_theta, int threads = 0);
 
-/// Fits models to `training`, the same number of models each time. It is called from several threads at once.
-using FitToSamples = std::function<Result<std::vector<Model>>(const ScatteredSamples& training)>;
+/// Fits models to `training`, the samples of all folds but one: the same number of models each time. It is called from several
+/// threads at once.
+using FitToSamples = std::function<Result<std::vector<Model>>(const ScatteredSamples& training, std::size_t left_out)>;
 /// The value f̂ of each model at every sample, from the fit to the other folds: [model][sample C + c], with the models'
 /// `channels`.
 Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& samples, std::span<const int> fold,

@@ -118,7 +118,7 @@ struct FitOutcome {
     std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
     /// for scattered samples, PM: whether the fit follows values between them: completed, interpolated, of microfacets
     std::optional<bool> filled;
-    std::string_view continued = {};  ///< of completed samples: what continues their highlights, `words(Continuation)`
+    std::string continued;  ///< of completed samples: what continues their highlights, `words(Continuation)`
     /// for scattered samples, objective `relative`: the number of angles of incidence, whose samples are in one fold each
     int incidences = 0;
     std::vector<Step> path;  ///< models that were tried in choosing the size

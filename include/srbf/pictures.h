@@ -36,11 +36,12 @@ inline constexpr int k_mirror_points = 384;
 /// The radiance of a sphere seen from far away by direct light alone, at the centres of `size` × `size` pixels of which
 /// it touches the border; 0 outside of it. The same directions for every BRDF: points of `MirrorMixture`, and points on
 /// the sources, weighted by their common density (balance heuristic of Veach 1997), without random numbers. Pairs at
-/// which one of the BRDFs is not measured count as black for all of them: [lighting][BRDF].
+/// which one of the BRDFs is not measured count as black for all of them: [lighting][BRDF]. `first_is_isotropic`:
+/// views of the same polar angle share its values.
 std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs, std::span<const Lighting> lightings,
                                                 int size = k_sphere_pixels, int threads = 0,
-                                                const ProgressToken& progress = {},
-                                                int mirror_points = k_mirror_points);
+                                                const ProgressToken& progress = {}, int mirror_points = k_mirror_points,
+                                                bool first_is_isotropic = false);
 /// Whether pixel (x, y) of such a picture shows the sphere.
 bool shows_sphere(int size, int x, int y);
 
@@ -89,8 +90,10 @@ struct Appearance {
     double worst_delta_e = 0;
     std::vector<PictureErrors> lighting;  ///< of each
 };
+/// `is_isotropic`: the reference is, which saves time.
 std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads = 0,
-                                         const ProgressToken& progress = {}, int size = k_sphere_pixels);
+                                         const ProgressToken& progress = {}, int size = k_sphere_pixels,
+                                         bool is_isotropic = false);
 
 /// ΔE_ITP of two linear sRGB colours in [0,1]³, displayed with white at 100 cd/m²: 720 times the distance of (I, C_T/2,
 /// C_P) of ITU-R BT.2100.

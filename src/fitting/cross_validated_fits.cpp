@@ -136,7 +136,7 @@ class SampleFits {
             if (progress.cancelled()) return cancelled_error("fit");
             outcome = outcome_of(*std::move(pm));
             outcome.filled = candidate.fill;
-            if (observed->options.continuation) outcome.continued = words(*observed->options.continuation);
+            if (observed->completion) outcome.continued = words(observed->completion->continuation);
         }
         outcome.masked = observed->samples.masked;
         outcome.clamped = observed->samples.clamped;
@@ -177,8 +177,8 @@ class SampleFits {
                 ++fits;
                 return;
             }
-            predicted = cross_validate(samples_, fold_, [&](const ScatteredSamples& training) {
-                auto models = fitted_models(training, candidates, next_part());
+            predicted = cross_validate(samples_, fold_, [&](const ScatteredSamples& training, std::size_t left_out) {
+                auto models = fitted_models(training, left_out, candidates, next_part());
                 ++fits;
                 return models;
             });
@@ -196,12 +196,13 @@ class SampleFits {
     }
 
     /// The candidates' models of the samples of all folds but one: of each the rounded and the unrounded one.
-    Result<std::vector<Model>> fitted_models(const ScatteredSamples& training, const std::vector<Variant>& candidates,
+    Result<std::vector<Model>> fitted_models(const ScatteredSamples& training, std::size_t left_out,
+                                             const std::vector<Variant>& candidates,
                                              const ProgressToken& progress) const {
         std::optional<SampleObservations> observed;
         if (!std::holds_alternative<SuRequest>(request_.model)) {
             ObserveSamplesOptions options = observe_options(request_);
-            if (observed_) options.continuation = observed_->options.continuation;
+            if (observed_ && observed_->completion) options.completion = &observed_->without_fold[left_out];
             auto made = observe(training, options, progress.part(0, k_observed_of_fold));
             if (!made) return made.error();
             observed = *std::move(made);

@@ -120,11 +120,14 @@ class Fitter::Work {
         Evaluate reference = clamped_;
         CompletedSamples completed;
         if (samples()) {
-            auto made = complete(*samples(), request.theta(), request.threads);
-            if (!made) return made.error();
-            completed = *std::move(made);
-            if (const auto at = sample_observations_.find(key(request)); at != sample_observations_.end())
-                completed.continuation = at->second.options.continuation.value_or(Continuation{});
+            const auto at = sample_observations_.find(key(request));
+            if (at != sample_observations_.end() && at->second.completion) {
+                completed = *at->second.completion;
+            } else {
+                auto made = complete(*samples(), request.theta(), request.threads);
+                if (!made) return made.error();
+                completed = *std::move(made);
+            }
             reference = evaluator(completed);
         } else {
             measure_pairs(outcome, request, progress);
@@ -180,7 +183,8 @@ class Fitter::Work {
         const auto albedo = albedo_errors(reference, others, {request.theta(), request.threads, progress});
         if (!samples()) others.push_back(exchanged);
         const auto appearance =
-            compare_pictures(reference, others, request.threads, progress.part(k_albedo_measured, 1));
+            compare_pictures(reference, others, request.threads, progress.part(k_albedo_measured, 1), k_sphere_pixels,
+                             samples() && samples()->isotropic);
         outcome.errors->albedo_error = albedo[0], outcome.errors->appearance = appearance[0];
         outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
         if (!samples() && appearance[2].mean.delta_e > 0) outcome.exchanged = appearance[2];

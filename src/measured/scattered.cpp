@@ -32,7 +32,6 @@ Point place_of(Vec3f wl, Vec3f wv, bool isotropic) {
 }
 
 using Points = PointCloud<float, 5>;
-using Tree = KdTree<float, 5>;
 
 /// The nearest points, in the interface that nanoflann requires; of those at one distance the first samples, whichever
 /// way a version of it searches. If millions of samples are at one distance, any of them are valid: the search ends after
@@ -71,16 +70,11 @@ class Nearest {
 
 }  // namespace
 
-/// A k-d tree over the coordinates of samples, of as many at one place as are ever looked for. It keeps no reference to
+/// A search among the coordinates of samples, of as many at one place as are ever looked for. It keeps no reference to
 /// them: copies of a measurement may share it.
 class SampleIndex {
   public:
-    SampleIndex(Points points, std::vector<std::uint32_t> sample)
-        : points_(std::move(points)),
-          sample_(std::move(sample)),
-          tree_(5, points_, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
-        tree_.buildIndex();
-    }
+    virtual ~SampleIndex() = default;
 
     struct Neighbours {
         std::uint32_t count;
@@ -88,7 +82,20 @@ class SampleIndex {
         std::array<float, k_neighbours + 1> distance2;
     };
     /// The samples nearest to `place`, nearest first, as many as there are.
-    Neighbours nearest(const Point& place) const {
+    virtual Neighbours nearest(const Point& place) const = 0;
+};
+
+namespace {
+
+/// A k-d tree over the first `dimensions` coordinates: isotropic samples have three.
+template <std::size_t dimensions> class TreeOfSamples : public SampleIndex {
+  public:
+    TreeOfSamples(const Points& points, std::vector<std::uint32_t> sample)
+        : sample_(std::move(sample)), tree_(dimensions, points_, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
+        for (const Point& point : points.at) std::copy_n(point.begin(), dimensions, points_.at.emplace_back().begin());
+        tree_.buildIndex();
+    }
+    Neighbours nearest(const Point& place) const override {
         Neighbours found;
         Nearest result(std::min<std::size_t>(k_neighbours + 1, points_.at.size()));
         tree_.findNeighbors(result, place.data(), {});
@@ -99,10 +106,12 @@ class SampleIndex {
     }
 
   private:
-    Points points_;
+    PointCloud<float, dimensions> points_;
     std::vector<std::uint32_t> sample_;  ///< of each point, in ascending order
-    Tree tree_;
+    KdTree<float, dimensions> tree_;
 };
+
+}  // namespace
 
 namespace {
 
@@ -130,7 +139,10 @@ void make_index(ScatteredSamples& samples) {
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
         points.at.push_back(place_of(samples.wl[i], samples.wv[i], samples.isotropic));
     std::vector<std::uint32_t> kept = keep_few_at_a_place(points);
-    samples.index = std::make_shared<const SampleIndex>(std::move(points), std::move(kept));
+    if (samples.isotropic)
+        samples.index = std::make_shared<const TreeOfSamples<3>>(points, std::move(kept));
+    else
+        samples.index = std::make_shared<const TreeOfSamples<5>>(points, std::move(kept));
 }
 
 namespace {

@@ -76,10 +76,11 @@ std::string_view words(Verdict verdict) {
 }
 
 std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads,
-                                         const ProgressToken& progress, int size) {
+                                         const ProgressToken& progress, int size, bool is_isotropic) {
     std::vector<Evaluate> brdfs{reference};
     brdfs.insert(brdfs.end(), others.begin(), others.end());
-    const auto images = sphere_pictures(brdfs, standard_lightings(), size, threads, progress);
+    const auto images =
+        sphere_pictures(brdfs, standard_lightings(), size, threads, progress, k_mirror_points, is_isotropic);
     std::vector<Appearance> all(others.size());
     for (Appearance& of : all) of.lighting.resize(images.size());
     parallel_for(images.size() * others.size(), threads, [&](std::size_t i) {

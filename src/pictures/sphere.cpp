@@ -9,6 +9,7 @@
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
 #include "srbf/pictures.h"
+#include "values.h"
 
 namespace srbf {
 namespace {
@@ -144,8 +145,8 @@ std::vector<Rgb> radiances(const Pixel& pixel, std::span<const Rgb> f, std::span
 bool shows_sphere(int size, int x, int y) { return squared_distance(size, x, y) < size * size; }
 
 std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs, std::span<const Lighting> lightings,
-                                                int size, int threads, const ProgressToken& progress,
-                                                int mirror_points) {
+                                                int size, int threads, const ProgressToken& progress, int mirror_points,
+                                                bool first_is_isotropic) {
     const StandardArithmetic mode;
     const MirrorMixture mixture(k_pi / 2);
     const auto cos_view = [&](int squares) { return std::sqrt(1 - double(squares) / (double(size) * double(size))); };
@@ -154,15 +155,23 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
         const double z = cos_view(squares);
         return mixture.quadrature({std::sqrt(1 - z * z), 0, z}, mirror_points);
     };
-    std::map<int, Quadrature> mirrored;  // of a small picture: about eight pixels share points, which take 8 KB
-    std::vector<std::pair<const int, Quadrature>*> each;
+    struct Shared {
+        Quadrature points;
+        std::vector<Rgb> f;  // of an isotropic BRDF
+    };
+    std::map<int, Shared> mirrored;  // of a small picture: about eight pixels share points, which take 8 KB
+    std::vector<std::pair<const int, Shared>*> each;
     if (size <= k_most_shared)
         for (int y = 0; y < size; ++y)
             for (int x = 0; x < size; ++x)
                 if (shows_sphere(size, x, y)) mirrored[squared_distance(size, x, y)];
     for (auto& entry : mirrored) each.push_back(&entry);
     parallel_for(each.size(), threads, [&](std::size_t i) {
-        if (!progress.cancelled()) each[i]->second = points_of(each[i]->first);
+        if (progress.cancelled()) return;
+        auto& [points, f] = each[i]->second;
+        points = points_of(each[i]->first);
+        const double z = cos_view(each[i]->first);
+        if (first_is_isotropic) f = values_towards(brdfs[0], points.w, to_float(Vec3d{std::sqrt(1 - z * z), 0, z}));
     });
 
     const std::vector<Discs> discs(lightings.begin(), lightings.end());
@@ -178,14 +187,18 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
             const int squares = squared_distance(size, x, y);
             const Vec3d normal{(2 * x + 1 - size) / double(size), (size - 2 * y - 1) / double(size), cos_view(squares)};
             const auto shared = mirrored.find(squares);
-            const Pixel pixel =
-                pixel_of(frame_about(normal, {0, 1, 0}), shared != mirrored.end() ? shared->second : points_of(squares),
-                         mixture, lightings, discs);
+            const Pixel pixel = pixel_of(frame_about(normal, {0, 1, 0}),
+                                         shared != mirrored.end() ? shared->second.points : points_of(squares), mixture,
+                                         lightings, discs);
             const std::vector<Vec3f> wv(pixel.wl.size(), pixel.wv);
             std::vector<char> measured(wv.size(), true);
             for (std::size_t b = 0; b < brdfs.size(); ++b) {
+                f[b].clear();
+                if (b == 0 && shared != mirrored.end()) f[b] = shared->second.f;
+                const std::size_t known = f[b].size();
                 f[b].resize(wv.size());
-                brdfs[b](pixel.wl, wv, f[b]);
+                brdfs[b](std::span(pixel.wl).subspan(known), std::span(wv).subspan(known),
+                         std::span(f[b]).subspan(known));
                 for (std::size_t i = 0; i < wv.size(); ++i) measured[i] = measured[i] && is_finite(f[b][i]);
             }
             for (std::size_t b = 0; b < brdfs.size(); ++b) {

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,16 +28,25 @@ constexpr Prior k_priors[] = {{Objective::appearance, 2}, {Objective::appearance
 
 /// One lobe by pictures: what a fit to samples is compared with.
 constexpr std::size_t k_one_lobe = 1;
-/// The first: none. The third is GGX itself but for what is dark. Where GGX rises far above the samples the last is nearer
-/// to what folds leave out (docs/notes/samples.md).
-constexpr Continuation k_continuations[] = {
-    {}, {k_one_lobe, 1}, {k_one_lobe, 0.05}, {0, 0.05}, {.prior = k_one_lobe, .from = 0.05, .most = 1.2}};
+/// Two lobes or one, for all that is not dark or from where all samples are exceeded, as they are or lowered: GGX that is fitted
+/// to samples often rises too high beyond them (docs/notes/samples.md). The last: none.
+constexpr double k_not_dark = 0.05, k_lowered = 0.8;
+constexpr auto k_continuations = [] {
+    std::array<Continuation, 9> all{};
+    auto next = all.begin();
+    for (const std::size_t prior : {std::size_t(0), k_one_lobe})
+        for (const double from : {k_not_dark, 1.0})
+            for (const double share : {1.0, k_lowered}) *next++ = {prior, from, share};
+    return all;
+}();
 
-/// A continuation by one lobe of GGX has its error of f but for what lies below 0.05.
+/// A continuation by one lobe of GGX has its error of f but for what is dark.
 constexpr double k_as_good_as_ggx = 1.01;
-/// Neighbours alone continue highlights unless GGX predicts f better, or cube roots nearly as well as this: pictures of
-/// whole tables are nearer to them than to GGX.
+/// Neighbours alone continue highlights unless GGX predicts f or cube roots nearly as well as this: pictures of whole tables
+/// are nearer to them than to GGX.
 constexpr double k_better_than_ggx = 0.8;
+/// A later continuation must be better by this: lobes follow a whole highlight more easily than one that changes within.
+constexpr double k_better_than_before = 0.97;
 
 /// What several g_i agree on is likelier than what one expects alone, and may exceed the samples by more than a fit may.
 constexpr double k_most_agreed = 1.8;
@@ -100,16 +111,17 @@ Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_th
     return completed;
 }
 
-std::string_view words(const Continuation& continuation) {
+std::string words(const Continuation& continuation) {
     if (!std::isfinite(continuation.from)) return "neighbours";
-    if (continuation.from >= 1) return "one lobe of GGX beyond the largest sample";
-    if (continuation.prior != k_one_lobe) return "two lobes of GGX";
-    return std::isfinite(continuation.most) ? "one lobe of GGX that exceeds them by at most a fifth"
-                                            : "one lobe of GGX";
+    return fmt::format("{}{} of GGX{}", continuation.share == 1 ? "" : fmt::format("{:g} times ", continuation.share),
+                       continuation.prior == k_one_lobe ? "one lobe" : "two lobes",
+                       continuation.from < 1 ? "" : " beyond the largest sample");
 }
 
-Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+namespace {
+
+/// f without continuation, above the horizon.
+Rgb filled_value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
     const double area = cosines(wl, wv);
     const Expected here = expected(samples, wl, wv);
     const Rgb rest = signed_value(samples.rest, wl, wv);
@@ -118,53 +130,78 @@ Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
         const double root = here.root[std::size_t(c)] + double(rest[c]) * area;
         f[c] = float(std::clamp(root * root * root, 0.0, here.bound) / area);
     }
-    const auto [prior, from, most] = samples.continuation;
-    if (!std::isfinite(from)) return f;
-    const Rgb g = value(samples.priors[prior], wl, wv);
-    const auto lowered = float(std::max(largest_of(g) * area / (most * samples.allowed), 1.0));
-    const double largest = std::max(largest_of(f), largest_of(g)) * area / (from * samples.allowed);
-    const auto share = float(std::clamp(2 * largest - 1, 0.0, 1.0));
-    for (int c = 0; c < 3; ++c) f[c] += share * (g[c] / lowered - f[c]);
     return f;
 }
 
-Result<Continuation> best_continuation(const ScatteredSamples& samples, std::span<const int> fold, double max_theta,
-                                       int threads) {
-    constexpr std::size_t count = std::size(k_continuations);
-    std::array<std::vector<Rgb>, count> predicted;
+/// That value, continued.
+Rgb continued_value(const CompletedSamples& samples, const Continuation& by, Rgb f, Vec3f wl, Vec3f wv) {
+    if (!std::isfinite(by.from)) return f;
+    const Rgb g = value(samples.priors[by.prior], wl, wv);
+    const double largest = std::max(largest_of(f), largest_of(g)) * cosines(wl, wv) / (by.from * samples.allowed);
+    const auto taken = float(std::clamp(2 * largest - 1, 0.0, 1.0));
+    for (int c = 0; c < 3; ++c) f[c] += taken * (float(by.share) * g[c] - f[c]);
+    return f;
+}
+
+}  // namespace
+
+Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
+    if (!(wl.z > 0 && wv.z > 0)) return {};
+    return continued_value(samples, samples.continuation, filled_value(samples, wl, wv), wl, wv);
+}
+
+namespace {
+
+/// By what they predict of each sample, from those of the other folds; the last one is GGX alone.
+Continuation best_continuation(const ScatteredSamples& samples, std::span<const int> fold, double max_theta,
+                               std::span<const CompletedSamples> without) {
+    constexpr std::size_t count = k_continuations.size();
+    std::array<std::vector<Rgb>, count + 1> predicted;
     predicted.fill(std::vector<Rgb>(fold.size()));
-    std::vector<Rgb> of_ggx(fold.size());
+    for (std::size_t i = 0; i < fold.size(); ++i) {
+        const CompletedSamples& others = without[std::size_t(fold[i])];
+        const Vec3f wl = samples.wl[i], wv = samples.wv[i];
+        const Rgb f = filled_value(others, wl, wv);
+        for (std::size_t k = 0; k < count; ++k)
+            predicted[k][i] = continued_value(others, k_continuations[k], f, wl, wv);
+        predicted[count][i] = value(others.priors[k_one_lobe], wl, wv);
+    }
+    std::array<Measures, count + 1> of;
+    std::ranges::transform(predicted, of.begin(), [&](const std::vector<Rgb>& f) {
+        return measure_samples(samples.wl, samples.wv, samples.colour, f, max_theta);
+    });
+    const Measures &ggx = of[count], &neighbours = of[count - 1];
+    if (neighbours.squared_error_ratio <= k_better_than_ggx * ggx.squared_error_ratio &&
+        neighbours.cube_root_error_ratio <= k_better_than_ggx * ggx.cube_root_error_ratio)
+        return {};
+    Continuation best{k_one_lobe, k_not_dark};
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < count; ++k) {
+        const double both = of[k].squared_error_ratio * of[k].cube_root_error_ratio;
+        if (of[k].squared_error_ratio > k_as_good_as_ggx * ggx.squared_error_ratio ||
+            both >= k_better_than_before * least)
+            continue;
+        best = k_continuations[k], least = both;
+    }
+    return best;
+}
+
+}  // namespace
+
+Result<std::vector<CompletedSamples>> complete_without_folds(const ScatteredSamples& samples, std::span<const int> fold,
+                                                             double max_theta, int threads) {
+    std::vector<CompletedSamples> without(k_folds);
     std::array<std::optional<Error>, k_folds> errors;
     parallel_for(k_folds, threads, [&](std::size_t left_out) {
         auto completed = complete(without_fold(samples, fold, int(left_out)), max_theta, threads);
         if (!completed) return void(errors[left_out] = completed.error());
-        for (std::size_t i = 0; i < fold.size(); ++i) {
-            if (fold[i] != int(left_out)) continue;
-            of_ggx[i] = value(completed->priors[k_one_lobe], samples.wl[i], samples.wv[i]);
-            for (std::size_t k = 0; k < count; ++k) {
-                completed->continuation = k_continuations[k];
-                predicted[k][i] = value(*completed, samples.wl[i], samples.wv[i]);
-            }
-        }
+        without[left_out] = *std::move(completed);
     });
     for (const auto& error : errors)
         if (error) return *error;
-    const auto measures = [&](const std::vector<Rgb>& f) {
-        return measure_samples(samples.wl, samples.wv, samples.colour, f, max_theta);
-    };
-    const Measures ggx = measures(of_ggx), neighbours = measures(predicted[0]);
-    if (neighbours.squared_error_ratio <= ggx.squared_error_ratio &&
-        neighbours.cube_root_error_ratio <= k_better_than_ggx * ggx.cube_root_error_ratio)
-        return k_continuations[0];
-    Continuation best = k_continuations[2];
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < count; ++k) {
-        const Measures of = measures(predicted[k]);
-        if (of.squared_error_ratio > k_as_good_as_ggx * ggx.squared_error_ratio || of.cube_root_error_ratio >= least)
-            continue;
-        best = k_continuations[k], least = of.cube_root_error_ratio;
-    }
-    return best;
+    const Continuation best = best_continuation(samples, fold, max_theta, without);
+    for (CompletedSamples& completed : without) completed.continuation = best;
+    return without;
 }
 
 }  // namespace srbf

@@ -134,8 +134,9 @@ Result<std::vector<std::vector<float>>> cross_validate(const ScatteredSamples& s
     const StandardArithmetic mode;
     // As many as there are; incidences may be fewer than five.
     const int folds = 1 + *std::ranges::max_element(fold);
-    parallel_for(std::size_t(folds),
-                 [&](std::size_t left_out) { models[left_out] = fit(without_fold(samples, fold, int(left_out))); });
+    parallel_for(std::size_t(folds), [&](std::size_t left_out) {
+        models[left_out] = fit(without_fold(samples, fold, int(left_out)), left_out);
+    });
     std::vector<std::vector<float>> predicted;
     for (int left_out = 0; left_out < folds; ++left_out) {
         const auto& of_fold = *models[std::size_t(left_out)];

@@ -1,6 +1,7 @@
 #include "samples/observe_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <set>
 
@@ -17,11 +18,12 @@ namespace {
 
 /// Bound pairs about the mirror direction: a quarter of those of a table, as they are interpolated one by one.
 constexpr std::size_t k_sampled_mirror_pairs = 8192;
-constexpr std::size_t k_completed_pairs = 16384;
-/// Pairs near the horizon, where both directions are beyond 66°: enough to cover the highlight there.
-constexpr std::size_t k_grazing_pairs = 512, k_grazing_tried = 65536;
-constexpr float k_grazing_cos = 0.4f;
-/// Of Σ w |f|²: by less lobes follow less closely, by more they look worse elsewhere.
+/// Completed samples are interpolated too, and known less well than a table.
+constexpr std::size_t k_completed_pairs = 16384, k_fewer_of_completed = 2;
+/// Pairs near the horizon, where both directions are beyond 66°, of each band of elevation: enough to cover the highlight.
+constexpr std::size_t k_grazing_bands = 8, k_pairs_of_band = 64, k_grazing_tried = 65536;
+constexpr double k_grazing_cos = 0.4;
+/// Of Σ w |f|², of all bands: by less lobes follow less closely, by more they look worse elsewhere.
 constexpr double k_grazing_share = 0.6;
 /// The completed samples are level at the largest sample but for rounding.
 constexpr double k_level = 0.999;
@@ -30,30 +32,41 @@ constexpr std::size_t k_most_between_samples = 4096;
 /// Extrapolation beyond θmax gets a smaller weight than values of a table.
 constexpr double k_extrapolated_share = 0.1;
 
-/// Adds pairs of directions near the horizon where the completed samples are at least as large as every sample, or the
-/// largest that were tried, with `k_grazing_share` of Σ w |f|². A table's pairs are few there, so that lobes are free to
-/// exceed what they follow.
+/// The first pairs where the completed samples are at least as large as every sample, or the largest, of those of a band
+/// that were tried, which have f A. Σ w |f|² = 1.
+Observations largest_of_band(const Observations& tried, const std::vector<double>& size, double level) {
+    Observations largest;
+    if (size.size() < k_pairs_of_band) return largest;
+    std::vector<double> sorted = size;
+    std::ranges::nth_element(sorted, sorted.begin() + std::ptrdiff_t(k_pairs_of_band) - 1, std::greater());
+    const double least = std::min(k_level * level, sorted[k_pairs_of_band - 1]);
+    for (std::size_t i = 0; i < size.size() && largest.f.size() < k_pairs_of_band; ++i)
+        if (size[i] >= least) largest.add(tried.wl[i], tried.wv[i], tried.f[i], tried.weight[i]);
+    largest.normalise();
+    return largest;
+}
+
+/// Adds pairs of directions near the horizon where the completed samples are largest, with `k_grazing_share` of Σ w |f|². A
+/// table's pairs are few there, so that lobes are free to exceed what they follow.
 void add_grazing(Observations& to, const CompletedSamples& completed, double max_theta, std::uint64_t seed) {
     const MirrorMixture lights(max_theta);
     std::mt19937_64 random(seed);
     RSequence<6> points = random_sequence(random);
-    Observations tried;
-    std::vector<double> size;  // f A
+    std::array<Observations, k_grazing_bands> tried;
+    std::array<std::vector<double>, k_grazing_bands> size;  // f A
     for (std::size_t i = 0; i < k_grazing_tried; ++i) {
         const auto pair = pair_within(lights, points.next());
-        if (!pair || std::max(pair->wl.z, pair->wv.z) > k_grazing_cos) continue;
+        const double highest = pair ? double(std::max(pair->wl.z, pair->wv.z)) : 1;
+        if (!(highest < k_grazing_cos)) continue;
+        const auto band = std::size_t(highest / k_grazing_cos * double(k_grazing_bands));
         const Rgb f = value(completed, pair->wl, pair->wv);
         const double area = cosines(pair->wl, pair->wv);
-        tried.add(pair->wl, pair->wv, f, area * area);
-        size.push_back(largest_of(f) * area);
+        tried[band].add(pair->wl, pair->wv, f, area * area);
+        size[band].push_back(largest_of(f) * area);
     }
-    if (size.size() < k_grazing_pairs) return;
-    std::vector<double> sorted = size;
-    std::ranges::nth_element(sorted, sorted.begin() + std::ptrdiff_t(k_grazing_pairs) - 1, std::greater());
-    const double least = std::min(k_level * completed.allowed, sorted[k_grazing_pairs - 1]);
-    Observations grazing;
-    for (std::size_t i = 0; i < size.size() && grazing.f.size() < k_grazing_pairs; ++i)
-        if (size[i] >= least) grazing.add(tried.wl[i], tried.wv[i], tried.f[i], tried.weight[i]);
+    Observations grazing;  // highlights rise so steeply that without a share of its own the lowest band counts alone
+    for (std::size_t band = 0; band < k_grazing_bands; ++band)
+        grazing.append(largest_of_band(tried[band], size[band], completed.allowed));
     grazing.normalise();
     for (double& weight : grazing.weight) weight *= k_grazing_share;
     to.append(grazing);
@@ -61,19 +74,17 @@ void add_grazing(Observations& to, const CompletedSamples& completed, double max
 
 /// The completed samples within θmax observed like a table, as much Σ w |f|² of the samples themselves, and pairs near
 /// the horizon.
-Result<Observations> observe_completed(const ScatteredSamples& samples, const Observations& observed,
+Result<Observations> observe_completed(const CompletedSamples& completed, const Observations& observed,
                                        const ObserveSamplesOptions& options, const ProgressToken& progress) {
     const bool is_short = options.only_completed > 0;
-    auto completed = complete(samples, options.max_theta, options.threads, is_short);
-    if (!completed) return completed.error();
-    if (!is_short) completed->continuation = *options.continuation;
-    const auto table = observe(evaluator(*completed),
+    const auto table = observe(evaluator(completed),
                                {.objective = options.objective,
                                 .max_theta = options.max_theta,
                                 .count = is_short ? options.only_completed : k_completed_pairs,
                                 .seed = options.seed,
                                 .threads = options.threads,
-                                .horizon_albedos = false},
+                                .horizon_albedos = false,
+                                .fewer = is_short ? 1 : k_fewer_of_completed},
                                progress);
     if (!table) return table.error();
     Observations all = *table;
@@ -81,7 +92,7 @@ Result<Observations> observe_completed(const ScatteredSamples& samples, const Ob
     if (is_short) all.views.clear();
     all.resize(table->fitted());
     all.append(observed);
-    if (!is_short) add_grazing(all, *completed, options.max_theta, options.seed);
+    if (!is_short) add_grazing(all, completed, options.max_theta, options.seed);
     std::mt19937_64 random(options.seed);
     all.shuffle(random);
     for (std::size_t i = table->fitted(); i < table->f.size(); ++i) all.add(table->wl[i], table->wv[i], table->f[i], 0);
@@ -207,6 +218,26 @@ void weigh_all(Observations& of, int threads) {
     of.normalise();
 }
 
+/// Sets `completion`, continued as folds find best.
+Result<Done> complete(SampleObservations& observed, const ScatteredSamples& samples, const SampleGroups& groups) {
+    const ObserveSamplesOptions& options = observed.options;
+    if (options.completion) {
+        observed.completion = *options.completion;
+        return Done{};
+    }
+    auto all = complete(samples, options.max_theta, options.threads, options.only_completed > 0);
+    if (!all) return all.error();
+    observed.completion = *std::move(all);
+    if (options.only_completed > 0) return Done{};
+    const auto fold = assign_folds(samples, groups, options.max_theta, options.seed);
+    if (!fold) return fold.error();
+    auto without = complete_without_folds(samples, *fold, options.max_theta, options.threads);
+    if (!without) return without.error();
+    observed.without_fold = *std::move(without);
+    observed.completion->continuation = observed.without_fold.front().continuation;
+    return Done{};
+}
+
 /// Sets what is expected between the samples, and its errors at samples that were left out. False: cancelled.
 bool interpolate(SampleObservations& observed, const ScatteredSamples& samples, const std::vector<std::size_t>& within,
                  const std::vector<int>& fold, const ProgressToken& progress) {
@@ -256,20 +287,15 @@ Result<SampleObservations> observe(const ScatteredSamples& samples, const Observ
     if (!(observed.samples.typical > 0)) return no_data_error("samples", "values", "some above 0");
     weigh_all(observed.samples, options.threads);
 
-    const auto fold = assign_folds(samples, groups, *theta_max, options.seed);
-    if (!fold) return fold.error();
-    const bool completes = options.complete && traits(options.objective).of_pictures && !options.spectral;
-    if (completes) {
-        if (!options.continuation && options.only_completed == 0) {
-            const auto best = best_continuation(samples, *fold, *theta_max, options.threads);
-            if (!best) return best.error();
-            observed.options.continuation = *best;
-        }
-        auto completed = observe_completed(samples, observed.samples, observed.options, progress);
+    if (options.complete && traits(options.objective).of_pictures && !options.spectral) {
+        if (const auto done = complete(observed, samples, groups); !done) return done.error();
+        auto completed = observe_completed(*observed.completion, observed.samples, observed.options, progress);
         if (!completed) return completed.error();
         observed.completed = *std::move(completed);
         return observed;  // fits follow nothing else
     }
+    const auto fold = assign_folds(samples, groups, *theta_max, options.seed);
+    if (!fold) return fold.error();
     if (!interpolate(observed, samples, within, *fold, progress)) return cancelled_error("observe");
     return observed;
 }

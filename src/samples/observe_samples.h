@@ -18,8 +18,8 @@ struct ObserveSamplesOptions {
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
     /// If not 0, for fits of many: only the samples completed by one g, at this many pairs and without views.
     std::size_t only_completed = 0;
-    /// Of the completed samples; none: the one that folds find best. Not of `only_completed`.
-    std::optional<Continuation> continuation = {};
+    /// These samples completed, if that is known already. Not of `only_completed`.
+    const CompletedSamples* completion = nullptr;
 };
 
 /// The indices of the samples within `sample_cap` of max_theta [rad].
@@ -39,6 +39,9 @@ struct SampleObservations {
     /// The completed samples observed like a table, with as much weight again on the samples themselves, and pairs near
     /// the horizon; or none. A fit uses either these or all the others.
     Observations completed;
+    /// What those were observed of, and the same without each fold, unless it was given.
+    std::optional<CompletedSamples> completion;
+    std::vector<CompletedSamples> without_fold;
     /// Errors of interpolation at samples that were left out, or of the mixture at the samples.
     Measures interpolation;
     double finest = 0;       ///< lower bound on the width of a lobe [rad]: the spacing of the samples

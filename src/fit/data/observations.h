@@ -100,6 +100,9 @@ struct ObserveOptions {
     /// The measurement smoothed to its noise, see `smoothed`; null: the measurement itself.
     Evaluate smoothed = nullptr;
     bool horizon_albedos = true;  ///< of appearance: not for values that nobody measured
+    /// The pool of pairs, the bound pairs about the mirror direction, the points of albedos and the views are this many times
+    /// fewer: for values interpolated between few samples, each of which takes a search.
+    std::size_t fewer = 1;
 };
 
 /// θmax, or where it is 0 the objective's default. Errors: not within 1° to `k_horizon_theta`.

@@ -80,10 +80,11 @@ struct MeasuredPairs {
 };
 Result<MeasuredPairs> measured_pairs(const Evaluate& f, double theta_max, const ObserveOptions& options,
                                      const ProgressToken& progress) {
-    const PairDraws draws(theta_max, traits(options.objective).of_pictures, std::mt19937_64(options.seed));
+    const PairDraws draws(theta_max, traits(options.objective).of_pictures, k_mirror_pairs / options.fewer,
+                          std::mt19937_64(options.seed));
     const std::size_t horizon_count = options.count / (k_pairs_a_horizon_pair + 1);
     const std::size_t count = options.count - horizon_count,
-                      pool_count = std::max(count, std::min(k_pool * count, k_most_pairs));
+                      pool_count = std::max(count, std::min(k_pool * count, k_most_pairs) / options.fewer);
     // Twice as many horizon pairs as needed, since not each draw is a pair with a measurement.
     Reporter reporter(progress, double(pool_count + 2 * horizon_count + draws.bound_pairs()));
     const auto drawn = [&](std::size_t number, auto kind) {
@@ -186,7 +187,8 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     all.bound_pairs = bound.f.size();
     all.integrals = observe_albedos(f, options, *theta_max);
     if (traits(options.objective).of_pictures) {
-        all.views = observe_views(options.smoothed ? options.smoothed : f, *theta_max, options.threads);
+        all.views = observe_views(options.smoothed ? options.smoothed : f, *theta_max, k_views / options.fewer,
+                                  options.threads);
         all.integral_error = options.smoothed ? k_albedo_error_of_noise : k_albedo_error_with_pixels;
     }
     return all;

@@ -21,8 +21,6 @@ constexpr double k_beside_normal = 0.25;
 constexpr double k_uniform_views = 0.75;
 /// This share of the horizon pairs are nodes of the grid.
 constexpr double k_on_grid = 0.5;
-/// As many bound pairs about the mirror direction as are needed to find a lobe between the nodes of the grid.
-constexpr std::size_t k_mirror_pairs = 32768;
 
 /// The direction of that z and azimuth.
 Vec3d direction(double z, double phi) {
@@ -79,11 +77,12 @@ double ViewMixture::pdf(Vec3d w) const {
     return (k_uniform_views / (1 - cos_max_) + (1 - k_uniform_views) / (w.z * -elementary::log(cos_max_))) / (2 * k_pi);
 }
 
-PairDraws::PairDraws(double theta_max, bool to_the_brink, std::mt19937_64 random)
+PairDraws::PairDraws(double theta_max, bool to_the_brink, std::size_t mirror_pairs, std::mt19937_64 random)
     : fitted_points_(random_sequence(random)),
       horizon_points_(random_sequence(random)),
       bound_points_(random_sequence(random)),
       cos_max_(elementary::cos(theta_max)),
+      mirror_pairs_(mirror_pairs),
       views_(cos_max_),
       lights_(theta_max) {
     if (to_the_brink) brink_ = brink_grid();
@@ -107,11 +106,11 @@ std::optional<DrawnPair> PairDraws::horizon(std::size_t i) const {
     return u[0] < (1 + k_on_grid) / 2 ? DrawnPair{{of_edge, of_other}} : DrawnPair{{of_other, of_edge}};
 }
 
-std::size_t PairDraws::bound_pairs() const { return grid_.size() + k_mirror_pairs + brink_.size(); }
+std::size_t PairDraws::bound_pairs() const { return grid_.size() + mirror_pairs_ + brink_.size(); }
 
 std::optional<DrawnPair> PairDraws::bound(std::size_t i) const {
     if (i < grid_.size()) return DrawnPair{grid_[i]};
-    if (i >= grid_.size() + k_mirror_pairs) return DrawnPair{brink_[i - grid_.size() - k_mirror_pairs]};
+    if (i >= grid_.size() + mirror_pairs_) return DrawnPair{brink_[i - grid_.size() - mirror_pairs_]};
     const auto pair = pair_within(to_horizon_, bound_points_.at(i - grid_.size()));
     return pair ? std::optional(DrawnPair{*pair}) : std::nullopt;
 }

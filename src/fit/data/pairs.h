@@ -17,6 +17,9 @@ inline constexpr double k_horizon_theta = 89.9 * k_degree;
 /// The golden angle π(3 − √5) [rad], rounded: multiples of it spread over all azimuths, however many there are.
 inline constexpr double k_golden_angle = 2.4;
 
+/// As many bound pairs of a table about the mirror direction as are needed to find a lobe between the nodes of the grid.
+inline constexpr std::size_t k_mirror_pairs = 32768;
+
 struct DirectionPair {
     Vec3f wl, wv;
 };
@@ -57,7 +60,7 @@ class ViewMixture {
 /// The pairs at which a table is observed, by their numbers. None: a direction is below the horizon or outside of the cap.
 class PairDraws {
   public:
-    PairDraws(double theta_max, bool to_the_brink, std::mt19937_64 random);
+    PairDraws(double theta_max, bool to_the_brink, std::size_t mirror_pairs, std::mt19937_64 random);
     std::optional<DrawnPair> fitted(std::size_t i) const;
     /// A node of the grid, or a pair of which at least one direction, as often wl as wv, is beyond θmax.
     std::optional<DrawnPair> horizon(std::size_t i) const;
@@ -67,6 +70,7 @@ class PairDraws {
   private:
     RSequence<6> fitted_points_, horizon_points_, bound_points_;
     double cos_max_;
+    std::size_t mirror_pairs_;
     ViewMixture views_;
     MirrorMixture lights_, to_horizon_{k_horizon_theta};
     std::vector<DirectionPair> grid_ = horizon_grid(), brink_;

@@ -18,7 +18,9 @@ constexpr double k_horizon_cosines[] = {0.03, 0.01, 0.003};
 constexpr int k_albedo_points = 4096;
 /// Of noisy tables: an albedo counts as known to so many standard deviations of its sum, if that is more than
 /// `k_albedo_error_of_noise` (docs/notes/noise.md).
-constexpr double k_deviations_of_albedo = 0.4;
+constexpr double k_deviations_of_albedo = 0.1;
+/// Of noisy tables: noise is summed by so many times as many directions as smooth values, which miss half of a view's samples.
+constexpr int k_finer_for_noise = 8;
 /// Of noisy tables, whose samples at the normal are those of one azimuth: the view beside it sees all of them.
 constexpr double k_beside_normal_of_noise = 0.5 * k_degree;
 
@@ -31,9 +33,38 @@ double deviation_of_sum(const ObservedIntegral& seen, std::span<const Rgb> smoot
     return std::sqrt(square);
 }
 
+/// The mean of f − s towards a view, weighted by cosθl: of noisy values and the smooth ones.
+Rgb mean_of_noise(const Evaluate& f, const Evaluate& smooth, Vec3d wv, double theta_max) {
+    const Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_finer_for_noise * k_albedo_points);
+    const std::vector<Rgb> noisy = values_towards(f, points.w, to_float(wv)),
+                           smoothed = values_towards(smooth, points.w, to_float(wv));
+    Vec3d sum{};
+    double whole = 0;
+    for (std::size_t i = 0; i < noisy.size(); ++i) {
+        if (!is_finite(noisy[i]) || !is_finite(smoothed[i])) continue;
+        const double weight = points.weight[i] * points.w[i].z;
+        whole += weight;
+        sum =
+            sum + weight * Vec3d{double(noisy[i].r) - double(smoothed[i].r), double(noisy[i].g) - double(smoothed[i].g),
+                                 double(noisy[i].b) - double(smoothed[i].b)};
+    }
+    if (whole > 0) sum = (1 / whole) * sum;
+    return {float(sum.x), float(sum.y), float(sum.z)};
+}
+
+/// Makes the values smooth, but for a constant that keeps the sum of noisy ones.
+void smooth_values(ObservedIntegral& seen, const Evaluate& f, const Evaluate& smooth, Vec3d wv, double theta_max) {
+    std::vector<Rgb> values = values_towards(smooth, seen.wl, to_float(wv));
+    seen.noise_unit = k_deviations_of_albedo * deviation_of_sum(seen, values) / k_albedo_error_of_noise;
+    const Rgb noise = mean_of_noise(f, smooth, wv, theta_max);
+    for (Rgb& value : values)
+        for (int c = 0; c < 3; ++c) value[c] = std::isfinite(value[c]) ? value[c] + noise[c] : 0;
+    seen.f = std::move(values);
+}
+
 /// The albedo of a view, over light to θmax.
 ObservedIntegral observe_albedo(const Evaluate& f, const ObserveOptions& options, Vec3d wv, double theta_max) {
-    Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_albedo_points);
+    Quadrature points = MirrorMixture(theta_max).quadrature(wv, k_albedo_points / int(options.fewer));
     std::vector<Rgb> values = values_towards(f, points.w, to_float(wv));
     // The noise of a sum of values is small: of noisy tables none is set to 0.
     for (Rgb& value : values)
@@ -46,10 +77,7 @@ ObservedIntegral observe_albedo(const Evaluate& f, const ObserveOptions& options
     ObservedIntegral seen;
     seen.wv.assign(points.w.size(), to_float(wv));
     seen.wl = std::move(points.w), seen.f = std::move(values), seen.weight = std::move(points.weight);
-    if (options.smoothed)
-        seen.noise_unit = k_deviations_of_albedo *
-                          deviation_of_sum(seen, values_towards(options.smoothed, seen.wl, to_float(wv))) /
-                          k_albedo_error_of_noise;
+    if (options.smoothed) smooth_values(seen, f, options.smoothed, wv, theta_max);
     return seen;
 }
 

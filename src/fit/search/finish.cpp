@@ -20,8 +20,9 @@ constexpr double k_costly_bounds = 2;
 /// whose narrow lobes must match an albedo needs twenty.
 constexpr int k_last_steps = 10, k_most_tens = 26;
 constexpr double k_least_gain = 0.005;
-/// Instead, for pictures of scattered samples, which are known less well.
-constexpr double k_least_gain_of_samples = 0.02;
+/// Instead, for pictures of scattered samples, which are known less well; and for noisy tables, whose loss is mostly noise, which
+/// no step lowers.
+constexpr double k_least_gain_of_samples = 0.02, k_least_gain_of_noise = 0.0005;
 /// Instead of tens, once bounds are exceeded: weights move lobes below them in a few steps.
 constexpr int k_bound_steps_of_samples = 4;
 
@@ -72,6 +73,8 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
              double log_peak_limit, const Reporter& reporter) {
     PmFit fit;
     const bool spectral = !all.wavelengths.empty();
+    const bool is_noisy =
+        std::ranges::any_of(all.integrals, [](const ObservedIntegral& of) { return of.noise_unit > 0; });
     if (spectral) weigh_for_spectra(all);
     const std::size_t first_bound = all.fitted();
     Lobes first_lobes;
@@ -83,10 +86,12 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = pack(lobes);
         const bool of_samples = rows.views > 0 && !factors.has_point_lights;
-        const auto summary =
-            of_samples && round > 0
-                ? few_steps(problem, x, k_bound_steps_of_samples, reporter)
-                : last_steps(problem, x, of_samples ? k_least_gain_of_samples : k_least_gain, reporter);
+        const auto summary = of_samples && round > 0 ? few_steps(problem, x, k_bound_steps_of_samples, reporter)
+                                                     : last_steps(problem, x,
+                                                                  of_samples ? k_least_gain_of_samples
+                                                                  : is_noisy ? k_least_gain_of_noise
+                                                                             : k_least_gain,
+                                                                  reporter);
         lobes = unpack(x, lobes.shape);
         fit.unrounded_loss = summary.loss;
         fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;

@@ -15,6 +15,10 @@ void Observations::add(Vec3f l, Vec3f v, const Rgb& value, double its_weight, st
     spectrum.insert(spectrum.end(), its_spectrum.begin(), its_spectrum.end());
 }
 
+bool Observations::is_noisy() const {
+    return std::ranges::any_of(integrals, [](const ObservedIntegral& of) { return of.noise_unit > 0; });
+}
+
 void Observations::append(const Observations& more) {
     const auto extend = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     extend(wl, more.wl), extend(wv, more.wv), extend(f, more.f), extend(weight, more.weight);

@@ -66,6 +66,8 @@ struct Observations {
     std::vector<float> spectrum;      ///< f at each wavelength: observations × C [1/sr], ≥ 0
 
     std::size_t fitted() const { return f.size() - bound_pairs; }
+    /// Whether integrals are of noisy values.
+    bool is_noisy() const;
     std::span<const float> spectrum_of(std::size_t i) const {
         return std::span(spectrum).subspan(i * wavelengths.size(), wavelengths.size());
     }
@@ -100,8 +102,8 @@ struct ObserveOptions {
     /// The measurement smoothed to its noise, see `smoothed`; null: the measurement itself.
     Evaluate smoothed = nullptr;
     bool horizon_albedos = true;  ///< of appearance: not for values that nobody measured
-    /// The pool of pairs, the bound pairs about the mirror direction, the points of albedos and the views are this many times
-    /// fewer: for values interpolated between few samples, each of which takes a search.
+    /// The pool of pairs, the bound pairs about the mirror direction and the points of albedos are this many times fewer: for
+    /// values interpolated between few samples, each of which takes a search.
     std::size_t fewer = 1;
 };
 

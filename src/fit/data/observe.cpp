@@ -187,8 +187,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     all.bound_pairs = bound.f.size();
     all.integrals = observe_albedos(f, options, *theta_max);
     if (traits(options.objective).of_pictures) {
-        all.views = observe_views(options.smoothed ? options.smoothed : f, *theta_max, k_views / options.fewer,
-                                  options.threads);
+        all.views = observe_views(options.smoothed ? options.smoothed : f, *theta_max, options.threads);
         all.integral_error = options.smoothed ? k_albedo_error_of_noise : k_albedo_error_with_pixels;
     }
     return all;

@@ -11,8 +11,9 @@
 namespace srbf {
 namespace {
 
-/// Points towards extended lights of each view. Of these and of views, up to eight times and down to half as many make no
+/// Views, and points towards extended lights of each. Of both, up to eight times and down to half as many make no
 /// difference that seeds do not make too (docs/fitting.md, Pictures).
+constexpr std::size_t k_views = 100;
 constexpr int k_points = 112;
 /// Angles between viewer and single lights as seen from the sphere [degrees]: over all of them, unevenly.
 constexpr double k_light_phases[] = {3, 11, 24, 38, 52, 70, 88, 105, 122, 140, 156};
@@ -46,8 +47,8 @@ Lights lights() {
 }
 
 /// The frame of point i of the sphere's disc, from the viewer's. It is turned about the normal by some angle.
-Frame frame_of(std::size_t i, std::size_t count, double theta_max) {
-    const double r = std::sqrt((double(i) + 0.5) / double(count)) * elementary::sin(theta_max),
+Frame frame_of(std::size_t i, double theta_max) {
+    const double r = std::sqrt((double(i) + 0.5) / double(k_views)) * elementary::sin(theta_max),
                  turn = k_golden_angle * double(i);
     const Vec3d normal{r * elementary::cos(turn), r * elementary::sin(turn), std::sqrt(1 - r * r)};
     const Frame frame = frame_about(normal);
@@ -88,14 +89,14 @@ void measure(ObservedView& view, const Evaluate& f) {
 
 }  // namespace
 
-std::vector<ObservedView> observe_views(const Evaluate& f, double theta_max, std::size_t count, int threads) {
+std::vector<ObservedView> observe_views(const Evaluate& f, double theta_max, int threads) {
     const Lights all = lights();
     const MirrorMixture mixture(theta_max);
-    std::vector<ObservedView> views(count);
-    std::vector<Image> pictures(all.count(), Image(int(count), 1));
-    parallel_for(count, threads, [&](std::size_t i) {
+    std::vector<ObservedView> views(k_views);
+    std::vector<Image> pictures(all.count(), Image(int(k_views), 1));
+    parallel_for(k_views, threads, [&](std::size_t i) {
         ObservedView& view = views[i];
-        view = view_of(frame_of(i, count, theta_max), all, mixture);
+        view = view_of(frame_of(i, theta_max), all, mixture);
         measure(view, f);
         for (const ObservedPixel& pixel : view.pixels)
             for (std::size_t p = 0; p < pixel.weight.size(); ++p)

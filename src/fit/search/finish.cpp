@@ -73,8 +73,6 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
              double log_peak_limit, const Reporter& reporter) {
     PmFit fit;
     const bool spectral = !all.wavelengths.empty();
-    const bool is_noisy =
-        std::ranges::any_of(all.integrals, [](const ObservedIntegral& of) { return of.noise_unit > 0; });
     if (spectral) weigh_for_spectra(all);
     const std::size_t first_bound = all.fitted();
     Lobes first_lobes;
@@ -88,9 +86,9 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
         const bool of_samples = rows.views > 0 && !factors.has_point_lights;
         const auto summary = of_samples && round > 0 ? few_steps(problem, x, k_bound_steps_of_samples, reporter)
                                                      : last_steps(problem, x,
-                                                                  of_samples ? k_least_gain_of_samples
-                                                                  : is_noisy ? k_least_gain_of_noise
-                                                                             : k_least_gain,
+                                                                  of_samples       ? k_least_gain_of_samples
+                                                                  : all.is_noisy() ? k_least_gain_of_noise
+                                                                                   : k_least_gain,
                                                                   reporter);
         lobes = unpack(x, lobes.shape);
         fit.unrounded_loss = summary.loss;

@@ -102,14 +102,17 @@ class Fit {
         if (stage.work == Work::by_pictures) last_ = &stage;
         if (is_polish(stage)) reporter_.advance("polishing", effort_.polish);
     }
-    /// The last stage: the first candidate, or of those that are nearly as good the best.
+    /// The last stage: the first candidate, or of those that are nearly as good the best. Of noisy tables the best of all that are
+    /// left: albedos cost most then, and pictures do not tell which candidate can follow them.
     PmFit finished(const Stage& stage) {
         if (stage.lights) add_point_lights(stage);
         if (!stage.pictures) sort_by_all();
-        found_.resize(std::min(found_.size(), stage.most));
+        const bool is_noisy = observations_.is_noisy();
+        if (!is_noisy) found_.resize(std::min(found_.size(), stage.most));
         PmFit fit;
         for (std::size_t i = 0; i < found_.size(); ++i) {
-            if (i > 0 && (found_[i].loss > (1 + k_nearly_best) * fit.loss || reporter_.cancelled())) break;
+            const bool may_be_best = i == 0 || is_noisy || found_[i].loss <= (1 + k_nearly_best) * fit.loss;
+            if (!may_be_best || (i > 0 && reporter_.cancelled())) break;
             const double channels = spectral() ? double(observations_.wavelengths.size()) : 3;
             TermFactors factors = factors_;
             factors.integrals = subsets_.integral_importance(factors_.has_point_lights) * 3 / channels;

@@ -118,17 +118,15 @@ class Fitter::Work {
     Result<Done> measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
         const StandardArithmetic mode;
         Evaluate reference = clamped_;
-        CompletedSamples completed;
         if (samples()) {
             const auto at = sample_observations_.find(key(request));
             if (at != sample_observations_.end() && at->second.completion) {
-                completed = *at->second.completion;
+                reference = evaluator(*at->second.completion);
             } else {
                 auto made = complete(*samples(), request.theta(), request.threads);
                 if (!made) return made.error();
-                completed = *std::move(made);
+                reference = evaluator(*std::move(made));
             }
-            reference = evaluator(completed);
         } else {
             measure_pairs(outcome, request, progress);
         }

@@ -151,10 +151,11 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
     const MirrorMixture mixture(k_pi / 2);
     const auto cos_view = [&](int squares) { return std::sqrt(1 - double(squares) / (double(size) * double(size))); };
 
-    const auto points_of = [&](int squares) {
+    const auto viewer = [&](int squares) {
         const double z = cos_view(squares);
-        return mixture.quadrature({std::sqrt(1 - z * z), 0, z}, mirror_points);
+        return Vec3d{std::sqrt(1 - z * z), 0, z};
     };
+    const auto points_of = [&](int squares) { return mixture.quadrature(viewer(squares), mirror_points); };
     struct Shared {
         Quadrature points;
         std::vector<Rgb> f;  // of an isotropic BRDF
@@ -168,10 +169,9 @@ std::vector<std::vector<Image>> sphere_pictures(std::span<const Evaluate> brdfs,
     for (auto& entry : mirrored) each.push_back(&entry);
     parallel_for(each.size(), threads, [&](std::size_t i) {
         if (progress.cancelled()) return;
-        auto& [points, f] = each[i]->second;
-        points = points_of(each[i]->first);
-        const double z = cos_view(each[i]->first);
-        if (first_is_isotropic) f = values_towards(brdfs[0], points.w, to_float(Vec3d{std::sqrt(1 - z * z), 0, z}));
+        auto& [squares, shared] = *each[i];
+        shared.points = points_of(squares);
+        if (first_is_isotropic) shared.f = values_towards(brdfs[0], shared.points.w, to_float(viewer(squares)));
     });
 
     const std::vector<Discs> discs(lightings.begin(), lightings.end());

@@ -17,7 +17,7 @@ namespace srbf {
 namespace {
 
 /// Bound pairs about the mirror direction: a quarter of those of a table, as they are interpolated one by one.
-constexpr std::size_t k_sampled_mirror_pairs = 8192;
+constexpr std::size_t k_sampled_mirror_pairs = k_mirror_pairs / 4;
 /// Completed samples are interpolated too, and known less well than a table.
 constexpr std::size_t k_completed_pairs = 16384, k_fewer_of_completed = 2;
 /// Pairs near the horizon, where both directions are beyond 66°, of each band of elevation: enough to cover the highlight.
@@ -33,9 +33,12 @@ constexpr std::size_t k_most_between_samples = 4096;
 constexpr double k_extrapolated_share = 0.1;
 
 /// The first pairs where the completed samples are at least as large as every sample, or the largest, of those of a band
-/// that were tried, which have f A. Σ w |f|² = 1.
-Observations largest_of_band(const Observations& tried, const std::vector<double>& size, double level) {
+/// that were tried. Σ w |f|² = 1.
+Observations largest_of_band(const Observations& tried, double level) {
     Observations largest;
+    std::vector<double> size;  // f A
+    for (std::size_t i = 0; i < tried.f.size(); ++i)
+        size.push_back(largest_of(tried.f[i]) * cosines(tried.wl[i], tried.wv[i]));
     if (size.size() < k_pairs_of_band) return largest;
     std::vector<double> sorted = size;
     std::ranges::nth_element(sorted, sorted.begin() + std::ptrdiff_t(k_pairs_of_band) - 1, std::greater());
@@ -53,20 +56,16 @@ void add_grazing(Observations& to, const CompletedSamples& completed, double max
     std::mt19937_64 random(seed);
     RSequence<6> points = random_sequence(random);
     std::array<Observations, k_grazing_bands> tried;
-    std::array<std::vector<double>, k_grazing_bands> size;  // f A
     for (std::size_t i = 0; i < k_grazing_tried; ++i) {
         const auto pair = pair_within(lights, points.next());
         const double highest = pair ? double(std::max(pair->wl.z, pair->wv.z)) : 1;
         if (!(highest < k_grazing_cos)) continue;
         const auto band = std::size_t(highest / k_grazing_cos * double(k_grazing_bands));
-        const Rgb f = value(completed, pair->wl, pair->wv);
         const double area = cosines(pair->wl, pair->wv);
-        tried[band].add(pair->wl, pair->wv, f, area * area);
-        size[band].push_back(largest_of(f) * area);
+        tried[band].add(pair->wl, pair->wv, value(completed, pair->wl, pair->wv), area * area);
     }
-    Observations grazing;  // highlights rise so steeply that without a share of its own the lowest band counts alone
-    for (std::size_t band = 0; band < k_grazing_bands; ++band)
-        grazing.append(largest_of_band(tried[band], size[band], completed.allowed));
+    Observations grazing;  // f A rises towards the horizon: without equal shares the lowest band would count most
+    for (const Observations& band : tried) grazing.append(largest_of_band(band, completed.allowed));
     grazing.normalise();
     for (double& weight : grazing.weight) weight *= k_grazing_share;
     to.append(grazing);

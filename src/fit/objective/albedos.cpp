@@ -19,7 +19,7 @@ constexpr int k_albedo_points = 4096;
 /// Of noisy tables: an albedo counts as known to so many standard deviations of its sum, if that is more than
 /// `k_albedo_error_of_noise` (docs/notes/noise.md).
 constexpr double k_deviations_of_albedo = 0.1;
-/// Of noisy tables: noise is summed by so many times as many directions as smooth values, which miss half of a view's samples.
+/// Of noisy tables: noise differs from sample to sample, and is summed by so many times as many directions as smooth values.
 constexpr int k_finer_for_noise = 8;
 /// Of noisy tables, whose samples at the normal are those of one azimuth: the view beside it sees all of them.
 constexpr double k_beside_normal_of_noise = 0.5 * k_degree;

@@ -84,12 +84,11 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = pack(lobes);
         const bool of_samples = rows.views > 0 && !factors.has_point_lights;
+        const double least_gain = of_samples       ? k_least_gain_of_samples
+                                  : all.is_noisy() ? k_least_gain_of_noise
+                                                   : k_least_gain;
         const auto summary = of_samples && round > 0 ? few_steps(problem, x, k_bound_steps_of_samples, reporter)
-                                                     : last_steps(problem, x,
-                                                                  of_samples       ? k_least_gain_of_samples
-                                                                  : all.is_noisy() ? k_least_gain_of_noise
-                                                                                   : k_least_gain,
-                                                                  reporter);
+                                                     : last_steps(problem, x, least_gain, reporter);
         lobes = unpack(x, lobes.shape);
         fit.unrounded_loss = summary.loss;
         fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;

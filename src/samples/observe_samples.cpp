@@ -224,12 +224,12 @@ Result<Done> complete(SampleObservations& observed, const ScatteredSamples& samp
         observed.completion = *options.completion;
         return Done{};
     }
+    const auto fold = assign_folds(samples, groups, options.max_theta, options.seed);
+    if (!fold) return fold.error();
     auto all = complete(samples, options.max_theta, options.threads, options.only_completed > 0);
     if (!all) return all.error();
     observed.completion = *std::move(all);
     if (options.only_completed > 0) return Done{};
-    const auto fold = assign_folds(samples, groups, options.max_theta, options.seed);
-    if (!fold) return fold.error();
     auto without = complete_without_folds(samples, *fold, options.max_theta, options.threads);
     if (!without) return without.error();
     observed.without_fold = *std::move(without);

@@ -59,7 +59,8 @@ struct CompletedSamples {
 /// Errors: no sample within max_theta [rad] that is not black.
 Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_theta, int threads = 0,
                                   bool of_one = false);
-/// f [1/sr]; 0 below the horizon.
+/// f [1/sr]; 0 below the horizon. f A is what is known near it: beyond 89.95° A in f = (f A) / A is no less than there, so that f
+/// stays below the bound of a fit.
 Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv);
 
 /// The samples without each fold, completed, all with the continuation that predicts what the folds leave out best. None, if the

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include "fit/objective/bound.h"
 #include "fit/objective/pair_weights.h"
@@ -23,7 +25,8 @@ constexpr double k_least_gain = 0.005;
 /// Instead, for pictures of scattered samples, which are known less well; and for noisy tables, whose loss is mostly noise, which
 /// no step lowers.
 constexpr double k_least_gain_of_samples = 0.02, k_least_gain_of_noise = 0.0005;
-/// Instead of tens, once bounds are exceeded: weights move lobes below them in a few steps.
+/// Instead of tens, once bounds are exceeded: weights move lobes below them in a few steps. Lobes that begin without their
+/// factors take tens again.
 constexpr int k_bound_steps_of_samples = 4;
 
 /// Weights for which Σ w |f|² over the wavelengths equals that over R, G, B.
@@ -76,7 +79,9 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
     if (spectral) weigh_for_spectra(all);
     const std::size_t first_bound = all.fitted();
     Lobes first_lobes;
+    std::optional<std::vector<int>> lowered;  // those of them that began again without their factors
     double first_loss = 0;
+    bool begins = true;  // with lobes that no round has improved
     for (int round = 0;; ++round) {
         const Rows rows(
             all,
@@ -87,9 +92,9 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
         const double least_gain = of_samples       ? k_least_gain_of_samples
                                   : all.is_noisy() ? k_least_gain_of_noise
                                                    : k_least_gain;
-        const auto summary = of_samples && round > 0 ? few_steps(problem, x, k_bound_steps_of_samples, reporter)
+        const auto summary = of_samples && !begins ? few_steps(problem, x, k_bound_steps_of_samples, reporter)
                                                      : last_steps(problem, x, least_gain, reporter);
-        lobes = unpack(x, lobes.shape);
+        lobes = unpack(x, lobes.shape), begins = false;
         fit.unrounded_loss = summary.loss;
         fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;
         fit.unrounded = to_model(problem, lobes, options.log_scale, all.wavelengths);
@@ -100,11 +105,14 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
         fit.model = to_halves(to_model(problem, halves, options.log_scale, all.wavelengths), halves);
         if (round == k_bound_rounds || reporter.cancelled()) return fit;
         if (round == 0) first_lobes = lobes, first_loss = fit.loss;
-        if (fit.loss > k_costly_bounds * first_loss) {
+        const bool costs_much = fit.unrounded_loss > k_costly_bounds * first_loss;
+        const auto rising = costs_much ? exceeding_lobes(all, first_bound, fit.model) : std::vector<int>{};
+        if (costs_much && rising != lowered) {
             // Larger weights narrow a lobe that rises steeply towards the horizon, and the others suffer. Without those
             // factors it begins below the bound, which then holds it there.
-            lobes = without_features(first_lobes, exceeding_lobes(all, first_bound, fit.model));
+            lobes = without_features(first_lobes, rising), lowered = rising;
             reset_bound_weights(all, first_bound, first_loss);
+            begins = true;
         } else if (take_exceeded(all, first_bound, fit.model, fit.loss) == 0) {
             return fit;
         }

@@ -3,7 +3,8 @@
 // set to 0. Prints of each fit ΔE_ITP against the truth, and how many times that of the fit to the truth it is; the largest
 // error of albedo from 0 to 75°, of luminance and of a channel (relative to luminance); the same of the noisy table itself;
 // and processor seconds.
-//   usage: noisy_tables [--signed] [--clamped] [--share X] FILE...
+//   usage: noisy_tables [--signed] [--clamped] [--share X] [--seeds N] FILE...
+// (with --seeds, of N fits the mean ΔE_ITP and the largest errors)
 // With --draws N, of N draws of signed noise as large as the median, the error of albedo (luminance) at each of 0.5 to 75° of
 // the fits and of the tables: their mean and standard deviation, then the median of their largest.
 //   usage: noisy_tables --draws N FILE...
@@ -91,13 +92,24 @@ struct Fitted {
     Judged fit;
     double seconds, share;
 };
-Fitted fitted(const Measured& measured, const Evaluate& truth) {
-    const std::clock_t start = std::clock();
-    Fitter fitter(measured);
-    const auto outcome = fitter.fit({});
-    const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
-    if (!outcome) return fmt::print(stderr, "{}\n", message(outcome.error())), Fitted{};
-    return {judge(truth, evaluator(outcome->model)), seconds, outcome->noise ? outcome->noise->share() : 0};
+/// The mean of the seeds' ΔE_ITP and times, the largest of their errors.
+Fitted fitted(const Measured& measured, const Evaluate& truth, int seeds) {
+    Fitted all{};
+    for (int seed = 0; seed < seeds; ++seed) {
+        const std::clock_t start = std::clock();
+        Fitter fitter(measured);
+        FitRequest request;
+        request.seed = std::uint64_t(seed);
+        const auto outcome = fitter.fit(request);
+        all.seconds += double(std::clock() - start) / CLOCKS_PER_SEC / seeds;
+        if (!outcome) return fmt::print(stderr, "{}\n", message(outcome.error())), Fitted{};
+        const Judged one = judge(truth, evaluator(outcome->model));
+        all.fit.delta_e += one.delta_e / seeds;
+        all.fit.albedo.luminance = std::max(all.fit.albedo.luminance, one.albedo.luminance);
+        all.fit.albedo.channel = std::max(all.fit.albedo.channel, one.albedo.channel);
+        all.share = outcome->noise ? outcome->noise->share() : 0;
+    }
+    return all;
 }
 
 void print_own(const Measured& measured) {
@@ -168,6 +180,7 @@ void print_draws(const std::string& file, int draws) {
 int main(int argc, char** argv) {
     using namespace srbf;
     bool with_signed = false, with_clamped = false;
+    int seeds = 1;
     std::vector<double> shares;
     std::vector<std::string> files;
     for (int i = 1; i < argc; ++i) {
@@ -185,6 +198,8 @@ int main(int argc, char** argv) {
             with_signed = true;
         else if (word == "--clamped")
             with_clamped = true;
+        else if (word == "--seeds")
+            seeds = std::stoi(argv[++i]);
         else if (word == "--share")
             shares.push_back(std::stod(argv[++i]));
         else
@@ -202,7 +217,7 @@ int main(int argc, char** argv) {
         const MbsdfTable table = table_of(evaluator(*measured));
         const Measured clean{"", "", 0, table};
         const Evaluate truth = evaluator(clean);
-        const Fitted of_clean = fitted(clean, truth);
+        const Fitted of_clean = fitted(clean, truth, seeds);
         const auto print = [&](const std::string& noise, const Fitted& one, const Judged& own) {
             fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n", name,
                        noise, one.fit.delta_e, one.fit.delta_e / of_clean.fit.delta_e, 100 * one.fit.albedo.luminance,
@@ -216,8 +231,8 @@ int main(int argc, char** argv) {
                 if (!(clamped ? with_clamped : with_signed)) continue;
                 const Measured noisy{"", "", 0, with_noise(table, share * body, clamped)};
                 const Evaluate shown = clamped ? evaluator(noisy) : signed_evaluator(noisy);
-                print(fmt::format("{:g} % {}", 100 * share, clamped ? "clamped" : "signed"), fitted(noisy, truth),
-                      judge(truth, shown));
+                print(fmt::format("{:g} % {}", 100 * share, clamped ? "clamped" : "signed"),
+                      fitted(noisy, truth, seeds), judge(truth, shown));
             }
     }
 }

@@ -505,6 +505,25 @@ TEST(FitToSamples, HighlightsOfTheHorizonAreNoBrighterThanCompleted) {
     }
 }
 
+/// Pairs beyond the samples at which lobes exceed bounds take few steps to hold, and leave the samples as they were.
+TEST(FitToSamples, BoundsHardlyChangeAFitOfAMetal) {
+    static const GgxModel metal{{0.003f, 0.002f, 0.002f}, {{0.0527f, {0.19f, 0.17f, 0.16f}, 0}}};
+    const ScatteredSamples samples =
+        taken_by_goniometer([](Vec3d wl, Vec3d wv) { return value(metal, to_float(wl), to_float(wv)); });
+    for (std::uint64_t seed = 0; seed < 3; ++seed) {
+        const auto observations =
+            observe(samples, {.objective = Objective::appearance, .max_theta = 89 * k_degree, .seed = seed});
+        ASSERT_TRUE(observations.ok());
+        SampleFitOptions how;
+        how.pm.lobes = 6, how.pm.starts = 2, how.pm.perturbations = 4, how.pm.seed = seed;
+        const auto fit = fit_pm(*observations, how);
+        ASSERT_TRUE(fit.ok());
+        const Measures at =
+            measure_samples(samples.wl, samples.wv, samples.colour, evaluator(fit->model), 89 * k_degree);
+        EXPECT_LT(at.squared_error_ratio, 0.001) << seed;  // with few steps alone 0.0022
+    }
+}
+
 /// The fit of a paint's spectra, as colours, is as good as the fit of its colours, and nearly the same.
 TEST(FitToSamples, SpectraOfARealPaintHaveTheColoursOfItsFit) {
     const auto path = shared_data() / "cornell" / "krylon_blue.brdf";

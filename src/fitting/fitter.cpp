@@ -242,7 +242,8 @@ class Fitter::Work {
                                  .max_theta = request.theta(),
                                  .seed = request.seed,
                                  .threads = request.threads,
-                                 .smoothed = request.spectral ? nullptr : smoothed_},
+                                 .smoothed = request.spectral ? nullptr : smoothed_,
+                                 .noise = noise_ ? largest_share(*noise_) : 0},
                                 progress);
             if (made && request.spectral) observe_spectra(*made, signed_spectra(*measured_));
             return made;

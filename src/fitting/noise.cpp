@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "fit/data/observations.h"
 #include "fit/data/pairs.h"
@@ -36,6 +37,16 @@ double median(std::vector<double> x) {
     const auto middle = x.begin() + std::ptrdiff_t(x.size() / 2);
     std::ranges::nth_element(x, middle);
     return *middle;
+}
+
+/// The standard deviation of values, of which each has a mean, by the median of those with the darker half of the means.
+double dark_deviation(std::vector<std::pair<double, double>> means) {
+    if (means.empty()) return 0;
+    std::ranges::sort(means);
+    means.resize((means.size() + 1) / 2);
+    std::vector<double> values;
+    for (const auto& [mean, value] : means) values.push_back(std::abs(value));
+    return median(std::move(values)) / k_median_of_normal;
 }
 
 /// The direction turned by an angle towards the tangent of that azimuth.
@@ -97,16 +108,40 @@ Evaluate without_excess(const Evaluate& f, const Evaluate& expected, const Rgb& 
             for (int c = 0; c < 3; ++c) values[i][c] -= clamped_excess(means[i][c], clamped[c]);
     };
 }
+/// How much of the difference between f and what is expected is noise where it is dark: σ² / ρ², with ρ the deviation of that
+/// difference, and σ the deviation of values before they were clamped if they were, which is more than they show.
+Rgb share_of_noise(const Evaluate& f, const Evaluate& expected, const Noise& noise) {
+    const std::vector<DirectionPair> pairs = triples();
+    std::vector<Vec3f> wl, wv;
+    for (const DirectionPair& pair : pairs) wl.push_back(pair.wl), wv.push_back(pair.wv);
+    std::vector<Rgb> values(wl.size()), means(wl.size());
+    f(wl, wv, values);
+    expected(wl, wv, means);
+    Rgb share;
+    for (int c = 0; c < 3; ++c) {
+        std::vector<std::pair<double, double>> differences;
+        for (std::size_t i = 0; i < values.size(); ++i)
+            if (std::isfinite(values[i][c]))
+                differences.emplace_back(double(means[i][c]), double(values[i][c]) - double(means[i][c]));
+        const double ratio =
+            double(std::max(noise.deviation[c], noise.clamped[c])) / dark_deviation(std::move(differences));
+        share[c] = float(ratio < 1 ? ratio * ratio : 1);
+    }
+    return share;
+}
+
 /// `smooth` of `Smoothed`.
-Evaluate without_noise(const Evaluate& f, const Evaluate& expected, const Rgb& deviation) {
-    return [f, expected, deviation](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+Evaluate without_noise(const Evaluate& f, const Evaluate& expected, const Noise& noise) {
+    const Rgb share = share_of_noise(f, expected, noise);
+    return [f, expected, deviation = noise.deviation, share](std::span<const Vec3f> wl, std::span<const Vec3f> wv,
+                                                             std::span<Rgb> values) {
         std::vector<Rgb> means(values.size());
         f(wl, wv, values);
         expected(wl, wv, means);
         for (std::size_t i = 0; i < values.size(); ++i)
             for (int c = 0; c < 3; ++c) {
                 const float most = k_noise_limit * deviation[c];
-                values[i][c] -= std::clamp(values[i][c] - means[i][c], -most, most);  // NaN remains
+                values[i][c] -= share[c] * std::clamp(values[i][c] - means[i][c], -most, most);  // NaN remains
             }
     };
 }
@@ -126,18 +161,14 @@ Noise noise_of(const Evaluate& f) {
         for (std::size_t i = 0; i < values.size(); i += 3) {
             const double x = double(values[i][c]), beside = double(values[i + 1][c]) + double(values[i + 2][c]);
             if (!std::isfinite(x + beside)) continue;
-            means.emplace_back((x + beside) / 3, std::abs(x - beside / 2));
+            means.emplace_back((x + beside) / 3, x - beside / 2);
             negative += x < 0 && x + beside > 0;
         }
         if (means.empty()) continue;
         noise.negative = std::max(noise.negative, double(negative) / double(means.size()));
         std::ranges::sort(means);
         noise.level[c] = float(means[means.size() / 4].first);
-        means.resize((means.size() + 1) / 2);
-        std::vector<double> differences;
-        for (const auto& [mean, difference] : means) differences.push_back(difference);
-        noise.deviation[c] =
-            float(median(std::move(differences)) / (k_median_of_normal * std::sqrt(k_variance_of_difference)));
+        noise.deviation[c] = float(dark_deviation(std::move(means)) / std::sqrt(k_variance_of_difference));
     }
     return noise;
 }
@@ -154,6 +185,15 @@ bool is_noisy(const Noise& noise) {
     return noise.share() > k_noisy || noise.negative > k_negative || is_clamped(noise.clamped);
 }
 
+double largest_share(const Noise& noise) {
+    double largest = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double share = double(noise.deviation[c]) / double(noise.level[c]);
+        largest = std::max(largest, noise.level[c] > 0 ? share : std::numeric_limits<double>::infinity());
+    }
+    return largest;
+}
+
 Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int threads,
                           const ProgressToken& progress) {
     Smoothed made{f, above_noise(f, noise.deviation)};
@@ -161,7 +201,8 @@ Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int
         const auto part = [&](double begin, double end) {
             return progress.part((round + begin) / k_rounds, (round + end) / k_rounds);
         };
-        const auto observed = observe(made.unbiased, {.threads = threads, .smoothed = made.smooth}, part(0, 0.3));
+        const auto observed = observe(
+            made.unbiased, {.threads = threads, .smoothed = made.smooth, .noise = largest_share(noise)}, part(0, 0.3));
         if (!observed) return observed.error();
         FitOptions options;
         options.axial = axial, options.threads = threads;
@@ -170,7 +211,7 @@ Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int
         if (!fitted) return fitted.error();
         const Evaluate expected = expected_by(fitted->model, round == 0, noise.clamped);
         made.unbiased = without_excess(f, expected, noise.clamped);
-        made.smooth = without_noise(made.unbiased, expected, noise.deviation);
+        made.smooth = without_noise(made.unbiased, expected, noise);
     }
     return made;
 }

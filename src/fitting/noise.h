@@ -15,12 +15,16 @@ void add_clamped(Noise& noise, const Measured& measured);
 /// set to 0 because they were below.
 bool is_noisy(const Noise& noise);
 
+/// The deviation relative to the value, of the channel where that is largest; infinite where a value is not above 0.
+double largest_share(const Noise& noise);
+
 /// A measurement without what noise does to a fit.
 struct Smoothed {
     /// The measurement as it is; where its maker set values below 0 to 0, less what that adds to their mean at the fitted f̂:
     /// f − (E[max(0, f̂ + n)] − f̂).
     Evaluate unbiased;
-    /// The same smoothed to its noise: f − clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps what f̂ lacks.
+    /// The same smoothed to its noise: f − λ clamp(f − f̂, ±3σ). It is f̂ where the two differ by noise, and keeps what f̂ lacks.
+    /// λ = min(1, σ²/ρ²) is how much of the difference f − f̂, of deviation ρ, is noise where it is dark.
     Evaluate smooth;
 };
 /// f̂ comes from three short fits to f as it is, negative values included, whose weights come from √(f² + 25 σ²) first and

@@ -101,6 +101,7 @@ struct ObserveOptions {
     int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
     /// The measurement smoothed to its noise, see `smoothed`; null: the measurement itself.
     Evaluate smoothed = nullptr;
+    double noise = 0;             ///< of a measurement that is smoothed, relative to dark values: `largest_share`
     bool horizon_albedos = true;  ///< of appearance: not for values that nobody measured
     /// The pool of pairs, the bound pairs about the mirror direction and the points of albedos are this many times fewer: for
     /// values interpolated between few samples, each of which takes a search.

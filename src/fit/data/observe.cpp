@@ -188,7 +188,7 @@ Result<Observations> observe(const Evaluate& f, const ObserveOptions& options, c
     all.integrals = observe_albedos(f, options, *theta_max);
     if (traits(options.objective).of_pictures) {
         all.views = observe_views(options.smoothed ? options.smoothed : f, *theta_max, options.threads);
-        all.integral_error = options.smoothed ? k_albedo_error_of_noise : k_albedo_error_with_pixels;
+        all.integral_error = options.smoothed ? albedo_error_of_noise(options.noise) : k_albedo_error_with_pixels;
     }
     return all;
 }

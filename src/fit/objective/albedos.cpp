@@ -17,7 +17,7 @@ constexpr double k_albedo_angles[] = {0, 15, 30, 45, 60, 70, 75, 80, 85};
 constexpr double k_horizon_cosines[] = {0.03, 0.01, 0.003};
 constexpr int k_albedo_points = 4096;
 /// Of noisy tables: an albedo counts as known to so many standard deviations of its sum, if that is more than
-/// `k_albedo_error_of_noise` (docs/notes/noise.md).
+/// `albedo_error_of_noise` (docs/notes/noise.md).
 constexpr double k_deviations_of_albedo = 0.1;
 /// Of noisy tables: noise differs from sample to sample, and is summed by so many times as many directions as smooth values.
 constexpr int k_finer_for_noise = 8;
@@ -53,10 +53,11 @@ Rgb mean_of_noise(const Evaluate& f, const Evaluate& smooth, Vec3d wv, double th
 }
 
 /// Makes the values smooth, but for a constant that keeps the sum of noisy ones.
-void smooth_values(ObservedIntegral& seen, const Evaluate& f, const Evaluate& smooth, Vec3d wv, double theta_max) {
-    std::vector<Rgb> values = values_towards(smooth, seen.wl, to_float(wv));
-    seen.noise_unit = k_deviations_of_albedo * deviation_of_sum(seen, values) / k_albedo_error_of_noise;
-    const Rgb noise = mean_of_noise(f, smooth, wv, theta_max);
+void smooth_values(ObservedIntegral& seen, const Evaluate& f, const ObserveOptions& options, Vec3d wv,
+                   double theta_max) {
+    std::vector<Rgb> values = values_towards(options.smoothed, seen.wl, to_float(wv));
+    seen.noise_unit = k_deviations_of_albedo * deviation_of_sum(seen, values) / albedo_error_of_noise(options.noise);
+    const Rgb noise = mean_of_noise(f, options.smoothed, wv, theta_max);
     for (Rgb& value : values)
         for (int c = 0; c < 3; ++c) value[c] = std::isfinite(value[c]) ? value[c] + noise[c] : 0;
     seen.f = std::move(values);
@@ -77,7 +78,7 @@ ObservedIntegral observe_albedo(const Evaluate& f, const ObserveOptions& options
     ObservedIntegral seen;
     seen.wv.assign(points.w.size(), to_float(wv));
     seen.wl = std::move(points.w), seen.f = std::move(values), seen.weight = std::move(points.weight);
-    if (options.smoothed) smooth_values(seen, f, options.smoothed, wv, theta_max);
+    if (options.smoothed) smooth_values(seen, f, options, wv, theta_max);
     return seen;
 }
 

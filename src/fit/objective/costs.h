@@ -1,5 +1,6 @@
 // What the terms of a loss cost, for all fits of tables. Docs: docs/fitting.md, "The objective"; `srbf fit --explain` prints it.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 
 namespace srbf {
@@ -27,9 +28,15 @@ inline constexpr Importance k_pixels{3.5, 4};
 inline constexpr double k_pixels_alone = 2;
 
 /// An error of this share in every albedo costs as much as the fit's loss without them: by pairs alone, and with pixels. So
-/// the cost is 1 over its square: half of it costs four times as much. Albedos of noisy tables are sums of thousands of
-/// values and known better than any of them.
-inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02, k_albedo_error_of_noise = 0.002;
+/// the cost is 1 over its square: half of it costs four times as much.
+inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02;
+/// Of noisy tables: an albedo is the sum of thousands of values, and known better than any of them. This error falls with the
+/// variance of the noise, and is least where the noise is at least this share of a channel's dark values.
+inline constexpr double k_albedo_error_of_noise = 0.002, k_noise_of_least_albedo_error = 0.5;
+inline double albedo_error_of_noise(double noise) {
+    const double times = k_noise_of_least_albedo_error / noise, square = times * times;
+    return std::clamp(square * square * k_albedo_error_of_noise, k_albedo_error_of_noise, k_albedo_error_with_pixels);
+}
 /// But at most this: a fit that cannot follow the data gains nothing from an albedo that is right by chance.
 inline constexpr double k_most_albedo_loss = 0.004;
 /// Errors of albedos near the horizon are relative to at least this: few pixels see them. By 0.3 to 0.5 ΔE_ITP rose.

@@ -93,7 +93,7 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
                                   : all.is_noisy() ? k_least_gain_of_noise
                                                    : k_least_gain;
         const auto summary = of_samples && !begins ? few_steps(problem, x, k_bound_steps_of_samples, reporter)
-                                                     : last_steps(problem, x, least_gain, reporter);
+                                                   : last_steps(problem, x, least_gain, reporter);
         lobes = unpack(x, lobes.shape), begins = false;
         fit.unrounded_loss = summary.loss;
         fit.stop = summary.stop == Stop::iterations ? StopReason::iterations : StopReason::converged;

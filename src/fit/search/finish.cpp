@@ -22,9 +22,8 @@ constexpr double k_costly_bounds = 2;
 /// whose narrow lobes must match an albedo needs twenty.
 constexpr int k_last_steps = 10, k_most_tens = 26;
 constexpr double k_least_gain = 0.005;
-/// Instead, for pictures of scattered samples, which are known less well; and for noisy tables, whose loss is mostly noise, which
-/// no step lowers.
-constexpr double k_least_gain_of_samples = 0.02, k_least_gain_of_noise = 0.0005;
+/// Instead, for pictures of scattered samples, which are known less well.
+constexpr double k_least_gain_of_samples = 0.02;
 /// Instead of tens, once bounds are exceeded: weights move lobes below them in a few steps. Lobes that begin without their
 /// factors take tens again.
 constexpr int k_bound_steps_of_samples = 4;
@@ -89,9 +88,7 @@ PmFit finish(Lobes lobes, Observations all, const TermFactors& factors, const Fi
         LobeProblem problem(rows, lobes.shape, true, log_peak_limit);
         Eigen::VectorXd x = pack(lobes);
         const bool of_samples = rows.views > 0 && !factors.has_point_lights;
-        const double least_gain = of_samples       ? k_least_gain_of_samples
-                                  : all.is_noisy() ? k_least_gain_of_noise
-                                                   : k_least_gain;
+        const double least_gain = of_samples ? k_least_gain_of_samples : k_least_gain;
         const auto summary = of_samples && !begins ? few_steps(problem, x, k_bound_steps_of_samples, reporter)
                                                    : last_steps(problem, x, least_gain, reporter);
         lobes = unpack(x, lobes.shape), begins = false;

@@ -84,8 +84,10 @@ int CompareCommand::run() const {
                          "some that both hold",
                          "none"});
 
+    const auto repeats = repeatability(a->content, threads);
     Json report{{"reference", reference}, {"other", other}, {"max_theta", theta}};
     add_measures(report, comparison, "");
+    if (repeats) report["exchanged_pictures"] = json_of(*repeats);
     report["pairs"] = comparison.matrix.pairs;
     report["masked_pairs"] = comparison.matrix.masked;
     if (!json.empty())
@@ -94,6 +96,7 @@ int CompareCommand::run() const {
 
     fmt::print("{} against {}, directions within {:g}° of the normal\n\n", other, reference, theta);
     print_measures({{"", &comparison}});
+    if (repeats) fmt::print("\n{} repeats itself {}\n", reference, repeats_text(*repeats));
     if (comparison.matrix.masked > 0)
         fmt::print("\n{} of {} pairs of the matrix were not measured and are skipped\n",
                    grouped(comparison.matrix.masked), grouped(comparison.matrix.masked + comparison.matrix.pairs));

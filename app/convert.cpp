@@ -10,6 +10,7 @@
 #include "app/output.h"
 #include "app/read_options.h"
 #include "srbf/file.h"
+#include "srbf/fitting.h"
 
 namespace srbf {
 namespace {
@@ -22,9 +23,10 @@ struct ConvertCommand {
     ReadOptions read;
     int directions = 64, threads = 0;
     double max_theta = 89;  // [degrees], for CSV
-    bool exchange = false, rgb_alone = false, chooses_directions = false, chooses_basis = false;
+    bool exchange = false, smooth = false, rgb_alone = false, chooses_directions = false, chooses_basis = false;
 
     int run() const;
+    Result<Measured> smoothed(const Subject& subject) const;
     Result<std::vector<std::byte>> converted(const Subject& subject) const;
 };
 
@@ -35,6 +37,27 @@ std::string description_of(const Subject& subject) {
     if (measured && std::holds_alternative<BsdfTable>(measured->table))
         if (const auto& name = std::get<BsdfTable>(measured->table).description; !name.empty()) return name;
     return std::filesystem::path(subject.path).stem().string();
+}
+
+/// The table without its noise, as fits see it, in the layout of MBSDF, which holds values below 0.
+Result<Measured> ConvertCommand::smoothed(const Subject& subject) const {
+    const auto* measured = std::get_if<Measured>(&subject.content);
+    if (!measured || !is_isotropic(*measured))
+        return Error{
+            input, {}, "input", "an isotropic table for --smooth", measured ? "an anisotropic one" : "a model"};
+    ProgressLine line;
+    const auto quiet = smoothed_to_noise(
+        *measured, threads, [&](const Progress& now) { return line.show("smoothing", now.fraction), true; });
+    if (!quiet) {
+        Error error = quiet.error();
+        return error.source = input, error;
+    }
+    MbsdfOptions options;
+    options.threads = threads;
+    if (const auto* own = std::get_if<MbsdfTable>(&measured->table))
+        options.polar = own->polar, options.azimuths = own->azimuths, options.metadata = own->metadata;
+    options.metadata.push_back({"smoothed", "to its noise"});
+    return Measured{measured->source, "smoothed", 0, to_mbsdf(*quiet, options)};
 }
 
 Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject) const {
@@ -63,6 +86,11 @@ int ConvertCommand::run() const {
     if (!subject) return complain(subject.error());
     if (exchange) std::visit([](auto& of) { srbf::exchange(of); }, subject->content);
     if (const auto writable = check_outputs({input}, {output}); !writable) return complain(writable.error());
+    if (smooth) {
+        auto made = smoothed(*subject);
+        if (!made) return complain(made.error());
+        subject->content = *std::move(made);
+    }
     const auto bytes = converted(*subject);
     if (!bytes) return complain(bytes.error());
     const auto written = write_file(output, *bytes);
@@ -108,6 +136,8 @@ void add_convert(CommandLine& app, int& status) {
                      "RGL: colours without the spectra of the same material, as Mitsuba 3 needs them in its\n"
                      "RGB variants; its spectral variants and pbrt-v4 need the spectra");
     sub.add_flag("--exchange", command->exchange, "Exchange light and viewer");
+    sub.add_flag("--smooth", command->smooth,
+                 "A noisy isotropic table without its noise, as fits see it: to look at beside them");
     add_read_options(sub, command->read);
     const Option threads =
         sub.add_option("--threads", command->threads,
@@ -116,8 +146,8 @@ void add_convert(CommandLine& app, int& status) {
             .check(within(0, k_most_threads))
             .capture_default_str();
     sub.footer(
-        "A file that already has the format is copied byte for byte, unless --exchange, --basis or --rgb-alone is "
-        "given.\n\n"
+        "A file that already has the format is copied byte for byte, unless --exchange, --smooth, --basis or "
+        "--rgb-alone is given.\n\n"
         "Examples:\n  srbf convert nickel.binary -o nickel.bsdf\n  srbf convert paper_white_rgb.srbf -o paper.binary");
     const auto writes = [command](TableFormat format) { return table_format(command->output)->format == format; };
     sub.callback(

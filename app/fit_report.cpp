@@ -121,9 +121,7 @@ void print_repeatability(const FitOutcome& outcome) {
         else if (outcome.clamped == 0)
             fmt::print("            none of it is below 0: its maker cut it off, which makes dark values brighter\n");
     }
-    if (outcome.exchanged)
-        fmt::print("  repeats   within ΔE_ITP {:.3g} (worst {:.3g}) where light and viewer are exchanged\n",
-                   outcome.exchanged->mean.delta_e, outcome.exchanged->worst_delta_e);
+    if (outcome.exchanged) fmt::print("  repeats   {}\n", repeats_text(*outcome.exchanged));
 }
 
 /// An angle [rad] in degrees, rounded to what was given.

@@ -190,6 +190,7 @@ void print_behaviour(const Subject& subject) {
     const Measures reciprocity = measure_heldout(brdf, exchanged, {max_theta * k_degree, 0})[0];
     print_row("reciprocity error", fmt::format("{} of f cosθl, squared, between f(wl, wv) and f(wv, wl), θ ≤ {}°",
                                                percent(reciprocity.squared_error_ratio_cosine), max_theta));
+    if (const auto repeats = repeatability(subject.content)) print_row("repeats", repeats_text(*repeats));
     // A measurement before its negative channels are clamped.
     const auto* measured = std::get_if<Measured>(&subject.content);
     const Evaluate as_measured = measured ? signed_evaluator(*measured) : brdf;

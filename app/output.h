@@ -29,6 +29,11 @@ void add_measures(Json& json, const Comparison& comparison, std::string_view pre
 /// Errors of pictures: their means and worst, and those under each lighting.
 Json json_of(const Appearance& appearance);
 
+/// What is seen of a table if light and viewer are exchanged; none of what is reciprocal or no table.
+std::optional<Appearance> repeatability(const AnyBrdf& of, int threads = 0);
+/// "within ΔE_ITP 14.4 (worst 21.4) where light and viewer are exchanged"
+std::string repeats_text(const Appearance& exchanged);
+
 /// A table of measures with a column for each set of each comparison.
 void print_measures(const std::vector<std::pair<std::string, const Comparison*>>& comparisons);
 

@@ -92,8 +92,9 @@ PageMaterial measured_material(Page& page, const Subject& reference, const Measu
 }
 
 /// Errors of the models against the measurement, a row for each measure.
-void add_errors(Page& page, const Evaluate& measured, const std::vector<Subject>& models,
+void add_errors(Page& page, const Subject& reference, const std::vector<Subject>& models,
                 const MeasureOptions& options) {
+    const Evaluate measured = evaluator(reference);
     std::vector<Evaluate> others;
     for (const Subject& model : models) others.push_back(evaluator(model));
     const std::vector<Measures> errors = measure_heldout(measured, others, options);
@@ -106,11 +107,14 @@ void add_errors(Page& page, const Evaluate& measured, const std::vector<Subject>
     add_row(
         "visible error",
         "how different pictures of a sphere look beside the measurement's: ΔE_ITP, of which 1 is just noticeable, mean "
-        "over eight lightings, and the worst of them",
+        "over eight lightings, and the worst of them; of the measurement, where light and viewer are exchanged",
         [&](std::size_t k) {
             return fmt::format("{:.2g} (worst {:.2g}): {}", seen[k].mean.delta_e, seen[k].worst_delta_e,
                                words(verdict(seen[k].mean)));
         });
+    if (const auto repeats = repeatability(reference.content))
+        page.table.back().cells[0] =
+            fmt::format("{:.2g} (worst {:.2g})", repeats->mean.delta_e, repeats->worst_delta_e);
     add_row("image error", "what reaches an image: squared error ratio of f cosθl, each view by its cosine",
             [&](std::size_t k) { return percent(errors[k].squared_error_ratio_cosine); });
     add_row("dark-part error", "nearer to the eye, which sees the dark parts too: the same ratio of the cube root of f",
@@ -135,7 +139,7 @@ void add_reference(Page& page, const Subject& reference, const std::vector<Subje
     page.title = stem_of(reference.path);
     page.materials.insert(page.materials.begin(), measured_material(page, reference, options));
     page.table[0].cells.insert(page.table[0].cells.begin(), grouped(std::get<Measured>(reference.content).bytes));
-    add_errors(page, evaluator(reference), models, options);
+    add_errors(page, reference, models, options);
 }
 
 }  // namespace

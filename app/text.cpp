@@ -6,6 +6,7 @@
 #include <span>
 
 #include "app/rows.h"
+#include "srbf/fitting.h"
 #include "srbf/printable.h"
 
 namespace srbf {
@@ -33,6 +34,20 @@ Json json_of(const Appearance& appearance) {
     for (std::size_t k = 0; k < appearance.lighting.size(); ++k)
         pictures["lightings"][standard_lightings()[k].name] = errors(appearance.lighting[k]);
     return pictures;
+}
+
+std::optional<Appearance> repeatability(const AnyBrdf& of, int threads) {
+    const auto* measured = std::get_if<Measured>(&of);
+    if (!measured || std::holds_alternative<ScatteredSamples>(measured->table) ||
+        std::holds_alternative<BsdfTable>(measured->table) || std::holds_alternative<MerlTable>(measured->table))
+        return {};
+    const Appearance exchanged = compare_exchanged(evaluator(*measured), threads);
+    return exchanged.mean.delta_e > 0 ? std::optional(exchanged) : std::nullopt;
+}
+
+std::string repeats_text(const Appearance& exchanged) {
+    return fmt::format("within ΔE_ITP {:.3g} (worst {:.3g}) where light and viewer are exchanged",
+                       exchanged.mean.delta_e, exchanged.worst_delta_e);
 }
 
 void add_measures(Json& json, const Comparison& comparison, std::string_view prefix) {

@@ -6,6 +6,8 @@
 #include "fitting/noise.h"
 #include "measured_files.h"
 #include "properties.h"
+#include "srbf/convert.h"
+#include "srbf/fitting.h"
 #include "srbf/pictures.h"
 
 namespace srbf::noise_test {
@@ -39,6 +41,11 @@ Evaluate with_noise(const Measured& measured, float deviation) {
     };
 }
 
+double median(std::vector<double> x) {
+    std::ranges::nth_element(x, x.begin() + std::ptrdiff_t(x.size() / 2));
+    return x[x.size() / 2];
+}
+
 TEST(Noise, IsFound) {
     for (const float deviation : {0.02f, 0.3f}) {
         const Noise noise = noise_of(with_noise(bundled("paper_white_rgb"), deviation));
@@ -70,15 +77,15 @@ TEST(Noise, DoesNotBiasAFit) {
 }
 
 /// A table of MBSDF's layout with noise in each sample, of which what is below 0 is set to 0.
-MbsdfTable clamped_table(const Evaluate& f, float deviation) {
+MbsdfTable clamped_table(const Evaluate& f, float deviation, std::uint32_t polar = 15) {
     MbsdfTable table;
-    table.polar = 15, table.azimuths = 61;
+    table.polar = polar, table.azimuths = 61;
     std::vector<Vec3f> wl, wv;
     for (std::uint32_t i = 0; i < table.polar; ++i)
         for (std::uint32_t j = 0; j < table.polar; ++j)
             for (std::uint32_t k = 0; k < table.azimuths; ++k) {
-                wl.push_back(to_float(spherical(6 * k_degree * i, 0.0)));
-                wv.push_back(to_float(spherical(6 * k_degree * j, 3 * k_degree * k)));
+                wl.push_back(to_float(spherical(k_pi / 2 / polar * i, 0.0)));
+                wv.push_back(to_float(spherical(k_pi / 2 / polar * j, 3 * k_degree * k)));
             }
     table.cells.resize(wl.size());
     f(wl, wv, table.cells);
@@ -116,6 +123,31 @@ TEST(Noise, ThatWasClampedHardlyBiasesValues) {
     const auto mean = [](const Evaluate& of) { return double(luminance(albedo(of, 40 * k_degree, 80 * k_degree))); };
     EXPECT_GT(mean(f), 1.05 * mean(truth));
     EXPECT_TRUE(near(mean(made->unbiased), mean(truth), 0.02 * mean(truth)));
+}
+
+/// Of a table with signed noise as large as its body, at its nodes.
+TEST(Noise, IsHardlyLeftInASmoothedTable) {
+    const Evaluate truth = evaluator(bundled("paper_white_rgb"));
+    Measured measured{"", "", 0, clamped_table(truth, 0, 45)};
+    EXPECT_FALSE(smoothed_to_noise(measured));
+    auto& table = std::get<MbsdfTable>(measured.table);
+    const std::vector<Rgb> clean = table.cells;
+    std::mt19937_64 random(2);
+    std::normal_distribution<float> normal;
+    for (Rgb& cell : table.cells)
+        for (int c = 0; c < 3; ++c) cell[c] += 0.28f * normal(random);
+    const auto smooth = smoothed_to_noise(measured);
+    ASSERT_TRUE(smooth);
+    const MbsdfTable found = to_mbsdf(*smooth, {table.polar, table.azimuths, {}, 0});
+    std::vector<double> before, after;
+    for (std::uint32_t l = 0; l < 34; ++l)  // to 66°
+        for (std::uint32_t v = 0; v < 34; ++v)
+            for (std::uint32_t k = 0; k < table.azimuths; ++k) {
+                const std::size_t i = (l * table.polar + v) * table.azimuths + k;
+                before.push_back(std::abs(double(table.cells[i].g - clean[i].g)));
+                after.push_back(std::abs(double(found.cells[i].g - clean[i].g)));
+            }
+    EXPECT_LT(median(after), 0.2 * median(before));
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ const std::map<std::string, std::string> k_argument{
     {"--reciprocal", ""},
     {"--no-scale", ""},
     {"--exchange", ""},
+    {"--smooth", ""},
     {"--objective", "cosine"},
     {"--max-theta", "70"},
     {"--discretise", "light"},

@@ -167,6 +167,14 @@ Result<FitOutcome> fit(const Measured& measured, const FitRequest& request, cons
 /// The same for a BRDF as a function.
 Result<FitOutcome> fit(Evaluate f, const FitRequest& request, const ProgressToken& progress = {});
 
+/// A noisy table smoothed to its noise, as fits see it (docs/notes/noise.md): signed values f − λ clamp(f − f̂, ±3σ), with f̂ of
+/// short fits, σ the noise and λ how much of f − f̂ it is. Keeps a reference to `measured`, which must be isotropic.
+/// Errors: not a table of one BRDF; it is not noisy; cancelled.
+Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads = 0, const ProgressToken& progress = {});
+
+/// What is seen if light and viewer are exchanged. A fit that looks like the measurement may differ from it by as much.
+Appearance compare_exchanged(const Evaluate& f, int threads = 0);
+
 /// What a multivariate fit of a table by this request minimises, and in which stages, as text of several lines; empty
 /// for other models.
 std::string explain(const FitRequest& request);

@@ -38,6 +38,11 @@ constexpr double k_smoothed = 0.5, k_observed = 0.1, k_samples_observed = 0.05, 
 /// The same of measuring the errors.
 constexpr double k_matrix_measured = 0.75, k_heldout_measured = 0.9, k_albedo_measured = 0.95;
 
+/// f(wv, wl).
+Evaluate exchanged(const Evaluate& f) {
+    return [f](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) { f(wv, wl, values); };
+}
+
 }  // namespace
 
 // ---- Stages common to tables and samples ----
@@ -174,12 +179,9 @@ class Fitter::Work {
     }
     void measure_appearance(FitOutcome& outcome, const Evaluate& reference, const FitRequest& request,
                             const ProgressToken& progress) const {
-        const Evaluate exchanged = [&](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
-            reference(wv, wl, f);
-        };
         std::vector<Evaluate> others{evaluator(outcome.model), evaluator(outcome.unrounded)};
         const auto albedo = albedo_errors(reference, others, {request.theta(), request.threads, progress});
-        if (!samples()) others.push_back(exchanged);
+        if (!samples()) others.push_back(exchanged(reference));
         const auto appearance =
             compare_pictures(reference, others, request.threads, progress.part(k_albedo_measured, 1), k_sphere_pixels,
                              samples() && samples()->isotropic);
@@ -406,6 +408,12 @@ Result<FitOutcome> Fitter::draft(const FitRequest& request, int draft, const Pro
 }
 Result<Done> Fitter::measure(FitOutcome& outcome, const FitRequest& request, const ProgressToken& progress) const {
     return work_->measure(outcome, request, progress);
+}
+
+Appearance compare_exchanged(const Evaluate& f, int threads) {
+    const StandardArithmetic mode;
+    const Evaluate other = exchanged(f);
+    return compare_pictures(f, {&other, 1}, threads)[0];
 }
 
 namespace {

@@ -1,13 +1,17 @@
 #include "fitting/noise.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "errors.h"
 #include "fit/data/observations.h"
 #include "fit/data/pairs.h"
 #include "fit/fits.h"
 #include "fitting/clamped_noise.h"
+#include "floating_point.h"
 #include "srbf/elementary.h"
 #include "srbf/model.h"
 
@@ -186,10 +190,11 @@ bool is_noisy(const Noise& noise) {
 }
 
 double largest_share(const Noise& noise) {
+    constexpr double k_infinite = std::numeric_limits<double>::infinity();
     double largest = 0;
     for (int c = 0; c < 3; ++c) {
-        const double share = double(noise.deviation[c]) / double(noise.level[c]);
-        largest = std::max(largest, noise.level[c] > 0 ? share : std::numeric_limits<double>::infinity());
+        const double deviation = double(noise.deviation[c]), level = double(noise.level[c]);
+        if (deviation > 0) largest = std::max(largest, level > 0 ? deviation / level : k_infinite);
     }
     return largest;
 }
@@ -201,8 +206,7 @@ Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int
         const auto part = [&](double begin, double end) {
             return progress.part((round + begin) / k_rounds, (round + end) / k_rounds);
         };
-        const auto observed = observe(
-            made.unbiased, {.threads = threads, .smoothed = made.smooth, .noise = largest_share(noise)}, part(0, 0.3));
+        const auto observed = observe(made.unbiased, {.threads = threads, .smoothed = made.smooth}, part(0, 0.3));
         if (!observed) return observed.error();
         FitOptions options;
         options.axial = axial, options.threads = threads;
@@ -214,6 +218,24 @@ Result<Smoothed> smoothed(const Evaluate& f, const Noise& noise, bool axial, int
         made.smooth = without_noise(made.unbiased, expected, noise);
     }
     return made;
+}
+
+Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads, const ProgressToken& progress) {
+    const StandardArithmetic mode;
+    const auto refused = [](const char* expected, std::string found) {
+        return argument_error("smoothing", "measurement", expected, std::move(found));
+    };
+    if (std::holds_alternative<ScatteredSamples>(measured.table)) return refused("a table", "scattered samples");
+    if (std::holds_alternative<BsdfTable>(measured.table))
+        return refused("a table of reflection", "reflection and transmission");
+    const Evaluate f = signed_evaluator(measured);
+    Noise noise = noise_of(f);
+    add_clamped(noise, measured);
+    if (!is_noisy(noise))
+        return refused("a noisy table", fmt::format("noise of {:.0f} % of dark values", 100 * noise.share()));
+    auto made = smoothed(f, noise, true, threads, progress);
+    if (!made) return made.error();
+    return std::move(made->smooth);
 }
 
 }  // namespace srbf

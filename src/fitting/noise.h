@@ -15,7 +15,8 @@ void add_clamped(Noise& noise, const Measured& measured);
 /// set to 0 because they were below.
 bool is_noisy(const Noise& noise);
 
-/// The deviation relative to the value, of the channel where that is largest; infinite where a value is not above 0.
+/// The deviation relative to the value, of the channel where that is largest; infinite where there is noise about a value that is
+/// not above 0.
 double largest_share(const Noise& noise);
 
 /// A measurement without what noise does to a fit.

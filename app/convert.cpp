@@ -55,8 +55,7 @@ Result<Measured> ConvertCommand::smoothed(const Subject& subject) const {
     MbsdfOptions options;
     options.threads = threads;
     if (const auto* own = std::get_if<MbsdfTable>(&measured->table))
-        options.polar = own->polar, options.azimuths = own->azimuths, options.metadata = own->metadata;
-    options.metadata.push_back({"smoothed", "to its noise"});
+        options.polar = own->polar, options.azimuths = own->azimuths;
     return Measured{measured->source, "smoothed", 0, to_mbsdf(*quiet, options)};
 }
 
@@ -72,9 +71,10 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
     // A file that already has the format is copied unchanged, after it was read successfully.
     if (measured && measured->format == format.name && !exchange && !rgb_alone && !chooses_basis && !read.any())
         return read_file(input);
-    auto bytes = table_file(subject.content, format.format,
-                            {description_of(subject), directions, max_theta * k_degree,
-                             KlemsBasis(std::ranges::find(k_bases, basis) - k_bases.begin()), !rgb_alone, threads});
+    auto bytes = table_file(
+        subject.content, format.format,
+        {description_of(subject) + (smooth ? ", smoothed to its noise" : ""), directions, max_theta * k_degree,
+         KlemsBasis(std::ranges::find(k_bases, basis) - k_bases.begin()), !rgb_alone, threads});
     if (bytes) return bytes;
     Error error = bytes.error();
     error.source = input, error.expected += fmt::format(", as {} tables are", format.name);

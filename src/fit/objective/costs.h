@@ -32,7 +32,7 @@ inline constexpr double k_pixels_alone = 2;
 inline constexpr double k_albedo_error = 0.1, k_albedo_error_with_pixels = 0.02;
 /// Of noisy tables: an albedo is the sum of thousands of values, and known better than any of them. This error falls with the
 /// fourth power of the noise, and is least where the noise is at least this share of a channel's dark values (docs/notes/noise.md).
-inline constexpr double k_albedo_error_of_noise = 0.002, k_noise_of_least_albedo_error = 0.5;
+inline constexpr double k_albedo_error_of_noise = 0.003, k_noise_of_least_albedo_error = 0.5;
 inline double albedo_error_of_noise(double noise) {
     const double times = k_noise_of_least_albedo_error / noise, square = times * times;
     return std::clamp(square * square * k_albedo_error_of_noise, k_albedo_error_of_noise, k_albedo_error_with_pixels);

@@ -215,7 +215,23 @@ std::map<std::string, std::string> results_of(const fs::path& report) {
     return all;
 }
 
-/// A report that ends at any moment, or in which something fails, is done by the next run.
+/// A report that is killed while it draws, and between its tables, is done by the next run.
+TEST_F(Failures, AReportGoesOnWhereItWasKilled) {
+    ASSERT_EQ(run(folder, report_.arguments).status, 0);
+    const auto whole = results_of(folder.path / "r");
+    const auto files_beside = files();
+    fs::remove_all(folder / "r");
+    for (const long at : {6, 45}) {
+        std::optional<long> calls;
+        run_with(report_, {"rename", at, 0}, calls);
+        EXPECT_FALSE(calls) << "it was done before it was killed, at " << at;
+    }
+    EXPECT_EQ(run(folder, report_.arguments).status, 0);
+    EXPECT_TRUE(results_of(folder.path / "r") == whole);
+    EXPECT_EQ(files(), files_beside);
+}
+
+/// The same of any moment; and a report in which something fails.
 TEST_F(Failures, AReportGoesOnAfterAnyOfThem) {
     if (!tries_all()) GTEST_SKIP() << "SRBF_FAILURES=all";
     const Task& task = report_;

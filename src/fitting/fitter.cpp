@@ -257,10 +257,7 @@ class Fitter::Work {
     }
     /// Determines the noise of the table, and smooths it if it is noisy. Returns what is left of the progress.
     Result<ProgressToken> smooth(const FitRequest& request, const ProgressToken& progress) {
-        if (!noise_) {
-            noise_ = noise_of(signed_);
-            if (measured_) add_clamped(*noise_, *measured_);
-        }
+        if (!noise_) noise_ = measured_ ? noise_of(*measured_) : noise_of(signed_);
         if (!is_noisy(*noise_) || smoothed_ || request.spectral) return progress;
         auto made = smoothed(signed_, *noise_, looks_isotropic(request), request.threads, progress.part(0, k_smoothed));
         if (!made) return made.error();

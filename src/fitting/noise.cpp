@@ -185,6 +185,12 @@ void add_clamped(Noise& noise, const Measured& measured) {
     noise.excess = is_clamped(noise.clamped) && unbiased > 0 ? median / unbiased - 1 : 0;
 }
 
+Noise noise_of(const Measured& measured) {
+    Noise noise = noise_of(signed_evaluator(measured));
+    add_clamped(noise, measured);
+    return noise;
+}
+
 bool is_noisy(const Noise& noise) {
     return noise.share() > k_noisy || noise.negative > k_negative || is_clamped(noise.clamped);
 }
@@ -228,12 +234,10 @@ Result<Evaluate> smoothed_to_noise(const Measured& measured, int threads, const 
     if (std::holds_alternative<ScatteredSamples>(measured.table)) return refused("a table", "scattered samples");
     if (std::holds_alternative<BsdfTable>(measured.table))
         return refused("a table of reflection", "reflection and transmission");
-    const Evaluate f = signed_evaluator(measured);
-    Noise noise = noise_of(f);
-    add_clamped(noise, measured);
+    const Noise noise = noise_of(measured);
     if (!is_noisy(noise))
         return refused("a noisy table", fmt::format("noise of {:.0f} % of dark values", 100 * noise.share()));
-    auto made = smoothed(f, noise, true, threads, progress);
+    auto made = smoothed(signed_evaluator(measured), noise, true, threads, progress);
     if (!made) return made.error();
     return std::move(made->smooth);
 }

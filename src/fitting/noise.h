@@ -10,6 +10,8 @@ Noise noise_of(const Evaluate& f);
 
 /// Adds what is known of values that the maker of a table set to 0.
 void add_clamped(Noise& noise, const Measured& measured);
+/// Both, of a table.
+Noise noise_of(const Measured& measured);
 
 /// Whether noise biases a fit that takes each value for what it is: much of it, values below 0 by it, or values that were
 /// set to 0 because they were below.

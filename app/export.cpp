@@ -226,8 +226,10 @@ Result<std::string> ExportCommand::surface(const std::vector<NamedModel>& named)
         return Error{output, {}, "models", "one surface", std::to_string(named.size()), ErrorCode::argument};
     auto text = surface_file(to, named[0]);
     const auto& provenance = named[0].model->provenance;
+    const auto heldout = provenance.find("heldout_delta_e_itp");
     if (const auto at = provenance.find("delta_e_itp"); text && at != provenance.end())
-        fmt::print("{}: ΔE_ITP {} against the measurement\n", output, at->second);
+        fmt::print("{}: ΔE_ITP {} against the measurement{}\n", output, at->second,
+                   heldout != provenance.end() ? fmt::format(", {} in cross-validation", heldout->second) : "");
     return text;
 }
 

@@ -45,7 +45,9 @@ std::optional<Line> line_of(const Json& report) {
         }
         return line;
     }
-    const auto pictures = report.find("pictures");
+    // Of scattered samples the cross-validated errors, since their pictures' reference is the fit's own.
+    auto pictures = report.find("heldout_pictures");
+    if (pictures == report.end()) pictures = report.find("pictures");
     if (pictures == report.end() || !pictures->is_object()) return {};
     const auto bytes = number(report, "payload_bytes"), seconds = number(report, "fit_seconds"),
                image = number(report, "heldout_squared_error_ratio_cosine"),

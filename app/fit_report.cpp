@@ -133,6 +133,18 @@ std::string_view followed(const FitRequest& request) {
     return completes(request) ? "microfacet models" : "interpolated values";
 }
 
+/// Whether lobes or GGX predict left-out samples better.
+void print_against_ggx(const Measures& lobes, const Measures& ggx) {
+    const auto in_image = &Measures::squared_error_ratio_cosine, by_eye = &Measures::cube_root_error_ratio;
+    const bool nearer_in_image = lobes.*in_image < ggx.*in_image, nearer_by_eye = lobes.*by_eye < ggx.*by_eye;
+    fmt::print("  Held out, Lambert and one lobe of GGX: {} of f cosθl, {} of cube roots; {}.\n",
+               percent(ggx.*in_image), percent(ggx.*by_eye),
+               nearer_in_image && nearer_by_eye ? "the lobes are nearer by both"
+               : nearer_in_image                ? "the lobes are nearer by the first alone"
+               : nearer_by_eye                  ? "the lobes are nearer by the second alone"
+                                                : "GGX is nearer by both: consider --model ggx");
+}
+
 }  // namespace
 
 std::string_view kind_of(const FitRequest& request) {
@@ -176,6 +188,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
     }
     if (outcome.filled) json["filled_between_samples"] = *outcome.filled;
     if (!outcome.continued.empty()) json["highlights_continued_by"] = outcome.continued;
+    if (outcome.ggx_heldout) add_measures(json, *outcome.ggx_heldout, "ggx_heldout_");
     if (const auto goal = goal_of(request)) {
         const GoalWords of = words(*goal);
         json[of.key] = of.value;
@@ -214,13 +227,16 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     if (outcome.samples) {
         fmt::print(
             "  Matrix: at the samples themselves. Held out: {}. Albedo and pictures: against samples with\n"
-            "  gaps filled by microfacet models.\n",
+            "  gaps filled by microfacet models; held out, by fits without each fold.\n",
             outcome.incidences > 0 ? fmt::format("cross-validated over {} incidences", outcome.incidences)
                                    : fmt::format("{}-fold cross-validated", k_folds));
         if (outcome.filled && *outcome.filled) fmt::print("  Between samples the fit uses {}.\n", followed(request));
-        if (!outcome.continued.empty())
-            fmt::print("  Highlights beyond the samples: continued by {}, which foretells best what folds leave out.\n",
+        if (outcome.continued == k_no_highlight)
+            fmt::print("  The samples show no highlight: Lambert alone predicts them as well as microfacets do.\n");
+        else if (!outcome.continued.empty())
+            fmt::print("  Highlights beyond the samples: continued by {}, which predicts best what folds leave out.\n",
                        outcome.continued);
+        if (outcome.ggx_heldout) print_against_ggx(outcome.errors->heldout, *outcome.ggx_heldout);
     }
     print_path(request, outcome);
     if (const auto goal = goal_of(request); goal && !outcome.reached)

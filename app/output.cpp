@@ -76,6 +76,8 @@ void print_measures(const std::vector<std::pair<std::string, const Comparison*>>
         }
         fmt::print("\n");
     }
+    if (const auto& heldout = comparisons.front().second->heldout_appearance)
+        fmt::print("{:<26}{:>13.3g}{:>13.3g}\n", "ΔE_ITP, held out", heldout->mean.delta_e, heldout->worst_delta_e);
 }
 
 std::vector<std::byte> json_bytes(const Json& json) {

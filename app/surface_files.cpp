@@ -24,7 +24,8 @@ std::vector<std::string> notes(const NamedModel& of) {
         fmt::format("{}: written by srbf {}. Colours are linear, in Rec.709 primaries.", of.name, SRBF_VERSION)};
     const auto& provenance = of.model->provenance;
     for (const auto& [key, words] : {std::pair{"source", "Measurement"}, std::pair{"surface", "Fitted parameters of"},
-                                     std::pair{"delta_e_itp", "dE_ITP of pictures against the measurement"}})
+                                     std::pair{"delta_e_itp", "dE_ITP of pictures against the measurement"},
+                                     std::pair{"heldout_delta_e_itp", "dE_ITP of pictures in cross-validation"}})
         if (const auto at = provenance.find(key); at != provenance.end())
             lines.push_back(fmt::format("{}: {}", words, at->second));
     return lines;

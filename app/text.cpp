@@ -56,6 +56,8 @@ void add_measures(Json& json, const Comparison& comparison, std::string_view pre
         json[fmt::format("{}heldout_{}", prefix, m.name)] = comparison.heldout.*m.member;
     json[fmt::format("{}albedo_error", prefix)] = comparison.albedo_error;
     json[fmt::format("{}pictures", prefix)] = json_of(comparison.appearance);
+    if (comparison.heldout_appearance)
+        json[fmt::format("{}heldout_pictures", prefix)] = json_of(*comparison.heldout_appearance);
 }
 
 std::string grouped(std::uint64_t n) {

@@ -62,6 +62,10 @@ inline py::dict measures_of(const Comparison& of) {
     if (of.appearance.lighting.empty()) return errors;
     for (const PictureErrorName& error : k_picture_errors) errors[error.name] = of.appearance.mean.*error.member;
     errors["worst_delta_e_itp"] = of.appearance.worst_delta_e;
+    if (of.heldout_appearance) {
+        errors["heldout_delta_e_itp"] = of.heldout_appearance->mean.delta_e;
+        errors["heldout_worst_delta_e_itp"] = of.heldout_appearance->worst_delta_e;
+    }
     py::dict lightings;
     for (std::size_t i = 0; i < of.appearance.lighting.size(); ++i) {
         py::dict lighting;
@@ -142,7 +146,8 @@ class CalledFunction {
 };
 
 /// Runs work(f, token) with `function` as the BRDF f, and raises what it raised.
-template <typename Work> auto with_function(const py::function& function, const py::object& progress, const Work& work) {
+template <typename Work>
+auto with_function(const py::function& function, const py::object& progress, const Work& work) {
     std::exception_ptr raised;
     auto result = in_background(progress, [&](const ProgressToken& token) {
         CalledFunction called(function, token);
@@ -156,9 +161,8 @@ template <typename Work> auto with_function(const py::function& function, const 
 
 inline py::dict fit_function(const py::function& function, const Request& asked, const py::object& progress) {
     const FitRequest request = asked.fit_request();
-    return outcome_of(required(with_function(function, progress, [&](const Evaluate& f, const ProgressToken& token) {
-        return fit(f, request, token);
-    })));
+    return outcome_of(required(with_function(
+        function, progress, [&](const Evaluate& f, const ProgressToken& token) { return fit(f, request, token); })));
 }
 
 inline py::list fit_texels(const Array& wl, const Array& wv, const Array& f, const Request& asked, bool isotropic,

@@ -460,6 +460,105 @@ TEST(CompletedSamples, LeaveHighlightsToGgxIfFoldsPreferIt) {
     EXPECT_EQ(words(Continuation{0, 1}), "two lobes of GGX beyond the largest sample");
 }
 
+/// Pairs of directions as instruments take them, none at the mirror direction: on a grid of angles, in the plane of incidence,
+/// and few at random.
+std::vector<ScatteredSamples> layouts_without_mirror() {
+    std::vector<ScatteredSamples> all(3);
+    const auto add = [](ScatteredSamples& to, double theta_l, double theta_v, double azimuth) {
+        to.wl.push_back(to_float(spherical(theta_l * k_degree, k_pi)));
+        to.wv.push_back(to_float(spherical(theta_v * k_degree, azimuth * k_degree)));
+    };
+    for (const double theta_l : {0.0, 20.0, 40.0, 60.0})
+        for (int theta_v = 5; theta_v < 80; theta_v += 10)
+            for (int azimuth = 0; azimuth <= 180; azimuth += 30) add(all[0], theta_l, theta_v, azimuth);
+    for (const double theta_l : {15.0, 45.0})
+        for (int theta_v = -70; theta_v <= 70; theta_v += 10) add(all[1], theta_l, theta_v, 0);
+    std::mt19937_64 random(12);
+    while (all[2].wl.size() < 60)
+        if (const Vec3d wl = draw(random, k_cap), wv = draw(random, k_cap); normalize(wl + wv).z < 0.999)
+            all[2].wl.push_back(to_float(wl)), all[2].wv.push_back(to_float(wv));
+    return all;
+}
+
+/// f at those pairs, each channel with noise of its own.
+ScatteredSamples with_noise(ScatteredSamples samples, const std::function<Rgb(Vec3d, Vec3d)>& f, double noise,
+                            std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        Rgb value = f(to_double(samples.wl[i]), to_double(samples.wv[i]));
+        for (int c = 0; c < 3; ++c) {
+            double normal = -6;
+            for (int k = 0; k < 12; ++k) normal += uniform(random);
+            value[c] *= float(1 + noise * normal);
+        }
+        samples.colour.push_back(value);
+    }
+    make_index(samples);
+    return samples;
+}
+
+// A lobe narrower than the gap between samples would cost nothing at them, and be a highlight that nobody measured.
+TEST(CompletedSamples, OfAMatteSurfaceHaveNoHighlight) {
+    constexpr double noise = 0.01, lambert[] = {0.1592, 0.1273, 0.0955};
+    const auto matte = [&](Vec3d, Vec3d) { return Rgb{float(lambert[0]), float(lambert[1]), float(lambert[2])}; };
+    for (const ScatteredSamples& layout : layouts_without_mirror())
+        for (std::uint64_t seed = 0; seed < 20; ++seed)
+            for (const bool of_one : {false, true}) {
+                const auto completed = complete(with_noise(layout, matte, noise, seed), k_cap, 0, of_one);
+                ASSERT_TRUE(completed.ok());
+                EXPECT_EQ(words(*completed), k_no_highlight);
+                for (int theta = 0; theta <= 75; theta += 15) {
+                    const Rgb f = value(*completed, to_float(spherical(theta * k_degree, k_pi)),
+                                        to_float(spherical(theta * k_degree, 0.0)));
+                    for (int c = 0; c < 3; ++c)
+                        EXPECT_TRUE(near(double(f[c]), lambert[c], 3 * noise * lambert[c])) << seed << ' ' << theta;
+                }
+            }
+}
+
+TEST(CompletedSamples, APeakIsAtMostFourTimesWhatIsMeasuredBesideIt) {
+    // A highlight of which samples show the skirt alone.
+    static const GgxModel narrow{{0.1f, 0.1f, 0.1f}, {{0.02f, {0.05f, 0.05f, 0.05f}, 0.05f}}};
+    const auto f = [](Vec3d wl, Vec3d wv) { return value(narrow, to_float(wl), to_float(wv)); };
+    for (const ScatteredSamples& layout : layouts_without_mirror()) {
+        const ScatteredSamples samples = with_noise(layout, f, 0.01, 1);
+        const auto completed = complete(samples, k_cap);
+        ASSERT_TRUE(completed.ok());
+        double largest = 0;  // f A
+        for (std::size_t i = 0; i < samples.wl.size(); ++i)
+            largest = std::max(largest, double(samples.colour[i].g) * double(samples.wl[i].z * samples.wv[i].z));
+        for (const GgxModel& prior : completed->priors)
+            for (const GgxModel::Lobe& lobe : prior.lobes)
+                EXPECT_GE(lobe.roughness, 0.999 * least_roughness(samples.wl, samples.wv));
+        for (int theta = 0; theta <= 60; theta += 15) {
+            const Vec3f wl = to_float(spherical(theta * k_degree, k_pi)),
+                        wv = to_float(spherical(theta * k_degree, 0.0));
+            EXPECT_LE(double(value(*completed, wl, wv).g * wl.z * wv.z), 4.4 * largest) << theta;
+        }
+    }
+}
+
+TEST(CompletedSamples, SupportNoNarrowerLobeThanTheirHalfVectors) {
+    const auto pairs_at = [](std::initializer_list<double> theta_h) {
+        std::pair<std::vector<Vec3f>, std::vector<Vec3f>> pairs;
+        for (const double theta : theta_h) {  // 30° on either side of the half vector, across its plane
+            const Vec3d h = spherical(theta * k_degree, 0.0), across{0, 0.5, 0};
+            pairs.first.push_back(to_float(std::sqrt(0.75) * h + across));
+            pairs.second.push_back(to_float(std::sqrt(0.75) * h - across));
+        }
+        return pairs;
+    };
+    const auto least = [&](std::initializer_list<double> theta_h) {
+        const auto [wl, wv] = pairs_at(theta_h);
+        return least_roughness(wl, wv);
+    };
+    const double tan2 = std::tan(2 * k_degree), tan12 = std::tan(12 * k_degree);
+    EXPECT_TRUE(near(least({5, 2, 7}), tan2, 1e-6));             // GGX has a quarter of its peak there
+    EXPECT_TRUE(near(least({0, 0, 0.1, 12}), tan12 / 4, 1e-6));  // the peak itself is measured
+    EXPECT_TRUE(near(least({2, 12}), std::max(tan2, tan12 / 4), 1e-6));
+    EXPECT_EQ(least({}), 0);
+}
+
 /// Between lights 20° apart, where few viewers are out of the plane, and at the rim of a sphere, beyond the samples.
 TEST(FitToSamples, GapsLookLikeTheMaterial) {
     const ScatteredSamples samples = taken_by_goniometer(coated);

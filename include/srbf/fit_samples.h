@@ -38,8 +38,13 @@ struct Continuation {
 /// "neighbours", "one lobe of GGX beyond the largest sample", "0.8 times two lobes of GGX", ...
 std::string words(const Continuation& continuation);
 
+/// The prior of at most one lobe: what a fit to samples is compared with.
+inline constexpr std::size_t k_one_lobe = 1;
+
 /// Samples, completed where nothing was measured: what fits g_i of Lambert and GGX to the samples within θmax expect in
-/// the mean, each sample also with light and viewer exchanged, plus what this leaves of the samples, interpolated. With
+/// the mean, each sample also with light and viewer exchanged, plus what this leaves of the samples, interpolated. A lobe of
+/// GGX is no narrower than the samples support, and there only if it lowers the error at them by more than noise
+/// would: matte samples have none. With
 /// A = cosθl cosθv, e = the mean over i of ∛(g_i A) and the w_k of `ScatteredSamples`,
 ///   f A = (e + Σ_k w_k (∛(f_k A_k) − e_k) / Σ_k w_k)³ [1/sr].
 /// Each g_i A is at most `most`. f A is clamped to 0..b, where b is the least g_i A (by its largest channel), but at
@@ -55,6 +60,9 @@ struct CompletedSamples {
     double most = 0;        ///< 1.8 times the largest f A of the samples; by one g 1.6 times, as for fits
     Continuation continuation = {};
 };
+/// What continues the highlights: `words(Continuation)`, or `k_no_highlight` if all g_i are Lambert alone.
+std::string words(const CompletedSamples& samples);
+inline constexpr const char* k_no_highlight = "no highlight";
 /// `of_one`: by the first g alone, in a third of the time.
 /// Errors: no sample within max_theta [rad] that is not black.
 Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_theta, int threads = 0,

@@ -118,7 +118,11 @@ struct FitOutcome {
     std::optional<std::uint64_t> samples;  ///< for scattered samples: number of samples within θmax
     /// for scattered samples, PM: whether the fit follows values between them: completed, interpolated, of microfacets
     std::optional<bool> filled;
-    std::string continued;  ///< of completed samples: what continues their highlights, `words(Continuation)`
+    std::string continued;  ///< of completed samples: what continues their highlights, `words(CompletedSamples)`
+    /// For scattered samples: the fits to all folds but one, and if samples are completed, the cross-validated errors of
+    /// Lambert and at most one lobe of GGX.
+    std::vector<Model> without_fold;
+    std::optional<Measures> ggx_heldout;
     /// for scattered samples, objective `relative`: the number of angles of incidence, whose samples are in one fold each
     int incidences = 0;
     std::vector<Step> path;  ///< models that were tried in choosing the size

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -111,6 +112,9 @@ struct Comparison {
     Measures matrix, heldout;
     double albedo_error = 0;
     Appearance appearance = {};
+    /// For fits to scattered samples, where `appearance` is against samples with gaps filled: the mean of the fits to all
+    /// folds but one, against the same. Where it is much larger, the samples do not determine the pictures.
+    std::optional<Appearance> heldout_appearance = {};
 };
 /// Compares each of `others` with `reference`; the matrix covers all pairs of `directions`.
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,

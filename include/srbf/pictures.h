@@ -90,6 +90,8 @@ struct Appearance {
     double worst_delta_e = 0;
     std::vector<PictureErrors> lighting;  ///< of each
 };
+/// The mean of at least one.
+Appearance mean_of(std::span<const Appearance> all);
 /// `is_isotropic`: the reference is, which saves time.
 std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads = 0,
                                          const ProgressToken& progress = {}, int size = k_sphere_pixels,

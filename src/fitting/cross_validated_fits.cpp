@@ -136,7 +136,7 @@ class SampleFits {
             if (progress.cancelled()) return cancelled_error("fit");
             outcome = outcome_of(*std::move(pm));
             outcome.filled = candidate.fill;
-            if (observed->completion) outcome.continued = words(observed->completion->continuation);
+            if (observed->completion) outcome.continued = words(*observed->completion);
         }
         outcome.masked = observed->samples.masked;
         outcome.clamped = observed->samples.clamped;
@@ -171,6 +171,7 @@ class SampleFits {
         // Together with the folds, whose number is odd.
         Result<std::vector<FitOutcome>> outcomes = std::vector<FitOutcome>{};
         Result<std::vector<std::vector<float>>> predicted = std::vector<std::vector<float>>{};
+        std::array<std::vector<Model>, k_folds> of_folds;
         parallel_for(2, request_.threads, [&](std::size_t which) {
             if (which == 0) {
                 outcomes = fitted(samples_, observed_, candidates, next_part());
@@ -180,6 +181,7 @@ class SampleFits {
             predicted = cross_validate(samples_, fold_, [&](const ScatteredSamples& training, std::size_t left_out) {
                 auto models = fitted_models(training, left_out, candidates, next_part());
                 ++fits;
+                if (models) of_folds[left_out] = *models;
                 return models;
             });
         });
@@ -191,6 +193,9 @@ class SampleFits {
             outcome.unrounded_errors = compared(outcome.unrounded, (*predicted)[2 * k + 1]);
             outcome.samples = outcome.errors->matrix.pairs;
             outcome.raw_bytes = (*predicted)[2 * k].size() * sizeof(float);
+            for (std::vector<Model>& of_fold : of_folds)
+                if (!of_fold.empty()) outcome.without_fold.push_back(std::move(of_fold[2 * k]));
+            outcome.ggx_heldout = errors_of_ggx();
         }
         return outcomes;
     }
@@ -219,6 +224,16 @@ class SampleFits {
         std::vector<float> f(heldout.size());
         channels(model).evaluate(samples_.wl, samples_.wv, f);
         return {measured_against(f), measured_against(heldout), 0};
+    }
+    /// The cross-validated errors of Lambert and at most one lobe of GGX; none unless samples are completed by them.
+    std::optional<Measures> errors_of_ggx() const {
+        if (!observed_ || observed_->without_fold.empty()) return {};
+        std::vector<Rgb> f;
+        for (std::size_t i = 0; i < fold_.size(); ++i) {
+            const CompletedSamples& others = observed_->without_fold[std::size_t(fold_[i])];
+            f.push_back(value(others.priors[k_one_lobe], samples_.wl[i], samples_.wv[i]));
+        }
+        return measure_samples(samples_.wl, samples_.wv, samples_.colour, f, request_.theta());
     }
     Measures measured_against(std::span<const float> f) const {
         if (request_.spectral) return measure_samples(samples_.wl, samples_.wv, samples_.spectrum, f, request_.theta());

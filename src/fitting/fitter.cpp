@@ -180,14 +180,18 @@ class Fitter::Work {
     void measure_appearance(FitOutcome& outcome, const Evaluate& reference, const FitRequest& request,
                             const ProgressToken& progress) const {
         std::vector<Evaluate> others{evaluator(outcome.model), evaluator(outcome.unrounded)};
+        const std::size_t models = others.size();
         const auto albedo = albedo_errors(reference, others, {request.theta(), request.threads, progress});
         if (!samples()) others.push_back(exchanged(reference));
+        for (const Model& of_fold : outcome.without_fold) others.push_back(evaluator(of_fold));
         const auto appearance =
             compare_pictures(reference, others, request.threads, progress.part(k_albedo_measured, 1), k_sphere_pixels,
                              samples() && samples()->isotropic);
         outcome.errors->albedo_error = albedo[0], outcome.errors->appearance = appearance[0];
         outcome.unrounded_errors->albedo_error = albedo[1], outcome.unrounded_errors->appearance = appearance[1];
-        if (!samples() && appearance[2].mean.delta_e > 0) outcome.exchanged = appearance[2];
+        if (!outcome.without_fold.empty())
+            outcome.errors->heldout_appearance = mean_of(std::span(appearance).subspan(models));
+        if (!samples() && appearance[models].mean.delta_e > 0) outcome.exchanged = appearance[2];
         if (smoothed_ && !request.spectral)
             outcome.against_smoothed = compare_pictures(smoothed_, std::span(others).first(1), request.threads)[0];
     }
@@ -199,6 +203,7 @@ class Fitter::Work {
         set("heldout_squared_error_ratio_cosine", errors.heldout.squared_error_ratio_cosine);
         set("albedo_error", errors.albedo_error);
         for (const PictureErrorName& error : k_picture_errors) set(error.name, errors.appearance.mean.*error.member);
+        if (errors.heldout_appearance) set("heldout_delta_e_itp", errors.heldout_appearance->mean.delta_e);
     }
 
     /// What is fitted, and what the errors are measured against.

@@ -19,6 +19,8 @@ namespace {
 constexpr int k_roughnesses = 21;
 constexpr int k_terms = 1 + 2 * k_roughnesses;
 
+double roughness(int r) { return elementary::exp2(-0.5 * r); }
+
 using Terms = std::array<float, k_terms>;
 
 /// What the amounts of a channel are multiplied by.
@@ -27,7 +29,7 @@ Terms terms_at(Vec3f wl, Vec3f wv) {
     Terms terms{float(1 / k_pi)};
     const float s = K::schlick_weight(wl, wv);
     for (int r = 0; r < k_roughnesses; ++r) {
-        const float facets = K::ggx_facets(wl, wv, float(elementary::exp2(-0.5 * r)));
+        const float facets = K::ggx_facets(wl, wv, float(roughness(r)));
         terms[std::size_t(1 + 2 * r)] = facets * (1 - s);
         terms[std::size_t(2 + 2 * r)] = facets * s;
     }
@@ -59,7 +61,11 @@ std::vector<float> solved(const Observations& samples, std::span<const Terms> te
 FacetMixture fit_facets(const Observations& samples) {
     Observations weighed = samples;
     std::vector<Terms> terms;
-    for (std::size_t i = 0; i < samples.fitted(); ++i) terms.push_back(terms_at(samples.wl[i], samples.wv[i]));
+    for (std::size_t i = 0; i < samples.fitted(); ++i) {
+        Terms& of = terms.emplace_back(terms_at(samples.wl[i], samples.wv[i]));
+        for (int r = 0; r < k_roughnesses; ++r)  // what is 0 at all samples gets no amount
+            if (roughness(r) < samples.least_roughness) of[std::size_t(1 + 2 * r)] = of[std::size_t(2 + 2 * r)] = 0;
+    }
     FacetMixture mixture{{}, k_most_excess * largest_measured(samples)};
     mixture.amounts.resize(3 + samples.wavelengths.size());
     for (int round = 0; round < k_facet_rounds; ++round) {

@@ -126,22 +126,25 @@ class GgxProblem {
 
 constexpr double k_least_log = -10;  // of k_least_roughness
 
-/// The best roughness on a grid of half octaves; the first of two lobes is the narrower one.
-Roughness scanned(GgxProblem& problem, int lobes) {
+/// The best roughness of `least_log` and of a grid of half octaves above it; the first of two lobes is the narrower one.
+Roughness scanned(GgxProblem& problem, int lobes, double least_log) {
     Roughness best;
     double least = std::numeric_limits<double>::infinity();
     const auto attempt = [&](const Roughness& log_alpha) {
         if (const double loss = problem.loss(log_alpha); loss < least) least = loss, best = log_alpha;
     };
-    for (double first = k_least_log; first <= 0; first += 0.5) {
-        if (lobes == 1) attempt({first});
-        for (double second = first + 0.5; lobes == 2 && second <= 0; second += 0.5) attempt({first, second});
+    std::vector<double> grid{least_log};
+    for (double x = k_least_log; x <= 0; x += 0.5)
+        if (x > least_log) grid.push_back(x);
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+        if (lobes == 1) attempt({grid[i]});
+        for (std::size_t k = i + 1; lobes == 2 && k < grid.size(); ++k) attempt({grid[i], grid[k]});
     }
     return best;
 }
 
 /// Moves to the neighbour that lowers the loss, or else halves the step (Hooke & Jeeves 1961).
-void refine(GgxProblem& problem, Roughness& log_alpha) {
+void refine(GgxProblem& problem, Roughness& log_alpha, double least_log) {
     double least = problem.loss(log_alpha);
     for (double step = 0.25; step > 1e-4; step /= 2)
         for (bool lowered = true; lowered;) {
@@ -149,7 +152,7 @@ void refine(GgxProblem& problem, Roughness& log_alpha) {
             for (double& x : log_alpha)
                 for (const double to : {x - step, x + step}) {
                     const double from = x;
-                    x = std::clamp(to, k_least_log, 0.0);
+                    x = std::clamp(to, least_log, 0.0);
                     const double loss = problem.loss(log_alpha);
                     if (loss < least)
                         least = loss, lowered = true;
@@ -168,17 +171,20 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
         return Error{"fit", {}, "number of lobes", "1 or 2", std::to_string(options.lobes), ErrorCode::argument};
     Observations weighed = observations;
     GgxProblem sample(weighed, k_scanned_rows, options.threads), all(weighed, weighed.f.size(), options.threads);
+    // Two lobes need two places on the grid.
+    const double least_log =
+        std::clamp(elementary::log2(std::max(observations.least_roughness, 1e-9)), k_least_log, -1.0);
     if (!progress.report("scanning roughness", 0)) return cancelled_error("fit");
-    Roughness log_alpha = scanned(sample, options.lobes);
+    Roughness log_alpha = scanned(sample, options.lobes, least_log);
     if (!progress.report("refining roughness", 0.2)) return cancelled_error("fit");
-    refine(all, log_alpha);
+    refine(all, log_alpha, least_log);
     for (int round = 0; round < k_facet_rounds && traits(observations.objective).seen; ++round) {
         const GgxModel model = all.solve(log_alpha).model;
         weighed.weight = observations.weight;
         weigh_large_errors(weighed, evaluator(model), k_most_facet_change);
         if (!progress.report("refining roughness", 0.3 + 0.7 * round / k_facet_rounds)) return cancelled_error("fit");
-        if (round == 0) log_alpha = scanned(sample, options.lobes);
-        refine(all, log_alpha);
+        if (round == 0) log_alpha = scanned(sample, options.lobes, least_log);
+        refine(all, log_alpha, least_log);
     }
     GgxFit fit;
     auto [unrounded, unrounded_loss] = all.solve(log_alpha);

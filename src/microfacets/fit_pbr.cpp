@@ -58,13 +58,17 @@ const PbrParameter& parameter_of(const FittedParameter& row) {
 struct PbrVariable {
     const PbrParameter* of;
     int c;
+    float least;
 };
-std::vector<PbrVariable> pbr_variables_of(PbrSurfaceKind kind) {
+/// No lobe is narrower than by `least_roughness` α, the square of a surface's roughness.
+std::vector<PbrVariable> pbr_variables_of(PbrSurfaceKind kind, double least_roughness) {
     std::vector<PbrVariable> all;
     for (const FittedParameter& row : k_fitted_parameters) {
         if (!row.is_fitted(kind)) continue;
         const PbrParameter& of = parameter_of(row);
-        for (int c = 0; c < of.count(); ++c) all.push_back({&of, c});
+        const bool is_of_lobe = row.name == "specular_roughness" || row.name == "coat_roughness";
+        const float least = is_of_lobe ? std::min(float(std::sqrt(least_roughness)), of.most / 2) : of.least;
+        for (int c = 0; c < of.count(); ++c) all.push_back({&of, c, std::max(of.least, least)});
     }
     return all;
 }
@@ -234,19 +238,18 @@ class PbrProblem {
     PbrModel model(const Eigen::VectorXd& x) const {
         PbrModel model = fixed_;
         for (std::size_t i = 0; i < variables_.size(); ++i) {
-            const PbrParameter& of = *variables_[i].of;
+            const auto [of, c, least] = variables_[i];
             const double at = x[Eigen::Index(i)];
-            number(model, of, variables_[i].c) =
-                float(double(of.least) + (of.colour ? at * at : at) * double(of.most - of.least));
+            number(model, *of, c) = float(double(least) + (of->colour ? at * at : at) * double(of->most - least));
         }
         return model;
     }
     Eigen::VectorXd x_of(const PbrModel& model) const {
         Eigen::VectorXd x(Eigen::Index(variables_.size()));
         for (std::size_t i = 0; i < variables_.size(); ++i) {
-            const PbrParameter& of = *variables_[i].of;
-            const double share = double(number(model, of, variables_[i].c) - of.least) / double(of.most - of.least);
-            x[Eigen::Index(i)] = of.colour ? std::sqrt(share) : share;
+            const auto [of, c, least] = variables_[i];
+            const double share = std::max(double(number(model, *of, c) - least) / double(of->most - least), 0.0);
+            x[Eigen::Index(i)] = of->colour ? std::sqrt(share) : share;
         }
         return x;
     }
@@ -446,7 +449,7 @@ class PbrSearch {
           options_(options),
           progress_(progress),
           defaults_(fixed_of(options.surface)),
-          all_(pbr_variables_of(options.surface)) {
+          all_(pbr_variables_of(options.surface, observations.least_roughness)) {
         if (options.is_isotropic) all_ = without(all_, names_of(k_anisotropy_rows));
         all_but_film_ = without(all_, names_of(k_film_rows));
     }

@@ -15,9 +15,9 @@ struct GgxFit {
     double unrounded_loss = 0;  ///< loss of `unrounded`
 };
 
-/// Fits Lambert and GGX. For given roughness all other parameters solve a non-negative linear problem. Roughness is
-/// optimised by pattern search, from the best value on a grid of half octaves, evaluated on a subset. Albedos and
-/// bound pairs are not used.
+/// Fits Lambert and GGX, with no roughness below the observations' least. For given roughness all other parameters
+/// solve a non-negative linear problem. Roughness is optimised by pattern search, from the best value on a grid of half
+/// octaves, evaluated on a subset. Albedos and bound pairs are not used.
 /// Errors: options out of range, fewer observations than parameters, values that are not finite; cancelled.
 Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& options,
                        const ProgressToken& progress = {});

@@ -75,6 +75,31 @@ std::string_view words(Verdict verdict) {
     return k_words[std::size_t(verdict)];
 }
 
+namespace {
+
+/// The mean and the worst of the errors under each lighting.
+Appearance summarised(std::vector<PictureErrors> lighting) {
+    Appearance of;
+    const auto n = double(lighting.size());
+    for (const PictureErrors& errors : lighting) {
+        for (const PictureErrorName& error : k_picture_errors) of.mean.*error.member += errors.*error.member / n;
+        of.worst_delta_e = std::max(of.worst_delta_e, errors.delta_e);
+    }
+    of.lighting = std::move(lighting);
+    return of;
+}
+
+}  // namespace
+
+Appearance mean_of(std::span<const Appearance> all) {
+    std::vector<PictureErrors> lighting(all.front().lighting.size());
+    for (const Appearance& one : all)
+        for (std::size_t k = 0; k < lighting.size(); ++k)
+            for (const PictureErrorName& error : k_picture_errors)
+                lighting[k].*error.member += one.lighting[k].*error.member / double(all.size());
+    return summarised(std::move(lighting));
+}
+
 std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<const Evaluate> others, int threads,
                                          const ProgressToken& progress, int size, bool is_isotropic) {
     std::vector<Evaluate> brdfs{reference};
@@ -87,14 +112,7 @@ std::vector<Appearance> compare_pictures(const Evaluate& reference, std::span<co
         const std::size_t lighting = i / others.size(), other = i % others.size();
         all[other].lighting[lighting] = picture_errors(images[lighting].front(), images[lighting][other + 1]);
     });
-    for (Appearance& of : all) {
-        const auto n = double(of.lighting.size());
-        for (const PictureErrors& errors : of.lighting) {
-            of.mean.delta_e += errors.delta_e / n, of.mean.flip += errors.flip / n;
-            of.mean.psnr += errors.psnr / n, of.mean.rms += errors.rms / n;
-            of.worst_delta_e = std::max(of.worst_delta_e, errors.delta_e);
-        }
-    }
+    for (Appearance& of : all) of = summarised(std::move(of.lighting));
     return all;
 }
 

@@ -191,6 +191,20 @@ std::vector<std::size_t> samples_within(const ScatteredSamples& samples, double 
     return which;
 }
 
+double least_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv) {
+    std::vector<double> slopes;
+    for (std::size_t i = 0; i < wl.size(); ++i) {
+        const Vec3d sum = to_double(wl[i]) + to_double(wv[i]);
+        slopes.push_back(elementary::hypot(sum.x, sum.y) / sum.z);
+    }
+    if (slopes.empty()) return 0;
+    const double first = *std::ranges::min_element(slopes);
+    double second = std::numeric_limits<double>::infinity();
+    for (const double slope : slopes)
+        if (slope > first + k_group_distance / 2) second = std::min(second, slope);
+    return std::max(first, std::isfinite(second) ? second / 4 : 0);
+}
+
 Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool both_ways,
                              bool spectral) {
     Observations all;
@@ -206,6 +220,7 @@ Observations observations_of(const ScatteredSamples& samples, std::span<const st
         all.add(samples.wl[i], samples.wv[i], f, weight, spectrum);
         if (both_ways) all.add(samples.wv[i], samples.wl[i], f, weight, spectrum);
     }
+    all.least_roughness = least_roughness(all.wl, all.wv);
     return all;
 }
 

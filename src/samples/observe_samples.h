@@ -24,6 +24,12 @@ struct ObserveSamplesOptions {
 
 /// The indices of the samples within `sample_cap` of max_theta [rad].
 std::vector<std::size_t> samples_within(const ScatteredSamples& samples, double max_theta);
+/// The smallest roughness α of a microfacet lobe that pairs of directions support. With t = tan θh, θh the angle between
+/// half vector and normal, it is max(t₀, t₁ / 4): t₀ is the smallest t of the pairs, t₁ the smallest one that is larger
+/// by more than half of `k_group_distance`. The GGX distribution at t₀ is then at least a quarter of its peak, so that
+/// no peak is more than four times what is measured beside it; where the peak itself is measured, the lobe is no
+/// narrower than what leaves 0.4 % of it at the next sample.
+double least_roughness(std::span<const Vec3f> wl, std::span<const Vec3f> wv);
 /// These samples with weight 1, negative values set to 0; `both_ways`: each also with light and viewer exchanged;
 /// `spectral`: with their spectra, whose negative values are then counted instead of those of the colours.
 Observations observations_of(const ScatteredSamples& samples, std::span<const std::size_t> which, bool both_ways,

@@ -62,8 +62,10 @@ struct Observations {
     std::vector<ObservedView> views;  ///< of pictures that a fit also matches, in its last stages
     std::uint64_t masked = 0;         ///< number of sampled pairs where nothing was measured
     std::uint64_t clamped = 0;        ///< number of negative channel values at sampled pairs
-    std::vector<float> wavelengths;   ///< C [nm] of spectral observations; otherwise empty
-    std::vector<float> spectrum;      ///< f at each wavelength: observations × C [1/sr], ≥ 0
+    /// No microfacet lobe has a smaller roughness; 0: samples are dense, as those of a table. See `least_roughness`.
+    double least_roughness = 0;
+    std::vector<float> wavelengths;  ///< C [nm] of spectral observations; otherwise empty
+    std::vector<float> spectrum;     ///< f at each wavelength: observations × C [1/sr], ≥ 0
 
     std::size_t fitted() const { return f.size() - bound_pairs; }
     /// Whether integrals are of noisy values.

@@ -45,10 +45,8 @@ std::optional<Line> line_of(const Json& report) {
         }
         return line;
     }
-    // Of scattered samples the cross-validated errors, since their pictures' reference is the fit's own.
-    auto pictures = report.find("heldout_pictures");
-    if (pictures == report.end()) pictures = report.find("pictures");
-    if (pictures == report.end() || !pictures->is_object()) return {};
+    const Json* pictures = judged_pictures(report);
+    if (pictures == nullptr) return {};
     const auto bytes = number(report, "payload_bytes"), seconds = number(report, "fit_seconds"),
                image = number(report, "heldout_squared_error_ratio_cosine"),
                raw = number(report, "heldout_squared_error_ratio"), delta_e = number(*pictures, "delta_e_itp");

@@ -80,6 +80,12 @@ void print_measures(const std::vector<std::pair<std::string, const Comparison*>>
         fmt::print("{:<26}{:>13.3g}{:>13.3g}\n", "ΔE_ITP, held out", heldout->mean.delta_e, heldout->worst_delta_e);
 }
 
+const Json* judged_pictures(const Json& report) {
+    for (const char* name : {"heldout_pictures", "pictures"})
+        if (const auto at = report.find(name); at != report.end() && at->is_object()) return &*at;
+    return nullptr;
+}
+
 std::vector<std::byte> json_bytes(const Json& json) {
     const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     const auto bytes = as_bytes(text);

@@ -29,6 +29,9 @@ void add_measures(Json& json, const Comparison& comparison, std::string_view pre
 /// Errors of pictures: their means and worst, and those under each lighting.
 Json json_of(const Appearance& appearance);
 
+/// The pictures in the report of a fit that it is judged by (`judged`); null: it has none.
+const Json* judged_pictures(const Json& report);
+
 /// What is seen of a table if light and viewer are exchanged; none of what is reciprocal or no table.
 std::optional<Appearance> repeatability(const AnyBrdf& of, int threads = 0);
 /// "within ΔE_ITP 14.4 (worst 21.4) where light and viewer are exchanged"

@@ -95,11 +95,11 @@ function show_measurement(of) {
   viewer.set_material(1, null);
   viewer.set_material(0, of.material);
 }
-function words_of({ seen, smoothed, twoSided, energyError }) {
+function words_of({ seen, smoothed, samples, twoSided, energyError }) {
   if (twoSided) return `Light sent back and through is right to ${figures(energyError)} of what arrives.`;
   if (!smoothed)
     return `The difference is ${seen.verdict}: ΔE_ITP ${figures(seen.deltaE)} on average, ${figures(seen.worst)} in the worst of eight ` +
-      "lightings (1 is just noticeable).";
+      `lightings${samples ? ", in cross-validation" : ""} (1 is just noticeable).`;
   return `The difference is ${smoothed.verdict} once the measurement's noise is smoothed: ΔE_ITP ${figures(smoothed.deltaE)}, and ` +
     `${figures(seen.deltaE)} with the noise (1 is just noticeable).`;
 }

@@ -213,7 +213,7 @@ Result<Fitted> fitted(int number, const Measured& measured, const FitRequest& re
     if (const auto done = fitter.measure(*outcome, request, progress.part(k_fitted, 1)); !done) return done.error();
     Json report = summary_of(measured, outcome->model);
     report["twoSided"] = false, report["seconds"] = outcome->fit_seconds;
-    add_seen(report, "seen", outcome->errors->appearance);
+    add_seen(report, "seen", judged(*outcome->errors));
     report["heldout"] = outcome->errors->heldout.*measure_of(request.objective);
     if (outcome->samples) report["samples"] = *outcome->samples;
     if (outcome->noise && outcome->against_smoothed) add_seen(report, "smoothed", *outcome->against_smoothed);

@@ -122,7 +122,7 @@ std::string source_material(const Reported& of) {
 std::string_view verdict_of(const Study& study) {
     PictureErrors errors;
     for (const Json& fit : study.material.at("fits"))
-        if (const auto of = fit.find("pictures"); fit["role"] == "pm" && of != fit.end())
+        if (const Json* of = judged_pictures(fit); fit["role"] == "pm" && of != nullptr)
             return errors.delta_e = of->at("delta_e_itp"), errors.flip = of->at("flip"), words(verdict(errors));
     for (const Json& picture : study.material.at("pictures"))
         if (picture["object"] == "ball" && picture["role"] == "pm") errors.flip = picture["flip"];
@@ -155,9 +155,9 @@ void add_material(Tables& tables, const Reported& of) {
         full.update(fit);
         full["fit_seconds"] = study.times.at("fit_seconds").at(fit.at("id").get<std::string>());
         full["threads"] = study.times.at("threads");
-        const auto pictures = fit.find("pictures");
+        const Json* pictures = judged_pictures(fit);
         for (const char* column : k_picture_columns)
-            full[column] = pictures == fit.end() ? Json() : pictures->at(column);
+            full[column] = pictures == nullptr ? Json() : pictures->at(column);
         tables.fits.rows.push_back(std::move(full));
     }
     const auto add_all = [&](Table& table, const Json& rows) {

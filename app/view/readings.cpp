@@ -96,9 +96,10 @@ void Readings::draw_verdict(const Session& session) const {
     ImGui::TextColored(k_hint, "Visible error");
     if (!fitted) return ImGui::Text("none yet");
     if (!fitted->errors) return ImGui::Text("...");
-    const Appearance& seen = fitted->errors->appearance;
-    ImGui::TextWrapped("%s", fmt::format("{}: Delta E {:.3g} on average, {:.3g} in the worst of eight lightings",
-                                         words(verdict(seen.mean)), seen.mean.delta_e, seen.worst_delta_e)
+    const Appearance& seen = judged(*fitted->errors);
+    ImGui::TextWrapped("%s", fmt::format("{}: Delta E {:.3g} on average, {:.3g} in the worst of eight lightings{}",
+                                         words(verdict(seen.mean)), seen.mean.delta_e, seen.worst_delta_e,
+                                         fitted->errors->heldout_appearance ? ", in cross-validation" : "")
                                  .c_str());
 }
 

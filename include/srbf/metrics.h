@@ -116,6 +116,10 @@ struct Comparison {
     /// folds but one, against the same. Where it is much larger, the samples do not determine the pictures.
     std::optional<Appearance> heldout_appearance = {};
 };
+/// What a fit is judged by: for fits to scattered samples the pictures in cross-validation.
+inline const Appearance& judged(const Comparison& of) {
+    return of.heldout_appearance ? *of.heldout_appearance : of.appearance;
+}
 /// Compares each of `others` with `reference`; the matrix covers all pairs of `directions`.
 std::vector<Comparison> compare(const Evaluate& reference, std::span<const Evaluate> others,
                                 const MeasureOptions& options, std::span<const Vec3f> directions);

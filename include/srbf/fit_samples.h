@@ -30,7 +30,8 @@ ScatteredSamples without_fold(const ScatteredSamples& samples, std::span<const i
 double spacing(const ScatteredSamples& samples);
 
 /// What continues the highlights of completed samples: where f A by them or by g_i, i = `prior`, exceeds `from` times the
-/// largest sample, f is `share` times g_i, and from half of that on something between both. Not finite: nothing.
+/// largest sample, f is `share` times g_i, and from half of that on something between both. Not finite: nothing; 0: g_i
+/// takes the place of all.
 struct Continuation {
     std::size_t prior = 0;
     double from = std::numeric_limits<double>::infinity(), share = 1;

@@ -218,6 +218,13 @@ Continuation best_continuation(const ScatteredSamples& samples, std::span<const 
         return measure_samples(samples.wl, samples.wv, samples.colour, f, max_theta);
     });
     const Measures &ggx = of[count], &neighbours = of[count - 1];
+    // Of a matte surface, neighbours may know no more than Lambert but noise. Where folds disagree whether there is a
+    // highlight at all, it is not continued.
+    const auto is_matte = [](const CompletedSamples& one) { return one.priors[k_one_lobe].lobes.empty(); };
+    if (std::ranges::any_of(without, is_matte))
+        return std::ranges::all_of(without, is_matte) && ggx.cube_root_error_ratio <= neighbours.cube_root_error_ratio
+                   ? Continuation{k_one_lobe, 0}
+                   : Continuation{};
     if (neighbours.squared_error_ratio <= k_better_than_ggx * ggx.squared_error_ratio &&
         neighbours.cube_root_error_ratio <= k_better_than_ggx * ggx.cube_root_error_ratio)
         return {};
@@ -246,10 +253,7 @@ Result<std::vector<CompletedSamples>> complete_without_folds(const ScatteredSamp
     });
     for (const auto& error : errors)
         if (error) return *error;
-    // Where folds disagree whether there is a highlight at all, it is not continued.
-    const bool have_highlight =
-        std::ranges::all_of(without, [](const CompletedSamples& one) { return !one.priors[k_one_lobe].lobes.empty(); });
-    const Continuation best = have_highlight ? best_continuation(samples, fold, max_theta, without) : Continuation{};
+    const Continuation best = best_continuation(samples, fold, max_theta, without);
     for (CompletedSamples& completed : without) completed.continuation = best;
     return without;
 }

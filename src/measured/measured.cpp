@@ -6,9 +6,8 @@
 #include <cassert>
 
 #include "floating_point.h"
-#include "measured/bytes.h"
+#include "measured/formats.h"
 #include "measured/samples.h"
-#include "measured/scatter.h"
 #include "srbf/file.h"
 
 namespace srbf {
@@ -24,91 +23,12 @@ std::string opening(std::span<const std::byte> bytes) {
     return text;
 }
 
-template <typename Table>
-Result<Measured> labelled(Result<Table> table, const std::string& file_name, std::string format, std::size_t bytes) {
-    if (!table) return table.error();
-    return Measured{file_name, std::move(format), bytes, *std::move(table)};
-}
-
-/// Whether a BSDF is one of tensor trees, not of matrices.
-bool has_trees(const BsdfTable& table) {
-    return std::ranges::any_of(table.band().part,
-                               [](const auto& part) { return part && std::holds_alternative<TreeTable>(part->table); });
-}
-
-constexpr const char *k_bsdf_xml = "BSDF XML", *k_bsdf_tree = "BSDF tree";
-
-bool is_known_text(std::string_view text) {
-    return is_alta(text) || is_astm(text) || is_xml(text) || is_csv(text) || is_cornell(text) || is_zemax(text) ||
-           is_speos(text) || is_openmaterial(text) || is_bird(text);
-}
-
-/// A scatter table of reflection is a BRDF; one of transmission, or both, a BSDF.
-Measured of_scatter(std::array<std::optional<ScatterTable>, 2> tables, const std::string& file_name, const char* format,
-                    std::size_t bytes) {
-    if (!tables[1]) return {file_name, format, bytes, *std::move(tables[0])};
-    BsdfTable all{{{}}, 0, {}};
-    for (std::size_t s = 0; s < 2; ++s)
-        if (tables[s])
-            all.bands[0].part[std::size_t(s == 0 ? Part::reflection_front : Part::transmission_front)] =
-                std::make_shared<const Measured>(Measured{file_name, format, 0, *std::move(tables[s])});
-    return {file_name, format, bytes, std::move(all)};
-}
-
-Result<Measured> read_zemax_or_speos(std::span<const std::byte> bytes, const std::string& file_name) {
-    if (is_speos(as_text(bytes))) {
-        auto tables = read_speos(bytes, file_name);
-        if (!tables) return tables.error();
-        return of_scatter(*std::move(tables), file_name, "Speos", bytes.size());
-    }
-    auto table = read_zemax(bytes, file_name);
-    if (!table) return table.error();
-    const bool transmission = table->transmission;
-    std::array<std::optional<ScatterTable>, 2> tables;
-    tables[std::size_t(transmission)] = *std::move(table);
-    return of_scatter(std::move(tables), file_name, "Zemax", bytes.size());
-}
-
 /// Reads a measurement of any format, without the index of samples.
 Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::string& file_name) {
-    if (is_rgl(bytes)) return labelled(read_rgl(bytes, file_name), file_name, "RGL", bytes.size());
-    if (is_mbsdf(bytes)) {
-        auto table = read_mbsdf(bytes, file_name);
-        if (table && table->has_transmission)
-            return labelled(read_mbsdf_of_both_sides(bytes, file_name), file_name, "MBSDF", bytes.size());
-        return labelled(std::move(table), file_name, "MBSDF", bytes.size());
-    }
-    if (is_merl(bytes)) return labelled(read_merl(bytes, file_name), file_name, "MERL", bytes.size());
-    if (is_speos(as_text(bytes))) return read_zemax_or_speos(bytes, file_name);  // a binary one is refused there
-    if (is_text(bytes)) {
-        const std::string_view text = as_text(bytes);
-        if (is_zemax(text)) return read_zemax_or_speos(bytes, file_name);
-        if (is_fred(text)) return labelled(read_fred_samples(bytes, file_name), file_name, "FRED", bytes.size());
-        if (is_openmaterial(text))
-            return labelled(read_openmaterial_samples(bytes, file_name), file_name, "OpenMATERIAL", bytes.size());
-        if (is_bird(text)) return labelled(read_bird_samples(bytes, file_name), file_name, "BiRD", bytes.size());
-        if (is_alta(text)) return labelled(read_alta_samples(bytes, file_name), file_name, "ALTA", bytes.size());
-        if (is_astm(text)) return labelled(read_astm_samples(bytes, file_name), file_name, "ASTM E1392", bytes.size());
-        if (is_xml(text)) {
-            auto table = read_bsdf_xml(bytes, file_name);
-            const char* format = table && has_trees(*table) ? k_bsdf_tree : k_bsdf_xml;
-            return labelled(std::move(table), file_name, format, bytes.size());
-        }
-        if (is_csv(text) && is_csv_of_both_sides(text))
-            return labelled(read_csv_of_both_sides(bytes, file_name), file_name, "CSV", bytes.size());
-        if (is_csv(text)) return labelled(read_csv_samples(bytes, file_name), file_name, "CSV", bytes.size());
-        if (is_cornell(text))
-            return labelled(read_cornell_samples(bytes, file_name), file_name, "Cornell", bytes.size());
-    }
+    if (const Format* format = format_of(bytes)) return read_as(*format, bytes, file_name);
     if (is_safetensors(bytes))
         return Error{file_name, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
-    if (is_utia(bytes)) return labelled(read_utia(bytes, file_name), file_name, "UTIA", bytes.size());
-    return Error{
-        file_name,
-        {},
-        "unknown format",
-        "MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax, FRED, Speos, OpenMATERIAL or BiRD",
-        opening(bytes)};
+    return Error{file_name, {}, "unknown format", names_of_formats(), opening(bytes)};
 }
 
 Result<Measured> indexed(Result<Measured> measured) {
@@ -148,9 +68,12 @@ Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
 Result<Measured> read_stated(std::span<const std::byte> bytes, const std::string& file_name,
                              const ReadOptions& options) {
     if (!options.any()) return read_unindexed(bytes, file_name);
-    auto measured = options.columns.empty()
-                        ? read_unindexed(bytes, file_name)
-                        : labelled(read_columns(bytes, file_name, options.columns), file_name, "columns", bytes.size());
+    auto measured = [&]() -> Result<Measured> {
+        if (options.columns.empty()) return read_unindexed(bytes, file_name);
+        auto samples = read_columns(bytes, file_name, options.columns);
+        if (!samples) return samples.error();
+        return Measured{file_name, "columns", bytes.size(), *std::move(samples)};
+    }();
     if (!measured) return measured;
     auto* samples = std::get_if<ScatteredSamples>(&measured->table);
     if (!samples)
@@ -167,11 +90,8 @@ Result<Measured> read_stated(std::span<const std::byte> bytes, const std::string
 
 Result<std::vector<std::byte>> read_input(const std::string& path, const ReadOptions& options) {
     if (!options.columns.empty()) return read_file(path);
-    return read_file(path, [](std::span<const std::byte> head) {
-        if (is_rgl(head) || is_mbsdf(head) || is_safetensors(head)) return k_largest_file;
-        if (is_text(head) && is_known_text(as_text(head))) return k_largest_file;
-        return std::max(merl_bytes(head), utia_bytes());  // they have no mark, but a size of their own
-    });
+    return read_file(
+        path, [](std::span<const std::byte> head) { return is_safetensors(head) ? k_largest_file : most_bytes(head); });
 }
 
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,

@@ -147,7 +147,7 @@ TEST(DamagedInput, IsToldInPlainWords) {
     };
     EXPECT_EQ(say({}),
               "f: unknown format: expected RGL, MBSDF, MERL, Speos, Zemax, FRED, OpenMATERIAL, BiRD, ALTA, ASTM E1392, "
-              "BSDF XML, CSV, Cornell or UTIA, found an empty file");
+              "BSDF XML, Cornell, CSV or UTIA, found an empty file");
     EXPECT_NE(say(as_bytes("theta phi\n1 2\n")).find("unknown format"), std::string::npos);
 
     Bytes cut = merl_file({90, 90, 180}, [](int, int, int, int) { return 0.1; });

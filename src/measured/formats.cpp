@@ -15,29 +15,30 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-template <typename Table> Result<Measured> any(Result<Table> table) {
+template <typename Table> Result<Measured> measurement_of(Result<Table> table) {
     if (!table) return table.error();
     return Measured{{}, {}, 0, *std::move(table)};
 }
 
-template <auto read> Result<Measured> table(Bytes bytes, const std::string& file_name) {
-    return any(read(bytes, file_name));
+template <auto read> Result<Measured> read_by(Bytes bytes, const std::string& file_name, const ReadOptions&) {
+    return measurement_of(read(bytes, file_name));
 }
 
 template <auto is_format> bool in_text(Bytes head) { return is_format(as_text(head)); }
 
-Result<Measured> read_any_mbsdf(Bytes bytes, const std::string& file_name) {
+Result<Measured> read_any_mbsdf(Bytes bytes, const std::string& file_name, const ReadOptions&) {
     auto table = read_mbsdf(bytes, file_name);
-    return table && table->has_transmission ? any(read_mbsdf_of_both_sides(bytes, file_name)) : any(std::move(table));
+    return table && table->has_transmission ? measurement_of(read_mbsdf_of_both_sides(bytes, file_name))
+                                            : measurement_of(std::move(table));
 }
 
-Result<Measured> read_any_csv(Bytes bytes, const std::string& file_name) {
-    return is_csv_of_both_sides(as_text(bytes)) ? any(read_csv_of_both_sides(bytes, file_name))
-                                                : any(read_csv_samples(bytes, file_name));
+Result<Measured> read_any_csv(Bytes bytes, const std::string& file_name, const ReadOptions& options) {
+    return is_csv_of_both_sides(as_text(bytes)) ? measurement_of(read_csv_of_both_sides(bytes, file_name))
+                                                : measurement_of(read_csv_samples(bytes, file_name, options));
 }
 
-Result<Measured> read_matrices_or_trees(Bytes bytes, const std::string& file_name) {
-    auto measured = any(read_bsdf_xml(bytes, file_name));
+Result<Measured> read_matrices_or_trees(Bytes bytes, const std::string& file_name, const ReadOptions&) {
+    auto measured = measurement_of(read_bsdf_xml(bytes, file_name));
     if (!measured) return measured;
     const auto& parts = std::get<BsdfTable>(measured->table).band().part;
     const auto is_tree = [](const auto& part) { return part && std::holds_alternative<TreeTable>(part->table); };
@@ -57,13 +58,13 @@ Measured of_scatter(std::array<std::optional<ScatterTable>, 2> tables, const std
     return {file_name, format, 0, std::move(all)};
 }
 
-Result<Measured> read_any_speos(Bytes bytes, const std::string& file_name) {
+Result<Measured> read_any_speos(Bytes bytes, const std::string& file_name, const ReadOptions&) {
     auto tables = read_speos(bytes, file_name);
     if (!tables) return tables.error();
     return of_scatter(*std::move(tables), file_name, "Speos");
 }
 
-Result<Measured> read_any_zemax(Bytes bytes, const std::string& file_name) {
+Result<Measured> read_any_zemax(Bytes bytes, const std::string& file_name, const ReadOptions&) {
     auto table = read_zemax(bytes, file_name);
     if (!table) return table.error();
     const bool transmission = table->transmission;
@@ -75,20 +76,20 @@ Result<Measured> read_any_zemax(Bytes bytes, const std::string& file_name) {
 std::uint64_t utia_size(Bytes) { return utia_bytes(); }
 
 constexpr Format k_formats[] = {
-    {"RGL", false, is_rgl, table<read_rgl>},
+    {"RGL", false, is_rgl, read_by<read_rgl>},
     {"MBSDF", false, is_mbsdf, read_any_mbsdf},
-    {"MERL", false, is_merl, table<read_merl>, merl_bytes},
+    {"MERL", false, is_merl, read_by<read_merl>, merl_bytes},
     {"Speos", false, in_text<is_speos>, read_any_speos},  // a binary one is refused there
     {"Zemax", true, in_text<is_zemax>, read_any_zemax},
-    {"FRED", true, in_text<is_fred>, table<read_fred_samples>},
-    {"OpenMATERIAL", true, in_text<is_openmaterial>, table<read_openmaterial_samples>},
-    {"BiRD", true, in_text<is_bird>, table<read_bird_samples>},
-    {"ALTA", true, in_text<is_alta>, table<read_alta_samples>},
-    {"ASTM E1392", true, in_text<is_astm>, table<read_astm_samples>},
+    {"FRED", true, in_text<is_fred>, read_by<read_fred_samples>},
+    {"OpenMATERIAL", true, in_text<is_openmaterial>, read_by<read_openmaterial_samples>},
+    {"BiRD", true, in_text<is_bird>, read_by<read_bird_samples>},
+    {"ALTA", true, in_text<is_alta>, read_by<read_alta_samples>},
+    {"ASTM E1392", true, in_text<is_astm>, read_by<read_astm_samples>},
     {"BSDF XML", true, in_text<is_xml>, read_matrices_or_trees},
+    {"Cornell", true, in_text<is_cornell>, read_by<read_cornell_samples>},
     {"CSV", true, in_text<is_csv>, read_any_csv},
-    {"Cornell", true, in_text<is_cornell>, table<read_cornell_samples>},
-    {"UTIA", false, is_utia, table<read_utia>, utia_size},
+    {"UTIA", false, is_utia, read_by<read_utia>, utia_size},
 };
 
 bool begins(const Format& format, Bytes head) { return (!format.is_text || is_text(head)) && format.recognise(head); }
@@ -97,8 +98,8 @@ bool begins(const Format& format, Bytes head) { return (!format.is_text || is_te
 
 std::span<const Format> formats() { return k_formats; }
 
-Result<Measured> read_as(const Format& format, Bytes bytes, const std::string& file_name) {
-    auto measured = format.read(bytes, file_name);
+Result<Measured> read_as(const Format& format, Bytes bytes, const std::string& file_name, const ReadOptions& options) {
+    auto measured = format.read(bytes, file_name, options);
     if (!measured) return measured;
     measured->source = file_name, measured->bytes = bytes.size();
     if (measured->format.empty()) measured->format = format.name;

@@ -14,8 +14,9 @@ struct Format {
     bool is_text;  ///< its first kilobytes are text
     /// Whether a file, or its first bytes, is of the format.
     bool (*recognise)(std::span<const std::byte> head);
-    /// A measurement without the index of samples; `read_as` adds the name and the size.
-    Result<Measured> (*read)(std::span<const std::byte> bytes, const std::string& file_name);
+    /// A measurement without the index of samples; `read_as` adds the name and the size. `options`: how columns are read.
+    Result<Measured> (*read)(std::span<const std::byte> bytes, const std::string& file_name,
+                             const ReadOptions& options);
     /// Of a format without a mark, which its size tells: the bytes of a file that begins so; 0: it is none. Otherwise null.
     std::uint64_t (*size)(std::span<const std::byte> head) = nullptr;
 };
@@ -24,7 +25,8 @@ struct Format {
 std::span<const Format> formats();
 /// The first format that recognises the bytes; otherwise null.
 const Format* format_of(std::span<const std::byte> bytes);
-Result<Measured> read_as(const Format& format, std::span<const std::byte> bytes, const std::string& file_name);
+Result<Measured> read_as(const Format& format, std::span<const std::byte> bytes, const std::string& file_name,
+                         const ReadOptions& options);
 /// The bytes that a file may have that begins with `head`, by all formats.
 std::uint64_t most_bytes(std::span<const std::byte> head);
 /// "RGL, MBSDF, .. or UTIA".

@@ -24,11 +24,22 @@ std::string opening(std::span<const std::byte> bytes) {
 }
 
 /// Reads a measurement of any format, without the index of samples.
-Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::string& file_name) {
-    if (const Format* format = format_of(bytes)) return read_as(*format, bytes, file_name);
+Result<Measured> read_unindexed(std::span<const std::byte> bytes, const std::string& file_name,
+                                const ReadOptions& options) {
+    if (!options.columns.empty()) {
+        auto samples = read_csv_samples(bytes, file_name, options);
+        if (!samples) return samples.error();
+        return Measured{file_name, "columns", bytes.size(), *std::move(samples)};
+    }
+    if (const Format* format = format_of(bytes)) return read_as(*format, bytes, file_name, options);
     if (is_safetensors(bytes))
         return Error{file_name, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind};
-    return Error{file_name, {}, "unknown format", names_of_formats(), opening(bytes)};
+    const bool may_be_rows = !bytes.empty() && is_text(bytes);
+    return Error{file_name,
+                 {},
+                 "unknown format",
+                 names_of_formats() + (may_be_rows ? ", or --columns for rows of numbers" : ""),
+                 opening(bytes)};
 }
 
 Result<Measured> indexed(Result<Measured> measured) {
@@ -37,47 +48,31 @@ Result<Measured> indexed(Result<Measured> measured) {
     return measured;
 }
 
-/// Masks what the options say is a bound, and divides factors by π.
+/// Masks what the options say is a bound, and divides by what values are times f.
 Result<Done> apply(const ReadOptions& options, ScatteredSamples& samples) {
     const std::size_t channels = samples.wavelengths.size();
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
-        const auto spectrum = std::span(samples.spectrum).subspan(i * channels, channels);
-        const Rgb& f = samples.colour[i];
-        const bool is_bound = channels > 0 ? std::ranges::any_of(spectrum, [&](float x) { return x <= options.floor; })
-                                           : std::min({f.r, f.g, f.b}) <= options.floor;
-        if (options.floor > 0 && is_bound) continue;
-        samples.wl[kept] = samples.wl[i], samples.wv[kept] = samples.wv[i], samples.colour[kept] = f;
-        if (!samples.weight.empty()) samples.weight[kept] = samples.weight[i];
-        std::ranges::copy(spectrum, samples.spectrum.begin() + std::ptrdiff_t(kept * channels));
-        ++kept;
-    }
-    samples.masked += samples.wl.size() - kept;
-    samples.wl.resize(kept), samples.wv.resize(kept), samples.colour.resize(kept),
-        samples.spectrum.resize(kept * channels);
-    if (!samples.weight.empty()) samples.weight.resize(kept);
-    if (kept == 0) return Error{{}, {}, "samples", "at least one above the floor", "none"};
-    if (!options.factors) return Done{};
-    for (float& f : samples.spectrum) f = float(double(f) / k_pi);
-    for (Rgb& f : samples.colour)
-        for (int c = 0; c < 3; ++c) f[c] = float(double(f[c]) / k_pi);
+    if (options.floor > 0)
+        keep_samples(samples, [&](std::size_t i) {
+            const auto spectrum = std::span(samples.spectrum).subspan(i * channels, channels);
+            const Rgb& f = samples.colour[i];
+            return channels > 0 ? std::ranges::all_of(spectrum, [&](float x) { return x > options.floor; })
+                                : std::min({f.r, f.g, f.b}) > options.floor;
+        });
+    if (samples.wl.empty()) return Error{{}, {}, "samples", "at least one above the floor", "none"};
+    to_bsdf(samples, options.quantity);
+    if (samples.wl.empty()) return Error{{}, {}, "samples", "values in the range of f", "none"};
     return Done{};
 }
 
 /// The same as `read_unindexed`, of a file that does not state all.
 Result<Measured> read_stated(std::span<const std::byte> bytes, const std::string& file_name,
                              const ReadOptions& options) {
-    if (!options.any()) return read_unindexed(bytes, file_name);
-    auto measured = [&]() -> Result<Measured> {
-        if (options.columns.empty()) return read_unindexed(bytes, file_name);
-        auto samples = read_columns(bytes, file_name, options.columns);
-        if (!samples) return samples.error();
-        return Measured{file_name, "columns", bytes.size(), *std::move(samples)};
-    }();
-    if (!measured) return measured;
+    auto measured = read_unindexed(bytes, file_name, options);
+    if (!options.any() || !measured) return measured;
     auto* samples = std::get_if<ScatteredSamples>(&measured->table);
     if (!samples)
-        return Error{file_name, {}, "input", "samples, for --unit and --floor", measured->format, ErrorCode::argument};
+        return Error{file_name,          {}, "input", "samples, for --quantity and --floor", measured->format,
+                     ErrorCode::argument};
     if (const auto applied = apply(options, *samples); !applied) {
         Error error = applied.error();
         error.source = file_name;
@@ -87,6 +82,11 @@ Result<Measured> read_stated(std::span<const std::byte> bytes, const std::string
 }
 
 }  // namespace
+
+Quantity quantity_named(std::string_view name) {
+    const auto found = std::ranges::find(k_quantities, name);
+    return found == k_quantities.end() ? Quantity::stated : Quantity(found - k_quantities.begin() + 1);
+}
 
 Result<std::vector<std::byte>> read_input(const std::string& path, const ReadOptions& options) {
     if (!options.columns.empty()) return read_file(path);
@@ -123,6 +123,17 @@ bool is_isotropic(const Measured& measured) {
     if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table))
         return std::ranges::all_of(bsdf->band().part, [](const auto& part) { return !part || is_isotropic(*part); });
     return !std::holds_alternative<UtiaTable>(measured.table);
+}
+
+std::vector<std::string> notes(const Measured& measured) {
+    if (const auto* samples = std::get_if<ScatteredSamples>(&measured.table)) return samples->notes;
+    std::vector<std::string> all;
+    if (const auto* bsdf = std::get_if<BsdfTable>(&measured.table))
+        for (const auto& part : bsdf->band().part)
+            if (part)
+                for (std::string& note : notes(*part))
+                    if (std::ranges::find(all, note) == all.end()) all.push_back(std::move(note));
+    return all;
 }
 
 void exchange(Measured& measured) {

@@ -349,6 +349,7 @@ TEST(Csv, ReadsTextsAsPeopleHaveThem) {
     const auto relative = [](double l, double v, double phi) { return fmt::format("{} {} {}", l, v, phi); };
     const auto detector = [](double l, double v, double phi) { return fmt::format("{} {}", l, phi == 180 ? v : -v); };
     const auto opposite = [](double l, double v, double phi) { return fmt::format("{} {}", -l, phi == 180 ? v : -v); };
+    const auto exchanged = [](double l, double v, double phi) { return fmt::format("{} 180 {} {}", l, v, 180 + phi); };
     const auto extra = [](double l, double v, double phi) { return fmt::format("{} 0 {} {} 7", l, v, phi); };
     struct Case {
         WrittenTable table;
@@ -367,6 +368,7 @@ TEST(Csv, ReadsTextsAsPeopleHaveThem) {
         {{"theta_i,phi_i,theta_r,phi_r,f_r", ",", ".", radians}, "", "angles are in radians"},
         {{"θi (°),φi (°),θr (°),φr (°),BRDF (sr^-1)", ",", ".", full}, "", "light: θi"},
         {{"incident_zenith,incident_azimuth,view_zenith,view_azimuth,L_o,brdf", ",", ".", extra}, "", "not read: L_o"},
+        {{"phi_i,theta_i,phi_o,theta_o,brdf", ",", ".", exchanged}, "", "phi_i and phi_o are polar angles"},
         {{"theta_l_deg,theta_v_deg,dphi_deg,value", ",", ".", relative}, "", "viewer: theta_v_deg, dphi_deg"},
         {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", relative}, "", "azimuth of the light is not stated"},
         {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", from_mirror}, "phi_l_deg=180", ""},

@@ -128,9 +128,9 @@ struct Table {
     std::string description;
 };
 
-/// The range of the polar angles of rows, as they are written.
+/// The ranges of the angles of rows, as they are written: those of θ_l, |θ_l|, |φ_l| and all |θ|.
 struct PolarAngles {
-    double least_light = 0, most_light = 0, largest = 0;
+    double least_light = 0, most_light = 0, nearest_light = 1e300, largest_phi = 0, largest = 0;
 };
 PolarAngles polar_angles(const Table& table, const std::string& file_name) {
     PolarAngles all;
@@ -145,7 +145,10 @@ PolarAngles polar_angles(const Table& table, const std::string& file_name) {
             if (a == 0)
                 all.least_light = std::min(all.least_light, theta), all.most_light = std::max(all.most_light, theta);
             all.largest = std::max(all.largest, std::abs(theta));
+            if (a == 0) all.nearest_light = std::min(all.nearest_light, std::abs(theta));
         }
+        if (const std::size_t phi = table.columns.angle[1].column; phi != k_absent)
+            all.largest_phi = std::max(all.largest_phi, std::abs(row.number<double>(phi)));
     }
     return all;
 }
@@ -178,6 +181,13 @@ std::optional<Error> settle(Table& table, const std::string& file_name, std::uin
         for (AngleColumn& of : angle)
             if (lacks_unit(of)) of.unit = unit;
         columns.notes.push_back(fmt::format("angles are in {}, which their names do not state", unit->name));
+        // Where theta is the azimuth no light is above the horizon.
+        const double horizon = k_pi / 2 / unit->radians;
+        if (angle[1].given() && polar.nearest_light > horizon && polar.largest_phi <= horizon) {
+            std::swap(angle[0], angle[1]), std::swap(angle[2], angle[3]);
+            columns.notes.push_back(fmt::format("{} and {} are polar angles, {} and {} azimuths", angle[0].name,
+                                                angle[2].name, angle[1].name, angle[3].name));
+        }
     }
     if (columns.in_plane) {
         if (polar.least_light < 0 && polar.most_light > 0)

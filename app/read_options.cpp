@@ -20,7 +20,7 @@ std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& to) {
             .type_name("NAME")
             .one_of({k_quantities.begin(), k_quantities.end()});
     sub.add_option("--unit", "The former name of --quantity").type_name("NAME").hidden().check([](std::string&) {
-        return std::string("is now --quantity bsdf, factor or cosine");
+        return std::string("--unit is now --quantity bsdf, factor or cosine");
     });
     const Option floor =
         sub.add_option(

@@ -129,10 +129,10 @@ struct ScatteredSamples {
     std::vector<float> weight;
     std::uint64_t masked =
         0;  ///< samples of the file that were dropped: not finite, below the horizon, or −999 and its like
-    /// what its reader masked or assumed beyond the format, a line each, for people
-    std::vector<std::string> notes;
     /// search structure for `value`; `make_index` builds it from wl, wv and colour
     std::shared_ptr<const SampleIndex> index;
+    /// what its reader masked or assumed beyond the format, a line each, for people
+    std::vector<std::string> notes;
 };
 
 /// Builds the search structure of `value`. Call it again after any change of the samples.

@@ -13,14 +13,6 @@ namespace srbf {
 
 Result<ScatteredSamples> samples_of_rows(std::vector<SpectralRow>& rows, std::size_t bytes,
                                          const std::string& file_name, std::string description, bool isotropic) {
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        for (std::size_t c = 0; c < k_of_wavelength; ++c)
-            if (auto expected = expected_angle(k_angle_kinds[c], double(rows[i][c]), k_in_radians); !expected.empty())
-                return Error{file_name,
-                             {},
-                             fmt::format("row {}: {} of the {}", i + 1, c % 2 ? "φ" : "θ", c < 2 ? "light" : "viewer"),
-                             std::move(expected),
-                             fmt::format("{:g}", rows[i][c])};
     std::vector<float> wavelengths;
     std::ranges::sort(rows, {}, [](const SpectralRow& row) { return row[k_of_wavelength]; });
     for (const SpectralRow& row : rows)

@@ -4,6 +4,7 @@
 
 #include "app/commands.h"
 #include "app/output.h"
+#include "app/read_options.h"
 #include "srbf/directions.h"
 #include "srbf/fitting.h"
 
@@ -12,6 +13,7 @@ namespace {
 
 struct CompareCommand {
     std::string reference, other, json;
+    ReadOptions read;      // of the reference
     double max_theta = 0;  // [degrees], 0: that of the model, otherwise 80
     int threads = 0;
 
@@ -61,7 +63,7 @@ int CompareCommand::of_both_sides(const Subject& a, const Subject& b, double the
 }
 
 int CompareCommand::run() const {
-    const auto a = load(reference);
+    const auto a = load(reference, read);
     if (!a) return complain(a.error());
     const auto b = load(other);
     if (!b) return complain(b.error());
@@ -119,8 +121,11 @@ void add_compare(CommandLine& app, int& status) {
         .type_name("T")
         .check(within(0, k_most_threads))
         .capture_default_str();
+    add_read_options(sub, command->read);
     sub.add_option("--json", command->json, "Write the measures to this file; - is standard output").type_name("FILE");
-    sub.footer("Example:\n  srbf compare paper_white_rgb.bsdf paper_white_rgb.srbf");
+    sub.footer(
+        "--columns, --quantity and --floor are those of REFERENCE.\n\n"
+        "Example:\n  srbf compare paper_white_rgb.bsdf paper_white_rgb.srbf");
     sub.callback([command, &status] { status = command->run(); });
 }
 

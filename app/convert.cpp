@@ -68,8 +68,9 @@ Result<std::vector<std::byte>> ConvertCommand::converted(const Subject& subject)
                      "input",
                      "a table or a model for --directions and --max-theta",
                      "samples, which are written as they are"};
-    // A file that already has the format is copied unchanged, after it was read successfully.
-    if (measured && measured->format == format.name && !exchange && !rgb_alone && !chooses_basis && !read.any())
+    // A file that already has the format is copied unchanged, after it was read successfully and nothing was assumed.
+    if (measured && measured->format == format.name && notes(*measured).empty() && !exchange && !rgb_alone &&
+        !chooses_basis && !read.any())
         return read_file(input);
     auto bytes = table_file(
         subject.content, format.format,
@@ -146,7 +147,8 @@ void add_convert(CommandLine& app, int& status) {
             .check(within(0, k_most_threads))
             .capture_default_str();
     sub.footer(
-        "A file that already has the format is copied byte for byte, unless --exchange, --smooth, --basis or "
+        "A file that already has the format, of which nothing was assumed, is copied byte for byte, unless --exchange, "
+        "--smooth, --basis or "
         "--rgb-alone is given.\n\n"
         "Examples:\n  srbf convert nickel.binary -o nickel.bsdf\n  srbf convert paper_white_rgb.srbf -o paper.binary");
     const auto writes = [command](TableFormat format) { return table_format(command->output)->format == format; };

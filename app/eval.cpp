@@ -8,6 +8,7 @@
 #include "app/commands.h"
 #include "app/load.h"
 #include "app/pairs.h"
+#include "app/read_options.h"
 
 namespace srbf {
 namespace {
@@ -36,8 +37,9 @@ std::string rows_of(const Channels& brdf, const Pairs& pairs) {
     return rows;
 }
 
-int run(const std::string& file, const std::string& pairs_file, const std::string& asked, bool exchanged) {
-    auto subject = load(file);
+int run(const std::string& file, const ReadOptions& read, const std::string& pairs_file, const std::string& asked,
+        bool exchanged) {
+    auto subject = load(file, read);
     if (!subject) return complain(subject.error());
     if (exchanged) std::visit([](auto& of) { exchange(of); }, subject->content);
     if (asked == "spectral" && wavelengths(*subject).empty())
@@ -63,6 +65,7 @@ int run(const std::string& file, const std::string& pairs_file, const std::strin
 void add_eval(CommandLine& app, int& status) {
     struct Names {
         std::string file, pairs, channels;
+        ReadOptions read;
         bool exchange = false;
     };
     const auto names = std::make_shared<Names>();
@@ -80,11 +83,13 @@ void add_eval(CommandLine& app, int& status) {
                    "default: spectral for a spectral model, otherwise rgb")
         .type_name("NAME")
         .one_of({"rgb", "spectral"});
+    add_read_options(sub, names->read);
     sub.footer(
         "Writes the directions and f_r [1/sr] of each channel, without the cosine: 0 below the horizon\n"
         "unless FILE has transmission, nan where nothing was measured.\n\n"
         "Example:\n  srbf eval paper_white_rgb.srbf --pairs pairs.csv > values.csv");
-    sub.callback([names, &status] { status = run(names->file, names->pairs, names->channels, names->exchange); });
+    sub.callback(
+        [names, &status] { status = run(names->file, names->read, names->pairs, names->channels, names->exchange); });
 }
 
 }  // namespace srbf

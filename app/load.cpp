@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "app/commands.h"
+#include "app/rows.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
@@ -46,6 +47,9 @@ double fitted_theta(const Subject& subject) {
 Result<Subject> load(const std::string& path, const ReadOptions& options) {
     auto loaded = load_brdf(path, options);
     if (!loaded) return loaded.error();
+    if (const auto* measured = std::get_if<Measured>(&*loaded))
+        for (const std::string& note : notes(*measured))
+            fmt::print(stderr, "srbf: {}: {}\n", one_line(path), one_line(note));
     return Subject{path, *std::move(loaded)};
 }
 

@@ -30,6 +30,7 @@ Channels channels(const Subject& subject);
 /// θmax of a model's fit [degrees] if `subject` is a model with that metadata; otherwise 0.
 double fitted_theta(const Subject& subject);
 
+/// Loads a file, and prints what its reader masked or assumed to standard error.
 Result<Subject> load(const std::string& path, const ReadOptions& options = {});
 /// The library in a file; none if it holds something else.
 Result<std::optional<Library>> library_in(const std::string& path);

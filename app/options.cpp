@@ -163,11 +163,12 @@ std::optional<std::string> CommandLine::parse(int argc, char** argv) {
         const bool is_before = std::ranges::any_of(app_->get_options(), [&](const CLI::Option* option) {
             return std::string_view(error.what()).starts_with(option->get_name() + ":");
         });
+        std::string wrong = error.what();
+        if (wrong.starts_with(": ")) wrong.erase(0, 2);  // of a hidden option, which has no name
         const auto chosen = is_before ? std::vector<CLI::App*>() : app_->get_subcommands();
-        return fmt::format(
-            "{} (see srbf{} --help)",
-            is_missing && !unknown.empty() ? "no such subcommand or option: " + unknown[0] : error.what(),
-            chosen.empty() ? "" : " " + chosen[0]->get_name());
+        return fmt::format("{} (see srbf{} --help)",
+                           is_missing && !unknown.empty() ? "no such subcommand or option: " + unknown[0] : wrong,
+                           chosen.empty() ? "" : " " + chosen[0]->get_name());
     }
     return std::nullopt;
 }

@@ -8,17 +8,20 @@ namespace srbf {
 
 std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& to) {
     const Option columns =
-        sub.add_option(
-               "--columns", to.columns,
-               "Of rows of numbers without a header, what each column is, as the header of a CSV names it; others\n"
-               "are ignored: theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,532nm")
+        sub.add_option("--columns", to.columns,
+                       "Of rows of numbers, what each column is, as the header of a CSV names it, and angles that are\n"
+                       "constant; others are ignored: theta_l_deg,theta_v_deg,phi_v_deg,532nm,phi_l_deg=180")
             .type_name("NAMES");
-    const Option unit =
+    const Option quantity =
         sub.add_option(
-               "--unit", [&to](const std::string& name) { to.factors = name == "factor"; },
-               "Of samples: bsdf, in 1/sr, or factor, the reflectance factor, which is pi times as large")
+               "--quantity", [&to](const std::string& name) { to.quantity = quantity_named(name); },
+               "Values of samples: bsdf, f in 1/sr; factor, the reflectance factor pi f; or cosine, f times the\n"
+               "cosine of the viewer")
             .type_name("NAME")
-            .one_of({"bsdf", "factor"});
+            .one_of({k_quantities.begin(), k_quantities.end()});
+    sub.add_option("--unit", "The former name of --quantity").type_name("NAME").hidden().check([](std::string&) {
+        return std::string("--unit is now --quantity bsdf, factor or cosine");
+    });
     const Option floor =
         sub.add_option(
                "--floor", [&to](const std::string& text) { to.floor = to_number<float>(text).value_or(0); },
@@ -28,11 +31,11 @@ std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& to) {
                 const auto value = to_number<float>(text);
                 return value && *value > 0 && *value <= 1e12f ? "" : "expected a number above 0, found " + text;
             });
-    return {columns, unit, floor};
+    return {columns, quantity, floor};
 }
 
 std::string text_of(const ReadOptions& options) {
-    return options.any() ? fmt::format(" {} {} {}", options.columns, options.factors, options.floor) : "";
+    return options.any() ? fmt::format(" {} {} {}", options.columns, int(options.quantity), options.floor) : "";
 }
 
 }  // namespace srbf

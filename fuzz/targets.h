@@ -259,7 +259,10 @@ inline const NamedTarget k_targets[] = {
     {"bird", [](auto bytes) { check_measured(read_bird(bytes, "f")); }},
     {"columns",
      [](auto bytes) {
-         check_answers(read_measured(bytes, "f", {"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,532nm", true, 1e-4f}));
+         check_answers(
+             read_measured(bytes, "f", {"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,532nm", Quantity::factor, 1e-4f}));
+         check_answers(
+             read_measured(bytes, "f", {"theta_i theta_s 532nm phi_l_deg=180 phi_v_deg=0", Quantity::cosine, 0}));
      }},
     {"cornell", [](auto bytes) { check_measured(read_cornell(bytes, "f")); }},
     {"astm", [](auto bytes) { check_answers(read_astm(bytes, "f")); }},

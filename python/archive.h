@@ -45,7 +45,7 @@ template <typename Each> void members(MbsdfTable& of, const Each& each) {
 }
 template <typename Each> void members(ScatteredSamples& of, const Each& each) {
     each(of.description), each(of.isotropic), each(of.wavelengths), each(of.wl), each(of.wv), each(of.colour);
-    each(of.spectrum), each(of.masked);
+    each(of.spectrum), each(of.weight), each(of.masked), each(of.notes);
 }
 template <typename Each> void members(AngleBasis& of, const Each& each) { each(of.name), each(of.rings); }
 template <typename Each> void members(KlemsTable& of, const Each& each) {

@@ -103,6 +103,8 @@ PYBIND11_MODULE(_srbf, module) {
         .def("nbytes",
              [](const Held& brdf) { return brdf.model() ? payload_bytes(*brdf.model()) : brdf.measured()->bytes; })
         .def("source", [](const Held& brdf) { return brdf.measured() ? brdf.measured()->source : std::string(); })
+        .def("notes",
+             [](const Held& brdf) { return brdf.measured() ? notes(*brdf.measured()) : std::vector<std::string>(); })
         .def("provenance",
              [](const Held& brdf) {
                  return brdf.model() ? brdf.model()->provenance : std::map<std::string, std::string>{};

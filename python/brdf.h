@@ -244,9 +244,10 @@ inline py::list load_stack(const std::string& path) {
     return texels;
 }
 
-inline Held loaded(const std::string& path) {
+inline Held loaded(const std::string& path, const std::string& columns, const std::string& quantity, float floor) {
+    const ReadOptions options{columns, quantity_named(quantity), floor};
     const py::gil_scoped_release released;
-    Result<AnyBrdf> brdf = load_brdf(path);
+    Result<AnyBrdf> brdf = load_brdf(path, options);
     if (brdf) return Held(*std::move(brdf));
     const py::gil_scoped_acquire acquired;
     raise(brdf.error());

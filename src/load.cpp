@@ -59,8 +59,12 @@ Result<AnyBrdf> load_brdf(const std::string& path, const ReadOptions& options) {
         auto bytes = read_input(of_stack && options.columns.empty() ? of_stack->file : path, options);
         if (!bytes) return bytes.error();
         if (is_safetensors(*bytes) && options.any())
-            return Error{
-                path, {}, "input", "samples, for --columns, --unit and --floor", "a fitted model", ErrorCode::argument};
+            return Error{path,
+                         {},
+                         "input",
+                         "samples, for --columns, --quantity and --floor",
+                         "a fitted model",
+                         ErrorCode::argument};
         if (of_stack) return named(*bytes, *of_stack, path);
         if (is_safetensors(*bytes)) return any(read_model(*bytes, path));
         auto measured = read_measured(*std::move(bytes), path, options);

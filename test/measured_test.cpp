@@ -1,7 +1,9 @@
 // Damaged files: an Error that says what is wrong, or a table that keeps its contract; never a crash.
+#include "measured/formats.h"
 #include "measured_files.h"
 #include "srbf/file.h"
 #include "srbf/text.h"
+#include "temporary_folder.h"
 
 namespace srbf::measured_test {
 namespace {
@@ -143,11 +145,9 @@ TEST(DamagedInput, IsToldInPlainWords) {
         const auto measured = read_measured(bytes, "f");
         return measured ? "" : message(measured.error());
     };
-    EXPECT_EQ(
-        say({}),
-        "f: unknown format: expected MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax, FRED, "
-        "Speos, OpenMATERIAL or BiRD, found "
-        "an empty file");
+    EXPECT_EQ(say({}),
+              "f: unknown format: expected RGL, MBSDF, MERL, Speos, Zemax, FRED, OpenMATERIAL, BiRD, ALTA, ASTM E1392, "
+              "BSDF XML, Cornell, CSV or UTIA, found an empty file");
     EXPECT_NE(say(as_bytes("theta phi\n1 2\n")).find("unknown format"), std::string::npos);
 
     Bytes cut = merl_file({90, 90, 180}, [](int, int, int, int) { return 0.1; });
@@ -159,6 +159,34 @@ TEST(DamagedInput, IsToldInPlainWords) {
     const double nan = std::nan("");
     EXPECT_EQ(say(merl_file({3, 4, 5}, [&](int, int, int, int) { return nan; })),
               "f: at 12: MERL cells: expected at least one measured (finite and not negative), found none");
+}
+
+/// A file of the format that is larger than any file of no known format is read.
+Bytes large_file(const Format& format) {
+    if (format.name == "UTIA") return Bytes(format.size({}));
+    if (format.name == "MERL") return merl_file({50, 50, 50}, [](auto...) { return 1; });
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(SRBF_SOURCE_DIR "/fuzz/corpus")) {
+        if (!entry.is_regular_file()) continue;
+        const std::string text = contents(entry.path());
+        Bytes bytes(as_bytes(text).begin(), as_bytes(text).end());
+        if (format_of(bytes) != &format) continue;
+        bytes.resize(3'000'000, std::byte('\n'));
+        return bytes;
+    }
+    return {};
+}
+
+TEST(Formats, AreReadWhole) {
+    const TemporaryFolder folder;
+    EXPECT_GE(formats().size(), 14u);
+    for (const Format& format : formats()) {
+        const Bytes bytes = large_file(format);
+        ASSERT_FALSE(bytes.empty()) << "the corpus lacks a file of " << format.name;
+        ASSERT_TRUE(write_file((folder / "file").string(), bytes).ok());
+        const auto read = read_input((folder / "file").string());
+        ASSERT_TRUE(read.ok());
+        EXPECT_EQ(read->size(), bytes.size()) << format.name;
+    }
 }
 
 TEST(DamagedInput, PromisesBeyondTheFileAreRefused) {

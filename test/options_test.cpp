@@ -87,7 +87,7 @@ const std::map<std::string, std::string> k_argument{
     {"--rgb-alone", ""},
     {"--basis", "half"},
     {"--columns", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z,value"},
-    {"--unit", "factor"},
+    {"--quantity", "factor"},
     {"--floor", "0.1"},
     {"--renderer", "raster"},
     {"--mesh", "knot"},

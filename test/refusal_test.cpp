@@ -124,9 +124,11 @@ TEST_F(CommandLine, options_of_samples_are_refused_for_models) {
     ASSERT_EQ(run(folder, {"fit", "m.binary", "-o", "lib.srbf", "--basis", "1", "--variates", "1"}).status, 0);
     std::mt19937_64 random(1);
     ASSERT_TRUE(save_model({random_model(random, {}), {}}, folder / "m.srbf").ok());
-    const std::string words = "input: expected samples, for --columns, --unit and --floor, found a fitted model";
+    expect_failure(2, {"info", "a.csv", "--unit", "factor"},
+                   "--unit is now --quantity bsdf, factor or cosine (see srbf info --help)");
+    const std::string words = "input: expected samples, for --columns, --quantity and --floor, found a fitted model";
     for (const std::string name : {"m.srbf", "lib.srbf", "lib.srbf#m"}) {
-        expect_failure(1, {"info", name, "--unit", "factor"}, fmt::format("{}: {}", name, words));
+        expect_failure(1, {"info", name, "--quantity", "factor"}, fmt::format("{}: {}", name, words));
         expect_failure(1, {"convert", name, "-o", "x.csv", "--floor", "0.1"}, fmt::format("{}: {}", name, words));
     }
 }

@@ -230,7 +230,7 @@ const std::string k_columns =
 
 /// Columns are named by the user; a plane of incidence at any azimuth is that of an isotropic surface; floors and factors.
 TEST(Columns, AreNamed) {
-    const ReadOptions options{"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,532nm", false, 0};
+    const ReadOptions options{"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,532nm", {}, 0};
     const auto of = read(k_columns, options);
     ASSERT_TRUE(of.ok()) << message(of.error());
     EXPECT_TRUE(is_isotropic(*of));
@@ -241,15 +241,15 @@ TEST(Columns, AreNamed) {
     EXPECT_PRED3(near, peak.r, 2, 1e-3);
     EXPECT_TRUE(peak.r == peak.g && peak.g == peak.b);  // no colour
     EXPECT_PRED3(near, value(*of, wl, wl).g, 1e-4, 1e-6);
-    const auto bounded = read(k_columns, {options.columns, true, 1e-4f});
+    const auto bounded = read(k_columns, {options.columns, Quantity::factor, 1e-4f});
     ASSERT_TRUE(bounded.ok());
     EXPECT_EQ(std::get<ScatteredSamples>(bounded->table).masked, 1u);
     EXPECT_PRED3(near, value(*bounded, wl, to_float(spherical(30 * k_degree, 0.0))).g, 2 / k_pi, 1e-3);
     EXPECT_NE(error_of(k_columns), "");
-    EXPECT_NE(error_of(k_columns, {"theta_l_deg,value", false, 0}).find("--columns: expected"), std::string::npos);
-    EXPECT_NE(error_of(k_columns, {options.columns + ",more", false, 0}).find("6 numbers, found 5"), std::string::npos);
-    EXPECT_NE(error_of(k_columns, {options.columns, false, 5}).find("at least one above the floor"), std::string::npos);
-    EXPECT_NE(error_of(k_zemax, {"", true, 0}).find("samples, for --unit"), std::string::npos);
+    EXPECT_NE(error_of(k_columns, {"theta_l_deg,value", {}, 0}).find("--columns: expected"), std::string::npos);
+    EXPECT_NE(error_of(k_columns, {options.columns + ",more", {}, 0}).find("6 numbers, found 5"), std::string::npos);
+    EXPECT_NE(error_of(k_columns, {options.columns, {}, 5}).find("at least one above the floor"), std::string::npos);
+    EXPECT_NE(error_of(k_zemax, {"", Quantity::factor, 0}).find("samples, for --quantity"), std::string::npos);
 }
 
 const std::string k_openmaterial =

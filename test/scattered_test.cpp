@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "measured/samples.h"
 #include "measured_files.h"
 #include "srbf/colour.h"
 #include "srbf/file.h"
@@ -242,10 +243,191 @@ TEST(Csv, ReadsNamedColumns) {
     for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, spectrum->colour[0][c], 0.5, 1e-5);
 }
 
+/// What is no angle of its unit is an error with the place, in every layout; below the horizon it is masked.
+TEST(Angles, OutOfTheRangeOfTheirUnitAreErrors) {
+    const std::string csv = "theta_l_rad,phi_l_rad,theta_v_rad,phi_v_rad,value\n0.1,0,0.2,0,1\n";
+    const std::string degrees = "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value\n1,0,2,0,1\n";
+    const std::string astm = "VARS theta_i,phi_i,theta_s,phi_s,Y\n0.1,0,0.2,0,1\n";
+    const std::string cornell = "1\n550\n0.1 0 0.2 0 1\n";
+    has(error_of(read_csv, csv + "0.1,0,10,0,1\n"),
+        "line 3: column 3, theta_v_rad: expected a polar angle within 3.142 radians, found 10");
+    has(error_of(read_csv, csv + "0.1,0,0.2,30,1\n"), "column 4, phi_v_rad: expected an azimuth within 12.57 radians");
+    has(error_of(read_csv, degrees + "400,0,1,0,1\n"),
+        "line 3: column 1, theta_l_deg: expected a polar angle within 180");
+    has(error_of(read_csv, degrees + "-999,0,1,0,1\n"), "theta_l_deg");
+    has(error_of(read_astm, astm + "10,0,0.1,0,1\n"), "line 3: column 1, theta_i: expected a polar angle within 3.142");
+    has(error_of(read_astm, astm + "0.1,0,0.1,80,1\n"), "line 3: column 4, phi_s: expected an azimuth");
+    has(error_of(read_cornell, cornell + "0.1 0 10 0 1\n"),
+        "line 4: number 3 of a sample of 5: expected a polar angle");
+    for (const auto& [name, row] : std::initializer_list<std::pair<std::string, std::string>>{
+             {"4 1\n#PARAM_IN SPHERICAL_TL_PL_TV_PV", "10 0 0.1 0"},
+             {"3 1\n#PARAM_IN ISOTROPIC_TV_TL_DPHI", "0.1 10 0"},
+             {"3 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI", "0.1 0 10"},
+             {"4 1\n#PARAM_IN RUSIN_TH_PH_TD_PD", "0.1 0 10 0"},
+             {"3 1\n#PARAM_IN RUSIN_TH_TD_PD", "0.1 0.1 180"},
+             {"3 1\n#PARAM_IN SCHLICK_TL_TK_PROJ_DPHI", "10 0 0"}})
+        has(error_of(read_alta, "#DIM " + name + "\n" + row + " 1\n"), "line 3: number ");
+    const auto below = read(read_csv, csv + "0.1,0,1.6,0,1\n3.1,0,0.2,0,1\n-0.1,0,0.2,0,1\n");
+    ASSERT_TRUE(below.ok()) << message(below.error());
+    EXPECT_EQ(below->masked, 2u);
+    EXPECT_EQ(below->wl.size(), 2u);
+}
+
+/// A value far below 0 that stands for none is masked and noted, in every layout; noise and saturated colours are values.
+TEST(ScatteredSamples, MaskValuesThatStandForNone) {
+    const std::string angles = "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,";
+    const auto rows = [](const std::string& header, const std::vector<std::string>& values,
+                         const std::string& end = "") {
+        std::string text = header;
+        for (std::size_t i = 0; i < values.size(); ++i)
+            text += fmt::format("0.1,0,0.{},0,{}{}\n", i + 1, values[i], end);
+        return text;
+    };
+    const auto masked = [&](auto reader, const std::string& text) {
+        const auto s = read(reader, text);
+        EXPECT_TRUE(s.ok()) << message(s.error());
+        if (!s) return std::size_t(0);
+        EXPECT_EQ(s->notes.empty(), s->masked == 0);
+        for (const float f : s->spectrum) EXPECT_GT(f, -1);
+        for (const Rgb& f : s->colour) EXPECT_GT(f.g, -100);
+        return std::size_t(s->masked);
+    };
+    EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-999", "0.2", "-999", "0.3", "-0.01"})), 2u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-9999", "0.2", "-999", "0.3", "2"})), 2u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-1", "0.2", "-1", "0.3"})), 2u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "r,g,b\n", {"-999,-999,-999", "0.2,0.1,-0.01", "0.2,0.2,0.2"})), 1u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "x,y,z\n", {"-999,-999,-999", "0.2,0.1,0.1", "0.2,0.2,0.2"})), 1u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "500nm,600nm\n", {"-999,0.1", "0.2,0.1", "0.2,0.2"})), 1u);
+    EXPECT_EQ(masked(read_astm, rows("VARS theta_i,phi_i,theta_s,phi_s,Y\n", {"-999", "0.2", "0.3"})), 1u);
+    EXPECT_EQ(
+        masked(read_alta, "#DIM 3 1\n#PARAM_IN ISOTROPIC_TV_TL_DPHI\n0.1 0.1 0 -99\n0.1 0.2 0 -99\n0.2 0.2 0 1\n"), 2u);
+    EXPECT_EQ(masked(read_cornell, "2\n500 600\n0.1 0 0.1 0 -999 -999\n0.1 0 0.2 0 1 1\n"), 1u);
+    // Noise about 0, in steps too; a colour out of gamut at a highlight.
+    EXPECT_EQ(masked(read_csv, rows(angles + "value\n", {"-0.3", "0.1", "-0.1", "-0.3", "0.2", "-0.2"})), 0u);
+    EXPECT_EQ(masked(read_csv, rows(angles + "r,g,b\n", {"-9,100,200", "-9,100,200", "0.1,0.1,0.1", "0.1,0.1,0.1"})),
+              0u);
+}
+
+/// A table of a function of both angles and the azimuth of the viewer from the mirror plane, as a text.
+struct WrittenTable {
+    std::string header, separator = ",", decimal = ".";
+    std::string (*row)(double, double, double) = nullptr;  // θ_l, θ_v, φ of the viewer from the light [degrees]
+    Quantity quantity = Quantity::bsdf;
+
+    static double f(double theta_l, double theta_v, double phi) {
+        const Vec3d wl = spherical(theta_l * k_degree, 0.0), wv = spherical(theta_v * k_degree, phi * k_degree);
+        const Vec3d h = normalize(wl + wv);
+        return 0.2 + 2 * std::pow(h.z, 40);
+    }
+    std::string text(bool in_plane) const {
+        std::string all = header + "\n";
+        for (const double l : {10., 30., 50.})
+            for (const double v : {0., 10., 30., 50., 70.})
+                for (const double phi : {0., 60., 120., 180.}) {
+                    if (in_plane && phi != 0 && phi != 180) continue;
+                    double value = f(l, v, phi);
+                    if (quantity == Quantity::factor) value *= k_pi;
+                    if (quantity == Quantity::cosine) value *= std::cos(v * k_degree);
+                    std::string line = row(l, v, phi) + fmt::format(" {:.6f}\n", value);
+                    for (std::string::size_type at = 0; (at = line.find('.', at)) != line.npos; at += decimal.size())
+                        line.replace(at, 1, decimal);
+                    for (std::string::size_type at = 0; (at = line.find(' ', at)) != line.npos; at += separator.size())
+                        line.replace(at, 1, separator);
+                    all += line;
+                }
+        return all;
+    }
+};
+
+/// Names, units, separators and azimuths as instruments and spreadsheets write them: the same function is read.
+TEST(Csv, ReadsTextsAsPeopleHaveThem) {
+    const auto full = [](double l, double v, double phi) { return fmt::format("{} 0 {} {}", l, v, phi); };
+    const auto radians = [](double l, double v, double phi) {
+        return fmt::format("{:.6f} 0 {:.6f} {:.6f}", l * k_degree, v * k_degree, phi * k_degree);
+    };
+    const auto from_mirror = [](double l, double v, double phi) { return fmt::format("{} {} {}", l, v, phi - 180); };
+    const auto relative = [](double l, double v, double phi) { return fmt::format("{} {} {}", l, v, phi); };
+    const auto detector = [](double l, double v, double phi) { return fmt::format("{} {}", l, phi == 180 ? v : -v); };
+    const auto opposite = [](double l, double v, double phi) { return fmt::format("{} {}", -l, phi == 180 ? v : -v); };
+    const auto exchanged = [](double l, double v, double phi) { return fmt::format("{} 180 {} {}", l, v, 180 + phi); };
+    const auto extra = [](double l, double v, double phi) { return fmt::format("{} 0 {} {} 7", l, v, phi); };
+    struct Case {
+        WrittenTable table;
+        std::string columns, note;
+        bool in_plane = false;
+        Quantity quantity = Quantity::stated;
+    };
+    const Case cases[] = {
+        {{"theta_l_deg;phi_l_deg;theta_v_deg;phi_v_deg;value", ";", ",", full}, "", "decimal comma"},
+        {{"theta_l_deg\tphi_l_deg\ttheta_v_deg\tphi_v_deg\tvalue", "\t", ",", full}, "", "decimal comma"},
+        {{"theta_l_deg phi_l_deg theta_v_deg phi_v_deg value", " ", ".", full}, "", ""},
+        {{"Instrument: X\nDate; 5 May\n\ntheta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", full}, "", ""},
+        {{"# theta_i phi_i theta_o phi_o brdf", " ", ".", full}, "", "light: theta_i, phi_i; viewer: theta_o, phi_o"},
+        {{"theta-in,phi-in,theta-out,phi-out,BRDF", ",", ".", full}, "", "angles are in degrees"},
+        {{"Theta_i [rad],Phi_i [rad],Theta_s [rad],Phi_s [rad],BRDF [1/sr]", ",", ".", radians}, "", "viewer: Theta_s"},
+        {{"theta_i,phi_i,theta_r,phi_r,f_r", ",", ".", radians}, "", "angles are in radians"},
+        {{"θi (°),φi (°),θr (°),φr (°),BRDF (sr^-1)", ",", ".", full}, "", "light: θi"},
+        {{"incident_zenith,incident_azimuth,view_zenith,view_azimuth,L_o,brdf", ",", ".", extra}, "", "not read: L_o"},
+        {{"phi_i,theta_i,phi_o,theta_o,brdf", ",", ".", exchanged}, "", "phi_i and phi_o are polar angles"},
+        {{"theta_l_deg,theta_v_deg,dphi_deg,value", ",", ".", relative}, "", "viewer: theta_v_deg, dphi_deg"},
+        {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", relative}, "", "azimuth of the light is not stated"},
+        {{"theta_l_deg,theta_v_deg,phi_v_deg,value", ",", ".", from_mirror}, "phi_l_deg=180", ""},
+        {{"no header", " ", ".", from_mirror}, "theta_l_deg,theta_v_deg,phi_v_deg,value,phi_l_deg=180", ""},
+        {{"no header", ";", ",", full}, "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value", "decimal comma"},
+        {{"aoi_deg,detector_angle_deg,brdf", ",", ".", detector}, "", "mirror side", true},
+        {{"theta_i,theta_s,brdf", ",", ".", opposite}, "", "mirror side", true},
+        {{"theta_i,phi_i,theta_o,phi_o,reflectance factor", ",", ".", full, Quantity::factor},
+         "",
+         "reflectance factors"},
+        {{"theta_i,phi_i,theta_o,phi_o,ccBRDF", ",", ".", full, Quantity::cosine}, "", "f cosθ"},
+        {{"theta_i,phi_i,theta_o,phi_o,brdf", ",", ".", full, Quantity::cosine}, "", "light", false, Quantity::cosine},
+        {{"theta_i,phi_i,theta_o,phi_o,brdf", ",", ".", full, Quantity::factor}, "", "light", false, Quantity::factor},
+    };
+    for (const auto& [table, columns, note, in_plane, quantity] : cases) {
+        const std::string text = table.text(in_plane);
+        EXPECT_TRUE(is_csv(text) || columns.find("theta") != columns.npos) << text;
+        const auto measured = read_measured(as_bytes(text), "f", {columns, quantity, 0});
+        ASSERT_TRUE(measured.ok()) << message(measured.error()) << '\n' << text;
+        const auto& s = std::get<ScatteredSamples>(measured->table);
+        EXPECT_TRUE(s.isotropic);
+        EXPECT_EQ(s.wl.size(), in_plane ? 30u : 60u) << text;
+        for (std::size_t i = 0; i < s.wl.size(); ++i) {
+            const double h = double(normalize(s.wl[i] + s.wv[i]).z);
+            EXPECT_PRED3(near, s.colour[i].g, 0.2 + 2 * std::pow(h, 40), 1e-4) << table.header;
+        }
+        std::string notes;
+        for (const std::string& line : s.notes) notes += line + "\n";
+        EXPECT_EQ(notes.empty(), note.empty()) << notes;
+        has(notes, note);
+    }
+}
+
+TEST(Csv, RefusesWhatNamesDoNotTell) {
+    has(error_of(read_csv, "theta_i,phi_i,theta_o,phi_o,brdf\n0.1,0,0.2,0,1\n"), "angles with their unit");
+    has(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,r,g,b,r\n1,1,1,1,1,1,9\n"),
+        "columns 4 and 7, 'r' and 'r'");
+    has(error_of(read_csv, "theta_l_deg,theta_i_deg,theta_v_deg,phi_v_deg,value\n"), "'theta_l_deg' and 'theta_i_deg'");
+    has(error_of(read_csv, "theta_l_deg,theta_v_deg,value\n-30,30,1\n30,30,1\n"),
+        "phi_l_deg=0,phi_v_deg=0 in --columns");
+    has(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,wavelength,brdf\n1,2,3,500,1\n1,2,3,600,1\n"),
+        "line 3: wavelength: expected one in all rows, or a column for each as 532nm");
+    has(error_of(read_csv, "theta_v_deg,phi_v_deg,value\n1,2,3\n"), "theta_l_deg=30 in --columns, found no theta_l");
+    for (const char* wrong : {"phi_l=180", "phi_l_deg=x", "theta_l_deg=400", "value=1", "theta_l_deg=1"}) {
+        const auto measured =
+            read_measured(as_bytes("theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3,4\n"), "f", {wrong, {}, 0});
+        ASSERT_FALSE(measured.ok()) << wrong;
+        has(message(measured.error()), "f: --columns: expected");
+    }
+    const auto isotropic = read_measured(as_bytes("# isotropic\n10 0 20 0 1\n10 90 20 0 1\n"), "f",
+                                         {"theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value", {}, 0});
+    ASSERT_TRUE(isotropic.ok());
+    EXPECT_TRUE(is_isotropic(*isotropic));
+}
+
 TEST(Csv, SaysWhatIsWrong) {
     has(error_of(read_csv, ""), "names of columns, found an empty file");
     has(error_of(read_csv, "theta_l,phi_l,theta_v,phi_v,r,g,b\n"), "angles with their unit");
-    has(error_of(read_csv, "theta_l_deg,theta_v_deg,r,g,b\n"), "no phi_v");
+    has(error_of(read_csv, "theta_l_deg,phi_l_deg,theta_v_deg,r,g,b\n"), "no phi_v");
     has(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,a,b\n"), "values in columns r,g,b");
     has(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,600nm,500nm\n"), "increasing wavelengths");
     has(error_of(read_csv, "theta_l_deg,theta_v_deg,phi_v_deg,value\n1,2,3\n"),

@@ -90,7 +90,8 @@ function show_slices(drawings) {
 function show_measurement(of) {
   const samples = of.samples ? `, ${grouped(of.samples)} samples` : "";
   $("about").textContent = `${of.format}, ${grouped(of.bytes)} bytes${samples}${of.twoSided ? ", reflection and transmission" : ""}`
-    + (of.isotropic ? "" : "; it depends on rotation about the normal, so only the fit has a picture");
+    + (of.isotropic ? "" : "; it depends on rotation about the normal, so only the fit has a picture")
+    + of.notes.map((note) => `; ${note}`).join("");
   if (!draws) return;
   viewer.set_material(1, null);
   viewer.set_material(0, of.material);

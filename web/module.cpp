@@ -258,6 +258,7 @@ SRBF_EXPORT(open) int open(const char* name, std::size_t name_size, const std::b
                    {"bytes", measured->bytes},
                    {"isotropic", is_isotropic(*measured)},
                    {"samples", samples ? Json(samples->wl.size()) : Json()},
+                   {"notes", notes(*measured)},
                    {"twoSided", std::holds_alternative<BsdfTable>(measured->table)}});
     return keep({path, *std::move(measured)});
 }

@@ -127,9 +127,12 @@ struct ScatteredSamples {
     std::vector<float> spectrum;     ///< f_r [1/sr], samples × wavelengths
     /// what each counts in a fit, by its uncertainty; empty: 1
     std::vector<float> weight;
-    std::uint64_t masked = 0;  ///< samples of the file that were dropped: not finite, or below the horizon
+    std::uint64_t masked =
+        0;  ///< samples of the file that were dropped: not finite, below the horizon, or −999 and its like
     /// search structure for `value`; `make_index` builds it from wl, wv and colour
     std::shared_ptr<const SampleIndex> index;
+    /// what its reader masked or assumed beyond the format, a line each, for people
+    std::vector<std::string> notes;
 };
 
 /// Builds the search structure of `value`. Call it again after any change of the samples.
@@ -268,6 +271,8 @@ void exchange(Measured& measured);
 /// difference, up to 1 % of the root mean square.
 bool is_isotropic(const Measured& measured);
 bool is_isotropic(const KlemsTable& table);
+/// What its reader masked or assumed beyond the format, a line each.
+std::vector<std::string> notes(const Measured& measured);
 
 // f_r [1/sr] of unit vectors, which is not checked: 0 if wl.z ≤ 0 or wv.z ≤ 0, and otherwise finite and not negative,
 // or NaN where each function says so.
@@ -371,10 +376,11 @@ Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::
 /// Reads ALTA's text format: `#DIM nX nY`, `#PARAM_IN` with one of sixteen parameterizations (docs/formats.md),
 /// `#PARAM_OUT`, `#VS` (error bars, ignored), then rows of nX + nY numbers.
 Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name);
-/// Reads CSV whose first line names its columns. Directions: wl_x, wl_y, wl_z, wv_x, wv_y, wv_z, or theta_l, phi_l,
-/// theta_v, phi_v with the unit as the suffix _deg or _rad. Values [1/sr]: r, g, b, or x, y, z, or one column `value`,
+/// Reads rows of numbers below a line that names their columns. Directions: wl_x, wl_y, wl_z, wv_x, wv_y, wv_z, or theta_l,
+/// phi_l, theta_v, phi_v with the unit as the suffix _deg or _rad. Values [1/sr]: r, g, b, or x, y, z, or one column `value`,
 /// or a spectrum in columns named by wavelength (450nm or nm450). Lines that begin with '#' are comments; the comment
-/// `# isotropic` declares the samples isotropic.
+/// `# isotropic` declares the samples isotropic. docs/formats.md lists other names, separators, and what is assumed of
+/// azimuths and units that are missing, which `notes` tells.
 Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// Reads Zemax' text of BSDFs: PlaneSymmetrical, Asymmetrical or Asymmetrical4D, Monochrome, BRDF or BTDF. The TIS that it states
@@ -394,14 +400,28 @@ Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, con
 /// number a point. Polarizations of a pair are averaged; uBRDF weighs samples.
 Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::string& file_name);
 
+/// What the values of samples are.
+enum class Quantity {
+    stated,  ///< as the file states it, or else f
+    bsdf,    ///< f [1/sr]
+    factor,  ///< the reflectance factor, π f
+    cosine,  ///< corrected by the cosine, f cosθ_v [1/sr]
+};
+
+/// The names of all but `stated`, in their order.
+inline constexpr std::array<std::string_view, 3> k_quantities{"bsdf", "factor", "cosine"};
+/// The quantity of that name; `stated` if none has it.
+Quantity quantity_named(std::string_view name);
+
 /// What a file of samples does not state.
 struct ReadOptions {
-    /// Names of columns as in CSV, for rows of numbers without a header, separated by blanks or commas; empty: the file has
-    /// them. Isotropic if all lights have one azimuth.
+    /// Names of columns as in CSV, of rows of numbers, separated by blanks or commas, instead of those that the file has;
+    /// and constants, as phi_l_deg=180. With constants alone, and if it is empty, the file has names.
     std::string columns;
-    bool factors = false;  ///< values are reflectance factors, π f
-    float floor = 0;       ///< samples of no more than this in any channel are masked: bounds, not measurements
-    bool any() const { return !columns.empty() || factors || floor > 0; }
+    Quantity quantity = Quantity::stated;
+    float floor =
+        0;  ///< samples whose values are no more than this in any channel are masked: bounds, not measurements
+    bool any() const { return !columns.empty() || quantity != Quantity::stated || floor > 0; }
 };
 
 /// Reads a measurement of any known format, recognised by its content. Errors: those of the formats; `wrong_kind`: a

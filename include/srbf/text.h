@@ -60,15 +60,15 @@ inline std::string_view next_word(std::string_view& line, std::string_view separ
     return word;
 }
 
-/// The fields of a line of CSV, without surrounding blanks and quotes. A comma within quotes does not separate fields.
+/// The fields of a line of CSV, without surrounding blanks and quotes. A separator within quotes does not separate fields.
 /// There are more fields in no table: of a longer line, these alone.
 inline constexpr std::size_t k_most_fields = 1 << 16;
-inline void split_fields(std::string_view line, std::vector<std::string_view>& fields) {
+inline void split_fields(std::string_view line, std::vector<std::string_view>& fields, char separator = ',') {
     fields.clear();
     bool quoted = false;
     for (std::size_t at = 0, begin = 0; at <= line.size() && fields.size() < k_most_fields; ++at) {
         if (at < line.size() && line[at] == '"') quoted = !quoted;
-        if (at < line.size() && (quoted || line[at] != ',')) continue;
+        if (at < line.size() && (quoted || line[at] != separator)) continue;
         std::string_view field = trimmed(line.substr(begin, at - begin));
         if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
             field = trimmed(field.substr(1, field.size() - 2));

@@ -184,6 +184,11 @@ class Measurement(Brdf):
         return self._held.kind()
 
     @property
+    def notes(self) -> list[str]:
+        """What its reader assumed of units, azimuths and names, and what it masked as no value; a line each."""
+        return self._held.notes()
+
+    @property
     def source(self) -> str:
         """The file's name."""
         return self._held.source()
@@ -262,15 +267,15 @@ def _brdf(held: _srbf.Brdf) -> Union[Model, Measurement]:
     return Model(held) if held.is_model() else Measurement(held)
 
 
-def load(path: Path) -> Union[Model, Measurement]:
+def load(path: Path, *, columns: str = "", quantity: Optional[_options.Quantity] = None, floor: float = 0) -> Union[Model, Measurement]:
     """Reads a measurement (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax, Speos, OpenMATERIAL)
     or a model, recognised by its content. Raises Error."""
-    return _brdf(_srbf.load(os.fspath(path)))
+    return _brdf(_srbf.load(os.fspath(path), *_options.read(columns, quantity, floor)))
 
 
-def load_measurement(path: Path) -> Measurement:
+def load_measurement(path: Path, *, columns: str = "", quantity: Optional[_options.Quantity] = None, floor: float = 0) -> Measurement:
     """`load` of a measurement. Raises Error for a model too."""
-    brdf = load(path)
+    brdf = load(path, columns=columns, quantity=quantity, floor=floor)
     if isinstance(brdf, Measurement):
         return brdf
     raise _wrong_kind(path, "a measurement", "a model")

@@ -17,6 +17,8 @@ Surface = Literal["openpbr", "gltf", "principled"]
 Objective = Literal["raw", "cosine", "log", "cube-root", "relative", "appearance"]
 Channels = Literal["rgb", "spectral"]
 Lighting = Literal["overcast", "window", "sunset", "studio", "flash", "lamp", "side", "back"]
+#: values of samples: f [1/sr], the reflectance factor π f, or f cosθ of the viewer
+Quantity = Literal["bsdf", "factor", "cosine"]
 Language = Literal["glsl", "hlsl", "wgsl", "msl", "c"]
 Progress = Union[bool, Callable[[str, float], Optional[bool]]]
 Path = Union[str, "os.PathLike[str]"]
@@ -68,6 +70,14 @@ def option(name: str, value: Any, model: str = "pm", or_else: str = "") -> Any:
     if not is_whole:
         return number(name, value, least, most)
     return whole(name, value, int(least), int(most), or_else)
+
+
+def read(columns: Any, quantity: Any, floor: Any) -> tuple[str, str, float]:
+    """What a file of samples does not state, as the extension takes it."""
+    if not isinstance(columns, str):
+        raise ValueError(f"columns: expected names as one text, found {columns!r}")
+    named = "" if quantity is None else one_of("quantity", quantity, get_args(Quantity))
+    return columns, named, number("floor", floor, 0, 1e12)
 
 
 def check_progress(value: Any) -> None:

@@ -40,7 +40,8 @@ Vec3d from_stereographic(double x, double y) {
 
 struct AltaParameterization {
     std::string_view name;
-    std::size_t numbers;
+    /// of each number: t a polar angle, or the projection of one; p an azimuth; . something else
+    std::string_view kinds;
     bool isotropic;
     ViewAndLight (*directions)(const double*);
 };
@@ -48,43 +49,43 @@ struct AltaParameterization {
 /// As defined by ALTA's params.h. Where its own conversion loses a hemisphere or is not the inverse of the opposite
 /// conversion (RETRO, STEREOGRAPHIC), this is the inverse of the opposite conversion.
 constexpr AltaParameterization k_parameterizations[] = {
-    {"CARTESIAN", 6, false,
+    {"CARTESIAN", "......", false,
      [](const double* x) {
          return ViewAndLight{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
      }},
-    {"SPHERICAL_TL_PL_TV_PV", 4, false,
+    {"SPHERICAL_TL_PL_TV_PV", "tptp", false,
      [](const double* x) {
          return ViewAndLight{spherical(x[2], x[3]), spherical(x[0], x[1])};
      }},
-    {"ISOTROPIC_TV_TL_DPHI", 3, true,
+    {"ISOTROPIC_TV_TL_DPHI", "ttp", true,
      [](const double* x) {
          return ViewAndLight{spherical(x[0], 0.0), spherical(x[1], x[2])};
      }},
-    {"ISOTROPIC_TL_TV_PROJ_DPHI", 3, true,
+    {"ISOTROPIC_TL_TV_PROJ_DPHI", "ttt", true,
      [](const double* x) {
          return ViewAndLight{unrolled(x[1], x[2]), spherical(x[0], 0.0)};
      }},
-    {"ISOTROPIC_TV_PROJ_DPHI", 2, true,
+    {"ISOTROPIC_TV_PROJ_DPHI", "tt", true,
      [](const double* x) {
          return ViewAndLight{unrolled(x[0], x[1]), {0, 0, 1}};
      }},
-    {"RUSIN_TH_PH_TD_PD", 4, false, [](const double* x) { return from_half_vector(x[0], x[1], x[2], x[3]); }},
-    {"RUSIN_TH_TD_PD", 3, true, [](const double* x) { return from_half_vector(x[0], 0, x[1], x[2]); }},
-    {"RUSIN_TH_TD", 2, true, [](const double* x) { return from_half_vector(x[0], 0, x[1], k_pi / 2); }},
-    {"COS_TH_TD", 2, true,
+    {"RUSIN_TH_PH_TD_PD", "tptp", false, [](const double* x) { return from_half_vector(x[0], x[1], x[2], x[3]); }},
+    {"RUSIN_TH_TD_PD", "ttp", true, [](const double* x) { return from_half_vector(x[0], 0, x[1], x[2]); }},
+    {"RUSIN_TH_TD", "tt", true, [](const double* x) { return from_half_vector(x[0], 0, x[1], k_pi / 2); }},
+    {"COS_TH_TD", "..", true,
      [](const double* x) { return from_half_vector(elementary::acos(x[0]), 0, elementary::acos(x[1]), 0); }},
-    {"SCHLICK_TL_TK_PROJ_DPHI", 3, true,
+    {"SCHLICK_TL_TK_PROJ_DPHI", "ttt", true,
      [](const double* x) {
          const Vec3d light = spherical(x[0], 0.0), back = unrolled(x[1], x[2]), reflected = mirror(light);
          return ViewAndLight{2 * dot(back, reflected) * back - reflected, light};
      }},
-    {"RETRO_TL_TVL_PROJ_DPHI", 3, true,
+    {"RETRO_TL_TVL_PROJ_DPHI", "ttt", true,
      [](const double* x) {
          const Vec3d light = spherical(x[0], 0.0), towards_n{-light.z, 0, light.x}, across{0, 1, 0};
          const Vec3d v = unrolled(x[1], x[2]);
          return ViewAndLight{v.x * towards_n + v.y * across + v.z * light, light};
      }},
-    {"STARK_3D", 3, true,
+    {"STARK_3D", "..p", true,
      [](const double* x) {
          const Vec3d h{x[0], 0, std::sqrt(1 - x[0] * x[0] - x[1] * x[1])};
          // Along azimuth φ of the plane, and orthogonal to h.
@@ -92,21 +93,21 @@ constexpr AltaParameterization k_parameterizations[] = {
                                                 -h.x * elementary::cos(x[2])});
          return ViewAndLight{h - b, h + b};
      }},
-    {"STARK_2D", 2, true,
+    {"STARK_2D", "..", true,
      [](const double* x) {
          const Vec3d h{x[0], 0, std::sqrt(1 - x[0] * x[0] - x[1] * x[1])}, b{0, x[1], 0};
          return ViewAndLight{h - b, h + b};
      }},
-    {"NEUMANN_3D", 3, true,
+    {"NEUMANN_3D", "..p", true,
      [](const double* x) {
          const double across = x[1] * elementary::cos(x[2]), along = x[1] * elementary::sin(x[2]);
          return ViewAndLight{lifted(x[0] + across, along), lifted(x[0] - across, -along)};
      }},
-    {"NEUMANN_2D", 2, true,
+    {"NEUMANN_2D", "..", true,
      [](const double* x) {
          return ViewAndLight{lifted(x[0], x[1]), lifted(x[0], -x[1])};
      }},
-    {"STEREOGRAPHIC", 4, false,
+    {"STEREOGRAPHIC", "....", false,
      [](const double* x) {
          return ViewAndLight{from_stereographic(x[0], x[1]), from_stereographic(x[2], x[3])};
      }},
@@ -182,11 +183,11 @@ Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, con
                 return at_line(file_name, header.line, "header", "a line #DIM before the samples", "none");
             if (!header.parameterization)
                 return at_line(file_name, header.line, "header", "a line #PARAM_IN before the samples", "none");
-            if (*header.inputs != header.parameterization->numbers)
-                return at_line(
-                    file_name, header.line, "#DIM",
-                    fmt::format("{} inputs for {}", header.parameterization->numbers, header.parameterization->name),
-                    fmt::format("{}", *header.inputs));
+            if (*header.inputs != header.parameterization->kinds.size())
+                return at_line(file_name, header.line, "#DIM",
+                               fmt::format("{} inputs for {}", header.parameterization->kinds.size(),
+                                           header.parameterization->name),
+                               fmt::format("{}", *header.inputs));
             if (*header.outputs != 1 && *header.outputs != 3)
                 return at_line(file_name, header.line, "#DIM", "1 or 3 outputs", fmt::format("{}", *header.outputs));
             builder.emplace(*header.outputs == 1           ? Values::grey
@@ -203,6 +204,13 @@ Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, con
                 return at_line(file_name, header.line, fmt::format("number {} of {}", i + 1, row.size()), "a number",
                                word.empty() ? "the end of the line" : quoted(word));
             row[i] = *number;
+            const char kind = i < *header.inputs ? header.parameterization->kinds[i] : '.';
+            if (kind == '.') continue;
+            if (auto expected =
+                    expected_angle(kind == 'p' ? AngleKind::azimuth : AngleKind::polar, row[i], k_in_radians);
+                !expected.empty())
+                return at_line(file_name, header.line, fmt::format("number {} of {}", i + 1, row.size()),
+                               std::move(expected), quoted(word));
         }
         const auto [view, light] = header.parameterization->directions(row.data());
         const double scale = header.output == "INV_STERADIAN_COSINE_FACTOR" ? 1 / view.z : 1;

@@ -17,10 +17,10 @@ constexpr std::string_view k_trinitron = "RGB for Trinitron phosphors";
 constexpr double k_from_trinitron[3][3] = {
     {3.10689, -0.26651, -0.04211}, {0.08512, 2.62439, 0.07920}, {0.04650, 0.06312, 2.68701}};
 
-Rgb from_trinitron(std::span<const float> f) {
+Rgb from_trinitron(const Rgb& f) {
     Rgb rgb;
     for (int c = 0; c < 3; ++c)
-        for (std::size_t k = 0; k < 3; ++k) rgb[c] += float(k_from_trinitron[c][k] * double(f[k]));
+        for (int k = 0; k < 3; ++k) rgb[c] += float(k_from_trinitron[c][k] * double(f[k]));
     return rgb;
 }
 
@@ -126,13 +126,10 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
         ++rows;
         row.read(*line, lines.number());
         for (std::size_t a = 0; a < angle.size(); ++a)
-            if (columns.angle[a] != k_absent) angle[a] = row.number<double>(columns.angle[a], k_names_of_angles[a]);
+            if (columns.angle[a] != k_absent)
+                angle[a] = row.angle(columns.angle[a], k_names_of_angles[a], k_angle_kinds[a], k_in_radians);
         for (std::size_t v = 0; v < f.size(); ++v) f[v] = row.number<float>(columns.value[v], "value");
         if (row.error()) return *row.error();
-        if (is_trinitron) {
-            const Rgb rgb = from_trinitron(f);
-            f = {rgb.r, rgb.g, rgb.b};
-        }
         const Vec3d wl = spherical(angle[0], angle[1]);
         azimuths.add(wl);
         builder.add(wl, spherical(angle[2], angle[3]), f);
@@ -140,7 +137,9 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
     if (header->points && *header->points != rows)
         return Error{
             file_name, {}, "samples", fmt::format("{} (NUM_POINTS)", *header->points), fmt::format("{}", rows)};
-    return std::move(builder).finish(file_name, std::move(header->description), azimuths.are_one());
+    auto samples = std::move(builder).finish(file_name, std::move(header->description), azimuths.are_one());
+    if (samples && is_trinitron) std::ranges::transform(samples->colour, samples->colour.begin(), from_trinitron);
+    return samples;
 }
 
 Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::string& file_name) {

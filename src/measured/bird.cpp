@@ -133,6 +133,13 @@ Result<ScatteredSamples> read_bird_samples(std::span<const std::byte> bytes, con
                          fmt::format("{}", values.size()));
         const double factor = factor_of(c, unit);
         if (!(factor > 0)) return error("unit of data." + name, "one of the format", srbf::quoted(unit));
+        if (c < k_of_wavelength)
+            for (std::size_t i = 0; i < n; ++i)
+                if (auto expected =
+                        expected_angle(k_angle_kinds[c], double(values[i]), factor == 1 ? k_in_radians : k_in_degrees);
+                    !expected.empty())
+                    return error(fmt::format("data.{}, value {}", name, i + 1), std::move(expected),
+                                 fmt::format("{:g}", values[i]));
         for (float& x : values) x = float(double(x) * factor);
         if (c <= k_of_wavelength && !std::ranges::all_of(values, [](float x) { return std::isfinite(x); }))
             return error("data." + name, "finite numbers", "others");

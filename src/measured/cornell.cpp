@@ -86,6 +86,10 @@ Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, 
                                "a number", word.empty() ? "the end of the file" : quoted(word));
             row[i] = *number;
         }
+        for (std::size_t i = 0; i < 4; ++i)
+            if (auto expected = expected_angle(k_angle_kinds[i], double(row[i]), k_in_radians); !expected.empty())
+                return at_line(file_name, words.line(), fmt::format("number {} of a sample of {}", i + 1, row.size()),
+                               std::move(expected), fmt::format("{:g}", row[i]));
         const Vec3d wl = spherical(double(row[0]), double(row[1]));
         azimuths.add(wl);
         builder.add(wl, spherical(double(row[2]), double(row[3])), std::span(row).subspan(4));

@@ -1,8 +1,11 @@
 // Collection of scattered samples: private to the readers.
 #pragma once
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -34,10 +37,13 @@ class SampleBuilder {
     /// horizon.
     void add(Vec3d wl, Vec3d wv, std::span<const float> f, float weight = 1);
     bool empty() const { return samples_.wl.empty(); }
-    /// The samples, without an index. Errors: no samples are left; there were too many.
+    /// The samples, without an index. What stands for a missing value (`missing_value`) is masked, and noted. Errors: no
+    /// samples are left; there were too many.
     Result<ScatteredSamples> finish(const std::string& file_name, std::string description, bool isotropic) &&;
 
   private:
+    void mask_missing();
+
     Values values_;
     std::vector<Rgb> weights_;
     ScatteredSamples samples_;
@@ -45,18 +51,35 @@ class SampleBuilder {
     bool too_many_ = false;
 };
 
+/// Keeps the samples whose numbers `keep` accepts, and counts the others as masked.
+void keep_samples(ScatteredSamples& samples, const std::function<bool(std::size_t)>& keep);
+
+/// Divides values by what they are times f. Those that become too large are masked.
+void to_bsdf(ScatteredSamples& samples, Quantity quantity);
+
+enum class AngleKind { polar, azimuth };
+/// The kind of each of θ_l, φ_l, θ_v, φ_v.
+inline constexpr std::array k_angle_kinds{AngleKind::polar, AngleKind::azimuth, AngleKind::polar, AngleKind::azimuth};
+struct AngleUnit {
+    double radians;
+    std::string_view name;
+};
+inline constexpr AngleUnit k_in_degrees{k_degree, "degrees"}, k_in_radians{1, "radians"};
+/// What is expected of an angle where `number` cannot be one in that unit; empty: it can. A polar angle is within half a
+/// turn on either side of the normal, an azimuth within two turns. Not a number passes, for its sample is masked.
+std::string expected_angle(AngleKind kind, double number, AngleUnit unit);
+
 /// The readers without `make_index`, which can wait until the text is freed.
 Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, const std::string& file_name);
-Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name);
+/// Rows of numbers with the names of columns, in the text or in `options`.
+Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, const std::string& file_name,
+                                          const ReadOptions& options);
 Result<ScatteredSamples> read_openmaterial_samples(std::span<const std::byte> bytes, const std::string& file_name);
 Result<ScatteredSamples> read_bird_samples(std::span<const std::byte> bytes, const std::string& file_name);
 /// FRED's text: `type bsdf_data`, `format angles=deg bsdf=value scale=1`, then lines of θ_l φ_l and of θ_v φ_v f [1/sr].
 Result<ScatteredSamples> read_fred_samples(std::span<const std::byte> bytes, const std::string& file_name);
-/// Rows of numbers whose columns `columns` names.
-Result<ScatteredSamples> read_columns(std::span<const std::byte> bytes, const std::string& file_name,
-                                      const std::string& columns);
 Result<ScatteredSamples> indexed(Result<ScatteredSamples> samples);
 
 /// Azimuths [rad] within this are equal: files state them with four digits or more. Components of directions too.
@@ -79,26 +102,37 @@ class LightAzimuths {
     bool one_ = true;
 };
 
-/// A row of numbers with commas between them. After its first error, which is kept, its numbers are 0.
+/// What separates the fields of a row, where it is no single character: blanks, tabs or commas.
+inline constexpr char k_any_separator = 0;
+/// The fields of a row; for ' ' and for `k_any_separator`, its words.
+inline void split_row(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+    if (separator != k_any_separator && separator != ' ') return split_fields(line, fields, separator);
+    const std::string_view at = separator == ' ' ? " \t" : " \t,";
+    fields.clear();
+    for (auto word = next_word(line, at); !word.empty() && fields.size() < k_most_fields; word = next_word(line, at))
+        fields.push_back(word);
+}
+
+/// The number in a field, which may have a decimal comma.
+template <typename T> std::optional<T> number_in(std::string_view field) {
+    if (const auto number = to_number<T>(field)) return number;
+    const auto comma = field.find(',');
+    constexpr std::size_t longest = 40;
+    if (comma == field.npos || field.find('.') != field.npos || field.size() > longest) return {};
+    std::string text(field);
+    text[comma] = '.';
+    return to_number<T>(text);
+}
+
+/// A row of numbers. After its first error, which is kept, its numbers are 0.
 class NumberRow {
   public:
     NumberRow(std::size_t columns, const std::string& file_name) : columns_(columns), file_name_(file_name) {}
-    /// Takes the fields of a line; an error if there are not as many as columns.
-    void read(std::string_view text, std::uint64_t line) {
+    /// Takes the fields of a line, as `split_row` has them; an error if there are not as many as columns.
+    void read(std::string_view text, std::uint64_t line, char separator = ',') {
         line_ = line;
-        split_fields(text, fields_);
-        check();
-    }
-    /// The same of words.
-    void read_words(std::string_view text, std::uint64_t line) {
-        line_ = line;
-        fields_.clear();
-        for (auto word = next_word(text, " \t,"); !word.empty() && fields_.size() < k_most_fields;
-             word = next_word(text, " \t,"))
-            fields_.push_back(word);
-        check();
-    }
-    void check() {
+        split_row(text, separator, fields_);
+        if (separator == '\t' && fields_.size() < columns_) fields_.resize(columns_);  // the ends of lines are trimmed
         if (fields_.size() != columns_)
             fail("sample", std::to_string(columns_) + " numbers", std::to_string(fields_.size()));
     }
@@ -106,10 +140,25 @@ class NumberRow {
     template <typename T> T number(std::size_t column, std::string_view what = {}) {
         if (error_) return 0;
         const std::string_view field = fields_[column];
-        if (const auto number = to_number<T>(field)) return *number;
+        if (const auto number = number_in<T>(field)) {
+            has_decimal_commas_ |= field.find(',') != field.npos;
+            return *number;
+        }
         fail(what.empty() ? "column " + std::to_string(column + 1) : std::string(what), "a number", quoted(field));
         return 0;
     }
+    /// The angle in a column [rad].
+    double angle(std::size_t column, std::string_view what, AngleKind kind, AngleUnit unit) {
+        const double angle = number<double>(column, what);
+        if (auto expected = expected_angle(kind, angle, unit); !expected.empty())
+            fail(fmt::format("column {}, {}", column + 1, what), std::move(expected), fmt::format("{:g}", angle));
+        return angle * unit.radians;
+    }
+    /// The value in a column; an empty field is not a number.
+    double value(std::size_t column) {
+        return !error_ && fields_[column].empty() ? std::nan("") : number<double>(column);
+    }
+    bool has_decimal_commas() const { return has_decimal_commas_; }
     void fail(const std::string& what, std::string expected, std::string found) {
         if (!error_) error_ = at_line(file_name_, line_, what, std::move(expected), std::move(found));
     }
@@ -121,12 +170,16 @@ class NumberRow {
     std::uint64_t line_ = 0;
     std::vector<std::string_view> fields_;
     std::optional<Error> error_;
+    bool has_decimal_commas_ = false;
 };
 
 /// Upper bound on the rows of a text: its number of lines.
 inline std::size_t lines_of(std::span<const std::byte> bytes) {
     return std::size_t(std::ranges::count(bytes, std::byte('\n'))) + 1;
 }
+
+/// Whether wavelengths [nm] tell of a colour: at least three, from blue to red.
+bool has_colours(std::span<const float> wavelengths);
 
 /// Whether the first kilobytes of `bytes` are text.
 bool is_text(std::span<const std::byte> bytes);

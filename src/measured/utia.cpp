@@ -5,6 +5,7 @@
 #include "measured/angles.h"
 #include "measured/bytes.h"
 #include "measured/limits.h"
+#include "srbf/file.h"
 #include "srbf/measured.h"
 
 namespace srbf {
@@ -35,7 +36,7 @@ Corners corners(Vec3f w) {
 }  // namespace
 
 std::uint64_t utia_bytes() { return k_bytes; }
-bool is_utia(std::span<const std::byte> bytes) { return bytes.size() == utia_bytes(); }
+bool is_utia(std::span<const std::byte> bytes) { return bytes.size() == utia_bytes() && !is_safetensors(bytes); }
 
 Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name) {
     if (bytes.size() != k_bytes)

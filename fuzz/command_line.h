@@ -1,17 +1,13 @@
 // Command lines of a grammar: the subcommands and options that --help tells of, with arguments of the kinds that they
 // take and others.
 #pragma once
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
+#include <span>
 
-#include "app/commands.h"
-#include "targets.h"
+#include "in_process.h"
+#include "srbf/model.h"
 
 namespace srbf {
 
@@ -19,10 +15,7 @@ namespace srbf {
 class CommandFolder {
   public:
     CommandFolder() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "srbf-lines-XXXXXX").string();
-        require(::mkdtemp(pattern.data()) != nullptr, "a folder for files");
-        path_ = pattern;
-        std::filesystem::create_directory(path_ / "f");
+        std::filesystem::create_directory(path() / "f");
         const std::string header = "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z", direction = "0,0.6,0.8,0,0,1";
         add("p.csv", header + "\n" + direction + "\n");
         add("s.csv", header + ",value\n" + direction + ",1\n");
@@ -39,13 +32,11 @@ class CommandFolder {
         const std::string head = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 3), }\n";
         add("t.npy", "\x93NUMPY" + std::string("\1\0", 2) + char(head.size()) + '\0' + head + std::string(12, '\0'));
     }
-    ~CommandFolder() { std::filesystem::remove_all(path_); }
-
-    const std::filesystem::path& path() const { return path_; }
+    const std::filesystem::path& path() const { return folder_.path(); }
     /// Names that are not among the files at first.
     std::vector<std::string> outputs() const {
         std::vector<std::string> names;
-        for (const auto& entry : std::filesystem::directory_iterator(path_))
+        for (const auto& entry : std::filesystem::directory_iterator(path()))
             if (const std::string name = entry.path().filename().string(); !files_.contains(name) && name != "f")
                 names.push_back(name);
         return names;
@@ -53,33 +44,28 @@ class CommandFolder {
     /// Files change only if a line names them once, for output.
     void check_inputs(const std::vector<std::string>& words) const {
         for (const auto& [name, text] : files_) {
-            const auto file = path_ / name;
-            if (read(file) == text) continue;
+            const auto file = path() / name;
+            if (bytes_of(file) == text) continue;
             require(std::ranges::count(words, name) == 1, "inputs are left as they are");
             std::ofstream(file, std::ios::binary) << text;
         }
     }
     void remove_outputs() const {
-        for (const std::string& name : outputs()) std::filesystem::remove_all(path_ / name);
-        for (const auto& entry : std::filesystem::directory_iterator(path_ / "f"))
+        for (const std::string& name : outputs()) std::filesystem::remove_all(path() / name);
+        for (const auto& entry : std::filesystem::directory_iterator(path() / "f"))
             std::filesystem::remove_all(entry.path());
-    }
-
-    static std::string read(const std::filesystem::path& path) {
-        std::ifstream in(path, std::ios::binary);
-        return {std::istreambuf_iterator<char>(in), {}};
     }
 
   private:
     void add(const std::string& name, const std::string& text) {
-        std::ofstream(path_ / name, std::ios::binary) << text;
+        std::ofstream(path() / name, std::ios::binary) << text;
         files_[name] = text;
     }
     static std::string text_of(const std::vector<std::byte>& bytes) {
         return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     }
 
-    std::filesystem::path path_;
+    FuzzFolder folder_;
     std::map<std::string, std::string> files_;
 };
 
@@ -158,68 +144,17 @@ class Grammar {
     mutable std::span<const std::byte> bytes_;
 };
 
-/// Standard output goes nowhere, and standard error to a file, while it lives.
-class Captured {
-  public:
-    explicit Captured(const std::string& file)
-        : file_(file), out_(replaced(1, "/dev/null")), error_(replaced(2, file.c_str())) {}
-    /// Returns what stood on standard error.
-    std::string end() const {
-        std::fflush(stdout), std::fflush(stderr);
-        ::dup2(out_, 1), ::dup2(error_, 2);
-        ::close(out_), ::close(error_);
-        return CommandFolder::read(file_);
-    }
-
-  private:
-    static int replaced(int number, const char* path) {
-        const int kept = ::dup(number), file = ::open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-        ::dup2(file, number);
-        ::close(file);
-        return kept;
-    }
-    std::string file_;
-    int out_, error_;
-};
-
-/// A command line ends with exit status 0, 1 or 2. An error is one line, of several inputs one for each; wrong usage
-/// writes no file and names the help. Inputs are left as they are. Returns the status.
+/// A command line keeps the promises of each run; wrong usage writes no file. Inputs are left as they are. Returns the status.
 inline int check_command_line(std::span<const std::byte> bytes) {
     static const CommandFolder folder;
     static const Grammar grammar;
-    std::vector<std::string> words = grammar.line(bytes);
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-
-    const auto from = std::filesystem::current_path();
-    std::filesystem::current_path(folder.path());
-    Captured captured("x.err");
-    const int status = run_program(int(words.size()), argv.data());
-    const std::string error = captured.end();
-    std::filesystem::remove("x.err");
-    std::filesystem::current_path(from);
-    if (std::getenv("SRBF_FUZZ_SHOW")) fmt::print(stderr, "{}\n  {} {}\n", fmt::join(words, " "), status, error);
-    const auto demand = [&](bool holds, const char* promise) {
-        if (!holds) fmt::print(stderr, "{}\nstatus {}: {}\n", fmt::join(words, " "), status, error);
-        require(holds, promise);
-    };
-    demand(status >= k_done && status <= k_usage, "a status of 0, 1 or 2");
-    demand(status == k_done || !error.empty(), "an error is said");
-    std::istringstream lines(error);
-    int count = 0;
-    for (std::string line; std::getline(lines, line); ++count) {
-        demand(line.starts_with("srbf: "), "a message begins with the program's name");
-        demand(std::ranges::none_of(line, [](unsigned char c) { return c < 0x20 || c == 0x7f; }),
-               "no control characters");
-    }
-    if (status == k_usage) {
-        demand(count == 1 && error.ends_with("--help)\n"), "wrong usage is one line that names the help");
-        demand(folder.outputs().empty(), "wrong usage writes nothing");
-    }
+    const std::vector<std::string> words = grammar.line(bytes);
+    const InProcess done = run_in_process(folder.path(), words);
+    if (done.status == k_usage)
+        require(folder.outputs().empty(), fmt::format("{}: wrong usage writes nothing", fmt::join(words, " ")));
     folder.check_inputs(words);
     folder.remove_outputs();
-    return status;
+    return done.status;
 }
 
 }  // namespace srbf

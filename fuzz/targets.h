@@ -1,31 +1,26 @@
 // Targets that run a reader on arbitrary bytes, for libFuzzer and for the test of the corpus.
 #pragma once
-#include <fmt/format.h>
-
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <random>
+#include <span>
 #include <string_view>
 #include <vector>
 
+#include "in_process.h"
 #include "render/environment.h"
 #include "render/mesh.h"
 #include "render/path.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/library.h"
+#include "srbf/load.h"
 #include "srbf/measured.h"
 #include "srbf/model.h"
+#include "srbf/prepared.h"
+#include "srbf/sampling.h"
 
 namespace srbf {
-
-/// Aborts if a documented property is violated, so that the fuzzer keeps the input.
-inline void require(bool holds, const char* promise) {
-    if (holds) return;
-    fmt::print(stderr, "broken: {}\n", promise);
-    std::abort();
-}
 
 /// An error is one line of bounded length that names its source.
 inline void check_error(const Error& error) {
@@ -242,11 +237,127 @@ inline void check_environment(const Result<Environment>& environment) {
     }
 }
 
+/// Directions that are sampled for views down to the horizon: unit vectors of positive density and finite weight, or none.
+inline void check_samples(const PreparedBrdf& brdf) {
+    std::mt19937_64 random(1);
+    for (const float cosine : {1.f, 0.8f, 0.3f, 0.01f, 1e-6f, 1e-30f, 0.f, -0.5f}) {
+        const Vec3f wv{std::sqrt(1 - cosine * cosine), 0, cosine};
+        for (int i = 0; i < 16; ++i) {
+            const float u = float(uniform(random)), v = float(uniform(random)), selector = float(uniform(random));
+            const LightSample s = sample(brdf, wv, {std::min(u, 0.9999999f), v}, std::min(selector, 0.9999999f));
+            require(is_finite(s.weight) && s.weight.r >= 0 && s.weight.g >= 0 && s.weight.b >= 0, "a finite weight");
+            require(std::isfinite(s.pdf) && s.pdf >= 0, "a density");
+            if (s.pdf > 0) require(s.wl.z > 0 && std::abs(dot(s.wl, s.wl) - 1) < 1e-4f, "a direction to the light");
+        }
+    }
+}
+inline void check_albedo(const PreparedBrdf& brdf) {
+    for (const float cosine : {1.f, 0.5f, 0.01f, 1e-7f, 0.f}) {
+        const Rgb a = albedo(brdf, cosine);
+        require(is_finite(a) && a.r >= 0 && a.g >= 0 && a.b >= 0, "an albedo is finite and not negative");
+    }
+}
+
+/// Whether a number of a text is no number.
+inline bool has_bad_number(std::string_view text) {
+    const auto is_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.'; };
+    for (const std::string_view bad : {"nan", "inf"})
+        for (std::size_t at = text.find(bad); at != text.npos; at = text.find(bad, at + 1))
+            if ((at == 0 || !is_letter(text[at - 1])) &&
+                (at + bad.size() == text.size() || !is_letter(text[at + bad.size()])))
+                return true;
+    return false;
+}
+
+/// What an option of `srbf export` accepts.
+inline std::vector<std::string> choices_of_export(std::string_view option) {
+    int status = 0;
+    CommandLine app("srbf", "", "", "");
+    add_subcommands(app, status);
+    for (const SubcommandHelp& sub : app.help().subcommands)
+        for (const OptionHelp& of : sub.options)
+            if (sub.name == "export" && of.names.back() == option) return of.choices;
+    return {};
+}
+
+/// What can be made of an input, as words after the program's name: each is written to "out" + the ending.
+struct Use {
+    std::vector<std::string> words;
+    std::string ending;
+};
+/// Exports to each destination that the program lists are `quick`; what computes for long is `slow`: the page, three.js, code with
+/// further functions, and a table of each format.
+struct Uses {
+    std::vector<Use> quick, slow;
+};
+inline Uses uses_of_models() {
+    Uses uses;
+    for (const std::string& kind : choices_of_export("--to"))
+        (kind == "html" || kind == "three" ? uses.slow : uses.quick).push_back({{"export", "in", "--to", kind}, ""});
+    for (const std::string& extra : choices_of_export("--with"))
+        uses.slow.push_back({{"export", "in", "--to", "c", "--with", extra}, ""});
+    for (const TableFormatRow& row : k_table_formats)
+        uses.slow.push_back({{"convert", "in"}, std::string(row.extension)});
+    return uses;
+}
+inline Uses uses_of_measurements() {
+    Uses uses{{{{"info", "in"}, ""}}, {}};
+    uses.slow.push_back({{"export", "model", "--to", "html", "--reference", "in"}, ""});
+    for (const TableFormatRow& row : k_table_formats)
+        uses.slow.push_back({{"convert", "in"}, std::string(row.extension)});
+    return uses;
+}
+
+/// What a file gave is prepared, evaluated and sampled, and exported by the program to each destination. Of what takes long the sum of
+/// the bytes chooses one.
+inline void check_uses(std::span<const std::byte> bytes) {
+    static const FuzzFolder folder;
+    static const Uses of_models = uses_of_models(), of_measurements = uses_of_measurements();
+    const auto write = [](const char* name, std::span<const std::byte> of) {
+        std::ofstream(folder.path() / name, std::ios::binary)
+            .write(reinterpret_cast<const char*>(of.data()), std::streamsize(of.size()));
+    };
+    std::size_t sum = 0;
+    for (const std::byte b : bytes) sum += std::size_t(b);
+    write("in", bytes);
+    const std::string path = (folder.path() / "in").string();
+    bool is_model = true;
+    std::string name = "in";
+    auto brdf = load_brdf(path);
+    if (!brdf) brdf = load_brdf(path + "#0"), name = is_library(bytes) ? "in" : "in#0";  // of a map all is exported
+    if (!brdf) return;
+    is_model = std::holds_alternative<Model>(*brdf);
+    const PreparedBrdf prepared =
+        std::visit([&](const auto& of) { return sum % 8 == 0 ? prepare(of) : prepare(of, CosineProposal{}); }, *brdf);
+    check_answers(Result<PreparedBrdf>(prepared));
+    check_samples(prepared);
+    if (sum % 8 == 0) return check_albedo(prepared);
+
+    if (!is_model) write("model", write_model({GgxModel{{0.1f, 0.1f, 0.1f}, {{0.4f, {0.5f, 0.5f, 0.5f}, 1}}}, {}}));
+    const Uses& uses = is_model ? of_models : of_measurements;
+    const auto use = [&](const Use& of) {
+        std::vector<std::string> words{"srbf"};
+        for (const std::string& word : of.words) words.push_back(word == "in" ? name : word);
+        const std::string out = "out" + of.ending;
+        if (of.words[0] != "info") words.insert(words.end(), {"-o", out});
+        const InProcess done = run_in_process(folder.path(), words);
+        const std::string line = fmt::format("{}: ", fmt::join(words, " ")), text = bytes_of(folder.path() / out);
+        require(done.status != k_usage, line + "only a file is wrong");
+        require(done.status == k_done || text.empty(), line + "an error writes nothing");
+        require(!has_bad_number(text), line + "numbers are finite");
+        std::filesystem::remove(folder.path() / out);
+    };
+    for (const Use& of : uses.quick) use(of);
+    use(uses.slow[sum / 8 % uses.slow.size()]);
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+        std::filesystem::remove_all(entry.path());
+}
+
 struct NamedTarget {
     std::string_view name;
     FuzzTarget check;
 };
-/// A target for each reader, and one for the recognition of formats.
+/// A target for each reader, one for the recognition of formats, and one for what is read.
 inline const NamedTarget k_targets[] = {
     {"merl", [](auto bytes) { check_answers(read_merl(bytes, "f")); }},
     {"rgl", [](auto bytes) { check_measured(read_rgl(bytes, "f")); }},
@@ -276,6 +387,7 @@ inline const NamedTarget k_targets[] = {
     {"ply", [](auto bytes) { check_picture(read_ply(bytes, "f")); }},
     {"obj", [](auto bytes) { check_picture(read_obj(bytes, "f")); }},
     {"environment", [](auto bytes) { check_environment(read_environment(bytes, "f")); }},
+    {"uses", check_uses},
 };
 
 }  // namespace srbf

@@ -14,6 +14,9 @@ def program():
     return next((name for name in ("chromium", "chromium-browser", "google-chrome") if shutil.which(name)), None)
 
 
+LIMIT = 3600  # seconds after which a browser hangs
+
+
 class Chromium:
     """A browser with one page. `problems` is what its console and network had to say."""
 
@@ -49,10 +52,10 @@ class Chromium:
             self.process.wait()
         self.profile.cleanup()
 
-    def receive(self, seconds=60):
+    def receive(self):
         """The next message."""
         while b"\0" not in self.rest:
-            if not select.select([self.in_], [], [], seconds)[0]:
+            if not select.select([self.in_], [], [], LIMIT)[0]:
                 raise TimeoutError("Chromium says nothing")
             more = os.read(self.in_, 1 << 20)
             if not more:

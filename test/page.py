@@ -7,7 +7,7 @@ import os
 import sys
 import time
 
-from chromium import WEBGL, Chromium, program
+from chromium import LIMIT, WEBGL, Chromium, program
 
 page, folder = sys.argv[1:3]
 
@@ -95,7 +95,7 @@ def under_environments(visit):
 
     def converged(step):
         chromium.run("viewer.settled()")  # what it says of samples is of these pictures
-        end = time.time() + 60
+        end = time.time() + LIMIT
         while chromium.run("viewer.scene(1).samples") < 12 and time.time() < end:
             chromium.settle()
         visit.take(step)
@@ -116,6 +116,14 @@ def under_environments(visit):
 def refused_environments(chromium):
     """What the page says to files that are no environments, and to a lost context."""
     said = {}
+
+    def says(new):
+        """What the page says, once that is new."""
+        end = time.time() + LIMIT
+        while not new(text := chromium.run("document.getElementById('said').innerText")) and time.time() < end:
+            chromium.settle()
+        return text
+
     for name, size, content in (("text.hdr", None, "no environment"), ("cut.hdr", None, "#?RADIANCE\\n\\n-Y 4 +X 8\\nxxx 40 bytes or more, but not 128 of them"),
                                 ("cut.exr", None, "\\x76\\x2f\\x31\\x01\\x02"), ("huge.hdr", 4 << 30, "#?")):
         chromium.run(f"""(() => {{
@@ -124,17 +132,15 @@ def refused_environments(chromium):
             given.items.add(file);
             const input = document.forms[0].file;
             input.files = given.files;
+            document.getElementById("said").textContent = "";
             input.dispatchEvent(new Event("change"));
-            return new Promise((done) => setTimeout(done, 200));
         }})()""")
-        said[name] = chromium.run("document.getElementById('said').innerText")
+        said[name] = says(lambda text: text)
     chromium.run("viewer.lose(true)")
-    chromium.run("new Promise((done) => setTimeout(done, 500))")
-    said["lost"] = chromium.run("document.getElementById('said').innerText")
+    said["lost"] = says(lambda text: text not in said.values())
     chromium.run("viewer.lose(false)")
-    chromium.run("new Promise((done) => setTimeout(done, 500))")
+    said["restored"] = says(lambda text: text != said["lost"])
     chromium.run("viewer.settled()")  # it draws again
-    said["restored"] = chromium.run("document.getElementById('said').innerText")
     return said
 
 
@@ -144,7 +150,7 @@ def without_webgl():
     chromium.open(page)
     shown = lambda selector: chromium.run(
         f"[...document.querySelectorAll({selector!r})].filter((e) => e.getBoundingClientRect().height > 0).length")
-    end = time.time() + 30
+    end = time.time() + LIMIT
     while not shown("#without") and time.time() < end:  # its worker tells it
         time.sleep(0.1)
     answers = {"said": shown("#without"), "viewer": shown("#viewer"), "rows": shown("tbody tr"), "slices": shown("svg.slice"),

@@ -28,9 +28,9 @@ namespace {
 const std::string k_film = (bundled_data() / "cc_ibiza_sunset_rgb.bsdf").string();
 constexpr FitChoice k_small{PmForm::horizon, 2, 2, Objective::raw};
 
-/// Polls until `enough`, a minute at most; whether it came to that.
+/// Polls until `enough`, an hour at most; whether it came to that.
 template <typename Enough> bool wait(Session& session, const Enough& enough) {
-    for (int i = 0; i < 6000; ++i) {
+    for (int i = 0; i < 360000; ++i) {
         session.poll();
         if (enough()) return true;
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -79,8 +79,10 @@ TEST(Session, AChoiceIsFittedMeasuredAndSwapped) {
 TEST(Session, CancelKeepsWhatIsOnDisplay) {
     Session session;
     ASSERT_TRUE(session.open(k_film));
+    const Stopwatch first;
     session.choose(k_small);
     ASSERT_TRUE(wait_until_idle(session));
+    const double seconds = first.seconds();
     FitChoice large;
     large.lobes = k_most_chosen_lobes, large.variates = 8;
     session.choose(large);
@@ -94,7 +96,7 @@ TEST(Session, CancelKeepsWhatIsOnDisplay) {
     session.choose(other);
     ASSERT_TRUE(wait_until_idle(session));
     EXPECT_EQ(session.fitted()->choice, other);
-    EXPECT_LT(watch.seconds(), 20);
+    EXPECT_LT(watch.seconds(), 10 * seconds + 1);
     session.choose(large);
     session.choose(k_small);  // given up for a newer one
     ASSERT_TRUE(wait_until_idle(session));
@@ -274,7 +276,7 @@ struct Screenshot {
 };
 Screenshot view(const TemporaryFolder& folder, const std::string& arguments) {
     const std::string command = "cd '" + folder.path.string() +
-                                "' && timeout 120 xvfb-run -a -s '-screen 0 1400x900x24' '" SRBF_PROGRAM "' view " +
+                                "' && xvfb-run -a -s '-screen 0 1400x900x24' '" SRBF_PROGRAM "' view " +
                                 arguments + " >out 2>err";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(folder / "err")};

@@ -201,7 +201,7 @@ def test_an_interrupt_ends_a_fit():
     with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout.readline() == "now\n"
         process.send_signal(signal.SIGINT)
-        assert process.communicate(timeout=30)[0].endswith("interrupted\n")
+        assert process.communicate()[0].endswith("interrupted\n")
         assert process.returncode == 0
 
 
@@ -426,6 +426,13 @@ def test_other_threads_run_while_arrays_are_indexed_and_tables_written(facets, t
     assert pause < 0.25 * (time.perf_counter() - start) + 0.1
 
 
+def slowness():
+    """How many times as long as usual a processor takes, at least 1."""
+    start = time.process_time()
+    sum(range(5_000_000))
+    return max(1, (time.process_time() - start) / 0.05)
+
+
 @pytest.mark.parametrize("work", ["srbf.render(paper, size=4096)", "paper.eval(w, w)", "paper.sample(w)", "[srbf.convert(paper, f'{folder}/x.bsdf') for _ in range(100)]",
                                   "srbf.convert(many, f'{folder}/x.csv')"])
 def test_an_interrupt_ends_long_calls(work, tmp_path):
@@ -437,9 +444,9 @@ def test_an_interrupt_ends_long_calls(work, tmp_path):
         assert process.stdout.readline() == "now\n"
         time.sleep(0.3)
         process.send_signal(signal.SIGINT)
-        words = process.communicate(timeout=300)[0].split()
-        # By the time of its processors, which a busy machine does not lengthen.
-        assert words[0] == "interrupted" and float(words[1]) < (0.3 + 2) * os.cpu_count() and process.returncode == 0
+        words = process.communicate()[0].split()
+        # By the time of its processors, which a busy machine does not lengthen, and by how fast they are.
+        assert words[0] == "interrupted" and float(words[1]) < (0.3 + 2 * slowness()) * os.cpu_count() and process.returncode == 0
 
 
 def test_a_picture_is_shown(paper, facets):

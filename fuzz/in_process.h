@@ -1,0 +1,114 @@
+// The program in this process, and what it promises of each of its runs.
+#pragma once
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/commands.h"
+
+namespace srbf {
+
+/// Aborts if a documented property is violated, so that the fuzzer keeps the input.
+inline void require(bool holds, std::string_view promise) {
+    if (holds) return;
+    fmt::print(stderr, "broken: {}\n", promise);
+    std::abort();
+}
+
+inline std::string bytes_of(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A folder that is removed at last.
+class FuzzFolder {
+  public:
+    FuzzFolder() {
+        std::string pattern = (std::filesystem::temp_directory_path() / "srbf-fuzz-XXXXXX").string();
+        require(::mkdtemp(pattern.data()) != nullptr, "a folder for files");
+        path_ = pattern;
+    }
+    ~FuzzFolder() { std::filesystem::remove_all(path_); }
+    FuzzFolder(const FuzzFolder&) = delete;
+    FuzzFolder& operator=(const FuzzFolder&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+
+  private:
+    std::filesystem::path path_;
+};
+
+/// Standard output goes nowhere, and standard error to a file, while it lives.
+class Captured {
+  public:
+    explicit Captured(const std::string& file)
+        : file_(file), out_(replaced(1, "/dev/null")), error_(replaced(2, file.c_str())) {}
+    /// Returns what stood on standard error.
+    std::string end() const {
+        std::fflush(stdout), std::fflush(stderr);
+        ::dup2(out_, 1), ::dup2(error_, 2);
+        ::close(out_), ::close(error_);
+        return bytes_of(file_);
+    }
+
+  private:
+    static int replaced(int number, const char* path) {
+        const int kept = ::dup(number), file = ::open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+        ::dup2(file, number);
+        ::close(file);
+        return kept;
+    }
+    std::string file_;
+    int out_, error_;
+};
+
+struct InProcess {
+    int status;
+    std::string error;
+    int lines;  ///< of it
+};
+
+/// Runs the program on the words in the folder. It ends with exit status 0, 1 or 2; without 0 it says why, in lines that begin with
+/// its name and have no control characters; wrong usage is one line that names the help.
+inline InProcess run_in_process(const std::filesystem::path& folder, std::vector<std::string> words) {
+    const std::string line = fmt::format("{}", fmt::join(words, " "));
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    const auto from = std::filesystem::current_path();
+    std::filesystem::current_path(folder);
+    Captured captured("x.err");
+    InProcess done{run_program(int(words.size()), argv.data()), {}, 0};
+    done.error = captured.end();
+    std::filesystem::remove("x.err");
+    std::filesystem::current_path(from);
+    if (std::getenv("SRBF_FUZZ_SHOW")) fmt::print(stderr, "{}\n  {} {}\n", line, done.status, done.error);
+    const auto demand = [&](bool holds, const char* promise) {
+        if (!holds) fmt::print(stderr, "{}\nstatus {}: {}\n", line, done.status, done.error);
+        require(holds, promise);
+    };
+    demand(done.status >= k_done && done.status <= k_usage, "a status of 0, 1 or 2");
+    demand(done.status == k_done || !done.error.empty(), "an error is said");
+    std::istringstream lines(done.error);
+    for (std::string text; std::getline(lines, text); ++done.lines) {
+        demand(text.starts_with("srbf: "), "a message begins with the program's name");
+        demand(std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7f; }),
+               "no control characters");
+    }
+    demand(done.status != k_usage || (done.lines == 1 && done.error.ends_with("--help)\n")),
+           "wrong usage is one line that names the help");
+    return done;
+}
+
+}  // namespace srbf

@@ -49,10 +49,10 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
 /// Fits of many files, with the same options.
 struct FolderFit {
     std::vector<std::string> inputs;
-    std::string folder;   // STEM.srbf and STEM.json of each input STEM.*
-    FileFit each;         // request and exchange
-    std::string options;  // everything that models depend on besides the input, as text
-    bool resume = false;  // keep what is done
+    std::string folder;    // STEM.srbf and STEM.json of each input STEM.*
+    FileFit each;          // request and exchange
+    std::string settings;  // the options that models depend on
+    bool resume = false;   // keep what is done
 };
 /// Prints a line for each file in their order, and a summary; returns the exit status. Failures do not stop the others.
 int fit_files(const FolderFit& fit);
@@ -64,8 +64,8 @@ struct TexelFits {
     std::size_t begin = 0, end = 0;  // the texels; end 0: all
     std::size_t slab = 1024;
     bool anisotropic = false;
-    std::string options;  // everything that models depend on besides the inputs, as text
-    bool resume = false;  // keep the slabs that are done
+    std::string settings;  // the options that models depend on
+    bool resume = false;   // keep the slabs that are done
 };
 /// Writes a stack of models (model.h) for each slab of texels; returns the exit status.
 int fit_texels(const TexelFits& fit);
@@ -78,7 +78,7 @@ struct BasisFit {
     double target_delta_e = 0;  // the fewest lobes, up to those of the options, with this mean error; 0: exactly those
     // Of texels:
     std::string pairs;      // empty: tables
-    std::string key;        // everything that the lobes depend on besides the inputs, as text
+    std::string settings;   // the options that coefficients depend on
     std::size_t width = 0;  // of a map; 0: no map
     std::size_t slab = 4096;
     bool resume = false;  // keep the texels that are done

@@ -1,7 +1,5 @@
 // The command line of `srbf fit`, and the requests that it makes.
 #pragma once
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <string>
@@ -21,6 +19,7 @@ struct FitCommand {
     int run() const;
 
     std::vector<std::string> inputs, given;
+    std::string settings;  // the options that results depend on
     std::string output, preview, json;
     std::string pairs;  // of texels; empty: none
     std::string basis;  // a number of shared lobes, or the library whose lobes are used; empty: none
@@ -90,10 +89,10 @@ struct FitCommand {
         return {inputs[0], output.empty() ? beside : output, preview, json, request(), exchange, read, band, given};
     }
     FolderFit folder_fit() const {
-        return {inputs, output, {{}, {}, {}, {}, request(), exchange, read, band, given}, options_text(), resume};
+        return {inputs, output, {{}, {}, {}, {}, request(), exchange, read, band, given}, settings, resume};
     }
     TexelFits texel_fits() const {
-        TexelFits fit{inputs[0], pairs, output, request(), first, last, slab, axial < 0, options_text(), resume};
+        TexelFits fit{inputs[0], pairs, output, request(), first, last, slab, axial < 0, settings, resume};
         auto& pm = std::get<PmRequest>(fit.request.model);
         if (!pm.size) pm.size = std::get<PmRequest>(BatchOptions{}.request.model).size;
         return fit;
@@ -101,7 +100,7 @@ struct FitCommand {
     BasisFit basis_fit() const {
         BasisFit fit;
         fit.inputs = inputs, fit.output = output, fit.pairs = pairs, fit.width = width, fit.resume = resume;
-        fit.key = options_text();
+        fit.settings = settings;
         const auto lobes_shared = to_number<int>(basis);
         if (!lobes_shared) fit.basis = basis;
         fit.options.form = *form_named(form), fit.options.variates = variates, fit.options.axial = axial >= 0;
@@ -109,15 +108,6 @@ struct FitCommand {
         fit.target_delta_e = target_delta_e;
         fit.options.max_theta = max_theta * k_degree, fit.options.seed = seed, fit.options.threads = threads;
         return fit;
-    }
-    /// All options that a model depends on.
-    std::string options_text() const {
-        return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}",
-                           model == "pbr" ? "pbr " + surface : model, form, objective, discretise, interpolation,
-                           with_index, channels, axial, no_scale, reciprocal, lobes_auto, exchange, max_theta, lobes,
-                           variates, directions, between, neighbours, seed, target_error, target_delta_e, budget,
-                           band) +
-               text_of(read);
     }
 };
 

@@ -66,13 +66,13 @@ struct FileOfMany {
 /// Fits one file, or finds that it is done: its report is that of the model, and the report's key covers the file's
 /// content, the options and the program's version.
 Result<State> fit_one(FileOfMany& of, const FolderFit& all, const ProgressToken& progress) {
-    Hash hash;
+    Key of_model("model", all.settings);
+    of_model.add(fs::path(of.fit.input).filename().string());
     if (const auto bytes = read_input(of.fit.input, of.fit.read))
-        hash.add(*bytes);
+        of_model.add(*bytes);
     else
         return bytes.error();
-    hash.add(as_bytes(fmt::format("{} {}", SRBF_VERSION, all.options)));
-    const std::string key = hash.text();
+    const std::string key = of_model.text();
     if (all.resume)
         if (const auto report = read_json(of.fit.json))
             if (const auto line = line_of(*report); line && report->value("key", Json()) == key)

@@ -15,7 +15,7 @@ namespace {
 
 /// The options of the command line, of which it is asked whether they are given.
 struct GivenOptions {
-    Option output, resume, picture, json;
+    Option input, output, resume, picture, json;
     Option surface, form, lobes, variates, axial, reciprocal, no_scale;
     Option exchanged, band, channels;
     std::vector<Option> of_samples;
@@ -65,11 +65,11 @@ Check lobes_or_auto() {
 }
 
 void add_files(const Subcommand& sub, FitCommand& to, GivenOptions& of) {
-    sub.add_option("INPUT", to.inputs,
-                   "The measurement: a table of MERL's, RGL's, UTIA's or MDL's layout, scattered samples,\n"
-                   "or BSDF XML of WINDOW and Radiance; several of them with a folder for the models")
-        .type_name("")
-        .required();
+    of.input = sub.add_option("INPUT", to.inputs,
+                              "The measurement: a table of MERL's, RGL's, UTIA's or MDL's layout, scattered samples,\n"
+                              "or BSDF XML of WINDOW and Radiance; several of them with a folder for the models")
+                   .type_name("")
+                   .required();
     of.output =
         sub.add_option("-o,--output", to.output,
                        "The model; default: INPUT's stem + .srbf in the working directory. Or a folder, for STEM.srbf\n"
@@ -435,6 +435,8 @@ void add_fit(CommandLine& app, int& status) {
             if (fit.into_folder() && !of.output.given())
                 of.output.fail("a folder is required for several inputs, --resume and --pairs");
             fit.given = sub.given();
+            // The key has the content of inputs; texels and the width only tell where coefficients stand.
+            fit.settings = sub.settings({of.input, of.pairs, of.output, of.resume, of.texels, of.width, of.threads});
             status = fit.run();
         },
         readings);

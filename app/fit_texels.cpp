@@ -5,18 +5,19 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "app/commands.h"
 #include "app/fit.h"
 #include "app/hash.h"
+#include "app/journal.h"
 #include "app/pairs.h"
 #include "srbf/basis.h"
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
 #include "srbf/half.h"
 #include "srbf/npy.h"
+#include "srbf/text.h"
 
 namespace srbf {
 namespace {
@@ -74,13 +75,44 @@ struct Summary {
     std::string first_failure;
 };
 
-/// A stack that an earlier run made of the same values by the same options; none if it is missing or not whole.
+constexpr char k_hash[] = "hash";
+
+/// The file of a stack with the hash of the file without it.
+std::vector<std::byte> write_hashed(ModelStack stack) {
+    stack.provenance[k_hash] = hash_of(write_stack(stack));
+    return write_stack(stack);
+}
+
+/// A stack that an earlier run made of the same values by the same options; none if it is missing or has changed.
 std::optional<ModelStack> done_before(const std::string& path, const std::string& key, std::size_t count) {
     const auto bytes = read_file(path);
     if (!bytes) return {};
     auto stack = read_stack(*bytes, path);
     if (!stack || stack->models.size() != count || stack->provenance["key"] != key) return {};
+    ModelStack without = *stack;
+    without.provenance.erase(k_hash);
+    if (write_hashed(std::move(without)) != *bytes) return {};
     return *std::move(stack);
+}
+
+/// Slabs in the folder that are of another division of the texels, or of more of them than there are: readers would take
+/// them for slabs of this file.
+Result<Done> check_slabs(const TexelFits& fit, const std::string& stem, std::size_t texels, std::size_t end) {
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(fit.folder, none)) {
+        const std::string name = entry.path().stem().string();
+        if (entry.path().extension() != ".srbf" || !name.starts_with(stem + "-")) continue;
+        const auto first = to_number<std::size_t>(std::string_view(name).substr(stem.size() + 1));
+        if (!first) continue;
+        const bool is_within = *first >= fit.begin && *first < end && (*first - fit.begin) % fit.slab != 0;
+        if (is_within || *first >= texels)
+            return Error{entry.path().string(),
+                         {},
+                         "slab",
+                         "none that begins at this texel",
+                         "one of another --slab or another file; delete it or write to another folder"};
+    }
+    return Done{};
 }
 
 }  // namespace
@@ -100,16 +132,19 @@ int fit_texels(const TexelFits& fit) {
     if (const auto folder = make_folder(fit.folder); !folder) return complain(folder.error());
 
     const std::string stem = fs::path(fit.input).stem().string();
+    const std::size_t end = fit.end > 0 ? fit.end : texels->count();
+    if (const auto alike = check_slabs(fit, stem, texels->count(), end); !alike) return complain(alike.error());
     const auto name_of = [&](std::size_t first) {
         return (fs::path(fit.folder) / fmt::format("{}-{:09}.srbf", stem, first)).string();
     };
-    Hash of_all;
+    Key of_all("slab", fit.settings);
     of_all.add(std::as_bytes(std::span(pairs->wl))), of_all.add(std::as_bytes(std::span(pairs->wv)));
-    of_all.add(as_bytes(fmt::format("{} {} {}", SRBF_VERSION, fit.options, fit.anisotropic)));
-    const auto key_of = [&](std::span<const Rgb> f) {
-        Hash hash = of_all;
-        hash.add(std::as_bytes(f));
-        return hash.text();
+    of_all.add(fs::path(fit.input).filename().string());
+    const auto key_of = [&](std::size_t first, std::span<const Rgb> f) {
+        Key key = of_all;
+        key.add(std::to_string(first));
+        key.add(std::as_bytes(f));
+        return key.text();
     };
 
     Summary summary;
@@ -121,11 +156,11 @@ int fit_texels(const TexelFits& fit) {
     ProgressLine line;
     BatchOptions options;
     options.request = fit.request;
-    TexelStream stream{fit.begin, fit.end > 0 ? fit.end : texels->count(), fit.slab, {}, {}, {}};
+    TexelStream stream{fit.begin, end, fit.slab, {}, {}, {}};
     std::string key;  // of the slab that was read last
     stream.read = [&](std::size_t first, std::span<Rgb> f) {
         auto read = texels->read(first, f);
-        key = key_of(f);
+        key = key_of(first, f);
         return read;
     };
     stream.is_done = [&](std::size_t first, std::size_t count) {
@@ -133,7 +168,7 @@ int fit_texels(const TexelFits& fit) {
         if (!fit.resume || !fs::exists(name_of(first), none)) return false;
         std::vector<Rgb> f(count * pairs->wl.size());
         if (!texels->read(first, f)) return false;
-        const auto stack = done_before(name_of(first), key_of(f), count);
+        const auto stack = done_before(name_of(first), key_of(first, f), count);
         if (stack) add_kept(*stack);
         return stack.has_value();
     };
@@ -154,7 +189,7 @@ int fit_texels(const TexelFits& fit) {
                             {"first", std::to_string(first)},
                             {"objective", std::string(name(fit.request.objective))},
                             {"key", key}};
-        return write_file(name_of(first), write_stack(stack));
+        return write_file(name_of(first), write_hashed(std::move(stack)));
     };
     const auto done = fit_batch({pairs->wl, pairs->wv, !fit.anisotropic}, stream, options,
                                 [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
@@ -204,84 +239,43 @@ std::vector<Rgb> spanning_texels(std::span<const Rgb> f, std::size_t pairs) {
     return chosen;
 }
 
-/// Coefficients that an earlier run made, and those that this one adds: a file of 16-bit floats, of each texel its
-/// 3 J coefficients and its error.
-class Journal {
-  public:
-    Journal(std::string path, std::size_t numbers) : path_(std::move(path)), texel_(numbers * sizeof(std::uint16_t)) {}
-    /// The number of texels that are whole in it, a multiple of the slab; the rest is cut off.
-    std::size_t kept(std::size_t slab) const {
-        std::error_code none;
-        const auto size = fs::file_size(path_, none);
-        if (none) return 0;
-        const std::size_t whole = std::size_t(size) / (slab * texel_) * slab;
-        fs::resize_file(path_, whole * texel_, none);
-        return none ? 0 : whole;
-    }
-    Result<Done> add(std::span<const std::uint16_t> numbers) const {
-        std::ofstream file(path_, std::ios::binary | std::ios::app);
-        file.write(reinterpret_cast<const char*>(numbers.data()), std::streamsize(numbers.size_bytes()));
-        file.flush();
-        if (!file) return Error{path_, {}, "cannot be written", "space", "an error"};
-        return Done{};
-    }
-    const std::string& path() const { return path_; }
-
-  private:
-    std::string path_;
-    std::size_t texel_;  // bytes
-};
-
-/// Coefficients as the journal has them, in the scale of 16-bit floats.
+/// A record of the journal: of each texel its 3 J coefficients and its error.
 std::vector<std::uint16_t> numbers_of(const TexelCoefficients& of, std::size_t J) {
     std::vector<std::uint16_t> numbers;
     for (std::size_t t = 0; t < of.error.size(); ++t) {
         for (std::size_t j = 0; j < J; ++j)
-            for (int c = 0; c < 3; ++c) numbers.push_back(to_half(std::min(of.coefficient[t * J + j][c], k_half_max)));
+            for (int c = 0; c < 3; ++c) numbers.push_back(to_half(of.coefficient[t * J + j][c]));
         numbers.push_back(to_half(of.error[t]));
     }
     return numbers;
 }
 
-/// The library of all texels, of the journal's numbers.
-Result<Library> whole_library(Library library, const Journal& journal, std::size_t count) {
-    const auto bytes = read_file(journal.path());
-    if (!bytes) return bytes.error();
-    const std::size_t J = std::size_t(library.basis.lobes), numbers = 3 * J + 1;
-    if (bytes->size() != count * numbers * sizeof(std::uint16_t))
-        return Error{journal.path(), {}, "size", "that of all texels", fmt::format("{} bytes", bytes->size())};
-    library.coefficient.resize(count * J), library.error.resize(count);
-    std::vector<std::uint16_t> of(numbers);
-    for (std::size_t t = 0; t < count; ++t) {
-        std::memcpy(of.data(), bytes->data() + t * numbers * sizeof of[0], numbers * sizeof of[0]);
-        for (std::size_t k = 0; k < 3 * J; ++k) library.coefficient[t * J + k / 3][int(k % 3)] = from_half(of[k]);
-        library.error[t] = from_half(of[3 * J]);
+/// Appends the coefficients and errors of a record to the library. Errors: it has no whole number of texels.
+Result<Done> add_texels(Library& library, std::span<const std::byte> record, const std::string& file_name) {
+    const std::size_t J = std::size_t(library.basis.lobes);
+    std::vector<std::uint16_t> of(3 * J + 1);
+    const std::size_t bytes = of.size() * sizeof of[0];
+    if (record.size() % bytes != 0)
+        return Error{file_name, {}, "record", "whole texels", fmt::format("{} bytes", record.size())};
+    for (; !record.empty(); record = record.subspan(bytes)) {
+        std::memcpy(of.data(), record.data(), bytes);
+        for (std::size_t j = 0; j < J; ++j)
+            library.coefficient.push_back({from_half(of[3 * j]), from_half(of[3 * j + 1]), from_half(of[3 * j + 2])});
+        library.error.push_back(from_half(of[3 * J]));
     }
-    return library;
+    return Done{};
 }
 
-/// The shared lobes: those that an earlier run has found for the same texels and options, or new ones.
+/// The shared lobes, and the coefficients of the texels in which they were found.
 Result<Library> texel_basis(const BasisFit& fit, const SharedPairs& pairs, const Texels& texels, ProgressLine& line) {
     const std::size_t M = pairs.wl.size(), spread = std::min(texels.count(), k_spread_texels);
     std::vector<Rgb> some(spread * M);
     for (std::size_t n = 0; n < spread; ++n)
         if (const auto read = texels.read(n * texels.count() / spread, std::span(some).subspan(n * M, M)); !read)
             return read.error();
-    Hash hash;
-    hash.add(std::as_bytes(std::span(some))), hash.add(std::as_bytes(std::span(pairs.wl)));
-    hash.add(std::as_bytes(std::span(pairs.wv)));
-    hash.add(as_bytes(fmt::format("{} {} {}", SRBF_VERSION, fit.key, texels.count())));
-    const std::string path = fit.output + ".basis";
-    if (const auto bytes = fit.resume ? read_file(path) : Result<std::vector<std::byte>>(Error{}); bytes)
-        if (auto library = read_library(*bytes, path); library && library->provenance["key"] == hash.text())
-            return library;
     auto library = fit_texel_basis(pairs, spanning_texels(some, M), fit.options,
                                    [&](const Progress& now) { return line.show(now.stage, now.fraction), true; });
-    if (!library) return library;
-    library->provenance = {{"generator", "srbf " SRBF_VERSION}, {"objective", "appearance"}, {"key", hash.text()}};
-    std::error_code none;
-    fs::remove(fit.output + ".part", none);
-    if (const auto written = write_file(path, write_library(*library)); !written) return written.error();
+    if (library) library->provenance = {{"generator", "srbf " SRBF_VERSION}, {"objective", "appearance"}};
     return library;
 }
 
@@ -301,34 +295,47 @@ int fit_texel_maps(const BasisFit& fit) {
                          fmt::format("a multiple of the width, {}", fit.width),
                          fmt::format("{}", texels->count()),
                          ErrorCode::argument});
+    if (const auto writable = check_outputs({fit.inputs[0], fit.pairs}, {fit.output}); !writable)
+        return complain(writable.error());
+    Key key("map", fit.settings);
+    for (const std::string& input : {fit.pairs, fit.inputs[0]})
+        if (const auto added = key.add_file(input); !added) return complain(added.error());
+    auto journal = Journal::open(fit.output, key.text(), fit.resume);
+    if (!journal) return complain(journal.error());
+
     const Stopwatch watch;
     ProgressLine line;
-    auto basis = texel_basis(fit, pairs, *texels, line);
+    auto basis = journal->kept.empty() ? texel_basis(fit, pairs, *texels, line)
+                                       : read_library(journal->kept[0], fit.output + ".part");
     if (!basis) return line.clear(), complain(basis.error());
+    if (journal->kept.empty())
+        if (const auto added = journal->add(write_library(*basis)); !added)
+            return line.clear(), complain(added.error());
     const double basis_seconds = watch.seconds();
-    const std::size_t J = std::size_t(basis->basis.lobes);
-    const Journal journal(fit.output + ".part", 3 * J + 1);
-    const std::size_t kept = fit.resume ? journal.kept(fit.slab) : 0;
-    std::error_code none;
-    if (!fit.resume) fs::remove(journal.path(), none);
+    Library library = *basis;
+    library.names.clear(), library.width = fit.width, library.coefficient.clear(), library.error.clear();
+    for (std::size_t n = 1; n < journal->kept.size(); ++n)
+        if (const auto added = add_texels(library, journal->kept[n], fit.output + ".part"); !added)
+            return line.clear(), complain(added.error());
+    const std::size_t J = std::size_t(basis->basis.lobes), kept = library.count();
     std::vector<Rgb> f;
     for (std::size_t first = kept; first < texels->count(); first += fit.slab) {
         f.resize(std::min(fit.slab, texels->count() - first) * M);
         if (const auto done = texels->read(first, f); !done) return line.clear(), complain(done.error());
         const auto numbers = numbers_of(fit_texels_to_basis(*basis, pairs, f, fit.options.threads), J);
-        if (const auto done = journal.add(numbers); !done) return line.clear(), complain(done.error());
+        const auto record = std::as_bytes(std::span(numbers));
+        if (const auto done = journal->add(record); !done) return line.clear(), complain(done.error());
+        if (const auto done = add_texels(library, record, fit.output); !done)
+            return line.clear(), complain(done.error());
         line.show("solving for coefficients", double(first) / double(texels->count()));
     }
     line.clear();
     const double seconds = watch.seconds() - basis_seconds;
-    basis->names.clear(), basis->width = fit.width;
-    auto library = whole_library(*std::move(basis), journal, texels->count());
-    if (!library) return complain(library.error());
-    const auto written = write_file(fit.output, write_library(*library));
+    const auto written = write_file(fit.output, write_library(library));
     if (!written) return complain(written.error());
-    fs::remove(journal.path(), none), fs::remove(fit.output + ".basis", none);
+    journal->remove();
     double sum = 0;
-    for (const float error : library->error) sum += double(error);
+    for (const float error : library.error) sum += double(error);
     fmt::print("{} texels of {} shared lobes, found in {:.1f} s; {} kept, the others in {:.1f} s, {:.4g} a second\n",
                grouped(texels->count()), J, basis_seconds, grouped(kept), seconds,
                double(texels->count() - kept) / std::max(seconds, 1e-9));

@@ -110,6 +110,18 @@ std::vector<std::string> Subcommand::given() const {
         if (option->count() > 0) names.push_back(option->get_name());
     return names;
 }
+std::string Subcommand::settings(const std::vector<Option>& besides) const {
+    std::string text;
+    for (CLI::Option* option : app_->get_options()) {
+        const std::vector<std::string>& results = option->results();
+        const bool is_default = results.size() == 1 && results[0] == option->get_default_str();
+        if (results.empty() || is_default || std::ranges::count(besides, Option(option)) > 0) continue;
+        text += option->get_name();
+        for (const std::string& result : results) text += '\0' + result;
+        text += '\n';
+    }
+    return text;
+}
 void Subcommand::footer(const std::string& text) const { app_->footer(text); }
 void Subcommand::callback(std::function<void()> run, std::vector<Reading> readings) const {
     app_->callback([app = app_, run = std::move(run), readings = std::move(readings)] {

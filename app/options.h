@@ -40,6 +40,8 @@ class Option {
     /// Ends the parsing with a usage error that names the option.
     [[noreturn]] void fail(const std::string& what) const;
 
+    friend bool operator==(const Option&, const Option&) = default;
+
   private:
     CLI::Option* option_;
 };
@@ -73,6 +75,10 @@ class Subcommand {
 
     /// The options of the command line, by their longest names.
     std::vector<std::string> given() const;
+
+    /// What a result depends on: the options of the command line and their texts, without those of `besides` and those
+    /// that have their default.
+    std::string settings(const std::vector<Option>& besides) const;
 
     void footer(const std::string& text) const;
     /// The action of the subcommand, once all its options are read. Before it are refused empty arguments, names of

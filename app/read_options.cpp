@@ -1,7 +1,5 @@
 #include "app/read_options.h"
 
-#include <fmt/format.h>
-
 #include "srbf/text.h"
 
 namespace srbf {
@@ -32,10 +30,6 @@ std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& to) {
                 return value && *value > 0 && *value <= 1e12f ? "" : "expected a number above 0, found " + text;
             });
     return {columns, quantity, floor};
-}
-
-std::string text_of(const ReadOptions& options) {
-    return options.any() ? fmt::format(" {} {} {}", options.columns, int(options.quantity), options.floor) : "";
 }
 
 }  // namespace srbf

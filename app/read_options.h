@@ -10,7 +10,5 @@ namespace srbf {
 
 /// Adds --columns, --quantity and --floor, which set `to`; it must outlive the command line's parsing.
 std::vector<Option> add_read_options(const Subcommand& sub, ReadOptions& to);
-/// What models depend on, as text; empty: nothing.
-std::string text_of(const ReadOptions& options);
 
 }  // namespace srbf

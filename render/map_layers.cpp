@@ -99,6 +99,10 @@ Result<Done> check_layers(const Library& library, const std::string& file_name) 
     if (library.width == 0) return refused("library", "a map (fit --width)", "materials without places");
     if (library.basis.lobes > k_most_layers)
         return refused("lobes", fmt::format("at most {}", k_most_layers), fmt::format("{}", library.basis.lobes));
+    for (const Rgb& of : library.coefficient)
+        if (const float largest = std::max({of.r, of.g, of.b}); largest > k_half_max)
+            return refused("coefficient", fmt::format("at most {:g}, the largest 16-bit float", k_half_max),
+                           fmt::format("{:g}", largest));
     return Done{};
 }
 

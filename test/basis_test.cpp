@@ -8,6 +8,7 @@
 #include "properties.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"
+#include "srbf/half.h"
 #include "srbf/library.h"
 #include "srbf/load.h"
 #include "srbf/sampling.h"
@@ -154,6 +155,58 @@ TEST(Basis, CoefficientsOfTexelsAreBoundedTowardsTheHorizon) {
     evaluate(material(library, 0), beyond_l, beyond_v, g);
     for (std::size_t i = 0; i < g.size(); ++i) EXPECT_LE(g[i].r * beyond_l[i].z * beyond_v[i].z, 2 * largest) << i;
     EXPECT_GT(found.coefficient[0].r, 0.05f);
+}
+
+/// Texels of one value each, with noise of 2 %: shared lobes invent nothing between the samples, and the stored
+/// coefficients have the error that is told.
+TEST(Basis, MatteTexelsHaveNoHighlights) {
+    std::mt19937_64 random(7);
+    std::vector<Vec3f> wl, wv;
+    for (int i = 0; i < 200; ++i) {
+        wl.push_back(to_float(random_direction(random, 0.2)));
+        wv.push_back(to_float(random_direction(random, 0.2)));
+    }
+    const auto drawn = [&](double from, double to) { return float(from + (to - from) * uniform(random)); };
+    std::vector<Rgb> colours, f;
+    for (int t = 0; t < 4; ++t) {
+        colours.push_back({drawn(0.02, 0.2), drawn(0.02, 0.2), drawn(0.02, 0.2)});
+        for (std::size_t i = 0; i < wl.size(); ++i) {
+            Rgb& of = f.emplace_back();
+            for (int c = 0; c < 3; ++c) of[c] = colours.back()[c] * drawn(0.965, 1.035);
+        }
+    }
+    const SharedPairs pairs{wl, wv, true};
+    BasisOptions options;
+    options.lobes = 8, options.threads = 1;
+    auto library = fit_texel_basis(pairs, f, options);
+    ASSERT_TRUE(library) << message(library.error());
+    const TexelCoefficients found = fit_texels_to_basis(*library, pairs, f, 1);
+    library->coefficient = found.coefficient, library->error = found.error;
+    EXPECT_TRUE(*library == rounded(*library));
+    std::vector<Vec3f> l, v;
+    for (double theta = 0; theta < 78; theta += 2)
+        for (const double phi : {0.0, 0.3, 1.0, 2.0, 3.0, k_pi})
+            l.push_back(to_float(spherical(theta * k_degree, 0.0))),
+                v.push_back(to_float(spherical(theta * k_degree, phi)));
+    for (std::size_t t = 0; t < colours.size(); ++t) {
+        EXPECT_LT(found.error[t], 0.025f);
+        std::vector<Rgb> g(l.size());
+        evaluate(material(*library, t), l, v, g);
+        for (std::size_t i = 0; i < g.size(); ++i)
+            for (int c = 0; c < 3; ++c) EXPECT_PRED3(near_relative, g[i][c], colours[t][c], 0.1) << t << ' ' << i;
+    }
+}
+
+/// Coefficients beyond the largest 16-bit float are not cut off: the solution knows of it, and its error is told.
+TEST(Basis, TexelsTooBrightForTheScaleHaveTheirErrors) {
+    const Library library = some_library(false);
+    const auto [wl, wv] = some_pairs(128);
+    std::vector<Rgb> f(wl.size());
+    evaluate(material(library, 0), wl, wv, f);
+    for (Rgb& of : f) of = {of.r, of.g, 1e6f * of.b};
+    const TexelCoefficients found = fit_texels_to_basis(library, {wl, wv, true}, f, 1);
+    for (const Rgb& of : found.coefficient) EXPECT_LE(std::max({of.r, of.g, of.b}), k_half_max);
+    EXPECT_GT(found.error[0], 0.3f);
 }
 
 /// Tables of the two materials.

@@ -7,6 +7,7 @@
 #include "measured_files.h"
 #include "models.h"
 #include "program.h"
+#include "render/map_layers.h"
 #include "srbf/convert.h"
 #include "srbf/file.h"
 
@@ -104,6 +105,53 @@ TEST(Formats, NumpyReadsModels) {
             std::string rest;
             EXPECT_FALSE(std::getline(out, rest));
         }
+}
+
+/// Values far beyond 16-bit floats, whose largest is 65504, are kept by a writer, or refused by it: none cuts them off.
+TEST(Formats, LargeValuesAreKeptOrRefused) {
+    const TemporaryFolder folder;
+    const auto refused = [&](const Model& model) {
+        const auto saved = save_model(model, folder / "x.srbf");
+        EXPECT_FALSE(saved.ok() || std::filesystem::exists(folder / "x.srbf"));
+        if (!saved) {
+            EXPECT_NE(message(saved.error()).find("at most 65504, the largest 16-bit float, found"), std::string::npos);
+        }
+    };
+    std::mt19937_64 random(1);
+    PmModel pm = random_model(random, {.lobes = 1, .variates = 1, .most_bandwidth = 2});
+    pm.coefficient = {{1e6f, 1, 1}};
+    refused({pm, {}});
+    refused({GgxModel{{0.1f, 0.1f, 1e6f}, {GgxModel::Lobe{}}}, {}});
+    BsdfModel bsdf;
+    bsdf.part[0] = std::make_shared<const Model>(Model{pm, {}});
+    refused({bsdf, {}});
+    Library map = random_map(random, {.lobes = 2}, 3, 2);
+    EXPECT_TRUE(check_layers(map, "map").ok());
+    map.coefficient[1].g = 1e6f;
+    EXPECT_FALSE(check_layers(map, "map").ok());
+
+    // f of 10⁷ by a log scale.
+    pm.coefficient = {{100, 100, 100}}, pm.log_scale = {11.5f};
+    ASSERT_TRUE(save_model({pm, {}}, folder / "m.srbf").ok());
+    write(folder / "p.csv", "wl_x,wl_y,wl_z,wv_x,wv_y,wv_z\n0,0.6,0.8,0.6,0,0.8\n");
+    const auto red = [&](const std::string& file) {
+        const std::string row = run(folder, {"eval", file, "--pairs", "p.csv"}).out;
+        const auto line = row.substr(row.find('\n') + 1);
+        std::size_t at = 0;
+        for (int comma = 0; comma < 6; ++comma) at = line.find(',', at) + 1;
+        return std::atof(line.c_str() + at);
+    };
+    const double expected = red("m.srbf");
+    EXPECT_GT(expected, 1e5);
+    for (const std::string output : {"o.csv", "o.binary", "o.bsdf", "o.mbsdf"}) {
+        const ProgramRun converted = run(folder, {"convert", "m.srbf", "-o", output});
+        ASSERT_EQ(converted.status, 0) << output << converted.err;
+        EXPECT_PRED3(near, red(output), expected, 0.1 * expected) << output;
+    }
+    // Facets have no scale.
+    const ProgramRun fit = run(folder, {"fit", "o.binary", "--model", "ggx", "--objective", "raw", "-o", "g.srbf"});
+    EXPECT_EQ(fit.status, 1);
+    EXPECT_NE(fit.err.find("the largest 16-bit float"), fit.err.npos) << fit.err;
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // Every option of every subcommand changes what is written, or is refused: none is accepted that the chosen mode does
 // not read.
+#include <sys/file.h>
+
 #include <map>
 #include <set>
 #include <sstream>
@@ -226,6 +228,149 @@ TEST_F(Options, are_read_or_refused) {
         }
     }
 }
+
+#ifdef SRBF_FAILING_CALLS
+/// Commands that resume, and their inputs.
+const std::tuple<const char*, std::string, Arguments> k_resuming[] = {
+    {"models", "fit m.binary -o o/ --model su --directions 8 --lobes 1 --objective raw", {"m.binary"}},
+    {"slabs", "fit t.npy --pairs p.csv -o o/ --slab 1 " + k_fit, {"t.npy", "p.csv"}},
+    {"a map", "fit t.npy --pairs p.csv --basis 1 --variates 1 -o o/map.srbf", {"t.npy", "p.csv"}},
+};
+
+/// Another measurement, or other pairs, that can be fitted as well.
+std::string changed(std::string content) {
+    if (const auto row = content.find('\n'); content.starts_with("wl_x"))
+        return content.insert(row + 1, content.substr(row + 1, content.find('\n', row + 1) - row))
+            .erase(content.rfind('\n', content.size() - 2) + 1);
+    content[content.size() - 2] = char(content[content.size() - 2] ^ 1);  // of the last number
+    return content;
+}
+
+class Resuming : public Options {
+  protected:
+    /// Runs a command until it is killed before it has finished its last output; what it leaves is in `left`.
+    void kill_at_the_end(const Arguments& arguments) {
+        std::filesystem::create_directories(folder / "o");
+        std::string count = run_failing(arguments, "-1", "5");
+        ASSERT_FALSE(count.empty());
+        std::filesystem::remove_all(folder / "o");
+        std::filesystem::create_directories(folder / "o");
+        count = run_failing(arguments, std::to_string(std::stol(count) - 2), "0");
+        ASSERT_TRUE(count.empty()) << "it was not killed";
+        for (const auto& entry : std::filesystem::directory_iterator(folder / "o"))  // a write that was not finished
+            if (entry.path().extension() == ".tmp") std::filesystem::remove(entry.path());
+        std::filesystem::rename(folder / "o", left / "o");
+    }
+    Written resumed(const Arguments& arguments) {
+        std::filesystem::copy(left / "o", folder / "o", std::filesystem::copy_options::recursive);
+        return written(arguments + Arguments{"--resume"});
+    }
+    Written fresh(const Arguments& arguments) {
+        std::filesystem::create_directories(folder / "o");
+        return written(arguments);
+    }
+    /// After any change a run that resumes makes what a fresh one does, or says that it cannot. Whether it is tried: it is
+    /// not if the command is refused.
+    bool try_resuming(const Arguments& arguments) {
+        SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
+        const Written expected = fresh(arguments);
+        if (expected.status != 0) return false;
+        const Written found = resumed(arguments);
+        if (found.status == 0) {
+            EXPECT_TRUE(found.files == expected.files);
+            return true;
+        }
+        EXPECT_EQ(found.status, 1);
+        EXPECT_NE(found.err.find("unfinished work"), found.err.npos) << found.err;
+        std::filesystem::copy(left / "o", folder / "o", std::filesystem::copy_options::recursive);
+        const Written anew = written(arguments);
+        EXPECT_TRUE(anew.files == expected.files);
+        EXPECT_NE(anew.err.find("is replaced"), anew.err.npos) << anew.err;
+        return true;
+    }
+
+    TemporaryFolder left;
+
+  private:
+    /// The number of calls of fsync, of a run that ended by itself.
+    std::string run_failing(const Arguments& arguments, const std::string& at, const std::string& error) {
+        const TemporaryFolder counted;
+        ::setenv("LD_PRELOAD", SRBF_FAILING_CALLS, 1);
+        ::setenv("SRBF_FAIL_CALL", "fsync", 1);
+        ::setenv("SRBF_FAIL_AT", at.c_str(), 1);
+        ::setenv("SRBF_FAIL_ERROR", error.c_str(), 1);
+        ::setenv("SRBF_FAIL_COUNT", (counted / "count").c_str(), 1);
+        (void)run(folder, arguments);
+        ::unsetenv("LD_PRELOAD");
+        return contents(counted / "count");
+    }
+};
+
+/// Between a killed run and the one that resumes it each option and each input changes.
+TEST_F(Resuming, mixes_nothing_old_into_the_new) {
+    const auto all = options();
+    for (const auto& [name, text, files] : k_resuming) {
+        SCOPED_TRACE(name);
+        const Arguments base = words(text);
+        std::filesystem::remove_all(left / "o");
+        kill_at_the_end(base);
+        if (HasFatalFailure()) return;
+        std::filesystem::copy(left / "o", folder / "o", std::filesystem::copy_options::recursive);
+        EXPECT_EQ(run(folder, base + Arguments{"--resume"}).out.find(" 0 kept"), std::string::npos);
+        EXPECT_TRUE(written(base + Arguments{"--resume"}).files == fresh(base).files);
+        int tried = 0;
+        for (const std::string& option : all.at(base[0])) {
+            if (k_changes_nothing.contains(option) || option == "--output" || option == "--pairs") continue;
+            Arguments with = base;
+            if (const auto at = std::ranges::find(with, option); at != with.end()) with.erase(at, at + 2);
+            const std::string argument = option == "--basis" ? "2" : k_argument.at(option);
+            with = with + Arguments{option} + words(argument);
+            tried += try_resuming(with);
+        }
+        EXPECT_GE(tried, 5);
+        for (const std::string& file : files) {
+            const std::string before = contents(folder / file);
+            ASSERT_NE(changed(before), before);
+            write(folder / file, changed(before));
+            EXPECT_TRUE(try_resuming(base));
+            write(folder / file, before);
+        }
+    }
+}
+
+/// A journal that is torn or changed is made again from there on; what is no journal is left alone; a second run waits
+/// for nobody and is refused.
+TEST_F(Resuming, takes_the_journal_of_a_map_for_what_it_is) {
+    const Arguments base = words(std::get<1>(k_resuming[2]));
+    const Written expected = fresh(base);
+    kill_at_the_end(base);
+    const std::string part = left / "o/map.srbf.part", whole = contents(part);
+    for (const std::size_t size : {std::size_t(9), whole.size() - 1}) {
+        write(part, whole.substr(0, size));
+        EXPECT_TRUE(resumed(base).files == expected.files) << size;
+    }
+    for (const std::size_t at : {whole.size() / 2, whole.size() - 1}) {
+        std::string other = whole;
+        other[at] = char(other[at] ^ 1);
+        write(part, other);
+        const Written found = resumed(base);
+        EXPECT_TRUE(found.files == expected.files) << at;
+        EXPECT_NE(found.err.find("made again"), found.err.npos) << found.err;
+    }
+    write(part, "a file of the user's");
+    EXPECT_EQ(resumed(base).status, 1);
+
+    write(part, whole);
+    std::filesystem::copy(left / "o", folder / "o", std::filesystem::copy_options::recursive);
+    const int held = ::open((folder / "o/map.srbf.part").c_str(), O_RDONLY);
+    ASSERT_EQ(::flock(held, LOCK_EX), 0);
+    for (const Arguments& more : {Arguments{}, Arguments{"--resume"}})
+        expect_failure(1, base + more, "another run that writes it");
+    ::close(held);
+    EXPECT_EQ(run(folder, base + Arguments{"--resume"}).status, 0);
+}
+
+#endif
 
 }  // namespace
 }  // namespace srbf::options_test

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 struct ReportCommand {
     std::vector<std::string> files, labels;
-    std::string folder, note, mesh = StudyOptions{}.mesh, up = "y";
+    std::string settings, folder, note, mesh = StudyOptions{}.mesh, up = "y";
     Sweep sweep = Sweep::whole;
     int threads = 0, jobs = 0;
 
@@ -152,7 +152,7 @@ int ReportCommand::run() const {
     remove_unfinished(folder);
 
     const int cores = threads > 0 ? threads : int(std::max(std::thread::hardware_concurrency(), 1u));
-    StudyOptions options{sweep, mesh, up == "z", cores, 1};
+    StudyOptions options{sweep, mesh, up == "z", cores, 1, settings};
     const std::size_t most = std::min(std::size_t(cores / k_cores_of_a_job), files.size());
     options.jobs = jobs > 0 ? std::min(jobs, int(files.size())) : jobs_within_memory(most);
     options.threads = std::max(cores / options.jobs, 1);
@@ -177,11 +177,12 @@ void add_report(CommandLine& app, int& status) {
     const auto command = std::make_shared<ReportCommand>();
     const Subcommand sub = app.add_subcommand(
         "report", "Fit all kinds of models to materials and compare them: a page, tables, pictures, the models");
-    sub.add_option("FILE", command->files, "Measurements").type_name("").required();
-    sub.add_option("-o,--output", command->folder,
-                   "The folder to write. Materials that are already complete there are skipped")
-        .type_name("DIR")
-        .required();
+    std::vector<Option> besides;  // on which no study depends
+    besides.push_back(sub.add_option("FILE", command->files, "Measurements").type_name("").required());
+    besides.push_back(sub.add_option("-o,--output", command->folder,
+                                     "The folder to write. Materials that are already complete there are skipped")
+                          .type_name("DIR")
+                          .required());
     sub.add_flag(
         "--quick", [command] { command->sweep = Sweep::quick; },
         "Fewer sizes, coarser pictures: about a minute per material on two cores");
@@ -199,19 +200,25 @@ void add_report(CommandLine& app, int& status) {
                 const auto at = text.find('=');
                 return at == 0 || at == text.npos ? fmt::format("expected NAME=TEXT, found {}", text) : "";
             });
-    sub.add_option("--note", command->note, "Text at the top of the page").type_name("TEXT");
-    sub.add_option("--threads", command->threads, "Total number of threads; 0: all of the machine")
-        .type_name("T")
-        .check(within(0, k_most_threads))
-        .capture_default_str();
-    sub.add_option("--jobs", command->jobs,
-                   "Number of materials at a time, which share the threads; 0: one for every four cores")
-        .type_name("N")
-        .check(within(0, k_most_threads))
-        .capture_default_str();
+    besides.push_back(labels);
+    besides.push_back(sub.add_option("--note", command->note, "Text at the top of the page").type_name("TEXT"));
+    besides.push_back(sub.add_option("--threads", command->threads, "Total number of threads; 0: all of the machine")
+                          .type_name("T")
+                          .check(within(0, k_most_threads))
+                          .capture_default_str());
+    besides.push_back(
+        sub.add_option("--jobs", command->jobs,
+                       "Number of materials at a time, which share the threads; 0: one for every four cores")
+            .type_name("N")
+            .check(within(0, k_most_threads))
+            .capture_default_str());
     sub.footer("Example:\n  srbf report materials/*.binary -o report --quick");
-    sub.callback([command, &status] { status = command->run(); },
-                 {{{labels}, "each with the name of a FILE", [command] { return command->labels_are_of_files(); }}});
+    sub.callback(
+        [command, sub, besides, &status] {
+            command->settings = sub.settings(besides);
+            status = command->run();
+        },
+        {{{labels}, "each with the name of a FILE", [command] { return command->labels_are_of_files(); }}});
 }
 
 }  // namespace srbf

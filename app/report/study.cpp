@@ -264,16 +264,12 @@ Result<std::string> study_name(const std::string& file, const StudyOptions& opti
         const auto part = load(file);
         return part ? Error{file, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind} : part.error();
     }
-    Hash hash;
-    hash.add(*bytes);
-    hash.add(as_bytes(fmt::format("{} {} {} {} {} {}", SRBF_VERSION, k_edition, name(options.sweep), options.mesh,
-                                  options.z_up, bytes->size())));
-    if (std::ranges::find(k_built_in_meshes, options.mesh) == k_built_in_meshes.end()) {
-        const auto mesh = read_file(options.mesh);
-        if (!mesh) return mesh.error();
-        hash.add(*mesh);
-    }
-    return fmt::format("{}-{}", plain(fs::path(file).stem().string()), hash.text());
+    Key key("study", fmt::format("{}\n{}", k_edition, options.settings));
+    key.add(fs::path(file).filename().string());
+    key.add(*bytes);
+    if (std::ranges::find(k_built_in_meshes, options.mesh) == k_built_in_meshes.end())
+        if (const auto added = key.add_file(options.mesh); !added) return added.error();
+    return fmt::format("{}-{}", plain(fs::path(file).stem().string()), key.text());
 }
 
 std::optional<Study> load_study(const std::string& folder) {

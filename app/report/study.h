@@ -19,13 +19,14 @@ inline constexpr char k_page_file[] = "page.html";
 inline constexpr std::array<double, 3> k_lobe_theta{0, 45, 75};
 inline constexpr std::size_t k_most_scans = 6;  ///< that are drawn
 
-/// Options of studies; all but the threads are part of a study's key.
+/// Options of studies.
 struct StudyOptions {
     Sweep sweep = Sweep::whole;
     std::string mesh = "knot";  ///< of the second picture; see `load_mesh`
     bool z_up = false;
-    int threads = 1;  ///< per fit and picture
-    int jobs = 1;     ///< number of materials at a time
+    int threads = 1;            ///< per fit and picture
+    int jobs = 1;               ///< number of materials at a time
+    std::string settings = {};  ///< the options of the command line that a study depends on, for its key
 };
 
 /// A finished study, in its folder STEM-KEY:

@@ -52,9 +52,12 @@ Result<Library> fit_to_basis(const Library& basis, std::span<const LibrarySource
 /// a dense library of these texels. Errors: those of `fit_library`, and no texel with a value above 0.
 Result<Library> fit_texel_basis(const SharedPairs& pairs, std::span<const Rgb> f, const BasisOptions& options,
                                 const ProgressToken& progress = {});
-/// The coefficients of texels, T × J: non-negative least squares at their own samples, with the weights of objective
-/// appearance for these values, NaN: not measured. A lobe that rises beyond the samples, towards the horizon, exceeds
-/// their largest f cosθl cosθv there by at most a factor of 1.6. `error`: of each √(Σ w |f−f̂|² / Σ w |f|²), 0 of a black one.
+/// The coefficients of texels, T × J, as they are stored, 16-bit floats: non-negative least squares at their own samples,
+/// with the weights of objective appearance for these values, NaN: not measured. A lobe that rises beyond the samples,
+/// towards the horizon, exceeds their largest f cosθl cosθv there by at most a factor of 1.6. A lobe that rises between
+/// or beyond them is used only if it is evident that a texel needs such lobes, and then by at most 1.6 times the largest
+/// coefficient of the library's materials relative to their largest value at the pairs. `basis`: dense. `error`: of each
+/// √(Σ w |f−f̂|² / Σ w |f|²) by these coefficients, 0 of a black one.
 struct TexelCoefficients {
     std::vector<Rgb> coefficient;
     std::vector<float> error;

@@ -138,7 +138,7 @@ std::vector<std::byte> write_model(const Model& model);
 Result<Model> read_model(std::span<const std::byte> bytes, const std::string& file_name);
 
 /// Writes `write_model(model)` to the file at `path`, which holds its previous content if there is an error. Errors:
-/// those of `write_file` (file.h); the provenance is too long to be read again.
+/// those of `write_file` (file.h); a coefficient above k_half_max; the provenance is too long to be read again.
 Result<Done> save_model(const Model& model, const std::string& path);
 /// Reads the model file at `path`. Errors: those of `read_file` (file.h) and of `read_model`; not enough memory.
 Result<Model> load_model(const std::string& path);

@@ -17,7 +17,9 @@
 #include "reporter.h"
 #include "samples/observe_samples.h"
 #include "srbf/basis.h"
+#include "srbf/elementary.h"
 #include "srbf/fit_samples.h"
+#include "srbf/half.h"
 
 namespace srbf {
 namespace {
@@ -27,6 +29,7 @@ constexpr std::size_t k_completed_pairs_of_texel = 4096;
 /// Searches for lobes, of which the best is kept: one alone ended far from the others for a map of GGX lobes
 /// (docs/basis.md).
 constexpr std::size_t k_searches = 3;
+constexpr double k_unlimited = std::numeric_limits<double>::infinity();
 
 /// Lobe j at pairs of directions, its coefficient being 1.
 std::vector<Rgb> lobe_values(const Library& basis, std::size_t j, std::span<const Vec3f> wl,
@@ -39,26 +42,105 @@ std::vector<Rgb> lobe_values(const Library& basis, std::size_t j, std::span<cons
     return values;
 }
 
-/// The largest coefficient of each lobe for samples whose f cosθl cosθv is at most 1. A lobe that has a larger peak where
-/// light or viewer is beyond all samples than where both are within may reach `k_most_excess` there; others have no limit.
-Eigen::ArrayXd largest_coefficients(const Library& basis, const SharedPairs& pairs) {
+/// The largest coefficients of the library's materials, of samples of theirs whose f cosθl cosθv is at most 1.
+Eigen::ArrayXd largest_shares(const Library& basis, const SharedPairs& pairs) {
+    const auto J = std::size_t(basis.basis.lobes);
+    Eigen::ArrayXd shares = Eigen::ArrayXd::Zero(Eigen::Index(J));
+    std::vector<Rgb> f(pairs.wl.size());
+    for (std::size_t t = 0; t < basis.count(); ++t) {
+        evaluate(material(basis, t), pairs.wl, pairs.wv, f);
+        double sampled = 0;
+        for (std::size_t i = 0; i < f.size(); ++i)
+            sampled = std::max(sampled, double(largest_of(f[i])) * cosines(pairs.wl[i], pairs.wv[i]));
+        for (std::size_t j = 0; j < J && sampled > 0; ++j) {
+            double& share = shares[Eigen::Index(j)];
+            share = std::max(share, double(largest_of(basis.coefficient[t * J + j])) / sampled);
+        }
+    }
+    return shares;
+}
+
+/// What samples tell of lobes.
+struct SampledLobes {
+    Eigen::MatrixXd values;  ///< M × J, of coefficient 1
+    Eigen::ArrayXd largest;  ///< coefficients for samples whose f cosθl cosθv is at most 1
+    std::vector<Eigen::Index> seen,
+        all;  ///< those that do not rise by `k_most_excess` between or beyond the samples; all
+};
+
+/// A lobe that rises beyond the samples, where light or viewer is nearer to the horizon than in all of them, may reach
+/// `k_most_excess` there. One that rises between or beyond them has no larger a coefficient, relative to the values at the
+/// samples, than `k_most_excess` times that of any of the texels in which the lobes were found.
+SampledLobes sampled_lobes(const Library& basis, const SharedPairs& pairs) {
     float least = 1;  // cosine of a sample
     for (std::size_t i = 0; i < pairs.wl.size(); ++i)
         if (const float cosine = std::min(pairs.wl[i].z, pairs.wv[i].z); cosine > 0) least = std::min(least, cosine);
     std::vector<Vec3f> wl, wv;
     for (const auto& grid : {horizon_grid(), brink_grid()})
         for (const DirectionPair& pair : grid) wl.push_back(pair.wl), wv.push_back(pair.wv);
-    Eigen::ArrayXd limit(basis.basis.lobes);
-    for (Eigen::Index j = 0; j < limit.size(); ++j) {
+    const auto M = Eigen::Index(pairs.wl.size()), J = Eigen::Index(basis.basis.lobes);
+    const Eigen::ArrayXd shares = largest_shares(basis, pairs);
+    SampledLobes lobes{Eigen::MatrixXd(M, J), Eigen::ArrayXd(J), {}, {}};
+    for (Eigen::Index j = 0; j < J; ++j) {
+        double at_samples = 0, within = 0, beyond = 0;
+        const std::vector<Rgb> sampled = lobe_values(basis, std::size_t(j), pairs.wl, pairs.wv);
+        for (std::size_t i = 0; i < sampled.size(); ++i) {
+            const double value = lobes.values(Eigen::Index(i), j) = double(sampled[i].r);
+            at_samples = std::max(at_samples, value * cosines(pairs.wl[i], pairs.wv[i]));
+        }
         const std::vector<Rgb> values = lobe_values(basis, std::size_t(j), wl, wv);
-        double within = 0, beyond = 0;
         for (std::size_t i = 0; i < wl.size(); ++i) {
             double& peak = std::min(wl[i].z, wv[i].z) < least ? beyond : within;
             peak = std::max(peak, double(values[i].r) * bound_cosines(wl[i], wv[i]));
         }
-        limit[j] = beyond > k_most_excess * within ? k_most_excess / beyond : std::numeric_limits<double>::infinity();
+        lobes.largest[j] = beyond > k_most_excess * within ? k_most_excess / beyond : k_unlimited;
+        lobes.all.push_back(j);
+        const bool is_seen = std::max(within, beyond) <= k_most_excess * at_samples;
+        if (is_seen)
+            lobes.seen.push_back(j);
+        else
+            lobes.largest[j] = std::min(lobes.largest[j], k_most_excess * shares[j]);
     }
-    return limit;
+    return lobes;
+}
+
+/// The coefficients of a texel, J × 3, as they are stored, and what they leave of the weighted squares.
+struct Solution {
+    Eigen::MatrixXd beta;
+    double rest = 0;
+};
+
+/// The non-negative least-squares solution of y (M × 3) by `which` of the lobes.
+Solution solved(const SampledLobes& lobes, const std::vector<Eigen::Index>& which, const Eigen::VectorXd& weight,
+                const Eigen::MatrixXd& y, const Eigen::VectorXd& limit) {
+    const Eigen::MatrixXd E = lobes.values(Eigen::all, which), weighted = weight.asDiagonal() * E,
+                          G = E.transpose() * weighted;
+    Solution of{Eigen::MatrixXd::Zero(lobes.values.cols(), y.cols())};
+    for (Eigen::Index c = 0; c < y.cols(); ++c) {
+        Eigen::VectorXd beta = bounded_least_squares(G, weighted.transpose() * y.col(c), limit(which));
+        for (double& number : beta) number = double(round_to_half(float(number)));
+        of.rest += (weight.array() * (y.col(c) - E * beta).array().square()).sum();
+        of.beta(which, c) = beta;
+    }
+    return of;
+}
+
+/// Whether `more` coefficients above 0 lower the squares of `count` values from `rest` to `left` by more than noise
+/// does: the Bayesian information criterion.
+bool is_evident(double rest, double left, std::size_t more, double count) {
+    return rest > left && (left == 0 || count * elementary::log(rest / left) > double(more) * elementary::log(count));
+}
+
+/// By the lobes that the samples see; by all if it is evident that these are not enough.
+Solution solved(const SampledLobes& lobes, const Eigen::VectorXd& weight, const Eigen::MatrixXd& y,
+                const Eigen::VectorXd& limit) {
+    Solution all = solved(lobes, lobes.all, weight, y, limit);
+    if (lobes.seen.size() == lobes.all.size()) return all;
+    Solution seen = solved(lobes, lobes.seen, weight, y, limit);
+    const double count = double(y.cols()) * double((weight.array() > 0).count());
+    const auto used = [](const Solution& of) { return (of.beta.array() > 0).count(); };
+    const auto more = std::size_t(std::max<Eigen::Index>(used(all) - used(seen), 1));
+    return is_evident(seen.rest, all.rest, more, count) ? all : seen;
 }
 
 /// The library of one search, with the coefficients of the observed texels; empty if it was cancelled.
@@ -130,16 +212,12 @@ TexelCoefficients fit_texels_to_basis(const Library& basis, const SharedPairs& p
                                       int threads) {
     const StandardArithmetic mode;
     const std::size_t M = pairs.wl.size(), T = f.size() / M, J = std::size_t(basis.basis.lobes);
-    Eigen::MatrixXd E{Eigen::Index(M), Eigen::Index(J)};
-    for (std::size_t j = 0; j < J; ++j) {
-        const std::vector<Rgb> values = lobe_values(basis, j, pairs.wl, pairs.wv);
-        for (std::size_t i = 0; i < M; ++i) E(Eigen::Index(i), Eigen::Index(j)) = double(values[i].r);
-    }
-    const Eigen::ArrayXd largest = largest_coefficients(basis, pairs);
+    const SampledLobes lobes = sampled_lobes(basis, pairs);
     TexelCoefficients all{std::vector<Rgb>(T * J), std::vector<float>(T)};
     parallel_for_parts(T, 64, threads, [&](std::size_t begin, std::size_t end) {
         std::vector<double> weight(M);
         std::vector<Rgb> value(M);
+        Eigen::MatrixXd y(Eigen::Index(M), 3);
         for (std::size_t t = begin; t < end; ++t) {
             double measured = 0;
             for (std::size_t i = 0; i < M; ++i) {
@@ -148,23 +226,17 @@ TexelCoefficients fit_texels_to_basis(const Library& basis, const SharedPairs& p
                 weight[i] = known ? 1 : 0;
                 value[i] = known ? Rgb{std::max(of.r, 0.f), std::max(of.g, 0.f), std::max(of.b, 0.f)} : Rgb{};
                 measured = std::max(measured, largest_of(value[i]) * cosines(pairs.wl[i], pairs.wv[i]));
+                for (int c = 0; c < 3; ++c) y(Eigen::Index(i), c) = double(value[i][c]);
             }
             const double typical = typical_value(Objective::appearance, pairs.wl, pairs.wv, value, weight);
             if (!(typical > 0)) continue;
             weigh(Objective::appearance, typical, pairs.wl, pairs.wv, value, weight, 1);
             const Eigen::Map<const Eigen::VectorXd> w(weight.data(), Eigen::Index(M));
-            const Eigen::MatrixXd weighted = w.asDiagonal() * E, G = E.transpose() * weighted;
-            const Eigen::VectorXd limit = measured * largest;
-            double energy = 0, rest = 0;
-            for (int c = 0; c < 3; ++c) {
-                Eigen::VectorXd y{Eigen::Index(M)};
-                for (std::size_t i = 0; i < M; ++i) y[Eigen::Index(i)] = double(value[i][c]);
-                const Eigen::VectorXd beta = bounded_least_squares(G, weighted.transpose() * y, limit);
-                for (std::size_t j = 0; j < J; ++j) all.coefficient[t * J + j][c] = float(beta[Eigen::Index(j)]);
-                energy += (w.array() * y.array().square()).sum();
-                rest += (w.array() * (y - E * beta).array().square()).sum();
-            }
-            all.error[t] = energy > 0 ? float(std::sqrt(rest / energy)) : 0.f;
+            const Solution of = solved(lobes, w, y, (measured * lobes.largest).min(double(k_half_max)));
+            for (std::size_t j = 0; j < J; ++j)
+                for (int c = 0; c < 3; ++c) all.coefficient[t * J + j][c] = float(of.beta(Eigen::Index(j), c));
+            const double energy = (w.asDiagonal() * y.cwiseAbs2()).sum();
+            all.error[t] = energy > 0 ? float(std::sqrt(of.rest / energy)) : 0.f;
         }
     });
     return all;

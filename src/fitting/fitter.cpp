@@ -14,6 +14,7 @@
 #include "floating_point.h"
 #include "measured/isotropy.h"
 #include "microfacets/fits.h"
+#include "model/range.h"
 #include "samples/observe_samples.h"
 #include "srbf/directions.h"
 #include "srbf/fitting.h"
@@ -423,6 +424,7 @@ namespace {
 Result<FitOutcome> fit_and_measure(Fitter fitter, const FitRequest& request, const ProgressToken& progress) {
     auto outcome = fitter.fit(request, progress.part(0, k_fitted));
     if (!outcome) return outcome;
+    if (const auto within = check_range(outcome->unrounded, "fit"); !within) return within.error();
     if (const auto measured = fitter.measure(*outcome, request, progress.part(k_fitted, 1)); !measured)
         return measured.error();
     return outcome;

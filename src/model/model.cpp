@@ -10,6 +10,7 @@
 #include "model/ggx_file.h"
 #include "model/library.h"
 #include "model/pbr_file.h"
+#include "model/range.h"
 #include "model/safetensors.h"
 #include "model/su_file.h"
 #include "model/texel.h"
@@ -18,6 +19,7 @@
 #include "srbf/half.h"
 #include "srbf/kernel.h"
 #include "srbf/text.h"
+#include "values.h"
 
 namespace srbf {
 namespace {
@@ -564,7 +566,47 @@ Result<Model> read_texel(std::span<const std::byte> bytes, std::uint64_t texel, 
     return Model{*std::move(model), std::move(provenance)};
 }
 
+namespace {
+
+double largest_number(const PmModel& model) {
+    double largest = 0;
+    for (const Rgb& beta : model.coefficient) largest = std::max(largest, largest_of(beta));
+    for (const float beta : model.spectrum) largest = std::max(largest, double(beta));
+    return largest;
+}
+double largest_number(const SuModel& model) {
+    double largest = 0;
+    for (const Rgb& beta : model.coefficient) largest = std::max(largest, largest_of(beta));
+    return largest;
+}
+double largest_number(const GgxModel& model) {
+    double largest = largest_of(model.diffuse);
+    for (const GgxModel::Lobe& lobe : model.lobes) largest = std::max({largest, largest_of(lobe.f0), double(lobe.f90)});
+    return largest;
+}
+double largest_number(const PbrModel&) { return 0; }  // its parameters have limits of their own
+double largest_number(const BsdfModel& model) {
+    double largest = 0;
+    for (const auto& part : model.part)
+        if (part)
+            largest = std::max(largest, std::visit([](const auto& of) { return largest_number(of); }, part->model));
+    return largest;
+}
+
+}  // namespace
+
+Result<Done> check_range(const Model& model, const std::string& source) {
+    const double largest = std::visit([](const auto& of) { return largest_number(of); }, model.model);
+    if (!(largest > double(k_half_max))) return Done{};
+    return Error{source,
+                 {},
+                 "coefficient",
+                 fmt::format("at most {:g}, the largest 16-bit float", k_half_max),
+                 fmt::format("{:.6g}", largest)};
+}
+
 Result<Done> save_model(const Model& model, const std::string& path) {
+    if (const auto within = check_range(model, path); !within) return within;
     const std::vector<std::byte> bytes = write_model(model);
     if (const auto readable = header_length(bytes, path); !readable) return readable.error();  // long provenance
     return write_file(path, bytes);

@@ -1,0 +1,34 @@
+#include "app/hash.h"
+
+#include <vector>
+
+#include "srbf/file.h"
+#include "srbf/file_reader.h"
+
+namespace srbf {
+
+Key::Key(std::string_view kind, std::string_view settings) {
+    for (const std::string_view text : {std::string_view(SRBF_VERSION), kind, settings}) add(text);
+}
+
+void Key::add(std::span<const std::byte> bytes) {
+    const std::uint64_t size = bytes.size();  // so that parts cannot be divided otherwise
+    hash_.add(std::as_bytes(std::span(&size, 1)));
+    hash_.add(bytes);
+}
+
+void Key::add(std::string_view text) { add(as_bytes(text)); }
+
+Result<Done> Key::add_file(const std::string& path) {
+    auto file = FileReader::open(path);
+    if (!file) return file.error();
+    std::vector<std::byte> block(std::size_t(1) << 20);
+    for (;;) {
+        const auto count = file->read(block);
+        if (!count) return count.error();
+        add(std::span(block).first(*count));
+        if (*count < block.size()) return Done{};
+    }
+}
+
+}  // namespace srbf

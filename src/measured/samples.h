@@ -128,6 +128,9 @@ inline std::size_t lines_of(std::span<const std::byte> bytes) {
     return std::size_t(std::ranges::count(bytes, std::byte('\n'))) + 1;
 }
 
+/// Whether wavelengths [nm] tell of a colour: at least three, from blue to red.
+bool has_colours(std::span<const float> wavelengths);
+
 /// Whether the first kilobytes of `bytes` are text.
 bool is_text(std::span<const std::byte> bytes);
 /// Recognition of the formats by their first lines.

@@ -8,6 +8,7 @@
 
 #include "measured/limits.h"
 #include "parallel.h"
+#include "srbf/colour.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
@@ -16,18 +17,27 @@ namespace srbf {
 
 namespace {
 
-/// Where x lies among rising nodes: between i and i + 1, at that share; beyond the ends at these.
+/// Where x lies among rising nodes: between i and `next`, at that share; beyond the ends at these.
 struct NodePlace {
-    std::size_t i = 0;
+    std::size_t i = 0, next = 0;
     double share = 0;
 };
 NodePlace place_among(std::span<const float> nodes, double x) {
     if (nodes.size() < 2 || !(x > double(nodes.front()))) return {};
-    if (x >= double(nodes.back())) return {nodes.size() - 2, 1};
-    const std::size_t next = std::size_t(std::ranges::upper_bound(nodes, float(x)) - nodes.begin());
-    const std::size_t i = std::clamp<std::size_t>(next, 1, nodes.size() - 1) - 1;
+    if (x >= double(nodes.back())) return {nodes.size() - 1, nodes.size() - 1, 0};
+    const std::size_t after = std::size_t(std::ranges::upper_bound(nodes, float(x)) - nodes.begin());
+    const std::size_t i = std::clamp<std::size_t>(after, 1, nodes.size() - 1) - 1;
     const double from = double(nodes[i]), to = double(nodes[i + 1]);
-    return {i, std::clamp((x - from) / (to - from), 0.0, 1.0)};
+    return {i, i + 1, std::clamp((x - from) / (to - from), 0.0, 1.0)};
+}
+
+/// Among nodes that a period continues: where they leave its end open, the first follows the last.
+NodePlace place_around(std::span<const float> nodes, double x, double period) {
+    const double first = double(nodes.front()), last = double(nodes.back());
+    x = std::fmod(x - first, period);
+    x = first + (x < 0 ? x + period : x);
+    if (nodes.size() < 2 || x <= last) return place_among(nodes, x);
+    return {nodes.size() - 1, 0, std::clamp((x - last) / (first + period - last), 0.0, 1.0)};
 }
 
 /// A weighted mean of what was measured.
@@ -39,13 +49,32 @@ struct ScatterMean {
     double result() const { return weight > 0 ? sum / weight : double(k_nan); }
 };
 
-/// The azimuth in the range of the nodes: by whole turns, or mirrored at the plane of incidence if they cover half a turn.
-double azimuth_within(std::span<const float> nodes, double phi) {
-    if (double(nodes.back()) <= k_pi + k_azimuth_rounding && double(nodes.front()) >= 0)
-        return std::abs(std::remainder(phi, 2 * k_pi));
-    const double first = double(nodes.front());
-    phi = std::fmod(phi - first, 2 * k_pi);
-    return first + (phi < 0 ? phi + 2 * k_pi : phi);
+/// Angles of files are rounded.
+constexpr double k_rounding = 1e-5;
+
+bool is_within(std::span<const float> nodes, double x) {
+    return x >= double(nodes.front()) - k_rounding && x <= double(nodes.back()) + k_rounding;
+}
+
+/// Where an azimuth lies among nodes of a whole turn, or of a half turn, which is mirrored at the plane of incidence.
+/// Nothing where nothing was measured: in a gap at the end of the nodes that is clearly wider than those between them.
+std::optional<NodePlace> azimuth_place(std::span<const float> nodes, double phi) {
+    if (nodes.size() == 1) return NodePlace{};
+    const double first = double(nodes.front()), last = double(nodes.back());
+    const auto is_wide = [&](double gap) {
+        double widest = 0;
+        for (std::size_t k = 1; k < nodes.size(); ++k)
+            widest = std::max(widest, double(nodes[k]) - double(nodes[k - 1]));
+        return gap > 1.5 * widest;
+    };
+    if (last <= k_pi + k_azimuth_rounding && first >= 0) {
+        const double x = std::abs(std::remainder(phi, 2 * k_pi));
+        if ((x < first && is_wide(2 * first)) || (x > last && is_wide(2 * (k_pi - last)))) return {};
+        return place_among(nodes, x);
+    }
+    const NodePlace place = place_around(nodes, phi, 2 * k_pi);
+    if (place.next < place.i && is_wide(first + 2 * k_pi - last)) return {};
+    return place;
 }
 
 /// Rotates about y by `theta`, from +z towards +x.
@@ -56,72 +85,87 @@ Vec3d tilted(const Vec3d& w, double theta) {
 
 double polar_of(const Vec3d& w) { return elementary::atan2(elementary::hypot(w.x, w.y), w.z); }
 
-/// The value of a slice at a direction given in the frame whose z is the mirror direction of its light.
-double slice_at(const ScatterTable& table, const ScatterTable::Slice& slice, const Vec3d& about_mirror) {
+/// A channel of a slice at a direction given in the frame whose z is the mirror direction of its light; NaN beyond its
+/// nodes.
+double slice_at(const ScatterTable& table, const ScatterTable::Slice& slice, const Vec3d& about_mirror,
+                std::size_t channel) {
     Vec3d w = about_mirror;
     double phi = elementary::atan2(-w.y, -w.x);  // 180° goes on towards grazing
     if (!table.about_mirror) {
         w = tilted(about_mirror, double(slice.theta_l));
         phi = elementary::atan2(w.y, w.x);  // 0 is the side of the mirror direction
     }
-    const NodePlace p = place_among(slice.polar, polar_of(w));
-    const std::size_t n = slice.azimuth.size();
-    NodePlace a = place_among(slice.azimuth, azimuth_within(slice.azimuth, phi));
-    std::size_t next = std::min(a.i + 1, n - 1);
-    // Where the nodes leave the end of the turn open, the first follows the last.
-    const double last = double(slice.azimuth.back()), turn = azimuth_within(slice.azimuth, phi);
-    if (turn > last && n > 1) {
-        const double gap = double(slice.azimuth.front()) + 2 * k_pi - last;
-        a = {n - 1, std::clamp((turn - last) / gap, 0.0, 1.0)}, next = 0;
-    }
+    const double theta = polar_of(w);
+    const auto a = theta > k_rounding ? azimuth_place(slice.azimuth, phi) : NodePlace{};  // the axis has no azimuth
+    if (!a || !is_within(slice.polar, theta)) return double(k_nan);
+    const NodePlace p = place_among(slice.polar, theta);
+    const std::size_t n = slice.azimuth.size(), begin = channel * slice.polar.size() * n;
     ScatterMean mean;
-    for (const auto& [row, share] :
-         {std::pair(p.i, 1 - p.share), {std::min(p.i + 1, slice.polar.size() - 1), p.share}}) {
-        mean.add(double(slice.f[row * n + a.i]), share * (1 - a.share));
-        mean.add(double(slice.f[row * n + next]), share * a.share);
+    for (const auto& [row, share] : {std::pair(p.i, 1 - p.share), {p.next, p.share}}) {
+        mean.add(double(slice.f[begin + row * n + a->i]), share * (1 - a->share));
+        mean.add(double(slice.f[begin + row * n + a->next]), share * a->share);
     }
     return mean.result();
 }
 
-/// The value of a rotation of the sample, linear in the angle of incidence.
-double rotation_at(const ScatterTable& table, std::size_t rotation, double theta_l, const Vec3d& about_mirror) {
+/// The directions of a look-up: θ_l, θ_v, and the viewer in the frame whose z is the mirror direction of the light.
+struct ScatterDirections {
+    double theta_l, theta_v;
+    Vec3d about_mirror;
+};
+
+/// A channel at a rotation of the sample, linear in the angle of incidence.
+double rotation_at(const ScatterTable& table, std::size_t rotation, const ScatterDirections& of, std::size_t channel) {
     const std::size_t first = table.first[rotation], count = table.first[rotation + 1] - first;
     std::vector<float> nodes;
     for (std::size_t k = 0; k < count; ++k) nodes.push_back(table.slices[first + k].theta_l);
-    const NodePlace at = place_among(nodes, theta_l);
+    const NodePlace at = place_among(nodes, of.theta_l);
     ScatterMean mean;
-    mean.add(slice_at(table, table.slices[first + at.i], about_mirror), 1 - at.share);
-    if (at.share > 0) mean.add(slice_at(table, table.slices[first + at.i + 1], about_mirror), at.share);
+    for (const auto& [k, share] : {std::pair(at.i, 1 - at.share), {at.next, at.share}}) {
+        const ScatterTable::Slice& slice = table.slices[first + k];
+        // At the same place about the mirror direction a slice may answer for viewers beyond its polar angles.
+        if (share > 0 && (table.about_mirror || is_within(slice.polar, of.theta_v)))
+            mean.add(slice_at(table, slice, of.about_mirror, channel), share);
+    }
     return mean.result();
 }
 
 }  // namespace
 
+double light_azimuth(const ScatterTable& table, double rotation) {
+    return table.about_mirror ? rotation + k_pi / 2 : k_pi - rotation;
+}
+
 Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return {};
     const double phi_l = elementary::atan2(double(wl.y), double(wl.x));
-    const double theta_l = polar_of({double(wl.x), double(wl.y), double(wl.z)});
     // The frame whose +x is the side of the mirror direction.
     const double c = -elementary::cos(phi_l), s = -elementary::sin(phi_l);
-    const Vec3d forward{c * double(wv.x) + s * double(wv.y), c * double(wv.y) - s * double(wv.x), double(wv.z)};
-    const Vec3d about_mirror = tilted(forward, -theta_l);
-    double f = 0;
-    if (table.rotation.size() == 1) {
-        f = rotation_at(table, 0, theta_l, about_mirror);
-    } else {
-        const double turn = azimuth_within(table.rotation, phi_l);
-        NodePlace at = place_among(table.rotation, turn);
-        std::size_t next = at.i + 1;
-        if (const double last = double(table.rotation.back()); turn > last) {
-            const double gap = double(table.rotation.front()) + 2 * k_pi - last;
-            at = {table.rotation.size() - 1, std::clamp((turn - last) / gap, 0.0, 1.0)}, next = 0;
+    Vec3d forward{c * double(wv.x) + s * double(wv.y), c * double(wv.y) - s * double(wv.x), double(wv.z)};
+    NodePlace at;
+    if (table.rotation.size() > 1) {
+        double rotation = table.about_mirror ? phi_l - k_pi / 2 : k_pi - phi_l;
+        const double last = double(table.rotation.back());
+        const bool is_half = last <= k_pi + k_azimuth_rounding, is_quarter = last <= k_pi / 2 + k_azimuth_rounding;
+        if (is_quarter) {
+            rotation = std::remainder(rotation, k_pi);
+            if (rotation < 0) rotation = -rotation, forward.y = -forward.y;
         }
-        ScatterMean mean;
-        mean.add(rotation_at(table, at.i, theta_l, about_mirror), 1 - at.share);
-        if (at.share > 0) mean.add(rotation_at(table, next, theta_l, about_mirror), at.share);
-        f = mean.result();
+        at = is_quarter ? place_among(table.rotation, rotation)
+                        : place_around(table.rotation, rotation, is_half ? k_pi : 2 * k_pi);
     }
-    return {table.tint.r * float(f), table.tint.g * float(f), table.tint.b * float(f)};
+    ScatterDirections of{polar_of({double(wl.x), double(wl.y), double(wl.z)}), polar_of(forward), {}};
+    of.about_mirror = tilted(forward, -of.theta_l);
+    std::array<double, 3> all{};
+    for (std::size_t channel = 0; channel < table.channels; ++channel) {
+        ScatterMean mean;
+        mean.add(rotation_at(table, at.i, of, channel), 1 - at.share);
+        if (at.share > 0) mean.add(rotation_at(table, at.next, of, channel), at.share);
+        all[channel] = mean.result();
+    }
+    const float grey = float(all[0]);
+    const Rgb f = table.channels == 1 ? Rgb{grey, grey, grey} : to_rgb(Xyz{all[0], all[1], all[2]});
+    return {table.tint.r * f.r, table.tint.g * f.g, table.tint.b * f.b};
 }
 
 Rgb value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
@@ -130,7 +174,7 @@ Rgb value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
     return f;
 }
 
-double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& slice, bool with_cosine) {
+double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& slice, std::size_t channel) {
     // Cells of a degree of the hemisphere about the normal, of which the table answers for each middle.
     constexpr int k_polar = 180, k_turn = 360;
     double sum = 0;
@@ -139,8 +183,8 @@ double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& sl
         for (int j = 0; j < k_turn; ++j) {
             const double phi = (j + 0.5) * 2 * k_pi / k_turn;
             const Vec3d w{s * elementary::cos(phi), s * elementary::sin(phi), c};
-            const double f = slice_at(table, slice, tilted(w, -double(slice.theta_l)));
-            if (std::isfinite(f)) sum += f * s * (with_cosine ? c : 1);
+            const double f = slice_at(table, slice, tilted(w, -double(slice.theta_l)), channel);
+            if (std::isfinite(f)) sum += f * s * c;
         }
     }
     return sum * (k_pi / 2 / k_polar) * (2 * k_pi / k_turn);
@@ -149,8 +193,13 @@ double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& sl
 void mask_gaps(ScatterTable& table) {
     for (ScatterTable::Slice& slice : table.slices) {
         if (std::ranges::all_of(slice.f, [](float f) { return f == 0; })) continue;
-        for (float& f : slice.f)
-            if (f == 0) f = k_nan, ++table.masked;
+        const std::size_t n = slice.f.size() / table.channels;
+        for (std::size_t i = 0; i < n; ++i) {
+            bool is_gap = true;
+            for (std::size_t at = i; at < slice.f.size(); at += n) is_gap = is_gap && slice.f[at] == 0;
+            if (is_gap) ++table.masked;
+            for (std::size_t at = i; is_gap && at < slice.f.size(); at += n) slice.f[at] = k_nan;
+        }
     }
 }
 
@@ -195,7 +244,8 @@ ScatterTable to_scatter(const Evaluate& part, bool about_mirror, bool isotropic,
     table.first.push_back(std::uint32_t(table.slices.size()));
     parallel_for(table.slices.size(), threads, [&](std::size_t k) {
         ScatterTable::Slice& slice = table.slices[k];
-        const double phi_l = double(table.rotation[k / incidence.size()]), theta_l = double(slice.theta_l);
+        const double phi_l = light_azimuth(table, double(table.rotation[k / incidence.size()]));
+        const double theta_l = double(slice.theta_l);
         const std::size_t n = polar.size() * azimuth.size();
         const std::vector<Vec3f> wl(n, to_float(spherical(theta_l, phi_l)));
         std::vector<Vec3f> wv;

@@ -215,15 +215,10 @@ Rgb value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
     return {std::max(f.r, 0.0f), std::max(f.g, 0.0f), std::max(f.b, 0.0f)};
 }
 
-namespace {
-
-/// Whether wavelengths [nm] tell of a colour: at least three, from blue to red.
 bool has_colours(std::span<const float> wavelengths) {
     constexpr float blue = 500, red = 600;
     return wavelengths.size() >= 3 && wavelengths.front() <= blue && wavelengths.back() >= red;
 }
-
-}  // namespace
 
 SampleBuilder::SampleBuilder(Values values, std::vector<float> wavelengths, std::size_t bytes, std::size_t rows)
     : values_(values), bytes_(bytes) {

@@ -101,6 +101,25 @@ TEST(Zemax, BeyondItsAnglesNothingWasMeasured) {
     EXPECT_TRUE(std::isnan(value(*half, {0, 0, 1}, to_float(spherical(0.3, 1.2))).g));
 }
 
+/// About the normal the angles of the viewer decide, also with light beyond the last angle of incidence.
+TEST(Speos, BeyondItsAnglesNothingWasMeasured) {
+    ScatterTable table;
+    table.rotation = {0}, table.first = {0, 1};
+    const std::vector<float> polar{0, float(70 * k_degree)}, azimuth{0, float(k_pi), float(2 * k_pi)};
+    table.slices.push_back({float(30 * k_degree), polar, azimuth, std::vector<float>(6, 0.2f)});
+    const ScatterTable* const one[] = {&table};
+    const auto of = read(write_speos(one));
+    ASSERT_TRUE(of.ok()) << message(of.error());
+    for (const double theta_l : {0.0, 30.0, 80.0})
+        for (const double phi : {0.0, 90.0, 180.0})
+            for (const double theta_v : {5.0, 40.0, 69.9, 70.1}) {
+                const float f = value(*of, to_float(spherical(theta_l * k_degree, k_pi)),
+                                      to_float(spherical(theta_v * k_degree, phi * k_degree)))
+                                    .g;
+                EXPECT_TRUE(theta_v > 70 ? std::isnan(f) : near(f, 0.2, 1e-3)) << theta_l << ' ' << theta_v << ' ' << f;
+            }
+}
+
 /// Three blocks of CIE tristimulus values are a colour; names differ in case.
 TEST(Zemax, ColoursAreTristimulusValues) {
     std::string text = k_zemax;

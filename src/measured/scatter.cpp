@@ -56,25 +56,33 @@ bool is_within(std::span<const float> nodes, double x) {
     return x >= double(nodes.front()) - k_rounding && x <= double(nodes.back()) + k_rounding;
 }
 
-/// Where an azimuth lies among nodes of a whole turn, or of a half turn, which is mirrored at the plane of incidence.
-/// Nothing where nothing was measured: in a gap at the end of the nodes that is clearly wider than those between them.
-std::optional<NodePlace> azimuth_place(std::span<const float> nodes, double phi) {
-    if (nodes.size() == 1) return NodePlace{};
-    const double first = double(nodes.front()), last = double(nodes.back());
-    const auto is_wide = [&](double gap) {
-        double widest = 0;
-        for (std::size_t k = 1; k < nodes.size(); ++k)
-            widest = std::max(widest, double(nodes[k]) - double(nodes[k - 1]));
-        return gap > 1.5 * widest;
-    };
-    if (last <= k_pi + k_azimuth_rounding && first >= 0) {
-        const double x = std::abs(std::remainder(phi, 2 * k_pi));
-        if ((x < first && is_wide(2 * first)) || (x > last && is_wide(2 * (k_pi - last)))) return {};
-        return place_among(nodes, x);
+/// Whether nodes are those of a half turn, which is mirrored at the plane of incidence.
+bool are_mirrored(std::span<const float> nodes) {
+    return double(nodes.back()) <= k_pi + k_azimuth_rounding && nodes.front() >= 0;
+}
+
+NodePlace azimuth_place(std::span<const float> nodes, double phi) {
+    return are_mirrored(nodes) ? place_among(nodes, std::abs(std::remainder(phi, 2 * k_pi)))
+                               : place_around(nodes, phi, 2 * k_pi);
+}
+
+/// Whether an azimuth was measured: it is not in a gap at the end of the nodes that is clearly wider than those between
+/// them.
+bool has_azimuth(std::span<const float> nodes, double phi) {
+    if (nodes.size() == 1) return true;
+    const double first = double(nodes.front()), last = double(nodes.back()),
+                 x = std::abs(std::remainder(phi, 2 * k_pi));
+    double gap = 0;
+    if (!are_mirrored(nodes)) {
+        const NodePlace place = azimuth_place(nodes, phi);
+        gap = place.next < place.i ? first + 2 * k_pi - last : 0;
+    } else if (x < first || x > last) {
+        gap = 2 * (x < first ? first : k_pi - last);
     }
-    const NodePlace place = place_around(nodes, phi, 2 * k_pi);
-    if (place.next < place.i && is_wide(first + 2 * k_pi - last)) return {};
-    return place;
+    double widest = 0;
+    for (std::size_t k = 1; gap > 0 && k < nodes.size(); ++k)
+        widest = std::max(widest, double(nodes[k]) - double(nodes[k - 1]));
+    return gap <= 1.5 * widest;
 }
 
 /// Rotates about y by `theta`, from +z towards +x.
@@ -85,34 +93,36 @@ Vec3d tilted(const Vec3d& w, double theta) {
 
 double polar_of(const Vec3d& w) { return elementary::atan2(elementary::hypot(w.x, w.y), w.z); }
 
-/// A channel of a slice at a direction given in the frame whose z is the mirror direction of its light; NaN beyond its
-/// nodes.
-double slice_at(const ScatterTable& table, const ScatterTable::Slice& slice, const Vec3d& about_mirror,
+/// The directions of a look-up: θ_l, and the viewer in the frame whose +x is the side of the mirror direction, and in that
+/// whose z is the mirror direction.
+struct ScatterDirections {
+    double theta_l;
+    Vec3d about_normal, about_mirror;
+};
+
+/// The azimuth in the nodes of a table of a direction in the frame that the nodes are about.
+double azimuth_of(const ScatterTable& table, const Vec3d& w) {
+    // About the mirror direction 180° goes on towards grazing.
+    return table.about_mirror ? elementary::atan2(-w.y, -w.x) : elementary::atan2(w.y, w.x);
+}
+
+/// A channel of a slice at the same place about the mirror direction; NaN beyond its nodes.
+double slice_at(const ScatterTable& table, const ScatterTable::Slice& slice, const ScatterDirections& of,
                 std::size_t channel) {
-    Vec3d w = about_mirror;
-    double phi = elementary::atan2(-w.y, -w.x);  // 180° goes on towards grazing
-    if (!table.about_mirror) {
-        w = tilted(about_mirror, double(slice.theta_l));
-        phi = elementary::atan2(w.y, w.x);  // 0 is the side of the mirror direction
-    }
-    const double theta = polar_of(w);
-    const auto a = theta > k_rounding ? azimuth_place(slice.azimuth, phi) : NodePlace{};  // the axis has no azimuth
-    if (!a || !is_within(slice.polar, theta)) return double(k_nan);
-    const NodePlace p = place_among(slice.polar, theta);
+    const Vec3d& viewer = table.about_mirror ? of.about_mirror : of.about_normal;
+    const double theta = polar_of(viewer);
+    if (!is_within(slice.polar, theta)) return double(k_nan);
+    if (theta > k_rounding && !has_azimuth(slice.azimuth, azimuth_of(table, viewer))) return double(k_nan);
+    const Vec3d w = table.about_mirror ? viewer : tilted(of.about_mirror, double(slice.theta_l));
+    const NodePlace p = place_among(slice.polar, polar_of(w)), a = azimuth_place(slice.azimuth, azimuth_of(table, w));
     const std::size_t n = slice.azimuth.size(), begin = channel * slice.polar.size() * n;
     ScatterMean mean;
     for (const auto& [row, share] : {std::pair(p.i, 1 - p.share), {p.next, p.share}}) {
-        mean.add(double(slice.f[begin + row * n + a->i]), share * (1 - a->share));
-        mean.add(double(slice.f[begin + row * n + a->next]), share * a->share);
+        mean.add(double(slice.f[begin + row * n + a.i]), share * (1 - a.share));
+        mean.add(double(slice.f[begin + row * n + a.next]), share * a.share);
     }
     return mean.result();
 }
-
-/// The directions of a look-up: θ_l, θ_v, and the viewer in the frame whose z is the mirror direction of the light.
-struct ScatterDirections {
-    double theta_l, theta_v;
-    Vec3d about_mirror;
-};
 
 /// A channel at a rotation of the sample, linear in the angle of incidence.
 double rotation_at(const ScatterTable& table, std::size_t rotation, const ScatterDirections& of, std::size_t channel) {
@@ -121,12 +131,8 @@ double rotation_at(const ScatterTable& table, std::size_t rotation, const Scatte
     for (std::size_t k = 0; k < count; ++k) nodes.push_back(table.slices[first + k].theta_l);
     const NodePlace at = place_among(nodes, of.theta_l);
     ScatterMean mean;
-    for (const auto& [k, share] : {std::pair(at.i, 1 - at.share), {at.next, at.share}}) {
-        const ScatterTable::Slice& slice = table.slices[first + k];
-        // At the same place about the mirror direction a slice may answer for viewers beyond its polar angles.
-        if (share > 0 && (table.about_mirror || is_within(slice.polar, of.theta_v)))
-            mean.add(slice_at(table, slice, of.about_mirror, channel), share);
-    }
+    mean.add(slice_at(table, table.slices[first + at.i], of, channel), 1 - at.share);
+    if (at.share > 0) mean.add(slice_at(table, table.slices[first + at.next], of, channel), at.share);
     return mean.result();
 }
 
@@ -154,8 +160,8 @@ Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
         at = is_quarter ? place_among(table.rotation, rotation)
                         : place_around(table.rotation, rotation, is_half ? k_pi : 2 * k_pi);
     }
-    ScatterDirections of{polar_of({double(wl.x), double(wl.y), double(wl.z)}), polar_of(forward), {}};
-    of.about_mirror = tilted(forward, -of.theta_l);
+    const double theta_l = polar_of({double(wl.x), double(wl.y), double(wl.z)});
+    const ScatterDirections of{theta_l, forward, tilted(forward, -theta_l)};
     std::array<double, 3> all{};
     for (std::size_t channel = 0; channel < table.channels; ++channel) {
         ScatterMean mean;
@@ -177,13 +183,14 @@ Rgb value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
 double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& slice, std::size_t channel) {
     // Cells of a degree of the hemisphere about the normal, of which the table answers for each middle.
     constexpr int k_polar = 180, k_turn = 360;
+    const double theta_l = double(slice.theta_l);
     double sum = 0;
     for (int i = 0; i < k_polar; ++i) {
         const double theta = (i + 0.5) * k_pi / 2 / k_polar, c = elementary::cos(theta), s = elementary::sin(theta);
         for (int j = 0; j < k_turn; ++j) {
             const double phi = (j + 0.5) * 2 * k_pi / k_turn;
             const Vec3d w{s * elementary::cos(phi), s * elementary::sin(phi), c};
-            const double f = slice_at(table, slice, tilted(w, -double(slice.theta_l)), channel);
+            const double f = slice_at(table, slice, {theta_l, w, tilted(w, -theta_l)}, channel);
             if (std::isfinite(f)) sum += f * s * c;
         }
     }

@@ -11,6 +11,7 @@
 #include "app/hash.h"
 #include "srbf/directions.h"
 #include "srbf/file.h"
+#include "srbf/peak.h"
 #include "srbf/printable.h"
 
 namespace srbf {
@@ -43,6 +44,10 @@ Json report_of(const FileFit& fit, const Measured& measured, const BsdfOutcome& 
                 {"answered_by", part.answered_by ? Json(name(*part.answered_by)) : Json()},
                 {"black", part.black},
                 {"squared_error_ratio", part.squared_error_ratio}};
+        if (const auto& own = std::get<BsdfTable>(measured.table).band().part[std::size_t(part.part)]) {
+            const Peak peak = peak_of(*own);
+            of["peak"] = name(peak.place), of["peak_ratio"] = peak.ratio;
+        }
         for (const Hemispherical& sum : part.hemispherical)
             of["hemispherical"].push_back({{"theta", degrees_of(sum.theta)},
                                            {"phi", degrees_of(sum.phi)},
@@ -81,6 +86,10 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
         fmt::print("  {:<20} {:>7} {:>12}   {}\n", name(part.part), bytes, percent(part.squared_error_ratio),
                    sums_text(part.hemispherical));
     }
+    fmt::print("\n");
+    for (const PartFit& part : outcome.parts)
+        if (const auto& own = table.band().part[std::size_t(part.part)])
+            fmt::print("  {:<20} {}\n", name(part.part), peak_text(peak_of(*own), is_transmission(part.part)));
     const auto& beams = std::get<BsdfModel>(outcome.model.model).beam;
     for (std::size_t b = 0; b < beams.size(); ++b)
         if (!beams[b].empty())

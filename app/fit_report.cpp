@@ -8,6 +8,7 @@
 #include "app/hash.h"
 #include "srbf/directions.h"
 #include "srbf/fit_samples.h"
+#include "srbf/peak.h"
 
 namespace srbf {
 namespace {
@@ -154,6 +155,7 @@ std::string_view kind_of(const FitRequest& request) {
 
 Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& outcome) {
     const FitRequest& request = fit.request;
+    const Peak peak = peak_of(measured);
     Json json{
         {"source", fit.input},  {"source_format", measured.format}, {"source_bytes", measured.bytes},
         {"output", fit.output}, {"version", SRBF_VERSION},          {"model", kind_of(request)},
@@ -174,6 +176,8 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
         {"stop_reason", outcome.stop ? Json(name(*outcome.stop)) : Json()},
         {"masked_samples", outcome.masked},
         {"clamped_samples", outcome.clamped},
+        {"peak", name(peak.place)},
+        {"peak_ratio", peak.ratio},
     });
     if (std::holds_alternative<SuModel>(outcome.model.model)) json["empty_directions"] = outcome.empty_directions;
     add_measures(json, *outcome.errors, "");
@@ -221,6 +225,7 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     if (auxiliary > 0) fmt::print("  run time  {} bytes of index texture and direction table\n", grouped(auxiliary));
     if (outcome.empty_directions > 0) fmt::print("  empty     {} directions without data\n", outcome.empty_directions);
     if (outcome.masked > 0) fmt::print("  masked    {} samples that were not measured\n", grouped(outcome.masked));
+    fmt::print("  peak      {}\n", peak_text(peak_of(measured)));
     print_repeatability(outcome);
     fmt::print("\n");
     print_measures({{"as stored", &*outcome.errors}, {"before rounding", &*outcome.unrounded_errors}});

@@ -14,6 +14,7 @@
 #include "srbf/file.h"
 #include "srbf/fit_batch.h"
 #include "srbf/library.h"
+#include "srbf/peak.h"
 
 namespace srbf {
 namespace {
@@ -121,9 +122,9 @@ void print_table(const ScatterTable& table) {
     const ScatterTable::Slice& of = table.slices.front();
     print_row(
         "dimensions",
-        fmt::format("{} rotations of the sample, {} angles of incidence in all, {} polar × {} azimuths about the {}",
+        fmt::format("{} rotations of the sample, {} angles of incidence in all, {} polar × {} azimuths about the {}{}",
                     table.rotation.size(), table.slices.size(), of.polar.size(), of.azimuth.size(),
-                    table.about_mirror ? "mirror direction" : "normal"));
+                    table.about_mirror ? "mirror direction" : "normal", table.channels == 1 ? "" : ", CIE X, Y, Z"));
     Range theta_l, polar, value;
     std::uint64_t values = 0;
     std::string tis;
@@ -132,9 +133,10 @@ void print_table(const ScatterTable& table) {
         theta_l.add(float(double(slice.theta_l) / k_degree));
         for (const float p : slice.polar) polar.add(float(double(p) / k_degree));
         for (const float f : slice.f) value.add(f);
-        values += slice.f.size();
+        values += slice.f.size() / table.channels;
         if (k < table.first[1] && k < 20)
-            tis += fmt::format("{}{:.4g} at {:.3g}°", k ? ", " : "", scatter_integral(table, slice, true),
+            tis += fmt::format("{}{:.4g} at {:.3g}°", k ? ", " : "",
+                               scatter_integral(table, slice, table.channels == 1 ? 0 : 1),
                                double(slice.theta_l) / k_degree);
     }
     print_row("θl", theta_l.text() + " degrees");
@@ -185,6 +187,8 @@ void print_behaviour(const Subject& subject) {
         print_row("warning",
                   fmt::format("it reflects more light than it receives at θv = {}", fmt::join(bright, ", ")));
 
+    const auto* measured = std::get_if<Measured>(&subject.content);
+    print_row("peak", peak_text(measured ? peak_of(*measured) : peak_of(brdf)));
     const Evaluate exchanged[] = {[&](auto wl, auto wv, auto f) { brdf(wv, wl, f); }};
     constexpr double max_theta = 80;
     const Measures reciprocity = measure_heldout(brdf, exchanged, {max_theta * k_degree, 0})[0];
@@ -192,7 +196,6 @@ void print_behaviour(const Subject& subject) {
                                                percent(reciprocity.squared_error_ratio_cosine), max_theta));
     if (const auto repeats = repeatability(subject.content)) print_row("repeats", repeats_text(*repeats));
     // A measurement before its negative channels are clamped.
-    const auto* measured = std::get_if<Measured>(&subject.content);
     const Evaluate as_measured = measured ? signed_evaluator(*measured) : brdf;
     const std::vector<Vec3f> directions = fibonacci_directions(512, max_theta * k_degree);
     std::vector<Rgb> f(directions.size());
@@ -215,6 +218,7 @@ void print_sides(const Subject& subject) {
     for (const double theta : k_info_theta) fmt::print("{:>9}°", theta);
     fmt::print("\n");
     std::array<std::array<double, k_info_theta.size()>, 2> of_side{};
+    std::string peaks;
     for (std::size_t p = 0; p < k_parts; ++p) {
         const Part part = Part(p);
         if (!has_part(subject.content, part)) continue;
@@ -228,6 +232,9 @@ void print_sides(const Subject& subject) {
             fmt::print("{:>#10.4g}", sum);
         }
         fmt::print("\n");
+        const auto of = measured ? std::get<BsdfTable>(measured->table).band().part[p] : nullptr;
+        peaks += fmt::format("  {:<22}{}\n", name(part),
+                             peak_text(of ? peak_of(*of) : peak_of(part_of(bsdf, part)), is_transmission(part)));
     }
     for (const std::size_t side : {0, 1}) {
         fmt::print("  {:<22}", side ? "all, from the back" : "all, from the front");
@@ -236,6 +243,7 @@ void print_sides(const Subject& subject) {
         if (std::ranges::any_of(of_side[side], [](double sum) { return sum > 1; }))
             print_row("warning", "more light leaves it than it receives");
     }
+    fmt::print("\n{}", peaks);
 }
 
 /// A library of materials that share their lobes, as a whole.

@@ -60,7 +60,7 @@ template <typename Each> void members(ScatterTable::Slice& of, const Each& each)
 }
 template <typename Each> void members(ScatterTable& of, const Each& each) {
     each(of.about_mirror), each(of.transmission), each(of.rotation), each(of.first), each(of.slices), each(of.tint);
-    each(of.masked);
+    each(of.masked), each(of.channels);
 }
 template <typename Each> void members(Beam& of, const Each& each) { each(of.theta), each(of.share), each(of.azimuths); }
 template <typename Each> void members(BsdfTable::Band& of, const Each& each) {

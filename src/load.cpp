@@ -236,9 +236,14 @@ ScatteredSamples gridded(const Evaluate& brdf, std::string description) {
             }
     samples.colour.resize(samples.wl.size());
     brdf(samples.wl, samples.wv, samples.colour);
-    for (Rgb& f : samples.colour)
-        if (!is_finite(f)) f = {};
-    return samples;
+    ScatteredSamples measured;
+    measured.description = std::move(samples.description);
+    for (std::size_t i = 0; i < samples.wl.size(); ++i) {
+        if (!is_finite(samples.colour[i])) continue;
+        measured.wl.push_back(samples.wl[i]), measured.wv.push_back(samples.wv[i]);
+        measured.colour.push_back(samples.colour[i]);
+    }
+    return measured;
 }
 
 std::vector<std::byte> text_bytes(const std::string& text) {

@@ -129,7 +129,7 @@ std::vector<float> flat(std::span<const Rgb> colours) {
 
 constexpr int k_compared_albedo_points = 1 << 16;
 
-/// The albedos at these angles [rad], [angle][BRDF].
+/// The albedos at these angles [rad], [angle][BRDF], over the pairs at which the first BRDF was measured.
 std::vector<std::vector<Rgb>> albedos(std::span<const Evaluate> brdfs, std::span<const double> theta_v,
                                       const MeasureOptions& options) {
     using Sum = std::array<double, 3>;
@@ -141,12 +141,13 @@ std::vector<std::vector<Rgb>> albedos(std::span<const Evaluate> brdfs, std::span
         const Vec3d wv = spherical(theta_v[task / parts], 0.0);
         const Quadrature points = mixture.quadrature_of_part(int(task % parts), wv, k_compared_albedo_points);
         const std::vector<Vec3f> viewer(points.w.size(), to_float(wv));
-        std::vector<Rgb> f(points.w.size());
+        std::vector<Rgb> f(points.w.size()), first;
         for (std::size_t k = 0; k < brdfs.size(); ++k) {
             brdfs[k](points.w, viewer, f);
+            if (k == 0) first = f;
             for (std::size_t i = 0; i < f.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c)
-                    if (const float value = f[i][int(c)]; !std::isnan(value))
+                    if (const float value = f[i][int(c)]; !std::isnan(value) && !std::isnan(first[i][int(c)]))
                         sums[task][k][c] += points.weight[i] * double(points.w[i].z) * double(value);
         }
     });

@@ -168,11 +168,11 @@ TEST_F(OfModel, info_tells_what_a_file_is) {
     const ProgramRun measured = run(*fitted, {"info", k_paper}), model = run(*fitted, {"info", "m.srbf"});
     EXPECT_EQ(measured.status + model.status, 0) << measured.err << model.err;
     for (const char* word :
-         {"RGL", "658,928 bytes", "masked entries", "albedo R", "reciprocity error", "smallest value"})
+         {"RGL", "658,928 bytes", "masked entries", "albedo R", "  peak ", "reciprocity error", "smallest value"})
         EXPECT_NE(measured.out.find(word), std::string::npos) << word;
     EXPECT_NE(measured.out.find("more light than it receives at θv = 85°\n"),
               std::string::npos);  // where it is extrapolated
-    for (const char* word : {"2 lobes × 2 variates", "paper_white_rgb.bsdf", "objective", "albedo R"})
+    for (const char* word : {"2 lobes × 2 variates", "paper_white_rgb.bsdf", "objective", "albedo R", "  peak "})
         EXPECT_NE(model.out.find(word), std::string::npos) << word;
 }
 

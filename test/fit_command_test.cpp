@@ -31,6 +31,8 @@ TEST_F(Command, fit_writes_model_picture_and_report) {
     EXPECT_GT(json.value("fit_seconds", 0.0), 0.0);
     EXPECT_GT(json.value("load_seconds", 0.0), 0.0);
     EXPECT_NE(json.value("stop_reason", ""), "");
+    EXPECT_EQ(json.value("peak", ""), "none");  // of a paper
+    EXPECT_NE(first.out.find("  peak      no highlight (matte)"), std::string::npos);
     for (const std::string prefix : {"", "unrounded_"}) {
         Arguments names{"albedo_error"};
         for (const std::string& name : k_measure_names) names = names + Arguments{name, "heldout_" + name};

@@ -184,6 +184,47 @@ TEST(Klems, NamesAreReadAsTheyAreWritten) {
               std::string::npos);
 }
 
+/// Bands in colour are one: R, G and B; Visible with CIE-X and CIE-Z, whose equal values are white; wavelengths.
+TEST(Klems, ColoursAreOfSeveralBands) {
+    const auto file = [](std::initializer_list<std::pair<const char*, double>> bands) {
+        std::string blocks;
+        for (const auto& [name, f] : bands)
+            blocks += matrix_xml(
+                "Reflection Front", "small", 9, [f = f](auto, auto) { return f; }, name);
+        return bsdf_xml(small_basis_xml(), blocks);
+    };
+    const auto colour_of = [](const Result<Measured>& of) { return value(*of, {0, 0.6f, 0.8f}, {0, 0, 1}); };
+    for (const auto& text :
+         {file({{"R", 0.1}, {"G", 0.2}, {"B", 0.3}}), file({{"Blue", 0.3}, {"red", 0.1}, {"Green", 0.2}}),
+          file({{"Visible", 0.4}, {"B", 0.3}, {"R", 0.1}, {"G", 0.2}, {"Solar", 0.5}})}) {
+        const auto of = read(text);
+        ASSERT_TRUE(of.ok()) << message(of.error());
+        EXPECT_EQ(colour_of(of), (Rgb{0.1f, 0.2f, 0.3f}));
+        const auto again = read(write_bsdf_xml(std::get<BsdfTable>(of->table)));
+        ASSERT_TRUE(again.ok()) << message(again.error());
+        EXPECT_EQ(colour_of(again), (Rgb{0.1f, 0.2f, 0.3f}));
+    }
+    const auto grey = read(file({{"Visible", 0.2}, {"CIE-X", 0.2}, {"CIE-Z", 0.2}})),
+               red = read(file({{"CIE-X", 0.3}, {"CIE-Z", 0.1}, {"Visible", 0.2}})),
+               flat = read(file({{"650", 0.2}, {"450", 0.2}, {"550", 0.2}})),
+               rising = read(file({{"0.65", 0.3}, {"0.45", 0.1}, {"0.55", 0.2}}));
+    ASSERT_TRUE(grey.ok() && red.ok() && flat.ok() && rising.ok());
+    for (const auto* of : {&grey, &flat})
+        for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, colour_of(*of)[c], 0.2, 1e-4);
+    EXPECT_PRED3(near, luminance(colour_of(red)), 0.2, 1e-4);
+    EXPECT_EQ(std::get<BsdfTable>(red->table).bands.size(), 1u);
+    for (const auto* of : {&red, &rising}) {
+        EXPECT_GT(colour_of(*of).r, colour_of(*of).g);
+        EXPECT_GT(colour_of(*of).g, colour_of(*of).b);
+    }
+    // Bands of other patches or parts stay bands of their own; lines of lasers are no colour.
+    for (const auto& text : {file({{"R", 0.1}, {"G", 0.2}}), file({{"632", 0.1}, {"905", 0.2}, {"1550", 0.3}})}) {
+        const auto of = read(text);
+        ASSERT_TRUE(of.ok());
+        EXPECT_EQ(colour_of(of), (Rgb{0.1f, 0.1f, 0.1f}));
+    }
+}
+
 TEST(Klems, KnowsIsotropy) {
     const AngleBasis basis = small_basis();
     const auto by = [&](bool turned) {

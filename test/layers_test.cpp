@@ -29,6 +29,7 @@ const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/pictures", "src/pictures/"},
     {"include/srbf/metrics", "src/metrics"},
     {"include/srbf/measured", "include/srbf/convert", "src/measured/"},
+    {"include/srbf/peak", "src/peak"},
     {"include/srbf/su", "include/srbf/ggx", "include/srbf/pbr"},
     {"include/srbf/model", "include/srbf/exponent_terms", "include/srbf/library", "src/model/"},
     {"include/srbf/sampling", "src/sampling"},

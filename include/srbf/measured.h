@@ -218,15 +218,19 @@ struct TreeTable {
 
 /// Scatter on grids of angles, as Zemax and Speos keep it: for rotations of the sample and angles of incidence, values at
 /// polar angles and azimuths about the mirror direction of the light or about the normal. With the light at azimuth φ_l the
-/// rotation is φ_l. About the normal azimuth 0 is the side of the mirror direction; about the mirror direction 180° goes on
-/// towards grazing, 0 back towards the normal. Look-up is linear in both angles of a slice over what was measured, and
-/// between slices and rotations at the same place about the mirror direction; beyond the ends it is constant.
+/// rotation is φ_l − 90° about the mirror direction, from x to the normal of the plane of incidence (Zemax), and 180° − φ_l
+/// about the normal, from the plane of incidence to x (Speos). Rotations to 180° alone repeat after a half turn, those to
+/// 90° are mirrored too. About the normal azimuth 0 is the side of the mirror direction; about the mirror direction 180°
+/// goes on towards grazing, 0 back towards the normal. Look-up is linear in both angles of a slice over what was measured,
+/// and between slices and rotations at the same place about the mirror direction. Before the first angle of incidence and
+/// beyond the last one it is constant. Beyond the angles of a slice nothing was measured.
 struct ScatterTable {
     struct Slice {
         float theta_l = 0;                  ///< [rad]
         std::vector<float> polar, azimuth;  ///< [rad], rising; azimuths to π alone: mirrored at the plane of incidence
-        std::vector<float> f;               ///< [1/sr], polar × azimuth. NaN: a gap
+        std::vector<float> f;               ///< [1/sr], channel × polar × azimuth. NaN: a gap
     };
+    std::size_t channels = 1;          ///< 1: grey; 3: CIE X, Y, Z
     bool about_mirror = false;         ///< otherwise about the normal
     bool transmission = false;         ///< the viewer is behind the surface, and stands mirrored at it (bsdf.h)
     std::vector<float> rotation;       ///< [rad], rising; one: isotropic
@@ -235,8 +239,8 @@ struct ScatterTable {
     Rgb tint{1, 1, 1};         ///< of all values
     std::uint64_t masked = 0;  ///< values that were 0 in the file
 };
-/// ∫ f cosθ dω of a slice [1], or ∫ f dω, over cells of half a degree by a degree. Gaps count as 0.
-double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& slice, bool with_cosine);
+/// ∫ f cosθ dω of a channel of a slice [1], over cells of half a degree by a degree. What was not measured counts as 0.
+double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& slice, std::size_t channel = 0);
 
 struct Measured;
 
@@ -294,7 +298,7 @@ Rgb value(const KlemsTable& table, Vec3f wl, Vec3f wv);
 /// f_r of the leaf, with negative values clamped to 0. Never NaN.
 Rgb value(const TreeTable& table, Vec3f wl, Vec3f wv);
 /// f_r by interpolation over the measured ones of the surrounding nodes, with negative values clamped to 0; NaN if none
-/// was measured.
+/// was measured, or beyond the nodes.
 Rgb value(const ScatterTable& table, Vec3f wl, Vec3f wv);
 /// f of the chosen band on either side: `value` of the part, or of its counterpart if the part is missing; 0 without
 /// both.

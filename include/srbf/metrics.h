@@ -100,7 +100,7 @@ inline constexpr std::array<double, 4> k_albedo_theta{0, 30, 60, 75};
 Rgb albedo(const Evaluate& brdf, double theta_v, double max_theta);
 
 /// Largest relative error |Â/A − 1| of the luminance of the albedo over the angles of `k_albedo_theta` within θmax, of
-/// each of `others`.
+/// each of `others`. Pairs at which the reference was not measured count in neither.
 std::vector<double> albedo_errors(const Evaluate& reference, std::span<const Evaluate> others,
                                   const MeasureOptions& options);
 /// The same of one.

@@ -25,6 +25,12 @@ inline std::string_view trimmed(std::string_view text) {
     return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
+/// Whether two words of ASCII differ in case alone, if at all.
+inline bool same(std::string_view a, std::string_view b) {
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c + ('a' - 'A')) : c; };
+    return std::ranges::equal(a, b, {}, lower, lower);
+}
+
 /// Iterates over the lines of a text, trimmed. Skips a byte-order mark at the beginning.
 class Lines {
   public:

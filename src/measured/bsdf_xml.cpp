@@ -10,6 +10,7 @@
 #include "measured/klems.h"
 #include "measured/samples.h"
 #include "measured/tensor_tree.h"
+#include "srbf/colour.h"
 
 namespace srbf {
 
@@ -34,11 +35,6 @@ const std::vector<KnownBasis>& known_bases() {
 constexpr std::ptrdiff_t k_most_markup = 1 << 17;
 constexpr std::string_view k_visible = "Visible";
 constexpr std::size_t k_most_rings = 64, k_most_patches = 4096, k_most_blocks = 256;
-
-bool same(std::string_view a, std::string_view b) {
-    return std::ranges::equal(
-        a, b, {}, [](unsigned char c) { return std::tolower(c); }, [](unsigned char c) { return std::tolower(c); });
-}
 
 /// `text` without surrounding white space.
 std::string_view stripped(std::string_view text) {
@@ -296,13 +292,15 @@ BsdfTable::Band band_of(std::string name, XmlBlocks&& blocks, const std::string&
     return band;
 }
 
-/// Radiance's bands of chromaticity belong to "Visible". Trees have CIE-u and CIE-v.
-void join_colours(std::vector<NamedXmlBlocks>& bands) {
-    const auto named = [&](std::string_view name) {
-        return std::ranges::find_if(bands, [&](const NamedXmlBlocks& band) { return same(band.first, name); });
-    };
-    const auto y = named(k_visible), u = named("CIE-u"), v = named("CIE-v");
-    if (y == bands.end() || u == bands.end() || v == bands.end()) return;
+NamedXmlBlocks* band_named(std::vector<NamedXmlBlocks>& bands, std::string_view name) {
+    const auto band = std::ranges::find_if(bands, [&](const NamedXmlBlocks& of) { return same(of.first, name); });
+    return band == bands.end() ? nullptr : &*band;
+}
+
+/// Radiance's bands of chromaticity of trees, CIE-u and CIE-v, belong to "Visible".
+void join_chromaticity(std::vector<NamedXmlBlocks>& bands) {
+    auto *y = band_named(bands, k_visible), *u = band_named(bands, "CIE-u"), *v = band_named(bands, "CIE-v");
+    if (!y || !u || !v) return;
     const auto tree = [](std::optional<XmlBlock>& of) { return of ? std::get_if<TreeTable>(&*of) : nullptr; };
     for (std::size_t p = 0; p < k_parts; ++p) {
         TreeTable *of_y = tree(y->second[p]), *of_u = tree(u->second[p]), *of_v = tree(v->second[p]);
@@ -312,6 +310,67 @@ void join_colours(std::vector<NamedXmlBlocks>& bands) {
     }
     std::erase_if(bands,
                   [](const NamedXmlBlocks& band) { return same(band.first, "CIE-u") || same(band.first, "CIE-v"); });
+}
+
+/// Makes matrices of these bands one band of colours, Σ weight × matrix, if all have the same parts and patches. It is the
+/// first; those that it is made of are kept on request.
+void join_matrices(std::vector<NamedXmlBlocks>& bands, const std::vector<NamedXmlBlocks*>& of,
+                   const std::vector<Rgb>& weights, std::string name, bool keep) {
+    const auto matrix = [](std::optional<XmlBlock>& block) {
+        return block ? std::get_if<KlemsTable>(&*block) : nullptr;
+    };
+    for (std::size_t p = 0; p < k_parts; ++p)
+        for (NamedXmlBlocks* band : of) {
+            const KlemsTable *first = matrix(of[0]->second[p]), *here = matrix(band->second[p]);
+            if (!first != !here || of[0]->second[p].has_value() != band->second[p].has_value()) return;
+            if (!here) continue;
+            if (here->incident.rings != first->incident.rings || here->outgoing.rings != first->outgoing.rings) return;
+        }
+    NamedXmlBlocks joined{std::move(name), of[0]->second};
+    for (std::size_t p = 0; p < k_parts; ++p) {
+        KlemsTable* table = matrix(joined.second[p]);
+        if (!table) continue;
+        for (std::size_t i = 0; i < table->cells.size(); ++i) {
+            std::array<double, 3> sum{};
+            for (std::size_t b = 0; b < of.size(); ++b)
+                for (int c = 0; c < 3; ++c)
+                    sum[std::size_t(c)] += double(weights[b][c]) * double(matrix(of[b]->second[p])->cells[i].g);
+            table->cells[i] = {float(sum[0]), float(sum[1]), float(sum[2])};
+        }
+    }
+    std::vector<NamedXmlBlocks> kept{std::move(joined)};
+    for (NamedXmlBlocks& band : bands)
+        if (keep || std::ranges::find(of, &band) == of.end()) kept.push_back(std::move(band));
+    bands = std::move(kept);
+}
+
+/// Bands that are one in colour: Visible with CIE-X and CIE-Z, whose equal values are white, as in Radiance; R, G and B;
+/// and wavelengths [nm, or μm] that tell of a colour.
+void join_colours(std::vector<NamedXmlBlocks>& bands) {
+    join_chromaticity(bands);
+    const auto join = [&](const std::array<std::string_view, 3>& names, const std::vector<Rgb>& weights,
+                          std::string_view name) {
+        std::vector<NamedXmlBlocks*> of;
+        for (const std::string_view each : names)
+            if (auto* band = band_named(bands, each)) of.push_back(band);
+        if (of.size() == names.size()) join_matrices(bands, of, weights, std::string(name), false);
+    };
+    const Xyz white = white_point();
+    join({k_visible, "CIE-X", "CIE-Z"}, {to_rgb(Xyz{0, 1, 0}), to_rgb(Xyz{white.x, 0, 0}), to_rgb(Xyz{0, 0, white.z})},
+         k_visible);
+    const std::vector<Rgb> primaries{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    join({"R", "G", "B"}, primaries, k_colours);
+    join({"Red", "Green", "Blue"}, primaries, k_colours);
+    std::vector<std::pair<float, NamedXmlBlocks*>> by_wavelength;
+    for (NamedXmlBlocks& band : bands)
+        if (const auto number = to_number<float>(band.first))
+            by_wavelength.push_back({*number < 100 ? 1000 * *number : *number, &band});
+    std::ranges::sort(by_wavelength);
+    std::vector<float> wavelengths;
+    std::vector<NamedXmlBlocks*> of;
+    for (const auto& [nm, band] : by_wavelength) wavelengths.push_back(nm), of.push_back(band);
+    if (!band_named(bands, k_colours) && are_wavelengths(wavelengths) && has_colours(wavelengths))
+        join_matrices(bands, of, rgb_weights(wavelengths), std::string(k_colours), true);
 }
 
 }  // namespace
@@ -349,7 +408,8 @@ Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::str
     BsdfTable table;
     table.description = name_in(layer.child("Material").child("Name").text(), 200);
     for (auto& [name, blocks] : *bands) {
-        if (same(name, k_visible)) table.chosen = table.bands.size();
+        const bool is_first_visible = same(name, k_visible) && !band_named(*bands, k_colours);
+        if (is_first_visible || name == k_colours) table.chosen = table.bands.size();
         table.bands.push_back(band_of(name, std::move(blocks), file_name));
     }
     return table;

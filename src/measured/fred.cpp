@@ -1,4 +1,5 @@
-// FRED's text of tabulated scatter: lines of an incidence, each followed by lines of scattered directions.
+// FRED's text of tabulated scatter: lines of an incidence, each followed by lines of scattered directions, which are given
+// by a polar angle and an azimuth, or in the plane of incidence by a polar angle alone.
 #include <fmt/format.h>
 
 #include "measured/samples.h"
@@ -43,6 +44,11 @@ Result<ScatteredSamples> read_fred_samples(std::span<const std::byte> bytes, con
     SampleBuilder builder(Values::grey, {}, bytes.size(), lines_of(bytes));
     std::optional<Vec3d> light;
     LightAzimuths azimuths;
+    std::size_t angles = 0;  // of a direction: 1 in the plane of incidence
+    double side = 1;         // in the plane of incidence: a light on its other half mirrors all
+    const auto numbers_wanted = [&] {
+        return angles == 1 ? "one of a light or two of a sample" : "two of a light or three of a sample";
+    };
     while (auto line = lines.next()) {
         if (line->starts_with("type") || line->starts_with("#")) continue;
         const auto wrong = [&](const char* what, std::string expected, std::string_view found) {
@@ -58,21 +64,23 @@ Result<ScatteredSamples> read_fred_samples(std::span<const std::byte> bytes, con
         std::string_view rest = *line;
         for (auto word = next_word(rest); !word.empty(); word = next_word(rest), ++count) {
             const auto number = to_number<double>(word);
-            if (!number || count == numbers.size())
-                return wrong("numbers", "two of a light or three of a sample", word);
+            if (!number || count == numbers.size()) return wrong("numbers", numbers_wanted(), word);
             numbers[count] = *number;
         }
-        if (count < 2) return wrong("numbers", "two of a light or three of a sample", *line);
-        const double theta = numbers[0] * format.unit, phi = numbers[1] * format.unit;
-        if (count == 2) {
+        if (angles == 0) angles = std::min<std::size_t>(count, 2);  // the first line is a light
+        if (count != angles && count != angles + 1) return wrong("numbers", numbers_wanted(), *line);
+        const double theta = numbers[0] * format.unit, phi = angles == 2 ? numbers[1] * format.unit : 0;
+        if (!(std::abs(theta) <= k_pi + k_azimuth_rounding)) return wrong("polar angle", "at most 180 degrees", *line);
+        if (count == angles) {
             // Azimuth 0 of the viewer is the side of the mirror direction.
-            light = spherical(theta, phi + k_pi);
+            side = angles == 1 && theta < 0 ? -1 : 1;
+            light = spherical(side * theta, phi + k_pi);
             azimuths.add(*light);
             continue;
         }
         if (!light) return wrong("sample", "a line of the light before it", *line);
-        const float f = float(numbers[2] * format.scale);
-        builder.add(*light, spherical(theta, phi), std::span(&f, 1));
+        const float f = float(numbers[angles] * format.scale);
+        builder.add(*light, spherical(side * theta, phi), std::span(&f, 1));
     }
     return std::move(builder).finish(file_name, "FRED", azimuths.are_one());
 }

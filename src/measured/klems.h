@@ -1,11 +1,15 @@
 // Pairs of patches that isotropy makes equal, and beams in matrices: private to readers and fits.
 #pragma once
 #include <array>
+#include <string_view>
 #include <vector>
 
 #include "srbf/measured.h"
 
 namespace srbf {
+
+/// The band of a file in colour, which the file has as R, G and B.
+constexpr std::string_view k_colours = "RGB";
 
 /// Pairs of patches of the same rings whose azimuths differ by the same amount, one way or the other.
 struct PatchClass {

@@ -20,11 +20,36 @@ namespace {
 
 constexpr double k_nanometre = 1e-9;
 
+/// Where a parser is in a text.
+struct ReadPlace {
+    std::uint64_t line = 1;  ///< that of the next character
+    char last = ' ';         ///< the character before it
+};
+/// The characters of a text, whose place `place` follows.
+struct FollowedText {
+    using iterator_category = std::input_iterator_tag;
+    using value_type = char;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const char*;
+    using reference = const char&;
+    const char* at;
+    ReadPlace* place;
+    reference operator*() const { return *at; }
+    FollowedText& operator++() {
+        place->last = *at++;
+        place->line += place->last == '\n';
+        return *this;
+    }
+    bool operator==(const FollowedText& other) const { return at == other.at; }
+};
+
 /// Takes the rows of "lookupTable" in "brdf" and "name" in "metadata"; the rest is passed over.
 struct OpenMaterialSax : nlohmann::json_sax<nlohmann::json> {
     std::vector<std::string> path;  ///< keys of the objects that are open
     std::vector<char> open;         ///< '{' and '['
     std::string last_key, name, wrong;
+    ReadPlace place;
+    std::optional<std::string> expected;  ///< where a number is out of its range
     bool in_table = false, has_table = false;
     std::size_t table_depth = 0, column = 0;
     SpectralRow row{};
@@ -35,10 +60,21 @@ struct OpenMaterialSax : nlohmann::json_sax<nlohmann::json> {
     static constexpr std::array<std::size_t, 5> k_order{k_of_wavelength, 0, 2, 3, k_of_value};
 
     bool refuse(std::string what) { return wrong = std::move(what), false; }
+    /// The line of the number that was read last; a parser has read the character after it.
+    std::uint64_t line() const { return place.line - (place.last == '\n'); }
+    /// Angles of a row within their ranges, of which older versions of the format have zenith angles to −π/2.
+    bool check_angle(double x) {
+        constexpr double most[] = {k_pi / 2, k_pi / 2, 2 * k_pi};
+        const double upper = most[column - 1], lower = -upper;
+        if (x >= lower - k_azimuth_rounding && x <= upper + k_azimuth_rounding) return true;
+        expected = fmt::format("{:.4g} to {:.4g} rad in column {} of a row", lower, upper, column + 1);
+        return refuse(fmt::format("{:g}", x));
+    }
     bool take(double x) {
         if (!in_table) return true;
         if (open.size() != table_depth + 2) return refuse("a number outside of a row");
         if (column == k_order.size()) return refuse("a row of more than five numbers");
+        if (column > 0 && column < 4 && !check_angle(x)) return false;
         row[k_order[column]] = float(column == 0 ? x / k_nanometre : x);
         ++column;
         return true;
@@ -83,8 +119,10 @@ struct OpenMaterialSax : nlohmann::json_sax<nlohmann::json> {
         if (!in_table) return true;
         if (open.size() == table_depth) return in_table = false, true;
         if (column != k_order.size()) return refuse("a row of fewer than five numbers");
-        // The light's azimuth is 0; f is not below 0.
+        // The light's azimuth is 0; f is not below 0. A direction at −θ is that at θ in the other half of its plane.
         row[1] = 0, row[k_of_weight] = 1;
+        for (const std::size_t theta : {0, 2})
+            if (row[theta] < 0) row[theta] = -row[theta], row[3] += float(k_pi);
         if (row[k_of_value] < 0) row[k_of_value] = k_nan;
         rows.push_back(row);
         return true;
@@ -105,14 +143,15 @@ Result<ScatteredSamples> read_openmaterial_samples(std::span<const std::byte> by
     OpenMaterialSax sax;
     const std::string_view text = as_text(bytes);
     sax.rows.reserve(std::size_t(std::ranges::count(text, '[')));
-    const bool parsed = nlohmann::json::sax_parse(text.begin(), text.end(), &sax);
+    const bool parsed = nlohmann::json::sax_parse(FollowedText{text.data(), &sax.place},
+                                                  FollowedText{text.data() + text.size(), &sax.place}, &sax);
+    if (!parsed && sax.expected) return at_line(file_name, sax.line(), "angle", *sax.expected, sax.wrong);
     if (!parsed)
         return Error{file_name, {}, "OpenMATERIAL", "JSON with rows of five numbers in brdf.lookupTable", sax.wrong};
     if (sax.rows.empty()) return Error{file_name, {}, "OpenMATERIAL", "rows in brdf.lookupTable", "none"};
     for (const SpectralRow& row : sax.rows)
-        for (std::size_t c = 0; c < k_of_value; ++c)
-            if (!std::isfinite(row[c]))
-                return Error{file_name, {}, "OpenMATERIAL", "a wavelength and three angles in each row", "others"};
+        if (!std::isfinite(row[k_of_wavelength]))
+            return Error{file_name, {}, "OpenMATERIAL", "a wavelength and three angles in each row", "others"};
     return samples_of_rows(sax.rows, bytes.size(), file_name, sax.name, true);
 }
 

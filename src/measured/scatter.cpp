@@ -8,6 +8,7 @@
 
 #include "measured/limits.h"
 #include "parallel.h"
+#include "srbf/colour.h"
 #include "srbf/convert.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
@@ -16,18 +17,27 @@ namespace srbf {
 
 namespace {
 
-/// Where x lies among rising nodes: between i and i + 1, at that share; beyond the ends at these.
+/// Where x lies among rising nodes: between i and `next`, at that share; beyond the ends at these.
 struct NodePlace {
-    std::size_t i = 0;
+    std::size_t i = 0, next = 0;
     double share = 0;
 };
 NodePlace place_among(std::span<const float> nodes, double x) {
     if (nodes.size() < 2 || !(x > double(nodes.front()))) return {};
-    if (x >= double(nodes.back())) return {nodes.size() - 2, 1};
-    const std::size_t next = std::size_t(std::ranges::upper_bound(nodes, float(x)) - nodes.begin());
-    const std::size_t i = std::clamp<std::size_t>(next, 1, nodes.size() - 1) - 1;
+    if (x >= double(nodes.back())) return {nodes.size() - 1, nodes.size() - 1, 0};
+    const std::size_t after = std::size_t(std::ranges::upper_bound(nodes, float(x)) - nodes.begin());
+    const std::size_t i = std::clamp<std::size_t>(after, 1, nodes.size() - 1) - 1;
     const double from = double(nodes[i]), to = double(nodes[i + 1]);
-    return {i, std::clamp((x - from) / (to - from), 0.0, 1.0)};
+    return {i, i + 1, std::clamp((x - from) / (to - from), 0.0, 1.0)};
+}
+
+/// Among nodes that a period continues: where they leave its end open, the first follows the last.
+NodePlace place_around(std::span<const float> nodes, double x, double period) {
+    const double first = double(nodes.front()), last = double(nodes.back());
+    x = std::fmod(x - first, period);
+    x = first + (x < 0 ? x + period : x);
+    if (nodes.size() < 2 || x <= last) return place_among(nodes, x);
+    return {nodes.size() - 1, 0, std::clamp((x - last) / (first + period - last), 0.0, 1.0)};
 }
 
 /// A weighted mean of what was measured.
@@ -39,13 +49,40 @@ struct ScatterMean {
     double result() const { return weight > 0 ? sum / weight : double(k_nan); }
 };
 
-/// The azimuth in the range of the nodes: by whole turns, or mirrored at the plane of incidence if they cover half a turn.
-double azimuth_within(std::span<const float> nodes, double phi) {
-    if (double(nodes.back()) <= k_pi + k_azimuth_rounding && double(nodes.front()) >= 0)
-        return std::abs(std::remainder(phi, 2 * k_pi));
-    const double first = double(nodes.front());
-    phi = std::fmod(phi - first, 2 * k_pi);
-    return first + (phi < 0 ? phi + 2 * k_pi : phi);
+/// Angles of files are rounded.
+constexpr double k_rounding = 1e-5;
+
+bool is_within(std::span<const float> nodes, double x) {
+    return x >= double(nodes.front()) - k_rounding && x <= double(nodes.back()) + k_rounding;
+}
+
+/// Whether nodes are those of a half turn, which is mirrored at the plane of incidence.
+bool are_mirrored(std::span<const float> nodes) {
+    return double(nodes.back()) <= k_pi + k_azimuth_rounding && nodes.front() >= 0;
+}
+
+NodePlace azimuth_place(std::span<const float> nodes, double phi) {
+    return are_mirrored(nodes) ? place_among(nodes, std::abs(std::remainder(phi, 2 * k_pi)))
+                               : place_around(nodes, phi, 2 * k_pi);
+}
+
+/// Whether an azimuth was measured: it is not in a gap at the end of the nodes that is clearly wider than those between
+/// them.
+bool has_azimuth(std::span<const float> nodes, double phi) {
+    if (nodes.size() == 1) return true;
+    const double first = double(nodes.front()), last = double(nodes.back()),
+                 x = std::abs(std::remainder(phi, 2 * k_pi));
+    double gap = 0;
+    if (!are_mirrored(nodes)) {
+        const NodePlace place = azimuth_place(nodes, phi);
+        gap = place.next < place.i ? first + 2 * k_pi - last : 0;
+    } else if (x < first || x > last) {
+        gap = 2 * (x < first ? first : k_pi - last);
+    }
+    double widest = 0;
+    for (std::size_t k = 1; gap > 0 && k < nodes.size(); ++k)
+        widest = std::max(widest, double(nodes[k]) - double(nodes[k - 1]));
+    return gap <= 1.5 * widest;
 }
 
 /// Rotates about y by `theta`, from +z towards +x.
@@ -56,72 +93,85 @@ Vec3d tilted(const Vec3d& w, double theta) {
 
 double polar_of(const Vec3d& w) { return elementary::atan2(elementary::hypot(w.x, w.y), w.z); }
 
-/// The value of a slice at a direction given in the frame whose z is the mirror direction of its light.
-double slice_at(const ScatterTable& table, const ScatterTable::Slice& slice, const Vec3d& about_mirror) {
-    Vec3d w = about_mirror;
-    double phi = elementary::atan2(-w.y, -w.x);  // 180° goes on towards grazing
-    if (!table.about_mirror) {
-        w = tilted(about_mirror, double(slice.theta_l));
-        phi = elementary::atan2(w.y, w.x);  // 0 is the side of the mirror direction
-    }
-    const NodePlace p = place_among(slice.polar, polar_of(w));
-    const std::size_t n = slice.azimuth.size();
-    NodePlace a = place_among(slice.azimuth, azimuth_within(slice.azimuth, phi));
-    std::size_t next = std::min(a.i + 1, n - 1);
-    // Where the nodes leave the end of the turn open, the first follows the last.
-    const double last = double(slice.azimuth.back()), turn = azimuth_within(slice.azimuth, phi);
-    if (turn > last && n > 1) {
-        const double gap = double(slice.azimuth.front()) + 2 * k_pi - last;
-        a = {n - 1, std::clamp((turn - last) / gap, 0.0, 1.0)}, next = 0;
-    }
+/// The directions of a look-up: θ_l, and the viewer in the frame whose +x is the side of the mirror direction, and in that
+/// whose z is the mirror direction.
+struct ScatterDirections {
+    double theta_l;
+    Vec3d about_normal, about_mirror;
+};
+
+/// The azimuth in the nodes of a table of a direction in the frame that the nodes are about.
+double azimuth_of(const ScatterTable& table, const Vec3d& w) {
+    // About the mirror direction 180° goes on towards grazing.
+    return table.about_mirror ? elementary::atan2(-w.y, -w.x) : elementary::atan2(w.y, w.x);
+}
+
+/// A channel of a slice at the same place about the mirror direction; NaN beyond its nodes.
+double slice_at(const ScatterTable& table, const ScatterTable::Slice& slice, const ScatterDirections& of,
+                std::size_t channel) {
+    const Vec3d& viewer = table.about_mirror ? of.about_mirror : of.about_normal;
+    const double theta = polar_of(viewer);
+    if (!is_within(slice.polar, theta)) return double(k_nan);
+    if (theta > k_rounding && !has_azimuth(slice.azimuth, azimuth_of(table, viewer))) return double(k_nan);
+    const Vec3d w = table.about_mirror ? viewer : tilted(of.about_mirror, double(slice.theta_l));
+    const NodePlace p = place_among(slice.polar, polar_of(w)), a = azimuth_place(slice.azimuth, azimuth_of(table, w));
+    const std::size_t n = slice.azimuth.size(), begin = channel * slice.polar.size() * n;
     ScatterMean mean;
-    for (const auto& [row, share] :
-         {std::pair(p.i, 1 - p.share), {std::min(p.i + 1, slice.polar.size() - 1), p.share}}) {
-        mean.add(double(slice.f[row * n + a.i]), share * (1 - a.share));
-        mean.add(double(slice.f[row * n + next]), share * a.share);
+    for (const auto& [row, share] : {std::pair(p.i, 1 - p.share), {p.next, p.share}}) {
+        mean.add(double(slice.f[begin + row * n + a.i]), share * (1 - a.share));
+        mean.add(double(slice.f[begin + row * n + a.next]), share * a.share);
     }
     return mean.result();
 }
 
-/// The value of a rotation of the sample, linear in the angle of incidence.
-double rotation_at(const ScatterTable& table, std::size_t rotation, double theta_l, const Vec3d& about_mirror) {
+/// A channel at a rotation of the sample, linear in the angle of incidence.
+double rotation_at(const ScatterTable& table, std::size_t rotation, const ScatterDirections& of, std::size_t channel) {
     const std::size_t first = table.first[rotation], count = table.first[rotation + 1] - first;
     std::vector<float> nodes;
     for (std::size_t k = 0; k < count; ++k) nodes.push_back(table.slices[first + k].theta_l);
-    const NodePlace at = place_among(nodes, theta_l);
+    const NodePlace at = place_among(nodes, of.theta_l);
     ScatterMean mean;
-    mean.add(slice_at(table, table.slices[first + at.i], about_mirror), 1 - at.share);
-    if (at.share > 0) mean.add(slice_at(table, table.slices[first + at.i + 1], about_mirror), at.share);
+    mean.add(slice_at(table, table.slices[first + at.i], of, channel), 1 - at.share);
+    if (at.share > 0) mean.add(slice_at(table, table.slices[first + at.next], of, channel), at.share);
     return mean.result();
 }
 
 }  // namespace
 
+double light_azimuth(const ScatterTable& table, double rotation) {
+    return table.about_mirror ? rotation + k_pi / 2 : k_pi - rotation;
+}
+
 Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
     if (!(wl.z > 0 && wv.z > 0)) return {};
     const double phi_l = elementary::atan2(double(wl.y), double(wl.x));
-    const double theta_l = polar_of({double(wl.x), double(wl.y), double(wl.z)});
     // The frame whose +x is the side of the mirror direction.
     const double c = -elementary::cos(phi_l), s = -elementary::sin(phi_l);
-    const Vec3d forward{c * double(wv.x) + s * double(wv.y), c * double(wv.y) - s * double(wv.x), double(wv.z)};
-    const Vec3d about_mirror = tilted(forward, -theta_l);
-    double f = 0;
-    if (table.rotation.size() == 1) {
-        f = rotation_at(table, 0, theta_l, about_mirror);
-    } else {
-        const double turn = azimuth_within(table.rotation, phi_l);
-        NodePlace at = place_among(table.rotation, turn);
-        std::size_t next = at.i + 1;
-        if (const double last = double(table.rotation.back()); turn > last) {
-            const double gap = double(table.rotation.front()) + 2 * k_pi - last;
-            at = {table.rotation.size() - 1, std::clamp((turn - last) / gap, 0.0, 1.0)}, next = 0;
+    Vec3d forward{c * double(wv.x) + s * double(wv.y), c * double(wv.y) - s * double(wv.x), double(wv.z)};
+    NodePlace at;
+    if (table.rotation.size() > 1) {
+        double rotation = table.about_mirror ? phi_l - k_pi / 2 : k_pi - phi_l;
+        const double last = double(table.rotation.back());
+        const bool is_half = last <= k_pi + k_azimuth_rounding, is_quarter = last <= k_pi / 2 + k_azimuth_rounding;
+        if (is_quarter) {
+            rotation = std::remainder(rotation, k_pi);
+            if (rotation < 0) rotation = -rotation, forward.y = -forward.y;
         }
-        ScatterMean mean;
-        mean.add(rotation_at(table, at.i, theta_l, about_mirror), 1 - at.share);
-        if (at.share > 0) mean.add(rotation_at(table, next, theta_l, about_mirror), at.share);
-        f = mean.result();
+        at = is_quarter ? place_among(table.rotation, rotation)
+                        : place_around(table.rotation, rotation, is_half ? k_pi : 2 * k_pi);
     }
-    return {table.tint.r * float(f), table.tint.g * float(f), table.tint.b * float(f)};
+    const double theta_l = polar_of({double(wl.x), double(wl.y), double(wl.z)});
+    const ScatterDirections of{theta_l, forward, tilted(forward, -theta_l)};
+    std::array<double, 3> all{};
+    for (std::size_t channel = 0; channel < table.channels; ++channel) {
+        ScatterMean mean;
+        mean.add(rotation_at(table, at.i, of, channel), 1 - at.share);
+        if (at.share > 0) mean.add(rotation_at(table, at.next, of, channel), at.share);
+        all[channel] = mean.result();
+    }
+    const float grey = float(all[0]);
+    const Rgb f = table.channels == 1 ? Rgb{grey, grey, grey} : to_rgb(Xyz{all[0], all[1], all[2]});
+    return {table.tint.r * f.r, table.tint.g * f.g, table.tint.b * f.b};
 }
 
 Rgb value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
@@ -130,17 +180,18 @@ Rgb value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
     return f;
 }
 
-double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& slice, bool with_cosine) {
+double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& slice, std::size_t channel) {
     // Cells of a degree of the hemisphere about the normal, of which the table answers for each middle.
     constexpr int k_polar = 180, k_turn = 360;
+    const double theta_l = double(slice.theta_l);
     double sum = 0;
     for (int i = 0; i < k_polar; ++i) {
         const double theta = (i + 0.5) * k_pi / 2 / k_polar, c = elementary::cos(theta), s = elementary::sin(theta);
         for (int j = 0; j < k_turn; ++j) {
             const double phi = (j + 0.5) * 2 * k_pi / k_turn;
             const Vec3d w{s * elementary::cos(phi), s * elementary::sin(phi), c};
-            const double f = slice_at(table, slice, tilted(w, -double(slice.theta_l)));
-            if (std::isfinite(f)) sum += f * s * (with_cosine ? c : 1);
+            const double f = slice_at(table, slice, {theta_l, w, tilted(w, -theta_l)}, channel);
+            if (std::isfinite(f)) sum += f * s * c;
         }
     }
     return sum * (k_pi / 2 / k_polar) * (2 * k_pi / k_turn);
@@ -149,8 +200,13 @@ double scatter_integral(const ScatterTable& table, const ScatterTable::Slice& sl
 void mask_gaps(ScatterTable& table) {
     for (ScatterTable::Slice& slice : table.slices) {
         if (std::ranges::all_of(slice.f, [](float f) { return f == 0; })) continue;
-        for (float& f : slice.f)
-            if (f == 0) f = k_nan, ++table.masked;
+        const std::size_t n = slice.f.size() / table.channels;
+        for (std::size_t i = 0; i < n; ++i) {
+            bool is_gap = true;
+            for (std::size_t at = i; at < slice.f.size(); at += n) is_gap = is_gap && slice.f[at] == 0;
+            if (is_gap) ++table.masked;
+            for (std::size_t at = i; is_gap && at < slice.f.size(); at += n) slice.f[at] = k_nan;
+        }
     }
 }
 
@@ -195,7 +251,8 @@ ScatterTable to_scatter(const Evaluate& part, bool about_mirror, bool isotropic,
     table.first.push_back(std::uint32_t(table.slices.size()));
     parallel_for(table.slices.size(), threads, [&](std::size_t k) {
         ScatterTable::Slice& slice = table.slices[k];
-        const double phi_l = double(table.rotation[k / incidence.size()]), theta_l = double(slice.theta_l);
+        const double phi_l = light_azimuth(table, double(table.rotation[k / incidence.size()]));
+        const double theta_l = double(slice.theta_l);
         const std::size_t n = polar.size() * azimuth.size();
         const std::vector<Vec3f> wl(n, to_float(spherical(theta_l, phi_l)));
         std::vector<Vec3f> wv;

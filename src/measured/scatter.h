@@ -50,6 +50,8 @@ class ScatterText {
 
 /// Degrees with the digits that a float has.
 std::string written_degrees(float radians);
+/// The azimuth φ_l of the light at a rotation of the sample [rad].
+double light_azimuth(const ScatterTable& table, double rotation);
 /// What is 0 in a file was not measured, unless all of a slice is: instruments leave gaps, never a value of 0. Counts them.
 void mask_gaps(ScatterTable& table);
 

@@ -113,7 +113,7 @@ void scale_speos(ScatterTable& table, const SpeosSide& side) {
         table.slices, {}, [&](const ScatterTable::Slice& of) { return std::abs(double(of.theta_l) - side.theta); });
     double mean = 0;
     for (const float percent : side.percent) mean += double(percent) / 100 / double(side.percent.size());
-    const double scale = speos_scale(scatter_integral(table, *nearest, true), mean);
+    const double scale = speos_scale(scatter_integral(table, *nearest), mean);
     for (ScatterTable::Slice& slice : table.slices)
         for (float& f : slice.f) f = float(scale * double(f));
     tint_speos(table, side.wavelength, side.percent);
@@ -171,7 +171,7 @@ void read_spectral(ScatterText& text, std::array<SpeosSide, 2>& sides, bool are_
                 ScatterTable::Slice slice = read_speos_slice(text, sides[s], theta, are_bsdf);
                 if (text.error()) return;
                 percent[k] += share / float(n_incidences);
-                const double scale = speos_scale(scatter_integral(table, slice, true), double(share) / 100);
+                const double scale = speos_scale(scatter_integral(table, slice), double(share) / 100);
                 for (float& f : slice.f) f = float(scale / double(n_wavelengths) * double(f));
                 if (k == 0) {
                     table.slices.push_back(std::move(slice));
@@ -249,7 +249,7 @@ std::string write_speos(std::span<const ScatterTable* const> tables) {
         }
     }
     for (const ScatterTable* table : tables) {
-        const double percent = 100 * scatter_integral(*table, table->slices.front(), true);
+        const double percent = 100 * scatter_integral(*table, table->slices.front());
         text += fmt::format("{}\t0\n\n2\n350\t{:.9g}\n850\t{:.9g}\n", written_degrees(table->slices.front().theta_l),
                             percent, percent);
     }

@@ -114,17 +114,19 @@ std::string basis_text(const AngleBasis& basis) {
     return text + "\t\t</AngleBasis>\n";
 }
 
-/// The mean over both patches with the beam in it, of luminance.
-double cell_with_beam(const KlemsTable& table, std::size_t o, std::size_t i) {
-    const auto luminance_of = [](const Rgb& f) { return f.r == f.g && f.g == f.b ? double(f.g) : luminance(f); };
-    double f = luminance_of(table.cell(o, i));
+/// What is written of a colour.
+using OfColour = double (*)(const Rgb&);
+
+/// The mean over both patches with the beam in it.
+double cell_with_beam(const KlemsTable& table, std::size_t o, std::size_t i, OfColour of) {
+    double f = of(table.cell(o, i));
     if (table.beam.empty()) return f;
     if (o == table.straight_ahead(i))
-        f += luminance_of(table.beam[i]) / table.outgoing.projected_solid_angle(table.outgoing.ring_of(o));
+        f += of(table.beam[i]) / table.outgoing.projected_solid_angle(table.outgoing.ring_of(o));
     return f;
 }
 
-std::string block_text(const std::string& band, Part part, const KlemsTable& table) {
+std::string block_text(const std::string& band, Part part, const KlemsTable& table, OfColour of) {
     const bool is_solar = band == "Solar";
     std::string text = fmt::format(
         "\t<WavelengthData>\n\t\t<LayerNumber>System</LayerNumber>\n\t\t<Wavelength unit=\"Integral\">{}</Wavelength>\n"
@@ -139,7 +141,7 @@ std::string block_text(const std::string& band, Part part, const KlemsTable& tab
     const std::size_t n_in = table.incident.patches(), n_out = table.outgoing.patches();
     for (std::size_t o = 0; o < n_out; ++o) {
         for (std::size_t i = 0; i < n_in; ++i)
-            fmt::format_to(std::back_inserter(text), "{:.6g},{}", cell_with_beam(table, o, i),
+            fmt::format_to(std::back_inserter(text), "{:.6g},{}", cell_with_beam(table, o, i, of),
                            i + 1 < n_in ? " " : "\n");
     }
     return text + "\t\t\t</ScatteringData>\n\t\t</WavelengthDataBlock>\n\t</WavelengthData>\n";
@@ -158,7 +160,14 @@ std::string write_bsdf_xml(const BsdfTable& table) {
             const auto& matrix = std::get<KlemsTable>(of->table);
             for (const AngleBasis* basis : {&matrix.incident, &matrix.outgoing})
                 if (std::ranges::find(bases, basis->name, &AngleBasis::name) == bases.end()) bases.push_back(*basis);
-            blocks += block_text(band.name.empty() ? "Visible" : band.name, part, matrix);
+            if (band.name == k_colours) {
+                blocks += block_text("R", part, matrix, [](const Rgb& f) { return double(f.r); }) +
+                          block_text("G", part, matrix, [](const Rgb& f) { return double(f.g); }) +
+                          block_text("B", part, matrix, [](const Rgb& f) { return double(f.b); });
+                continue;
+            }
+            blocks += block_text(band.name.empty() ? "Visible" : band.name, part, matrix,
+                                 [](const Rgb& f) { return f.r == f.g && f.g == f.b ? double(f.g) : luminance(f); });
         }
     std::string text =
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<WindowElement xmlns=\"http://windows.lbl.gov\" "

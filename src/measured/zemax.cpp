@@ -12,9 +12,13 @@ namespace srbf {
 
 namespace {
 
-/// What precedes the data.
+/// The heads of blocks of data: of SpectralContent Monochrome, and of XYZ.
+constexpr std::string_view k_monochrome = "Monochrome", k_xyz = "XYZ";
+constexpr std::array<std::string_view, 3> k_tristimulus{"TristimulusX", "TristimulusY", "TristimulusZ"};
+
+/// What precedes the data; names are spelt as here.
 struct ZemaxHeader {
-    std::string_view symmetry, type;
+    std::string_view symmetry, content = k_monochrome, type;
     std::vector<float> rotation, incidence, azimuth, radial;
 };
 
@@ -26,9 +30,12 @@ void read_zemax_header(ScatterText& text, ZemaxHeader& header) {
             to = text.angles(key, text.count(key, std::size_t(tenth_turns) + 1), 0, most);
         };
         const auto one_of = [&](std::string_view& to, std::initializer_list<std::string_view> names) {
-            to = text.word();
-            if (std::ranges::find(names, to) == names.end())
-                text.fail(key, fmt::format("one of {}", fmt::join(names, ", ")), quoted(to));
+            const std::string_view word = text.word();
+            const auto* found = std::ranges::find_if(names, [&](std::string_view name) { return same(name, word); });
+            if (found == names.end())
+                text.fail(key, fmt::format("one of {}", fmt::join(names, ", ")), quoted(word));
+            else
+                to = *found;
         };
         std::string_view ignored;
         if (key == "Source")
@@ -36,7 +43,7 @@ void read_zemax_header(ScatterText& text, ZemaxHeader& header) {
         else if (key == "Symmetry")
             one_of(header.symmetry, {"PlaneSymmetrical", "Asymmetrical", "Asymmetrical4D"});
         else if (key == "SpectralContent")
-            one_of(ignored, {"Monochrome"});
+            one_of(header.content, {k_monochrome, k_xyz});
         else if (key == "ScatterType")
             one_of(header.type, {"BRDF", "BTDF"});
         else if (key == "SampleRotation")
@@ -47,28 +54,34 @@ void read_zemax_header(ScatterText& text, ZemaxHeader& header) {
             list(header.azimuth, 360);
         else if (key == "ScatterRadial")
             list(header.radial, 180);
-        else if (key != "Monochrome")
+        else if (key != k_monochrome && key != k_tristimulus[0])
             text.fail("header", "a key of it, or Monochrome", key.empty() ? "the end of the file" : quoted(key));
-        if (text.error() || key == "Monochrome") return;
+        if (!text.error() && (key == k_monochrome || key == k_tristimulus[0]) &&
+            (key == k_monochrome) != (header.content == k_monochrome))
+            text.fail("data", header.content == k_monochrome ? "Monochrome" : "TristimulusX, as XYZ", quoted(key));
+        if (text.error() || key == k_monochrome || key == k_tristimulus[0]) return;
     }
 }
 
-/// The slices of one rotation, of which the file has the azimuths one below another.
-void read_zemax_slices(ScatterText& text, const ZemaxHeader& header, ScatterTable& table) {
-    const std::size_t n_azimuth = header.azimuth.size(), n_radial = header.radial.size();
-    for (const float theta : header.incidence) {
+/// A block of data: of each slice the azimuths one below another, into the channel.
+void read_zemax_data(ScatterText& text, std::size_t channel, ScatterTable& table) {
+    if (const auto word = text.word(); word != "DataBegin") text.fail("data", "DataBegin", quoted(word));
+    for (ScatterTable::Slice& slice : table.slices) {
+        if (text.error()) return;
         if (const auto word = text.word(); word != "TIS")
             text.fail("data", "TIS before the values of an angle of incidence", quoted(word));
         text.number<float>("TIS");
+        const std::size_t n_azimuth = slice.azimuth.size(), n_radial = slice.polar.size();
         std::vector<float> f;
         text.values(n_azimuth * n_radial, f);
         if (text.error()) return;
-        ScatterTable::Slice& slice = table.slices.emplace_back();
-        slice.theta_l = theta, slice.polar = header.radial, slice.azimuth = header.azimuth;
-        slice.f.resize(f.size());
+        slice.f.resize(table.channels * f.size());
         for (std::size_t a = 0; a < n_azimuth; ++a)
-            for (std::size_t r = 0; r < n_radial; ++r) slice.f[r * n_azimuth + a] = f[a * n_radial + r];
+            for (std::size_t r = 0; r < n_radial; ++r)
+                slice.f[channel * f.size() + r * n_azimuth + a] = f[a * n_radial + r];
     }
+    if (const auto word = text.word(); word != "DataEnd")
+        text.fail("data", "DataEnd", word.empty() ? "the end of the file" : quoted(word));
 }
 
 }  // namespace
@@ -97,6 +110,7 @@ Result<ScatterTable> read_zemax(std::span<const std::byte> bytes, const std::str
     table.about_mirror = true;
     table.transmission = header.type == "BTDF";
     table.rotation = header.rotation;
+    table.channels = header.content == k_xyz ? 3 : 1;
     const std::size_t values = header.azimuth.size() * header.radial.size();  // at most 3601² each
     if (values > bytes.size() || values * header.incidence.size() > bytes.size() ||
         values * header.incidence.size() * header.rotation.size() > bytes.size())
@@ -105,14 +119,19 @@ Result<ScatterTable> read_zemax(std::span<const std::byte> bytes, const std::str
         text.fail("ScatterAzimuth", "angles to 180, as PlaneSymmetrical", written_degrees(header.azimuth.back()));
     if (header.symmetry != "Asymmetrical4D" && header.rotation.size() > 1)
         text.fail("SampleRotation", "one angle, unless Asymmetrical4D", fmt::format("{}", header.rotation.size()));
-    if (const auto word = text.word(); word != "DataBegin") text.fail("data", "DataBegin", quoted(word));
-    for (std::size_t r = 0; r < header.rotation.size() && !text.error(); ++r) {
-        if (table.first.empty()) table.first.push_back(0);
-        read_zemax_slices(text, header, table);
+    if (text.error()) return *text.error();
+    table.first = {0};
+    for (std::size_t r = 0; r < header.rotation.size(); ++r) {
+        for (const float theta : header.incidence) table.slices.push_back({theta, header.radial, header.azimuth, {}});
         table.first.push_back(std::uint32_t(table.slices.size()));
     }
-    if (const auto word = text.word(); word != "DataEnd")
-        text.fail("data", "DataEnd", word.empty() ? "the end of the file" : quoted(word));
+    for (std::size_t channel = 0; channel < table.channels && !text.error(); ++channel) {
+        if (channel > 0)
+            if (const auto word = text.word(); word != k_tristimulus[channel])
+                text.fail("data", std::string(k_tristimulus[channel]),
+                          word.empty() ? "the end of the file" : quoted(word));
+        read_zemax_data(text, channel, table);
+    }
     if (text.error()) return *text.error();
     mask_gaps(table);
     return table;
@@ -124,11 +143,11 @@ std::string write_zemax(const ScatterTable& table) {
     const bool is_plane = double(of.azimuth.back()) <= k_pi + k_azimuth_rounding;
     std::string text = fmt::format(
         "# BSDF by srbf; values in 1/sr, TIS is the integral of BSDF times cosine\nSource  Measured\nSymmetry  {}\n"
-        "SpectralContent  Monochrome\nScatterType  {}\n",
+        "SpectralContent  {}\nScatterType  {}\n",
         table.rotation.size() > 1 ? "Asymmetrical4D"
         : is_plane                ? "PlaneSymmetrical"
                                   : "Asymmetrical",
-        table.transmission ? "BTDF" : "BRDF");
+        table.channels == 1 ? k_monochrome : k_xyz, table.transmission ? "BTDF" : "BRDF");
     const auto list = [&](const char* key, const std::vector<float>& angles) {
         text += fmt::format("{}  {}\n", key, angles.size());
         for (const float angle : angles) text += written_degrees(angle) + '\t';
@@ -140,18 +159,21 @@ std::string write_zemax(const ScatterTable& table) {
     list("AngleOfIncidence", incidence);
     list("ScatterAzimuth", of.azimuth);
     list("ScatterRadial", of.polar);
-    text += "\nMonochrome\nDataBegin\n";
-    for (const ScatterTable::Slice& slice : table.slices) {
-        text += fmt::format("TIS {:.6g}\n", scatter_integral(table, slice, true));
-        for (std::size_t a = 0; a < n_azimuth; ++a) {
-            for (std::size_t r = 0; r < n_radial; ++r) {
-                const float f = slice.f[r * n_azimuth + a];
-                text += fmt::format("{}\t", std::isfinite(f) ? f : 0.f);
+    for (std::size_t channel = 0; channel < table.channels; ++channel) {
+        text += fmt::format("\n{}\nDataBegin\n", table.channels == 1 ? k_monochrome : k_tristimulus[channel]);
+        for (const ScatterTable::Slice& slice : table.slices) {
+            text += fmt::format("TIS {:.6g}\n", scatter_integral(table, slice, channel));
+            for (std::size_t a = 0; a < n_azimuth; ++a) {
+                for (std::size_t r = 0; r < n_radial; ++r) {
+                    const float f = slice.f[(channel * n_radial + r) * n_azimuth + a];
+                    text += fmt::format("{}\t", std::isfinite(f) ? f : 0.f);
+                }
+                text += '\n';
             }
-            text += '\n';
         }
+        text += "DataEnd\n";
     }
-    return text + "DataEnd\n";
+    return text;
 }
 
 }  // namespace srbf

@@ -1,0 +1,130 @@
+// Where highlights are: synthetic BRDFs, as functions, as samples and as tables of each format.
+#include "srbf/peak.h"
+
+#include "properties.h"
+#include "srbf/convert.h"
+#include "srbf/directions.h"
+
+namespace srbf::peak_test {
+namespace {
+
+using Function = std::function<double(const Vec3d&, const Vec3d&)>;
+
+Evaluate brdf_of(Function f) {
+    return [f = std::move(f)](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> values) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const auto y = wl[i].z > 0 && wv[i].z > 0 ? float(f(to_double(wl[i]), to_double(wv[i]))) : 0.f;
+            values[i] = {y, y, y};
+        }
+    };
+}
+/// A lobe about a direction that the light determines.
+Function lobe(double bandwidth, double height, Vec3d (*centre)(const Vec3d&)) {
+    return [=](const Vec3d& wl, const Vec3d& wv) {
+        return 0.1 + height * std::exp(bandwidth * (dot(centre(wl), wv) - 1));
+    };
+}
+Vec3d mirrored(const Vec3d& wl) { return mirror(wl); }
+Vec3d same(const Vec3d& wl) { return wl; }
+Vec3d turned(const Vec3d& wl) { return {-wl.y, wl.x, wl.z}; }
+
+/// Oren and Nayar's matte surface of slopes of 30°, which is brighter towards the light.
+double rough_matte(const Vec3d& wl, const Vec3d& wv) {
+    const double squared = 0.274, a = 1 - 0.5 * squared / (squared + 0.33), b = 0.45 * squared / (squared + 0.09);
+    const double sine = std::hypot(wl.x, wl.y) * std::hypot(wv.x, wv.y);
+    return (a + b * std::max(0.0, wl.x * wv.x + wl.y * wv.y) / std::max({wl.z, wv.z, 1e-3}) * (sine > 0 ? 1 : 0)) /
+           k_pi;
+}
+/// A brushed metal: the half vector deviates by tenths across the brush and by hundredths along it.
+double brushed(const Vec3d& wl, const Vec3d& wv) {
+    const Vec3d h = normalize(wl + wv);
+    return 0.05 + 3 * std::exp(-(h.x * h.x / 0.04 + h.y * h.y / 0.0004) / (h.z * h.z));
+}
+
+TEST(Peak, IsWhereTheHighlightIs) {
+    const auto place = [](Function f) { return peak_of(brdf_of(std::move(f))).place; };
+    for (const double bandwidth : {8.0, 100.0, 1e5}) {  // as wide as a satin paint's to 0.2°
+        EXPECT_EQ(place(lobe(bandwidth, 2, mirrored)), PeakPlace::mirror) << bandwidth;
+        EXPECT_EQ(place(lobe(bandwidth, 2, same)), PeakPlace::retro) << bandwidth;
+        EXPECT_EQ(place(lobe(bandwidth, 2, turned)), PeakPlace::beside) << bandwidth;
+    }
+    EXPECT_EQ(place(brushed), PeakPlace::mirror);
+    EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return 0.2; }), PeakPlace::none);
+    EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return 0.0; }), PeakPlace::none);
+    EXPECT_EQ(place(rough_matte), PeakPlace::none);
+    // What grows towards the horizon alone is no highlight.
+    EXPECT_EQ(place([](const Vec3d& wl, const Vec3d& wv) { return 0.1 / std::sqrt(wl.z * wv.z); }), PeakPlace::none);
+    EXPECT_EQ(place([](const Vec3d&, const Vec3d& wv) { return wv.z > 0.9 ? 5 : 0.1; }), PeakPlace::elsewhere);
+    EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return std::nan(""); }), PeakPlace::unknown);
+    EXPECT_PRED3(near_relative, peak_of(brdf_of(lobe(1e4, 0.9, mirrored))).ratio, 10, 0.5);
+    EXPECT_EQ(peak_of(brdf_of([](const Vec3d& wl, const Vec3d& wv) { return dot(mirror(wl), wv) > 0.999; })).ratio,
+              k_most_peak);
+}
+
+/// Samples in all directions, with noise, and of a scan in the plane of incidence, from one side to the other.
+TEST(Peak, OfSamplesIsTheSame) {
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> normal;
+    for (const auto& [f, place] : {std::pair<Function, PeakPlace>{lobe(100, 2, mirrored), PeakPlace::mirror},
+                                   {lobe(100, 2, same), PeakPlace::retro},
+                                   {[](const Vec3d&, const Vec3d&) { return 0.2; }, PeakPlace::none}}) {
+        ScatteredSamples all, scan, steep;
+        for (int i = 0; i < 2000; ++i) {
+            const Vec3d wl = random_direction(random, 0.1), wv = random_direction(random, 0.1);
+            const auto y = float(f(wl, wv) * (1 + 0.1 * normal(random)));
+            all.wl.push_back(to_float(wl)), all.wv.push_back(to_float(wv)), all.colour.push_back({y, y, y});
+        }
+        for (const double theta_l : {5.0, 45.0})
+            for (int theta = -80; theta <= 80; theta += 5) {
+                const Vec3d wl = spherical(theta_l * k_degree, k_pi), wv = spherical(theta * k_degree, 0.0);
+                const auto y = float(f(wl, wv));
+                for (ScatteredSamples* of : {&scan, &steep})
+                    if (of == &scan || theta_l < 10)
+                        of->wl.push_back(to_float(wl)), of->wv.push_back(to_float(wv)), of->colour.push_back({y, y, y});
+            }
+        EXPECT_EQ(peak_of(Measured{"f", "CSV", 0, all}).place, place);
+        EXPECT_EQ(peak_of(Measured{"f", "CSV", 0, scan}).place, place);
+        EXPECT_EQ(peak_of(Measured{"f", "CSV", 0, steep}).place, PeakPlace::unknown);
+    }
+}
+
+/// Tables of each format keep it; of a BSDF it is that of the part, straight through in transmission.
+TEST(Peak, OfTablesIsTheSame) {
+    for (const auto& [f, place] : {std::pair<Function, PeakPlace>{lobe(40, 2, mirrored), PeakPlace::mirror},
+                                   {lobe(40, 2, same), PeakPlace::retro},
+                                   {[](const Vec3d&, const Vec3d&) { return 0.2; }, PeakPlace::none}}) {
+        const Evaluate brdf = brdf_of(f);
+        RglOptions rgl;
+        rgl.polar = 6, rgl.colours = 24;
+        const auto klems = std::make_shared<const Measured>(
+            Measured{"f", "BSDF XML", 0, to_klems(brdf, klems_basis(KlemsBasis::quarter))});
+        BsdfTable bsdf{{{}}, 0, {}};
+        bsdf.bands[0].part[std::size_t(Part::transmission_front)] = klems;
+        const std::vector<Measured> all{{"f", "MERL", 0, to_merl(brdf, {20, 20, 18})},
+                                        {"f", "RGL", 0, to_rgl(brdf, rgl)},
+                                        {"f", "MBSDF", 0, to_mbsdf(brdf, {20, 19, {}, 0})},
+                                        *klems,
+                                        {"f", "BSDF XML", 0, bsdf},
+                                        {"f", "Zemax", 0, to_scatter(brdf, true, true)},
+                                        {"f", "Speos", 0, to_scatter(brdf, false, true)},
+                                        {"f", "CSV", 0, to_samples(brdf, true, 64, 80 * k_degree)}};
+        for (Measured measured : all) {
+            EXPECT_EQ(peak_of(measured).place, place) << measured.format;
+            exchange(measured);
+            EXPECT_EQ(peak_of(measured).place, place) << measured.format << " exchanged";
+        }
+    }
+}
+
+TEST(Peak, TextAsksAboutTheAzimuths) {
+    EXPECT_EQ(peak_text({PeakPlace::mirror, 14}), "highlight at the mirror direction, 14 times f elsewhere");
+    EXPECT_EQ(peak_text({PeakPlace::mirror, k_most_peak}, true),
+              "highlight straight through, over 1000 times f elsewhere");
+    EXPECT_NE(
+        peak_text({PeakPlace::retro, 3}).find("retro direction, 3 times f elsewhere: are the azimuths exchanged?"),
+        std::string::npos);
+    EXPECT_NE(peak_text({PeakPlace::none, 1.2}).find("no highlight (matte)"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace srbf::peak_test

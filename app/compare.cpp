@@ -7,6 +7,7 @@
 #include "app/read_options.h"
 #include "srbf/directions.h"
 #include "srbf/fitting.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -41,8 +42,8 @@ int CompareCommand::of_both_sides(const Subject& a, const Subject& b, double the
                                               fibonacci_directions(k_matrix_directions, theta * k_degree))[0];
         if (comparison.matrix.pairs == 0 || comparison.heldout.pairs == 0) continue;
         if (!any && json != "-")
-            fmt::print("{} against {}, directions within {:g}° of the normal, without beams\n", other, reference,
-                       theta);
+            fmt::print("{} against {}, directions within {:g}° of the normal, without beams\n", printable(other),
+                       printable(reference), theta);
         any = true;
         Json of;
         add_measures(of, comparison, "");
@@ -96,9 +97,10 @@ int CompareCommand::run() const {
         if (const auto written = write_json(report, json); !written) return complain(written.error());
     if (json == "-") return k_done;
 
-    fmt::print("{} against {}, directions within {:g}° of the normal\n\n", other, reference, theta);
+    fmt::print("{} against {}, directions within {:g}° of the normal\n\n", printable(other), printable(reference),
+               theta);
     print_measures({{"", &comparison}});
-    if (repeats) fmt::print("\n{} repeats itself {}\n", reference, repeats_text(*repeats));
+    if (repeats) fmt::print("\n{} repeats itself {}\n", printable(reference), repeats_text(*repeats));
     if (comparison.matrix.masked > 0)
         fmt::print("\n{} of {} pairs of the matrix were not measured and are skipped\n",
                    grouped(comparison.matrix.masked), grouped(comparison.matrix.masked + comparison.matrix.pairs));

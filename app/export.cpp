@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "app/commands.h"
 #include "app/output.h"
@@ -15,6 +17,7 @@
 #include "render/map_layers.h"
 #include "render/page.h"
 #include "srbf/file.h"
+#include "srbf/printable.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {
@@ -107,13 +110,15 @@ int ExportCommand::run() const {
     // three.js has no light behind a surface: each part is a material.
     const auto text = is_page ? page(models, measured) : code(to == k_three ? brdfs : all);
     if (!text) return complain(text.error());
+    std::vector<NewFile> written_files;
+    const auto add = [&](const std::string& path, std::span<const std::byte> bytes) {
+        written_files.push_back({path, {bytes.begin(), bytes.end()}});
+    };
     for (const NamedModel& of : brdfs)
-        if (const auto* su = std::get_if<SuModel>(&of.model->model); su && !is_page) {
-            const std::vector<float> data = shading_data(*su);
-            if (const auto written = write_file(data_path(of), std::as_bytes(std::span(data))); !written)
-                return complain(written.error());
-        }
-    const auto written = write_file(output, as_bytes(*text));
+        if (const auto* su = std::get_if<SuModel>(&of.model->model); su && !is_page)
+            add(data_path(of), std::as_bytes(std::span<const float>(shading_data(*su))));
+    add(output, as_bytes(*text));
+    const auto written = write_files(written_files);
     return written ? int(k_done) : complain(written.error());
 }
 
@@ -124,16 +129,20 @@ int ExportCommand::write_map(const Library& map) const {
     std::vector<std::string> outputs{output};
     if (to == k_three) outputs.push_back(texture);
     if (const auto writable = check_outputs(files, outputs); !writable) return complain(writable.error());
-    if (!is_layers()) {
-        const auto text =
-            to == k_three ? three_map_module(map, name, name + ".ktx2") : map_code(map, name, code_options());
-        if (!text) return complain(text.error());
-        const auto written = write_file(output, as_bytes(*text));
-        if (!written) return complain(written.error());
-    }
-    if (is_code()) return k_done;
-    const auto written = within_memory(
-        texture, [&] { return to == k_exr ? write_map_exr(map, texture) : write_file(texture, map_ktx2(map)); });
+    const auto write = [&]() -> Result<Done> {
+        if (to == k_exr) return write_map_exr(map, texture);
+        std::vector<NewFile> all;
+        if (!is_code()) all.push_back({texture, map_ktx2(map)});
+        if (!is_layers()) {
+            const auto text =
+                to == k_three ? three_map_module(map, name, name + ".ktx2") : map_code(map, name, code_options());
+            if (!text) return text.error();
+            const auto bytes = as_bytes(*text);
+            all.push_back({output, {bytes.begin(), bytes.end()}});
+        }
+        return write_files(all);
+    };
+    const auto written = within_memory(texture, write);
     return written ? int(k_done) : complain(written.error());
 }
 
@@ -151,7 +160,7 @@ int ExportCommand::filter_environment() const {
     const CubeFile file = to_dds(filtered);
     if (file.clamped > 0)
         fmt::print(stderr, "srbf: {}: {} texels are brighter than 65504, the largest 16-bit float, and are set to it\n",
-                   output, grouped(file.clamped));
+                   printable(output), grouped(file.clamped));
     const auto written = write_file(output, file.bytes);
     return written ? int(k_done) : complain(written.error());
 }
@@ -168,17 +177,37 @@ Result<std::string> ExportCommand::page(const std::vector<Subject>& models,
     return page_html(page);
 }
 
-/// Models by the names of their files, numbered where two are the same.
+/// The names of a model and of its parts, without what names of classes leave out.
+std::vector<std::string> keys_of(const std::string& name, const Model& model) {
+    std::vector<std::string> keys{name};
+    if (std::holds_alternative<BsdfModel>(model.model))
+        for (const std::string_view part : k_part_names) keys.push_back(fmt::format("{}_{}", name, part));
+    for (std::string& key : keys) {
+        std::erase(key, '_');
+        for (char& c : key) c = char(std::tolower(static_cast<unsigned char>(c)));
+    }
+    return keys;
+}
+
+/// Models by the names of their files, numbered where those of two differ by capitals and underscores alone. What is
+/// numbered is called as no file is.
 std::vector<NamedModel> ExportCommand::named(const std::vector<Subject>& models) const {
     std::vector<NamedModel> named;
-    for (const Subject& model : models) {
-        const std::string name = identifier(stem_of(model.path));
-        const auto is_taken = [&](const std::string& candidate) {
-            return std::ranges::find(named, candidate, &NamedModel::name) != named.end();
-        };
+    std::set<std::string> taken, of_files;
+    const auto are_in = [](const std::set<std::string>& names, const std::vector<std::string>& keys) {
+        return std::ranges::any_of(keys, [&](const std::string& key) { return names.contains(key); });
+    };
+    for (const Subject& of : models)
+        for (const auto& key : keys_of(identifier(stem_of(of.path)), std::get<Model>(of.content))) of_files.insert(key);
+    for (const Subject& of : models) {
+        const Model& model = std::get<Model>(of.content);
+        const std::string name = identifier(stem_of(of.path));
         std::string own = name;
-        for (int i = 2; is_taken(own); ++i) own = fmt::format("{}_{}", name, i);
-        named.push_back({own, &std::get<Model>(model.content)});
+        for (int i = 2; are_in(taken, keys_of(own, model)) || (own != name && are_in(of_files, keys_of(own, model)));
+             ++i)
+            own = fmt::format("{}_{}", name, i);
+        for (const std::string& key : keys_of(own, model)) taken.insert(key);
+        named.push_back({own, &model});
     }
     return named;
 }
@@ -228,8 +257,9 @@ Result<std::string> ExportCommand::surface(const std::vector<NamedModel>& named)
     const auto& provenance = named[0].model->provenance;
     const auto heldout = provenance.find("heldout_delta_e_itp");
     if (const auto at = provenance.find("delta_e_itp"); text && at != provenance.end())
-        fmt::print("{}: ΔE_ITP {} against the measurement{}\n", output, at->second,
-                   heldout != provenance.end() ? fmt::format(", {} in cross-validation", heldout->second) : "");
+        fmt::print("{}: ΔE_ITP {} against the measurement{}\n", printable(output), printable(at->second),
+                   heldout != provenance.end() ? fmt::format(", {} in cross-validation", printable(heldout->second))
+                                               : "");
     return text;
 }
 

@@ -10,6 +10,7 @@
 #include "srbf/basis.h"
 #include "srbf/file.h"
 #include "srbf/npy.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -58,9 +59,9 @@ void print_library(const BasisFit& fit, const Library& library, double seconds) 
     fmt::print("  mean ΔE_ITP   {:.3g}\n", mean_error(library));
     const std::size_t listed = std::min(order.size(), k_most_listed);
     for (std::size_t i = 0; i < listed; ++i)
-        fmt::print("  {:<13} {:.3g}\n", library.names[order[i]], library.error[order[i]]);
+        fmt::print("  {:<13} {:.3g}\n", printable(library.names[order[i]]), library.error[order[i]]);
     if (listed < order.size()) fmt::print("  .. and {} better ones\n", order.size() - listed);
-    fmt::print("  library       {}\n", fit.output);
+    fmt::print("  library       {}\n", printable(fit.output));
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ std::string sums_text(const std::vector<Hemispherical>& sums) {
 
 Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutcome& outcome) {
     const auto& table = std::get<BsdfTable>(measured.table);
-    fmt::print("{}  ({}, {} bytes{})\n", fit.input, measured.format, grouped(measured.bytes),
+    fmt::print("{}  ({}, {} bytes{})\n", printable(fit.input), measured.format, grouped(measured.bytes),
                table.band().name.empty() ? "" : ", " + printable(table.band().name));
     fmt::print("  stored    {} bytes, fitted in {:.2f} s\n\n", grouped(payload_bytes(outcome.model)),
                outcome.fit_seconds);
@@ -98,9 +98,9 @@ Result<Done> print(const FileFit& fit, const Measured& measured, const BsdfOutco
                        100 * double(share_at(beams[b], {0, 0, 1}).g));
     fmt::print("\n  reflected and transmitted: at most {} of the light, measured {}\n", percent(outcome.most_fitted),
                percent(outcome.most_measured));
-    fmt::print("  model     {}\n", fit.output);
-    if (!fit.preview.empty()) fmt::print("  picture   {}\n", fit.preview);
-    if (!fit.json.empty()) fmt::print("  report    {}\n", fit.json);
+    fmt::print("  model     {}\n", printable(fit.output));
+    if (!fit.preview.empty()) fmt::print("  picture   {}\n", printable(fit.preview));
+    if (!fit.json.empty()) fmt::print("  report    {}\n", printable(fit.json));
     return flush_standard_output();
 }
 

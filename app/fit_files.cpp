@@ -14,6 +14,7 @@
 #include "app/hash.h"
 #include "app/jobs.h"
 #include "srbf/file.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -99,8 +100,9 @@ void print_line(const FileOfMany& of) {
         return;
     }
     const bool both_sides = std::isnan(of.line.raw_error);
-    fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10}{:>10}\n", of.name, of.line.bytes, percent(of.line.image_error),
-               both_sides ? "-" : percent(of.line.raw_error), both_sides ? "-" : fmt::format("{:.3g}", of.line.delta_e),
+    fmt::print("{:<32}{:>10}{:>14}{:>14}{:>10}{:>10}\n", printable(of.name), of.line.bytes,
+               percent(of.line.image_error), both_sides ? "-" : percent(of.line.raw_error),
+               both_sides ? "-" : fmt::format("{:.3g}", of.line.delta_e),
                of.state == State::kept ? "kept" : fmt::format("{:.2f}", of.line.seconds));
 }
 
@@ -125,7 +127,7 @@ void print_summary(const FolderFit& all, const std::vector<FileOfMany>& material
     summary("Delta E", &Line::delta_e, false);
     fmt::print("  {} fitted in {:.1f} s, {:.3g} a second; {} kept; {} failed\n", count(State::fitted), seconds,
                double(count(State::fitted)) / seconds, count(State::kept), count(State::failed));
-    fmt::print("  models        {}\n", all.folder);
+    fmt::print("  models        {}\n", printable(all.folder));
 }
 
 }  // namespace

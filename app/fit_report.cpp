@@ -9,6 +9,7 @@
 #include "srbf/directions.h"
 #include "srbf/fit_samples.h"
 #include "srbf/peak.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -211,7 +212,7 @@ Json report_of(const FileFit& fit, const Measured& measured, const FitOutcome& o
 
 Result<Done> print_report(const FileFit& fit, const Measured& measured, const FitOutcome& outcome) {
     const FitRequest& request = fit.request;
-    fmt::print("{}  ({}, {} bytes)\n", fit.input, measured.format, grouped(measured.bytes));
+    fmt::print("{}  ({}, {} bytes)\n", printable(fit.input), measured.format, grouped(measured.bytes));
     fmt::print("  model     {}\n", std::visit([](const auto& model) { return words(model); }, outcome.model.model));
     fmt::print("  fitted    objective {}, directions within {:g}° of the normal, in {:.2f} s ({})\n",
                name(request.objective), degrees(outcome.max_theta), outcome.fit_seconds,
@@ -246,9 +247,9 @@ Result<Done> print_report(const FileFit& fit, const Measured& measured, const Fi
     print_path(request, outcome);
     if (const auto goal = goal_of(request); goal && !outcome.reached)
         fmt::print("  Not reached: {}; this is the best model found.\n", words(*goal).text);
-    fmt::print("\n  model     {}\n", fit.output);
-    if (!fit.preview.empty()) fmt::print("  picture   {}\n", fit.preview);
-    if (!fit.json.empty()) fmt::print("  report    {}\n", fit.json);
+    fmt::print("\n  model     {}\n", printable(fit.output));
+    if (!fit.preview.empty()) fmt::print("  picture   {}\n", printable(fit.preview));
+    if (!fit.json.empty()) fmt::print("  report    {}\n", printable(fit.json));
     return flush_standard_output();
 }
 

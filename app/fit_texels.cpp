@@ -17,6 +17,7 @@
 #include "srbf/fit_batch.h"
 #include "srbf/half.h"
 #include "srbf/npy.h"
+#include "srbf/printable.h"
 #include "srbf/text.h"
 
 namespace srbf {
@@ -202,7 +203,7 @@ int fit_texels(const TexelFits& fit) {
     if (with_error > 0)
         fmt::print("  {}: mean {}\n", measure_named_for(fit.request.objective).title,
                    percent(summary.error / with_error));
-    fmt::print("  models        {}\n", fit.folder);
+    fmt::print("  models        {}\n", printable(fit.folder));
     if (summary.failed > 0) fmt::print(stderr, "srbf: {} texels: {}\n", summary.failed, summary.first_failure);
     if (const auto written = flush_standard_output(); !written) return complain(written.error());
     return summary.failed > 0 ? k_input_error : k_done;
@@ -339,7 +340,8 @@ int fit_texel_maps(const BasisFit& fit) {
     fmt::print("{} texels of {} shared lobes, found in {:.1f} s; {} kept, the others in {:.1f} s, {:.4g} a second\n",
                grouped(texels->count()), J, basis_seconds, grouped(kept), seconds,
                double(texels->count() - kept) / std::max(seconds, 1e-9));
-    fmt::print("  weighted RMS  mean {}\n  library       {}\n", percent(sum / double(texels->count())), fit.output);
+    fmt::print("  weighted RMS  mean {}\n  library       {}\n", percent(sum / double(texels->count())),
+               printable(fit.output));
     return k_done;
 }
 

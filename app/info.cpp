@@ -15,6 +15,7 @@
 #include "srbf/fit_batch.h"
 #include "srbf/library.h"
 #include "srbf/peak.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -250,7 +251,7 @@ void print_sides(const Subject& subject) {
 int describe_library(std::span<const std::byte> bytes, const std::string& file) {
     const auto library = read_library(bytes, file);
     if (!library) return complain(library.error());
-    fmt::print("{}\n", file);
+    fmt::print("{}\n", printable(file));
     print_row("library", fmt::format("{} {}, each of {} {} shared lobes", grouped(library->count()),
                                      library->names.empty() ? "texels" : "materials",
                                      library->dense() ? "all" : fmt::format("at most {} of", library->stored),
@@ -261,11 +262,11 @@ int describe_library(std::span<const std::byte> bytes, const std::string& file) 
     Range error;
     for (const float of_one : library->error) error.add(of_one);
     print_row("error", error.text());
-    print_row("one of them", file + "#" + (library->names.empty() ? "0" : one_line(library->names.front())));
+    print_row("one of them", file + "#" + (library->names.empty() ? "0" : printable(library->names.front())));
     fmt::print("\n");
     for (std::size_t t = 0; t < library->names.size(); ++t)
-        fmt::print("  {:<36}{:.3g}\n", one_line(library->names[t]), library->error[t]);
-    for (const auto& [key, text] : library->provenance) fmt::print("  {:<36}{}\n", one_line(key), one_line(text));
+        fmt::print("  {:<36}{:.3g}\n", printable(library->names[t]), library->error[t]);
+    for (const auto& [key, text] : library->provenance) fmt::print("  {:<36}{}\n", printable(key), printable(text));
     return k_done;
 }
 
@@ -277,7 +278,7 @@ int describe_stack(std::span<const std::byte> bytes, const std::string& file) {
         return grouped(std::uint64_t(std::ranges::count(stack->state, std::uint16_t(state))));
     };
     const PmModel& first = stack->models.front();
-    fmt::print("{}\n", file);
+    fmt::print("{}\n", printable(file));
     print_row("stack",
               fmt::format("{} multivariate models, {} fitted, {} black, {} failed", grouped(stack->models.size()),
                           count(TexelState::fitted), count(TexelState::black), count(TexelState::failed)));
@@ -289,7 +290,7 @@ int describe_stack(std::span<const std::byte> bytes, const std::string& file) {
     print_row("error", error.text());
     print_row("one of them", fmt::format("{0}#0 to {0}#{1}", file, stack->models.size() - 1));
     fmt::print("\n");
-    for (const auto& [key, text] : stack->provenance) fmt::print("  {:<36}{}\n", one_line(key), one_line(text));
+    for (const auto& [key, text] : stack->provenance) fmt::print("  {:<36}{}\n", printable(key), printable(text));
     return k_done;
 }
 
@@ -301,7 +302,7 @@ int run(const std::string& file, const ReadOptions& read) {
         return is_library(*bytes) ? describe_library(*bytes, file) : describe_stack(*bytes, file);
     }
     if (!subject) return complain(subject.error());
-    fmt::print("{}\n", file);
+    fmt::print("{}\n", printable(file));
     if (const auto* measured = std::get_if<Measured>(&subject->content)) {
         print_row("format", fmt::format("{}, {} bytes", measured->format, grouped(measured->bytes)));
         std::visit([](const auto& table) { print_table(table); }, measured->table);
@@ -309,7 +310,7 @@ int run(const std::string& file, const ReadOptions& read) {
         const auto& model = std::get<Model>(subject->content);
         fmt::print("{}", parameters_text(model));
         if (!model.provenance.empty()) fmt::print("\n");
-        for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", one_line(key), one_line(text));
+        for (const auto& [key, text] : model.provenance) fmt::print("  {:<36}{}\n", printable(key), printable(text));
     }
     is_two_sided(subject->content) ? print_sides(*subject) : print_behaviour(*subject);
     return k_done;

@@ -93,16 +93,18 @@ Option Subcommand::add_option(const std::string& names, const std::string& about
     return Option(app_->add_option(names, about));
 }
 Option Subcommand::add_flag(const std::string& names, bool& to, const std::string& about) const {
-    return Option(app_->add_flag(names, to, about));
+    return Option(app_->add_flag(names, to, about)->disable_flag_override());
 }
 Option Subcommand::add_flag(const std::string& names, int& to, const std::string& about) const {
     // With a variable in place of a function, CLI11 from 2.2 on counts a flag as given where it is not.
     const auto take = [&to](std::int64_t value) { to = int(value); };
-    return Option(app_->add_flag_function(names, take, about)->multi_option_policy(CLI::MultiOptionPolicy::Throw));
+    return Option(app_->add_flag_function(names, take, about)
+                      ->multi_option_policy(CLI::MultiOptionPolicy::Throw)
+                      ->disable_flag_override());
 }
 Option Subcommand::add_flag(const std::string& names, std::function<void()> when_given,
                             const std::string& about) const {
-    return Option(app_->add_flag_callback(names, std::move(when_given), about));
+    return Option(app_->add_flag_callback(names, std::move(when_given), about)->disable_flag_override());
 }
 std::vector<std::string> Subcommand::given() const {
     std::vector<std::string> names;
@@ -135,7 +137,8 @@ CommandLine::CommandLine(const std::string& name, const std::string& version, co
                          const std::string& footer)
     : app_(std::make_unique<CLI::App>(about)) {
     app_->name(name);
-    app_->set_version_flag("--version", version);
+    app_->set_version_flag("--version", version)->disable_flag_override();
+    app_->get_help_ptr()->disable_flag_override();
     app_->require_subcommand(1);
     app_->footer(footer);
 }
@@ -147,7 +150,9 @@ Option CommandLine::add_option(const std::string& names, std::function<void(cons
 }
 
 Subcommand CommandLine::add_subcommand(const std::string& name, const std::string& about) {
-    return Subcommand(app_->add_subcommand(name, about));
+    CLI::App* const sub = app_->add_subcommand(name, about);
+    sub->get_help_ptr()->disable_flag_override();
+    return Subcommand(sub);
 }
 
 Help CommandLine::help() const {

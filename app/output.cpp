@@ -11,6 +11,7 @@
 
 #include "app/hash.h"
 #include "srbf/file.h"
+#include "srbf/printable.h"
 #include "srbf/text.h"
 
 namespace srbf {
@@ -87,7 +88,7 @@ const Json* judged_pictures(const Json& report) {
 }
 
 std::vector<std::byte> json_bytes(const Json& json) {
-    const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    const std::string text = printable_json(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
     const auto bytes = as_bytes(text);
     return {bytes.begin(), bytes.end()};
 }
@@ -163,7 +164,8 @@ void ProgressLine::show(std::string_view stage, double fraction) {
     const std::string time = !std::isfinite(left) ? ""
                              : left < 100         ? fmt::format(", {:.0f} s left", std::ceil(left))
                                                   : fmt::format(", {:.0f} min left", std::ceil(left / 60));
-    fmt::print(stderr, "\r\033[K\033[?7l{:3.0f} %  {}{}\033[?7h", 100 * fraction, stage, time);  // ?7: wrapping
+    fmt::print(stderr, "\r\033[K\033[?7l{:3.0f} %  {}{}\033[?7h", 100 * fraction, printable(stage),
+               time);  // ?7: wrapping
 }
 
 void ProgressLine::clear() {

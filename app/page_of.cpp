@@ -9,6 +9,7 @@
 #include "render/material.h"
 #include "srbf/convert.h"
 #include "srbf/pictures.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 
@@ -42,7 +43,8 @@ PageMaterial shown(const Subject& subject) {
     if (const auto* model = std::get_if<Model>(&subject.content)) {
         of.material = material_of(*model);
         of.parameters = parameters_text(*model);
-        for (const auto& [key, text] : model->provenance) of.parameters += fmt::format("  {:<36}{}\n", key, text);
+        for (const auto& [key, text] : model->provenance)
+            of.parameters += fmt::format("  {:<36}{}\n", printable(key), printable(text));
     }
     return of;
 }

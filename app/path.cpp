@@ -2,6 +2,7 @@
 
 #include "app/output.h"
 #include "render/room.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -45,8 +46,8 @@ Result<std::optional<Environment>> load_light(const std::string& name) {
     auto loaded = load_environment(name);
     if (!loaded) return loaded.error();
     if (loaded->clamped() > 0)
-        fmt::print(stderr, "srbf: {}: {} texels with channels below 0 or not finite, which count as 0\n", name,
-                   grouped(loaded->clamped()));
+        fmt::print(stderr, "srbf: {}: {} texels with channels below 0 or not finite, which count as 0\n",
+                   printable(name), grouped(loaded->clamped()));
     return std::optional(*std::move(loaded));
 }
 

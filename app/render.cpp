@@ -17,6 +17,7 @@
 #include "render/scene.h"
 #include "srbf/file.h"
 #include "srbf/likeness.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -155,11 +156,14 @@ Result<Done> compare_pictures(const Image8& reference, std::span<const Image8> i
     std::vector<Image8> differences;
     Json json;
     const bool quiet = options.json == "-";
-    if (!quiet) fmt::print("{:<40}  {:>8}  {:>8}  {:>8}\n", "against " + options.compare, "PSNR, dB", "SSIM", "FLIP");
+    if (!quiet)
+        fmt::print("{:<40}  {:>8}  {:>8}  {:>8}\n", printable("against " + options.compare), "PSNR, dB", "SSIM",
+                   "FLIP");
     for (std::size_t i = 0; i < images.size(); ++i) {
         const Likeness of = likeness(reference, images[i]);
         differences.push_back(in_false_colours(flip_map(reference, images[i]), reference.width, reference.height));
-        if (!quiet) fmt::print("{:<40}  {:>8.2f}  {:>8.4f}  {:>8.4f}\n", captions[i], of.psnr, of.ssim, of.flip);
+        if (!quiet)
+            fmt::print("{:<40}  {:>8.2f}  {:>8.4f}  {:>8.4f}\n", printable(captions[i]), of.psnr, of.ssim, of.flip);
         json.push_back({{"file", options.files[i]}, {"psnr", of.psnr}, {"ssim", of.ssim}, {"flip", of.flip}});
     }
     if (!options.json.empty())

@@ -13,9 +13,6 @@
 
 namespace srbf {
 
-/// What a file says, in one line.
-std::string one_line(std::string text);
-
 void add_row(std::string& text, std::string_view name, const std::string& what);
 
 struct Range {

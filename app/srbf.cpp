@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <hwy/targets.h>
 
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -70,6 +71,7 @@ void add_subcommands(CommandLine& app, int& status) {
 
 int run_program(int argc, char** argv) {
     std::set_terminate(end_without_memory);
+    std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of a file's size fails with EFBIG
     CommandLine app(
         "srbf", "srbf " SRBF_VERSION " (" SRBF_DATE ")",
         "srbf: measured BRDFs as a few spherical radial basis functions.\n"

@@ -10,6 +10,7 @@
 #include "render/html.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -18,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr float k_nanometres = 1000;  ///< in the unit of a film's thickness
 
-/// What is said of a surface at the head of its file.
+/// What is said of a surface at the head of its file, in lines.
 std::vector<std::string> notes(const NamedModel& of) {
     std::vector<std::string> lines{
         fmt::format("{}: written by srbf {}. Colours are linear, in Rec.709 primaries.", of.name, SRBF_VERSION)};
@@ -104,17 +105,14 @@ std::vector<Input> standard_surface_inputs(const PbrModel& model) {
 std::string mtlx_text(const NamedModel& of, const char* node, const char* specification,
                       const std::vector<Input>& inputs, const std::string& tangent = {}) {
     std::string text = "<?xml version=\"1.0\"?>\n<!--\n";
-    for (const std::string& line : notes(of)) {
-        std::string safe = line;  // two hyphens would end the comment
-        std::ranges::replace(safe, '-', '_');
-        text += fmt::format("  {}\n", html_escaped(safe));
-    }
+    for (const std::string& line : notes(of)) text += fmt::format("  {}\n", in_xml_comment(line));
     text += fmt::format(
         "  {}, MaterialX 1.39.\n-->\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n{}"
         "  <{} name=\"{}_surface\" type=\"surfaceshader\">\n",
         specification, tangent, node, of.name);
     if (!tangent.empty())
-        text += "    <input name=\"geometry_tangent\" type=\"vector3\" nodename=\"turned_tangent\" />\n";
+        text +=
+            fmt::format("    <input name=\"geometry_tangent\" type=\"vector3\" nodename=\"{}_turned\" />\n", of.name);
     for (const Input& input : inputs)
         text += fmt::format("    <input name=\"{}\" type=\"{}\" value=\"{}\" />\n", input.name,
                             input.is_colour ? "color3" : "float", input.numbers);
@@ -125,22 +123,22 @@ std::string mtlx_text(const NamedModel& of, const char* node, const char* specif
                       of.name, node);
 }
 
-/// The nodes of a tangent that is turned about the normal.
-std::string mtlx_tangent(const PbrModel& model) {
+/// The nodes of a tangent that is turned about the normal, for the material of that name.
+std::string mtlx_tangent(const std::string& name, const PbrModel& model) {
     if (!is_anisotropic(model)) return "";
     std::string text;
-    for (const char* name : {"tangent", "normal"})
+    for (const char* node : {"tangent", "normal"})
         text += fmt::format(
-            "  <{0} name=\"surface_{0}\" type=\"vector3\">\n    <input name=\"space\" type=\"string\" value=\"world\" "
+            "  <{0} name=\"{1}_{0}\" type=\"vector3\">\n    <input name=\"space\" type=\"string\" value=\"world\" "
             "/>\n"
             "  </{0}>\n",
-            name);
+            node, name);
     return text + fmt::format(
-                      "  <rotate3d name=\"turned_tangent\" type=\"vector3\">\n"
-                      "    <input name=\"in\" type=\"vector3\" nodename=\"surface_tangent\" />\n"
-                      "    <input name=\"amount\" type=\"float\" value=\"{:.6g}\" />\n"
-                      "    <input name=\"axis\" type=\"vector3\" nodename=\"surface_normal\" />\n  </rotate3d>\n",
-                      clockwise(model));
+                      "  <rotate3d name=\"{0}_turned\" type=\"vector3\">\n"
+                      "    <input name=\"in\" type=\"vector3\" nodename=\"{0}_tangent\" />\n"
+                      "    <input name=\"amount\" type=\"float\" value=\"{1:.6g}\" />\n"
+                      "    <input name=\"axis\" type=\"vector3\" nodename=\"{0}_normal\" />\n  </rotate3d>\n",
+                      name, clockwise(model));
 }
 
 std::string usd_colour(const Rgb& of) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", of.r, of.g, of.b); }
@@ -167,7 +165,7 @@ std::string usd_tangent(const std::string& name, const PbrModel& model) {
 
 std::string usd_text(const NamedModel& of, const PbrModel& model) {
     std::string text = "#usda 1.0\n(\n    defaultPrim = \"World\"\n    doc = \"\"\"";
-    for (const std::string& line : notes(of)) text += line + "\n";
+    for (const std::string& line : notes(of)) text += in_string(line) + "\n";
     text += fmt::format(
         "UsdPreviewSurface 2.6; OpenPBR Surface 1.1 as a network of MaterialX 1.39.\"\"\"\n"
         "    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Xform \"World\"\n{{\n"
@@ -292,7 +290,7 @@ Gltf gltf(const NamedModel& of, const PbrModel& model) {
     const Json material = gltf_material(of, model);
     Json used = Json::array(), extras = Json::array();
     for (const auto& [name, value] : material["extensions"].items()) used.push_back(name);
-    for (const std::string& line : notes(of)) extras.push_back(line);
+    for (const std::string& line : notes(of)) extras.push_back(printable(line));
     constexpr int k_array = 34962, k_elements = 34963, k_float = 5126, k_unsigned_short = 5123;  // of OpenGL
     Json json{
         {"asset", {{"version", "2.0"}, {"generator", "srbf " SRBF_VERSION}, {"extras", {{"notes", extras}}}}},
@@ -357,18 +355,23 @@ std::string glb_bytes(const Gltf& of) {
 
 std::string blender_text(const NamedModel& of, const PbrModel& model) {
     std::string text;
-    for (const std::string& line : notes(of)) text += "# " + line + "\n";
+    for (const std::string& line : notes(of)) text += fmt::format("# {}\n", in_comment(line));
     text += fmt::format(
         "# Makes the material of Blender's Principled BSDF, version 4.3 or later: run it in Blender. With the name of "
         "a\n"
-        "# .blend file after \"--\" it writes that file.\n"
-        "import sys\n\nimport bpy\n\nmaterial = bpy.data.materials.new(\"{}\")\nmaterial.use_nodes = True\n"
-        "material.use_fake_user = True  # so that it is stored though nothing has it\n"
-        "node = next(n for n in material.node_tree.nodes if n.type == \"BSDF_PRINCIPLED\")\nfor name, value in {{\n",
+        "# .blend file after \"--\" it writes that file. A script that imports it calls {0}_material().\n\n\n"
+        "def {0}_material():\n"
+        "    import bpy\n\n"
+        "    material = bpy.data.materials.new(\"{0}\")\n    material.use_nodes = True\n"
+        "    material.use_fake_user = True  # so that it is stored though nothing has it\n"
+        "    node = next(n for n in material.node_tree.nodes if n.type == \"BSDF_PRINCIPLED\")\n"
+        "    for name, value in {{\n",
         of.name);
-    const auto add_number = [&](const char* name, float x) { text += fmt::format("    \"{}\": {:.6g},\n", name, x); };
+    const auto add_number = [&](const char* name, float x) {
+        text += fmt::format("        \"{}\": {:.6g},\n", name, x);
+    };
     const auto add_colour = [&](const char* name, const Rgb& c) {
-        text += fmt::format("    \"{}\": ({:.6g}, {:.6g}, {:.6g}, 1),\n", name, c.r, c.g, c.b);
+        text += fmt::format("        \"{}\": ({:.6g}, {:.6g}, {:.6g}, 1),\n", name, c.r, c.g, c.b);
     };
     add_colour("Base Color", scaled(model.base_weight, model.base_color));
     add_number("Metallic", model.base_metalness);
@@ -390,10 +393,13 @@ std::string blender_text(const NamedModel& of, const PbrModel& model) {
     add_colour("Sheen Tint", model.fuzz_color);
     add_number("Thin Film Thickness", model.thin_film_weight > 0 ? k_nanometres * model.thin_film_thickness : 0);
     add_number("Thin Film IOR", model.thin_film_ior);
-    return text +
-           "}.items():\n    node.inputs[name].default_value = value\n"
-           "if \"--\" in sys.argv:\n"
-           "    bpy.ops.wm.save_as_mainfile(filepath=sys.argv[sys.argv.index(\"--\") + 1])\n";
+    return text + fmt::format(
+                      "    }}.items():\n        node.inputs[name].default_value = value\n    return material\n\n\n"
+                      "def _{0}_script():\n    import sys\n\n    import bpy\n\n    {0}_material()\n    if \"--\" in "
+                      "sys.argv:\n"
+                      "        bpy.ops.wm.save_as_mainfile(filepath=sys.argv[sys.argv.index(\"--\") + 1])\n\n\n"
+                      "if __name__ == \"__main__\":\n    _{0}_script()\n",
+                      of.name);
 }
 
 }  // namespace
@@ -410,7 +416,8 @@ Result<std::string> surface_file(std::string_view kind, const NamedModel& of) {
     if (model->is_exchanged)
         return Error{of.name, {}, "surface", "light and viewer as they are", "exchanged ones", ErrorCode::argument};
     if (kind == "mtlx")
-        return mtlx_text(of, "open_pbr_surface", "OpenPBR Surface 1.1", openpbr_inputs(*model), mtlx_tangent(*model));
+        return mtlx_text(of, "open_pbr_surface", "OpenPBR Surface 1.1", openpbr_inputs(*model),
+                         mtlx_tangent(of.name, *model));
     if (kind == "standard-surface")
         return mtlx_text(of, "standard_surface", "Autodesk Standard Surface 1.0.1",
                          standard_surface_inputs(with_plain_coat(*model)));

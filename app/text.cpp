@@ -68,14 +68,8 @@ std::string grouped(std::uint64_t n) {
 
 std::string percent(double ratio) { return fmt::format("{:.3g} %", 100 * ratio); }
 
-std::string one_line(std::string text) {
-    std::ranges::replace_if(
-        text, [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
-    return printable(std::move(text));
-}
-
 void add_row(std::string& text, std::string_view name, const std::string& what) {
-    fmt::format_to(std::back_inserter(text), "  {:<18}{}\n", one_line(std::string(name)), one_line(what));
+    fmt::format_to(std::back_inserter(text), "  {:<18}{}\n", printable(name), printable(what));
 }
 
 std::string wavelengths_text(const std::vector<float>& nm) {

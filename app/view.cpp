@@ -4,6 +4,7 @@
 #include "app/memory.h"
 #include "app/output.h"
 #include "app/view/window.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -24,7 +25,7 @@ int ViewCommand::run() const {
     Session session;
     for (const std::string& file : files) session.open(file);
     for (const Session::Message& message : session.messages())
-        if (message.is_error) fmt::print(stderr, "srbf: {}\n", message.text);
+        if (message.is_error) fmt::print(stderr, "srbf: {}\n", printable(message.text));
     if (!files.empty() && session.subjects().empty()) return k_input_error;
     Look look;
     look.mesh = mesh, look.environment = environment, look.wipe = wipe;

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "render/drawing.h"
-#include "render/html.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

@@ -200,6 +200,12 @@ Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t si
     if (width < 1 || height < 1 || width > k_most_texels / height)
         return Error{file_name, at, "dataWindow", fmt::format("1 to {} pixels", k_most_texels),
                      fmt::format("{} x {}", width, height)};
+    // Compression that may lose something takes a fifth of a byte a pixel of a photograph; a small one may be of one colour.
+    constexpr std::uint64_t k_always = std::uint64_t(1) << 21, k_of_a_byte = 8;
+    const std::uint64_t most = k_always + k_of_a_byte * size;
+    if (std::uint64_t(width * height) > most)
+        return Error{file_name, at, "dataWindow", fmt::format("at most {} pixels in {} bytes", most, size),
+                     fmt::format("{} x {}", width, height)};
     // The file has the offset of each block, in 8 bytes.
     const auto [rows, columns] = block_of(*all);
     const std::int64_t blocks = ((height - 1) / rows + 1) * ((width - 1) / columns + 1);
@@ -216,10 +222,9 @@ Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file
         const auto window = file.header().dataWindow();
         const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1,
                            height = std::int64_t(window.max.y) - window.min.y + 1;
-        // No compression reduces a picture this much.
-        const std::int64_t most = std::min(k_most_texels, 4096 * std::int64_t(bytes.size()));
-        if (width < 1 || height < 1 || width > most / height)
-            return Error{file_name, {}, "pixels", fmt::format("1 to {}", most), fmt::format("{} x {}", width, height)};
+        if (width < 1 || height < 1 || width > k_most_texels / height)
+            return Error{
+                file_name, {}, "pixels", fmt::format("1 to {}", k_most_texels), fmt::format("{} x {}", width, height)};
         for (const char* name : {"R", "G", "B"}) {
             const Imf::Channel* channel = file.header().channels().findChannel(name);
             if (channel && channel->xSampling == 1 && channel->ySampling == 1) continue;

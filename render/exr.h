@@ -29,8 +29,8 @@ Result<Done> write_half_exr(int width, int height, std::span<const std::string> 
 /// `k_most_texels` pixels. `file_name` appears in errors only.
 Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file_name);
 /// Looks at a header before the library, which allocates what it tells. `start`: the beginning of a file of `size`
-/// bytes. Errors: a header longer than the file or 1 MB, more than `k_most_texels` pixels, more blocks of them than a file
-/// of that size has. What else is damaged is left to the library.
+/// bytes. Errors: a header longer than the file or 1 MB, more than `k_most_texels` pixels, more pixels than 2²¹ and 8 a byte of
+/// the file, more blocks of them than a file of that size has. What else is damaged is left to the library.
 Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t size, const std::string& file_name);
 inline constexpr std::int64_t k_most_texels = std::int64_t(1) << 26;
 bool is_exr(std::span<const std::byte> bytes);

@@ -1,4 +1,4 @@
-// Escaping and templates for HTML.
+// Templates and bytes in HTML.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -8,8 +8,6 @@
 
 namespace srbf {
 
-/// Escapes `text` for HTML and SVG, between tags and in attributes.
-std::string html_escaped(std::string_view text);
 /// Base64 with padding.
 std::string base64(std::span<const std::byte> bytes);
 /// `text` with each {{name}} replaced by its value.

@@ -13,6 +13,7 @@
 #include "render/scene.h"
 #include "render/slices.h"
 #include "srbf/half.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -174,11 +175,8 @@ Json data_of(const Page& page) {
     return data;
 }
 
-/// JSON without a `</script>`.
 std::string script_text(const Json& json) {
-    std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-    for (std::size_t at = 0; (at = text.find('<', at)) != text.npos;) text.replace(at, 1, "\\u003c");
-    return text;
+    return json_in_script(json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 /// The first colour is dark; the others are distinguishable with colour blindness (Okabe & Ito 2008).

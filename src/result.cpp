@@ -22,7 +22,7 @@ std::string message(const Error& error) {
     if (!error.expected.empty()) contrast = "expected " + error.expected;
     if (!error.found.empty()) contrast += (contrast.empty() ? "found " : ", found ") + error.found;
     append(contrast);
-    return printable(std::move(line));  // file names and contents may contain any byte
+    return printable(line);  // file names and contents may contain any byte
 }
 
 std::string_view name(ErrorCode code) {

@@ -340,6 +340,21 @@ TEST_F(OfModel, surfaces_are_exported_for_other_programs) {
     EXPECT_NE(script.find("\"Thin Film Thickness\": 250,"), script.npos) << script;
     EXPECT_NE(exported("usd").find("inputs:thin_film_weight = 0.5"), std::string::npos);
 
+    // A script that runs it keeps its own names. What stands for Blender notes what is asked of it.
+    write(folder / "s.py", script);
+    write(folder / "bpy.py",
+          "from collections import defaultdict\nfrom types import SimpleNamespace as Of\n"
+          "node, made = Of(type='BSDF_PRINCIPLED', inputs=defaultdict(Of)), []\n"
+          "data = Of(materials=Of(new=lambda name: made.append(name) or Of(node_tree=Of(nodes=[node]))))\n");
+    write(folder / "caller.py",
+          "import bpy as theirs\nsys = bpy = node = name = value = material = 'own'\n"
+          "exec(open('s.py').read())\n"
+          "assert {sys, bpy, node, name, value, material} == {'own'}\n"
+          "assert theirs.made == ['s'] and theirs.node.inputs['Thin Film Thickness'].default_value == 250\n");
+    if (std::system("python3 -c '' > /dev/null 2>&1") == 0) {
+        EXPECT_EQ(std::system(fmt::format("cd '{}' && python3 -B caller.py", folder.path.string()).c_str()), 0);
+    }
+
     const Json gltf = Json::parse(exported("gltf"));
     const Json& material = gltf["materials"][0];
     EXPECT_EQ(material["extensions"]["KHR_materials_iridescence"]["iridescenceThicknessMaximum"], 250);

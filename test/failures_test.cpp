@@ -1,6 +1,7 @@
 // One system call or allocation of the program fails: it ends with one line and status 1, or does its work all the same, and
 // each of its files holds what it held before or all of what it should hold. SRBF_FAILURES=all tries every one of them.
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/syscall.h>
 
 #include <chrono>
@@ -312,6 +313,31 @@ TEST_F(Failures, AReportIsThatOfItsModel) {
     EXPECT_EQ(contents(folder / "models/a.srbf"), model);
     const Json report = Json::parse(contents(folder / "models/a.json"), nullptr, false);
     EXPECT_EQ(report.value("model_hash", ""), hash_of(model));
+}
+
+/// The bound of a file's size [bytes] that the program inherits; it ends no process that ignores the signal.
+TEST_F(Failures, FilesBeyondTheLimitAreOneLine) {
+    rlimit before;
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    const auto old = ::signal(SIGXFSZ, SIG_DFL);
+    for (const Arguments& arguments : {Arguments{"convert", "a.binary", "-o", "x.csv"},
+                                       {"convert", "m.srbf", "-o", "x.binary"},
+                                       {"render", "m.srbf", "-o", "x.exr", "--size", "16x16", "--spp", "1"},
+                                       {"export", "m.srbf", "--to", "glsl", "-o", "x.glsl"},
+                                       k_quick_fit + Arguments{"a.binary", "b.binary", "-o", "models"},
+                                       {"manual"}}) {
+        SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
+        const auto files_before = files();
+        const rlimit low{512, before.rlim_max};
+        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &low), 0);
+        const ProgramRun ended = run(folder, arguments);
+        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+        EXPECT_EQ(ended.status, 1) << ended.err;
+        EXPECT_TRUE(ended.err.starts_with("srbf: ")) << ended.err;
+        fs::remove_all(folder / "models");
+        EXPECT_EQ(files(), files_before);
+    }
+    ::signal(SIGXFSZ, old);
 }
 
 }  // namespace

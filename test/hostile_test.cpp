@@ -2,8 +2,14 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
+#include <set>
+#include <sstream>
+
 #include "command.h"
 #include "models.h"
+#include "srbf/printable.h"
+#include "srbf/shading_code.h"
+#include "srbf/text.h"
 
 namespace srbf::hostile_test {
 namespace {
@@ -319,6 +325,234 @@ TEST_F(Hostile, NoControlCharactersReachTheTerminal) {
     EXPECT_NE(run(folder, {"info", "m.srbf"}).out.find("source                              a?]0;title??[2J   ??31mb"),
               std::string::npos)
         << run(folder, {"info", "m.srbf"}).out;
+}
+
+/// Names of files of what ends strings, comments, elements and lines somewhere.
+const std::string k_names[] = {
+    "a\nb\r\"\"\"\nimport os; os._exit(1) #\x1b[2J\x07\x7f\xc2\x9b\xe2\x80\xae\xe2\x81\xa6\xef\xbb\xbf\"];'); \\\" ?\?",
+    "a\xe2\x80\xa8"
+    "fn b() -> f32 { return 1.0; }\xe2\x80\xa9int b;\xc2\x85\x0b\x0c \xff\xc0\x80\xed\xa0\x80\xef\xbf\xbf <b>&amp;'--> "
+    "]]>{{title}}`${b}`|*_[c](d) \\",
+};
+/// What metadata says, which is UTF-8, unlike a name, and has slashes.
+const std::string k_texts[] = {"\"\"\"\nimport os; os._exit(1) #",
+                               "\x1b[2J\x07\x7f\xc2\x9b\xe2\x80\xae\xe2\x81\xa6\xef\xbb\xbf\xef\xbf\xbf",
+                               "\xe2\x80\xa8"
+                               "fn b() -> f32 { return 1.0; }\xe2\x80\xa9int b;\xc2\x85\x0b\x0c",
+                               "=1\"];'); \\\" \\",
+                               "*/\nint b; // ?\?/\nint c; /* \\",
+                               "<b>&amp;'-->]]></script><script>alert(1)</script>{{title}}`${b}`"};
+constexpr std::size_t k_fields = std::size(k_texts);
+
+/// Metadata of those texts, or of `harmless` ones; `first`: that of the first field.
+std::map<std::string, std::string> metadata(std::size_t first, bool harmless) {
+    constexpr std::array<const char*, k_fields> fields{"source",      "surface",   "objective",
+                                                       "delta_e_itp", "max_theta", "xx"};
+    std::map<std::string, std::string> all;
+    for (std::size_t i = 0; i < k_fields; ++i) {
+        const std::string text = harmless ? "b" : k_texts[(first + i) % k_fields];
+        all[fields[i]] = text, all[harmless ? fmt::format("x{}", i) : text] = text;
+    }
+    return all;
+}
+
+/// The destinations that the program names.
+Arguments destinations(const TemporaryFolder& folder) {
+    const std::string said = run(folder, {"export", "x", "--to", "nothing", "-o", "x"}).err;
+    const auto begin = said.find("expected ") + 9;
+    std::string list = said.substr(begin, said.find(", found") - begin);
+    Arguments all;
+    for (std::size_t at; (at = list.find(" or ")) != list.npos; list.erase(0, at + 4))
+        all.push_back(list.substr(0, at));
+    all.push_back(list);
+    return all;
+}
+
+/// Exported text without comments, documentation and notes.
+std::string code_alone(std::string text, const std::string& to) {
+    const auto remove = [&](std::string_view first, std::string_view last) {
+        for (std::size_t at; (at = text.find(first)) != text.npos;)
+            text.erase(at, text.find(last, at + first.size()) + last.size() - at);
+    };
+    if (to == "mtlx" || to == "standard-surface") remove("<!--", "-->");
+    if (to == "usd") remove("doc = \"\"\"", "\"\"\"");
+    std::istringstream lines(text);
+    std::string code;
+    for (std::string line; std::getline(lines, line);) {
+        const std::string_view begin = trimmed(line);
+        if (!begin.starts_with("//") && !(to == "blender" && begin.starts_with("#"))) code += line + "\n";
+    }
+    return code;
+}
+
+/// What names and metadata say stays text: exports are those of harmless names but for comments.
+TEST_F(Hostile, WhatFilesSayIsNoCode) {
+    std::mt19937_64 random(1);
+    const PmModel pm = random_model(random, {.lobes = 1, .variates = 1});
+    const Library map = random_map(random, {.lobes = 2}, 3, 2);
+    const Arguments surfaces{"mtlx", "standard-surface", "gltf", "glb", "usd", "blender"}, all = destinations(folder);
+    ASSERT_GE(all.size(), 15u);
+    fs::create_directory(folder / "clean");
+    std::set<std::string> tried;
+    for (std::size_t i = 0; i < k_fields; i += 2) {
+        const std::string& name = k_names[i / 2 % std::size(k_names)];
+        for (const std::string& to : all) {
+            const bool is_map = to == "ktx2" || to == "exr", is_surface = std::ranges::count(surfaces, to) > 0,
+                       takes_long = to == "html" || to == "three";
+            if (to == "dds" || (takes_long && i > 0)) continue;
+            SCOPED_TRACE(fmt::format("{} {}: {}", to, i, printable(name)));
+            const auto exported = [&](const std::string& file, bool harmless) {
+                Library own = map;
+                own.provenance = metadata(i, harmless);
+                const Model model = is_surface ? Model{PbrModel{}, own.provenance} : Model{pm, own.provenance};
+                write(folder / file, text_of(is_map ? write_library(own) : write_model(model)));
+                const ProgramRun done = run(folder, {"export", file, "--to", to, "-o", "x"});
+                EXPECT_EQ(done.status, 0) << done.err;
+                EXPECT_EQ(printable_lines(done.out + done.err), done.out + done.err);
+                return contents(folder / "x");
+            };
+            std::string x = exported(name + ".srbf", false), y = exported("clean/" + identifier(name) + ".srbf", true);
+            tried.insert(to);
+            if (is_map || to == "glb") continue;
+            EXPECT_EQ(printable_lines(x), x);
+            if (to == "c") {
+                EXPECT_EQ(x.find("?\?/"), x.npos);
+            }
+            if (to == "gltf")
+                for (std::string* text : {&x, &y}) {
+                    Json json = Json::parse(*text, nullptr, false);
+                    ASSERT_TRUE(json.is_object());
+                    json["asset"].erase("extras");
+                    *text = json.dump();
+                }
+            if (to == "html")
+                for (const char c : {'<', '>', '"', '\''})
+                    EXPECT_EQ(std::ranges::count(x, c), std::ranges::count(y, c)) << c;
+            else
+                EXPECT_EQ(code_alone(x, to), code_alone(y, to));
+        }
+    }
+    EXPECT_EQ(tried.size(), all.size() - 1);
+}
+
+/// The names that lines at the left margin define.
+std::vector<std::string> defined_names(const std::string& text) {
+    std::istringstream lines(text);
+    std::vector<std::string> names;
+    for (std::string line; std::getline(lines, line);) {
+        if (line.empty() || !std::isalpha(static_cast<unsigned char>(line[0]))) continue;
+        std::string head = line.substr(0, line.find_first_of("([={:"));
+        if (const auto at = head.find(" extends"); at != head.npos) head.resize(at);
+        head.erase(head.find_last_not_of(' ') + 1);
+        const std::string name = head.substr(head.find_last_of(" $") + 1);
+        if (name != "if" && name != "import" && name != "typedef struct" && name != "struct" && !name.empty())
+            names.push_back(name);
+    }
+    return names;
+}
+
+/// Two files whose names would be one in the code: it tells them apart, or an error names both.
+TEST_F(Hostile, NamesInCodeAreDistinct) {
+    std::mt19937_64 random(1);
+    const Model pm{random_model(random, {.lobes = 1, .variates = 1}), {}}, two{full_bsdf(), {}};
+    using Named = std::pair<std::string, const Model*>;
+    const std::pair<Named, Named> pairs[] = {{{"a_b", &pm}, {"aB", &pm}},
+                                             {{"x", &pm}, {"x_r", &pm}},
+                                             {{"x", &pm}, {"x_light", &pm}},
+                                             {{"y", &two}, {"y_mirror", &two}},
+                                             {{"y", &two}, {"y_reflection_back", &pm}},
+                                             {{"y_reflection_back", &pm}, {"y", &two}}};
+    std::map<std::string, int> done;
+    for (const std::string& to : destinations(folder)) {
+        if (to == "html" || to == "dds") continue;
+        for (const auto& [a, b] : pairs) {
+            if (to == "three" && &a != &pairs[0].first) continue;
+            SCOPED_TRACE(fmt::format("{}: {} and {}", to, a.first, b.first));
+            for (const auto& [name, model] : {a, b}) ASSERT_TRUE(save_model(*model, folder / (name + ".srbf")).ok());
+            const ProgramRun ended =
+                run(folder, {"export", a.first + ".srbf", b.first + ".srbf", "--to", to, "-o", "o"});
+            if (ended.status == 0) {
+                ++done[to];
+                std::vector<std::string> names = defined_names(contents(folder / "o"));
+                EXPECT_GE(names.size(), 2u);
+                // A module has names of JavaScript and, in a text, of GLSL.
+                if (to == "three") std::erase_if(names, [](const auto& name) { return !name.ends_with("Material"); });
+                std::ranges::sort(names);
+                const auto twice = std::ranges::adjacent_find(names);
+                EXPECT_EQ(twice, names.end()) << *twice;
+                continue;
+            }
+            EXPECT_EQ(ended.status, 1);
+            EXPECT_EQ(std::ranges::count(ended.err, '\n'), 1) << ended.err;
+            if (ended.err.find("names in their code") != ended.err.npos) {
+                EXPECT_NE(ended.err.find(a.first + " and " + b.first), ended.err.npos) << ended.err;
+            }
+        }
+    }
+    EXPECT_GE(done.size(), 7u);
+    for (const auto& [to, count] : done) EXPECT_GE(count, to == "three" ? 1 : 4) << to;
+}
+
+/// Names of files reach the terminal, and JSON there, in one line each.
+TEST_F(Hostile, NamesOfFilesAreOneLine) {
+    std::mt19937_64 random(1);
+    const Model model{random_model(random, {.lobes = 1, .variates = 1}), {}};
+    fs::create_directory(folder / "b");
+    const auto runs = [&](const std::string& name) {
+        EXPECT_TRUE(save_model(model, folder / (name + ".srbf")).ok());
+        write(folder / (name + ".binary"), small_merl());
+        std::vector<ProgramRun> all;
+        for (const Arguments& arguments :
+             {Arguments{"info", name + ".srbf"},
+              {"compare", name + ".srbf", name + ".srbf"},
+              {"compare", name + ".srbf", name + ".srbf", "--json", "-"},
+              k_quick_fit + Arguments{name + ".binary", "-o", name + ".o", "--json", name + ".json"},
+              k_quick_fit + Arguments{name + ".binary", "b.binary", "-o", name + "-models"},
+              {"render", name + ".srbf", "-o", name + ".png", "--size", "8x8", "--spp", "1", "--compare",
+               name + ".binary"},
+              {"eval", name + ".srbf", "--pairs", name},
+              {"convert", name, "-o", name + ".csv"},
+              {"export", name + ".srbf", "--to", name, "-o", name},
+              {"info", "--" + name},
+              {name}})
+            all.push_back(run(folder, arguments));
+        return all;
+    };
+    write(folder / "b.binary", small_merl());
+    const auto harmless = runs("a");
+    for (const std::string& name : k_names) {
+        const auto done = runs(name);
+        for (std::size_t i = 0; i < done.size(); ++i) {
+            SCOPED_TRACE(fmt::format("{}: {}", i, printable(name)));
+            const std::string said = done[i].out + done[i].err;
+            EXPECT_EQ(done[i].status, harmless[i].status) << said;
+            EXPECT_EQ(printable_lines(said), said);
+            EXPECT_EQ(std::ranges::count(said, '\n'), std::ranges::count(harmless[i].out + harmless[i].err, '\n'))
+                << said;
+        }
+        const Json report = Json::parse(done[2].out, nullptr, false);
+        ASSERT_TRUE(report.is_object()) << done[2].out;
+        if (name.find('\xff') == name.npos) {
+            EXPECT_EQ(report["reference"], name + ".srbf");
+        }
+    }
+}
+
+TEST_F(Hostile, TextIsQuotedForItsDestination) {
+    EXPECT_EQ(csv_field("=1+1"), "'=1+1");
+    EXPECT_EQ(csv_field("@a,\"b\""), "\"'@a,\"\"b\"\"\"");
+    EXPECT_EQ(csv_field("plain-2"), "plain-2");
+    EXPECT_EQ(in_string("a\"\\\n"), "a\\\"\\\\ ");
+    EXPECT_EQ(in_comment("a\\ ?\?/ ?\?\?/ \\"), "a/ ?/ ?/ /");
+    EXPECT_EQ(in_xml_comment("a--><b>"), "a__&gt;&lt;b&gt;");
+    EXPECT_EQ(in_markdown("a|b `c` [d](e) <f>"), "a\\|b \\`c\\` \\[d\\](e) &lt;f&gt;");
+    EXPECT_EQ(in_template_literal("`${a}`\n"), "\\`\\${a}\\`\n");
+    EXPECT_EQ(printable_json("\"\xe2\x80\xae\xf3\xa0\x80\x81\""), "\"\\u202e\\udb40\\udc01\"");
+    EXPECT_EQ(json_in_script("\"</script>\""), "\"\\u003c/script>\"");
+    EXPECT_EQ(printable("é θ 𝛑 \xe2\x80\x8d"), "é θ 𝛑 \xe2\x80\x8d");
+    for (const char* overlong :
+         {"\xc0\x80", "\xe0\x80\x80", "\xf0\x80\x80\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\x80", "\xc3"})
+        EXPECT_EQ(printable(overlong), std::string(std::string_view(overlong).size(), '?'));
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ const fs::path k_root = SRBF_SOURCE_DIR;
 // it.
 const std::vector<std::vector<std::string>> k_groups{
     {"include/srbf/elementary", "src/elementary", "include/srbf/vec", "include/srbf/half", "src/half",
-     "include/srbf/colour", "src/colour", "include/srbf/printable", "include/srbf/result", "src/result",
-     "include/srbf/picture.h", "include/srbf/progress", "src/progress", "src/reporter"},
+     "include/srbf/colour", "src/colour", "include/srbf/printable", "src/printable", "include/srbf/result",
+     "src/result", "include/srbf/picture.h", "include/srbf/progress", "src/progress", "src/reporter"},
     {"src/aligned", "src/floating_point", "src/parallel", "src/r_sequence", "src/k_d_tree", "src/elevation_nodes",
      "src/weighted_quantile", "src/errors", "src/least_squares", "src/step_bounds", "src/levenberg_marquardt",
      "include/srbf/file", "src/file", "src/npy", "include/srbf/npy", "include/srbf/text"},

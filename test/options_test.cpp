@@ -372,5 +372,29 @@ TEST_F(Resuming, takes_the_journal_of_a_map_for_what_it_is) {
 
 #endif
 
+/// A value of another kind than the option takes, of a flag any value. The input is missing, so that nothing takes long.
+TEST_F(Options, of_another_kind_are_wrong_use_or_failures) {
+    const std::map<std::string, std::string> base{{"fit", "fit x"},
+                                                  {"info", "info x"},
+                                                  {"eval", "eval x --pairs p.csv"},
+                                                  {"compare", "compare x m.srbf"},
+                                                  {"convert", "convert x -o o.csv"},
+                                                  {"render", "render x -o o.png"},
+                                                  {"export", "export x --to glsl -o o.glsl"},
+                                                  {"report", "report x -o o"}};
+    const auto all = options();
+    for (const auto& [subcommand, text] : base)
+        for (const std::string& option : all.at(subcommand) + Arguments{"--help", "--version", "--max-memory"}) {
+            const bool is_flag = k_argument.contains(option) && k_argument.at(option).empty();
+            for (const std::string value : {"rgb", "-7", "nan", "99999999999999999999"}) {
+                const Written done = written(words(text) + Arguments{option + "=" + value});
+                const std::string line = fmt::format("{} {}={}: {}", text, option, value, done.err);
+                EXPECT_TRUE(is_flag ? done.status == 2 : done.status == 1 || done.status == 2) << line;
+                EXPECT_EQ(std::ranges::count(done.err, '\n'), 1) << line;
+                EXPECT_TRUE(done.files.empty()) << line;
+            }
+        }
+}
+
 }  // namespace
 }  // namespace srbf::options_test

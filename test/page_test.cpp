@@ -16,6 +16,7 @@
 #include "render/scene.h"
 #include "render/slices.h"
 #include "srbf/convert.h"
+#include "srbf/printable.h"
 #include "su_models.h"
 #include "temporary_folder.h"
 #ifdef SRBF_RASTER

@@ -652,6 +652,9 @@ TEST(ShadingCodeText, NamesAreIdentifiers) {
     EXPECT_EQ(identifier("2nd"), "brdf_2nd");
     EXPECT_EQ(identifier(""), "brdf");
     EXPECT_EQ(identifier("gl_x"), "brdf_gl_x");
+    EXPECT_EQ(identifier("webgl_x"), "brdf_webgl_x");
+    EXPECT_EQ(identifier("mesh-Standard"), "brdf_mesh_Standard");
+    EXPECT_EQ(identifier("measured"), "brdf_measured");
     EXPECT_EQ(identifier("\xc3\xa9t\xc3\xa9"), "t");
 }
 

@@ -3,9 +3,9 @@
 
 #include "app/report/page.h"
 #include "app/report/parts.h"
-#include "render/html.h"
 #include "render/report_text.h"
 #include "srbf/pictures.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

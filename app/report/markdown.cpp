@@ -5,6 +5,7 @@
 
 #include "app/report/page.h"
 #include "app/report/parts.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -64,7 +65,7 @@ std::string each_material(const Tables& tables, const std::string& input, const 
     std::string text = "\n" + head({"material", "model", "bytes"});
     for (const Json* material : rows_with(tables.materials, "input", input)) {
         const auto fits = rows_with(tables.fits, "material", material->at("material"));
-        std::string name = field(material->at("material"));
+        std::string name = in_markdown(field(material->at("material")));
         for (const std::string& id : ids) {
             const Json* fit = row_with(fits, "id", id);
             if (fit == nullptr) continue;
@@ -94,7 +95,7 @@ std::string over_lobes(const Tables& tables) {
         text += fmt::format(
             "\n### {}\n\n| J | SU bytes | matrix | held out | PM source, bytes | matrix | held out | PM extended, "
             "bytes | matrix | held out |\n|---|---|---|---|---|---|---|---|---|---|\n",
-            field(material->at("material")));
+            in_markdown(field(material->at("material"))));
         for (int lobes = 1; lobes <= k_most_view_lobes; ++lobes) {
             const Json *su = row_with(fits, "id", fmt::format("su-{}-raw", lobes)),
                        *source = row_with(fits, "id", fmt::format("pm-source-{}x4-raw", lobes)),
@@ -111,7 +112,7 @@ std::string pictures(const Tables& tables) {
         "\n| measurement | multivariate | multivariate, cosine | view by view | 2 GGX |\n|---|---|---|---|---|\n";
     const View view{tables};
     for (const Json* material : view.done()) {
-        text += fmt::format("| {} |", field(material->at("material")));
+        text += fmt::format("| {} |", in_markdown(field(material->at("material"))));
         for (const char* role : {"pm", "pm2", "su", "ggx"}) {
             const Json* of = view.ball(*material, role);
             text += of == nullptr || !of->at("psnr").is_number()

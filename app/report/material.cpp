@@ -6,8 +6,8 @@
 #include "app/report/page.h"
 #include "app/report/parts.h"
 #include "render/chart.h"
-#include "render/html.h"
 #include "render/report_text.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "app/report/parts.h"
-#include "render/html.h"
 #include "render/report_text.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

@@ -9,6 +9,7 @@
 #include "render/page_text.h"
 #include "render/report_text.h"
 #include "srbf/pictures.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 

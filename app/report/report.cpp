@@ -14,6 +14,7 @@
 #include "app/report/parts.h"
 #include "render/mesh.h"
 #include "srbf/file.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {
@@ -139,11 +140,11 @@ void print_summary(const ReportCommand& command, const Tables& tables) {
         const Json* fit = view.drawn(*material, "pm");
         if (fit == nullptr) continue;
         const Json& error = fit->at("delta_e_itp");
-        fmt::print("{:<32}{:>10}{:>10}  {}\n", field(material->at("material")), fit->at("payload_bytes").get<int>(),
-                   error.is_number() ? fmt::format("{:.3g}", error.get<double>()) : "-",
-                   field(material->at("verdict")));
+        fmt::print(
+            "{:<32}{:>10}{:>10}  {}\n", printable(field(material->at("material"))), fit->at("payload_bytes").get<int>(),
+            error.is_number() ? fmt::format("{:.3g}", error.get<double>()) : "-", field(material->at("verdict")));
     }
-    fmt::print("\n  page      {}\n", (fs::path(command.folder) / "index.html").string());
+    fmt::print("\n  page      {}\n", printable((fs::path(command.folder) / "index.html").string()));
 }
 
 int ReportCommand::run() const {

@@ -11,6 +11,7 @@
 #include "srbf/fit_samples.h"
 #include "srbf/metrics.h"
 #include "srbf/pictures.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 
@@ -43,17 +44,12 @@ std::string field(const Json& value) {
 }
 
 std::string csv(const Table& table) {
-    const auto quoted = [](std::string text) {
-        if (text.find_first_of(",\"\n\r") == text.npos) return text;
-        for (std::size_t at = 0; (at = text.find('"', at)) != text.npos; at += 2) text.insert(at, 1, '"');
-        return fmt::format("\"{}\"", text);
-    };
     std::string text = fmt::format("{}\n", fmt::join(table.columns, ","));
     for (const Json& row : table.rows) {
         for (std::size_t i = 0; i < table.columns.size(); ++i) {
             const auto at = row.find(table.columns[i]);
             if (i > 0) text += ',';
-            if (at != row.end()) text += quoted(field(*at));
+            if (at != row.end()) text += at->is_string() ? csv_field(field(*at)) : field(*at);
         }
         text += '\n';
     }

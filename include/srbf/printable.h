@@ -1,17 +1,36 @@
-// Text of files for people.
+// Text of unknown origin, such as names of files and what files say, for people and within languages. A function for each
+// place where such text goes.
 #pragma once
 #include <string>
+#include <string_view>
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// `text` with a question mark for each control character, so that what a file says is a line that no terminal obeys.
-inline std::string printable(std::string text) {
-    const auto code = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-    for (std::size_t i = 0; i < text.size(); ++i)
-        if (code(i) < 0x20 || code(i) == 0x7f) text[i] = '?';
-    for (std::size_t i = 0; i + 1 < text.size(); ++i)  // U+0080 to U+009F in UTF-8
-        if (code(i) == 0xc2 && code(i + 1) >= 0x80 && code(i + 1) < 0xa0) text.replace(i, 2, "?");
-    return text;
-}
+/// `text` as one line that no terminal obeys: a blank for each tab and end of a line, and a question mark for each byte
+/// that is not UTF-8 and for each character that is not shown as itself: controls (C0, DEL, C1), U+2028 and U+2029,
+/// directions of writing (as U+202E), characters without width but joiners, noncharacters.
+std::string printable(std::string_view text);
+/// The same with its tabs and line feeds.
+std::string printable_lines(std::string_view text);
+
+/// In a comment to the end of the line, of Python, USD and languages with those of C: a slash for each backslash, which
+/// with its trigraph would continue the line.
+std::string in_comment(std::string_view text);
+/// Between double quotes, or between three of them, in C, JavaScript, Python and USD.
+std::string in_string(std::string_view text);
+/// In a template literal of JavaScript, whose lines it keeps.
+std::string in_template_literal(std::string_view text);
+/// In HTML, SVG and XML, between tags and in attributes. Keeps lines.
+std::string html_escaped(std::string_view text);
+/// In a comment of XML, which two hyphens would end.
+std::string in_xml_comment(std::string_view text);
+/// In a paragraph or a table of Markdown, without mark-up.
+std::string in_markdown(std::string_view text);
+/// A field of CSV, in quotes where it needs them. What spreadsheets would take for a formula begins with an apostrophe.
+std::string csv_field(std::string_view text);
+/// JSON of the same value, which terminals do not obey: what `printable` replaces is escaped.
+std::string printable_json(std::string_view json);
+/// The same within a script of HTML, which it does not end.
+std::string json_in_script(std::string_view json);
 
 }  // namespace srbf

@@ -52,7 +52,8 @@ struct NamedModel {
     const Model* model = nullptr;
 };
 
-/// `text` as an identifier of all the languages: letters, digits and single underscores, and a letter first.
+/// `text` as an identifier of all the languages: letters, digits and single underscores, and a letter first. It begins with
+/// "brdf_" where it would begin otherwise, or is reserved.
 std::string identifier(std::string_view text);
 
 /// One source text with the functions of each model,

@@ -17,6 +17,7 @@
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/file.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 
@@ -370,7 +371,7 @@ MbsdfTable to_mbsdf(const Evaluate& brdf, const MbsdfOptions& options) {
 std::vector<std::byte> write_mbsdf(const MbsdfTable& table, const MbsdfTable* transmission) {
     std::string header = fmt::format("{}\n", k_mbsdf_magic);
     const auto append = [&header](const std::string& text) {
-        for (const char c : text) {
+        for (const char c : printable_lines(text)) {
             if (c == '\n')
                 header += "\\n";
             else if (c == '"' || c == '\\')

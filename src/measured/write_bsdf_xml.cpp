@@ -9,6 +9,7 @@
 #include "r_sequence.h"
 #include "srbf/convert.h"
 #include "srbf/elementary.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 
@@ -83,27 +84,12 @@ namespace {
 constexpr std::array<std::string_view, k_parts> k_window_names{"Reflection Front", "Reflection Back",
                                                                "Transmission Front", "Transmission Back"};
 
-std::string escaped_xml(std::string_view text) {
-    std::string escaped;
-    for (const char c : text) {
-        if (c == '&')
-            escaped += "&amp;";
-        else if (c == '<')
-            escaped += "&lt;";
-        else if (c == '>')
-            escaped += "&gt;";
-        else if (static_cast<unsigned char>(c) >= 0x20)
-            escaped += c;
-    }
-    return escaped;
-}
-
 /// Degrees with as many digits as files give them.
 std::string degrees_of(float radians) { return fmt::format("{:.7g}", double(radians) / k_degree); }
 
 std::string basis_text(const AngleBasis& basis) {
     std::string text =
-        fmt::format("\t\t<AngleBasis>\n\t\t\t<AngleBasisName>{}</AngleBasisName>\n", escaped_xml(basis.name));
+        fmt::format("\t\t<AngleBasis>\n\t\t\t<AngleBasisName>{}</AngleBasisName>\n", html_escaped(basis.name));
     for (const AngleBasis::Ring& ring : basis.rings)
         text += fmt::format(
             "\t\t\t<AngleBasisBlock>\n\t\t\t\t<Theta>{}</Theta>\n\t\t\t\t<ThetaBounds>\n\t\t\t\t\t<LowerTheta>{}</"
@@ -135,9 +121,9 @@ std::string block_text(const std::string& band, Part part, const KlemsTable& tab
         "\t\t\t<WavelengthDataDirection>{}</WavelengthDataDirection>\n\t\t\t<ColumnAngleBasis>{}</ColumnAngleBasis>\n"
         "\t\t\t<RowAngleBasis>{}</RowAngleBasis>\n\t\t\t<ScatteringDataType>{}</ScatteringDataType>\n"
         "\t\t\t<ScatteringData>\n",
-        escaped_xml(band), is_solar ? "NFRC 300" : "CIE Illuminant D65 1nm.ssp",
-        is_solar ? "None" : "ASTM E308 1931 Y.dsp", k_window_names[std::size_t(part)], escaped_xml(table.incident.name),
-        escaped_xml(table.outgoing.name), is_transmission(part) ? "BTDF" : "BRDF");
+        html_escaped(band), is_solar ? "NFRC 300" : "CIE Illuminant D65 1nm.ssp",
+        is_solar ? "None" : "ASTM E308 1931 Y.dsp", k_window_names[std::size_t(part)],
+        html_escaped(table.incident.name), html_escaped(table.outgoing.name), is_transmission(part) ? "BTDF" : "BRDF");
     const std::size_t n_in = table.incident.patches(), n_out = table.outgoing.patches();
     for (std::size_t o = 0; o < n_out; ++o) {
         for (std::size_t i = 0; i < n_in; ++i)
@@ -179,7 +165,7 @@ std::string write_bsdf_xml(const BsdfTable& table) {
         "\t<Material>\n\t\t<Name>{}</Name>\n\t\t<Manufacturer>unknown</Manufacturer>\n"
         "\t\t<Thickness unit=\"Millimeter\">1</Thickness>\n\t\t<DeviceType>Other</DeviceType>\n\t</Material>\n"
         "\t<DataDefinition>\n\t\t<IncidentDataStructure>Columns</IncidentDataStructure>\n",
-        table.description.empty() ? "BSDF" : escaped_xml(table.description));
+        table.description.empty() ? "BSDF" : html_escaped(table.description));
     for (const AngleBasis& basis : bases) text += basis_text(basis);
     return text + "\t</DataDefinition>\n" + blocks + "</Layer>\n</Optical>\n</WindowElement>\n";
 }

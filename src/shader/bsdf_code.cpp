@@ -225,8 +225,8 @@ std::string density_text(const BsdfModel& bsdf) {
 }
 
 /// The tables and functions of `text`, which may call functions of `stubs`, as NAME_….
-std::string printed(const std::string& name, Program program, const std::string& stubs, const std::string& text,
-                    CodeLanguage language) {
+Result<std::string> printed(const std::string& name, Program program, const std::string& stubs, const std::string& text,
+                            CodeLanguage language, DefinedNames& defined) {
     std::map<std::string, std::string> defines, names;
     syntax::parse(stubs, program, defines);
     const std::size_t known = program.functions.size();
@@ -234,10 +234,16 @@ std::string printed(const std::string& name, Program program, const std::string&
     for (const auto& table : program.tables) names[table.name] = name + "_" + table.name;
     for (const auto& function : program.functions) names[function.name] = name + "_" + function.name;
     names["sample_light"] = name + "_sample", names["light_pdf"] = name + "_pdf";
-    syntax::Printer printer(language, std::move(names));
+    syntax::Printer printer(language, names);
     std::string all;
-    for (const auto& table : program.tables) all += printer.text(table) + "\n";
-    for (std::size_t i = known; i < program.functions.size(); ++i) all += printer.text(program.functions[i]) + "\n";
+    Result<Done> distinct = Done{};
+    const auto add = [&](const auto& definition) {
+        if (distinct) distinct = defined.add(names.at(definition.name), name);
+        all += printer.text(definition) + "\n";
+    };
+    for (const auto& table : program.tables) add(table);
+    for (std::size_t i = known; i < program.functions.size(); ++i) add(program.functions[i]);
+    if (!distinct) return distinct.error();
     return all;
 }
 
@@ -260,18 +266,19 @@ PartModels part_models(const NamedModel& of, bool sampling) {
     return parts;
 }
 
-std::string bsdf_code(const NamedModel& of, const CodeOptions& options) {
+Result<std::string> bsdf_code(const NamedModel& of, const CodeOptions& options, DefinedNames& defined) {
     const BsdfModel& bsdf = bsdf_of(of);
     Program program;
     std::string text = value_text(bsdf, options.sampling) + beams_text(bsdf.beam, program);
     if (options.sampling) text += chance_text(bsdf) + sampling_text(bsdf) + density_text(bsdf);
-    return printed(of.name, std::move(program), stubs_of(bsdf, options.sampling), text, options.language);
+    return printed(of.name, std::move(program), stubs_of(bsdf, options.sampling), text, options.language, defined);
 }
 
 std::string beam_code(const std::string& name, const Beams& beams, CodeLanguage language) {
     Program program;
     const std::string text = beams_text(beams, program);
-    return printed(name, std::move(program), "", text, language);
+    DefinedNames defined;
+    return *printed(name, std::move(program), "", text, language, defined);  // names of one
 }
 
 std::vector<std::string> bsdf_functions(const NamedModel& of, bool sampling) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "shader/defined_names.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {
@@ -18,7 +19,8 @@ PartModels part_models(const NamedModel& bsdf, bool sampling);
 
 /// The functions NAME_bsdf, NAME_beam, NAME_mirror_beam, and with `sampling` NAME_sample and NAME_pdf, to follow those
 /// of the parts, with samples and albedos if `sampling`.
-std::string bsdf_code(const NamedModel& bsdf, const CodeOptions& options);
+/// Errors: a name in `defined`, to which theirs are added.
+Result<std::string> bsdf_code(const NamedModel& bsdf, const CodeOptions& options, DefinedNames& defined);
 /// The same of beams alone, for those that there are.
 std::string beam_code(const std::string& name, const Beams& beams, CodeLanguage language);
 /// The names of these functions.

@@ -1,4 +1,5 @@
 #include "shader/print.h"
+#include "srbf/printable.h"
 
 #include <fmt/format.h>
 
@@ -173,10 +174,7 @@ std::string comment_text(const std::string& lines, int depth) {
     std::string text;
     for (std::size_t at = 0; at < lines.size();) {
         const std::size_t end = std::min(lines.find('\n', at), lines.size());
-        std::string line = begin + lines.substr(at, end - at);
-        // A backslash would continue the comment.
-        std::erase_if(line, [](char c) { return c == '\\' || static_cast<unsigned char>(c) < ' '; });
-        text += broken(line, begin, [](char) { return true; });
+        text += broken(begin + in_comment(lines.substr(at, end - at)), begin, [](char) { return true; });
         at = end + 1;
     }
     return text;

@@ -1,9 +1,11 @@
 // Models as functions of Radiance's expression language, `.cal`.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 
+#include "shader/defined_names.h"
 #include "srbf/elementary.h"
 #include "srbf/shading_code.h"
 
@@ -133,6 +135,23 @@ Result<std::string> bsdf_text(const std::string& name, const BsdfModel& model) {
     return text;
 }
 
+/// What Radiance and these functions call otherwise.
+constexpr std::string_view k_cal_names[] = {"if",    "select", "rand", "floor", "ceil", "sqrt", "exp",  "log",
+                                            "log10", "sin",    "cos",  "tan",   "asin", "acos", "atan", "atan2",
+                                            "min",   "max",    "PI",   "lx",    "ly",   "lz",   "vx",   "vy",
+                                            "vz",    "ix",     "iy",   "iz",    "ox",   "oy",   "oz"};
+
+/// The functions that begin a line of `text`.
+Result<Done> add_functions(std::string_view text, const std::string& owner, DefinedNames& defined) {
+    while (!text.empty()) {
+        const std::string_view line = text.substr(0, text.find('\n'));
+        if (const auto end = line.find('('); !line.starts_with(' ') && end != line.npos)
+            if (const auto distinct = defined.add(std::string(line.substr(0, end)), owner); !distinct) return distinct;
+        text.remove_prefix(std::min(line.size() + 1, text.size()));
+    }
+    return Done{};
+}
+
 }  // namespace
 
 Result<std::string> radiance_text(std::span<const NamedModel> models) {
@@ -145,10 +164,15 @@ Result<std::string> radiance_text(std::span<const NamedModel> models) {
         "both sides of a surface positive z is the back, as in the XML of WINDOW. Light that passes unscattered has no "
         "part\n"
         "in it. }\n";
+    DefinedNames defined;
+    for (const std::string_view own : k_cal_names)
+        if (const auto of = std::ranges::find(models, own, &NamedModel::name); of != models.end())
+            return Error{of->name, {}, "name for Radiance", "none of its own", of->name, ErrorCode::argument};
     for (const NamedModel& of : models) {
         const auto* bsdf = std::get_if<BsdfModel>(&of.model->model);
         auto part = bsdf ? bsdf_text(of.name, *bsdf) : part_text(of.name, *of.model);
         if (!part) return part.error();
+        const std::size_t begin = text.size();
         text += *part;
         for (int c = 0; c < 3 && !bsdf; ++c)
             text += fmt::format("{0}_{1}(ix,iy,iz,ox,oy,oz)=if(iz,if(oz,{0}_{2}(ix,iy,iz,ox,oy,oz),0),0);\n", of.name,
@@ -157,6 +181,8 @@ Result<std::string> radiance_text(std::span<const NamedModel> models) {
             "{0}(ix,iy,iz,ox,oy,oz)=0.2126*{0}_R(ix,iy,iz,ox,oy,oz)\n    "
             "+0.7152*{0}_G(ix,iy,iz,ox,oy,oz)+0.0722*{0}_B(ix,iy,iz,ox,oy,oz);\n",
             of.name);
+        if (const auto distinct = add_functions(std::string_view(text).substr(begin), of.name, defined); !distinct)
+            return distinct.error();
     }
     return text;
 }

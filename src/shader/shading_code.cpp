@@ -1,4 +1,5 @@
 #include "srbf/shading_code.h"
+#include "srbf/printable.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +9,7 @@
 
 #include "elevation_nodes.h"
 #include "shader/bsdf_code.h"
+#include "shader/defined_names.h"
 #include "shader/print.h"
 #include "shader/print_python.h"
 #include "shader/shader_text.h"
@@ -541,7 +543,7 @@ std::string about(const NamedModel& of) {
     else
         text += "Lambert and GGX";
     text += fmt::format(", {} bytes.", payload_bytes(model));
-    for (const auto& [key, value] : model.provenance) text += fmt::format("\n  {} {}", key, value);
+    for (const auto& [key, value] : model.provenance) text += fmt::format("\n  {}", printable(key + " " + value));
     return text;
 }
 
@@ -564,6 +566,19 @@ class Printed {
             for (const Table& table : of.program.tables) own_.insert(table.name);
         while (separate()) {
         }
+    }
+
+    /// Adds the names of what is defined.
+    Result<Done> add_to(DefinedNames& defined) const {
+        for (std::size_t i = 0; i < programs_.size(); ++i) {
+            const Names of_program = names(i);
+            Result<Done> added = Done{};
+            each_definition(i, [&](const auto& of) {
+                if (added && own_.contains(of.name)) added = defined.add(of_program.at(of.name), programs_[i].name);
+            });
+            if (!added) return added;
+        }
+        return Done{};
     }
 
     std::string text() {
@@ -674,7 +689,12 @@ std::string identifier(std::string_view text) {
             name += '_';
     }
     while (!name.empty() && name.back() == '_') name.pop_back();
-    if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) || name.starts_with("gl_"))
+    std::string letters;
+    for (const char c : name)
+        if (c != '_') letters += char(std::tolower(static_cast<unsigned char>(c)));
+    const bool is_reserved = name.starts_with("gl_") || name.starts_with("webgl_") || letters == "measured" ||
+                             letters == "meshstandard";  // whose classes three.js and its module have
+    if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) || is_reserved)
         name.insert(0, name.empty() ? "brdf" : "brdf_");
     return name;
 }
@@ -685,6 +705,7 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
     std::vector<NamedModel> brdfs;  // with the parts of BSDFs
     std::vector<PartModels> parts;
     std::string list, of_bsdfs;
+    DefinedNames defined;
     const auto is_bsdf = [](const NamedModel& of) { return std::holds_alternative<BsdfModel>(of.model->model); };
     if (options.environment_draws) options.sampling = true;
     // Which part is drawn from follows from their albedos.
@@ -695,7 +716,9 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
             const PartModels& own = parts.emplace_back(part_models(of, options.sampling));
             brdfs.insert(brdfs.end(), own.named.begin(), own.named.end());
             for (const std::string& name : bsdf_functions(of, options.sampling)) add_name(name);
-            of_bsdfs += syntax::comment_text(about(of)) + "\n" + bsdf_code(of, options);
+            const auto code = bsdf_code(of, options, defined);
+            if (!code) return code.error();
+            of_bsdfs += syntax::comment_text(about(of)) + "\n" + *code;
         } else {
             brdfs.push_back(of);
             for (const auto& [name, printed] : entries(options)) add_name(fmt::format("{}_{}", of.name, printed));
@@ -717,8 +740,9 @@ Result<std::string> shading_code(std::span<const NamedModel> models, std::string
         }
         programs.push_back({of.name, about(of), program_of(*of.model, options, roots)});
     }
-    const std::string definitions =
-        Printed(std::move(programs), prefix, options.language, entries(options)).text() + of_bsdfs;
+    Printed printed(std::move(programs), prefix, options.language, entries(options));
+    if (const auto distinct = printed.add_to(defined); !distinct) return distinct.error();
+    const std::string definitions = printed.text() + of_bsdfs;
     return syntax::whole_text(options.language, list, std::string(prefix) + "_BRDF", definitions);
 }
 
@@ -740,7 +764,7 @@ Result<std::string> map_code(const Library& map, std::string_view name, const Co
     std::string about = fmt::format("{}: {} lobes of {} variates, form {}, {} bytes, which all materials share.", name,
                                     map.basis.lobes, map.basis.variates, srbf::name(map.basis.form), basis_bytes(map));
     if (map.width > 0) about += fmt::format("\n  map {} x {}", map.width, map.count() / map.width);
-    for (const auto& [key, value] : map.provenance) about += fmt::format("\n  {} {}", key, value);
+    for (const auto& [key, value] : map.provenance) about += fmt::format("\n  {}", printable(key + " " + value));
     NamedProgram program{std::string(name), about, program_of(basis, options, roots, Numbers::arguments)};
     names.insert({"Pm", "Coefficients"});
     return syntax::whole_text(options.language, list, std::string(name) + "_BRDF",

@@ -3,8 +3,10 @@
 
 #include <cctype>
 
+#include "shader/defined_names.h"
 #include "shader/shader_text.h"
 #include "srbf/extended_light.h"
+#include "srbf/printable.h"
 #include "srbf/shading_code.h"
 
 namespace srbf {
@@ -12,16 +14,6 @@ namespace {
 
 /// A frame takes up to twice the time of MeshStandardMaterial's, with five 2.8 times and with six more than thrice.
 constexpr int k_three_lobes = 4;
-
-/// `text` within a template literal of JavaScript.
-std::string escaped(const std::string& text) {
-    std::string literal;
-    for (const char c : text) {
-        if (c == '`' || c == '$' || c == '\\') literal += '\\';
-        literal += c;
-    }
-    return literal;
-}
 
 /// "CcIbizaSunset" for "cc_ibiza_sunset".
 std::string capitalised(const std::string& name) {
@@ -44,7 +36,7 @@ std::string module_of(const std::string& functions, std::string_view imports, st
     std::string text = k_three_text;
     replace_all(text, "import {", fmt::format("import {{{}", imports));
     replace_all(text, "VIEWS", std::to_string(ExtendedLight::k_views));
-    replace_all(text, "FUNCTIONS", escaped(functions));
+    replace_all(text, "FUNCTIONS", in_template_literal(functions));
     text += classes;
     return text;
 }
@@ -87,7 +79,10 @@ Result<std::string> three_module(std::span<const NamedModel> models, std::string
     if (!code) return code.error();
     std::string functions;  // whose environment is three's
     std::string classes;
+    DefinedNames defined;
     for (const NamedModel& of : models) {
+        if (const auto distinct = defined.add(capitalised(of.name) + "Material", of.name); !distinct)
+            return distinct.error();
         functions += fmt::format(
             "#define {0}_radiance measured_radiance\n#define {0}_light_texel measured_light_texel\n", of.name);
         classes += lobes_text(of, threads);

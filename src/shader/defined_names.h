@@ -1,0 +1,30 @@
+// The names that exported code defines.
+#pragma once
+#include <fmt/format.h>
+
+#include <map>
+#include <string>
+
+#include "srbf/result.h"
+
+namespace srbf {
+
+class DefinedNames {
+  public:
+    /// Adds a name that the code of `owner` defines. Errors, of code `argument`: another has it.
+    Result<Done> add(const std::string& name, const std::string& owner) {
+        const auto [at, is_new] = owners_.emplace(name, owner);
+        if (is_new) return Done{};
+        return Error{fmt::format("{} and {}", at->second, owner),
+                     {},
+                     "names in their code",
+                     "different ones",
+                     fmt::format("{} of both: rename one of the files", name),
+                     ErrorCode::argument};
+    }
+
+  private:
+    std::map<std::string, std::string> owners_;
+};
+
+}  // namespace srbf

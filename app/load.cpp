@@ -10,6 +10,7 @@
 #include "srbf/directions.h"
 #include "srbf/file.h"
 #include "srbf/metrics.h"
+#include "srbf/printable.h"
 #include "srbf/sampling.h"
 
 namespace srbf {
@@ -49,7 +50,7 @@ Result<Subject> load(const std::string& path, const ReadOptions& options) {
     if (!loaded) return loaded.error();
     if (const auto* measured = std::get_if<Measured>(&*loaded))
         for (const std::string& note : notes(*measured))
-            fmt::print(stderr, "srbf: {}: {}\n", one_line(path), one_line(note));
+            fmt::print(stderr, "srbf: {}: {}\n", printable(path), printable(note));
     return Subject{path, *std::move(loaded)};
 }
 

@@ -10,6 +10,7 @@
 
 #include "render/drawing.h"
 #include "render/html.h"
+#include "srbf/printable.h"
 
 namespace srbf {
 namespace {

@@ -53,7 +53,7 @@ struct Opening {
     std::uint64_t line = 0;            ///< of the header
     Lines rows;
     std::string description;  ///< comments, and what else stands before the header
-    bool both_sides = false;
+    bool both_sides = false, isotropic = false;
 };
 
 /// Whether a row may belong to a header in a comment.
@@ -80,6 +80,7 @@ Opening opening_of(std::string_view text, bool has_names) {
         const auto comment = comment_in(*line);
         const std::string_view content = comment.value_or(*line);
         if (comment && is_word(content, k_both_sides.substr(2))) opening.both_sides = true;
+        if (comment && is_word(content, "isotropic")) opening.isotropic = true;
         if (comment && (is_word(content, k_both_sides.substr(2)) || is_word(content, "isotropic"))) continue;
         if (!comment && (has_names || !opening.header.empty()) && is_row(*line)) {
             if (!has_names && !has_as_many_fields(*line, opening)) opening.header = {};
@@ -126,6 +127,7 @@ struct Table {
     Lines rows;
     char separator;
     std::string description;
+    bool isotropic;
 };
 
 /// The ranges of the angles of rows, as they are written: those of θ_l, |θ_l|, |φ_l| and all |θ|.
@@ -221,7 +223,7 @@ Result<Table> open_table(std::string_view text, const std::string& file_name, co
         if (!option.empty()) error.what = "--columns", error.code = ErrorCode::argument;
         return error;
     }
-    Table table{*std::move(columns), opening.rows, k_any_separator, std::move(opening.description)};
+    Table table{*std::move(columns), opening.rows, k_any_separator, std::move(opening.description), opening.isotropic};
     table.separator = row_separator(table.rows, table.columns, opening.separator);
     if (auto error = settle(table, file_name, opening.line)) return *std::move(error);
     return table;
@@ -277,11 +279,12 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
     std::vector<float> f(collected.part[0]->width());
     std::optional<double> wavelength;
     LightAzimuths azimuths;
-    // A comment may stand anywhere.
-    for (Lines lines(as_text(bytes)); const auto line = lines.next();)
-        if (const auto comment = comment_in(*line)) collected.isotropic |= is_word(*comment, "isotropic");
+    collected.isotropic = table->isotropic;
     for (Lines& lines = table->rows; const auto line = lines.next();) {
-        if (comment_in(*line)) continue;
+        if (const auto comment = comment_in(*line)) {
+            collected.isotropic |= is_word(*comment, "isotropic");
+            continue;
+        }
         row.read(*line, lines.number(), table->separator);
         const auto [wl, wv] = directions_in(row, columns);
         for (std::size_t v = 0; v < f.size(); ++v) f[v] = float(row.value(columns.value[v]));

@@ -258,8 +258,9 @@ inline void check_albedo(const PreparedBrdf& brdf) {
     }
 }
 
-/// Whether a number of a text is no number.
+/// Whether a number of a text is no number; what has a byte 0 is no text.
 inline bool has_bad_number(std::string_view text) {
+    if (text.find('\0') != text.npos) return false;
     const auto is_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.'; };
     for (const std::string_view bad : {"nan", "inf"})
         for (std::size_t at = text.find(bad); at != text.npos; at = text.find(bad, at + 1))

@@ -34,7 +34,7 @@ const std::pair<const char*, std::string> k_modes[] = {
     {"RGL to RGL", "convert r.bsdf -o o.bsdf"},
     {"paths", "render m.srbf -o o.exr --size 9x8 --spp 2"},
     {"a room", "render b.srbf -o o.exr --size 9x8 --spp 2 --scene room"},
-    {"without occlusion", "render m.srbf -o o.exr --size 9x8 --spp 2 --no-occlusion"},
+    {"without occlusion", "render m.srbf -o o.exr --size 9x8 --spp 2 --no-occlusion --draw cosine"},
     {"raster", "render m.srbf -o o.exr --size 9x8 --renderer raster"},
     {"raster, environment", "render m.srbf -o o.exr --size 9x8 --renderer raster --env studio --spp 1"},
     {"code", "export m.srbf --to glsl -o o.glsl"},

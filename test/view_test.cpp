@@ -276,8 +276,8 @@ struct Screenshot {
 };
 Screenshot view(const TemporaryFolder& folder, const std::string& arguments) {
     const std::string command = "cd '" + folder.path.string() +
-                                "' && xvfb-run -a -s '-screen 0 1400x900x24' '" SRBF_PROGRAM "' view " +
-                                arguments + " >out 2>err";
+                                "' && xvfb-run -a -s '-screen 0 1400x900x24' '" SRBF_PROGRAM "' view " + arguments +
+                                " >out 2>err";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(folder / "err")};
 }

@@ -250,7 +250,8 @@ TEST(Angles, OutOfTheRangeOfTheirUnitAreErrors) {
     const std::string astm = "VARS theta_i,phi_i,theta_s,phi_s,Y\n0.1,0,0.2,0,1\n";
     const std::string cornell = "1\n550\n0.1 0 0.2 0 1\n";
     has(error_of(read_csv, csv + "0.1,0,10,0,1\n"),
-        "line 3: column 3, theta_v_rad: expected a polar angle within 3.142 radians, found 10");
+        "line 3: column 3, theta_v_rad: expected a polar angle within 3.142 radians (--columns names angles in "
+        "degrees), found 10");
     has(error_of(read_csv, csv + "0.1,0,0.2,30,1\n"), "column 4, phi_v_rad: expected an azimuth within 12.57 radians");
     has(error_of(read_csv, degrees + "400,0,1,0,1\n"),
         "line 3: column 1, theta_l_deg: expected a polar angle within 180");

@@ -151,7 +151,9 @@ class NumberRow {
     double angle(std::size_t column, std::string_view what, AngleKind kind, AngleUnit unit) {
         const double angle = number<double>(column, what);
         if (auto expected = expected_angle(kind, angle, unit); !expected.empty())
-            fail(fmt::format("column {}, {}", column + 1, what), std::move(expected), fmt::format("{:g}", angle));
+            fail(fmt::format("column {}, {}", column + 1, what),
+                 expected + (unit.radians == 1 ? " (--columns names angles in degrees)" : ""),
+                 fmt::format("{:g}", angle));
         return angle * unit.radians;
     }
     /// The value in a column; an empty field is not a number.

@@ -183,6 +183,8 @@ std::optional<std::string> CommandLine::parse(int argc, char** argv) {
         std::string wrong = error.what();
         if (wrong.starts_with(": ")) wrong.erase(0, 2);  // of a hidden option, which has no name
         const auto chosen = is_before ? std::vector<CLI::App*>() : app_->get_subcommands();
+        if (const auto at = wrong.find(" was given a disallowed flag override"); at != wrong.npos)
+            wrong = "--" + wrong.substr(0, at) + ": expected no value, found one";
         return fmt::format("{} (see srbf{} --help)",
                            is_missing && !unknown.empty() ? "no such subcommand or option: " + unknown[0] : wrong,
                            chosen.empty() ? "" : " " + chosen[0]->get_name());

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "render/drawing.h"
-#include "render/html.h"
 #include "srbf/printable.h"
 
 namespace srbf {
@@ -240,13 +239,14 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
         4, 14, "start",
         fmt::format("<tspan font-weight='bold'>light at {:g}°{}</tspan>, {}", light <= 90 ? light : 180 - light,
                     light <= 90 ? "" : " behind", is_linear ? "linear" : "every ring ten times the one within"));
+    std::string labels;  // over the curves
     const auto ring = [&](double r, const std::string& label) {
         svg += fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 1 {:.1f} {}'/>", x0 - r, y0,
                            r, r, x0 + r, y0);
         if (whole)
             svg += fmt::format("<path class='grid' fill='none' d='M{:.1f} {}A{:.1f} {:.1f} 0 0 0 {:.1f} {}'/>", x0 - r,
                                y0, r, r, x0 + r, y0);
-        svg += svg_text(x0 + r, y0 + 13, "middle", label);
+        labels += svg_text(x0 + r, y0 + 13, "middle", label);
     };
     if (is_linear)
         ring(radius / 2, two_digits(most / 2)), ring(radius, two_digits(most));
@@ -255,10 +255,10 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
             ring(r_of(std::pow(10.0, exponent)), power_of_ten(exponent));
     svg += svg_line("axis", x0 - radius, y0, x0 + radius, y0) +
            svg_line("axis", x0, whole ? y0 + radius : y0, x0, y0 - radius);
-    if (whole) svg += svg_text(4, y0 - 6, "start", "front") + svg_text(4, y0 + 13, "start", "back");
+    if (whole) labels += svg_text(4, y0 - 6, "start", "front") + svg_text(4, y0 + 13, "start", "back");
     const double far = 1.1 * radius;
     svg += svg_line("mark", x0, y0, x_of(far, -light), y_of(far, -light));
-    svg += svg_text(x_of(far, -light), y_of(far, -light) + (light <= 90 ? -3 : 11), "middle", "light");
+    labels += svg_text(x_of(far, -light), y_of(far, -light) + (light <= 90 ? -3 : 11), "middle", "light");
     for (std::size_t c = 0; c < curves.size(); ++c) {
         Outline outline;
         for (std::size_t i = 0; i < slices[c].degrees.size(); ++i) {
@@ -268,7 +268,7 @@ std::string lobe_drawing(std::span<const SliceCurve> curves, double theta_l, Lob
         }
         svg += drawn(curves[c], outline, c == 0);
     }
-    return svg + "</svg>\n";
+    return svg + labels + "</svg>\n";
 }
 
 }  // namespace srbf

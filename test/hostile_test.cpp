@@ -150,6 +150,7 @@ TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
         {"reversed_window", ExrHeader{.window = {5, 5, 1, 1}}.text()},
         {"wide_window", ExrHeader{.window = {0, 0, (1 << 26) - 1, 0}}.text()},
         {"tall_window", ExrHeader{.window = {0, 0, 0, (1 << 26) - 1}}.text()},
+        {"more_pixels_than_bytes", ExrHeader{.window = {0, 0, 8191, 8191}}.text() + std::string(40000, '\0')},
         {"large_blocks", ExrHeader{.compression = "\x09", .window = {0, 0, (1 << 18) - 1, 255}}.text()},
         {"huge_tiles", ExrHeader{.tiles = tiles(k_most, 0)}.text(k_tiled)},
         {"no_tiles", ExrHeader{.tiles = tiles(0, 0)}.text(k_tiled)},

@@ -74,13 +74,17 @@ def with_webgl():
     chromium.open(page, LIGHTS)
     chromium.run(CONTROLS)
     visit.take("phone")
+    apart = chromium.run("""(() => {
+        const [a, b] = [0, 1].map((i) => document.querySelector(`figure[data-material="${i}"] figcaption`).getBoundingClientRect());
+        return a.width > 0 && a.right < b.left;
+    })()""")
     chromium.click("[data-show='1']")
     visit.take("phone one")
     chromium.swipe("figure:not([hidden]) canvas", 60, 0)
     visit.take("swiped")
     phone = chromium.run("[document.documentElement.scrollWidth, innerWidth]")
     under_environments(visit)
-    answers = {"pictures": visit.pictures, "problems": chromium.problems, "requests": chromium.requests, "phone": phone,
+    answers = {"pictures": visit.pictures, "problems": chromium.problems, "requests": chromium.requests, "phone": phone, "captions_apart": apart,
                "refused": refused_environments(chromium)}
     chromium.close()
     return answers
@@ -134,8 +138,10 @@ def refused_environments(chromium):
             input.files = given.files;
             document.getElementById("said").textContent = "";
             input.dispatchEvent(new Event("change"));
+            window.reading = document.getElementById("busy").innerText;
         }})()""")
         said[name] = says(lambda text: text)
+        said["reading"] = chromium.run("reading")
     chromium.run("viewer.lose(true)")
     said["lost"] = says(lambda text: text not in said.values())
     chromium.run("viewer.lose(false)")

@@ -418,6 +418,8 @@ TEST(Page, DrawsInABrowserWhatTheDesktopDraws) {
         EXPECT_TRUE(request.starts_with("file:") || request.starts_with("blob:") || request == "about:blank")
             << request;
     EXPECT_LE(int(with["phone"][0]), int(with["phone"][1]));
+    EXPECT_EQ(with["captions_apart"], true);
+    EXPECT_EQ(with["refused"]["reading"], "Reading huge.hdr ..");
 
     std::vector<RasterMaterial> materials;
     for (const PageMaterial& of : page.materials) {

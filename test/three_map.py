@@ -63,5 +63,14 @@ chromium.run("""(async () => {
 for i in range(chromium.run("scenes.length")):
     with open(os.path.join(folder, f"{i}.rgba"), "wb") as file:
         file.write(base64.b64decode(chromium.run(f"draw(scenes[{i}])")))
-print(json.dumps({"problems": chromium.problems}))
+checks = chromium.run("""(async () => {
+    const { AloneMaterial } = await import('./alone.js'), { warn } = console, said = [];
+    const plain = new AloneMaterial(), changed = new AloneMaterial();
+    changed.onBeforeCompile = (shader) => shader;
+    console.warn = (text) => said.push(text);
+    new THREE.Mesh(new THREE.PlaneGeometry(), plain).toJSON();
+    console.warn = warn;
+    return { said, share_a_program: plain.customProgramCacheKey() === changed.customProgramCacheKey() };
+})()""")
+print(json.dumps({"problems": chromium.problems, **checks}))
 chromium.close()

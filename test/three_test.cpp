@@ -350,7 +350,10 @@ TEST(Three, ShowsAMapAsItsTexels) {
     const Said said = run_script("three_map.py", folder);
     if (said.status == 77) GTEST_SKIP() << said.text;
     ASSERT_EQ(said.status, 0) << said.text;
-    EXPECT_EQ(Json::parse(said.text)["problems"], Json::array());
+    const Json checks = Json::parse(said.text);
+    EXPECT_EQ(checks["problems"], Json::array());
+    EXPECT_EQ(checks["said"].size(), 1u);
+    EXPECT_EQ(checks["share_a_program"], false);
 
     for (std::size_t i = 0; i < first_constant; ++i) {
         const MapScene& of = scenes[i];

@@ -11,10 +11,10 @@ const fail = (what, expected, found) => { throw new Error(`${what}: expected ${e
 
 // Colours from mantissas and an exponent, four bytes a texel.
 function decoded(rgbe) {
-  const texels = new Float32Array(rgbe.length / 4 * 3);
+  const texels = new Float32Array(rgbe.length / 4 * 3), scales = Float64Array.from({ length: 256 }, (_, e) => e ? 2 ** (e - 136) : 0);
   for (let i = 0, k = 0; i < rgbe.length; i += 4) {
-    const scale = rgbe[i + 3] ? 2 ** (rgbe[i + 3] - 136) : 0;
-    for (let c = 0; c < 3; ++c) texels[k++] = rgbe[i + c] * scale;
+    const scale = scales[rgbe[i + 3]];
+    texels[k++] = rgbe[i] * scale, texels[k++] = rgbe[i + 1] * scale, texels[k++] = rgbe[i + 2] * scale;
   }
   return texels;
 }
@@ -133,40 +133,51 @@ async function read_file(file) {
 
 // ---- Textures ----------------------------------------------------------------------------------------------------
 
-const solid_angle = (y, height) => Math.cos(Math.PI * y / height) - Math.cos(Math.PI * (y + 1) / height);
+// Of a texel of each row, but for a factor that all have.
+const solid_angles = (height) =>
+  Float64Array.from({ length: height }, (_, y) => Math.cos(Math.PI * y / height) - Math.cos(Math.PI * (y + 1) / height));
 
 // With half the width and height: means over the solid angle that a texel covers.
 function halved({ width, height, texels }) {
   const half = { width: Math.max(width >> 1, 1), height: Math.max(height >> 1, 1) };
   half.texels = new Float32Array(3 * half.width * half.height);
-  const range = (i, from, to) => [Math.floor(i * from / to), Math.ceil((i + 1) * from / to)];
-  for (let y = 0; y < half.height; ++y)
+  const first = (i, from, to) => Math.floor(i * from / to), end = (i, from, to) => Math.ceil((i + 1) * from / to);
+  const weights = solid_angles(height);
+  for (let y = 0, k = 0; y < half.height; ++y) {
+    const top = first(y, height, half.height), bottom = end(y, height, half.height);
     for (let x = 0; x < half.width; ++x) {
-      const [top, bottom] = range(y, height, half.height), [left, right] = range(x, width, half.width), sum = [0, 0, 0];
-      let weight = 0;
-      for (let row = top; row < bottom; ++row)
-        for (let column = left; column < right; ++column) {
-          const of_row = solid_angle(row, height);
-          for (let c = 0; c < 3; ++c) sum[c] += of_row * texels[3 * (row * width + column) + c];
+      const left = first(x, width, half.width), right = end(x, width, half.width);
+      let weight = 0, r = 0, g = 0, b = 0;
+      for (let row = top; row < bottom; ++row) {
+        const of_row = weights[row];
+        for (let i = 3 * (row * width + left); i < 3 * (row * width + right); i += 3) {
+          r += of_row * texels[i], g += of_row * texels[i + 1], b += of_row * texels[i + 2];
           weight += of_row;
         }
-      for (let c = 0; c < 3; ++c) half.texels[3 * (y * half.width + x) + c] = sum[c] / weight;
+      }
+      half.texels[k++] = r / weight, half.texels[k++] = g / weight, half.texels[k++] = b / weight;
     }
+  }
   return half;
 }
 
 // The running sums that the shader draws directions by, as class Environment of the program has them.
 function running_sums({ width, height, texels }) {
-  const columns = new Float32Array((width + 1) * height), rows = new Float64Array(height + 1);
-  const bright = (x, y) => {
-    const i = 3 * (Math.min(Math.max(y, 0), height - 1) * width + (x + width) % width);
-    return 0.2126 * texels[i] + 0.7152 * texels[i + 1] + 0.0722 * texels[i + 2];
+  const columns = new Float32Array((width + 1) * height), rows = new Float64Array(height + 1), weights = solid_angles(height);
+  // How bright the texels of a row are, blurred along it.
+  const along = (y) => {
+    const bright = new Float64Array(width), blurred = new Float64Array(width);
+    for (let x = 0, i = 3 * Math.min(Math.max(y, 0), height - 1) * width; x < width; ++x, i += 3)
+      bright[x] = 0.2126 * texels[i] + 0.7152 * texels[i + 1] + 0.0722 * texels[i + 2];
+    for (let x = 0; x < width; ++x)
+      blurred[x] = 0.75 * bright[x] + 0.125 * (bright[x ? x - 1 : width - 1] + bright[x + 1 < width ? x + 1 : 0]);
+    return blurred;
   };
-  const along = (x, y) => 0.75 * bright(x, y) + 0.125 * (bright(x - 1, y) + bright(x + 1, y));
-  for (let y = 0; y < height; ++y) {
+  for (let y = 0, above = along(-1), here = along(0), below; y < height; ++y, above = here, here = below) {
     const running = new Float64Array(width + 1);
-    for (let x = 0; x < width; ++x) running[x + 1] = running[x] + 0.75 * along(x, y) + 0.125 * (along(x, y - 1) + along(x, y + 1));
-    rows[y + 1] = rows[y] + running[width] * solid_angle(y, height);
+    below = along(y + 1);
+    for (let x = 0; x < width; ++x) running[x + 1] = running[x] + 0.75 * here[x] + 0.125 * (above[x] + below[x]);
+    rows[y + 1] = rows[y] + running[width] * weights[y];
     for (let x = 0; x <= width; ++x) columns[y * (width + 1) + x] = running[width] ? running[x] / running[width] : 0;
   }
   return { columns, rows: Float32Array.from(rows, (sum) => rows[height] ? sum / rows[height] : 0) };
@@ -184,10 +195,12 @@ function new_texture(gl, width, height, format, filter, numbers) {
 }
 
 function new_environment(gl, image) {
-  image.texels.forEach((x, i, all) => { if (!(x >= 0 && x < Infinity)) all[i] = 0; });
+  for (let i = 0; i < image.texels.length; ++i) if (!(image.texels[i] >= 0 && image.texels[i] < Infinity)) image.texels[i] = 0;
   while (Math.max(image.width, image.height) > Math.min(k_most_width, gl.getParameter(gl.MAX_TEXTURE_SIZE) - 1)) image = halved(image);
   const { width, height } = image, sums = running_sums(image);
-  const scale = Math.max(1, image.texels.reduce((a, b) => Math.max(a, b), 0) / 65504); // the largest half float
+  let most = 65504; // the largest half float
+  for (let i = 0; i < image.texels.length; ++i) most = Math.max(most, image.texels[i]);
+  const scale = most / 65504;
   const radiance = new_texture(gl, width, height, "RGBA16F", gl.LINEAR, null);
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
@@ -252,12 +265,14 @@ function exposure_of(gl, { width, height, framebuffer }, visible, knee) {
 // off: a vector mean over the upper half, of cubes, so that lamps count for more than walls.
 function facing({ width, height, texels }) {
   let x = 0, z = 0;
-  for (let row = 0; row < height; ++row)
-    for (let column = 0; column < width; ++column) {
-      const i = 3 * (row * width + column), phi = ((column + 0.5) / width - 0.5) * 2 * Math.PI;
-      const bright = Math.min(0.2126 * texels[i] + 0.7152 * texels[i + 1] + 0.0722 * texels[i + 2], 100) ** 3;
-      const weight = bright * solid_angle(row, height);
-      x += weight * Math.sin(phi), z -= weight * Math.cos(phi);
+  const weights = solid_angles(height), phi = (column) => ((column + 0.5) / width - 0.5) * 2 * Math.PI;
+  const sines = Float64Array.from({ length: width }, (_, column) => Math.sin(phi(column)));
+  const cosines = Float64Array.from({ length: width }, (_, column) => Math.cos(phi(column)));
+  for (let row = 0, i = 0; row < height; ++row)
+    for (let column = 0; column < width; ++column, i += 3) {
+      const bright = Math.min(0.2126 * texels[i] + 0.7152 * texels[i + 1] + 0.0722 * texels[i + 2], 100);
+      const weight = bright * bright * bright * weights[row];
+      x += weight * sines[column], z -= weight * cosines[column];
     }
   const now = Math.atan2(x, z), wanted = -40 * Math.PI / 180; // azimuths from +z, towards the viewer, to +x, the right
   return Number.isFinite(now) ? wanted - now : 0;

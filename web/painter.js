@@ -6,7 +6,8 @@
 //   draw         `pictures`, each with `of`, a material's index or "difference" of the first two, width, height and scene
 //   rest         `is_resting`: few samples of a picture, for somebody else computes
 //   lose         for tests: takes the context away, or gives it back
-// and gives back { kind, .. }: picture (of, image), drawn (number, samples, exposure), refused (of, why), busy, lost, restored.
+// and gives back { kind, .. }: picture (of, image), drawn (number, samples, exposure), refused (of, why), busy (with shaders),
+//   environment (busy with one), lost, restored.
 "use strict";
 function painting(surface, post) {
 "use strict";
@@ -239,7 +240,10 @@ function draw_sample(index, now, count, from, to, shift) {
 const samples_added = () => samples === 0 ? data.first_samples : 1;
 // These samples, and the picture so far.
 function draw_under_environment(index, now, width, height) {
-  environment ??= light.new_environment(gl, image);
+  if (!environment) {
+    post({ kind: "environment" });
+    environment = light.new_environment(gl, image);
+  }
   develop ??= new_program(data.whole, data.develop);
   const mean = means_of(index, width, height), end = samples + samples_added();
   for (let count = samples; count < end; ++count) {

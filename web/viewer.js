@@ -77,6 +77,8 @@ function take(message) {
     setTimeout(() => began(kind === "ready")); // once there is a painter
   } else if (kind === "busy") {
     busy("Preparing the pictures: the browser compiles their shaders. Without a graphics card this takes a while.");
+  } else if (kind === "environment") {
+    busy("Preparing the environment ..");
   } else if (kind === "picture") {
     const canvas = figure_of(message.of)?.querySelector("canvas"), { image } = message;
     if (!canvas) return;
@@ -189,12 +191,16 @@ function change_environment() {
 }
 async function open_environment(file) {
   try {
+    say("");
+    busy(`Reading ${file.name} ..`);
+    await new Promise((painted) => setTimeout(painted, 50)); // so that the page says so, for reading takes its time
     images.file = await light.read_file(file);
     controls.environment.querySelector("[value=file]")?.remove();
     controls.environment.add(new Option(file.name, "file", false, true));
     say("");
     change_environment();
   } catch (error) {
+    busy("");
     say(error.message);
   }
 }

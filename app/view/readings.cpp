@@ -13,8 +13,9 @@
 namespace srbf {
 namespace {
 
-/// The default font has no Greek.
+/// Dear ImGui's own font has no Greek.
 std::string latin(std::string text) {
+    if (ImGui::GetFont()->FindGlyphNoFallback(ImWchar(0x3b8))) return text;
     const std::string theta = "\xCE\xB8";
     for (std::size_t at; (at = text.find(theta)) != std::string::npos;) text.replace(at, theta.size(), " theta_");
     return text;
@@ -117,7 +118,11 @@ void Readings::draw_measures(const Session& session) const {
                            .c_str());
     if (!fitted) return;
     if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_SizingStretchProp)) {
-        const float number = ImGui::CalcTextSize("0.01359 ").x;
+        float number = ImGui::CalcTextSize("held out").x;
+        for (const MeasureName& measure : k_measures)
+            for (const auto* of : {fitted->errors ? &fitted->errors->matrix : nullptr,
+                                   fitted->errors ? &fitted->errors->heldout : nullptr})
+                if (of) number = std::max(number, ImGui::CalcTextSize(text(measure, *of).c_str()).x);
         ImGui::TableSetupColumn("measure", ImGuiTableColumnFlags_WidthStretch);
         ImGui::TableSetupColumn("matrix", ImGuiTableColumnFlags_WidthFixed, number);
         ImGui::TableSetupColumn("held out", ImGuiTableColumnFlags_WidthFixed, number);
@@ -125,7 +130,9 @@ void Readings::draw_measures(const Session& session) const {
         for (const MeasureName& measure : k_measures) {
             ImGui::TableNextColumn();
             const bool is_followed = fitted->from.empty() && &measure == &measure_named_for(fitted->choice.objective);
-            ImGui::TextColored(is_followed ? k_hint : k_white, "%s", latin(measure.title).c_str());
+            ImGui::PushStyleColor(ImGuiCol_Text, is_followed ? k_hint : k_white);
+            ImGui::TextWrapped("%s", latin(measure.title).c_str());
+            ImGui::PopStyleColor();
             for (const auto* of : {fitted->errors ? &fitted->errors->matrix : nullptr,
                                    fitted->errors ? &fitted->errors->heldout : nullptr}) {
                 ImGui::TableNextColumn();

@@ -109,7 +109,12 @@ class MeasuredMaterial extends MeshStandardMaterial {
         shader.fragmentShader = shader.fragmentShader.replace(lights, () => lights + reflection(this.reflectance, this.texel));
     }
     customProgramCacheKey() {
-        return this.reflectance + functions;
+        return this.reflectance + functions + this.onBeforeCompile;
+    }
+    // The JSON of three has no reflectance: what it loads is a MeshStandardMaterial.
+    toJSON(meta) {
+        console.warn(`${this.constructor.name}: JSON does not keep the reflectance; construct the material after loading`);
+        return super.toJSON(meta);
     }
 }
 

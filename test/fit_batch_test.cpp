@@ -99,6 +99,37 @@ TEST(FitBatch, texels_do_not_depend_on_their_neighbours_threads_or_slabs) {
     EXPECT_EQ(streamed[1], (*all)[4].model);
 }
 
+/// Texels of one value with noise of 2 %: nothing rises between the samples, of which the nearest to the mirror direction
+/// are some degrees away; a texel with a highlight keeps it.
+TEST(FitBatch, matte_texels_have_no_highlights) {
+    std::mt19937_64 random(3);
+    SharedPairs pairs;
+    for (int i = 0; i < 150; ++i) {
+        pairs.wl.push_back(to_float(random_direction(random, 0.2)));
+        pairs.wv.push_back(to_float(random_direction(random, 0.2)));
+    }
+    std::vector<Rgb> f;
+    for (int t = 0; t < 3; ++t)
+        for (std::size_t i = 0; i < pairs.wl.size(); ++i) {
+            const double h = normalize(to_double(pairs.wl[i]) + to_double(pairs.wv[i])).z;
+            const double value = 0.1 + (t == 2 ? std::exp(10 * (h - 1)) : 0);
+            const auto drawn = [&] { return float(value * (0.965 + 0.07 * uniform(random))); };
+            const float r = drawn(), g = drawn(), b = drawn();
+            f.push_back({r, g, b});
+        }
+    const auto fits = fit_batch(pairs, f, {});
+    ASSERT_TRUE(fits) << message(fits.error());
+    for (double theta = 0; theta < 76; theta += 3) {
+        const Vec3f wl = to_float(spherical(theta * k_degree, 0.0)), wv = to_float(spherical(theta * k_degree, k_pi));
+        for (std::size_t t = 0; t < 2; ++t)
+            for (int c = 0; c < 3; ++c)
+                EXPECT_PRED3(near_relative, value((*fits)[t].model, wl, wv)[c], 0.1, 0.06) << t << ' ' << theta;
+        if (theta <= 45) {
+            EXPECT_PRED3(near_relative, value((*fits)[2].model, wl, wv).r, 1.1, 0.3) << theta;
+        }
+    }
+}
+
 TEST(FitBatch, texels_without_values_do_not_stop_the_others) {
     SharedPairs pairs = shared_pairs();
     std::vector<Rgb> f = blends(pairs, 1);

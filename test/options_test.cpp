@@ -317,7 +317,8 @@ TEST_F(Resuming, mixes_nothing_old_into_the_new) {
         if (HasFatalFailure()) return;
         std::filesystem::copy(left / "o", folder / "o", std::filesystem::copy_options::recursive);
         EXPECT_EQ(run(folder, base + Arguments{"--resume"}).out.find(" 0 kept"), std::string::npos);
-        EXPECT_TRUE(written(base + Arguments{"--resume"}).files == fresh(base).files);
+        std::filesystem::remove_all(folder / "o");
+        EXPECT_TRUE(try_resuming(base));
         int tried = 0;
         for (const std::string& option : all.at(base[0])) {
             if (k_changes_nothing.contains(option) || option == "--output" || option == "--pairs") continue;

@@ -43,7 +43,8 @@ struct TexelFit {
 
 /// Fits T texels: f is T × pairs [1/sr], NaN where nothing was measured. Lobes follow the completed samples
 /// (fit_samples.h) as those of a single fit do, at fewer pairs and without pictures, if the objective is one of
-/// pictures, otherwise the samples; no fold is left out. A texel's fit depends on its values, the pairs and the options
+/// pictures, otherwise the samples; no fold is left out. A texel is a constant if its lobes lower the weighted squares
+/// about that by no more than three times what noise would. A texel's fit depends on its values, the pairs and the options
 /// alone, not on other texels or the number of threads.
 /// Errors: another number of values than whole texels; a request for another kind of model or without a number of
 /// lobes; a wrong option; cancelled.

@@ -78,6 +78,10 @@ void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const V
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const SuModel& model);
 
+/// Directional albedo ∫ ρ(wl, wv) cosθl dωl of a model whose sampled direction is the view: the interpolated sum of its
+/// lobes' integrals, each from 1024 points of its Gaussian. Requires wv.z > 0.
+Rgb view_albedo(const SuModel& model, Vec3f wv);
+
 /// The eight sampled views nearest to `w`.
 NearestViews nearest_views(const SuModel& model, Vec3f w);
 /// The texture of nearest views; `size` 0: `default_size`.

@@ -2,7 +2,9 @@
 // consecutive pairs that share the sampled direction; their values are evaluated in SIMD batches.
 #include "srbf/su.h"
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "model/evaluate_su.cpp"
@@ -82,16 +84,78 @@ Neighbours neighbours_at(const SuModel& model, Vec3f w) {
 
 void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const StandardArithmetic mode;
-    assert(wl.size() == wv.size() && wl.size() == f.size());
+    require_equal_lengths(wl.size(), wv.size(), f.size());
     const auto &sampled = model.discretise == Discretise::view ? wv : wl,
                &of_lobes = model.discretise == Discretise::view ? wl : wv;
     for (std::size_t begin = 0, end = 0; begin < f.size(); begin = end) {
-        while (end < f.size() && sampled[end] == sampled[begin]) ++end;
-        HWY_DYNAMIC_DISPATCH(evaluate_run)
+        for (end = begin + 1; end < f.size() && sampled[end] == sampled[begin];) ++end;
+        if (above_horizon(sampled[begin], sampled[begin])) HWY_DYNAMIC_DISPATCH(evaluate_run)
         (model, neighbours_at(model, sampled[begin]), &of_lobes[begin], &f[begin], end - begin);
         for (std::size_t i = begin; i < end; ++i)
-            if (!(wl[i].z > 0 && wv[i].z > 0)) f[i] = {};
+            if (!above_horizon(wl[i], wv[i])) f[i] = {};
     }
+}
+
+namespace {
+
+/// The lobe that a lobe with an optical depth is like about its maximum above the horizon.
+struct DrawnLobe {
+    Vec3f centre;
+    float bandwidth;
+};
+DrawnLobe drawn_about(Vec3f xi, float bandwidth, float depth) {
+    const float level = std::sqrt(xi.x * xi.x + xi.y * xi.y);
+    if (level < 1e-6f) return {{0, 0, 1}, xi.z > 0 ? bandwidth : 0};
+    // In the plane of centre and normal, at the sine s of the polar angle, of the largest exponent.
+    const auto exponent = [&](float s) {
+        const float c = std::sqrt(std::max(1 - s * s, 0.f));
+        return bandwidth * (level * s + xi.z * c) - depth / std::max(c, 1e-6f);
+    };
+    float below = 0, above = 1;
+    for (int step = 0; step < 40; ++step) {
+        const float a = below + (above - below) / 3, b = above - (above - below) / 3;
+        (exponent(a) < exponent(b) ? below : above) = exponent(a) < exponent(b) ? a : b;
+    }
+    const float s = (below + above) / 2, c = std::sqrt(std::max(1 - s * s, 0.f));
+    const float in_plane = level * s + xi.z * c, across = s > level ? level / s : 1;
+    return {{s * xi.x / level, s * xi.y / level, c}, bandwidth * std::clamp(std::min(in_plane, across), 0.05f, 1.f)};
+}
+
+}  // namespace
+
+Rgb view_albedo(const SuModel& model, Vec3f wv) {
+    using K = Kernel<float>;
+    constexpr int k_points = 1024;
+    const StandardArithmetic mode;
+    assert(model.discretise == Discretise::view);
+    const Neighbours neighbours = neighbours_at(model, wv);
+    Rgb sum;
+    for (int k = 0; k < neighbours.count; ++k) {
+        const auto& neighbour = neighbours.of[std::size_t(k)];
+        const Vec3f tangent = K::tangent_across(model.direction[std::size_t(neighbour.view)]);
+        for (int j = 0; j < model.lobes; ++j) {
+            const std::size_t lobe = std::size_t(neighbour.view) * std::size_t(model.lobes) + std::size_t(j);
+            const Vec3f xi = model.centre[lobe];
+            const float bandwidth = model.bandwidth[lobe], shape = model.shape.empty() ? 0 : model.shape[lobe];
+            const auto [about, drawn] = drawn_about(xi, bandwidth, std::max(shape, 0.f));
+            double of_cosine = 0;
+            for (int i = 0; i < k_points; ++i) {
+                constexpr double golden = 0.6180339887498949;
+                const double turns = i * golden;
+                const Vec3f w =
+                    K::sample_vmf(about, drawn, (float(i) + 0.5f) / k_points, float(turns - std::floor(turns)));
+                if (!(w.z > 0)) continue;
+                const Vec3f apart = w - xi;
+                const float ratio = K::shaped_exponent(apart, dot(apart, tangent), K::slant(w.z), bandwidth, shape) -
+                                    K::gaussian_exponent(w, about, drawn);
+                of_cosine += double(w.z * K::exp_of_lobe(ratio));
+            }
+            const double integral =
+                double(neighbour.weight) * double(K::gaussian_integral(drawn)) * of_cosine / k_points;
+            for (int c = 0; c < 3; ++c) sum[c] += float(integral) * model.coefficient[lobe][c];
+        }
+    }
+    return sum;
 }
 
 Evaluate evaluator(const SuModel& model) {

@@ -3,7 +3,6 @@
 #include "srbf/su.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
@@ -123,37 +122,41 @@ DrawnLobe drawn_about(Vec3f xi, float bandwidth, float depth) {
 
 }  // namespace
 
-Rgb view_albedo(const SuModel& model, Vec3f wv) {
+std::vector<Rgb> view_integrals(const SuModel& model) {
     using K = Kernel<float>;
-    constexpr int k_points = 1024;
+    constexpr int k_points = 512;
     const StandardArithmetic mode;
-    assert(model.discretise == Discretise::view);
+    std::vector<Rgb> integrals(model.direction.size());
+    for (std::size_t lobe = 0; lobe < model.centre.size(); ++lobe) {
+        const std::size_t view = lobe / std::size_t(model.lobes);
+        const Vec3f xi = model.centre[lobe], tangent = K::tangent_across(model.direction[view]);
+        const float bandwidth = model.bandwidth[lobe], shape = model.shape.empty() ? 0 : model.shape[lobe];
+        const DrawnLobe drawn = drawn_about(xi, bandwidth, std::max(shape, 0.f));
+        double of_cosine = 0;
+        for (int i = 0; i < k_points; ++i) {
+            constexpr double golden = 0.6180339887498949;
+            const double turns = i * golden;
+            const float u1 = (float(i) + 0.5f) / k_points, u2 = float(turns - std::floor(turns));
+            const Vec3f w = K::sample_vmf(drawn.centre, drawn.bandwidth, u1, u2);
+            if (!(w.z > 0)) continue;
+            const Vec3f apart = w - xi;
+            const float ratio = K::shaped_exponent(apart, dot(apart, tangent), K::slant(w.z), bandwidth, shape) -
+                                K::gaussian_exponent(w, drawn.centre, drawn.bandwidth);
+            of_cosine += double(w.z * K::exp_of_lobe(ratio));
+        }
+        const auto integral = float(double(K::gaussian_integral(drawn.bandwidth)) * of_cosine / k_points);
+        for (int c = 0; c < 3; ++c) integrals[view][c] += integral * model.coefficient[lobe][c];
+    }
+    return integrals;
+}
+
+Rgb between_views(const SuModel& model, std::span<const Rgb> of_views, Vec3f wv) {
+    const StandardArithmetic mode;
     const Neighbours neighbours = neighbours_at(model, wv);
     Rgb sum;
     for (int k = 0; k < neighbours.count; ++k) {
         const auto& neighbour = neighbours.of[std::size_t(k)];
-        const Vec3f tangent = K::tangent_across(model.direction[std::size_t(neighbour.view)]);
-        for (int j = 0; j < model.lobes; ++j) {
-            const std::size_t lobe = std::size_t(neighbour.view) * std::size_t(model.lobes) + std::size_t(j);
-            const Vec3f xi = model.centre[lobe];
-            const float bandwidth = model.bandwidth[lobe], shape = model.shape.empty() ? 0 : model.shape[lobe];
-            const auto [about, drawn] = drawn_about(xi, bandwidth, std::max(shape, 0.f));
-            double of_cosine = 0;
-            for (int i = 0; i < k_points; ++i) {
-                constexpr double golden = 0.6180339887498949;
-                const double turns = i * golden;
-                const Vec3f w =
-                    K::sample_vmf(about, drawn, (float(i) + 0.5f) / k_points, float(turns - std::floor(turns)));
-                if (!(w.z > 0)) continue;
-                const Vec3f apart = w - xi;
-                const float ratio = K::shaped_exponent(apart, dot(apart, tangent), K::slant(w.z), bandwidth, shape) -
-                                    K::gaussian_exponent(w, about, drawn);
-                of_cosine += double(w.z * K::exp_of_lobe(ratio));
-            }
-            const double integral =
-                double(neighbour.weight) * double(K::gaussian_integral(drawn)) * of_cosine / k_points;
-            for (int c = 0; c < 3; ++c) sum[c] += float(integral) * model.coefficient[lobe][c];
-        }
+        for (int c = 0; c < 3; ++c) sum[c] += neighbour.weight * of_views[std::size_t(neighbour.view)][c];
     }
     return sum;
 }

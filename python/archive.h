@@ -106,6 +106,11 @@ template <typename T> inline constexpr bool is_variant = false;
 template <typename... T> inline constexpr bool is_variant<std::variant<T...>> = true;
 template <typename T> inline constexpr bool is_array = false;
 template <typename T, std::size_t n> inline constexpr bool is_array<std::array<T, n>> = true;
+/// Whether it is written member by member; its own bytes may have gaps of any content.
+template <typename T>
+concept HasMembers = requires(T& of) {
+    members(of, [](auto&) {});
+};
 
 /// Appends to `bytes`.
 struct Writer {
@@ -127,12 +132,13 @@ struct Writer {
         } else if constexpr (is_variant<T>) {
             (*this)(std::uint64_t(of.index()));
             std::visit(*this, of);
+        } else if constexpr (HasMembers<T>) {
+            members(const_cast<T&>(of), [this](auto& member) { (*this)(std::as_const(member)); });
         } else if constexpr (std::is_trivially_copyable_v<T>) {
             bytes.append(reinterpret_cast<const char*>(&of), sizeof of);
-        } else if constexpr (is_array<T>) {
-            for (const auto& one : of) (*this)(one);
         } else {
-            members(const_cast<T&>(of), [this](auto& member) { (*this)(std::as_const(member)); });
+            static_assert(is_array<T>);
+            for (const auto& one : of) (*this)(one);
         }
     }
 };
@@ -177,13 +183,14 @@ struct Reader {
                 of = std::make_shared<Held>(next<Held>());
         } else if constexpr (is_variant<T>) {
             alternative(of, next<std::uint64_t>(), std::make_index_sequence<std::variant_size_v<T>>());
-        } else if constexpr (std::is_trivially_copyable_v<T>) {
-            std::memcpy(&of, take(sizeof of).data(), sizeof of);
-        } else if constexpr (is_array<T>) {
-            for (auto& one : of) (*this)(one);
-        } else {
+        } else if constexpr (HasMembers<T>) {
             members(of, [this](auto& member) { (*this)(member); });
             if constexpr (std::is_same_v<T, ScatteredSamples>) make_index(of);
+        } else if constexpr (std::is_trivially_copyable_v<T>) {
+            std::memcpy(&of, take(sizeof of).data(), sizeof of);
+        } else {
+            static_assert(is_array<T>);
+            for (auto& one : of) (*this)(one);
         }
     }
 

@@ -37,12 +37,21 @@ template <typename T> std::span<const float> floats(const std::vector<T>& of) {
     return {reinterpret_cast<const float*>(of.data()), of.size() * sizeof(T) / sizeof(float)};
 }
 
+/// A string of Python. Bytes that are not UTF-8 are kept as in its file names ("surrogateescape"), or written as \\xff
+/// ("backslashreplace").
+inline py::str text_of(std::string_view text, const char* otherwise = "backslashreplace") {
+    auto* decoded = PyUnicode_DecodeUTF8(text.data(), py::ssize_t(text.size()), otherwise);
+    if (decoded == nullptr) throw py::error_already_set();
+    return py::reinterpret_steal<py::str>(decoded);
+}
+inline py::str file_name_of(std::string_view name) { return text_of(name, "surrogateescape"); }
+
 /// Raises srbf.Error.
 [[noreturn]] inline void raise(const Error& error) {
     const py::object type = py::module_::import("srbf").attr("Error");
     const py::object offset = error.offset ? py::cast(*error.offset) : py::none();
-    const py::object made = type(message(error), error.source, offset, error.what, error.expected, error.found,
-                                 std::string(name(error.code)));
+    const py::object made = type(text_of(message(error)), file_name_of(error.source), offset, text_of(error.what),
+                                 text_of(error.expected), text_of(error.found), std::string(name(error.code)));
     PyErr_SetObject(type.ptr(), made.ptr());
     throw py::error_already_set();
 }

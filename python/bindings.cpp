@@ -25,17 +25,18 @@ Array render(const Held& brdf, const std::string& lighting, int size, bool is_sk
 }
 
 void convert(const Held& brdf, const std::string& path, bool spectra, int threads) {
+    const auto refused = [&](const char* what, std::string expected) {
+        raise({"srbf.convert", {}, what, std::move(expected), path, ErrorCode::argument});
+    };
     const TableFormatRow* row = table_format(path);
     if (!row) {
         std::string extensions;
         for (const TableFormatRow& known : k_table_formats)
             extensions += (extensions.empty() ? "" : ", ") + std::string(known.extension);
-        throw py::value_error("path: expected a name that ends in one of " + extensions + ", found " + path);
+        refused("path", "a name that ends in one of " + extensions);
     }
-    if (!spectra && row->format != TableFormat::rgl)
-        throw py::value_error("spectra: False only with a path that ends in .bsdf, found " + path);
-    if (threads != 0 && row->format == TableFormat::csv)
-        throw py::value_error("threads: not with a path that ends in .csv, found " + path);
+    if (!spectra && row->format != TableFormat::rgl) refused("spectra", "False only with a path that ends in .bsdf");
+    if (threads != 0 && row->format == TableFormat::csv) refused("threads", "no number with a path that ends in .csv");
     required(in_background(py::none(), [&](const ProgressToken& token) -> Result<Done> {
         const auto bytes =
             table_file(brdf.content(), row->format, {.spectra = spectra, .threads = threads, .progress = token});
@@ -88,6 +89,7 @@ PYBIND11_MODULE(_srbf, module) {
         .def("is_model", [](const Held& brdf) { return brdf.model() != nullptr; })
         .def("is_searched", &Held::is_searched)
         .def("isotropic", &Held::isotropic)
+        .def("change_by_azimuth", [](const Held& brdf) { return change_by_azimuth(brdf); })
         .def("wavelengths",
              [](const Held& brdf) {
                  const auto of = brdf.model() ? wavelengths(*brdf.model()) : wavelengths(*brdf.measured());
@@ -102,12 +104,20 @@ PYBIND11_MODULE(_srbf, module) {
              })
         .def("nbytes",
              [](const Held& brdf) { return brdf.model() ? payload_bytes(*brdf.model()) : brdf.measured()->bytes; })
-        .def("source", [](const Held& brdf) { return brdf.measured() ? brdf.measured()->source : std::string(); })
+        .def("source", [](const Held& brdf) { return file_name_of(brdf.measured() ? brdf.measured()->source : ""); })
         .def("notes",
-             [](const Held& brdf) { return brdf.measured() ? notes(*brdf.measured()) : std::vector<std::string>(); })
+             [](const Held& brdf) {
+                 py::list of;
+                 if (brdf.measured())
+                     for (const std::string& note : notes(*brdf.measured())) of.append(text_of(note));
+                 return of;
+             })
         .def("provenance",
              [](const Held& brdf) {
-                 return brdf.model() ? brdf.model()->provenance : std::map<std::string, std::string>{};
+                 py::dict of;
+                 if (brdf.model())
+                     for (const auto& [key, value] : brdf.model()->provenance) of[text_of(key)] = text_of(value);
+                 return of;
              })
         .def("save", [](const Held& brdf, const std::string& path) {
             const Model& model = brdf.require_model();
@@ -138,6 +148,9 @@ PYBIND11_MODULE(_srbf, module) {
     module.def("unpickled", &unpickled);
     module.def("model_of", &model_of);
     module.def("from_arrays", &samples_of);
+    module.def("change_by_azimuth", [](const Array& wl, const Array& wv, const Array& f) {
+        return change_by_azimuth(samples_at(wl, wv, f, true));
+    });
     module.def("fit", &fit_brdf);
     module.def("fit_function", &fit_function);
     module.def("fit_batch", &fit_texels);

@@ -56,28 +56,33 @@ class Held {
             *content_);
     }
     const PreparedBrdf& prepared() const {
-        std::call_once(*once_, [&] {
-            const ProposeOptions options{.azimuths = isotropic() ? 1 : k_anisotropic_azimuths};
-            *prepared_ = std::visit([&](const auto& of) { return prepare(of, options); }, *content_);
-        });
-        return **prepared_;
+        return front_->of(*this, [](const auto& of, const ProposeOptions& options) { return prepare(of, options); });
     }
-
     /// Of something of both sides.
     const PreparedBsdf& prepared_sides() const {
-        std::call_once(*once_, [&] {
-            const ProposeOptions options{.azimuths = isotropic() ? 1 : k_anisotropic_azimuths};
-            *sides_ = std::visit([&](const auto& of) { return prepare_bsdf(of, options); }, *content_);
-        });
-        return **sides_;
+        return sides_->of(*this,
+                          [](const auto& of, const ProposeOptions& options) { return prepare_bsdf(of, options); });
     }
 
   private:
+    /// What is prepared when it is first asked for.
+    template <typename Prepared> struct Once {
+        std::once_flag flag;
+        std::optional<Prepared> prepared;
+
+        template <typename Prepare> const Prepared& of(const Held& held, const Prepare& prepare) {
+            std::call_once(flag, [&] {
+                const ProposeOptions options{.azimuths = held.isotropic() ? 1 : k_anisotropic_azimuths};
+                prepared = std::visit([&](const auto& of) { return prepare(of, options); }, *held.content_);
+            });
+            return *prepared;
+        }
+    };
+
     std::shared_ptr<const AnyBrdf> content_;
     bool exchanged_;
-    std::shared_ptr<std::once_flag> once_ = std::make_shared<std::once_flag>();
-    std::shared_ptr<std::optional<PreparedBrdf>> prepared_ = std::make_shared<std::optional<PreparedBrdf>>();
-    std::shared_ptr<std::optional<PreparedBsdf>> sides_ = std::make_shared<std::optional<PreparedBsdf>>();
+    std::shared_ptr<Once<PreparedBrdf>> front_ = std::make_shared<Once<PreparedBrdf>>();
+    std::shared_ptr<Once<PreparedBsdf>> sides_ = std::make_shared<Once<PreparedBsdf>>();
 };
 
 inline Array values_of(const Held& brdf, const Array& wl, const Array& wv) {
@@ -182,26 +187,41 @@ inline std::array<float, 7> drawn_at(const Held& brdf, const Vec3f& wv, const Ve
     return {drawn.wl.x, drawn.wl.y, drawn.wl.z, drawn.weight.r, drawn.weight.g, drawn.weight.b, drawn.pdf};
 }
 
-inline Held samples_of(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
+/// Of samples that are said to be isotropic; otherwise 0.
+inline double change_by_azimuth(const Held& brdf) {
+    const auto* samples = brdf.measured() ? std::get_if<ScatteredSamples>(&brdf.measured()->table) : nullptr;
+    if (!samples || !samples->isotropic) return 0;
+    const py::gil_scoped_release released;
+    return change_by_azimuth(*samples);
+}
+
+/// Those of the samples that are finite and above the horizon, without an index.
+inline ScatteredSamples samples_at(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
     require_unit(wl, "wl");
     require_unit(wv, "wv");
     ScatteredSamples samples;
     samples.isotropic = isotropic;
     const auto l = span_of<Vec3f>(wl), v = span_of<Vec3f>(wv);
     const auto values = span_of<Rgb>(f);
+    const py::gil_scoped_release released;
+    for (std::size_t i = 0; i < l.size(); ++i) {
+        if (!is_finite(values[i]) || !above_horizon(l[i], v[i])) {
+            ++samples.masked;
+            continue;
+        }
+        samples.wl.push_back(l[i]), samples.wv.push_back(v[i]), samples.colour.push_back(values[i]);
+    }
+    return samples;
+}
+
+inline Held samples_of(const Array& wl, const Array& wv, const Array& f, bool isotropic) {
+    ScatteredSamples samples = samples_at(wl, wv, f, isotropic);
+    if (samples.wl.empty()) raise({"arrays", {}, "samples", "some above the horizon", "none", ErrorCode::no_data});
     {
         const py::gil_scoped_release released;
-        for (std::size_t i = 0; i < l.size(); ++i) {
-            if (!is_finite(values[i]) || !above_horizon(l[i], v[i])) {
-                ++samples.masked;
-                continue;
-            }
-            samples.wl.push_back(l[i]), samples.wv.push_back(v[i]), samples.colour.push_back(values[i]);
-        }
-        if (!samples.wl.empty()) make_index(samples);
+        make_index(samples);
     }
-    if (samples.wl.empty()) raise({"arrays", {}, "samples", "some above the horizon", "none", ErrorCode::no_data});
-    const std::uint64_t bytes = 36 * std::uint64_t(l.size());
+    const std::uint64_t bytes = 36 * std::uint64_t(rows(wl));
     return Held(Measured{"arrays", "arrays", bytes, std::move(samples)});
 }
 

@@ -115,8 +115,8 @@ inline py::dict fit_brdf(const Held& brdf, const Request& asked, const py::objec
     return outcome_of(std::move(outcome));
 }
 
-/// A function of Python as a BRDF: `function(wl, wv)` returns f_r of n pairs as an array that broadcasts to [n, 3]. It
-/// keeps what the function raises, and then cancels the computation that asks it.
+/// A function of Python as a BRDF: `function(wl, wv)` returns f_r of n pairs as an array [n, 3] or [n, 1]. It keeps what
+/// the function raises, and then cancels the computation that asks it.
 class CalledFunction {
   public:
     CalledFunction(const py::function& function, const ProgressToken& token) : function_(function), token_(token) {}
@@ -128,9 +128,16 @@ class CalledFunction {
         try {
             const auto n = py::ssize_t(wl.size());
             const auto array = [n](std::span<const Vec3f> w) { return array_of({&w[0].x, 3 * w.size()}, {n, 3}); };
-            const py::object values = py::module_::import("numpy").attr("broadcast_to")(function_(array(wl), array(wv)),
-                                                                                        py::make_tuple(n, 3));
-            const auto numbers = py::array_t<float, py::array::c_style | py::array::forcecast>(values);
+            using Numbers = py::array_t<float, py::array::c_style | py::array::forcecast>;
+            const Numbers values(function_(array(wl), array(wv)));
+            const bool has_rows = values.ndim() == 2 && values.shape(0) == n;
+            if (!has_rows || (values.shape(1) != 3 && values.shape(1) != 1)) {
+                const auto shape = py::str(py::list(values.attr("shape"))).cast<std::string>();
+                const std::string rows = std::to_string(n);
+                throw py::value_error("function: expected shape [" + rows + ", 3] or [" + rows + ", 1], found " +
+                                      shape);
+            }
+            const Numbers numbers = py::module_::import("numpy").attr("broadcast_to")(values, py::make_tuple(n, 3));
             std::memcpy(f.data(), numbers.data(), f.size() * sizeof(Rgb));
         } catch (...) {
             raised_ = std::current_exception();

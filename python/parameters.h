@@ -169,7 +169,8 @@ inline BsdfModel bsdf_of(const py::dict& of) {
         if (!of.contains(py::str(angle))) continue;
         bsdf.beam[b] = {vector_of<float>(of, angle.c_str()), vector_of<Rgb>(of, share.c_str())};
         if (!of.contains(py::str(azimuths))) continue;
-        for (const float n : vector_of<float>(of, azimuths.c_str()))  // what is not a number of nodes becomes 0, which is refused
+        for (const float n :
+             vector_of<float>(of, azimuths.c_str()))  // what is not a number of nodes becomes 0, which is refused
             bsdf.beam[b].azimuths.push_back(n >= 1 && n <= float(k_most_beam_nodes) ? int(n) : 0);
     }
     return bsdf;

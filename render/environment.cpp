@@ -8,6 +8,7 @@
 #include "render/exr.h"
 #include "srbf/file.h"
 #include "srbf/text.h"
+#include "src/floating_point.h"
 
 /// data/studio.hdr, embedded into the program by studio.S.
 extern "C" const std::byte srbf_studio_begin[], srbf_studio_end[];
@@ -208,6 +209,7 @@ Result<HdrHeader> read_header(std::span<const std::byte> bytes, const std::strin
 }  // namespace
 
 Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     const auto header = read_header(bytes, file_name);
     if (!header) return header.error();
     // A run of 127 texels takes two bytes in each of the four channels.
@@ -229,6 +231,7 @@ Result<Image> read_hdr(std::span<const std::byte> bytes, const std::string& file
 }
 
 Result<Environment> read_environment(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     auto image = is_exr(bytes) ? read_exr(bytes, file_name) : read_hdr(bytes, file_name);
     if (!image) return image.error();
     return Environment(*std::move(image));

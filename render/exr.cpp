@@ -16,6 +16,7 @@
 
 #include "srbf/file.h"
 #include "srbf/text.h"
+#include "src/floating_point.h"
 
 namespace srbf {
 namespace {
@@ -215,6 +216,7 @@ Result<Done> check_exr_header(std::span<const std::byte> start, std::uint64_t si
 }
 
 Result<Image> read_exr(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     if (const auto sized = check_exr_header(bytes, bytes.size(), file_name); !sized) return sized.error();
     try {
         Source stream(bytes);

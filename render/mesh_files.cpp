@@ -10,6 +10,7 @@
 
 #include "render/mesh.h"
 #include "srbf/text.h"
+#include "src/floating_point.h"
 
 namespace srbf {
 namespace {
@@ -478,12 +479,14 @@ void add_vertices(std::span<const Triangle> triangles, std::span<const Corner> c
 }  // namespace
 
 Result<Mesh> read_ply(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     auto header = read_header(bytes, file_name);
     if (!header) return header.error();
     return PlyReader(bytes, file_name, *std::move(header)).read();
 }
 
 Result<Mesh> read_obj(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     std::vector<Vec3f> positions, normals;
     std::vector<Vec2f> texture;
     std::vector<Corner> corners;

@@ -10,6 +10,8 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include "src/parallel.h"
+
 namespace srbf {
 namespace {
 
@@ -54,8 +56,7 @@ template <typename T> T* made(T* of) {
 }  // namespace
 
 Rays::Rays(const std::vector<const Mesh*>& meshes) {
-    // One thread: the tree of such a mesh is built quickly and independently of the machine.
-    device_ = {made(rtcNewDevice("threads=1,set_affinity=0")),
+    device_ = {made(rtcNewDevice("set_affinity=0")),  // with its option `threads` Embree limits all of the process
                [](void* device) { rtcReleaseDevice(static_cast<RTCDevice>(device)); }};
     const auto device = static_cast<RTCDevice>(device_.get());
     scene_ = {made(rtcNewScene(device)), [](void* scene) { rtcReleaseScene(static_cast<RTCScene>(scene)); }};
@@ -74,7 +75,8 @@ Rays::Rays(const std::vector<const Mesh*>& meshes) {
         rtcAttachGeometryByID(scene_of(scene_), geometry, i);
         rtcReleaseGeometry(geometry);
     }
-    rtcCommitScene(scene_of(scene_));
+    // On one thread the tree of such a mesh is built quickly and independently of the machine.
+    on_threads(1, [&] { rtcCommitScene(scene_of(scene_)); });
     if (rtcGetDeviceError(device) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
 }
 

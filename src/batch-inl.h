@@ -304,7 +304,14 @@ struct Interleaved {
             hn::StoreU(blended(2 * q * N, 2 * q * N + 1, x, y, z).v, Lanes(), p + q * N);
     }
 };
-// f of all pairs by value(wl, wv), of batches; 0 where a direction is below the horizon.
+// above_horizon of brdf.h for each lane.
+HWY_INLINE BatchMask above_horizon(const Vec3<Batch>& wl, const Vec3<Batch>& wv) {
+    const Batch sum = (wl.x + wl.y) + (wv.x + wv.y) + (wl.z + wv.z);
+    const Batch below = Batch(0x1.fffffcp-127) + Batch(0.0) * sum;  // the largest subnormal number, or NaN
+    return hn::And(below < wl.z, below < wv.z);
+}
+
+// f of all pairs by value(wl, wv), of batches; 0 where a direction is not above the horizon.
 template <typename Pair, typename Colour, typename Value>
 HWY_INLINE void evaluate_pairs(const Pair* wl, const Pair* wv, Colour* f, std::size_t count, const Value& value) {
     const Interleaved interleaved;
@@ -312,7 +319,7 @@ HWY_INLINE void evaluate_pairs(const Pair* wl, const Pair* wv, Colour* f, std::s
     const auto evaluate = [&](const Pair* from_wl, const Pair* from_wv, Colour* to, std::size_t n) HWY_ATTR {
         for (std::size_t i = 0; i < n; i += Batch::size()) {
             const Vec3<Batch> l = interleaved.load(&from_wl[i].x), v = interleaved.load(&from_wv[i].x);
-            const BatchMask above = hn::And(Batch(0.0) < l.z, Batch(0.0) < v.z);
+            const BatchMask above = above_horizon(l, v);
             const Vec3<Batch> of_pairs = value(select(above, l, normal), select(above, v, normal));
             interleaved.store(select(above, of_pairs, none), &to[i].r);
         }

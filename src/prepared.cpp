@@ -15,6 +15,7 @@ namespace srbf {
 namespace {
 
 constexpr int k_albedo_points = 1 << 14;
+constexpr std::size_t k_azimuths = 4;
 
 using AlbedoTable = std::array<Rgb, k_albedo_nodes>;
 
@@ -23,34 +24,47 @@ Vec3f quarter_turns(Vec3f w, std::size_t turns) {
     for (; turns > 0; --turns) w = {-w.y, w.x, w.z};
     return w;
 }
-/// The points of each view's integral are shared out among four azimuths.
+/// The albedo of the view by quadrature, whose points are shared out among four azimuths.
+Rgb integrated(const Evaluate& brdf, const MirrorMixture& mixture, Vec3d view) {
+    Quadrature points = mixture.quadrature(view, k_albedo_points);
+    std::vector<Vec3f> wv(points.w.size());
+    for (std::size_t i = 0; i < wv.size(); ++i) {
+        wv[i] = quarter_turns(to_float(view), i % k_azimuths);
+        points.w[i] = quarter_turns(points.w[i], i % k_azimuths);
+    }
+    std::vector<Rgb> f(wv.size());
+    brdf(points.w, wv, f);
+    std::array<double, 3> sum{};
+    for (std::size_t i = 0; i < f.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            if (std::isfinite(f[i][c]))
+                sum[std::size_t(c)] += points.weight[i] * double(points.w[i].z) * double(f[i][c]);
+    return {float(sum[0]), float(sum[1]), float(sum[2])};
+}
 AlbedoTable albedo_table(const Evaluate& brdf) {
     const StandardArithmetic mode;
-    constexpr std::size_t k_azimuths = 4;
     constexpr double k_horizon = 1e-7;  // cosθv of the node at it
     const MirrorMixture mixture(k_pi / 2);
     AlbedoTable table;
-    for (std::size_t node = 0; node < table.size();
-         ++node) {  // on one thread: another's task might wait for this table
+    for (std::size_t node = 0; node < table.size(); ++node) {
+        // on one thread: another's task might wait for this table
         const double cosine = std::max(albedo_cosine(int(node)), k_horizon);
-        const Vec3d view{std::sqrt(1 - cosine * cosine), 0, cosine};
-        Quadrature points = mixture.quadrature(view, k_albedo_points);
-        std::vector<Vec3f> wv(points.w.size());
-        for (std::size_t i = 0; i < wv.size(); ++i) {
-            wv[i] = quarter_turns(to_float(view), i % k_azimuths);
-            points.w[i] = quarter_turns(points.w[i], i % k_azimuths);
-        }
-        std::vector<Rgb> f(wv.size());
-        brdf(points.w, wv, f);
-        std::array<double, 3> sum{};
-        for (std::size_t i = 0; i < f.size(); ++i)
-            for (int c = 0; c < 3; ++c)
-                if (std::isfinite(f[i][c]))
-                    sum[std::size_t(c)] += points.weight[i] * double(points.w[i].z) * double(f[i][c]);
-        for (int c = 0; c < 3; ++c) table[node][c] = float(sum[std::size_t(c)]);
+        table[node] = integrated(brdf, mixture, {std::sqrt(1 - cosine * cosine), 0, cosine});
     }
     return table;
 }
+
+/// The albedo of a view-by-view model by the integrals of its lobes, which the first call makes.
+struct AlbedoOfViews {
+    const SuModel& model;
+    std::once_flag has_integrals = {};
+    std::vector<Rgb> integrals = {};
+
+    Rgb operator()(Vec3f wv) {
+        std::call_once(has_integrals, [&] { integrals = view_integrals(model); });
+        return between_views(model, integrals, wv);
+    }
+};
 
 }  // namespace
 
@@ -81,8 +95,13 @@ BrdfParts parts_of(const Model& model) {
         const auto held = std::make_shared<const PmLanes>(*pm);
         return parts_of(held, pair_evaluator(*held));
     }
-    if (const auto* su = std::get_if<SuModel>(&model.model))
-        return parts_of(std::make_shared<const SuModel>(*su), pair_by_pair<SuModel>());
+    if (const auto* su = std::get_if<SuModel>(&model.model)) {
+        const auto held = std::make_shared<const SuModel>(*su);
+        BrdfParts parts = parts_of(held, pair_by_pair<SuModel>());
+        if (held->discretise == Discretise::view)
+            parts.albedo = [of = std::make_shared<AlbedoOfViews>(*held)](Vec3f wv) { return (*of)(wv); };
+        return parts;
+    }
     if (const auto* bsdf = std::get_if<BsdfModel>(&model.model))
         return parts_of(std::make_shared<const BsdfModel>(*bsdf), pair_by_pair<BsdfModel>());
     if (const auto* pbr = std::get_if<PbrModel>(&model.model))
@@ -99,7 +118,7 @@ BrdfParts parts_of(Measured&& measured) {
 struct Diffuse {
     Rgb f;
 };
-Rgb value(const Diffuse& brdf, Vec3f wl, Vec3f wv) { return wl.z > 0 && wv.z > 0 ? brdf.f : Rgb{}; }
+Rgb value(const Diffuse& brdf, Vec3f wl, Vec3f wv) { return above_horizon(wl, wv) ? brdf.f : Rgb{}; }
 
 }  // namespace
 
@@ -150,6 +169,15 @@ float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv) { return pdf(brdf.propos
 Rgb albedo(const PreparedBrdf& brdf, float cos_v) {
     if (!(cos_v > 0)) return {};
     const PreparedBrdf::Contents& contents = *brdf.contents_;
+    if (contents.parts.albedo) {
+        const float cosine = std::min(cos_v, 1.f), sine = std::sqrt(1 - cosine * cosine);
+        Rgb mean;
+        for (std::size_t turns = 0; turns < k_azimuths; ++turns) {
+            const Rgb of_view = contents.parts.albedo(quarter_turns({sine, 0, cosine}, turns));
+            for (int c = 0; c < 3; ++c) mean[c] += of_view[c] / float(k_azimuths);
+        }
+        return mean;
+    }
     std::call_once(contents.has_albedo, [&] { contents.albedo = albedo_table(contents.parts.evaluate); });
     const float at = albedo_coordinate(std::min(cos_v, 1.f));
     const auto below = std::size_t(std::min(int(at), k_albedo_nodes - 2));

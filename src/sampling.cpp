@@ -253,7 +253,7 @@ void find_grain(const Evaluate& brdf, int threads, MixtureProposal& proposal) {
 }  // namespace
 
 Vec3f sample(const CosineProposal&, Vec3f, Vec2f u, float) { return K::sample_cosine(u.x, u.y); }
-float pdf(const CosineProposal&, Vec3f wl, Vec3f wv) { return wv.z > 0 ? K::cosine_pdf(wl) : 0; }
+float pdf(const CosineProposal&, Vec3f wl, Vec3f wv) { return above_horizon(wl, wv) ? K::cosine_pdf(wl) : 0; }
 
 void MixtureProposal::set_weights(std::size_t node, std::span<const float, k_lobes> weight) {
     weight_[node] = {};

@@ -67,6 +67,13 @@ TEST_F(BsdfCode, AnswersAsTheLibrary) {
         return Rgb{to[0], to[1], to[2]};
     };
 
+    for (std::size_t m = 0; m < all.size(); ++m)
+        for (const Vec3f none : {Vec3f(NAN, NAN, NAN), {NAN, 0, 1}, {0, NAN, -1}, {0, 0, NAN}})
+            for (const int what : {value_of, density, beam, mirror_beam}) {
+                EXPECT_EQ(answer(m, what, {0, 0.6f, 0.8f}, none), Rgb()) << m << ", " << what;
+                if (what == beam || what == mirror_beam) continue;
+                EXPECT_EQ(answer(m, what, none, {0, 0.6f, -0.8f}), Rgb()) << m << ", " << what;
+            }
     std::mt19937_64 random(7);
     for (std::size_t m = 0; m < all.size(); ++m) {
         const auto& bsdf = std::get<BsdfModel>(all[m].model);

@@ -5,17 +5,23 @@
 #include <bit>
 #include <cfenv>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <thread>
 
+#include "../python/archive.h"
 #include "fit/views/view_lobes.h"
 #include "measured/isotropy.h"
 #include "microfacets/fits.h"
 #include "models.h"
 #include "properties.h"
+#include "render/environment.h"
+#include "render/mesh.h"
 #include "samples/observe_samples.h"
 #include "srbf/convert.h"
+#include "srbf/file.h"
 #include "srbf/fit_samples.h"
+#include "srbf/library.h"
 #include "srbf/measured.h"
 #include "srbf/metrics.h"
 #include "srbf/sampling.h"
@@ -286,6 +292,49 @@ TEST(CallersMode, ChangesNoResultAndStaysAsItIs) {
                 EXPECT_TRUE(found[i] == expected[i])
                     << "result " << i << " with " << threads << " threads in mode " << mode;
         }
+}
+
+/// All numbers of what a file holds, of whatever kind, and values at some pairs.
+std::string what_is_read(const std::filesystem::path& path) {
+    Writer writer;
+    if (const auto brdf = load_brdf(path.string())) {
+        writer(*brdf);
+        static const std::vector<Vec3f> wl = fibonacci_directions(40, 1.5), wv(wl.rbegin(), wl.rend());
+        std::vector<Rgb> f(wl.size());
+        std::visit([&](const auto& of) { evaluator(of)(wl, wv, f); }, *brdf);
+        writer(f);
+    } else {
+        writer(message(brdf.error()));
+    }
+    const auto bytes = *read_file(path.string());
+    if (const auto environment = read_environment(bytes, "f")) writer(environment->texels().pixels);
+    if (const auto mesh = read_mesh(bytes, "f")) writer(mesh->positions), writer(mesh->normals);
+    if (const auto library = read_library(bytes, "f"))
+        for (std::size_t t = 0; t < library->count(); ++t) writer(material(*library, t));
+    if (const auto stack = read_stack(bytes, "f"))
+        for (const PmModel& model : stack->models) writer(model);
+    return writer.bytes;
+}
+
+TEST(CallersMode, FilesAreReadAlike) {
+    const auto before = mode_now();
+    std::size_t files = 0;
+    for (const char* folder : {"fuzz/corpus", "test/models", "data"})
+        for (const auto& entry :
+             std::filesystem::recursive_directory_iterator(std::filesystem::path(SRBF_SOURCE_DIR) / folder)) {
+            if (!entry.is_regular_file()) continue;
+            ++files;
+            const std::string expected = what_is_read(entry.path());
+            for (const auto mode : k_modes) {
+                set_mode(mode);
+                const std::string found = what_is_read(entry.path());
+                const auto after = mode_now();
+                set_mode(before);
+                EXPECT_EQ(without_flags(after), without_flags(mode)) << entry.path();
+                EXPECT_TRUE(found == expected) << entry.path() << " in mode " << mode;
+            }
+        }
+    EXPECT_GT(files, 150u);
 }
 
 }  // namespace

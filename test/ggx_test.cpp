@@ -109,6 +109,19 @@ TEST(Ggx, FitScalesWithTheData) {
     EXPECT_TRUE(near(large->unrounded.lobes[0].roughness, once->unrounded.lobes[0].roughness, 1e-4));
 }
 
+TEST(Ggx, NoiseBelowZeroIsFitted) {
+    std::mt19937_64 random(5);
+    const GgxModel truth = random_ggx(random, 1);
+    for (const Objective objective : objectives()) {
+        auto observed = observe(evaluator(truth), {.objective = objective, .count = 1024});
+        ASSERT_TRUE(observed.ok());
+        for (std::size_t i = 0; i < observed->fitted(); i += 8) observed->f[i] = {-observed->f[i].r, -1, -1e-3f};
+        const auto fit = fit_ggx(*observed, {1, 0});
+        ASSERT_TRUE(fit.ok()) << name(objective);
+        EXPECT_TRUE(std::isfinite(fit->loss)) << name(objective);
+    }
+}
+
 TEST(Ggx, RefusesOtherNumbersOfLobes) {
     const auto observed = observe(evaluator(GgxModel{{1, 1, 1}, {{0.5f, {}, 0}}}), {.count = 1024});
     ASSERT_TRUE(observed.ok());

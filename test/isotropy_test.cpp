@@ -3,6 +3,8 @@
 #include "fit/fits.h"
 #include "properties.h"
 #include "srbf/directions.h"
+#include "srbf/kernel.h"
+#include "srbf/measured.h"
 #include "srbf/metrics.h"
 
 namespace srbf::isotropy_test {
@@ -47,6 +49,43 @@ TEST(Isotropy, IsTold) {
     EXPECT_FALSE(is_isotropic(brushed(0.1, 0.3), cap));
     EXPECT_FALSE(is_isotropic(brushed(0.02, 0.5), cap));
     EXPECT_FALSE(is_isotropic(noisy(brushed(0.1, 0.3), 0.05), cap));
+}
+
+/// Samples of f: `turned`, each of some pairs turned about the normal by so many angles; or pairs at random.
+ScatteredSamples samples_of(const Evaluate& f, int turned) {
+    std::mt19937_64 random(9);
+    ScatteredSamples samples;
+    for (int i = 0; i < 600; ++i) {
+        const Vec3d l = random_direction(random, 0.1), v = random_direction(random, 0.1);
+        for (int k = 0; k < std::max(turned, 1); ++k) {
+            const double turn = turned > 0 ? 2 * k_pi * k / turned : 2 * k_pi * uniform(random);
+            const auto by = [&](Vec3d w) {
+                return to_float(Kernel<double>::turned(w, std::cos(turn), std::sin(turn)));
+            };
+            samples.wl.push_back(by(l)), samples.wv.push_back(by(v));
+        }
+    }
+    samples.colour.resize(samples.wl.size());
+    f(samples.wl, samples.wv, samples.colour);
+    return samples;
+}
+
+TEST(Isotropy, ChangesOfSamplesWithTheAzimuthAreTold) {
+    const Evaluate chiral = [](auto wl, auto, auto f) {
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            const double azimuth = std::atan2(double(wl[i].y), double(wl[i].x));
+            const auto x = float(0.1 * (1 + 0.8 * std::cos(2 * (azimuth - k_pi / 6))));
+            f[i] = {x, x, x};
+        }
+    };
+    for (const int turned : {8, 36}) {
+        EXPECT_EQ(change_by_azimuth(samples_of(brushed(0.2, 0.2), turned)), 0) << turned;
+        EXPECT_EQ(change_by_azimuth(samples_of(noisy(brushed(0.2, 0.2), 0.05), turned)), 0) << turned;
+        EXPECT_GT(change_by_azimuth(samples_of(brushed(0.1, 0.3), turned)), 0.2) << turned;
+        EXPECT_GT(change_by_azimuth(samples_of(chiral, turned)), 0.4) << turned;
+    }
+    EXPECT_EQ(change_by_azimuth(samples_of(brushed(0.2, 0.2), 0)), 0);
+    EXPECT_EQ(change_by_azimuth({}), 0);
 }
 
 TEST(Isotropy, GeneralLobesFitWhatAxialOnesCannot) {

@@ -1,6 +1,8 @@
 // Path tracing: furnace tests, closed forms of direct light, and equal pictures by all sampling strategies.
 #include "render/path.h"
 
+#include <tbb/global_control.h>
+
 #include <algorithm>
 
 #include "models.h"
@@ -370,6 +372,14 @@ TEST(Path, TheRimIsBounded) {
         most = std::max(most, pixel.g), least = std::min(least, pixel.g);
     EXPECT_LE(most, 1.01f);    // that of the environment
     EXPECT_LE(least, 0.011f);  // that of the middle of the sphere
+}
+
+TEST(Path, RaysLeaveAllThreadsToTheProcess) {
+    using Control = tbb::global_control;
+    const auto most = [] { return Control::active_value(Control::max_allowed_parallelism); };
+    const std::size_t before = most();
+    const Rays rays({&ball_mesh()});
+    EXPECT_EQ(most(), before);
 }
 
 TEST(Path, RaysFindWhatIsNearest) {

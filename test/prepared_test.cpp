@@ -2,6 +2,7 @@
 #include "srbf/prepared.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -11,7 +12,9 @@
 #include "one_target.h"
 #include "srbf/fitting.h"
 #include "srbf/kernel.h"
+#include "srbf/load.h"
 #include "srbf/metrics.h"
+#include "srbf/prepared_bsdf.h"
 #include "su_models.h"
 
 namespace srbf::prepared_test {
@@ -136,6 +139,120 @@ TEST_P(PreparedOn, BelowTheHorizonIsNothing) {
     }
 }
 
+/// A BRDF or BSDF of each kind and format.
+std::vector<AnyBrdf> all_kinds() {
+    std::vector<AnyBrdf> all;
+    for (const char* folder :
+         {"test/models/1", "fuzz/corpus/model", "fuzz/corpus/measured", "fuzz/corpus/bsdf_xml", "fuzz/corpus/bird",
+          "fuzz/corpus/speos", "fuzz/corpus/zemax", "fuzz/corpus/openmaterial"})
+        for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(SRBF_SOURCE_DIR) / folder))
+            if (auto brdf = load_brdf(entry.path().string())) all.push_back(*std::move(brdf));
+    return all;
+}
+/// Pairs with a direction that is not above the horizon; `on_sides`: on neither side of the surface.
+std::vector<Pair> pairs_without_value(bool on_sides) {
+    constexpr float none = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    std::vector<Vec3f> wrong{{none, none, none}, {none, 0, 1}, {0, none, 1}, {0, 0, none}, {1, 0, none},  {inf, 0, 1},
+                             {0, -inf, 1},       {0, 0, inf},  {1, 0, 0},    {1, 0, -0.f}, {1, 0, 1e-40f}};
+    if (!on_sides) wrong.push_back({0.6f, 0, -0.8f}), wrong.push_back({1, 0, -1e-40f});
+    std::vector<Pair> pairs;
+    for (const Vec3f& w : wrong)
+        for (const Vec3f& other : {w, Vec3f(0, 0, 1), Vec3f(0.48f, -0.36f, 0.8f)})
+            pairs.push_back({w, other}), pairs.push_back({other, w});
+    return pairs;
+}
+struct InArrays {
+    std::vector<Vec3f> wl, wv;
+};
+InArrays in_arrays(const std::vector<Pair>& pairs) {
+    InArrays of;
+    for (const auto& [l, v] : pairs) of.wl.push_back(l), of.wv.push_back(v);
+    return of;
+}
+
+TEST_F(Prepared, NoEvaluatorAnswersWithoutDirections) {
+    const auto all = all_kinds();
+    ASSERT_GT(all.size(), 60u);
+    for (std::size_t b = 0; b < all.size(); ++b) {
+        const bool two_sided = is_two_sided(all[b]);
+        const std::vector<Pair> pairs = pairs_without_value(two_sided);
+        const auto [wl, wv] = in_arrays(pairs);
+        const auto expect_nothing = [&](const Evaluate& evaluate, const char* of) {
+            std::vector<Rgb> f(wl.size(), Rgb{1, 1, 1});
+            evaluate(wl, wv, f);
+            EXPECT_EQ(std::ranges::count(f, Rgb()), std::ptrdiff_t(f.size())) << of << " of BRDF " << b;
+        };
+        const PreparedBsdf sides =
+            std::visit([](const auto& of) { return PreparedBsdf(prepare(of, CosineProposal{})); }, all[b]);
+        const PreparedBrdf front = std::visit([](const auto& of) { return prepare(of, CosineProposal{}); }, all[b]);
+        std::visit(
+            [&](const auto& of) {
+                expect_nothing(evaluator(of), "arrays");
+                for (const auto& [l, v] : pairs) EXPECT_EQ(value(of, l, v), Rgb()) << b;
+            },
+            all[b]);
+        for (const auto& [l, v] : pairs) {
+            EXPECT_EQ(value(front, l, v), Rgb());
+            EXPECT_EQ(pdf(front, l, v), 0);
+            if (!above_horizon(v, v)) {
+                EXPECT_EQ(sample(front, v, {0.3f, 0.4f}, 0.5f).pdf, 0);
+            }
+        }
+        for (const auto& [l, v] : pairs_without_value(true)) {
+            EXPECT_EQ(value(sides, l, v), Rgb());
+            EXPECT_EQ(pdf(sides, l, v), 0);
+            if (!folded(v, v)) {
+                EXPECT_EQ(sample(sides, v, {0.3f, 0.4f}, 0.5f).pdf, 0);
+            }
+        }
+        expect_nothing(evaluator(front), "prepared arrays");
+        EXPECT_EQ(albedo(front, std::numeric_limits<float>::quiet_NaN()), Rgb());
+        const auto expect_dark = [&](const Channels& channels) {
+            std::vector<float> f(channels.count() * wl.size(), 1);
+            channels.evaluate(wl, wv, f);
+            EXPECT_EQ(std::ranges::count(f, 0.f), std::ptrdiff_t(f.size())) << b;
+        };
+        if (const auto* measured = std::get_if<Measured>(&all[b])) {
+            expect_nothing(signed_evaluator(*measured), "signed arrays");
+            for (const auto& [l, v] : pairs) EXPECT_EQ(signed_value(*measured, l, v), Rgb());
+            if (!wavelengths(*measured).empty())
+                expect_dark(spectra(*measured)), expect_dark(signed_spectra(*measured));
+        } else {
+            expect_dark(channels(std::get<Model>(all[b])));
+        }
+    }
+}
+
+TEST_F(Prepared, NoProposalAnswersWithoutDirections) {
+    const Model su{isotropic_su(64), {}}, pm{random_model(random_, {}), {}};
+    const std::vector<Proposal> proposals{CosineProposal{}, propose(su), propose(pm),
+                                          refined(evaluator(pm), propose(evaluator(pm)), {.most_variance = 1e-6})};
+    for (const Proposal& proposal : proposals)
+        for (const auto& [l, v] : pairs_without_value(false)) {
+            EXPECT_EQ(pdf(proposal, l, v), 0) << proposal.index();
+            if (above_horizon(v, v)) continue;
+            EXPECT_EQ(sample(pm, proposal, v, {0.3f, 0.4f}, 0.5f).pdf, 0) << proposal.index();
+        }
+    const SuModel& views = std::get<SuModel>(su.model);
+    const IndexTexture texture = index_texture(views, DirectionMap::cube, 8);
+    for (const auto& [l, v] : pairs_without_value(false)) EXPECT_EQ(value(views, texture, l, v), Rgb());
+}
+
+TEST_F(Prepared, ArraysOfDifferentLengthsEndTheProgram) {
+    const Vec3f two[] = {{0, 0, 1}, {0, 0, 1}};
+    std::size_t kinds = 0;
+    for (const AnyBrdf& of : all_kinds()) {
+        if (++kinds % 8 != 1) continue;  // a process each
+        const Evaluate f = std::visit([](const auto& one) { return evaluator(one); }, of);
+        std::vector<Rgb> values(2);
+        EXPECT_DEATH(f(two, std::span(two).first(1), values), "arrays of pairs");
+        EXPECT_DEATH(f(two, two, std::span(values).first(1)), "arrays of pairs");
+    }
+    const Evaluate f = [](auto, auto, auto) {};
+    std::vector<float> few(5);
+    EXPECT_DEATH(rgb_channels(f).evaluate(two, two, few), "arrays of pairs");
+}
+
 /// With and without flushing of subnormal numbers by the processor.
 template <typename Ask> void in_mode(bool flushing, const Ask& ask) {
 #if defined(__SSE__)
@@ -218,6 +335,23 @@ TEST_F(Prepared, AlbedoOfFitsIsTheIntegral) {
         const auto fitted = fit(*load_measured((bundled_data() / name).string()), {PmRequest{.size = LobeCount{3}}});
         ASSERT_TRUE(fitted);
         expect_integral(evaluator(fitted->model), prepare(fitted->model, CosineProposal{}));
+    }
+}
+
+TEST_F(Prepared, AlbedoOfViewsIsTheIntegral) {
+    constexpr int k_points = 40000;
+    const std::vector<Vec3f> wl = fibonacci_directions(k_points, k_pi / 2);
+    for (const bool shaped : {false, true}) {
+        const SuModel model = random_su(random_, 96, 4, shaped);
+        const PreparedBrdf prepared = prepare(Model{model, {}}, CosineProposal{});
+        for (const double theta : {3.0, 40.0, 75.0, 83.7, 86.3, 88.9, 89.5}) {
+            const std::vector<Vec3f> wv(wl.size(), to_float(spherical(theta * k_degree, 0.7)));
+            std::vector<Rgb> f(wl.size());
+            evaluate(model, wl, wv, f);
+            double integral = 0;
+            for (std::size_t i = 0; i < wl.size(); ++i) integral += double(f[i].g * wl[i].z) * 2 * k_pi / k_points;
+            EXPECT_TRUE(near(albedo(prepared, wv[0].z).g, integral, 0.01 * integral)) << theta << ", " << shaped;
+        }
     }
 }
 

@@ -97,7 +97,8 @@ struct Answer {
     Float4 value, sample, albedo;
 };
 
-/// A third of the pairs has a grazing direction, a third is about the mirror direction, a few are below the horizon.
+/// A third of the pairs has a grazing direction, a third is about the mirror direction, a few are below the horizon or
+/// have a NaN.
 const std::vector<Question>& questions() {
     static const std::vector<Question> all = [] {
         std::mt19937_64 random(2);
@@ -110,6 +111,7 @@ const std::vector<Question>& questions() {
             const auto four = [](Vec3d w) { return Float4{float(w.x), float(w.y), float(w.z), 0}; };
             const auto u = [&] { return float(int(uniform(random) * 4096)) / 4096 + 1.f / 8192; };
             questions[i] = {four(wl), four(wv), {u(), u(), u(), 0}};
+            if (i % 100 == 7) (i % 200 == 7 ? questions[i].wl : questions[i].wv)[i / 200 % 3] = NAN;
         }
         return questions;
     }();
@@ -159,6 +161,8 @@ void expect_equal(const Answers& answers, const std::string& of) {
     std::size_t wrong = 0, wrong_samples = 0;
     double most_apart = 0;
     for (std::size_t i = 0; i < library.size(); ++i) {
+        const auto& [x, y, z, unused] = questions()[i / count].wv;
+        const bool has_view = std::isfinite(x + y + z);  // samples of no view have no meaning
         const Answer &a = answers[i], &b = library[i];
         for (std::size_t c = 0; c < 3; ++c) {
             const double bound =
@@ -173,7 +177,7 @@ void expect_equal(const Answers& answers, const std::string& of) {
         for (std::size_t c = 0; c < 3; ++c)
             apart = std::max(apart, std::abs(double(a.sample[c]) - double(b.sample[c])));
         const bool same = apart < 0.002 && near(double(a.sample[3]), double(b.sample[3]), 0.02 * double(b.sample[3]));
-        wrong_samples += !same;
+        wrong_samples += !same && has_view;
     }
     EXPECT_EQ(wrong, 0u) << of << ", of " << library.size() << "; values " << most_apart << " bounds apart";
     EXPECT_LE(double(wrong_samples), 0.001 * double(library.size())) << of;

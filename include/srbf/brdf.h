@@ -2,32 +2,49 @@
 #pragma once
 #include <concepts>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "srbf/result.h"
 #include "srbf/vec.h"
 
 namespace [[gnu::visibility("default")]] srbf {
 
+/// Whether both directions are above the horizon: every component is finite, and z is at least the least normal float,
+/// whether the processor takes subnormal numbers for 0 or not.
+inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
+    constexpr float least = std::numeric_limits<float>::min();
+    const float sum = (wl.x + wl.y) + (wv.x + wv.y) + (wl.z + wv.z);
+    return wl.z >= least && wv.z >= least && sum - sum == 0;  // ∞ − ∞ is no number
+}
+
 /// A BRDF is a type with `value(brdf, wl, wv)`: f_r(wl, wv) [1/sr] for each channel, without the cosine. `wl` and `wv`
-/// are unit vectors in the local frame. The value is 0 below the horizon (wl.z ≤ 0 or wv.z ≤ 0), NaN in every channel
-/// where a table holds no measurement, and finite and ≥ 0 everywhere else. (A BSDF, see bsdf.h, also
-/// answers with directions below.)
+/// are unit vectors in the local frame. The value is 0 unless `above_horizon(wl, wv)`, as for a direction with a NaN,
+/// NaN in every channel where a table holds no measurement, and finite and ≥ 0 everywhere else. (A BSDF, see bsdf.h,
+/// also answers with directions below.) Functions of one pair compute in the caller's floating-point mode: with another
+/// rounding than to the nearest their last bits differ. Those on arrays compute in the mode of IEEE 754.
 template <typename B>
 concept Brdf = requires(const B& brdf, Vec3f wl, Vec3f wv) {
     { value(brdf, wl, wv) } -> std::same_as<Rgb>;
 };
 
-/// A BRDF as a function on arrays of pairs: f[i] = f_r(wl[i], wv[i]). The three spans have the same length. Safe to
-/// call from several threads at once.
+/// A BRDF as a function on arrays of pairs: f[i] = f_r(wl[i], wv[i]). The three spans have the same length; other ones
+/// end the program. Safe to call from several threads at once.
 using Evaluate = std::function<void(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f)>;
+
+/// Ends the program unless there are as many of each.
+inline void require_equal_lengths(std::size_t wl, std::size_t wv, std::size_t f) {
+    if (wl != wv || wl != f) misused("arrays of pairs: expected as many wl, wv and values");
+}
 
 /// `brdf` as an `Evaluate`. It keeps a reference to `brdf`, which must outlive it.
 template <Brdf B> Evaluate evaluator(const B& brdf) {
     return [&brdf](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        require_equal_lengths(wl.size(), wv.size(), f.size());
         for (std::size_t i = 0; i < wl.size(); ++i) f[i] = value(brdf, wl[i], wv[i]);
     };
 }
@@ -52,6 +69,7 @@ struct Channels {
 /// The channels R, G and B of `brdf`.
 inline Channels rgb_channels(Evaluate brdf) {
     return {{}, [brdf = std::move(brdf)](auto wl, auto wv, auto f) {
+                require_equal_lengths(3 * wl.size(), 3 * wv.size(), f.size());
                 std::vector<Rgb> colour(wl.size());
                 brdf(wl, wv, colour);
                 for (std::size_t i = 0; i < colour.size(); ++i)

@@ -37,13 +37,13 @@ struct Folded {
     Part part;
     Vec3f wl, wv;
 };
-/// The part that answers for a pair, and the pair in its frame; none if a direction lies in the surface: its cosine is
-/// 0 or subnormal.
+/// The part that answers for a pair, and the pair in its frame; none if a direction lies in the surface (its cosine is 0
+/// or subnormal) or is not finite.
 inline std::optional<Folded> folded(Vec3f wl, Vec3f wv) {
-    constexpr float least = std::numeric_limits<float>::min();
-    if (!(std::abs(wl.z) >= least && std::abs(wv.z) >= least)) return {};
+    const Vec3f l{wl.x, wl.y, std::abs(wl.z)}, v{wv.x, wv.y, std::abs(wv.z)};
+    if (!above_horizon(l, v)) return {};
     const bool back = wl.z < 0, across = back != (wv.z < 0);
-    return Folded{Part(2 * int(across) + int(back)), {wl.x, wl.y, std::abs(wl.z)}, {wv.x, wv.y, std::abs(wv.z)}};
+    return Folded{Part(2 * int(across) + int(back)), l, v};
 }
 /// The side of a part's viewer: −1 or 1. A direction of a part's frame is on this side with its z multiplied by it.
 constexpr float side_of_light(Part part) { return is_back(part) ? -1.f : 1.f; }
@@ -78,6 +78,7 @@ template <typename B> Rgb value(const Parts<B>& parts, Vec3f wl, Vec3f wv) {
 template <typename B, typename Each>
 void evaluate(const Parts<B>& parts, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f,
               const Each& each) {
+    require_equal_lengths(wl.size(), wv.size(), f.size());
     std::array<std::vector<std::size_t>, k_parts> where;
     std::array<std::vector<Vec3f>, k_parts> lights, views;
     for (std::size_t i = 0; i < f.size(); ++i) {
@@ -100,6 +101,7 @@ void evaluate(const Parts<B>& parts, std::span<const Vec3f> wl, std::span<const 
 /// A part of a BSDF as a function in its own frame.
 inline Evaluate part_of(Evaluate bsdf, Part part) {
     return [bsdf = std::move(bsdf), part](std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
+        require_equal_lengths(wl.size(), wv.size(), f.size());
         std::vector<Vec3f> lights, views;
         for (std::size_t i = 0; i < f.size(); ++i) {
             lights.push_back(to_side(wl[i], side_of_light(part)));
@@ -107,7 +109,7 @@ inline Evaluate part_of(Evaluate bsdf, Part part) {
         }
         bsdf(lights, views, f);
         for (std::size_t i = 0; i < f.size(); ++i)
-            if (!(wl[i].z > 0 && wv[i].z > 0)) f[i] = {};
+            if (!above_horizon(wl[i], wv[i])) f[i] = {};
     };
 }
 
@@ -126,7 +128,7 @@ struct Beam {
 };
 /// In files, of rings, and of nodes of a ring.
 inline constexpr std::size_t k_most_beam_rings = 256, k_most_beam_nodes = 2048;
-/// τ of a beam at the direction to the light, in the part's frame on either side.
+/// τ of a beam at the direction to the light, in the part's frame on either side; 0 if that is not finite.
 Rgb share_at(const Beam& beam, Vec3f wl);
 
 /// The beams of a BSDF, in the order of `Part`. An empty one is 0, but that of a transmission is its counterpart's by

@@ -277,6 +277,11 @@ bool is_isotropic(const Measured& measured);
 bool is_isotropic(const KlemsTable& table);
 /// What its reader masked or assumed beyond the format, a line each.
 std::vector<std::string> notes(const Measured& measured);
+/// How far samples change with the azimuth, which isotropic ones do not: √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl cosθv,
+/// over pairs of samples that a turn about the normal by more than 15° takes to each other, as nearly as samples lie
+/// (within 0.1°, or else 10°, of θl, θv and θh). 0 if there are none, up to 14 % (noise), and if smaller turns change them
+/// by more than 0.4 of it: then they differ by noise, or by their distance.
+double change_by_azimuth(const ScatteredSamples& samples);
 
 // f_r [1/sr] of unit vectors, which is not checked: 0 if wl.z ≤ 0 or wv.z ≤ 0, and otherwise finite and not negative,
 // or NaN where each function says so.

@@ -46,6 +46,9 @@ struct BrdfParts {
     /// f_r on arrays of pairs, for `evaluate` and `albedo`; without it these throw `std::bad_function_call`.
     Evaluate evaluate;
     Proposal proposal;  ///< the cosine if it is not set; a `ViewProposal` has to refer to a model in `held`
+    /// The directional albedo of a view with cosθv > 0, of which `albedo` is the mean over four azimuths; without it `albedo`
+    /// integrates `evaluate`.
+    std::function<Rgb(Vec3f wv)> albedo = nullptr;
 };
 PreparedBrdf prepare(BrdfParts parts);
 
@@ -101,8 +104,11 @@ inline LightSample sample(const PreparedBrdf& brdf, Vec3f wv, Vec2f u, float sel
 /// The density of `sample` [1/sr]: 0 if wl.z ≤ 0 or wv.z ≤ 0.
 float pdf(const PreparedBrdf& brdf, Vec3f wl, Vec3f wv);
 
-/// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths: linear in
-/// ∜cosθv − √(1 − cosθv) between 129 nodes, within 1 % or 0.002 at every cosine for the fits of measured materials.
+/// Directional albedo ∫ f(wl, wv) cosθl dωl for cosθv in (0, 1], averaged over azimuths. Of a view-by-view model whose sampled
+/// direction is the view it is interpolated, as the model is, from the integrals of the lobes: within 1 % or 0.002. Of any
+/// other BRDF it is linear in ∜cosθv − √(1 − cosθv) between 129 nodes, sums over 16384 points each: up to 85° within 1 % or
+/// 0.002 for the fits of measured materials and for tables. It errs more beyond 85°, for highlights narrower than the points,
+/// and for scattered samples, up to a factor of 2 (docs/sampling.md).
 /// A cosine of 0, below it or NaN gives 0; above 1 counts as 1. The first call makes the nodes on one thread, and other
 /// threads that call it wait: about 0.3 s for a multivariate model or a table (docs/performance.md).
 Rgb albedo(const PreparedBrdf& brdf, float cos_v);

@@ -22,17 +22,10 @@ struct LightSample {
 //   sample(proposal, wv, u, selector)   a direction from a point and a selector of a lobe, all uniform in
 //                                       [0,1); z ≤ 0 if the sample has none
 //   pdf(proposal, wl, wv)               its density [1/sr]; 0 if wl.z ≤ 0, positive where f cosθl is positive
-// for unit vectors wl and wv with wv.z > 0, which is not checked, and ∫ pdf dωl + P(no direction) = 1. For wv.z ≤ 0 the
-// result of `sample` has no meaning, and `pdf` is 0.
+// for unit vectors wl and wv with wv.z > 0, and ∫ pdf dωl + P(no direction) = 1. Where wv is not above the horizon
+// (`above_horizon`), the result of `sample` has no meaning, and `pdf` is 0.
 
-/// Whether both are above the horizon. Compared so, a subnormal cosine is not, whether the processor takes it for 0 or
-/// not.
-inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
-    constexpr float least = std::numeric_limits<float>::min();
-    return wl.z >= least && wv.z >= least;
-}
-
-/// The cosine, whatever the BRDF: pdf = max(wl.z, 0) / π for wv.z > 0, otherwise 0, and
+/// The cosine, whatever the BRDF: pdf = wl.z / π if both are above the horizon, otherwise 0, and
 /// wl = (√u.x cos 2πu.y, √u.x sin 2πu.y, √(1 − u.x)).
 struct CosineProposal {};
 Vec3f sample(const CosineProposal& proposal, Vec3f wv, Vec2f u, float selector);
@@ -164,7 +157,8 @@ Proposal propose(const Model& model, const ProposeOptions& options = {});
 Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
 
 /// The mixture if its relative variance is at most `most_variance` at views every 5° from 2.5° on, or no table has less;
-/// otherwise a table. Its densities are of least variance: in proportion to the root mean square of f over a cell, at the
+/// otherwise a table. No bound holds between these views, or for what neither represents: docs/sampling.md has the largest
+/// variances that were found. Its densities are of least variance: in proportion to the root mean square of f over a cell, at the
 /// views about a node, times the cell's projected area. It is for a BRDF that depends on the azimuths' difference alone,
 /// and is not made where `azimuths` is more than 1.
 Proposal refined(const Evaluate& brdf, const MixtureProposal& mixture, const ProposeOptions& options = {});
@@ -175,15 +169,14 @@ template <typename P> DirectionSample sample_with_pdf(const P& proposal, Vec3f w
     return {wl, wl.z > 0 ? pdf(proposal, wl, wv) : 0};
 }
 
-/// Samples the light for `brdf`, of which values that were not measured count as 0. If wv.z ≤ 0, pdf is 0.
+/// Samples the light for `brdf`, of which values that were not measured count as 0. If wv is not above the horizon, pdf is 0.
 template <Brdf B, typename P> LightSample sample(const B& brdf, const P& proposal, Vec3f wv, Vec2f u, float selector) {
     LightSample drawn;
-    if (!(wv.z > 0)) return drawn;
+    if (!above_horizon(wv, wv)) return drawn;
     const DirectionSample direction = sample_with_pdf(proposal, wv, u, selector);
     drawn.wl = direction.wl;
-    if (!(direction.wl.z > 0)) return drawn;
+    if (!(direction.wl.z > 0 && direction.pdf > 0)) return drawn;
     drawn.pdf = direction.pdf;
-    if (!(drawn.pdf > 0)) return drawn;
     const Rgb f = value(brdf, drawn.wl, wv);
     if (!is_finite(f)) return drawn;
     const float scale = drawn.wl.z / drawn.pdf;

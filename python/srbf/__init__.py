@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import os
 import struct
+import warnings
 import zlib
 from typing import Any, Callable, Literal, Mapping, Optional, Sequence, TypeVar, Union
 
@@ -229,7 +230,7 @@ class Model(Brdf):
 
     def save(self, path: Path) -> None:
         """Writes the model file."""
-        self._held.save(os.fspath(path))
+        self._held.save(_file_name(path))
 
     def __repr__(self) -> str:
         return f"<srbf.Model {self.kind}, {self.nbytes:,} bytes{', exchanged' * self.is_exchanged}>"
@@ -267,10 +268,19 @@ def _brdf(held: _srbf.Brdf) -> Union[Model, Measurement]:
     return Model(held) if held.is_model() else Measurement(held)
 
 
+def _file_name(path: Path) -> bytes:
+    """The bytes of a name, which need not be UTF-8."""
+    name = os.fsencode(path)
+    if b"\0" in name:
+        raise Error(f"file name: expected one without NUL, found {path!r}", what="file name", expected="one without NUL", found=repr(path),
+                    code="argument")
+    return name
+
+
 def load(path: Path, *, columns: str = "", quantity: Optional[_options.Quantity] = None, floor: float = 0) -> Union[Model, Measurement]:
     """Reads a measurement (MERL, RGL, UTIA, MBSDF, Cornell, ASTM E1392, ALTA, CSV, BSDF XML, Zemax, Speos, OpenMATERIAL)
     or a model, recognised by its content. Raises Error."""
-    return _brdf(_srbf.load(os.fspath(path), *_options.read(columns, quantity, floor)))
+    return _brdf(_srbf.load(_file_name(path), *_options.read(columns, quantity, floor)))
 
 
 def load_measurement(path: Path, *, columns: str = "", quantity: Optional[_options.Quantity] = None, floor: float = 0) -> Measurement:
@@ -290,17 +300,32 @@ def load_model(path: Path) -> Model:
 
 
 def _wrong_kind(path: Path, expected: str, found: str) -> Error:
-    return Error(f"{path}: input: expected {expected}, found {found}", str(path), None, "input", expected, found, "wrong kind")
+    shown = os.fsencode(path).decode("utf-8", "backslashreplace")
+    return Error(f"{shown}: input: expected {expected}, found {found}", os.fsdecode(path), None, "input", expected, found, "wrong kind")
 
 
 def from_arrays(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, isotropic: bool = True) -> Measurement:
-    """Samples at pairs of directions [..., 3] as a measurement, f [..., 3] or, for grey ones, [...]. Samples that are not finite or
-    below the horizon are dropped."""
-    lights, views, values = _numbers(wl, "wl"), _numbers(wv, "wv"), np.asarray(f)
-    if values.ndim == 0 or values.shape[-1] != 3 or values.ndim < max(lights.ndim, views.ndim):
-        values = np.repeat(values[..., None], 3, axis=-1)
-    _, rows = _rows((lights, views, _numbers(values, "f")), ("wl", "wv", "f"))
-    return Measurement(_srbf.from_arrays(rows[0], rows[1], rows[2], _options.flag("isotropic", isotropic)))
+    """Samples at pairs of directions [..., 3] as a measurement, f [..., 3] or, for grey ones, [...], [..., 1] or one number. Samples that are not
+    finite or below the horizon are dropped. Raises ValueError for f of another shape. Warns if `isotropic`, with which only the difference
+    of the azimuths counts, does not hold."""
+    shape, (lights, views) = _pairs(wl, wv)
+    values = _numbers(f, "f", None)
+    if values.ndim == 0:
+        values = np.broadcast_to(values, shape)
+    if values.shape == shape:
+        values = values[..., None]
+    if values.shape not in ((*shape, 1), (*shape, 3)):
+        raise ValueError(f"f: expected shape {[*shape, 3]} or, for grey ones, {[*shape]}, as of wl and wv, found {list(np.shape(f))}")
+    rows = np.ascontiguousarray(np.broadcast_to(values, (*shape, 3))).reshape(-1, 3)
+    held = _srbf.from_arrays(lights, views, rows, _options.flag("isotropic", isotropic))
+    _warn_of_change(held.change_by_azimuth())
+    return Measurement(held)
+
+
+def _warn_of_change(by_azimuth: float) -> None:
+    if by_azimuth > 0:
+        warnings.warn(f"isotropic: samples at the same angles but other azimuths differ by {100 * by_azimuth:.0f} % (root mean square), "
+                      "which isotropic=True averages; isotropic=False keeps them", stacklevel=3)
 
 
 class _Shown:
@@ -370,15 +395,17 @@ def fit_batch(wl: npt.ArrayLike, wv: npt.ArrayLike, f: npt.ArrayLike, *, lobes: 
               progress: Progress = False) -> list[Fit]:
     """Fits T materials or texels measured at the same M pairs: wl, wv [M, 3], f [T, M, 3], NaN where nothing was measured. Each takes one
     thread, and a shorter search than `fit`; its errors are those at its own values. A texel that cannot be fitted, a black one, say, has
-    a model of coefficients 0, errors None and `reached` False. The options are those of `fit`."""
+    a model of coefficients 0, errors None and `reached` False. The options are those of `fit`. Warns as `from_arrays` does."""
     lights, views, values = _numbers(wl, "wl"), _numbers(wv, "wv"), _numbers(f, "f")
     if lights.ndim != 2 or views.shape != lights.shape or values.ndim != 3 or values.shape[1:] != lights.shape:
         raise ValueError(f"expected wl [M, 3], wv [M, 3], f [T, M, 3], found {list(lights.shape)}, {list(views.shape)}, {list(values.shape)}")
     request = _options.request("pm", lobes=_options.option("lobes", lobes), variates=variates, form=form, axial=axial,
                                reciprocal=reciprocal, objective=objective, max_theta=max_theta, channels="rgb", seed=seed, threads=threads)
+    rows = [np.ascontiguousarray(array) for array in (lights, views, values)]
     is_isotropic = _options.flag("isotropic", isotropic)
+    if is_isotropic and values.size > 0:
+        _warn_of_change(_srbf.change_by_azimuth(rows[0], rows[1], np.ascontiguousarray(values.mean(axis=0))))
     with _Shown(progress) as callback:
-        rows = [np.ascontiguousarray(array) for array in (lights, views, values)]
         return [_fit_of(outcome) for outcome in _srbf.fit_batch(rows[0], rows[1], rows[2], request, is_isotropic, callback)]
 
 
@@ -386,7 +413,7 @@ def load_texels(path: Path) -> list[Fit]:
     """The fits of one slab of texels, a file that `srbf fit --pairs` wrote. Their errors hold one number, "error", by the objective's
     measure; a texel that could not be fitted has errors None and `reached` False."""
     return [Fit(Model(held), {"error": error} if state == 0 else None, 0.0, None, state == 0)
-            for held, error, state in _srbf.load_stack(os.fspath(path))]
+            for held, error, state in _srbf.load_stack(_file_name(path))]
 
 
 def errors(reference: Brdf, other: Union[Brdf, Callable[[Array, Array], npt.ArrayLike]], *, max_theta: float = 80,
@@ -430,7 +457,7 @@ def convert(brdf: Brdf, path: Path, *, spectra: bool = True, threads: int = 0) -
     """Writes the BRDF as a table: MERL (.binary), RGL (.bsdf), MDL (.mbsdf), samples (.csv), WINDOW and Radiance (.xml), Zemax
     (.zemax.bsdf), Speos (.anisotropicbsdf) or OpenMATERIAL (.xompt), by the ending of `path`. RGL files have spectra of the same
     material beside the colours unless `spectra` is False, as Mitsuba's RGB variants need it. `threads`: of all but samples."""
-    _srbf.convert(brdf._held, os.fspath(path), _options.flag("spectra", spectra), _options.option("threads", threads))
+    _srbf.convert(brdf._held, _file_name(path), _options.flag("spectra", spectra), _options.option("threads", threads))
 
 
 def code(models: Union[Model, Mapping[str, Model]], to: Union[Language, Literal["three"]], *, name: str = "material", sampling: bool = False, albedo: bool = False) -> str:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "floating_point.h"
 #include "measured/samples.h"
 #include "srbf/elementary.h"
 
@@ -222,6 +223,7 @@ Result<ScatteredSamples> read_alta_samples(std::span<const std::byte> bytes, con
 }
 
 Result<ScatteredSamples> read_alta(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     return indexed(read_alta_samples(bytes, file_name));
 }
 

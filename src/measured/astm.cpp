@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "floating_point.h"
 #include "measured/samples.h"
 
 namespace srbf {
@@ -143,6 +144,7 @@ Result<ScatteredSamples> read_astm_samples(std::span<const std::byte> bytes, con
 }
 
 Result<ScatteredSamples> read_astm(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     return indexed(read_astm_samples(bytes, file_name));
 }
 

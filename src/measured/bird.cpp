@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "floating_point.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
 #include "measured/spectral_rows.h"
@@ -160,6 +161,7 @@ Result<ScatteredSamples> read_bird_samples(std::span<const std::byte> bytes, con
 }
 
 Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     return indexed(read_bird_samples(bytes, file_name));
 }
 

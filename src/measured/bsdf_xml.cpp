@@ -7,6 +7,7 @@
 #include <optional>
 #include <pugixml.hpp>
 
+#include "floating_point.h"
 #include "measured/klems.h"
 #include "measured/samples.h"
 #include "measured/tensor_tree.h"
@@ -382,6 +383,7 @@ bool is_xml(std::string_view text) {
 }
 
 Result<BsdfTable> read_bsdf_xml(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     pugi::xml_document document;
     if (const auto parsed = parse(bytes, file_name, document); !parsed) return parsed.error();
     const Element file{document, &file_name}, root = file.child("WindowElement");

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "floating_point.h"
 #include "measured/samples.h"
 
 namespace srbf {
@@ -97,6 +98,7 @@ Result<ScatteredSamples> read_cornell_samples(std::span<const std::byte> bytes, 
 }
 
 Result<ScatteredSamples> read_cornell(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     return indexed(read_cornell_samples(bytes, file_name));
 }
 

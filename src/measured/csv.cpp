@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "floating_point.h"
 #include "measured/columns.h"
 #include "srbf/elementary.h"
 
@@ -337,6 +338,7 @@ Result<ScatteredSamples> read_csv_samples(std::span<const std::byte> bytes, cons
 }
 
 Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     auto collected = collect(bytes, file_name, {}, true);
     if (!collected) return collected.error();
     BsdfTable table{{{}}, 0, {}};
@@ -353,6 +355,7 @@ Result<BsdfTable> read_csv_of_both_sides(std::span<const std::byte> bytes, const
 }
 
 Result<ScatteredSamples> read_csv(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     return indexed(read_csv_samples(bytes, file_name, {}));
 }
 

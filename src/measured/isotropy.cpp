@@ -1,12 +1,17 @@
 #include "measured/isotropy.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
 #include "floating_point.h"
+#include "k_d_tree.h"
+#include "measured/angles.h"
 #include "srbf/directions.h"
 #include "srbf/elementary.h"
 #include "srbf/kernel.h"
+#include "srbf/measured.h"
 #include "values.h"
 
 namespace srbf {
@@ -61,6 +66,60 @@ bool is_isotropic(const Evaluate& f, double max_theta) {
         by_any += w * squared_distance(any, value);
     }
     return by_any <= k_rounding * whole || (by_any <= k_noise * whole && by_any <= k_most_growth * by_small);
+}
+
+double change_by_azimuth(const ScatteredSamples& samples) {
+    constexpr std::size_t k_asked = 4096, k_near = 9, k_least_pairs = 32;
+    const StandardArithmetic mode;
+    const std::size_t count = samples.wl.size();
+    using Points = PointCloud<float, 3>;
+    Points points;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vec3f &l = samples.wl[i], &v = samples.wv[i];
+        points.at.push_back({polar_angle(l + v), polar_angle(l), polar_angle(v)});
+    }
+    if (points.at.empty()) return 0;
+    const KdTree<float, 3> tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+    struct Change {
+        double whole = 0, squares = 0;
+        std::size_t pairs = 0;
+        double ratio() const { return whole > 0 ? squares / whole : 0; }
+    };
+    const auto seen = [&](std::size_t i, int c) {
+        return cosines(samples.wl[i], samples.wv[i]) * double(samples.colour[i][c]);
+    };
+    for (const double reach : {0.1 * k_degree, 10 * k_degree}) {
+        Change small, any;
+        for (std::size_t i = 0; i < count; i += 1 + count / k_asked) {
+            std::array<std::uint32_t, k_near> near;
+            std::array<float, k_near> distance2;
+            const std::size_t found = tree.knnSearch(points.at[i].data(), k_near, near.data(), distance2.data());
+            for (std::size_t n = 0; n < found; ++n) {
+                const std::size_t k = near[n];
+                if (k == i || double(distance2[n]) > reach * reach) continue;
+                // The larger of the turns of both directions, of which that near the normal has no meaning.
+                const auto cos_turn = [](const Vec3f& a, const Vec3f& b) {
+                    const double along = double(a.x) * double(b.x) + double(a.y) * double(b.y),
+                                 lengths = std::sqrt(double(a.x * a.x + a.y * a.y) * double(b.x * b.x + b.y * b.y));
+                    return lengths > 1e-4 ? along / lengths : 1;
+                };
+                const double cosine =
+                    std::min(cos_turn(samples.wl[i], samples.wl[k]), cos_turn(samples.wv[i], samples.wv[k]));
+                Change& of = cosine >= elementary::cos(k_small_turn) ? small : any;
+                ++of.pairs;
+                for (int c = 0; c < 3; ++c) {
+                    of.whole += elementary::square(seen(i, c));
+                    of.squares += elementary::square(seen(i, c) - seen(k, c));
+                }
+            }
+        }
+        if (any.pairs < k_least_pairs) continue;
+        const bool is_near = reach > k_degree;  // neighbours differ by their distance too
+        if (is_near && small.pairs < k_least_pairs) return 0;
+        const bool is_noise = small.pairs >= k_least_pairs && any.ratio() <= k_most_growth * small.ratio();
+        return any.ratio() > k_noise && !is_noise ? std::sqrt(any.ratio()) : 0;
+    }
+    return 0;
 }
 
 }  // namespace srbf

@@ -62,7 +62,7 @@ std::size_t KlemsTable::straight_ahead(std::size_t i) const {
 }
 
 Rgb signed_value(const KlemsTable& table, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     return table.cell(table.outgoing.patch_of({-wv.x, wv.y, wv.z}), table.incident.patch_of({wl.x, -wl.y, wl.z}));
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "floating_point.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
 #include "measured/limits.h"
@@ -189,12 +190,14 @@ Result<Blocks> read_blocks(std::span<const std::byte> bytes, const std::string& 
 }  // namespace
 
 Result<MbsdfTable> read_mbsdf(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     auto blocks = read_blocks(bytes, file_name, false);
     if (!blocks) return blocks.error();
     return std::move(blocks->reflection);
 }
 
 Result<BsdfTable> read_mbsdf_of_both_sides(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     auto blocks = read_blocks(bytes, file_name, true);
     if (!blocks) return blocks.error();
     if (!blocks->transmission)
@@ -209,7 +212,7 @@ Result<BsdfTable> read_mbsdf_of_both_sides(std::span<const std::byte> bytes, con
 }
 
 Rgb signed_value(const MbsdfTable& table, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     const auto step = float(k_pi / 2 / table.polar), turn = float(k_pi / std::max(table.azimuths - 1, 1u));
     const float phi = azimuth(std::abs(wl.x * wv.y - wl.y * wv.x), wl.x * wv.x + wl.y * wv.y);
     const BetweenAngles l = between(polar_angle(wl) / step, table.polar),

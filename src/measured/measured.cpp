@@ -96,11 +96,13 @@ Result<std::vector<std::byte>> read_input(const std::string& path, const ReadOpt
 
 Result<Measured> read_measured(std::span<const std::byte> bytes, const std::string& file_name,
                                const ReadOptions& options) {
+    const StandardArithmetic mode;
     return indexed(read_stated(bytes, file_name, options));
 }
 
 Result<Measured> read_measured(std::vector<std::byte>&& bytes, const std::string& file_name,
                                const ReadOptions& options) {
+    const StandardArithmetic mode;
     auto measured = read_stated(bytes, file_name, options);
     std::vector<std::byte>().swap(bytes);
     return indexed(std::move(measured));
@@ -158,6 +160,7 @@ Rgb signed_value(const Measured& measured, Vec3f wl, Vec3f wv) {
 Evaluate signed_evaluator(const Measured& measured) {
     return [&measured](auto wl, auto wv, auto f) {
         const StandardArithmetic mode;
+        require_equal_lengths(wl.size(), wv.size(), f.size());
         if (measured.exchanged) std::swap(wl, wv);
         const auto each = [&](const auto& table) {
             if constexpr (requires { evaluate_signed(table, wl, wv, f); })
@@ -188,6 +191,7 @@ Channels signed_spectra(const Measured& measured) {
     assert(!nm.empty());
     return {{nm.begin(), nm.end()}, [&measured, C = nm.size()](auto wl, auto wv, auto f) {
                 const StandardArithmetic mode;
+                require_equal_lengths(C * wl.size(), C * wv.size(), f.size());
                 if (measured.exchanged) std::swap(wl, wv);
                 const auto each = [&](const auto& table) {
                     for (std::size_t i = 0; i < wl.size(); ++i)

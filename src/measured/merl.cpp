@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "floating_point.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
 #include "measured/limits.h"
@@ -76,6 +77,7 @@ std::uint64_t merl_bytes(std::span<const std::byte> head) {
 }
 
 Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     if (bytes.size() < k_header)
         return Error{file_name, bytes.size(), "MERL header", "3 dimensions in 12 bytes", "the end of the file"};
     const Dimensions n = dimensions(bytes);
@@ -105,7 +107,7 @@ Result<MerlTable> read_merl(std::span<const std::byte> bytes, const std::string&
 }
 
 Rgb value(const MerlTable& table, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     const Position at = position(table, wl, wv);
     const auto [n_h, n_d, n_p] = table.size;
     const auto h = std::uint32_t(at.h), d = std::uint32_t(at.d);
@@ -138,7 +140,7 @@ Rgb value(const MerlTable& table, Vec3f wl, Vec3f wv) {
 }
 
 Rgb nearest(const MerlTable& table, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     const Position at = position(table, wl, wv);
     return cell(table, std::uint32_t(at.h + 0.5f), std::uint32_t(at.d + 0.5f),
                 std::uint32_t(at.p + 0.5f) % table.size[2]);

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "floating_point.h"
 #include "measured/limits.h"
 #include "measured/samples.h"
 #include "measured/spectral_rows.h"
@@ -156,6 +157,7 @@ Result<ScatteredSamples> read_openmaterial_samples(std::span<const std::byte> by
 }
 
 Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     return indexed(read_openmaterial_samples(bytes, file_name));
 }
 

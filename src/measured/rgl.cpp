@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 
+#include "floating_point.h"
 #include "measured/angles.h"
 #include "measured/limits.h"
 #include "measured/tensor_file.h"
@@ -268,6 +269,7 @@ bool is_rgl(std::span<const std::byte> bytes) {
 }
 
 Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     const auto parsed = parse_tensor_file(bytes, file_name);
     if (!parsed) return parsed.error();
     const TensorFile& file = *parsed;
@@ -314,7 +316,7 @@ Result<RglTable> read_rgl(std::span<const std::byte> bytes, const std::string& f
 }
 
 Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     Rgb colour;
     const double factor =
         look_up(table, wl, wv, [&](const auto& slices, const Warped& w) { colour = at(table.colour, slices, w); });
@@ -325,7 +327,7 @@ Rgb signed_value(const RglTable& table, Vec3f wl, Vec3f wv) {
 
 void signed_spectrum(const RglTable& table, Vec3f wl, Vec3f wv, std::span<float> f) {
     std::ranges::fill(f, 0.0f);
-    if (!(wl.z > 0 && wv.z > 0)) return;
+    if (!above_horizon(wl, wv)) return;
     const double factor =
         look_up(table, wl, wv, [&](const auto& slices, const Warped& w) { spectrum_at(table, slices, w, f); });
     const double scale = factor / double(wv.z);

@@ -143,7 +143,7 @@ double light_azimuth(const ScatterTable& table, double rotation) {
 }
 
 Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     const double phi_l = elementary::atan2(double(wl.y), double(wl.x));
     // The frame whose +x is the side of the mirror direction.
     const double c = -elementary::cos(phi_l), s = -elementary::sin(phi_l);

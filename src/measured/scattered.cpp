@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "floating_point.h"
 #include "k_d_tree.h"
 #include "measured/angles.h"
 #include "measured/limits.h"
@@ -134,6 +135,7 @@ std::vector<std::uint32_t> keep_few_at_a_place(Points& points) {
 }  // namespace
 
 void make_index(ScatteredSamples& samples) {
+    const StandardArithmetic mode;
     Points points;
     points.at.reserve(samples.wl.size());
     for (std::size_t i = 0; i < samples.wl.size(); ++i)
@@ -196,7 +198,7 @@ Blend blend(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
 }  // namespace
 
 Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     const Blend between = blend(samples, wl, wv);
     const auto channel = [&](int c) { return between.of([&](std::size_t i) { return samples.colour[i][c]; }); };
     return {channel(0), channel(1), channel(2)};
@@ -204,7 +206,7 @@ Rgb signed_value(const ScatteredSamples& samples, Vec3f wl, Vec3f wv) {
 
 void signed_spectrum(const ScatteredSamples& samples, Vec3f wl, Vec3f wv, std::span<float> f) {
     std::ranges::fill(f, 0.0f);
-    if (!(wl.z > 0 && wv.z > 0)) return;
+    if (!above_horizon(wl, wv)) return;
     const Blend between = blend(samples, wl, wv);
     for (std::size_t c = 0; c < f.size(); ++c)
         f[c] = between.of([&](std::size_t i) { return samples.spectrum[i * f.size() + c]; });

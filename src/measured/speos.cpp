@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "floating_point.h"
 #include "measured/limits.h"
 #include "measured/scatter.h"
 #include "srbf/colour.h"
@@ -196,6 +197,7 @@ bool is_speos(std::string_view text) {
 
 Result<std::array<std::optional<ScatterTable>, 2>> read_speos(std::span<const std::byte> bytes,
                                                               const std::string& file_name) {
+    const StandardArithmetic mode;
     ScatterText text(as_text(bytes), file_name, false);
     const auto title = text.raw_line();
     const bool is_spectral = title.starts_with(k_spectral_title);

@@ -5,7 +5,6 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "measured/table_batch.cpp"
 #include <hwy/foreach_target.h>
-#include <cassert>
 
 #include "batch-inl.h"
 #include "floating_point.h"
@@ -183,7 +182,7 @@ constexpr std::size_t k_most_numbers = std::size_t(1) << 29;  // so that their i
 
 void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const StandardArithmetic mode;
-    assert(wl.size() == wv.size() && wl.size() == f.size());
+    require_equal_lengths(wl.size(), wv.size(), f.size());
     if (table.phi_l.empty() && 2 * table.visible.nodes.size() < k_most_numbers &&
         3 * table.colour.nodes.size() < k_most_numbers)
         return HWY_DYNAMIC_DISPATCH(evaluate_rgl)(table, wl.data(), wv.data(), f.data(), f.size());
@@ -192,7 +191,7 @@ void evaluate_signed(const RglTable& table, std::span<const Vec3f> wl, std::span
 
 void evaluate_signed(const MerlTable& table, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const StandardArithmetic mode;
-    assert(wl.size() == wv.size() && wl.size() == f.size());
+    require_equal_lengths(wl.size(), wv.size(), f.size());
     if (3 * table.cells.size() < k_most_numbers)
         return HWY_DYNAMIC_DISPATCH(evaluate_merl)(table, wl.data(), wv.data(), f.data(), f.size());
     for (std::size_t i = 0; i < f.size(); ++i) f[i] = value(table, wl[i], wv[i]);

@@ -190,7 +190,7 @@ std::array<double, 4> place_in_tree(int rank, Vec3f wl, Vec3f wv) {
 }  // namespace
 
 Rgb signed_value(const TreeTable& table, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     const auto at = place_in_tree(table.y.rank, wl, wv);
     const float y = table.y.at(at);
     if (table.chromaticity.empty()) return {y, y, y};

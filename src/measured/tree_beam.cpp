@@ -41,7 +41,7 @@ struct Peaked {
     /// At the edge of the peak on the viewer's side, on the other one where that is below the horizon.
     Rgb rest(Vec3f wl, Vec3f wv) const {
         const double x = double(wl.x) + double(wv.x), y = double(wl.y) + double(wv.y), apart = elementary::hypot(x, y);
-        if (!(apart < reach) || !(wl.z > 0 && wv.z > 0)) return f(wl, wv);
+        if (!(apart < reach) || !above_horizon(wl, wv)) return f(wl, wv);
         const double along_x = apart > 0 ? x / apart : 1, along_y = apart > 0 ? y / apart : 0;
         for (const double side : {reach, -reach})
             if (const auto edge = on_hemisphere(side * along_x - double(wl.x), side * along_y - double(wl.y)))

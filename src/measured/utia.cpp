@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "floating_point.h"
 #include "measured/angles.h"
 #include "measured/bytes.h"
 #include "measured/limits.h"
@@ -39,6 +40,7 @@ std::uint64_t utia_bytes() { return k_bytes; }
 bool is_utia(std::span<const std::byte> bytes) { return bytes.size() == utia_bytes() && !is_safetensors(bytes); }
 
 Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     if (bytes.size() != k_bytes)
         return Error{file_name,
                      {},
@@ -64,7 +66,7 @@ Result<UtiaTable> read_utia(std::span<const std::byte> bytes, const std::string&
 }
 
 Rgb signed_value(const UtiaTable& table, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     const Corners light = corners(wl), view = corners(wv);
     Rgb f;
     for (std::size_t l = 0; l < 4; ++l)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "floating_point.h"
 #include "measured/limits.h"
 #include "measured/scatter.h"
 #include "srbf/convert.h"
@@ -96,6 +97,7 @@ bool is_zemax(std::string_view text) {
 }
 
 Result<ScatterTable> read_zemax(std::span<const std::byte> bytes, const std::string& file_name) {
+    const StandardArithmetic mode;
     ScatterText text(as_text(bytes), file_name, true);
     ZemaxHeader header;
     read_zemax_header(text, header);

@@ -85,7 +85,7 @@ FacetMixture fit_facets(const Observations& samples) {
 
 void evaluate(const FacetMixture& mixture, Vec3f wl, Vec3f wv, std::span<float> f) {
     std::ranges::fill(f, 0.0f);
-    if (!(wl.z > 0 && wv.z > 0)) return;
+    if (!above_horizon(wl, wv)) return;
     const Terms terms = terms_at(wl, wv);
     const auto most = float(mixture.most / cosines(wl, wv));
     for (std::size_t c = 0; c < f.size(); ++c) {

@@ -126,7 +126,8 @@ class GgxProblem {
 
 constexpr double k_least_log = -10;  // of k_least_roughness
 
-/// The best roughness of `least_log` and of a grid of half octaves above it; the first of two lobes is the narrower one.
+/// The best roughness of `least_log` and of a grid of half octaves above it; the first of two lobes is the narrower one. None
+/// without a finite loss.
 Roughness scanned(GgxProblem& problem, int lobes, double least_log) {
     Roughness best;
     double least = std::numeric_limits<double>::infinity();
@@ -186,6 +187,7 @@ Result<GgxFit> fit_ggx(const Observations& observations, const GgxFitOptions& op
         if (round == 0) log_alpha = scanned(sample, options.lobes, least_log);
         refine(all, log_alpha, least_log);
     }
+    if (log_alpha.empty()) return Error{"fit", {}, "loss of every roughness", "a finite number", "none"};
     GgxFit fit;
     auto [unrounded, unrounded_loss] = all.solve(log_alpha);
     fit.unrounded = std::move(unrounded);

@@ -55,7 +55,7 @@ Tensor16 halves(std::vector<std::uint64_t> shape, const auto& numbers) {
 }  // namespace
 
 Rgb share_at(const Beam& beam, Vec3f wl) {
-    if (beam.empty()) return {};
+    if (beam.empty() || !std::isfinite(wl.x + wl.y + wl.z)) return {};
     const float theta = elementary::acos(std::fmin(std::abs(wl.z), 1.f));
     float turns = 0;
     if (!beam.azimuths.empty()) {

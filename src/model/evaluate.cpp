@@ -85,7 +85,7 @@ void evaluate_sized(const PmLanes& model, const Vec3f* wl, const Vec3f* wv, Rgb*
         const Vec3<Batch> la = interleaved.load(&wl[i].x), lb = interleaved.load(&wl[i + width].x),
                           va = interleaved.load(&wv[i].x), vb = interleaved.load(&wv[i + width].x);
         const Vec3<Both> l({la.x, lb.x}, {la.y, lb.y}, {la.z, lb.z}), v({va.x, vb.x}, {va.y, vb.y}, {va.z, vb.z});
-        const BothMasks above = zero < min(l.z, v.z);
+        const BothMasks above{above_horizon(la, va), above_horizon(lb, vb)};
         const Vec3<Both> value = Formulas<Both, Sized<N, axial>>::pm_value(sized, l, v);
         const Both r = select(above, value.x, zero), g = select(above, value.y, zero), b = select(above, value.z, zero);
         interleaved.store({r.a, g.a, b.a}, &f[i].r);
@@ -308,7 +308,7 @@ OfPair pair_evaluator(const PmLanes& model) { return HWY_DYNAMIC_DISPATCH(pair_e
 
 void evaluate(const PmLanes& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const StandardArithmetic mode;
-    assert(wl.size() == wv.size() && wl.size() == f.size());
+    require_equal_lengths(wl.size(), wv.size(), f.size());
     HWY_DYNAMIC_DISPATCH(evaluate)(model, wl.data(), wv.data(), f.data(), f.size());
 }
 void evaluate(const PmModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
@@ -329,6 +329,7 @@ Evaluate evaluator(const PmModel& model) {
 Channels spectra(const PmModel& model) {
     return {model.wavelength, [&model](auto wl, auto wv, auto f) {
                 const std::size_t C = model.wavelength.size();
+                require_equal_lengths(C * wl.size(), C * wv.size(), f.size());
                 PmModel three = model;  // a model with three of the wavelengths as R, G, B
                 std::vector<Rgb> rgb(wl.size());
                 for (std::size_t first = 0; first < C; first += 3) {

@@ -1,5 +1,4 @@
 // Evaluation of surfaces of renderers' parameters on arrays of pairs, in SIMD batches.
-#include <cassert>
 #include <cstdint>
 #include <utility>
 
@@ -61,7 +60,7 @@ HWY_EXPORT(evaluate_surface);
 
 void evaluate(const PbrModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const StandardArithmetic mode;
-    assert(wl.size() == wv.size() && wl.size() == f.size());
+    require_equal_lengths(wl.size(), wv.size(), f.size());
     if (model.is_exchanged) std::swap(wl, wv);
     HWY_DYNAMIC_DISPATCH(evaluate_surface)(model, wl.data(), wv.data(), f.data(), f.size());
 }

@@ -31,12 +31,12 @@ Rgb value(const GgxModel& model, Vec3f wl, Vec3f wv) {
 
 void evaluate(const GgxModel& model, std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<Rgb> f) {
     const StandardArithmetic mode;
-    assert(wl.size() == wv.size() && wl.size() == f.size());
+    require_equal_lengths(wl.size(), wv.size(), f.size());
     const Vec3f diffuse{model.diffuse.r, model.diffuse.g, model.diffuse.b};
     const auto first = kernel_lobe(model, 0), second = kernel_lobe(model, 1);
     for (std::size_t i = 0; i < f.size(); ++i) {
         const Vec3f rho = Formula::ggx_value(diffuse, first, second, wl[i], wv[i]);
-        f[i] = wl[i].z > 0 && wv[i].z > 0 ? Rgb{rho.x, rho.y, rho.z} : Rgb{};
+        f[i] = above_horizon(wl[i], wv[i]) ? Rgb{rho.x, rho.y, rho.z} : Rgb{};
     }
 }
 

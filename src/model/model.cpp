@@ -192,7 +192,7 @@ Result<std::vector<float>> wavelengths_of(std::string_view text, const std::stri
 }  // namespace
 
 Rgb value(const PmModel& model, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     const Vec3f f = Kernel<float>::pm_value(model, wl, wv);
     return {f.x, f.y, f.z};
 }

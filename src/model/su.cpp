@@ -49,7 +49,7 @@ std::optional<DirectionMap> map_named(std::string_view text) {
 }
 
 Rgb value(const SuModel& model, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     const Roles at = roles(model, wl, wv);
     if (model.interpolation == SuInterpolation::plain) return plain_value(model, nearest_views(model, at.sampled), at);
     const Vec3f f = Kernel<float>::su_rotated_value(model, at.of_lobes, at.sampled);
@@ -57,7 +57,7 @@ Rgb value(const SuModel& model, Vec3f wl, Vec3f wv) {
 }
 
 Rgb value(const SuModel& model, const IndexTexture& index, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     const Roles at = roles(model, wl, wv);
     NearestViews nearest = index.texels[texel_of(index.map, index.size, at.sampled)];
     const auto squared_distance = [&](std::uint16_t view) {

@@ -190,7 +190,7 @@ Rgb continued_value(const CompletedSamples& samples, const Continuation& by, Rgb
 }  // namespace
 
 Rgb value(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
-    if (!(wl.z > 0 && wv.z > 0)) return {};
+    if (!above_horizon(wl, wv)) return {};
     Rgb f = continued_value(samples, samples.continuation, filled_value(samples, wl, wv), wl, wv);
     const auto brink = float(cosines(wl, wv) / bound_cosines(wl, wv));
     for (int c = 0; c < 3; ++c) f[c] *= brink;

@@ -8,8 +8,9 @@ Real elevation_coordinate(Real cosine) {
     return Real(0.5) * (Real(1.0) + sqrt(sqrt(c)) - sqrt(Real(1.0) - c));
 }
 // The integral of f_r cos(theta_l) over the directions to the light, for R, G, B, at the cosine of the view to the
-// normal.
+// normal; 0 unless that is above 0.
 Vec3 directional_albedo(Real cosine, Pm pm) {
+    if (!(Real(0.0) < cosine)) return Vec3(Real(0.0), Real(0.0), Real(0.0));
     NodesAbout nodes = nodes_about(elevation_coordinate(cosine), ALBEDO_NODES);
     return (Real(1.0) - nodes.beyond) * albedo_node(pm, nodes.below) + nodes.beyond * albedo_node(pm, nodes.below + 1);
 }

@@ -107,8 +107,10 @@ std::string beams_text(const Beams& beams, Program& program) {
         if (!beams[b].empty()) text += beam_text(beams[b], fmt::format("{}_beam", k_beam_names[b]), program);
     const auto function = [&](std::string_view name, std::string_view what, Part above, Part below) {
         if (beams[std::size_t(above)].empty() && beams[std::size_t(below)].empty()) return;
-        text += fmt::format("// {}\nVec3 {}(Vec3 wv) {{\n    if (wv.z > Real(0.0)) return {};\n    return {};\n}}\n",
-                            what, name, call_of(beams, above), call_of(beams, below));
+        text += fmt::format(
+            "// {0}\nVec3 {1}(Vec3 wv) {{\n    if (!(dot(wv, wv) < Real(1.0e30))) return {4};\n"
+            "    if (wv.z > Real(0.0)) return {2};\n    return {3};\n}}\n",
+            what, name, call_of(beams, above), call_of(beams, below), k_black);
     };
     function("beam",
              "The share for R, G, B of the light from -wv that passes unscattered to the viewer, on either side.",

@@ -49,9 +49,9 @@ Vec3 sample_light(Vec3 wv, Real u1, Real u2, Real selector) {
     return sample_of_lobe(chosen_lobe(wv, selector), wv, u1, u2);
 }
 
-// The density of these draws [1/sr]; 0 where wl or wv is not above the horizon.
+// The density of these draws [1/sr]; 0 where wl or wv is not above the horizon, or has a NaN.
 Real light_pdf(Vec3 wl, Vec3 wv) {
-    if (wl.z <= Real(0.0) || wv.z <= Real(0.0)) return Real(0.0);
+    if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && dot(wl, wl) + dot(wv, wv) < Real(1.0e30))) return Real(0.0);
     NodesAbout nodes = mixture_nodes(wv);
     ProposalPoint at = proposal_point(wl, wv, mixture_stretch(wv, nodes), mixture_power(nodes));
     Real sum = Real(0.0);

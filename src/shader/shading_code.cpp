@@ -185,9 +185,10 @@ std::string brdf_function(const std::string& statements) {
            "light on a\n"
            "// surface that faces it. wl points to the light and wv to the viewer: unit vectors in the local frame, "
            "whose z is the\n"
-           "// shading normal. 0 where one of them is not above the horizon.\n"
+           "// shading normal. 0 where one of them is not above the horizon, or has a NaN.\n"
            "Vec3 brdf(Su su, Vec3 wl, Vec3 wv, Pm pm) {\n"
-           "    if (wl.z <= Real(0.0) || wv.z <= Real(0.0)) return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
+           "    if (!(Real(0.0) < wl.z && Real(0.0) < wv.z && dot(wl, wl) + dot(wv, wv) < Real(1.0e30)))\n"
+           "        return Vec3(Real(0.0), Real(0.0), Real(0.0));\n" +
            statements + "}\n";
 }
 std::string brdf_of(const SuModel& model) {

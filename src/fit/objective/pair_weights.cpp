@@ -27,17 +27,24 @@ double body_weight(double f, double mean, double cos_l, double cos_v) {
 double cube_root_slope(double f, double mean, double) {
     return elementary::pow(std::max(f, 0.01 * mean), -2.0 / 3) / 3;
 }
-/// f cosθl as a display shows it, with s of `Objective::appearance`.
+/// The least share of a sum of f cosθl and a positive number that noise below 0 leaves.
+constexpr double k_least_left = 0.1;
+/// f cosθl + s, with s of `Objective::appearance`.
+double above_dark(double f, double bright, double cos_l) {
+    const double s = k_dark_share * bright;
+    return std::max(f * cos_l + s, k_least_left * s);
+}
+/// f cosθl as a display shows it.
 double displayed(double f, double bright, double cos_l) {
-    return elementary::pow(f * cos_l + k_dark_share * bright, 1.0 / 6);
+    return elementary::pow(above_dark(f, bright, cos_l), 1.0 / 6);
 }
 double displayed_slope(double f, double bright, double cos_l) {
-    return cos_l * elementary::pow(f * cos_l + k_dark_share * bright, -5.0 / 6) / 6;
+    return cos_l * elementary::pow(above_dark(f, bright, cos_l), -5.0 / 6) / 6;
 }
 /// The squared slope of ∛(f cosθl + bright), but for a factor, weighted by √cosθv: measurements brighten towards the
 /// rim of what is seen, which is narrow.
 double highlight_weight(double f, double bright, double cos_l, double cos_v) {
-    return cos_l * cos_l * elementary::pow(1 + f * cos_l / bright, -4.0 / 3) * std::sqrt(cos_v);
+    return cos_l * cos_l * elementary::pow(std::max(1 + f * cos_l / bright, k_least_left), -4.0 / 3) * std::sqrt(cos_v);
 }
 
 constexpr ObjectiveTraits k_traits[] = {

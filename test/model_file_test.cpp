@@ -55,7 +55,7 @@ std::string error_of(const Bytes& bytes) {
     EXPECT_EQ(model.error().source, k_source);
     EXPECT_FALSE(model.error().what.empty());
     const std::string line = message(model.error());
-    EXPECT_EQ(line.find("a?b.srbf: "), 0u) << line;
+    EXPECT_EQ(line.find("a b.srbf: "), 0u) << line;
     EXPECT_EQ(line.find('\n'), std::string::npos);
     EXPECT_LT(line.size(), 400u) << line;
     return line;

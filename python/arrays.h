@@ -12,6 +12,7 @@
 #include "background.h"
 #include "parallel.h"
 #include "srbf/colour.h"
+#include "srbf/printable.h"
 #include "srbf/result.h"
 #include "srbf/vec.h"
 
@@ -50,8 +51,8 @@ inline py::str file_name_of(std::string_view name) { return text_of(name, "surro
 [[noreturn]] inline void raise(const Error& error) {
     const py::object type = py::module_::import("srbf").attr("Error");
     const py::object offset = error.offset ? py::cast(*error.offset) : py::none();
-    const py::object made = type(text_of(message(error)), file_name_of(error.source), offset, text_of(error.what),
-                                 text_of(error.expected), text_of(error.found), std::string(name(error.code)));
+    const py::object made = type(text_of(message(error)), file_name_of(error.source), offset, printable(error.what),
+                                 printable(error.expected), printable(error.found), std::string(name(error.code)));
     PyErr_SetObject(type.ptr(), made.ptr());
     throw py::error_already_set();
 }

@@ -26,7 +26,7 @@ Array render(const Held& brdf, const std::string& lighting, int size, bool is_sk
 
 void convert(const Held& brdf, const std::string& path, bool spectra, int threads) {
     const auto refused = [&](const char* what, std::string expected) {
-        raise({"srbf.convert", {}, what, std::move(expected), path, ErrorCode::argument});
+        raise({"", {}, what, std::move(expected), path, ErrorCode::argument});
     };
     const TableFormatRow* row = table_format(path);
     if (!row) {

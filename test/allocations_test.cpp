@@ -54,6 +54,7 @@ fs::path corpus() { return fs::path(SRBF_SOURCE_DIR) / "fuzz" / "corpus"; }
 
 TEST(Allocations, ThatFailEndAReader) {
     for (const NamedTarget& target : k_targets) {
+        if (target.name == "uses") continue;  // no reader, but the program
         for (const auto& entry : fs::directory_iterator(corpus() / std::string(target.name))) {
             const std::string bytes = contents(entry.path());
             const auto file = std::as_bytes(std::span(bytes));

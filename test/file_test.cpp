@@ -122,7 +122,7 @@ TEST(Message, SaysWhatIsThereInOneLine) {
               "a.bsdf: at 18: field count: expected between 1 and 1024, found 0");
     EXPECT_EQ(message({"a", {}, "broken", "", ""}), "a: broken");
     EXPECT_EQ(message({"a", {}, "broken", "", "x"}), "a: broken: found x");
-    EXPECT_EQ(message({"a\nb", {}, "broken", "y", ""}), "a?b: broken: expected y");
+    EXPECT_EQ(message({"a\nb", {}, "broken", "y", ""}), "a b: broken: expected y");
 }
 
 }  // namespace

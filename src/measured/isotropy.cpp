@@ -69,16 +69,20 @@ bool is_isotropic(const Evaluate& f, double max_theta) {
 }
 
 double change_by_azimuth(const ScatteredSamples& samples) {
-    constexpr std::size_t k_asked = 4096, k_near = 9, k_least_pairs = 32;
+    // Of very many samples a part: a search among points that are all alike looks at each.
+    constexpr std::size_t k_most = 65536, k_asked = 1024, k_near = 9, k_least_pairs = 32;
     const StandardArithmetic mode;
-    const std::size_t count = samples.wl.size();
+    const std::size_t step = 1 + samples.wl.size() / k_most;
     using Points = PointCloud<float, 3>;
     Points points;
-    for (std::size_t i = 0; i < count; ++i) {
+    std::vector<std::size_t> sample;
+    for (std::size_t i = 0; i < samples.wl.size(); i += step) {
         const Vec3f &l = samples.wl[i], &v = samples.wv[i];
         points.at.push_back({polar_angle(l + v), polar_angle(l), polar_angle(v)});
+        sample.push_back(i);
     }
-    if (points.at.empty()) return 0;
+    const std::size_t count = sample.size();
+    if (count == 0) return 0;
     const KdTree<float, 3> tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(16));
     struct Change {
         double whole = 0, squares = 0;
@@ -90,13 +94,14 @@ double change_by_azimuth(const ScatteredSamples& samples) {
     };
     for (const double reach : {0.1 * k_degree, 10 * k_degree}) {
         Change small, any;
-        for (std::size_t i = 0; i < count; i += 1 + count / k_asked) {
+        for (std::size_t point = 0; point < count; point += 1 + count / k_asked) {
+            const std::size_t i = sample[point];
             std::array<std::uint32_t, k_near> near;
             std::array<float, k_near> distance2;
-            const std::size_t found = tree.knnSearch(points.at[i].data(), k_near, near.data(), distance2.data());
+            const std::size_t found = tree.knnSearch(points.at[point].data(), k_near, near.data(), distance2.data());
             for (std::size_t n = 0; n < found; ++n) {
-                const std::size_t k = near[n];
-                if (k == i || double(distance2[n]) > reach * reach) continue;
+                if (near[n] == point || double(distance2[n]) > reach * reach) continue;
+                const std::size_t k = sample[near[n]];
                 // The larger of the turns of both directions, of which that near the normal has no meaning.
                 const auto cos_turn = [](const Vec3f& a, const Vec3f& b) {
                     const double along = double(a.x) * double(b.x) + double(a.y) * double(b.y),

@@ -72,7 +72,7 @@ namespace {
 /// the median of the values above 0, and is ten times as far below 0 as all other samples, so that it is no noise.
 /// `rows`: the values of samples, `width` for each. Another channel of a sample that is as large tells of a saturated colour.
 std::optional<float> missing_value(std::span<const float> rows, std::size_t width) {
-    const auto [least, most] = std::ranges::minmax(rows);
+    const float least = std::ranges::min(rows);
     if (!(least < 0)) return {};
     std::vector<float> above;
     std::size_t times = 0;

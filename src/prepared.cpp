@@ -56,9 +56,10 @@ AlbedoTable albedo_table(const Evaluate& brdf) {
 
 /// The albedo of a view-by-view model by the integrals of its lobes, which the first call makes.
 struct AlbedoOfViews {
+    explicit AlbedoOfViews(const SuModel& of) : model(of) {}
     const SuModel& model;
-    std::once_flag has_integrals = {};
-    std::vector<Rgb> integrals = {};
+    std::once_flag has_integrals;
+    std::vector<Rgb> integrals;
 
     Rgb operator()(Vec3f wv) {
         std::call_once(has_integrals, [&] { integrals = view_integrals(model); });

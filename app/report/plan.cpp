@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ranges>
 
 #include "render/slices.h"
 
@@ -141,9 +140,9 @@ void plan_least(Plan& plan) {
 /// Samples in the plane of incidence alone.
 bool is_of_scans(const Measured& measured) {
     const auto* samples = std::get_if<ScatteredSamples>(&measured.table);
-    return samples != nullptr &&
-           std::ranges::all_of(std::views::iota(std::size_t(0), samples->wl.size()),
-                               [&](std::size_t i) { return is_in_plane(samples->wl[i], samples->wv[i]); });
+    for (std::size_t i = 0; samples != nullptr && i < samples->wl.size(); ++i)
+        if (!is_in_plane(samples->wl[i], samples->wv[i])) return false;
+    return samples != nullptr;
 }
 
 }  // namespace

@@ -253,9 +253,8 @@ struct Naming {
         if (columns.quantity == Quantity::cosine) columns.notes.push_back("values are f cosθ of the viewer");
         if (columns.has_vectors || columns.angle[1].given() || is_relative || !columns.angle[3].given()) return;
         columns.notes.push_back(
-            "the azimuth of the light is not stated and taken as 0, so that the mirror direction is at 180 degrees; if "
-            "it is "
-            "at 0, say --columns with phi_l_deg=180");
+            "the azimuth of the light is not stated and taken as 0, so that the mirror direction is at 180 degrees; "
+            "if it is at 0, say --columns with phi_l_deg=180");
     }
 };
 

@@ -8,6 +8,7 @@
 #include "app/output.h"
 #include "render/material.h"
 #include "srbf/convert.h"
+#include "srbf/half.h"
 #include "srbf/pictures.h"
 #include "srbf/printable.h"
 
@@ -89,6 +90,8 @@ PageMaterial measured_material(Page& page, const Subject& reference, const Measu
         "itself.",
         k_page_table[0], k_page_table[1], k_page_table[2], options.max_theta / k_degree, lost(measured),
         lost(in_both_orders));
+    if (std::ranges::any_of(table.cells, [](const Rgb& f) { return std::max({f.r, f.g, f.b}) > k_half_max; }))
+        page.picture_note += fmt::format(" Values above {:g} are drawn as that.", k_half_max);
     of.material = table;
     return of;
 }

@@ -516,6 +516,28 @@ TEST(CompletedSamples, OfAMatteSurfaceHaveNoHighlight) {
             }
 }
 
+/// Lobes do not follow the noise of samples into gaps either.
+TEST(FitToSamples, OfAMatteSurfaceHasNoHighlight) {
+    constexpr double noise = 0.01;
+    const auto matte = [](Vec3d, Vec3d) { return Rgb{0.16f, 0.13f, 0.1f}; };
+    for (const ScatteredSamples& layout : layouts_without_mirror())
+        for (std::uint64_t seed = 0; seed < 2; ++seed) {
+            const auto observations =
+                observe(with_noise(layout, matte, noise, seed), {.objective = Objective::appearance, .seed = seed});
+            ASSERT_TRUE(observations.ok());
+            SampleFitOptions how;
+            how.pm.lobes = 4, how.pm.starts = 3, how.pm.perturbations = 4, how.pm.seed = seed;
+            const auto fit = fit_pm(*observations, how);
+            ASSERT_TRUE(fit.ok());
+            for (int theta = 0; theta <= 75; theta += 5)
+                EXPECT_TRUE(near(double(value(fit->model, to_float(spherical(theta * k_degree, k_pi)),
+                                              to_float(spherical(theta * k_degree, 0.0)))
+                                            .g),
+                                 0.13, 3 * noise * 0.13))
+                    << seed << ' ' << theta;
+        }
+}
+
 TEST(CompletedSamples, APeakIsAtMostFourTimesWhatIsMeasuredBesideIt) {
     // A highlight of which samples show the skirt alone.
     static const GgxModel narrow{{0.1f, 0.1f, 0.1f}, {{0.02f, {0.05f, 0.05f, 0.05f}, 0.05f}}};

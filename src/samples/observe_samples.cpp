@@ -71,8 +71,8 @@ void add_grazing(Observations& to, const CompletedSamples& completed, double max
     to.append(grazing);
 }
 
-/// The completed samples within θmax observed like a table, as much Σ w |f|² of the samples themselves, and pairs near
-/// the horizon.
+/// The completed samples within θmax observed like a table, as much Σ w |f|² of the samples themselves unless they are matte
+/// and Lambert takes their place, and pairs near the horizon.
 Result<Observations> observe_completed(const CompletedSamples& completed, const Observations& observed,
                                        const ObserveSamplesOptions& options, const ProgressToken& progress) {
     const bool is_short = options.only_completed > 0;
@@ -90,7 +90,8 @@ Result<Observations> observe_completed(const CompletedSamples& completed, const 
     all.point_light_weight.clear();
     if (is_short) all.views.clear();
     all.resize(table->fitted());
-    all.append(observed);
+    // Where Lambert takes the place of all, lobes would follow the samples' noise between the pairs.
+    if (completed.continuation.from > 0) all.append(observed);
     if (!is_short) add_grazing(all, completed, options.max_theta, options.seed);
     std::mt19937_64 random(options.seed);
     all.shuffle(random);

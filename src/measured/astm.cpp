@@ -33,7 +33,7 @@ struct Vars {
     std::size_t count = 0;
 };
 
-Result<Vars> columns_of(std::string_view vars, const std::string& file_name, std::uint64_t line) {
+Result<Vars> vars_of(std::string_view vars, const std::string& file_name, std::uint64_t line) {
     Vars columns;
     std::vector<std::string_view> names, values;
     split_fields(vars, names);
@@ -86,7 +86,7 @@ Result<AstmHeader> read_astm_header(Lines& lines, const std::string& file_name) 
             header.points = to_number<std::uint64_t>(rest);
             if (!header.points) return at_line(file_name, lines.number(), "NUM_POINTS", "a number", quoted(rest));
         } else if (key == "VARS") {
-            auto columns = columns_of(rest, file_name, lines.number());
+            auto columns = vars_of(rest, file_name, lines.number());
             if (!columns) return columns.error();
             header.columns = *std::move(columns);
             return header;

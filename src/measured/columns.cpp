@@ -69,7 +69,7 @@ bool is_relative_azimuth(std::string_view key) {
 }
 
 /// The position of an angle among θ_l, φ_l, θ_v, φ_v.
-std::optional<std::size_t> angle_of(std::string_view key) {
+std::optional<std::size_t> angle_named(std::string_view key) {
     constexpr std::pair<std::string_view, std::size_t> angles[] = {
         {"theta", 0}, {"polarangle", 0},   {"zenithangle", 0}, {"polar", 0},   {"zenith", 0}, {"angle", 0},
         {"phi", 1},   {"azimuthangle", 1}, {"azimuthal", 1},   {"azimuth", 1}, {"azim", 1}};
@@ -166,7 +166,7 @@ struct Naming {
             if (const auto c = component_of(key)) {
                 if (columns.vector[*c] != k_absent) twice(columns.vector[*c], i);
                 columns.vector[*c] = i, used[i] = true, has_other_names |= key != k_own_components[*c];
-            } else if (const auto a = angle_of(key)) {
+            } else if (const auto a = angle_named(key)) {
                 if (columns.angle[*a].given()) twice(columns.angle[*a].column, i);
                 columns.angle[*a] = {std::string(names[i].substr(0, 40)), i, 0, plain[i].unit};
                 is_relative |= *a == 3 && is_relative_azimuth(key);
@@ -180,7 +180,7 @@ struct Naming {
     void place_constant(std::string_view constant) {
         const auto sign = constant.find('=');
         const ColumnName name = column_name(constant.substr(0, sign));
-        const auto a = angle_of(name.key);
+        const auto a = angle_named(name.key);
         const auto number = to_number<double>(constant.substr(sign + 1));
         if (!a || !name.unit || !number || !std::isfinite(*number) ||
             !expected_angle(k_angle_kinds[*a], *number, *name.unit).empty())
@@ -265,7 +265,7 @@ bool are_names_of_columns(std::span<const std::string_view> fields) {
     for (const std::string_view field : fields) {
         const std::string key = column_name(field).key;
         if (key.empty()) continue;
-        directions += component_of(key) || angle_of(key);
+        directions += component_of(key) || angle_named(key);
         values += wavelength_of(field).has_value();
         for (const ValueNames& of : names_of_values()) values += of.keys.size() == 1 && of.keys[0] == key;
     }

@@ -180,7 +180,7 @@ std::optional<Error> settle(Table& table, const std::string& file_name, std::uin
             return at_line(file_name, line, "header",
                            "angles with their unit, as theta_l_deg or theta_l_rad, here or in --columns",
                            fmt::format("{} without one, and polar angles up to {:g}",
-                                       quoted(std::ranges::find_if(angle, lacks_unit)->name), polar.largest));
+                                       srbf::quoted(std::ranges::find_if(angle, lacks_unit)->name), polar.largest));
         for (AngleColumn& of : angle)
             if (lacks_unit(of)) of.unit = unit;
         columns.notes.push_back(fmt::format("angles are in {}, which their names do not state", unit->name));

@@ -84,7 +84,7 @@ GgxModel lambert(const Observations& samples) {
 /// A lobe must lower the weighted squared error of f or the squared error of ∛(f A) by a larger share than this, divided by the
 /// number of samples. Its height, roughness and F90, fitted to the noise of one channel, lower it by 3 in the mean, and by 20
 /// in one of some thousand sets of samples.
-constexpr double k_least_gain = 20;
+constexpr double k_least_gain_of_lobe = 20;
 
 /// Σ (∛(f A) − ∛(g A))² over samples and channels.
 double root_error(const Observations& samples, const GgxModel& g) {
@@ -106,7 +106,7 @@ Result<GgxModel> fitted_prior(const Prior& prior, Observations samples, int thre
     if (!(samples.typical > 0)) return no_data_error("samples", "values within the largest angle", "some above 0");
     weigh(prior.objective, samples.typical, samples.wl, samples.wv, samples.f, samples.weight, threads);
     samples.normalise();
-    const double enough = 1 + k_least_gain / (double(samples.f.size()) / 2);
+    const double enough = 1 + k_least_gain_of_lobe / (double(samples.f.size()) / 2);
     GgxModel simplest = lambert(samples);
     const auto errors_of = [&](const GgxModel& g) {
         return std::array{loss_of(samples, evaluator(g)), root_error(samples, g)};

@@ -67,7 +67,7 @@ struct FileOfMany {
 /// Fits one file, or finds that it is done: its report is that of the model, and the report's key covers the file's
 /// content, the options and the program's version.
 Result<State> fit_one(FileOfMany& of, const FolderFit& all, const ProgressToken& progress) {
-    Key of_model("model", all.settings);
+    ResultKey of_model("model", all.settings);
     of_model.add(fs::path(of.fit.input).filename().string());
     if (const auto bytes = read_input(of.fit.input, of.fit.read))
         of_model.add(*bytes);

@@ -138,11 +138,11 @@ int fit_texels(const TexelFits& fit) {
     const auto name_of = [&](std::size_t first) {
         return (fs::path(fit.folder) / fmt::format("{}-{:09}.srbf", stem, first)).string();
     };
-    Key of_all("slab", fit.settings);
+    ResultKey of_all("slab", fit.settings);
     of_all.add(std::as_bytes(std::span(pairs->wl))), of_all.add(std::as_bytes(std::span(pairs->wv)));
     of_all.add(fs::path(fit.input).filename().string());
     const auto key_of = [&](std::size_t first, std::span<const Rgb> f) {
-        Key key = of_all;
+        ResultKey key = of_all;
         key.add(std::to_string(first));
         key.add(std::as_bytes(f));
         return key.text();
@@ -298,7 +298,7 @@ int fit_texel_maps(const BasisFit& fit) {
                          ErrorCode::argument});
     if (const auto writable = check_outputs({fit.inputs[0], fit.pairs}, {fit.output}); !writable)
         return complain(writable.error());
-    Key key("map", fit.settings);
+    ResultKey key("map", fit.settings);
     for (const std::string& input : {fit.pairs, fit.inputs[0]})
         if (const auto added = key.add_file(input); !added) return complain(added.error());
     auto journal = Journal::open(fit.output, key.text(), fit.resume);

@@ -7,19 +7,19 @@
 
 namespace srbf {
 
-Key::Key(std::string_view kind, std::string_view settings) {
+ResultKey::ResultKey(std::string_view kind, std::string_view settings) {
     for (const std::string_view text : {std::string_view(SRBF_VERSION), kind, settings}) add(text);
 }
 
-void Key::add(std::span<const std::byte> bytes) {
+void ResultKey::add(std::span<const std::byte> bytes) {
     const std::uint64_t size = bytes.size();  // so that parts cannot be divided otherwise
     hash_.add(std::as_bytes(std::span(&size, 1)));
     hash_.add(bytes);
 }
 
-void Key::add(std::string_view text) { add(as_bytes(text)); }
+void ResultKey::add(std::string_view text) { add(as_bytes(text)); }
 
-Result<Done> Key::add_file(const std::string& path) {
+Result<Done> ResultKey::add_file(const std::string& path) {
     auto file = FileReader::open(path);
     if (!file) return file.error();
     std::vector<std::byte> block(std::size_t(1) << 20);

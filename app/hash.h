@@ -32,10 +32,10 @@ inline std::string hash_of(std::span<const std::byte> bytes) {
 
 /// The key of a result that is kept by a later run: a hash of all that the result depends on. The version of the program
 /// and what the constructor takes are a part of it; the inputs are to be added, in a fixed order.
-class Key {
+class ResultKey {
   public:
     /// `kind`: of the result; `settings`: the options on which it depends (`Subcommand::settings`).
-    Key(std::string_view kind, std::string_view settings);
+    ResultKey(std::string_view kind, std::string_view settings);
     void add(std::span<const std::byte> bytes);
     void add(std::string_view text);
     /// The content of a file, a block of it in memory. Errors: those of `FileReader`.

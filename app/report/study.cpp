@@ -264,7 +264,7 @@ Result<std::string> study_name(const std::string& file, const StudyOptions& opti
         const auto part = load(file);
         return part ? Error{file, {}, "input", "a measurement", "a fitted model", ErrorCode::wrong_kind} : part.error();
     }
-    Key key("study", fmt::format("{}\n{}", k_edition, options.settings));
+    ResultKey key("study", fmt::format("{}\n{}", k_edition, options.settings));
     key.add(fs::path(file).filename().string());
     key.add(*bytes);
     if (std::ranges::find(k_built_in_meshes, options.mesh) == k_built_in_meshes.end())

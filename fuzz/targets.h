@@ -309,8 +309,8 @@ inline Uses uses_of_measurements() {
     return uses;
 }
 
-/// What a file gave is prepared, evaluated and sampled, and exported by the program to each destination. Of what takes long the sum of
-/// the bytes chooses one.
+/// What a file gave is prepared, evaluated and sampled, and exported by the program to each destination; by a fuzzer to one. Of what
+/// takes long the sum of the bytes chooses one.
 inline void check_uses(std::span<const std::byte> bytes) {
     static const FuzzFolder folder;
     static const Uses of_models = uses_of_models(), of_measurements = uses_of_measurements();

@@ -186,7 +186,7 @@ TEST_F(Hostile, HeadersOfOpenExrAreBounded) {
     ASSERT_EQ(plain.text().size() + 8, 0x141u);
 }
 
-/// Holes of 8 GB: nothing is written, and next to nothing is read.
+/// Holes of 8 GB: nothing is written, and next to nothing is read. The sanitizer alone takes nearly 100 MB.
 TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
     for (const auto& [name, start] :
          {std::pair("zeros", std::string(64, '\0')), {"words", std::string("these are words\n")}}) {
@@ -203,7 +203,7 @@ TEST_F(Hostile, UnknownInputIsRefusedByItsBeginning) {
                                            {"render", k_paper, "-o", "x.png", "--env", name},
                                            {"render", k_paper, "-o", "x.png", "--mesh", name},
                                            {"render", k_paper, "-o", "x.png", "--compare", name}})
-            EXPECT_LT(memory_of(folder, arguments), 100 << 20) << arguments[0] << " " << name;
+            EXPECT_LT(memory_of(folder, arguments), (k_is_sanitized ? 300 : 100) << 20) << arguments[0] << " " << name;
         fs::remove(folder / name);
     }
 }

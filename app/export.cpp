@@ -257,9 +257,9 @@ Result<std::string> ExportCommand::surface(const std::vector<NamedModel>& named)
     const auto& provenance = named[0].model->provenance;
     const auto heldout = provenance.find("heldout_delta_e_itp");
     if (const auto at = provenance.find("delta_e_itp"); text && at != provenance.end())
-        fmt::print("{}: ΔE_ITP {} against the measurement{}\n", printable(output), printable(at->second),
-                   heldout != provenance.end() ? fmt::format(", {} in cross-validation", printable(heldout->second))
-                                               : "");
+        fmt::print(
+            "{}: ΔE_ITP {} against the measurement{}\n", printable(output), printable(at->second),
+            heldout != provenance.end() ? fmt::format(", {} in cross-validation", printable(heldout->second)) : "");
     return text;
 }
 

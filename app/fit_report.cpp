@@ -135,7 +135,7 @@ std::string_view followed(const FitRequest& request) {
     return completes(request) ? "microfacet models" : "interpolated values";
 }
 
-/// Whether lobes or GGX predict left-out samples better.
+/// Says which predicts left-out samples better, lobes or GGX.
 void print_against_ggx(const Measures& lobes, const Measures& ggx) {
     const auto in_image = &Measures::squared_error_ratio_cosine, by_eye = &Measures::cube_root_error_ratio;
     const bool nearer_in_image = lobes.*in_image < ggx.*in_image, nearer_by_eye = lobes.*by_eye < ggx.*by_eye;

@@ -27,7 +27,7 @@ template <typename Call> auto repeated(const Call& call) {
         if (const auto result = call(); result >= 0 || errno != EINTR) return result;
 }
 
-/// Of a record: its bytes, and the hash up to its end.
+/// A record's number of bytes, and the hash up to its end.
 using RecordHead = std::array<std::uint64_t, 2>;
 
 std::uint64_t hash_after(std::uint64_t before, std::span<const std::byte> record) {

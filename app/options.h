@@ -76,8 +76,8 @@ class Subcommand {
     /// The options of the command line, by their longest names.
     std::vector<std::string> given() const;
 
-    /// What a result depends on: the options of the command line and their texts, without those of `besides` and those
-    /// that have their default.
+    /// The settings that a result depends on: the options of the command line and their texts, without those of
+    /// `besides` and those that have their default.
     std::string settings(const std::vector<Option>& besides) const;
 
     void footer(const std::string& text) const;

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr float k_nanometres = 1000;  ///< in the unit of a film's thickness
 
-/// What is said of a surface at the head of its file, in lines.
+/// The lines about a surface at the head of its file.
 std::vector<std::string> notes(const NamedModel& of) {
     std::vector<std::string> lines{
         fmt::format("{}: written by srbf {}. Colours are linear, in Rec.709 primaries.", of.name, SRBF_VERSION)};

@@ -79,8 +79,8 @@ struct InProcess {
     int lines;  ///< of it
 };
 
-/// Runs the program on the words in the folder. It ends with exit status 0, 1 or 2; without 0 it says why, in lines that begin with
-/// its name and have no control characters; wrong usage is one line that names the help.
+/// Runs the program on the words in the folder. It ends with exit status 0, 1 or 2; without 0 it says why, in lines
+/// that begin with its name and have no control characters; wrong usage is one line that names the help.
 inline InProcess run_in_process(const std::filesystem::path& folder, std::vector<std::string> words) {
     const std::string line = fmt::format("{}", fmt::join(words, " "));
     std::vector<char*> argv;

@@ -258,7 +258,7 @@ inline void check_albedo(const PreparedBrdf& brdf) {
     }
 }
 
-/// Whether a number of a text is no number; what has a byte 0 is no text.
+/// True if a text holds "nan" or "inf" as a number. Bytes with a 0 among them are no text.
 inline bool has_bad_number(std::string_view text) {
     if (text.find('\0') != text.npos) return false;
     const auto is_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.'; };
@@ -270,7 +270,7 @@ inline bool has_bad_number(std::string_view text) {
     return false;
 }
 
-/// What an option of `srbf export` accepts.
+/// The values that an option of `srbf export` accepts.
 inline std::vector<std::string> choices_of_export(std::string_view option) {
     int status = 0;
     CommandLine app("srbf", "", "", "");
@@ -281,13 +281,13 @@ inline std::vector<std::string> choices_of_export(std::string_view option) {
     return {};
 }
 
-/// What can be made of an input, as words after the program's name: each is written to "out" + the ending.
+/// A command on an input, as words after the program's name; it writes to "out" + the ending.
 struct Use {
     std::vector<std::string> words;
     std::string ending;
 };
-/// Exports to each destination that the program lists are `quick`; what computes for long is `slow`: the page, three.js, code with
-/// further functions, and a table of each format.
+/// Exports to each destination that the program lists are `quick`; what computes for long is `slow`: the page,
+/// three.js, code with further functions, and a table of each format.
 struct Uses {
     std::vector<Use> quick, slow;
 };
@@ -309,8 +309,8 @@ inline Uses uses_of_measurements() {
     return uses;
 }
 
-/// What a file gave is prepared, evaluated and sampled, and exported by the program to each destination; by a fuzzer to one. Of what
-/// takes long the sum of the bytes chooses one.
+/// Prepares, evaluates and samples the BRDF of a file, and exports it by the program to each destination, in a fuzzer to
+/// one. The sum of the bytes chooses one of the commands that take long.
 inline void check_uses(std::span<const std::byte> bytes) {
     static const FuzzFolder folder;
     static const Uses of_models = uses_of_models(), of_measurements = uses_of_measurements();

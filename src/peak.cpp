@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "floating_point.h"
+#include "measured/angles.h"
 #include "srbf/elementary.h"
 
 namespace srbf {
@@ -21,7 +22,6 @@ constexpr std::array<double, 5> k_light{10 * k_degree, 25 * k_degree, 40 * k_deg
 constexpr double k_most_view = 75 * k_degree;
 constexpr std::array<double, 3> k_shells{0.25 * k_degree, 1 * k_degree, 4 * k_degree};
 
-double polar_of(const Vec3d& w) { return elementary::atan2(elementary::hypot(w.x, w.y), w.z); }
 double angle_between(const Vec3d& a, const Vec3d& b) {
     const Vec3d d = a - b;
     return 2 * elementary::asin(std::min(1.0, std::sqrt(dot(d, d)) / 2));
@@ -41,8 +41,8 @@ struct Level {
 using Levels = std::array<std::array<Level, k_places>, k_light.size() - 1>;
 
 void add(Levels& levels, const Vec3d& wl, const Vec3d& wv, double y) {
-    const double theta_l = polar_of(wl);
-    if (!(theta_l >= k_light.front() && theta_l < k_light.back() && polar_of(wv) <= k_most_view)) return;
+    const double theta_l = polar_angle(wl);
+    if (!(theta_l >= k_light.front() && theta_l < k_light.back() && polar_angle(wv) <= k_most_view)) return;
     const std::size_t interval = std::size_t(std::ranges::upper_bound(k_light, theta_l) - k_light.begin()) - 1;
     const Vec3d side{-wl.y, wl.x, wl.z};
     const std::array<double, 3> angle{angle_between(wv, mirror(wl)), angle_between(wv, wl),

@@ -335,7 +335,7 @@ const std::string k_names[] = {
     "fn b() -> f32 { return 1.0; }\xe2\x80\xa9int b;\xc2\x85\x0b\x0c \xff\xc0\x80\xed\xa0\x80\xef\xbf\xbf <b>&amp;'--> "
     "]]>{{title}}`${b}`|*_[c](d) \\",
 };
-/// What metadata says, which is UTF-8, unlike a name, and has slashes.
+/// Texts of metadata, which are UTF-8, unlike a name, and have slashes.
 const std::string k_texts[] = {"\"\"\"\nimport os; os._exit(1) #",
                                "\x1b[2J\x07\x7f\xc2\x9b\xe2\x80\xae\xe2\x81\xa6\xef\xbb\xbf\xef\xbf\xbf",
                                "\xe2\x80\xa8"
@@ -386,7 +386,7 @@ std::string code_alone(std::string text, const std::string& to) {
     return code;
 }
 
-/// What names and metadata say stays text: exports are those of harmless names but for comments.
+/// Names and metadata stay text: exports are those of harmless names but for comments.
 TEST_F(Hostile, WhatFilesSayIsNoCode) {
     std::mt19937_64 random(1);
     const PmModel pm = random_model(random, {.lobes = 1, .variates = 1});

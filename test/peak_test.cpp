@@ -52,7 +52,7 @@ TEST(Peak, IsWhereTheHighlightIs) {
     EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return 0.2; }), PeakPlace::none);
     EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return 0.0; }), PeakPlace::none);
     EXPECT_EQ(place(rough_matte), PeakPlace::none);
-    // What grows towards the horizon alone is no highlight.
+    // A rise towards the horizon alone is no highlight.
     EXPECT_EQ(place([](const Vec3d& wl, const Vec3d& wv) { return 0.1 / std::sqrt(wl.z * wv.z); }), PeakPlace::none);
     EXPECT_EQ(place([](const Vec3d&, const Vec3d& wv) { return wv.z > 0.9 ? 5 : 0.1; }), PeakPlace::elsewhere);
     EXPECT_EQ(place([](const Vec3d&, const Vec3d&) { return std::nan(""); }), PeakPlace::unknown);

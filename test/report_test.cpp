@@ -136,9 +136,9 @@ TEST_F(Report, IsShownByABrowser) {
     const std::string script = (fs::path(SRBF_SOURCE_DIR) / "test" / "report_page.py").string();
     std::string files;
     for (const fs::path& page : pages) files += fmt::format(" '{}'", page.string());
-    const int status = std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 python3 '{}'{} > '{}' 2>&1",
-                                               script, files, (*folder / "said").string())
-                                       .c_str());
+    const int status = std::system(
+        fmt::format("PYTHONDONTWRITEBYTECODE=1 python3 '{}'{} > '{}' 2>&1", script, files, (*folder / "said").string())
+            .c_str());
     const std::string said = contents(*folder / "said");
     if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127)) GTEST_SKIP() << said;
     ASSERT_EQ(status, 0) << said;

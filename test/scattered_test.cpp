@@ -243,7 +243,7 @@ TEST(Csv, ReadsNamedColumns) {
     for (int c = 0; c < 3; ++c) EXPECT_PRED3(near, spectrum->colour[0][c], 0.5, 1e-5);
 }
 
-/// What is no angle of its unit is an error with the place, in every layout; below the horizon it is masked.
+/// A number that is no angle of its unit is an error with its place, in every layout; one below the horizon is masked.
 TEST(Angles, OutOfTheRangeOfTheirUnitAreErrors) {
     const std::string csv = "theta_l_rad,phi_l_rad,theta_v_rad,phi_v_rad,value\n0.1,0,0.2,0,1\n";
     const std::string degrees = "theta_l_deg,phi_l_deg,theta_v_deg,phi_v_deg,value\n1,0,2,0,1\n";

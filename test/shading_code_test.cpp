@@ -616,11 +616,10 @@ TEST_F(ShadingCode, RunsAsWgsl) {
     std::string bytes(questions().size() * sizeof(Question), '\0');
     std::memcpy(bytes.data(), questions().data(), bytes.size());
     written("questions", bytes);
-    const int status =
-        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 python3 '{}/test/wgsl.py' '{}' {} > '{}' 2>&1",
-                                SRBF_SOURCE_DIR, folder_.path.string(),
-                                models().size() * sizeof(Answer) / sizeof(Question), path("said"))
-                        .c_str());
+    const int status = std::system(
+        fmt::format("PYTHONDONTWRITEBYTECODE=1 python3 '{}/test/wgsl.py' '{}' {} > '{}' 2>&1", SRBF_SOURCE_DIR,
+                    folder_.path.string(), models().size() * sizeof(Answer) / sizeof(Question), path("said"))
+            .c_str());
     const std::string said = contents(path("said"));
     if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << said;
     ASSERT_EQ(status, 0) << said;

@@ -93,10 +93,9 @@ struct Said {
     std::string text;
 };
 Said run_script(const char* name, const TemporaryFolder& folder) {
-    const int status =
-        std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 python3 '{}/test/{}' '{}' > '{}' 2>&1",
-                                SRBF_SOURCE_DIR, name, folder.path.string(), (folder / "said").string())
-                        .c_str());
+    const int status = std::system(fmt::format("PYTHONDONTWRITEBYTECODE=1 python3 '{}/test/{}' '{}' > '{}' 2>&1",
+                                               SRBF_SOURCE_DIR, name, folder.path.string(), (folder / "said").string())
+                                       .c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(folder / "said")};
 }
 

@@ -152,8 +152,7 @@ void add_material(Tables& tables, const Reported& of) {
         full["fit_seconds"] = study.times.at("fit_seconds").at(fit.at("id").get<std::string>());
         full["threads"] = study.times.at("threads");
         const Json* pictures = judged_pictures(fit);
-        for (const char* column : k_picture_columns)
-            full[column] = pictures == nullptr ? Json() : pictures->at(column);
+        for (const char* column : k_picture_columns) full[column] = pictures == nullptr ? Json() : pictures->at(column);
         tables.fits.rows.push_back(std::move(full));
     }
     const auto add_all = [&](Table& table, const Json& rows) {

@@ -14,7 +14,7 @@
 
 namespace [[gnu::visibility("default")]] srbf {
 
-/// Whether both directions are above the horizon: every component is finite, and z is at least the least normal float,
+/// True if both directions are above the horizon: every component is finite, and z is at least the least normal float,
 /// whether the processor takes subnormal numbers for 0 or not.
 inline bool above_horizon(const Vec3f& wl, const Vec3f& wv) {
     constexpr float least = std::numeric_limits<float>::min();

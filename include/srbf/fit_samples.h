@@ -61,7 +61,7 @@ struct CompletedSamples {
     double most = 0;        ///< 1.8 times the largest f A of the samples; by one g 1.6 times, as for fits
     Continuation continuation = {};
 };
-/// What continues the highlights: `words(Continuation)`, or `k_no_highlight` if all g_i are Lambert alone.
+/// The name of the model that continues the highlights: `words(Continuation)`, or `k_no_highlight` if all g_i are Lambert alone.
 std::string words(const CompletedSamples& samples);
 inline constexpr const char* k_no_highlight = "no highlight";
 /// `of_one`: by the first g alone, in a third of the time.

@@ -127,8 +127,8 @@ struct ScatteredSamples {
     std::vector<float> spectrum;     ///< f_r [1/sr], samples × wavelengths
     /// what each counts in a fit, by its uncertainty; empty: 1
     std::vector<float> weight;
-    std::uint64_t masked =
-        0;  ///< samples of the file that were dropped: not finite, below the horizon, or −999 and its like
+    /// samples of the file that were dropped: not finite, below the horizon, or −999 and its like
+    std::uint64_t masked = 0;
     /// search structure for `value`; `make_index` builds it from wl, wv and colour
     std::shared_ptr<const SampleIndex> index;
     /// what its reader masked or assumed beyond the format, a line each, for people
@@ -261,8 +261,9 @@ struct BsdfTable {
 /// Any measurement.
 struct Measured {
     std::string source;  ///< the file name
-    std::string
-        format;  ///< "MERL", "RGL", "UTIA", "MBSDF", "Cornell", "ASTM E1392", "ALTA", "CSV", "BSDF XML", of trees "BSDF tree", "Zemax", "Speos" or "OpenMATERIAL"
+    /// "MERL", "RGL", "UTIA", "MBSDF", "Cornell", "ASTM E1392", "ALTA", "CSV", "BSDF XML", of trees "BSDF tree",
+    /// "Zemax", "Speos" or "OpenMATERIAL"
+    std::string format;
     std::uint64_t bytes = 0;  ///< size of the file
     std::variant<MerlTable, RglTable, UtiaTable, MbsdfTable, ScatteredSamples, KlemsTable, TreeTable, ScatterTable,
                  BsdfTable>
@@ -275,7 +276,7 @@ void exchange(Measured& measured);
 /// difference, up to 1 % of the root mean square.
 bool is_isotropic(const Measured& measured);
 bool is_isotropic(const KlemsTable& table);
-/// What its reader masked or assumed beyond the format, a line each.
+/// A line for each thing that the reader masked or assumed beyond the format.
 std::vector<std::string> notes(const Measured& measured);
 /// How far samples change with the azimuth, which isotropic ones do not: √(Σ |g_i − g_k|² / Σ |g_i|²) of g = f cosθl cosθv,
 /// over pairs of samples that a turn about the normal by more than 15° takes to each other, as nearly as samples lie
@@ -409,7 +410,7 @@ Result<ScatteredSamples> read_openmaterial(std::span<const std::byte> bytes, con
 /// number a point. Polarizations of a pair are averaged; uBRDF weighs samples.
 Result<ScatteredSamples> read_bird(std::span<const std::byte> bytes, const std::string& file_name);
 
-/// What the values of samples are.
+/// The quantity of the values of samples.
 enum class Quantity {
     stated,  ///< as the file states it, or else f
     bsdf,    ///< f [1/sr]
@@ -428,8 +429,8 @@ struct ReadOptions {
     /// and constants, as phi_l_deg=180. With constants alone, and if it is empty, the file has names.
     std::string columns;
     Quantity quantity = Quantity::stated;
-    float floor =
-        0;  ///< samples whose values are no more than this in any channel are masked: bounds, not measurements
+    /// Samples whose values are no more than this in any channel are masked: bounds, not measurements.
+    float floor = 0;
     bool any() const { return !columns.empty() || quantity != Quantity::stated || floor > 0; }
 };
 

@@ -116,7 +116,7 @@ struct Comparison {
     /// folds but one, against the same. Where it is much larger, the samples do not determine the pictures.
     std::optional<Appearance> heldout_appearance = {};
 };
-/// What a fit is judged by: for fits to scattered samples the pictures in cross-validation.
+/// The pictures by which a fit is judged: for fits to scattered samples those in cross-validation.
 inline const Appearance& judged(const Comparison& of) {
     return of.heldout_appearance ? *of.heldout_appearance : of.appearance;
 }

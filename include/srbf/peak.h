@@ -32,7 +32,7 @@ inline constexpr double k_most_peak = 1000;
 /// intervals of the logarithm of its level over the least one there; the place with the largest score has the peak, if in
 /// one of the intervals its level is at least twice the least one: `ratio` is the largest of these. Equal polar angles make
 /// this independent of what happens towards grazing. What is not finite is left out; light below the horizon too.
-/// Of transmission, in the frame of the part (bsdf.h), the mirror direction is straight through.
+/// In transmission, in the frame of the part (bsdf.h), the mirror direction is straight through.
 Peak peak_of(std::span<const Vec3f> wl, std::span<const Vec3f> wv, std::span<const Rgb> f);
 /// The same of pairs of lights at four polar angles and eight azimuths, with viewers dense about the four directions.
 Peak peak_of(const Evaluate& brdf);

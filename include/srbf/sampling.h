@@ -158,9 +158,9 @@ Proposal propose(const Model&&, const ProposeOptions& options = {}) = delete;
 
 /// The mixture if its relative variance is at most `most_variance` at views every 5° from 2.5° on, or no table has less;
 /// otherwise a table. No bound holds between these views, or for what neither represents: docs/sampling.md has the largest
-/// variances that were found. Its densities are of least variance: in proportion to the root mean square of f over a cell, at the
-/// views about a node, times the cell's projected area. It is for a BRDF that depends on the azimuths' difference alone,
-/// and is not made where `azimuths` is more than 1.
+/// variances that were found. Its densities are of least variance: in proportion to the root mean square of f over a
+/// cell, at the views about a node, times the cell's projected area. It is for a BRDF that depends on the azimuths'
+/// difference alone, and is not made where `azimuths` is more than 1.
 Proposal refined(const Evaluate& brdf, const MixtureProposal& mixture, const ProposeOptions& options = {});
 
 /// A direction and its density, where a proposal has no better way.

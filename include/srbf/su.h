@@ -78,8 +78,8 @@ void evaluate(const SuModel& model, std::span<const Vec3f> wl, std::span<const V
 /// `model` as an `Evaluate`. It keeps a reference to `model`.
 Evaluate evaluator(const SuModel& model);
 
-/// Of each sampled direction ∫ ρ(w, wv_i) cosθ dω over the directions w of which the lobes are functions: the sum of their
-/// integrals, each from 512 points of a Gaussian about its maximum.
+/// The integral ∫ ρ(w, wv_i) cosθ dω of each sampled direction, over the directions w of which the lobes are functions: the
+/// sum of the lobes' integrals, each from 512 points of a Gaussian about its maximum.
 std::vector<Rgb> view_integrals(const SuModel& model);
 /// A number of each sampled direction, interpolated as ρ is: of `view_integrals` the integral for a view wv between them.
 Rgb between_views(const SuModel& model, std::span<const Rgb> of_views, Vec3f wv);

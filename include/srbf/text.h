@@ -25,7 +25,7 @@ inline std::string_view trimmed(std::string_view text) {
     return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
-/// Whether two words of ASCII differ in case alone, if at all.
+/// True if two words of ASCII are equal but for upper and lower case.
 inline bool same(std::string_view a, std::string_view b) {
     const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c + ('a' - 'A')) : c; };
     return std::ranges::equal(a, b, {}, lower, lower);

@@ -60,12 +60,12 @@ Eigen::ArrayXd largest_shares(const Library& basis, const SharedPairs& pairs) {
     return shares;
 }
 
-/// What samples tell of lobes.
+/// The lobes at the samples, and how far the samples constrain them.
 struct SampledLobes {
-    Eigen::MatrixXd values;  ///< M × J, of coefficient 1
-    Eigen::ArrayXd largest;  ///< coefficients for samples whose f cosθl cosθv is at most 1
-    std::vector<Eigen::Index> seen,
-        all;  ///< those that do not rise by `k_most_excess` between or beyond the samples; all
+    Eigen::MatrixXd values;          ///< M × J, of coefficient 1
+    Eigen::ArrayXd largest;          ///< coefficients for samples whose f cosθl cosθv is at most 1
+    std::vector<Eigen::Index> seen;  ///< those that do not rise by `k_most_excess` between or beyond the samples
+    std::vector<Eigen::Index> all;
 };
 
 /// A lobe that rises beyond the samples, where light or viewer is nearer to the horizon than in all of them, may reach
@@ -125,7 +125,7 @@ Solution solved(const SampledLobes& lobes, const std::vector<Eigen::Index>& whic
     return of;
 }
 
-/// Whether `more` coefficients above 0 lower the squares of `count` values from `rest` to `left` by more than noise
+/// True if `more` coefficients above 0 lower the squares of `count` values from `rest` to `left` by more than noise
 /// does: the Bayesian information criterion.
 bool is_evident(double rest, double left, std::size_t more, double count) {
     return rest > left && (left == 0 || count * elementary::log(rest / left) > double(more) * elementary::log(count));

@@ -8,7 +8,6 @@
 #include "parallel.h"
 #include "reporter.h"
 #include "samples/observe_samples.h"
-#include "srbf/elementary.h"
 #include "srbf/fit_samples.h"
 #include "srbf/half.h"
 #include "srbf/sampling.h"
@@ -92,23 +91,9 @@ TexelFit without(const Batch& batch, TexelState state, std::optional<Error> fail
 /// The constant f that is nearest to the samples, as a model of the batch's form and size.
 PmModel matte_model(const FitOptions& of, const Observations& samples) {
     PmModel model = black_model(of);
-    double weight = 0, sum[3] = {};
-    for (std::size_t i = 0; i < samples.fitted(); ++i) {
-        weight += samples.weight[i];
-        for (int c = 0; c < 3; ++c) sum[c] += samples.weight[i] * double(samples.f[i][c]);
-    }
-    for (int c = 0; c < 3; ++c) model.coefficient[0][c] = weight > 0 ? round_to_half(float(sum[c] / weight)) : 0.f;
+    const auto mean = mean_value(samples);
+    for (int c = 0; c < 3; ++c) model.coefficient[0][c] = round_to_half(float(mean[std::size_t(c)]));
     return model;
-}
-
-double loss_at(const Observations& samples, const PmModel& model) {
-    std::vector<Rgb> f(samples.f.size());
-    evaluate(model, samples.wl, samples.wv, f);
-    double loss = 0;
-    for (std::size_t i = 0; i < samples.fitted(); ++i)
-        for (int c = 0; c < 3; ++c)
-            loss += samples.weight[i] * elementary::square(double(samples.f[i][c]) - double(f[i][c]));
-    return loss;
 }
 
 /// The squares of noise fall by a share of P / n in the mean where P numbers are fitted to n samples. Lobes that lower those
@@ -117,7 +102,7 @@ constexpr double k_noise_of_lobes = 3;
 
 bool is_matte(const PmModel& matte, const PmModel& fitted, const Observations& samples, std::size_t values) {
     const double share = k_noise_of_lobes * double(payload_bytes(fitted)) / 2 / double(values);
-    return loss_at(samples, matte) <= (1 + share) * loss_at(samples, fitted);
+    return loss_of(samples, evaluator(matte)) <= (1 + share) * loss_of(samples, evaluator(fitted));
 }
 
 TexelFit fit_texel(const Batch& batch, std::span<const Rgb> f, const ProgressToken& progress) {

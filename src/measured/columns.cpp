@@ -138,7 +138,7 @@ const std::vector<ValueNames>& names_of_values() {
     return names;
 }
 
-/// Whether the names are those that `srbf` writes.
+/// The names that `srbf` writes, as keys.
 constexpr std::array<std::string_view, 4> k_own_angles{"thetal", "phil", "thetav", "phiv"};
 constexpr std::array<std::string_view, 6> k_own_components{"wlx", "wly", "wlz", "wvx", "wvy", "wvz"};
 

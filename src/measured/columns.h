@@ -1,4 +1,4 @@
-// What the columns of a text are, by their names: private to the reader of delimited text.
+// The columns of a text, recognised by their names: private to the reader of delimited text.
 #pragma once
 #include <optional>
 #include <span>
@@ -35,7 +35,7 @@ struct Columns {
     std::vector<std::string> notes;     ///< what names did not state
 };
 
-/// Whether these are names of columns: two of directions, or one of a direction and one of a value.
+/// True for names of columns: two of directions, or one of a direction and one of a value.
 bool are_names_of_columns(std::span<const std::string_view> fields);
 /// Errors: no directions or no values; two columns for one; `constants` ("phi_l_deg=180") that are no angles.
 Result<Columns> columns_of(std::span<const std::string_view> names, std::span<const std::string_view> constants,

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "floating_point.h"
 #include "measured/columns.h"
@@ -12,7 +11,8 @@ namespace srbf {
 
 namespace {
 
-constexpr std::string_view k_both_sides = "# both sides";  ///< a comment
+constexpr std::string_view k_both_sides = "# both sides",
+                           k_isotropic = "isotropic";  ///< comments; the second without #
 
 /// In the order in which they are tried.
 constexpr char k_separators[] = {';', '\t', ',', ' ', k_any_separator};
@@ -29,7 +29,7 @@ std::optional<char> header_separator(std::string_view line) {
     return {};
 }
 
-/// Whether a line begins with two numbers.
+/// True if a line begins with two numbers.
 bool is_row(std::string_view line) {
     for (int i = 0; i < 2; ++i)
         if (!number_in<double>(next_word(line, " \t,;"))) return false;
@@ -43,10 +43,6 @@ std::optional<std::string_view> comment_in(std::string_view line) {
     return trimmed(line);
 }
 
-bool is_word(std::string_view text, std::string_view word) {
-    return std::ranges::equal(text, word, {}, [](char c) { return char(std::tolower(static_cast<unsigned char>(c))); });
-}
-
 /// A text up to its first row.
 struct Opening {
     std::string_view header;           ///< names of columns; empty: none
@@ -57,7 +53,7 @@ struct Opening {
     bool both_sides = false, isotropic = false;
 };
 
-/// Whether a row may belong to a header in a comment.
+/// True if a row may belong to a header in a comment.
 bool has_as_many_fields(std::string_view row, const Opening& opening) {
     std::vector<std::string_view> names, fields;
     split_row(opening.header, opening.separator, names);
@@ -80,9 +76,10 @@ Opening opening_of(std::string_view text, bool has_names) {
     for (auto line = lines.next(); line; opening.rows = lines, line = lines.next()) {
         const auto comment = comment_in(*line);
         const std::string_view content = comment.value_or(*line);
-        if (comment && is_word(content, k_both_sides.substr(2))) opening.both_sides = true;
-        if (comment && is_word(content, "isotropic")) opening.isotropic = true;
-        if (comment && (is_word(content, k_both_sides.substr(2)) || is_word(content, "isotropic"))) continue;
+        const bool both_sides = comment && same(content, k_both_sides.substr(2)),
+                   isotropic = comment && same(content, k_isotropic);
+        opening.both_sides |= both_sides, opening.isotropic |= isotropic;
+        if (both_sides || isotropic) continue;
         if (!comment && (has_names || !opening.header.empty()) && is_row(*line)) {
             if (!has_names && !has_as_many_fields(*line, opening)) opening.header = {};
             break;
@@ -283,7 +280,7 @@ Result<Collected> collect(std::span<const std::byte> bytes, const std::string& f
     collected.isotropic = table->isotropic;
     for (Lines& lines = table->rows; const auto line = lines.next();) {
         if (const auto comment = comment_in(*line)) {
-            collected.isotropic |= is_word(*comment, "isotropic");
+            collected.isotropic |= same(*comment, k_isotropic);
             continue;
         }
         row.read(*line, lines.number(), table->separator);

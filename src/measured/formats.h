@@ -12,12 +12,13 @@ namespace srbf {
 struct Format {
     std::string_view name;
     bool is_text;  ///< its first kilobytes are text
-    /// Whether a file, or its first bytes, is of the format.
+    /// True if a file, or its first bytes, is of the format.
     bool (*recognise)(std::span<const std::byte> head);
     /// A measurement without the index of samples; `read_as` adds the name and the size. `options`: how columns are read.
     Result<Measured> (*read)(std::span<const std::byte> bytes, const std::string& file_name,
                              const ReadOptions& options);
-    /// Of a format without a mark, which its size tells: the bytes of a file that begins so; 0: it is none. Otherwise null.
+    /// For a format without a mark: the size of a file that begins so, by which it is recognised; 0: it is of another
+    /// format. Null for formats with a mark.
     std::uint64_t (*size)(std::span<const std::byte> head) = nullptr;
 };
 

@@ -69,7 +69,7 @@ bool is_isotropic(const Evaluate& f, double max_theta) {
 }
 
 double change_by_azimuth(const ScatteredSamples& samples) {
-    // Of very many samples a part: a search among points that are all alike looks at each.
+    // Only a part of very many samples is used: a search among points that are all alike looks at each.
     constexpr std::size_t k_most = 65536, k_asked = 1024, k_near = 9, k_least_pairs = 32;
     const StandardArithmetic mode;
     const std::size_t step = 1 + samples.wl.size() / k_most;

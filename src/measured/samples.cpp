@@ -70,7 +70,7 @@ namespace {
 
 /// A value below 0 that stands for none, as −999: the least one, if it is a whole number or repeats itself, exceeds twice
 /// the median of the values above 0, and is ten times as far below 0 as all other samples, so that it is no noise.
-/// `rows`: the values of samples, `width` for each. Another channel of a sample that is as large tells of a saturated colour.
+/// `rows`: the values of samples, `width` for each. Another channel of a sample that is as large shows a saturated colour.
 std::optional<float> missing_value(std::span<const float> rows, std::size_t width) {
     const float least = std::ranges::min(rows);
     if (!(least < 0)) return {};

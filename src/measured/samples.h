@@ -65,7 +65,7 @@ struct AngleUnit {
     std::string_view name;
 };
 inline constexpr AngleUnit k_in_degrees{k_degree, "degrees"}, k_in_radians{1, "radians"};
-/// What is expected of an angle where `number` cannot be one in that unit; empty: it can. A polar angle is within half a
+/// The expectation of an error message where `number` cannot be one in that unit; empty: it can. A polar angle is within half a
 /// turn on either side of the normal, an azimuth within two turns. Not a number passes, for its sample is masked.
 std::string expected_angle(AngleKind kind, double number, AngleUnit unit);
 
@@ -102,7 +102,7 @@ class LightAzimuths {
     bool one_ = true;
 };
 
-/// What separates the fields of a row, where it is no single character: blanks, tabs or commas.
+/// Stands for a separator that is no single character: blanks, tabs or commas.
 inline constexpr char k_any_separator = 0;
 /// The fields of a row; for ' ' and for `k_any_separator`, its words.
 inline void split_row(std::string_view line, char separator, std::vector<std::string_view>& fields) {
@@ -180,7 +180,7 @@ inline std::size_t lines_of(std::span<const std::byte> bytes) {
     return std::size_t(std::ranges::count(bytes, std::byte('\n'))) + 1;
 }
 
-/// Whether wavelengths [nm] tell of a colour: at least three, from blue to red.
+/// True if a colour can be computed from wavelengths [nm]: at least three, from blue to red.
 bool has_colours(std::span<const float> wavelengths);
 
 /// Whether the first kilobytes of `bytes` are text.

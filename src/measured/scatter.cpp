@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measured/angles.h"
 #include "measured/limits.h"
 #include "parallel.h"
 #include "srbf/colour.h"
@@ -56,7 +57,7 @@ bool is_within(std::span<const float> nodes, double x) {
     return x >= double(nodes.front()) - k_rounding && x <= double(nodes.back()) + k_rounding;
 }
 
-/// Whether nodes are those of a half turn, which is mirrored at the plane of incidence.
+/// True if nodes are those of a half turn, which is mirrored at the plane of incidence.
 bool are_mirrored(std::span<const float> nodes) {
     return double(nodes.back()) <= k_pi + k_azimuth_rounding && nodes.front() >= 0;
 }
@@ -66,7 +67,7 @@ NodePlace azimuth_place(std::span<const float> nodes, double phi) {
                                : place_around(nodes, phi, 2 * k_pi);
 }
 
-/// Whether an azimuth was measured: it is not in a gap at the end of the nodes that is clearly wider than those between
+/// True if an azimuth was measured: it is not in a gap at the end of the nodes that is clearly wider than those between
 /// them.
 bool has_azimuth(std::span<const float> nodes, double phi) {
     if (nodes.size() == 1) return true;
@@ -91,8 +92,6 @@ Vec3d tilted(const Vec3d& w, double theta) {
     return {c * w.x + s * w.z, w.y, c * w.z - s * w.x};
 }
 
-double polar_of(const Vec3d& w) { return elementary::atan2(elementary::hypot(w.x, w.y), w.z); }
-
 /// The directions of a look-up: θ_l, and the viewer in the frame whose +x is the side of the mirror direction, and in that
 /// whose z is the mirror direction.
 struct ScatterDirections {
@@ -110,11 +109,12 @@ double azimuth_of(const ScatterTable& table, const Vec3d& w) {
 double slice_at(const ScatterTable& table, const ScatterTable::Slice& slice, const ScatterDirections& of,
                 std::size_t channel) {
     const Vec3d& viewer = table.about_mirror ? of.about_mirror : of.about_normal;
-    const double theta = polar_of(viewer);
+    const double theta = polar_angle(viewer);
     if (!is_within(slice.polar, theta)) return double(k_nan);
     if (theta > k_rounding && !has_azimuth(slice.azimuth, azimuth_of(table, viewer))) return double(k_nan);
     const Vec3d w = table.about_mirror ? viewer : tilted(of.about_mirror, double(slice.theta_l));
-    const NodePlace p = place_among(slice.polar, polar_of(w)), a = azimuth_place(slice.azimuth, azimuth_of(table, w));
+    const NodePlace p = place_among(slice.polar, polar_angle(w)),
+                    a = azimuth_place(slice.azimuth, azimuth_of(table, w));
     const std::size_t n = slice.azimuth.size(), begin = channel * slice.polar.size() * n;
     ScatterMean mean;
     for (const auto& [row, share] : {std::pair(p.i, 1 - p.share), {p.next, p.share}}) {
@@ -160,7 +160,7 @@ Rgb signed_value(const ScatterTable& table, Vec3f wl, Vec3f wv) {
         at = is_quarter ? place_among(table.rotation, rotation)
                         : place_around(table.rotation, rotation, is_half ? k_pi : 2 * k_pi);
     }
-    const double theta_l = polar_of({double(wl.x), double(wl.y), double(wl.z)});
+    const double theta_l = polar_angle(to_double(wl));
     const ScatterDirections of{theta_l, forward, tilted(forward, -theta_l)};
     std::array<double, 3> all{};
     for (std::size_t channel = 0; channel < table.channels; ++channel) {

@@ -100,7 +100,7 @@ std::string basis_text(const AngleBasis& basis) {
     return text + "\t\t</AngleBasis>\n";
 }
 
-/// What is written of a colour.
+/// The number that is written for a colour.
 using OfColour = double (*)(const Rgb&);
 
 /// The mean over both patches with the beam in it.

@@ -17,7 +17,7 @@ namespace {
 constexpr std::string_view k_monochrome = "Monochrome", k_xyz = "XYZ";
 constexpr std::array<std::string_view, 3> k_tristimulus{"TristimulusX", "TristimulusY", "TristimulusZ"};
 
-/// What precedes the data; names are spelt as here.
+/// The lines before the data; names are spelt as here.
 struct ZemaxHeader {
     std::string_view symmetry, content = k_monochrome, type;
     std::vector<float> rotation, incidence, azimuth, radial;

@@ -18,14 +18,6 @@
 namespace srbf {
 namespace {
 
-/// A fit of Lambert and GGX: by the weights of this objective, with this many lobes.
-struct Prior {
-    Objective objective;
-    int lobes;
-};
-/// The first alone where one is asked for.
-constexpr Prior k_priors[] = {{Objective::appearance, 2}, {Objective::appearance, 1}, {Objective::cosine, 2}};
-
 /// Two lobes or one, for all that is not dark or from where all samples are exceeded, as they are or lowered: GGX that is fitted
 /// to samples often rises too high beyond them (docs/notes/samples.md). The last: none.
 constexpr double k_not_dark = 0.05, k_lowered = 0.8;
@@ -71,13 +63,9 @@ Expected expected(const CompletedSamples& samples, Vec3f wl, Vec3f wv) {
 
 /// Lambert alone, without a lobe: the mean.
 GgxModel lambert(const Observations& samples) {
-    double weight = 0, sum[3] = {};
-    for (std::size_t i = 0; i < samples.f.size(); ++i) {
-        weight += samples.weight[i];
-        for (int c = 0; c < 3; ++c) sum[c] += samples.weight[i] * double(samples.f[i][c]);
-    }
+    const auto mean = mean_value(samples);
     GgxModel model;
-    for (int c = 0; c < 3; ++c) model.diffuse[c] = float(k_pi * sum[c] / weight);
+    for (int c = 0; c < 3; ++c) model.diffuse[c] = float(k_pi * mean[std::size_t(c)]);
     return model;
 }
 
@@ -99,27 +87,30 @@ double root_error(const Observations& samples, const GgxModel& g) {
     return sum;
 }
 
-/// g of `CompletedSamples`, fitted to samples of weight 1, each of which is there twice.
-Result<GgxModel> fitted_prior(const Prior& prior, Observations samples, int threads) {
-    samples.objective = prior.objective;
-    samples.typical = typical_value(prior.objective, samples.wl, samples.wv, samples.f, samples.weight);
+/// Fits of Lambert and GGX, by the weights of this objective, to samples of weight 1, each of which is there twice:
+/// with at most one lobe and with at most two, as many as are supported.
+Result<std::array<GgxModel, k_most_ggx_lobes>> fitted_priors(Objective objective, Observations samples, int threads) {
+    samples.objective = objective;
+    samples.typical = typical_value(objective, samples.wl, samples.wv, samples.f, samples.weight);
     if (!(samples.typical > 0)) return no_data_error("samples", "values within the largest angle", "some above 0");
-    weigh(prior.objective, samples.typical, samples.wl, samples.wv, samples.f, samples.weight, threads);
+    weigh(objective, samples.typical, samples.wl, samples.wv, samples.f, samples.weight, threads);
     samples.normalise();
     const double enough = 1 + k_least_gain_of_lobe / (double(samples.f.size()) / 2);
-    GgxModel simplest = lambert(samples);
     const auto errors_of = [&](const GgxModel& g) {
         return std::array{loss_of(samples, evaluator(g)), root_error(samples, g)};
     };
+    std::array<GgxModel, k_most_ggx_lobes> of_at_most;
+    GgxModel simplest = lambert(samples);
     auto errors = errors_of(simplest);
-    for (int lobes = 1; lobes <= prior.lobes; ++lobes) {
+    for (int lobes = 1; lobes <= k_most_ggx_lobes; ++lobes) {
         auto fit = fit_ggx(samples, {lobes, threads});
         if (!fit) return fit.error();
         const auto less = errors_of(fit->unrounded);
-        if (errors[0] <= enough * less[0] && errors[1] <= enough * less[1]) continue;
-        simplest = std::move(fit->unrounded), errors = less;
+        if (errors[0] > enough * less[0] || errors[1] > enough * less[1])
+            simplest = std::move(fit->unrounded), errors = less;
+        of_at_most[std::size_t(lobes - 1)] = simplest;
     }
-    return simplest;
+    return of_at_most;
 }
 
 }  // namespace
@@ -127,10 +118,13 @@ Result<GgxModel> fitted_prior(const Prior& prior, Observations samples, int thre
 Result<CompletedSamples> complete(const ScatteredSamples& samples, double max_theta, int threads, bool of_one) {
     const Observations observed = observations_of(samples, samples_within(samples, max_theta), true, false);
     CompletedSamples completed;
-    for (const Prior& prior : std::span(k_priors).first(of_one ? 1 : std::size(k_priors))) {
-        auto fitted = fitted_prior(prior, observed, threads);
-        if (!fitted) return fitted.error();
-        completed.priors.push_back(*std::move(fitted));
+    auto seen = fitted_priors(Objective::appearance, observed, threads);
+    if (!seen) return seen.error();
+    completed.priors = {(*seen)[1]};
+    if (!of_one) {
+        auto in_image = fitted_priors(Objective::cosine, observed, threads);
+        if (!in_image) return in_image.error();
+        completed.priors.insert(completed.priors.end(), {(*seen)[0], (*in_image)[1]});
     }
     const double largest = largest_measured(observed);
     completed.allowed = (of_one ? k_most_excess : 1) * largest;
@@ -218,7 +212,7 @@ Continuation best_continuation(const ScatteredSamples& samples, std::span<const 
         return measure_samples(samples.wl, samples.wv, samples.colour, f, max_theta);
     });
     const Measures &ggx = of[count], &neighbours = of[count - 1];
-    // Of a matte surface, neighbours may know no more than Lambert but noise. Where folds disagree whether there is a
+    // On a matte surface, neighbours may add only noise to Lambert. Where folds disagree whether there is a
     // highlight at all, it is not continued.
     const auto is_matte = [](const CompletedSamples& one) { return one.priors[k_one_lobe].lobes.empty(); };
     if (std::ranges::any_of(without, is_matte))

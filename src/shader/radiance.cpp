@@ -135,7 +135,7 @@ Result<std::string> bsdf_text(const std::string& name, const BsdfModel& model) {
     return text;
 }
 
-/// What Radiance and these functions call otherwise.
+/// Names that Radiance and these functions already use.
 constexpr std::string_view k_cal_names[] = {"if",    "select", "rand", "floor", "ceil", "sqrt", "exp",  "log",
                                             "log10", "sin",    "cos",  "tan",   "asin", "acos", "atan", "atan2",
                                             "min",   "max",    "PI",   "lx",    "ly",   "lz",   "vx",   "vy",

@@ -57,6 +57,17 @@ double loss_of(const Observations& observations, const Evaluate& fitted) {
     return loss;
 }
 
+std::array<double, 3> mean_value(const Observations& observations) {
+    double weight = 0;
+    std::array<double, 3> mean{};
+    for (std::size_t i = 0; i < observations.fitted(); ++i) {
+        weight += observations.weight[i];
+        for (int c = 0; c < 3; ++c) mean[std::size_t(c)] += observations.weight[i] * double(observations.f[i][c]);
+    }
+    for (double& channel : mean) channel = weight > 0 ? channel / weight : 0;
+    return mean;
+}
+
 double largest_square(const Observations& observations) {
     double largest = 0;
     for (std::size_t i = 0; i < observations.f.size(); ++i)

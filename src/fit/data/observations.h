@@ -1,5 +1,6 @@
 // What a fit observes of a measurement.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <random>
 #include <span>
@@ -84,6 +85,9 @@ struct Observations {
 
 /// Σ w |f−f̂|² of what is fitted, without the bound pairs, against `fitted`.
 double loss_of(const Observations& observations, const Evaluate& fitted);
+
+/// Σ w f / Σ w of what is fitted; 0 without weight.
+std::array<double, 3> mean_value(const Observations& observations);
 
 /// The largest |f|² (cosθl cosθv)² of the pairs.
 double largest_square(const Observations& observations);

@@ -17,6 +17,32 @@ LIGHTS = "#lights"
 CONTROLS = "document.querySelector('#viewer details').open = true"
 
 
+# The texts that are seen, how many they are, and what is wrong with their boxes: they lie over each other, or their page or drawing cuts
+# them. What scrolls within the page is cut there.
+LABELS = """(() => {
+    const seen = [], wrong = [];
+    const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (texts.nextNode()) {
+        const text = texts.currentNode.data.trim(), of = texts.currentNode.parentElement;
+        if (!text || of.closest("script, pre, option") || !of.checkVisibility()) continue;
+        const range = document.createRange();
+        range.selectNodeContents(texts.currentNode);
+        const drawing = of.closest("svg"), scrolled = of.closest(".wide"), within = (drawing ?? document.documentElement).getBoundingClientRect();
+        for (const box of range.getClientRects()) {
+            const left = box.left, top = box.top, bottom = box.bottom, right = Math.min(box.right, scrolled?.getBoundingClientRect().right ?? Infinity);
+            if (right - left < 1 || bottom - top < 1) continue;
+            if (left < Math.max(within.left, 0) - 1 || right > Math.min(within.right, innerWidth) + 1 || top < within.top - 1 || bottom > within.bottom + 1)
+                wrong.push(`${text} is cut`);
+            for (const other of seen)
+                if (Math.min(right, other.right) - Math.max(left, other.left) > 1 && Math.min(bottom, other.bottom) - Math.max(top, other.top) > 2)
+                    wrong.push(`${text} lies over ${other.text}`);
+            seen.push({ text, left, top, right, bottom });
+        }
+    }
+    return { seen: seen.length, wrong };
+})()"""
+
+
 class Visit:
     def __init__(self, flags):
         self.chromium, self.pictures = Chromium(flags), []
@@ -74,17 +100,17 @@ def with_webgl():
     chromium.open(page, LIGHTS)
     chromium.run(CONTROLS)
     visit.take("phone")
-    apart = chromium.run("""(() => {
-        const [a, b] = [0, 1].map((i) => document.querySelector(`figure[data-material="${i}"] figcaption`).getBoundingClientRect());
-        return a.width > 0 && a.right < b.left;
-    })()""")
-    chromium.click("[data-show='1']")
+    labels = {"wipe": chromium.run(LABELS)}
+    for show in ("all", "difference", "1"):
+        chromium.click(f"[data-show='{show}']")
+        labels[show] = chromium.run(LABELS)
     visit.take("phone one")
     chromium.swipe("figure:not([hidden]) canvas", 60, 0)
     visit.take("swiped")
     phone = chromium.run("[document.documentElement.scrollWidth, innerWidth]")
     under_environments(visit)
-    answers = {"pictures": visit.pictures, "problems": chromium.problems, "requests": chromium.requests, "phone": phone, "captions_apart": apart,
+    read = read_environment(chromium)
+    answers = {"pictures": visit.pictures, "problems": chromium.problems, "requests": chromium.requests, "phone": phone, "labels": labels, "read": read,
                "refused": refused_environments(chromium)}
     chromium.close()
     return answers
@@ -117,6 +143,41 @@ def under_environments(visit):
     converged("studio and lights")
 
 
+GIVE = """((name, content, size) => {
+    const file = new File([Uint8Array.from(content, (c) => c.charCodeAt(0))], name), given = new DataTransfer();
+    if (size) Object.defineProperty(File.prototype, "size", { value: size });
+    given.items.add(file);
+    const input = document.forms[0].file;
+    input.files = given.files;
+    document.getElementById("said").textContent = "";
+    input.dispatchEvent(new Event("change"));
+})"""
+
+
+def give(chromium, name, content, size=0):
+    """Chooses a file as the environment."""
+    chromium.run(f"{GIVE}({json.dumps(name)}, {json.dumps(content)}, {size})")
+
+
+def read_environment(chromium):
+    """What the page says while it reads a file and draws under another environment, and once it has pictures under the file's."""
+    chromium.run("""(() => {
+        const { arrayBuffer } = Blob.prototype;
+        Blob.prototype.arrayBuffer = async function () {
+            Blob.prototype.arrayBuffer = arrayBuffer;
+            await viewer.settled(); // pictures arrive meanwhile
+            window.reading = [document.getElementById("busy").innerText, document.forms[0].environment.value];
+            return arrayBuffer.call(this);
+        };
+    })()""")
+    give(chromium, "flat.hdr", "#?RADIANCE\n\n-Y 4 +X 8\n" + "\x80" * 128)
+    end = time.time() + LIMIT
+    while chromium.run("document.forms[0].environment.value") != "file" and time.time() < end:
+        chromium.settle()
+    chromium.run("viewer.settled()")
+    return [*chromium.run("reading"), chromium.run("document.forms[0].environment.value"), chromium.run("document.getElementById('busy').innerText")]
+
+
 def refused_environments(chromium):
     """What the page says to files that are no environments, and to a lost context."""
     said = {}
@@ -128,20 +189,10 @@ def refused_environments(chromium):
             chromium.settle()
         return text
 
-    for name, size, content in (("text.hdr", None, "no environment"), ("cut.hdr", None, "#?RADIANCE\\n\\n-Y 4 +X 8\\nxxx 40 bytes or more, but not 128 of them"),
-                                ("cut.exr", None, "\\x76\\x2f\\x31\\x01\\x02"), ("huge.hdr", 4 << 30, "#?")):
-        chromium.run(f"""(() => {{
-            const file = new File([Uint8Array.from("{content}", (c) => c.charCodeAt(0))], "{name}"), given = new DataTransfer();
-            {f"Object.defineProperty(File.prototype, 'size', {{ value: {size} }});" if size else ""}
-            given.items.add(file);
-            const input = document.forms[0].file;
-            input.files = given.files;
-            document.getElementById("said").textContent = "";
-            input.dispatchEvent(new Event("change"));
-            window.reading = document.getElementById("busy").innerText;
-        }})()""")
+    for name, size, content in (("text.hdr", 0, "no environment"), ("cut.hdr", 0, "#?RADIANCE\n\n-Y 4 +X 8\nxxx 40 bytes or more, but not 128 of them"),
+                                ("cut.exr", 0, "\x76\x2f\x31\x01\x02"), ("huge.hdr", 4 << 30, "#?")):
+        give(chromium, name, content, size)
         said[name] = says(lambda text: text)
-        said["reading"] = chromium.run("reading")
     chromium.run("viewer.lose(true)")
     said["lost"] = says(lambda text: text not in said.values())
     chromium.run("viewer.lose(false)")

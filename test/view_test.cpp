@@ -2,12 +2,18 @@
 // cannot be read become messages. And the window itself, on a virtual screen.
 #include <sys/wait.h>
 
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_internal.h>
+
 #include <chrono>
 #include <thread>
 
+#include "app/view/ink.h"
 #include "app/view/lobes.h"
 #include "app/view/look.h"
 #include "app/view/opening.h"
+#include "app/view/readings.h"
 #include "app/view/session.h"
 #include "models.h"
 #include "program.h"
@@ -269,6 +275,61 @@ TEST(Slice, IsTheFunctionTimesTheCosine) {
     }
 }
 
+/// What Dear ImGui says of texts that are wider than their columns, in the plots and tables of a window of that size.
+std::string clipped_texts(const Session& session, ImVec2 size, float scale) {
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.DisplaySize = size;
+    load_font(scale);
+    ImGui::GetStyle().ScaleAllSizes(scale);
+    unsigned char* texels = nullptr;
+    int across = 0, down = 0;
+    io.Fonts->GetTexDataAsAlpha8(&texels, &across, &down);
+    Readings readings;
+    Look look;
+    readings.take(session, look, true);
+    std::string clipped;
+    ImGuiContext& state = *ImGui::GetCurrentContext();
+    for (const int tab : {0, 1}) {
+        for (int frame = 0; frame < 3; ++frame) {
+            ImGui::NewFrame();
+            readings.draw(session, look, {0, 0}, size);
+            ImGui::EndFrame();
+            ImGuiTabBar& tabs = *state.TabBars.GetByIndex(0);
+            if (frame == 0) tabs.NextSelectedTabId = tabs.Tabs[tab].ID;
+        }
+        for (const ImGuiWindow* window : state.Windows)
+            if (window->ContentSize.x > window->WorkRect.GetWidth() + 1)
+                clipped +=
+                    fmt::format("{} {} > {}\n", window->Name, window->ContentSize.x, window->WorkRect.GetWidth());
+        for (int i = 0; i < state.Tables.GetMapSize(); ++i)
+            if (const ImGuiTable* table = state.Tables.TryGetMapData(i))
+                for (int c = 0; c < table->ColumnsCount; ++c) {
+                    const ImGuiTableColumn& column = table->Columns[c];
+                    const float needed = std::max(column.ContentMaxXUnfrozen, column.ContentMaxXHeadersIdeal);
+                    if (needed > column.WorkMaxX + 1)
+                        clipped += fmt::format("table {} column {}: {} > {}\n", i, c, needed, column.WorkMaxX);
+                }
+    }
+    EXPECT_EQ(state.Tables.GetMapSize(), 2);
+    ImGui::DestroyContext();
+    return clipped;
+}
+
+// At the default size, at a smaller one, and on monitors of other scales.
+TEST(Readings, NoTextIsWiderThanItsColumn) {
+    Session session;
+    ASSERT_TRUE(session.open(k_film));
+    session.choose(k_small);
+    ASSERT_TRUE(wait_until_idle(session));
+    ASSERT_TRUE(session.fitted() && session.fitted()->errors);
+    for (const float scale : {1.f, 1.5f, 2.f})
+        for (const ImVec2 size : {ImVec2{1018, 302}, {738, 257}})  // below the pictures of 1280 x 800 and 1000 x 700
+            EXPECT_EQ(clipped_texts(session, {scale * size.x, scale * size.y}, scale), "")
+                << scale << ", " << size.x << " x " << size.y;
+}
+
 /// The program on a virtual screen; status 77 if there is none.
 struct Screenshot {
     int status;
@@ -325,7 +386,8 @@ Pixels read_png(const std::filesystem::path& path) {
 
 TEST_F(View, TheScreenshotShowsMeasuredAndFitAlike) {
     const TemporaryFolder folder;
-    const std::string paper = (bundled_data() / "paper_white_rgb.bsdf").string();
+    const std::string paper = std::string(100, 'W') + ".bsdf";  // a name wider than its picture
+    std::filesystem::copy(bundled_data() / "paper_white_rgb.bsdf", folder / paper);
     const Screenshot taken = view(folder, "'" + paper + "' missing.bsdf --screenshot shot.png");
     if (taken.err.find("graphics library") != std::string::npos) GTEST_SKIP() << taken.err;
     ASSERT_EQ(taken.status, 0) << taken.err;

@@ -82,7 +82,7 @@ function take(message) {
   } else if (kind === "picture") {
     const canvas = figure_of(message.of)?.querySelector("canvas"), { image } = message;
     if (!canvas) return;
-    busy("");
+    if (!is_reading) busy("");
     if (canvas.width !== image.width || canvas.height !== image.height) canvas.width = image.width, canvas.height = image.height;
     if (image instanceof ImageBitmap) canvas.getContext("bitmaprenderer").transferFromImageBitmap(image);
     else canvas.getContext("2d").drawImage(image, 0, 0);
@@ -180,7 +180,7 @@ function without_floats() {
 }
 
 // Shows the pictures under another environment, or the same anew.
-let images = {};
+let images = {}, is_reading = false;
 function change_environment() {
   const image = images[controls.environment.value];
   if (image) {
@@ -192,14 +192,17 @@ function change_environment() {
 async function open_environment(file) {
   try {
     say("");
+    is_reading = true;
     busy(`Reading ${file.name} ..`);
     await new Promise((painted) => setTimeout(painted, 50)); // so that the page says so, for reading takes its time
     images.file = await light.read_file(file);
     controls.environment.querySelector("[value=file]")?.remove();
     controls.environment.add(new Option(file.name, "file", false, true));
     say("");
+    is_reading = false;
     change_environment();
   } catch (error) {
+    is_reading = false;
     busy("");
     say(error.message);
   }

@@ -25,7 +25,7 @@ void draw_files(Session& session) {
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("the reference, on the left");
         ImGui::SameLine();
         const bool shown = session.fitted() && session.fitted()->from == subject.path;
-        if (ImGui::Selectable(file.c_str(), shown))
+        if (ImGui::Selectable(shortened(file, ImGui::GetContentRegionAvail().x).c_str(), shown))
             subject.is_model() ? session.show_model(i) : session.set_reference(i);
         if (ImGui::IsItemHovered())
             ImGui::SetTooltip("%s\n%s", subject.path.c_str(),
@@ -60,7 +60,7 @@ void draw_lights(Look& look) {
     Rgb& irradiance = look.lights[std::size_t(look.light)].irradiance;
     if (float bright = irradiance.r; ImGui::SliderFloat("strength", &bright, 0, 10, "%.2f"))
         irradiance = {bright, bright, bright};
-    ImGui::TextColored(k_dim, "Drag a light's yellow dot, or\nthe picture with the right button.");
+    write_wrapped(k_dim, "Drag a light's yellow dot, or the picture with the right button.");
 }
 
 }  // namespace
@@ -93,7 +93,7 @@ void Controls::draw_fit(Session& session) {
     const char* const what[] = {"", "fitting", "refining", "measuring"};
     if (is_busy) {
         const bool fits = session.stage() != Stage::measuring;
-        ImGui::ProgressBar(fits ? float(session.fraction()) : 1.f, {-70, 0},
+        ImGui::ProgressBar(fits ? float(session.fraction()) : 1.f, {-0.27f * ImGui::GetWindowWidth(), 0},
                            fmt::format("{} {:.1f} s", what[int(session.stage())], session.waited()).c_str());
         ImGui::SameLine();
         if (ImGui::Button("Cancel", {-1, 0})) session.cancel();
@@ -154,7 +154,7 @@ void Controls::draw_picture(Look& look) {
 void Controls::draw(Session& session, Look& look, ImVec2 at, ImVec2 size) {
     ImGui::SetNextWindowPos(at), ImGui::SetNextWindowSize(size);
     ImGui::Begin("controls", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
-    ImGui::PushItemWidth(142);
+    ImGui::PushItemWidth(0.54f * size.x);
     heading("Files");
     draw_files(session);
     heading("Fit");

@@ -1,6 +1,8 @@
-// Colours of the window's text.
+// Font, colours and lines of the window's text.
 #pragma once
 #include <imgui.h>
+
+#include <string>
 
 #include "srbf/vec.h"
 
@@ -11,5 +13,14 @@ inline const ImVec4 k_white{1, 1, 1, 1}, k_red{1, 0.45f, 0.4f, 1}, k_dim{0.65f, 
 
 /// A colour, already encoded for display, in Dear ImGui's format.
 inline ImU32 colour_of(Rgb c) { return ImColor(c.r, c.g, c.b); }
+
+/// Loads a proportional font of the system, with Latin and Greek; Dear ImGui's own where there is none.
+void load_font(float scale);
+
+/// The text, or its beginning and "..." where it is wider than `width` [pixels].
+std::string shortened(std::string text, float width);
+
+/// Writes a text in as many lines as it takes.
+void write_wrapped(const ImVec4& colour, const std::string& text);
 
 }  // namespace srbf

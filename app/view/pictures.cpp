@@ -199,8 +199,9 @@ void Pictures::draw_reading(ImVec2 corner, float width, float height) const {
 
 /// One picture, measured to the left of a divider and the fit to the right of it.
 void Pictures::draw_wipe(const Session& session, Look& look, float width, float height) {
-    ImGui::TextColored(k_white, "%s", caption(session, look, Panels::reference).c_str());
-    const std::string right = caption(session, look, Panels::fit);
+    const float half = (width - ImGui::GetStyle().ItemSpacing.x) / 2;
+    ImGui::TextColored(k_white, "%s", shortened(caption(session, look, Panels::reference), half).c_str());
+    const std::string right = shortened(caption(session, look, Panels::fit), half);
     ImGui::SameLine(width - ImGui::CalcTextSize(right.c_str()).x);
     ImGui::TextColored(k_white, "%s", right.c_str());
     const ImVec2 corner = ImGui::GetCursorScreenPos();
@@ -236,9 +237,7 @@ void Pictures::draw_wipe(const Session& session, Look& look, float width, float 
 
 void Pictures::draw_picture(const Session& session, Look& look, Panels::Which which, float width, float height) {
     const bool is_late = which == Panels::fit && session.fitted() && session.fitted()->quick;
-    ImGui::PushClipRect(ImGui::GetCursorScreenPos(), {ImGui::GetCursorScreenPos().x + width, 1e4f}, true);
-    ImGui::TextColored(is_late ? k_hint : k_white, "%s", caption(session, look, which).c_str());
-    ImGui::PopClipRect();
+    ImGui::TextColored(is_late ? k_hint : k_white, "%s", shortened(caption(session, look, which), width).c_str());
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     ImGui::PushID(which);
     ImGui::InvisibleButton("picture", {width, height},
@@ -265,10 +264,13 @@ void Pictures::draw_picture(const Session& session, Look& look, Panels::Which wh
     if (which == Panels::difference)
         draw_scale(look, width);
     else if (which == Panels::reference)
-        ImGui::TextColored(k_dim, look.has_environment() ? "drag: orbit   with Ctrl: environment"
-                                                         : "drag: orbit   wheel: zoom   yellow dots: lights");
+        ImGui::TextColored(k_dim, "%s",
+                           shortened(look.has_environment() ? "drag: orbit   with Ctrl: environment"
+                                                            : "drag: orbit   wheel: zoom   yellow dots: lights",
+                                     width)
+                               .c_str());
     else
-        ImGui::TextColored(k_dim, "%s", exposure_text(look).c_str());
+        ImGui::TextColored(k_dim, "%s", shortened(exposure_text(look), width).c_str());
 }
 
 void Pictures::draw(Session& session, Look& look, ImVec2 at, ImVec2 size) {

@@ -57,31 +57,33 @@ void Readings::take(const Session& session, const Look& look, bool swapped) {
 }
 
 void Readings::draw_slice(Look& look, float width, float height) const {
-    ImGui::TextColored(k_hint, "Slice: f cos(theta_v) over the view's angle");
+    write_wrapped(k_hint, "Slice: f cos(theta_v) over the view's angle");
+    const char* const plane = "plane, from the light's";
+    const float beside = ImGui::CalcTextSize(plane).x + ImGui::GetStyle().ItemInnerSpacing.x;
     const auto slider = [&](const char* name, double& angle, float most) {
-        ImGui::SetNextItemWidth(0.4f * width);
+        ImGui::SetNextItemWidth(std::min(0.4f * width, width - beside));
         float shown = float(angle / k_degree);
         if (ImGui::SliderFloat(name, &shown, 0, most, "%.0f\xC2\xB0")) angle = double(shown) * k_degree;
     };
     slider("light theta_l", look.theta_l, 85);
     ImGui::SameLine();
     ImGui::Checkbox("log", &look.logarithmic);
-    slider("plane, from the light's", look.phi_v, 90);
+    slider(plane, look.phi_v, 90);
     const Slice *reference = slice_of_reference_ ? &*slice_of_reference_ : nullptr,
                 *fit = slice_of_fit_ ? &*slice_of_fit_ : nullptr;
-    const double under_mouse =
-        draw_slices(reference, fit, look.theta_l, look.phi_v, look.logarithmic, std::min(width, 1.7f * (height - 130)));
+    const double under_mouse = draw_slices(reference, fit, look.theta_l, look.phi_v, look.logarithmic,
+                                           std::min(width, 1.7f * (height - 8 * ImGui::GetTextLineHeight())));
     if (std::isfinite(under_mouse)) ImGui::SetTooltip("%s", values_text(reference, fit, under_mouse).c_str());
-    ImGui::TextColored(k_dim, "dots: reference, lines: fit; red, green, blue");
+    write_wrapped(k_dim, "dots: reference, lines: fit; red, green, blue");
 }
 
 void Readings::draw_dome(const Session& session, double theta_l, float width, float height) {
-    ImGui::TextColored(k_hint, "Lobes: where each is half its peak or more");
+    write_wrapped(k_hint, "Lobes: where each is half its peak or more");
     const bool over_lights = session.fitted() && is_seen_over_lights(session.fitted()->model);
-    ImGui::TextColored(
+    write_wrapped(
         k_dim, over_lights ? "over light directions, seen from there" : "over view directions, under the same light");
     const ImVec2 corner = ImGui::GetCursorScreenPos();
-    const float dome = std::min(width, (height - 80) / 0.85f);
+    const float dome = std::min(width, (height - 5 * ImGui::GetTextLineHeight()) / 0.85f);
     draw_lobes(lobes_, over_lights ? "view" : "light", theta_l, dome_azimuth_, dome_elevation_, dome);
     const ImVec2 end = ImGui::GetCursorScreenPos();
     ImGui::SetCursorScreenPos(corner);
@@ -94,7 +96,7 @@ void Readings::draw_dome(const Session& session, double theta_l, float width, fl
 
 void Readings::draw_verdict(const Session& session) const {
     const auto& fitted = session.fitted();
-    ImGui::TextColored(k_hint, "Visible error");
+    write_wrapped(k_hint, "Visible error");
     if (!fitted) return ImGui::Text("none yet");
     if (!fitted->errors) return ImGui::Text("...");
     const Appearance& seen = judged(*fitted->errors);
@@ -109,13 +111,11 @@ void Readings::draw_measures(const Session& session) const {
     const Subject* reference = reference_ < 0 ? nullptr : session.subjects()[std::size_t(reference_)].get();
     const auto* measured = reference ? std::get_if<Measured>(&reference->content) : nullptr;
     const bool is_scattered = measured && std::holds_alternative<ScatteredSamples>(measured->table);
-    ImGui::TextColored(k_dim, "%s",
-                       fmt::format("within {:.0f}\xC2\xB0, against {}", session.max_theta() / k_degree,
-                                   is_scattered ? "samples; albedo: with gaps filled by microfacet models"
-                                   : reference && is_two_sided(reference->content) ? "the front's reflection"
-                                   : measured                                      ? "measured"
-                                                                                   : "the reference")
-                           .c_str());
+    write_wrapped(k_dim, fmt::format("within {:.0f}\xC2\xB0, against {}", session.max_theta() / k_degree,
+                                     is_scattered ? "samples; albedo: with gaps filled by microfacet models"
+                                     : reference && is_two_sided(reference->content) ? "the front's reflection"
+                                     : measured                                      ? "measured"
+                                                                                     : "the reference"));
     if (!fitted) return;
     if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_SizingStretchProp)) {
         float number = ImGui::CalcTextSize("held out").x;
@@ -130,9 +130,7 @@ void Readings::draw_measures(const Session& session) const {
         for (const MeasureName& measure : k_measures) {
             ImGui::TableNextColumn();
             const bool is_followed = fitted->from.empty() && &measure == &measure_named_for(fitted->choice.objective);
-            ImGui::PushStyleColor(ImGuiCol_Text, is_followed ? k_hint : k_white);
-            ImGui::TextWrapped("%s", latin(measure.title).c_str());
-            ImGui::PopStyleColor();
+            write_wrapped(is_followed ? k_hint : k_white, latin(measure.title));
             for (const auto* of : {fitted->errors ? &fitted->errors->matrix : nullptr,
                                    fitted->errors ? &fitted->errors->heldout : nullptr}) {
                 ImGui::TableNextColumn();
@@ -145,7 +143,7 @@ void Readings::draw_measures(const Session& session) const {
         ImGui::Text("%s", fitted->errors ? percent(fitted->errors->albedo_error).c_str() : "...");
         ImGui::EndTable();
     }
-    ImGui::TextColored(k_dim, "Yellow: what the objective follows.");
+    write_wrapped(k_dim, "Yellow: what the objective follows.");
 }
 
 void Readings::draw_lobe_table() const {
@@ -183,14 +181,14 @@ void Readings::draw(const Session& session, Look& look, ImVec2 at, ImVec2 size) 
     // A column clips what is too wide for it, and scrolls what is too long.
     const auto column = [&](const char* name, const auto& draw) {
         ImGui::BeginChild(name, {width, all.y});
-        draw();
+        draw(ImGui::GetContentRegionAvail().x);
         ImGui::EndChild();
     };
-    column("slice", [&] { draw_slice(look, width, size.y); });
+    column("slice", [&](float across) { draw_slice(look, across, size.y); });
     ImGui::SameLine();
-    column("lobes", [&] { draw_dome(session, look.theta_l, width, size.y); });
+    column("lobes", [&](float across) { draw_dome(session, look.theta_l, across, size.y); });
     ImGui::SameLine();
-    column("errors", [&] {
+    column("errors", [&](float) {
         draw_verdict(session);
         if (!ImGui::BeginTabBar("tables")) return;
         if (ImGui::BeginTabItem("errors")) draw_measures(session), ImGui::EndTabItem();

@@ -9,10 +9,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <filesystem>
 #include <vector>
 
+#include "app/view/ink.h"
 #include "render/pixel_shader.h"
 
 namespace srbf {
@@ -57,21 +56,6 @@ std::string name_of(int key, int scancode, int modifiers) {
                 name = char(std::toupper(text[0]));
     }
     return (modifiers & GLFW_MOD_SHIFT) != 0 && !name.empty() ? "Shift+" + name : name;
-}
-
-/// A proportional font of the system, with Latin and Greek; Dear ImGui's own where there is none.
-void load_font(float scale) {
-    constexpr float height = 16;
-    static const ImWchar ranges[] = {0x20, 0xff, 0x391, 0x3c9, 0x2010, 0x2026, 0x2212, 0x2212, 0};
-    for (const char* path :
-         {"/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf", "/usr/share/fonts/noto/NotoSans-Regular.ttf",
-          "/usr/share/fonts/google-noto/NotoSans-Regular.ttf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-          "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans.ttf",
-          "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf"})
-        if (std::filesystem::exists(path) &&
-            ImGui::GetIO().Fonts->AddFontFromFileTTF(path, std::round(height * scale), nullptr, ranges))
-            return;
-    ImGui::GetIO().FontGlobalScale = scale;
 }
 
 Screen& screen_of(GLFWwindow* window) { return *static_cast<Screen*>(glfwGetWindowUserPointer(window)); }

@@ -61,11 +61,8 @@ void draw_messages(const Session& session, ImVec2 at, ImVec2 size) {
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
     const auto& messages = session.messages();
     if (messages.empty()) ImGui::TextColored(k_dim, "Press H for the keys. Files may be dropped on this window.");
-    for (auto one = messages.rbegin(); one != messages.rend(); ++one) {
-        ImGui::PushStyleColor(ImGuiCol_Text, one->is_error ? k_red : k_white);
-        ImGui::TextWrapped("%s", one->text.c_str());
-        ImGui::PopStyleColor();
-    }
+    for (auto one = messages.rbegin(); one != messages.rend(); ++one)
+        write_wrapped(one->is_error ? k_red : k_white, one->text);
     ImGui::End();
 }
 

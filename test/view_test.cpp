@@ -317,17 +317,28 @@ std::string clipped_texts(const Session& session, ImVec2 size, float scale) {
     return clipped;
 }
 
-// At the default size, at a smaller one, and on monitors of other scales.
+// Errors of long numbers at the default size, others at a smaller one, too, and on monitors of other scales.
 TEST(Readings, NoTextIsWiderThanItsColumn) {
-    Session session;
-    ASSERT_TRUE(session.open(k_film));
-    session.choose(k_small);
-    ASSERT_TRUE(wait_until_idle(session));
-    ASSERT_TRUE(session.fitted() && session.fitted()->errors);
-    for (const float scale : {1.f, 1.5f, 2.f})
-        for (const ImVec2 size : {ImVec2{1018, 302}, {738, 257}})  // below the pictures of 1280 x 800 and 1000 x 700
-            EXPECT_EQ(clipped_texts(session, {scale * size.x, scale * size.y}, scale), "")
-                << scale << ", " << size.x << " x " << size.y;
+    const TemporaryFolder folder;
+    std::mt19937_64 random(2);
+    const PmModel model = random_model(random, {.lobes = 3});
+    for (const float times : {1e-4f, 1e4f}) {
+        PmModel scaled = model;
+        for (Rgb& of : scaled.coefficient) of = {times * of.r, times * of.g, times * of.b};
+        ASSERT_TRUE(save_model({scaled, {}}, folder / "model.srbf"));
+        Session session;
+        ASSERT_TRUE(session.open(folder / "model.srbf"));
+        ASSERT_TRUE(session.open(k_film));
+        ASSERT_TRUE(wait_until_idle(session));
+        ASSERT_TRUE(session.fitted() && session.fitted()->errors);
+        for (const float scale : {1.f, 1.5f, 2.f}) {
+            // Below the pictures of 1280 x 800 and of 1000 x 700.
+            EXPECT_EQ(clipped_texts(session, {scale * 1018, scale * 302}, scale), "") << scale << ", " << times;
+            if (times < 1) {
+                EXPECT_EQ(clipped_texts(session, {scale * 738, scale * 257}, scale), "") << scale;
+            }
+        }
+    }
 }
 
 /// The program on a virtual screen; status 77 if there is none.

@@ -118,7 +118,8 @@ void Readings::draw_measures(const Session& session) const {
                                                                                      : "the reference"));
     if (!fitted) return;
     if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_SizingStretchProp)) {
-        float number = ImGui::CalcTextSize("held out").x;
+        const std::string albedo = fitted->errors ? percent(fitted->errors->albedo_error) : "...";
+        float number = std::max(ImGui::CalcTextSize("held out").x, ImGui::CalcTextSize(albedo.c_str()).x);
         for (const MeasureName& measure : k_measures)
             for (const auto* of : {fitted->errors ? &fitted->errors->matrix : nullptr,
                                    fitted->errors ? &fitted->errors->heldout : nullptr})
@@ -140,7 +141,7 @@ void Readings::draw_measures(const Session& session) const {
         ImGui::TableNextColumn();
         ImGui::Text("albedo error");
         ImGui::TableNextColumn();
-        ImGui::Text("%s", fitted->errors ? percent(fitted->errors->albedo_error).c_str() : "...");
+        ImGui::Text("%s", albedo.c_str());
         ImGui::EndTable();
     }
     write_wrapped(k_dim, "Yellow: what the objective follows.");

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <map>
 
 #include "app/commands.h"
 #include "app/fit.h"
@@ -99,19 +100,36 @@ std::optional<ModelStack> done_before(const std::string& path, const std::string
 /// Slabs in the folder that are of another division of the texels, or of more of them than there are: readers would take
 /// them for slabs of this file.
 Result<Done> check_slabs(const TexelFits& fit, const std::string& stem, std::size_t texels, std::size_t end) {
+    std::map<std::size_t, std::string> slabs;  // by their first texel
     std::error_code none;
     for (const auto& entry : fs::directory_iterator(fit.folder, none)) {
         const std::string name = entry.path().stem().string();
         if (entry.path().extension() != ".srbf" || !name.starts_with(stem + "-")) continue;
-        const auto first = to_number<std::size_t>(std::string_view(name).substr(stem.size() + 1));
-        if (!first) continue;
-        const bool is_within = *first >= fit.begin && *first < end && (*first - fit.begin) % fit.slab != 0;
-        if (is_within || *first >= texels)
-            return Error{entry.path().string(),
-                         {},
-                         "slab",
-                         "none that begins at this texel",
-                         "one of another --slab or another file; delete it or write to another folder"};
+        if (const auto first = to_number<std::size_t>(std::string_view(name).substr(stem.size() + 1)))
+            slabs[*first] = entry.path().string();
+    }
+    const auto refused = [](const std::string& path, std::string expected) {
+        return Error{path,
+                     {},
+                     "slab",
+                     std::move(expected),
+                     "one of another --slab or another file; delete it or write to another folder"};
+    };
+    for (const auto& [first, path] : slabs) {
+        const bool is_within = first >= fit.begin && first < end && (first - fit.begin) % fit.slab != 0;
+        if (is_within || first >= texels) return refused(path, "none that begins at this texel");
+    }
+    std::vector<std::size_t> bounds{fit.begin};
+    if (end < texels) bounds.insert(bounds.end(), {end, texels});  // otherwise the last slab is replaced
+    for (const std::size_t bound : bounds) {
+        const auto after = slabs.lower_bound(bound);
+        if (after == slabs.begin()) continue;
+        const auto& [first, path] = *std::prev(after);
+        const auto bytes = read_file(path);
+        if (!bytes) continue;
+        const auto stack = read_stack(*bytes, path);
+        if (stack && first + stack->models.size() > bound)
+            return refused(path, fmt::format("none across texel {}", bound));
     }
     return Done{};
 }

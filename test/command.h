@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "measured_files.h"
 #include "program.h"
@@ -25,6 +28,25 @@ inline Arguments operator+(Arguments a, const Arguments& b) {
 }
 
 inline std::string text_of(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+/// Arguments that stand between blanks.
+inline Arguments words(const std::string& text) {
+    std::istringstream in(text);
+    return {std::istream_iterator<std::string>(in), {}};
+}
+
+/// The long names of all options by subcommand, as the completion for bash lists them.
+inline std::map<std::string, Arguments> long_options(const TemporaryFolder& folder) {
+    std::map<std::string, Arguments> all;
+    std::istringstream lines(run(folder, {"manual", "--for", "bash"}).out);
+    for (std::string line; std::getline(lines, line);) {
+        const auto at = line.find(":*:-*) words='");
+        if (at == line.npos) continue;
+        for (const std::string& word : words(line.substr(at + 14, line.rfind('\'') - at - 14)))
+            if (word.starts_with("--") && word != "--help") all[words(line.substr(0, at))[0]].push_back(word);
+    }
+    return all;
+}
 
 /// A MERL file of a smooth glossy material.
 inline std::string small_merl() {

@@ -306,5 +306,45 @@ TEST_F(TexelFiles, ranges_make_the_same_slabs) {
     EXPECT_FALSE(std::filesystem::exists(folder / "c"));
 }
 
+TEST_F(TexelFiles, slabs_of_another_division_or_other_bytes_are_not_mixed_in) {
+    using Words = std::vector<std::string>;
+    const auto fitted = [&](const char* to, const char* slab, const char* texels, const Words& resume) {
+        return run(folder, Words{"fit", "t.npy", "--pairs", "p.csv", "--lobes", "1", "--variates", "1", "-o", to,
+                                 "--slab", slab, "--texels", texels} +
+                               resume);
+    };
+    ASSERT_EQ(fitted("o", "2", "0:2", {}).status, 0);
+    ASSERT_EQ(fitted("fresh", "1", "0:2", {}).status, 0);
+    const auto of_two = files_in(folder / "o"), of_one = files_in(folder / "fresh");
+    const auto expect_refused = [&](const char* slab, const char* texels) {
+        const auto before = files_in(folder / "o");
+        for (const Words& resume : {Words{}, {"--resume"}}) {
+            const ProgramRun refused = fitted("o", slab, texels, resume);
+            EXPECT_EQ(refused.status, 1) << slab << ' ' << texels;
+            EXPECT_NE(refused.err.find("one of another --slab"), refused.err.npos) << refused.err;
+            EXPECT_EQ(files_in(folder / "o"), before);
+        }
+    };
+    // The slab reaches into the range, or out of it.
+    expect_refused("1", "1:2");
+    expect_refused("1", "0:1");
+    // One that begins alike is fitted again; one that begins within another is refused.
+    EXPECT_NE(fitted("o", "1", "0:2", {"--resume"}).out.find(" 0 kept"), std::string::npos);
+    EXPECT_EQ(files_in(folder / "o"), of_one);
+    expect_refused("2", "0:2");
+    // A slab of other bytes is fitted again, and so is another slab in its place.
+    const std::string name = "t-000000001.srbf", slab = of_one.at(name);
+    std::vector<std::string> others{of_one.at("t-000000000.srbf")};
+    for (const std::size_t at : {std::size_t(9), slab.find("objective") + 14, slab.size() / 2, slab.size() - 1}) {
+        others.push_back(slab);
+        others.back()[at] = char(others.back()[at] ^ 1);
+    }
+    for (const std::string& other : others) {
+        write(folder / ("o/" + name), other);
+        EXPECT_EQ(fitted("o", "1", "0:2", {"--resume"}).status, 0);
+        EXPECT_EQ(files_in(folder / "o"), of_one);
+    }
+}
+
 }  // namespace
 }  // namespace srbf::fit_batch_test

@@ -122,11 +122,6 @@ const std::set<std::string> k_read_alike{"--exchange", "--max-theta", "--seed", 
 const std::set<std::pair<std::string, std::string>> k_reads_all_the_same{
     {"a goal", "--no-axial"}, {"to MERL", "--exchange"}, {"a room", "--lights"}};
 
-Arguments words(const std::string& text) {
-    std::istringstream in(text);
-    return {std::istream_iterator<std::string>(in), {}};
-}
-
 class Options : public CommandLine {
   protected:
     void SetUp() override {
@@ -204,24 +199,11 @@ class Options : public CommandLine {
         return at->second;
     }
 
-    /// The long names of all options by subcommand, as the completion for bash lists them.
-    std::map<std::string, Arguments> options() const {
-        std::map<std::string, Arguments> all;
-        std::istringstream lines(run(folder, {"manual", "--for", "bash"}).out);
-        for (std::string line; std::getline(lines, line);) {
-            const auto at = line.find(":*:-*) words='");
-            if (at == line.npos) continue;
-            for (const std::string& word : words(line.substr(at + 14, line.rfind('\'') - at - 14)))
-                if (word.starts_with("--") && word != "--help") all[words(line.substr(0, at))[0]].push_back(word);
-        }
-        return all;
-    }
-
     std::map<std::string, std::string> inputs;
 };
 
 TEST_F(Options, are_read_or_refused) {
-    const auto all = options();
+    const auto all = long_options(folder);
     ASSERT_GE(all.at("fit").size(), 30u);
     std::map<std::string, std::set<std::string>> was_read;  // by a mode of the subcommand
     for (const auto& [name, text] : k_modes) {
@@ -326,7 +308,7 @@ class Resuming : public Options {
 
 /// Between a killed run and the one that resumes it each option and each input changes.
 TEST_F(Resuming, mixes_nothing_old_into_the_new) {
-    const auto all = options();
+    const auto all = long_options(folder);
     for (const auto& [name, text, files] : k_resuming) {
         SCOPED_TRACE(name);
         const Arguments base = words(text);
@@ -401,7 +383,7 @@ TEST_F(Options, of_another_kind_are_wrong_use_or_failures) {
                                                   {"render", "render x -o o.png"},
                                                   {"export", "export x --to glsl -o o.glsl"},
                                                   {"report", "report x -o o"}};
-    const auto all = options();
+    const auto all = long_options(folder);
     for (const auto& [subcommand, text] : base)
         for (const std::string& option : all.at(subcommand) + Arguments{"--help", "--version", "--max-memory"}) {
             const bool is_flag = k_argument.contains(option) && k_argument.at(option).empty();

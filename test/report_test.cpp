@@ -10,19 +10,14 @@
 #include <set>
 #include <thread>
 
-#include "measured_files.h"
-#include "program.h"
-#include "properties.h"
+#include "command.h"
 #include "srbf/text.h"
 
 namespace srbf::report_test {
 namespace {
 
 namespace fs = std::filesystem;
-using Arguments = std::vector<std::string>;
 using Files = std::map<fs::path, std::string>;
-
-std::string text_of(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
 /// Two small materials, whose names have no digits, and a file that is none.
 void write_materials(const TemporaryFolder& folder) {
@@ -294,6 +289,71 @@ TEST_F(Report, GoesOnWhereItWasKilled) {
     EXPECT_EQ(run(*folder, arguments("killed")).status, first.status);
     resumed = files_of(report);
     for (const auto& [file, content] : whole) EXPECT_TRUE(resumed[file] == content) << file;
+}
+
+/// The folder of the study that a run begins in `o`, upon which it is killed; empty if the run keeps what is there.
+std::string begun(const TemporaryFolder& folder, const Arguments& arguments) {
+    const pid_t process = start(folder, arguments, folder / "out", folder / "err");
+    int status = 0;
+    for (bool has_ended = false; !has_ended; std::this_thread::sleep_for(std::chrono::milliseconds(2))) {
+        has_ended = ::waitpid(process, &status, WNOHANG) == process;
+        for (const auto& entry : fs::directory_iterator(folder / "o")) {
+            const std::string name = entry.path().filename().string();
+            if (!name.starts_with('.') || !entry.is_directory()) continue;
+            if (!has_ended) ::kill(process, SIGKILL), ::waitpid(process, &status, 0);
+            fs::remove_all(entry.path());
+            return name.substr(1);
+        }
+    }
+    EXPECT_EQ(status, 0) << contents(folder / "err");
+    return {};
+}
+
+/// Between a run that was killed before its pages and the next one each option and each input changes.
+TEST_F(Report, KeepsStudiesOfTheSameInputAndOptionsAlone) {
+    const TemporaryFolder other;
+    fs::copy(*folder / "matt.binary", other / "matt.binary");
+    const fs::path study = page_of("matt").parent_path(), kept = other.path / "o" / study.filename();
+    fs::create_directory(other / "o");
+    fs::copy(study, kept, fs::copy_options::recursive);
+    fs::remove(kept / "index.html");
+    write(other / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 2 3\nf 1 2 4\n# a\n");
+    const Arguments base{"report", "matt.binary", "-o", "o", "--least"};
+    EXPECT_EQ(begun(other, base), "");
+    const Files expected = files_of(other / "o");
+
+    const auto key_of = [](const std::string& name) { return name.substr(name.rfind('-') + 1); };
+    std::set<std::string> keys{key_of(study.filename().string())};
+    const auto expect_anew = [&](const Arguments& arguments) {
+        const std::string name = begun(other, arguments);
+        EXPECT_TRUE(!name.empty() && keys.insert(key_of(name)).second) << fmt::format("{}", fmt::join(arguments, " "));
+    };
+    const std::map<std::string, std::string> argument{{"--quick", ""},       {"--mesh", "m.obj"}, {"--up", "z"},
+                                                      {"--label", "matt=x"}, {"--note", "x"},     {"--threads", "1"},
+                                                      {"--jobs", "1"}};
+    const std::set<std::string> changes_no_study{"--label", "--note", "--threads", "--jobs"};
+    const auto options = long_options(other);
+    for (const std::string& option : options.at("report")) {
+        if (option == "--output") continue;
+        ASSERT_TRUE(argument.contains(option)) << option << " is to be tried";
+        const Arguments with = base + Arguments{option} + words(argument.at(option));
+        if (!changes_no_study.contains(option)) {
+            expect_anew(with);
+            continue;
+        }
+        EXPECT_EQ(begun(other, with), "") << option;
+        EXPECT_EQ(begun(other, base), "");
+        EXPECT_TRUE(files_of(other / "o") == expected) << option << " is left in what a run without it writes";
+    }
+    expect_anew({"report", "matt.binary", "-o", "o"});
+    fs::copy(other / "matt.binary", other / "nickel.binary");
+    expect_anew({"report", "nickel.binary", "-o", "o", "--least"});
+    for (const char* file : {"m.obj", "matt.binary"}) {
+        std::string content = contents(other / file);
+        content[content.size() - 2] = char(content[content.size() - 2] ^ 1);
+        write(other / file, content);
+        expect_anew(base + Arguments{"--mesh", "m.obj"});
+    }
 }
 
 TEST_F(Report, RefusesWhatItCannotUse) {

@@ -270,8 +270,8 @@ class Resuming : public Options {
         std::filesystem::copy(left / "o", folder / "o", std::filesystem::copy_options::recursive);
         return written(arguments + Arguments{"--resume"});
     }
-    /// After any change a run that resumes makes what a fresh one does, which is `expected`, or says that it cannot. Whether
-    /// it is tried: it is not if the command is refused.
+    /// After any change a run that resumes makes `expected`, which a fresh one does, or says that it cannot. Whether it
+    /// is tried: it is not if the command is refused.
     bool try_resuming(const Arguments& arguments, const Written& expected) {
         SCOPED_TRACE(fmt::format("{}", fmt::join(arguments, " ")));
         if (expected.status != 0) return false;
